@@ -9,7 +9,7 @@ mod primitive;
 use crate::outcome::Outcome;
 use crate::report::Counts;
 use crate::workshop::Workshop;
-use crate::{layers, tidy};
+use crate::{layers, lean, tidy};
 
 /// One stage.
 pub struct Stage {
@@ -27,7 +27,10 @@ pub struct Stage {
 pub const STAGES: &[Stage] = &[
     stage("fmt", "the code is formatted", cargo::fmt),
     stage("tidy", "the text of all files", |workshop, _| tidy::run(workshop.repository)),
-    stage("layers", "the crates' dependencies", |workshop, _| layers::run(workshop.repository)),
+    stage("layers", "the crates' dependencies", |workshop, _| {
+        layers::run(workshop.repository)?;
+        lean::run(workshop.repository)
+    }),
     stage("deny", "licences and sources of all dependencies", cargo::deny),
     stage("clippy", "the linter has nothing to say", cargo::clippy),
     stage("docs", "the documentation builds without warnings", cargo::docs),

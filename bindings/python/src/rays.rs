@@ -92,12 +92,12 @@ impl<'py> Vectors<'py> {
         let place = if self.single { self.name.to_owned() } else { format!("{}[{i}]", self.name) };
         Some(bad_value(match () {
             () if !Kind::Point.accepts([x, y, z]) => format!(
-                "{place}: ({x:?}, {y:?}, {z:?}): every component must be finite, from {:e} to {:e}.",
+                "{place} is ({x:?}, {y:?}, {z:?}): every component must be finite, from {:e} to {:e}.",
                 -Ray::MOST,
                 Ray::MOST
             ),
-            () if [x, y, z] == [0.0; 3] => format!("{place}: zero length: a ray must go somewhere."),
-            () => format!("{place}: ({x:?}, {y:?}, {z:?}): its length must be at least {:e}.", Ray::LEAST),
+            () if [x, y, z] == [0.0; 3] => format!("{place} has length 0: a ray needs a direction."),
+            () => format!("{place} is ({x:?}, {y:?}, {z:?}): its length must be at least {:e}.", Ray::LEAST),
         }))
     }
 }

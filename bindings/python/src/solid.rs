@@ -27,8 +27,8 @@ use crate::{along, crossings, hits, nearest, pickle, points};
 ///
 /// Questions take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` counts in units of the
 /// direction, which need not be of unit length. `t_min` and `t_max` cut a window out of every ray, strictly between them.
-/// `evaluator` is "packets" (the default), "weave" (sweep by sweep), "reference" (slow, obvious), "single_hit" (crossing by
-/// crossing) or "spans" (array by array); all give the same answers to the bit. `threads` is by default the variable
+/// `evaluator` is "packets" (the default), "weave" (sweep by sweep), "reference" (slow, obvious) or "single_hit" (crossing by
+/// crossing); all give the same answers to the bit. `threads` is by default the variable
 /// RAYWEAVE_THREADS, else the number of cores; answers do not depend on it.
 #[pyclass(frozen, module = "rayweave", name = "Solid")]
 pub struct PySolid {

@@ -25,7 +25,7 @@ pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
 pub fn direction(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
     let vector = vector(object, name)?;
     if vector == Vec3::ZERO {
-        return Err(bad_value(format!("{name}: zero length: it must say a direction.")));
+        return Err(bad_value(format!("{name} has length 0: a direction is needed.")));
     }
     Ok(vector)
 }

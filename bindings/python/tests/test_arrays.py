@@ -275,10 +275,10 @@ def test_given_arrays_that_cannot_be_used(rng):
 @pytest.mark.parametrize("threads", [1, 3])
 def test_the_first_bad_ray_is_named(rng, layout, count, threads):
     for array, value, message in (
-        ("origins", [0, math.nan, 0], r"origins\[{i}\]: \(0.0, NaN, 0.0\)"),
-        ("origins", [-INF, 0, 0], r"origins\[{i}\]:: -inf, 0.0, 0.0\."),
-        ("directions", [0, 0, INF], r"directions\[{i}\]:: 0.0, 0.0, inf\."),
-        ("directions", [0, -0.0, 0], r"directions\[{i}\]: zero length"),
+        ("origins", [0, math.nan, 0], r"origins\[{i}\] is \(0.0, NaN, 0.0\): "),
+        ("origins", [-INF, 0, 0], r"origins\[{i}\] is \(-inf, 0.0, 0.0\): "),
+        ("directions", [0, 0, INF], r"directions\[{i}\] is \(0.0, 0.0, inf\): "),
+        ("directions", [0, -0.0, 0], r"directions\[{i}\] has length 0"),
     ):
         given = dict(zip(("origins", "directions"), rays(rng, count), strict=True))
         bad = count - 3
@@ -297,7 +297,7 @@ def test_bad_vectors_are_refused_where_there_are_no_rays():
     for question in (die().hits, die().crossings, die().nearest):
         with pytest.raises(RayweaveError, match="origins: .*NaN"):
             question([math.nan, 0, 0], none)
-        with pytest.raises(RayweaveError, match="directions: zero length"):
+        with pytest.raises(RayweaveError, match="directions has length 0"):
             question(none, [0, 0, 0])
     out = np.zeros((2, 0))
     assert die().hits(none, [0, 0, 1], out=out) is out

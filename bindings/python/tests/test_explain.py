@@ -84,7 +84,7 @@ def test_a_solid_and_its_window() -> None:
     [
         ([0, 0], [1, 0, 0], "origin has 2 numbers"),
         ([0, 0, np.nan], [1, 0, 0], r"origin\[2\] is NaN"),
-        ([0, 0, 0], [0, 0, 0], "direction: zero length"),
+        ([0, 0, 0], [0, 0, 0], "direction has length 0"),
         ([1e200, 0, 0], [1, 0, 0], "beyond 1e100"),
         ([0, 0, 0], [1e-200, 0, 0], "below 1e-100"),
     ],

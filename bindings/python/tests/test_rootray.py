@@ -142,7 +142,7 @@ def test_validate_reports_everything():
     assert rootray.validate((1, [1, 2])) == []
     assert rootray.validate(RootRay(1, [1, 2])) == []
     problems = rootray.validate((2, [1, math.nan, 0.5, 0.5 + 1e-16, INF, 3, 3 + 1e-15]))
-    words = ["sign 2", "root 1 is NaN", "root 2 is 0.5, not greater than 1", "root 3", "root 4 is inf", "root 5", "root 6"]
+    words = ["sign is 2", "root 1 is NaN", "root 2 is 0.5, not greater than 1", "root 3", "root 4 is inf", "root 5", "root 6"]
     assert len(problems) == len(words) and all(word in text for word, text in zip(words, problems, strict=True))
     assert "closer than" in rootray.validate(RootRay(1, [3, 3 + 1e-15]))[0]
 
@@ -153,7 +153,7 @@ def test_validate_reports_everything():
         (1, [1, math.nan], RayweaveError, "root 1 is NaN"),
         (1, [1, INF], RayweaveError, "root 1 is inf"),
         (1, [1, 2, 2], RayweaveError, "root 2 is 2, not greater than 2"),
-        (0, [], RayweaveError, "sign 0"),
+        (0, [], RayweaveError, "sign is 0"),
         ("outer", [], RayweaveError, "start is 'outer'"),
         (True, [], TypeError, "start is <class 'bool'>"),
         (1.5, [], TypeError, "start is <class 'float'>"),

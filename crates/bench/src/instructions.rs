@@ -14,11 +14,11 @@ pub fn count(exemplar: &str, contender: &str) -> Result<Option<f64>, String> {
         command.arg("bench");
     }
     command.args(["--only", exemplar, "--once", contender]);
-    let output = command.output().map_err(|error| format!("valgrind cannot be run ({error})"))?;
+    let output = command.output().map_err(|error| format!("valgrind cannot be run: {error}"))?;
     let [printed, told] =
         [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     if !output.status.success() {
-        return Err(format!("instructions were not counted ({})", told.lines().last().unwrap_or_default()));
+        return Err(format!("instructions were not counted: {}", told.lines().last().unwrap_or_default()));
     }
     let Some(items) = number_after(&printed, "items ") else { return Ok(None) };
     let collected = number_after(&told, "Collected : ").ok_or("valgrind collected nothing")?;

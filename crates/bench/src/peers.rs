@@ -201,7 +201,7 @@ impl Peer {
     ) -> Result<Peer, String> {
         let program = installed.join(known.program);
         if !program.exists() {
-            return Err(format!("there is no {} where peers are installed (see install.sh)", known.program));
+            return Err(format!("there is no {} where peers are installed: see install.sh.", known.program));
         }
         let mut command = Command::new(program);
         if let Some(script) = known.script {
@@ -250,7 +250,7 @@ impl Peer {
         loop {
             let mut line = String::new();
             match self.output.read_line(&mut line) {
-                Ok(0) => return Err("its driver has ended (start it by hand to see why)".to_owned()),
+                Ok(0) => return Err("its driver has ended. Start it by hand to see why.".to_owned()),
                 Ok(_) => {}
                 Err(error) => return Err(error.to_string()),
             }
@@ -280,7 +280,7 @@ impl Peer {
     fn answer(&mut self, task: &str, file: &str, count: usize) -> Result<Lists, String> {
         self.order(&format!("answer {task} {file} {count} answer"))?;
         let bytes = fs::read(self.folder.join("answer.npy")).map_err(|error| error.to_string())?;
-        read(&bytes).map_err(|error| format!("its answer is no array ({error})"))
+        read(&bytes).map_err(|error| format!("its answer is not an array: {error}"))
     }
 }
 

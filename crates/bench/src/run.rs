@@ -119,5 +119,5 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), String> {
 fn save(path: &Path, text: &str) -> Result<(), String> {
     let beside = path.with_extension("unfinished");
     let written = fs::write(&beside, text).and_then(|()| fs::rename(&beside, path));
-    written.map_err(|error| format!("cannot write {} ({error})", path.display()))
+    written.map_err(|error| format!("cannot write {}: {error}", path.display()))
 }

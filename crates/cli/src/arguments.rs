@@ -110,7 +110,7 @@ pub struct SubjectArguments {
     #[arg(long, value_name = "NAME")]
     pub solid: Option<String>,
 
-    /// Evaluator: packets (many rays at a time), weave (one sweep along a ray), reference (direct), single_hit (step by step) or spans (array by array); all return the same answers, bit for bit
+    /// Evaluator: packets (many rays at a time), weave (one sweep along a ray), reference (direct) or single_hit (step by step); all return the same answers, bit for bit
     #[arg(long, value_name = "NAME", value_parser = rayweave::AnyEvaluator::NAMES)]
     pub evaluator: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! An evaluator against the reference: equal answers, bit for bit, to every question.
+//! Differential test of an evaluator against the reference: equal answers to every query, bit for bit.
 
 use crate::rays::{batch, rays};
 use crate::{Effort, Model, Random, Style, Tally, list};
@@ -7,8 +7,8 @@ use rayweave_model::{Collected, Crossing, Evaluator, Limit, Program, Query, Regi
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
-/// Models and rays at random, of all styles: all crossings, windows, the nearest one asked again and again,
-/// sides at the start, regions at points; one ray at a time and in batches, with used scratch.
+/// Random models and rays of all styles: all crossings, windows, repeated queries for the nearest crossing,
+/// regions at the start and at points; one ray at a time and in batches, with a used scratch.
 pub fn with_the_reference<E: Evaluator, R: Evaluator>(
     make: impl Fn(Arc<Program>) -> E,
     reference: impl Fn(Arc<Program>) -> R,
@@ -67,7 +67,7 @@ impl<E: Evaluator, R: Evaluator> Pair<'_, E, R> {
     fn all(&self, rays: &[Ray], tally: &mut Tally) -> usize {
         let query = Query::default();
         let found = self.compare(rays, &query, tally);
-        // one by one, with a scratch that has seen other rays in between
+        // one by one, with a scratch that was used for other rays in between
         let mut scratch = self.ours.scratch();
         for (i, &ray) in rays.iter().enumerate().step_by(17) {
             let mut again = Collected::default();
@@ -99,7 +99,8 @@ impl<E: Evaluator, R: Evaluator> Pair<'_, E, R> {
         }
     }
 
-    /// `nearest` is the first crossing of what lies beyond t_min, and asking again with its t goes on.
+    /// `nearest` returns the first crossing after t_min, and repeated queries from its t return the others in
+    /// turn.
     fn nearest(&self, rays: &[Ray], rng: &mut Random, tally: &mut Tally) {
         let mut scratch = self.ours.scratch();
         for (i, &ray) in rays.iter().enumerate().step_by(7) {
@@ -159,7 +160,7 @@ impl<E: Evaluator, R: Evaluator> Pair<'_, E, R> {
     }
 }
 
-/// All times after `t_min`.
+/// The window of all times after `t_min`.
 pub(crate) fn beyond(t_min: f64) -> Window {
     Window::new(t_min, f64::INFINITY).unwrap_or(Window::ALL)
 }

@@ -1,4 +1,5 @@
-//! The second contract: answers with bounds or marked as uncertain ([`ApproximateEvaluator`]), judged by an exact evaluator.
+//! Test of [`ApproximateEvaluator`]s, whose answers have error bounds or are marked uncertain, against an
+//! exact one.
 
 use crate::rays::{batch, rays};
 use crate::{Effort, Model, Random, Style};
@@ -8,22 +9,22 @@ use rayweave_model::{
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What became of the answers of an approximate evaluator.
+/// The result of a test of an approximate evaluator.
 #[derive(Clone, Debug, Default)]
 pub struct Verdict {
-    /// The rays that were asked for.
+    /// The number of rays.
     pub rays: u64,
-    /// Rays that the evaluator marked as uncertain: no further claim is made about them.
+    /// Rays that the evaluator marked as uncertain, which are not compared.
     pub uncertain: u64,
-    /// Crossings of the rays that are certain, in the exact lists.
+    /// Crossings of the certain rays, in the answers of the exact evaluator.
     pub crossings: u64,
-    /// Rays whose certain answer breaks the contract.
+    /// Rays whose certain answer violates the contract.
     pub wrong: u64,
-    /// The greatest difference of a time from the exact one.
+    /// The greatest difference between a time and the exact one.
     pub greatest_error: f64,
-    /// The greatest bound.
+    /// The greatest error bound.
     pub greatest_bound: f64,
-    /// The ways in which the contract was broken, each with its first failure.
+    /// The violations of the contract by kind, each with its first failure.
     pub failures: BTreeMap<&'static str, String>,
 }
 
@@ -33,7 +34,8 @@ impl Verdict {
         self.uncertain as f64 / self.rays.max(1) as f64
     }
 
-    /// Fails unless every certain answer keeps the contract and at most this share of the rays is uncertain.
+    /// Fails unless every certain answer satisfies the contract and at most this share of the rays is
+    /// uncertain.
     ///
     /// # Panics
     ///
@@ -45,7 +47,7 @@ impl Verdict {
         assert!(share <= most_uncertain, "{:.3} % of the rays are uncertain", 100.0 * share);
     }
 
-    /// Adds what became of other answers.
+    /// Adds the result of another test.
     pub fn add(&mut self, other: Verdict) {
         self.rays += other.rays;
         self.uncertain += other.uncertain;
@@ -59,7 +61,7 @@ impl Verdict {
     }
 }
 
-/// Judges an approximate evaluator by an exact one on random models of all styles.
+/// Compares an approximate evaluator with an exact one on random models of all styles.
 pub fn against<A: ApproximateEvaluator, E: Evaluator>(
     make: impl Fn(Arc<Program>) -> A,
     exact: impl Fn(Arc<Program>) -> E,
@@ -71,7 +73,7 @@ pub fn against<A: ApproximateEvaluator, E: Evaluator>(
     verdict
 }
 
-/// The same on the model of one seed: whole lines, a window, first crossings.
+/// Like [`against`], on the model of one seed: whole lines, a window, first crossings.
 pub fn on_model<A: ApproximateEvaluator, E: Evaluator>(
     make: impl Fn(Arc<Program>) -> A,
     exact: impl Fn(Arc<Program>) -> E,
@@ -94,7 +96,7 @@ pub fn on_model<A: ApproximateEvaluator, E: Evaluator>(
     verdict
 }
 
-/// Judges the answers to one query about one batch.
+/// Compares the answers to one query for one batch.
 pub fn judge<A: ApproximateEvaluator, E: Evaluator>(
     approximate: &A,
     exact: &E,
@@ -132,7 +134,7 @@ pub fn judge<A: ApproximateEvaluator, E: Evaluator>(
     verdict
 }
 
-/// Whether every column is as long as it should be, and rays have their rows one after the other.
+/// True if every column has the right length and the rows of consecutive rays are adjacent.
 fn is_complete(columns: &ApproximateColumns, rays: usize) -> bool {
     let ApproximateColumns { crossings, bound, uncertain } = columns;
     let rows = crossings.rows();
@@ -154,13 +156,13 @@ fn is_complete(columns: &ApproximateColumns, rays: usize) -> bool {
         && per_row.iter().all(|&len| len == rows)
 }
 
-/// What a row says beside its time.
+/// The contents of a row other than its time.
 fn identity(columns: &CrossingColumns, row: usize) -> ([u32; 5], bool) {
     let numbers = [&columns.face, &columns.leaf, &columns.placement, &columns.before, &columns.after];
     (numbers.map(|column| column[row]), columns.enters[row])
 }
 
-/// The two answers about one ray.
+/// The two answers for one ray.
 struct Pair<'a> {
     program: &'a Program,
     ours: &'a ApproximateColumns,
@@ -169,7 +171,7 @@ struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// The greatest error and the greatest bound of a ray, or how the contract is broken.
+    /// The greatest error and the greatest bound of a ray, or the violation of the contract.
     fn compare(&self) -> Result<[f64; 2], &'static str> {
         let (ours, theirs, ray) = (&self.ours.crossings, self.theirs, self.ray);
         if ours.start[ray] != theirs.start[ray] {
@@ -191,7 +193,7 @@ impl Pair<'_> {
             if !(bound.is_finite() && bound >= 0.0) {
                 return Err("a bound that is infinite, NaN or below 0");
             }
-            // a time that is NaN is wrong, too
+            // NaN is wrong too
             if error.is_nan() || error > bound {
                 return Err("a time farther from the exact one than its bound");
             }
@@ -200,7 +202,7 @@ impl Pair<'_> {
         Ok(greatest)
     }
 
-    /// Both answers in a line for each crossing. Ids of the evaluator under test may be anything.
+    /// Both answers as text, one crossing per line. Ids of the evaluator under test may be out of range.
     fn lists(&self, names: [&str; 2]) -> String {
         let line = |columns: &CrossingColumns, row: usize| {
             let ([face, leaf, placement, before, after], enters) = identity(columns, row);

@@ -1,11 +1,11 @@
-//! How long lines are inside a body, on the average: integral geometry, which knows nothing of evaluators.
+//! Mean chord lengths of solids, compared with integral geometry, which is independent of any evaluator.
 //!
-//! Lines are drawn uniformly and isotropically through a ball of radius R: their directions uniform on the sphere,
-//! their points uniform in the disc across. Then whatever the body in the ball, convex or not, in one piece or many,
-//! a line is inside for `V / (pi R^2) = 4 V / S_b` on the average, `S_b = 4 pi R^2` being the surface of the ball;
-//! and a convex body of surface S is hit with the probability `S / S_b`, so that its mean chord is `4 V / S`
-//! (A.-L. Cauchy 1841; M. W. Crofton, Phil. Trans. 158 (1868); L. A. Santalo, "Integral Geometry and Geometric
-//! Probability", 2nd ed. (2004), ch. 14).
+//! Lines are drawn uniformly and isotropically through a ball of radius R: their directions are uniform on
+//! the sphere, their points uniform in the disc perpendicular to them. Then for every body in the ball,
+//! convex or not, connected or not, the mean length of a line inside is `V / (pi R^2) = 4 V / S_b`, where
+//! `S_b = 4 pi R^2` is the surface area of the ball; and a line hits a convex body of surface area S with
+//! probability `S / S_b`, so that the mean chord is `4 V / S` (A.-L. Cauchy 1841; M. W. Crofton, Phil. Trans.
+//! 158 (1868); L. A. Santalo, "Integral Geometry and Geometric Probability", 2nd ed. (2004), ch. 14).
 
 use crate::models::{block, compiled, half_space, motion, shape};
 use crate::rays::batch;
@@ -16,16 +16,16 @@ use rayweave_shape::Ray;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// A body within two lengths of the origin.
+/// A body within distance 2 of the origin.
 struct Body {
     name: &'static str,
     solid: Solid,
     volume: f64,
-    /// The surface, if the body is convex.
+    /// The surface area, if the body is convex.
     surface: Option<f64>,
 }
 
-/// The radius of the ball through which lines are drawn.
+/// The radius of the ball through which the lines are drawn.
 const RADIUS: f64 = 2.0;
 
 fn body(name: &'static str, solid: Solid, volume: f64, surface: Option<f64>) -> Body {
@@ -53,7 +53,7 @@ fn convex_bodies() -> Vec<Body> {
         body("hexagon", hexagon, base, Some(2.0 * base + 6.0)),
         body("pill", pill, 2.0 / 3.0 * PI, Some(pill_surface)),
         body("half a ball", half, 2.0 / 3.0 * PI, Some(3.0 * PI)),
-        // pieces that touch make a convex whole
+        // parts in contact form a convex body
         body("cube of two halves", halves, 8.0, Some(24.0)),
         body("rod of three sectors", Solid::union(wedges), 2.0 * PI, Some(6.0 * PI)),
     ]
@@ -81,8 +81,8 @@ fn other_bodies() -> Vec<Body> {
     ]
 }
 
-/// Mean lengths inside, and how often convex bodies are hit: within five standard errors of what the volume and the
-/// surface say. Bodies are turned, moved and scaled.
+/// Tests mean lengths inside, and the share of lines that hit convex bodies: within five standard errors of
+/// the values from volume and surface area. Bodies are rotated, moved and scaled.
 pub fn mean_length<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let lines = effort.of(4_000, 400_000) as usize;
     for (k, body) in convex_bodies().into_iter().chain(other_bodies()).enumerate() {
@@ -110,7 +110,7 @@ fn line(rng: &mut Random) -> Ray {
     Ray::new(RADIUS * rng.uniform().sqrt() * across, direction)
 }
 
-/// A direction, all equally likely (Archimedes: z is uniform).
+/// A uniformly distributed unit vector (Archimedes: z is uniform).
 fn unit(rng: &mut Random) -> Vec3 {
     let z = rng.between(-1.0, 1.0);
     let (sin, cos) = libm::sincos(2.0 * PI * rng.uniform());
@@ -118,13 +118,14 @@ fn unit(rng: &mut Random) -> Vec3 {
     Vec3::new(flat * cos, flat * sin, z)
 }
 
-/// How long ray `i` is inside.
+/// The length of ray `i` inside the body.
 fn inside(found: &Collected, i: usize) -> f64 {
     assert_eq!(found.starts[i], RegionId(0), "a bounded body");
     found.of(i).iter().map(|c| if c.enters() { -c.t } else { c.t }).sum()
 }
 
-/// The mean of samples is as expected within five of its standard errors, and these are not large.
+/// Asserts that the mean of samples is within five standard errors of `expected`, and that the standard error
+/// is below 6 % of it.
 fn expect(name: &str, what: &str, samples: &[f64], expected: f64) {
     let count = samples.len() as f64;
     let mean = samples.iter().sum::<f64>() / count;

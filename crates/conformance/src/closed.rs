@@ -1,4 +1,4 @@
-//! Closed forms: what is known without any program.
+//! Test cases with closed-form solutions.
 
 use crate::models::{block, half_space, shape};
 use rayweave_math::{Affine, Vec3};
@@ -6,7 +6,7 @@ use rayweave_model::{Evaluator, Program, Query, RegionId, Solid, attributes};
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
-/// A solid, a ray and the times at which it is crossed, with the outward normals there.
+/// A solid, a ray, the times of its crossings and the outward normals there.
 type Known = (Solid, Ray, &'static [f64], &'static [[f64; 3]]);
 
 fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
@@ -79,7 +79,7 @@ fn known() -> Vec<Known> {
     ]
 }
 
-/// Times and normals of plain solids, as they are and turned, moved and scaled.
+/// Tests times and normals of simple solids, as they are and rotated, moved and scaled.
 pub fn forms<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     let turn = Affine::rotation(Vec3::new(1.0, -2.0, 3.0), 123.4).then(&Affine::translate(Vec3::splat(7.0)));
     let large = Affine::scale(Vec3::splat(1e5)).then(&turn);
@@ -95,14 +95,14 @@ pub fn forms<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
                 let normal = attributes::normal(evaluator.program(), &ray, crossing);
                 let wanted = frame.vector(Vec3::from_array(n)).normalize();
                 assert!((normal - wanted).length() <= 1e-12, "{k}: {normal} is not {wanted}");
-                // outward: against the ray where it enters
+                // outward: against the ray on entry
                 assert_eq!(normal.dot(ray.direction) < 0.0, crossing.enters(), "{k}");
             }
         }
     }
 }
 
-/// Which points are inside; on a boundary: where moving along (1, 0.75, 0.57) leads.
+/// Tests which points are inside; for a point on a boundary that is the side to which (1, 0.75, 0.57) points.
 pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     let cube = block(Vec3::ZERO, Vec3::ONE);
     let ask = |solid: &Solid, point: [f64; 3]| {
@@ -117,7 +117,7 @@ pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     assert!(ask(&cube, [0.0, 0.5, 0.5]) && !ask(&cube, [1.0, 0.5, 0.5]));
     assert!(ask(&cube, [0.0, 0.0, 0.0]) && !ask(&cube, [0.0, 1.0, 0.0]));
     assert!(!ask(&!&cube, [0.0, 0.5, 0.5]) && ask(&!&cube, [1.0, 0.5, 0.5]));
-    // of two that share a face, one has it, also if it is placed upside down
+    // of two solids that share a face, one contains it, also if it is placed upside down
     let turned = Affine::rotation(Vec3::Z, 180.0).then(&Affine::translate(Vec3::new(2.0, 1.0, 0.0)));
     let far = turned.then(&Affine::translate(Vec3::splat(9.0)));
     for next in [cube.translate([1.0, 0.0, 0.0]), cube.apply(turned), cube.place([turned, far])] {

@@ -1,16 +1,16 @@
-//! Evaluators of any kind in one list.
+//! A common interface to evaluators of different types.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Collected, Evaluator, Program, Query, Rays, RegionId};
 use std::sync::Arc;
 
-/// An evaluator of one model, whatever its scratch is.
+/// An evaluator of one model, of any scratch type.
 pub trait Asked {
-    /// What the evaluator is called.
+    /// The name of the evaluator.
     fn name(&self) -> &'static str;
     /// The answers for a batch.
     fn ask(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected;
-    /// The region that holds a point.
+    /// The region that contains a point.
     fn region_at(&self, point: Vec3) -> RegionId;
 }
 
@@ -32,10 +32,10 @@ impl<E: Evaluator> Asked for E {
     }
 }
 
-/// Makes an evaluator of a model.
+/// A function that makes an evaluator of a model.
 pub type Maker = Box<dyn Fn(Arc<Program>) -> Box<dyn Asked> + Sync>;
 
-/// An evaluator as one that takes part, from the function that makes it.
+/// Wraps the function that makes an evaluator, for a differential test.
 pub fn contender<E: Evaluator + 'static>(make: impl Fn(Arc<Program>) -> E + Sync + 'static) -> Maker {
     Box::new(move |program| Box::new(make(program)))
 }

@@ -1,8 +1,9 @@
-//! Many evaluators against one reference on the same rays: the run for large numbers.
+//! Differential test of several evaluators against one reference on the same rays, for large numbers of rays.
 //!
-//! The reference is asked once for each ray; every other evaluator has to give the same list, bit for bit, and,
-//! asked for one crossing only, its head. A seed stands for one model with [`RAYS`] rays and for nothing else, so
-//! a run may be cut anywhere, restarted, and spread over threads and machines.
+//! Each ray is traced once with the reference. Every other evaluator has to return the same list, bit for
+//! bit, and its first crossing for a query with that limit. A seed determines one model with [`RAYS`] rays
+//! and nothing else, so a run may be interrupted anywhere, restarted, and distributed over threads and
+//! machines.
 
 use crate::exact::draw;
 use crate::rays::{batch, rays};
@@ -13,28 +14,28 @@ use rayweave_shape::Ray;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rays of one model.
+/// Number of rays per model.
 pub const RAYS: usize = 1000;
 
-/// How an evaluator did.
+/// The result of one evaluator.
 #[derive(Clone, Debug, Default)]
 pub struct Score {
-    /// What it is called.
+    /// The name of the evaluator.
     pub name: &'static str,
-    /// Rays asked.
+    /// Number of rays.
     pub rays: u64,
-    /// Questions answered: one or two for each ray.
+    /// Number of answers: one or two for each ray.
     pub answers: u64,
-    /// Crossings in the lists of the reference.
+    /// Number of crossings in the lists of the reference.
     pub crossings: u64,
-    /// Answers that differ from that of the reference in any bit.
+    /// Number of answers that differ from that of the reference in any bit.
     pub wrong: u64,
-    /// The first few of these.
+    /// Messages for the first few of these.
     pub messages: Vec<String>,
 }
 
 impl Score {
-    /// The sum of the scores of the same evaluator.
+    /// Adds the score of the same evaluator on other models.
     pub fn add(&mut self, other: Score) {
         self.name = other.name;
         self.rays += other.rays;
@@ -45,19 +46,19 @@ impl Score {
         self.messages.truncate(3);
     }
 
-    /// Adds scores in the order of the evaluators.
+    /// Adds scores that are in the order of the evaluators.
     pub fn add_all(sums: &mut Vec<Score>, scores: Vec<Score>) {
         sums.resize_with(sums.len().max(scores.len()), Score::default);
         sums.iter_mut().zip(scores).for_each(|(sum, score)| sum.add(score));
     }
 }
 
-/// The scores, in the order of the evaluators, on the models of a range of seeds.
+/// Runs the test on the models of a range of seeds; the scores are in the order of the evaluators.
 pub fn contest(reference: &Maker, others: &[Maker], seeds: Range<u64>) -> Vec<Score> {
     let mut sums = Vec::new();
     for seed in seeds {
         let (program, rays) = setting(seed);
-        // models with two media in one place, say, are refused by all
+        // some models do not compile, those with two media in one place for example
         let Some(program) = program else { continue };
         let truth = reference(program.clone()).ask(batch(&rays).rays(), &Query::default());
         let scores = others.iter().map(|make| score(&*make(program.clone()), &rays, &truth, seed));
@@ -66,7 +67,7 @@ pub fn contest(reference: &Maker, others: &[Maker], seeds: Range<u64>) -> Vec<Sc
     sums
 }
 
-/// The model and the rays of a seed: most models have a few leaves, some have many; half of the rays are drawn on
+/// The model and the rays of a seed. Most models have a few leaves, some have many; half of the rays lie on
 /// the grid on which faces, edges and axes coincide.
 fn setting(seed: u64) -> (Option<Arc<Program>>, Vec<Ray>) {
     let mut rng = Random::new(3 << 40 | seed);
@@ -119,7 +120,7 @@ fn compare(score: &mut Score, truth: &Collected, found: &Collected, most: usize,
     }
 }
 
-/// Equal to the bit: -0 is not 0.
+/// Bitwise equality of times: -0 differs from 0.
 fn equal(a: &[Crossing], b: &[Crossing]) -> bool {
     a == b && a.iter().zip(b).all(|(a, b)| a.t.to_bits() == b.t.to_bits())
 }

@@ -1,4 +1,4 @@
-//! Trees of 100,000 levels, on a small stack.
+//! Trees of 100,000 levels on a small stack.
 
 use crate::Random;
 use crate::models::shape;
@@ -9,10 +9,11 @@ use std::sync::Arc;
 
 const DEPTH: usize = 100_000;
 
-/// The stack of the thread in which everything is done.
+/// Stack size in bytes of the thread that runs the test.
 const STACK: usize = 256 << 10;
 
-/// Builds, prints, compares, compiles, asks and drops a chain of all operators, complements, maps and names.
+/// Builds, prints, compares, compiles, traces and drops a chain of all operators, complements, maps and
+/// names.
 pub fn chains<E: Evaluator>(make: impl Fn(Arc<Program>) -> E + Sync + Send) {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, || chain(&make));
@@ -25,12 +26,12 @@ fn chain<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     let solid = build(1, true);
     assert!(solid == build(1, true), "a tree differs from its twin");
     assert!(solid != build(2, true), "a tree equals another one");
-    // a named solid is printed by its name
+    // a named solid is printed as its name
     assert!(solid.to_string().len() < 100 * DEPTH && build(1, false).to_string().len() > 10 * DEPTH);
     let program = Arc::new(Program::compile(&solid).expect("all maps are regular"));
     let leaves = program.leaves().len();
     assert!((DEPTH / 3..=DEPTH).contains(&leaves), "{leaves} leaves");
-    // what is kept grows with the leaves, not with their number times the depth
+    // memory grows with the number of leaves, not with that number times the depth
     let nodes = program.prototypes()[0].expression.nodes();
     let count = nodes.len();
     let operands: usize = nodes.map(operand_count).sum();
@@ -59,7 +60,7 @@ fn operand_count(gate: rayweave_model::Gate<'_>) -> usize {
     }
 }
 
-/// Balls in a column, joined in all ways; what is far along y meets few of them.
+/// Balls in a column along y, joined by all operators; each ray of the test hits few of them.
 fn build(seed: u64, names: bool) -> Solid {
     let mut rng = Random::new(seed);
     let ball = shape("sphere", &[("radius", 1.0)]);

@@ -1,4 +1,4 @@
-//! One set in many forms: however a tree is written, the list is the same, bit for bit.
+//! Equivalent boolean trees: the crossings are the same for every form of a tree, bit for bit.
 
 use crate::laws::nothing_of;
 use crate::models::{compiled, motion, solid};
@@ -48,7 +48,8 @@ impl Form {
         }
     }
 
-    /// Unions and intersections only, complements at the parts (De Morgan); of the complement if `flipped`.
+    /// The positive form (De Morgan): unions and intersections, complements at the parts only; of the
+    /// complement if `flipped`.
     fn positive(&self, flipped: bool) -> Form {
         let all = |forms: &[Form]| forms.iter().map(|form| form.positive(flipped)).collect::<Vec<_>>();
         let join = |is_or: bool, forms| if is_or != flipped { Form::Or(forms) } else { Form::And(forms) };
@@ -67,7 +68,7 @@ impl Form {
     }
 }
 
-/// The same parts under one operator, n-ary and as chains and trees, in any order.
+/// The parts under one operator, in equivalent forms: n-ary, as chains and as trees, in any order.
 fn joined(rng: &mut Random, parts: &[Solid], join: fn(Vec<Solid>) -> Solid) -> Vec<(&'static str, Solid)> {
     let two = |a: Solid, b: Solid| join(vec![a, b]);
     let left = |all: &[Solid]| all.iter().cloned().reduce(two).unwrap_or_else(Solid::empty);
@@ -94,8 +95,8 @@ fn balanced(parts: &[Solid], two: impl Fn(Solid, Solid) -> Solid + Copy) -> Soli
     }
 }
 
-/// Left-deep, right-deep, balanced, shuffled and n-ary trees of one operator, and trees of any operators with their
-/// positive forms.
+/// Tests left-deep, right-deep, balanced, shuffled and n-ary trees of one operator, and trees of all
+/// operators with their positive forms.
 pub fn of_trees<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("crossings unchanged by the form of a tree");
     let rounds = 60 * effort.times();
@@ -106,7 +107,7 @@ pub fn of_trees<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) 
         let count = 2 + rng.below(7);
         let parts: Vec<Solid> = (0..count).map(|_| solid(&mut rng, style, seed as usize % 2)).collect();
         let rays = rays(&mut rng, style, &frame, 30);
-        // every form has the same leaves, so that ball and shared surfaces are the same
+        // every form has the same leaves, and therefore the same ball and shared surfaces
         let nothing = Solid::union(parts.iter().map(nothing_of));
         let ask = |solid: &Solid| {
             let program = compiled(Program::compile(&(solid | &nothing).apply(frame)));
@@ -129,7 +130,7 @@ pub fn of_trees<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) 
     tally.finish(rounds * 500);
 }
 
-/// Lists of solids that are the same set.
+/// Groups of equivalent solids.
 fn forms(rng: &mut Random, parts: &[Solid]) -> Vec<Vec<(&'static str, Solid)>> {
     let form = Form::random(rng, 0..parts.len());
     let positive = vec![
@@ -145,7 +146,7 @@ fn forms(rng: &mut Random, parts: &[Solid]) -> Vec<Vec<(&'static str, Solid)>> {
     ]
 }
 
-/// All of a list that does not depend on the order in which leaves were declared.
+/// The part of a list that does not depend on the order in which leaves are declared.
 fn bits(crossings: &[Crossing]) -> Vec<(u64, RegionId, RegionId)> {
     crossings.iter().map(|c| (c.t.to_bits(), c.before, c.after)).collect()
 }

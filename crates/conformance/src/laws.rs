@@ -1,4 +1,4 @@
-//! Laws that hold whatever the model: of booleans, of motions, of the ray.
+//! Laws that hold for every model: boolean identities, motions, reversal of the ray, and others.
 
 use crate::lying::grid_ray;
 use crate::models::{Model, compiled, motion, solid};
@@ -9,7 +9,7 @@ use rayweave_model::{Collected, Crossing, Evaluator, Program, Query, Region, Reg
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
-/// Solids that are the same set: pairs by the name of the law.
+/// The name of a law, and a function that makes two equivalent solids.
 type Law = (&'static str, fn(&[Solid; 3]) -> (Solid, Solid));
 
 const BOOLEAN: &[Law] = &[
@@ -48,8 +48,8 @@ const BOOLEAN: &[Law] = &[
     ("A - (B - C) = (A - B) | (A & C)", |[a, b, c]| (a - (b - c), (a - b) | (a & c))),
 ];
 
-/// Boolean identities: the same crossings, bit for bit, whatever the tree and the order of its operands; also
-/// for rays that lie in faces.
+/// Tests boolean identities: the same crossings, bit for bit, for equivalent trees and any order of operands;
+/// also for rays that lie in faces.
 pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("crossings unchanged by boolean identities");
     let rounds = 60 * effort.times();
@@ -62,7 +62,7 @@ pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
             solid(&mut rng, style, depth)
         });
         let rays = rays(&mut rng, style, &frame, 30);
-        // every side of every law has the same leaves, so that ball and shared surfaces are the same
+        // both sides of every law have the same leaves, and therefore the same ball and shared surfaces
         let nothing = Solid::union(parts.iter().map(nothing_of));
         let ask = |solid: Solid| {
             let program = compiled(Program::compile(&(solid | nothing.clone()).apply(frame)));
@@ -84,7 +84,7 @@ pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
     tally.finish(rounds * 600);
 }
 
-/// Empty, with the leaves of a solid: `A - A`.
+/// The empty solid, with the leaves of `solid`: `A - A`.
 pub(crate) fn nothing_of(solid: &Solid) -> Solid {
     solid - &solid.clone()
 }
@@ -93,13 +93,13 @@ fn short(solid: &Solid) -> String {
     solid.to_string().chars().take(400).collect()
 }
 
-/// All of a list that does not depend on the order in which leaves were declared.
+/// The part of a list that does not depend on the order in which leaves are declared.
 fn bits(crossings: &[Crossing]) -> Vec<(u64, RegionId, RegionId)> {
     crossings.iter().map(|c| (c.t.to_bits(), c.before, c.after)).collect()
 }
 
-/// A scale by a power of two changes times by that power, to the bit; with the direction scaled, too, not at
-/// all.
+/// Tests scales by a power of two: times change by exactly that power, or not at all if the direction is
+/// scaled too.
 pub fn of_scale<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("crossings exactly scaled by powers of two");
     for_models(effort, 3_000_000, |rng, style, model| {
@@ -123,11 +123,11 @@ pub fn of_scale<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) 
     tally.finish(5_000 * effort.times());
 }
 
-/// Motions and mirrors of model and ray together: the same crossings but for rounding.
+/// Tests motions and mirrors of model and ray together: the same crossings up to rounding.
 pub fn of_motion<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("crossings unchanged by motions and mirrors");
     for_models(effort, 4_000_000, |rng, _, _| {
-        // rays in faces are exempt, so nothing may lie on a grid
+        // rays in faces are exempt from this law, so nothing may lie on a grid
         let model = Model::random(rng, Style::Generic);
         let map = if rng.chance(0.3) { Affine::mirror(rng.direction()) } else { motion(rng) };
         let rays = plain_rays(rng);
@@ -156,8 +156,8 @@ fn alike(a: &[Crossing], b: &[Crossing], tolerance: f64) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(pair)
 }
 
-/// The reversed ray gives the reversed list: number and sides always, surfaces and times where nothing was
-/// welded.
+/// Tests that the reversed ray gives the reversed list: number and media in any case, surfaces and times for
+/// models in which nothing is welded.
 pub fn of_reversal<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("crossings mirrored by reversing the ray");
     for_models(effort, 5_000_000, |rng, style, model| {
@@ -166,7 +166,7 @@ pub fn of_reversal<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         let (there, back) = (ask(&make, model, &rays), ask(&make, model, &back));
         for i in 0..rays.len() {
             let reversed: Vec<Crossing> = back.of(i).iter().rev().map(reverse).collect();
-            // a change of region without a change of medium is not reported, so the ends are told by media
+            // a change of region within one medium is not reported, so the ends are compared by medium
             let medium = |region: RegionId| match region.index() {
                 0 => 0,
                 k => model.regions[k - 1].medium,
@@ -195,8 +195,9 @@ fn reverse(c: &Crossing) -> Crossing {
     Crossing { t: -c.t, before: c.after, after: c.before, left: c.entered, entered: c.left, ..*c }
 }
 
-/// A ray cut in two: the list up to the cut and the list from there on are the whole list. Cuts do not lie in a run of
-/// welded crossings: rays are such that runs are short, and cuts are off the grid where they may be.
+/// Tests a ray cut in two: the lists before and after the cut, concatenated, are the whole list. Cuts must
+/// not lie in a run of welded crossings: the rays have short runs only, and the cuts are off the grid where
+/// such runs may be.
 pub fn of_cuts<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("rays cut in two");
     for_models(effort, 8_000_000, |rng, _, model| {
@@ -212,7 +213,8 @@ pub fn of_cuts<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
             };
             let (before, after) = (part(f64::NEG_INFINITY, cut), part(cut, f64::INFINITY));
             let both = [before.of(0), after.of(0)].concat();
-            // a change of region within one medium is not reported, so the side at the cut is told by its medium
+            // a change of region within one medium is not reported, so the sides at the cut are compared by
+            // medium
             let side = before.of(0).last().map_or(before.starts[0], |c| c.after);
             let medium = |region| evaluator.program().medium_of(region);
             let same = before.starts[0] == whole.starts[i] && both == whole.of(i);
@@ -224,7 +226,7 @@ pub fn of_cuts<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     tally.finish(10_000 * effort.times());
 }
 
-/// Regions along a ray against the solids that they amount to: region k is its solid without all later ones.
+/// Compares regions along a ray with equivalent solids: region k is its solid minus all later ones.
 pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("regions equal to the solids that they amount to");
     for_models(effort, 6_000_000, |rng, _, _| {
@@ -239,7 +241,7 @@ pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
         let program = compiled(Program::compile_regions(&regions));
         let partition = make(program).collect(batch(&rays).rays(), &Query::default()).unwrap();
         for k in 0..solids.len() {
-            // all of them, so that the leaves and what they share are the same
+            // includes all solids, so that the leaves and their shared surfaces are the same
             let earlier = Solid::union(solids[..k].iter().map(nothing_of));
             let later = Solid::union(solids[k + 1..].iter().cloned());
             let alone = compiled(Program::compile(&(earlier | (&solids[k] - later))));
@@ -265,7 +267,7 @@ pub fn of_regions<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
     tally.finish(10_000 * effort.times());
 }
 
-/// Copies made by `place` and copies made one by one: the same crossings but for the tolerance of the weld.
+/// Compares instances with separate copies: the same crossings up to the tolerance of the weld.
 pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("placed copies equal to single ones");
     for_models(effort, 7_000_000, |rng, style, _| {
@@ -276,10 +278,12 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         let maps: Vec<Affine> = steps.iter().map(|&v| Affine::translate(v)).collect();
         let placed = part.place(maps);
         let single = Solid::union(steps.iter().map(|&v| part.translate(v)));
-        // a ray within a few tolerances of a face lies in it or not by lengths that differ between the two
+        // a ray within a few tolerances of a face lies in it or not depending on lengths that differ between
+        // the two
         let mut rays = plain_rays(rng);
         rays.extend((0..60).map(|_| grid_ray(rng)));
-        // a root at 1e17, of a ray parallel to a face but for rounding, may as well be at infinity
+        // a root at 1e17, of a ray that rounding keeps from being parallel to a face, may as well be at
+        // infinity
         let window = Window::new(-1e6, 1e6).unwrap_or_default();
         let query = Query { window, ..Query::default() };
         let ask =
@@ -306,7 +310,7 @@ fn ask<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, model: &Model, rays: &[Ra
     make(model.compiled()).collect(batch(rays).rays(), &Query::default()).unwrap()
 }
 
-/// Random models of all styles.
+/// Runs a test on random models of all styles.
 fn for_models(effort: Effort, first: u64, mut test: impl FnMut(&mut Random, Style, &Model)) {
     for seed in 0..150 * effort.times() {
         let mut rng = Random::new(first + seed);

@@ -1,17 +1,16 @@
-//! The suite that every evaluator passes.
+//! Conformance suite: tests that every evaluator has to pass.
 //!
-//! [`conformance_tests!`] writes a test for each of its parts:
+//! [`conformance_tests!`] generates a test for each part:
 //!
-//! - [`agree`]: equal answers, bit for bit, to those of the reference;
-//! - [`sampled`]: at points between the crossings, the side that formulas give which share no code with any
-//!   evaluator;
+//! - [`agree`]: answers equal to those of the reference, bit for bit;
+//! - [`sampled`]: at points between the crossings, the side given by formulas independent of the engine;
 //! - [`closed`]: closed forms;
 //! - [`laws`]: boolean identities, motions, mirrors, scales, reversal, cuts, regions, placements;
 //! - [`forms`]: trees of any shape and order, and their positive forms;
-//! - [`chords`]: mean lengths inside, by integral geometry;
-//! - [`touching`]: faces in common at any angle, made and placed in any way, in any order;
+//! - [`chords`]: mean chord lengths, by integral geometry;
+//! - [`touching`]: solids with common faces, made and placed in any way, hit at any angle;
 //! - [`lying`]: rays in faces and along edges;
-//! - [`respawn`]: a thousand bounces in mirrors;
+//! - [`respawn`]: a thousand bounces in mirrors (re-hit test);
 //! - [`deep`]: trees of 100,000 levels on a small stack.
 //!
 //! ```ignore
@@ -20,10 +19,11 @@
 //! }
 //! ```
 //!
-//! [`approximate`] judges the second contract: evaluators whose answers have bounds or are marked as uncertain.
+//! [`approximate`] tests the second contract: answers with error bounds, or marked as uncertain.
 //!
-//! Every test has a long form, `cargo test -- --ignored long_`. Beside the suite stand [`exact`], the oracle without
-//! rounding, [`contest`], which asks many evaluators at once, and [`scale`], models of any size.
+//! Every test has a long form, `cargo test -- --ignored long_`. Not part of the suite: [`exact`], the oracle
+//! without rounding, [`contest`], a differential test of several evaluators, and [`scale`], models of any
+//! size.
 
 use rayweave_model::{Crossing, Face};
 
@@ -54,17 +54,17 @@ pub use models::{Model, Style};
 pub use random::Random;
 pub use tally::Tally;
 
-/// How much to ask.
+/// The size of a test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
-    /// A few seconds a test: what every change is tested with.
+    /// A few seconds per test: run for every change.
     Short,
-    /// Hundreds of times as much.
+    /// Hundreds of times as large.
     Long,
 }
 
 impl Effort {
-    /// The first number for a short test, the second one for a long one.
+    /// `short` for a short test, `long` for a long one.
     fn of(self, short: u64, long: u64) -> u64 {
         match self {
             Effort::Short => short,
@@ -72,7 +72,7 @@ impl Effort {
         }
     }
 
-    /// How many times the short test.
+    /// The number of rounds, in multiples of the short test.
     fn times(self) -> u64 {
         self.of(1, 300)
     }
@@ -85,7 +85,7 @@ impl Effort {
     }
 }
 
-/// Crossings in a line each, for messages.
+/// Crossings as text, one per line, for messages.
 fn list(crossings: &[Crossing]) -> String {
     let line = |c: &Crossing| {
         let face = |f: Face| format!("{}.{}@{}", f.leaf.0, f.facet, f.placement.0);
@@ -95,8 +95,8 @@ fn list(crossings: &[Crossing]) -> String {
     crossings.iter().map(line).collect()
 }
 
-/// The tests that an evaluator has to pass, from a function that makes it of an `Arc<Program>`, and one that
-/// makes the reference. Without the latter, all but the comparison with it.
+/// Generates the tests that an evaluator has to pass. `$make` makes the evaluator from an `Arc<Program>`,
+/// `$reference` makes the reference; without it the comparison with the reference is left out.
 #[macro_export]
 macro_rules! conformance_tests {
     ($make:expr, $reference:expr $(,)?) => {

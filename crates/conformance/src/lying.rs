@@ -1,4 +1,5 @@
-//! Rays that lie in faces and along edges are answered as if moved a little along one fixed direction.
+//! Rays that lie in faces and along edges: the answer is that of the ray moved slightly in one fixed
+//! direction.
 
 use crate::laws::nothing_of;
 use crate::models::{block, compiled, motion, shape, solid};
@@ -9,8 +10,8 @@ use rayweave_model::{Crossing, Evaluator, Program, Query, Solid, Window};
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
-/// Models of planes on a grid, turned as a whole, and rays along the lines of that grid: the answer is that of
-/// the ray moved by 1e-4 of a cell, but for pieces shorter than a thousandth.
+/// Models of planes on a grid, rotated as a whole, and rays along the lines of that grid. Compares the answer
+/// with that of the ray moved by 1e-4 of a cell, except for pieces shorter than a thousandth.
 pub fn as_if_moved<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("rays in faces answered as if moved");
     let rounds = 400 * effort.times();
@@ -21,10 +22,10 @@ pub fn as_if_moved<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         let model = Model::of(solid(&mut rng, Style::Planes, depth).apply(frame));
         let evaluator = make(model.compiled());
         let rays: Vec<Ray> = (0..40).map(|_| grid_ray(&mut rng).transformed(&frame)).collect();
-        // a sixteenth of the smallest cell is never reached
+        // the displacement is always below a sixteenth of the smallest cell
         let moved: Vec<Ray> =
             rays.iter().map(|r| Ray::new(r.origin + 1e-4 * PERTURBATION_DIRECTION, r.direction)).collect();
-        // planes that a turned ray is parallel to but for rounding are met far away, if at all
+        // a ray that only rounding keeps from being parallel to a plane crosses it far away, if at all
         let window = Window::new(-30.0, 30.0).unwrap_or_default();
         let query = Query { window, ..Query::default() };
         let here = evaluator.collect(batch(&rays).rays(), &query).unwrap();
@@ -43,7 +44,7 @@ pub fn as_if_moved<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
     tally.finish(rounds * 20);
 }
 
-/// Along a line of the grid, in a face, along an edge or through corners.
+/// A ray along a line of the grid, in a face, along an edge or through corners.
 pub(crate) fn grid_ray(rng: &mut Random) -> Ray {
     let mut grid = || 0.5 * (rng.below(13) as f64 - 6.0);
     let origin = Vec3::new(grid(), grid(), grid());
@@ -55,7 +56,7 @@ pub(crate) fn grid_ray(rng: &mut Random) -> Ray {
     Ray::new(origin, direction)
 }
 
-/// Neighbours less than a thousandth apart that undo each other are what is left of a corner.
+/// Removes pairs of crossings less than 1e-3 apart that cancel: the ray cuts off a corner there.
 fn without_slivers(crossings: &[Crossing]) -> Vec<Crossing> {
     let mut kept: Vec<Crossing> = Vec::new();
     for &crossing in crossings {
@@ -69,8 +70,8 @@ fn without_slivers(crossings: &[Crossing]) -> Vec<Crossing> {
     kept
 }
 
-/// What follows from that for two solids that touch, made and placed in different ways: over the shared face
-/// their union is solid and their intersection empty, and the difference is the first of them.
+/// The consequence for two solids in contact, made and placed in different ways: along the shared face their
+/// union is solid and their intersection empty, and the difference is the first of them.
 pub fn in_shared_faces<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("rays in shared faces and along shared edges");
     for seed in 0..1500 * effort.times() {
@@ -104,14 +105,14 @@ pub fn in_shared_faces<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: E
         check("A - B", &one - &other, &|found| times(found) == times(&alone_one));
         check("B - A", &other - &one, &|found| times(found) == times(&alone_other));
         check("A ^ B", &one ^ &other, &both);
-        // exactly one of the two has the ray
+        // exactly one of the two contains the ray
         check("A or B", &one | &other, &|_| alone_one.len() + alone_other.len() == 2);
     }
     tally.finish(10_000 * effort.times());
 }
 
-/// A unit box with its lower corner at `lo`, by one of several ways: moved, turned, mirrored, scaled, as an
-/// intersection, or placed as one of two copies (the other one is far away).
+/// A unit box with its lower corner at `lo`, made in one of several ways: moved, rotated, mirrored, scaled,
+/// as an intersection, or as one of two instances (the other one is far away).
 fn cell(rng: &mut Random, lo: Vec3) -> Solid {
     let middle = lo + Vec3::splat(0.5);
     let unit = shape("box", &[("size", 1.0)]);
@@ -137,7 +138,7 @@ fn cell(rng: &mut Random, lo: Vec3) -> Solid {
     }
 }
 
-/// A fan of wedges around an axis is solid along the axis, and a stack of tiles along its common edges.
+/// Tests that a fan of wedges is solid along its axis, and a stack of boxes along its common edge.
 pub fn along_shared_edges<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("rays along common edges");
     for seed in 0..1500 * effort.times() {

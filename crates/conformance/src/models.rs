@@ -1,4 +1,4 @@
-//! Random models, generic ones and ones whose faces coincide by construction.
+//! Random models: generic ones, and ones with faces that coincide by construction.
 
 use crate::Random;
 use rayweave_math::{Affine, Mat3, Vec3};
@@ -7,30 +7,30 @@ use rayweave_shape::primitive::{Primitive, Value, build};
 use std::fmt;
 use std::sync::Arc;
 
-/// How the parts of a model stand to each other.
+/// The arrangement of the parts of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Style {
-    /// Anywhere: no two faces coincide but those of shared parts.
+    /// Arbitrary positions: no two faces coincide except those of shared parts.
     Generic,
-    /// On a grid of halves, with few sizes: faces, edges and axes coincide everywhere.
+    /// On a grid with pitch 0.5 and few sizes: many faces, edges and axes coincide.
     Grid,
-    /// The same with planes only.
+    /// Like `Grid`, with planes only.
     Planes,
 }
 
-/// A random model with the frame in which it was made.
+/// A random model with the frame in which it was built.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// The solids with their media, in order.
     pub regions: Vec<Region>,
-    /// From the frame in which it was made to the world.
+    /// From the frame in which it was built to the world.
     pub frame: Affine,
-    /// How it was made.
+    /// The arrangement of its parts.
     pub style: Style,
 }
 
 impl Model {
-    /// A model with one solid or some regions, in a frame that is turned and moved for every second model.
+    /// A model with one solid or several regions; every second model has a random frame.
     pub fn random(rng: &mut Random, style: Style) -> Model {
         let frame = if rng.chance(0.5) { Affine::IDENTITY } else { motion(rng) };
         let count = if rng.chance(0.7) { 1 } else { 2 + rng.below(5) };
@@ -38,7 +38,7 @@ impl Model {
         Model::with(rng, style, frame, count, depth)
     }
 
-    /// The same with a few leaves.
+    /// Like [`Model::random`], with few leaves.
     pub fn small(rng: &mut Random, style: Style) -> Model {
         let frame = if rng.chance(0.5) { Affine::IDENTITY } else { motion(rng) };
         let count = if rng.chance(0.8) { 1 } else { 2 };
@@ -60,7 +60,7 @@ impl Model {
         Model { regions: vec![region], frame: Affine::IDENTITY, style: Style::Generic }
     }
 
-    /// The compiled model, which must be legal.
+    /// The compiled model; panics if that fails.
     pub(crate) fn compiled(&self) -> Arc<Program> {
         compiled(Program::compile_regions(&self.regions))
     }
@@ -75,7 +75,7 @@ impl fmt::Display for Model {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for region in &self.regions {
             let text = region.solid.to_string();
-            // long ones are told by their seed
+            // long texts are cut off: the seed identifies the model
             let short: String = text.chars().take(500).collect();
             writeln!(f, "{} (medium {}): {short}", region.name, region.medium)?;
         }
@@ -83,7 +83,7 @@ impl fmt::Display for Model {
     }
 }
 
-/// Every model of the suite is legal: one that is refused is a bug to be shown.
+/// Unwraps a program. Every model of the suite is valid, so an error is a bug.
 pub(crate) fn compiled(program: Result<Program, CompileError>) -> Arc<Program> {
     Arc::new(program.unwrap_or_else(|e| panic!("a legal model is refused: {e}")))
 }
@@ -119,7 +119,7 @@ fn slab(normal: Vec3, lo: f64, hi: f64) -> Solid {
     made("slab", &[("normal", normal.into()), ("lo", lo.into()), ("hi", hi.into())])
 }
 
-/// The suite builds legal shapes only; if one is refused, that is a bug to be shown.
+/// Makes a shape. The suite uses valid arguments only, so an error is a bug.
 fn made(name: &str, arguments: &[(&str, Value)]) -> Solid {
     Solid::from(build(name, arguments).unwrap_or_else(|e| panic!("{name}: {e}")))
 }
@@ -127,13 +127,13 @@ fn made(name: &str, arguments: &[(&str, Value)]) -> Solid {
 struct Maker<'r> {
     rng: &'r mut Random,
     style: Style,
-    /// Parts made before, to be used again.
+    /// Parts made before, for reuse.
     pool: Vec<Solid>,
-    /// Shapes that the solid would have if every placement were written out.
+    /// The number of shapes of the solid with all placements expanded.
     size: usize,
 }
 
-/// No solid has more shapes than this, placements written out.
+/// Upper bound of the number of shapes of a solid, with all placements expanded.
 const MOST: usize = 300;
 
 impl<'r> Maker<'r> {
@@ -152,7 +152,7 @@ impl<'r> Maker<'r> {
         solid
     }
 
-    /// One level more: an operator, a complement, a map, a name or copies.
+    /// Adds one level: an operator, a complement, a map, a name or placements.
     fn step(&mut self, solid: Solid) -> Solid {
         match self.rng.below(14) {
             0..3 => solid | self.operand(3),
@@ -185,7 +185,7 @@ impl<'r> Maker<'r> {
         }
     }
 
-    /// A small solid: a shape, a part used before, or a few shapes joined.
+    /// A small solid: a shape, a reused part, or a few shapes joined.
     fn operand(&mut self, depth: usize) -> Solid {
         if depth > 0 && self.rng.chance(0.25) {
             let (a, b) = (self.operand(depth - 1), self.operand(depth - 1));

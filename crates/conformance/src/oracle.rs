@@ -1,8 +1,8 @@
-//! Inside or outside at a point, from direct formulas: shares no code with any evaluator.
+//! Point classification by direct formulas, independent of every evaluator.
 //!
-//! Each shape is one inequality, written out from the table of shapes; maps are inverted and composed here,
-//! by Cramer's rule. The answer has three values: within a stated tolerance of a boundary that decides, it is
-//! "near" (Kleene's logic), so that no wrong answer can hide behind rounding and no rounding looks wrong.
+//! Each shape is an inequality, written from the table of shapes; maps are inverted and composed here, by
+//! Cramer's rule. The result has three values: within a stated tolerance of a boundary that decides, it is
+//! "near" (Kleene's three-valued logic), so that rounding neither hides an error nor causes one.
 
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Node, Region, Solid};
@@ -13,7 +13,7 @@ use rayweave_shape::primitive::{Primitive, Value};
 pub enum Side {
     /// Outside by more than the tolerance.
     Outside,
-    /// Either.
+    /// Within the tolerance of a boundary that decides.
     Near,
     /// Inside by more than the tolerance.
     Inside,
@@ -45,7 +45,7 @@ impl Side {
     }
 }
 
-/// `p -> rows . p + shift`, with its own arithmetic.
+/// The affine map `p -> rows . p + shift`, with its own arithmetic.
 #[derive(Clone, Copy)]
 struct Map {
     rows: [[f64; 3]; 3],
@@ -76,7 +76,7 @@ impl Map {
         Map { rows, shift }
     }
 
-    /// This map first.
+    /// The composition: this map first, then `next`.
     fn then(&self, next: &Map) -> Map {
         let rows = std::array::from_fn(|i| {
             std::array::from_fn(|j| (0..3).map(|k| next.rows[i][k] * self.rows[k][j]).sum())
@@ -98,15 +98,15 @@ enum Step {
     Odd(usize),
 }
 
-/// A shape in its place.
+/// A shape with its map and error factors.
 struct Placed {
     formula: Formula,
     local_from_world: Map,
-    /// How much the map can lengthen a vector.
+    /// Upper bound of the factor by which the map lengthens a vector.
     stretch: f64,
-    /// How much rounding can be magnified by the map and back.
+    /// Upper bound of the factor by which a rounding error grows through the map and back.
     condition: f64,
-    /// The lengths of the translations on the way.
+    /// Sum of the lengths of the translations on the path.
     way: f64,
 }
 
@@ -119,27 +119,27 @@ impl Placed {
     }
 }
 
-/// A solid as formulas in post-order.
+/// The formulas of a solid, in postfix order.
 pub struct Oracle {
     steps: Vec<Step>,
 }
 
-/// A point of a ray, with the lengths that its rounding is made of.
+/// A point of a ray, with the length that determines its rounding error.
 #[derive(Clone, Copy, Debug)]
 pub struct Probe {
     /// The point.
     pub point: Vec3,
-    /// The distance of the ray's origin from the world's.
+    /// The distance of the ray's origin from the origin of the world.
     pub origin: f64,
 }
 
-/// The stated distance from a boundary within which a point may be on either side, per unit of the lengths
-/// involved: about 140 times the tolerance within which crossings are welded, for the compositions of maps on
-/// the way and the slack of the bounds used here.
+/// Tolerance per unit of the lengths involved: a point this close to a boundary may be on either side. About
+/// 140 times the tolerance of the weld, to cover the compositions of maps and the slack of the bounds used
+/// here.
 pub const TOLERANCE: f64 = 1e-12;
 
 impl Oracle {
-    /// Of a solid of moderate depth.
+    /// The oracle of a solid of moderate depth.
     pub fn new(solid: &Solid) -> Oracle {
         let mut oracle = Oracle { steps: Vec::new() };
         oracle.add(solid, &Map::IDENTITY, 1.0, 0.0);
@@ -190,7 +190,8 @@ impl Oracle {
         let back = Map::inverse_of(by);
         let forth = by.to_rows()[..3].iter().flat_map(|row| &row[..3]).map(|e| e * e).sum::<f64>().sqrt();
         let shift = by.translation.length() * world_norm;
-        // a norm over all three directions is larger than the stretch by up to sqrt(3): not once per map
+        // the Frobenius norm exceeds the spectral norm by a factor of up to sqrt(3), which must not
+        // accumulate per map
         self.add(solid, &map.then(&back), world_norm * (forth / 3f64.sqrt()).max(1e-3), way + shift);
     }
 
@@ -228,7 +229,7 @@ pub fn medium(regions: &[Region], oracles: &[Oracle], probe: Probe) -> Option<u3
     Some(0)
 }
 
-/// The inequalities of a shape: each row is one, all of them hold inside (or, for a wide wedge, any).
+/// The inequalities of a shape: all of them hold inside (for a wide wedge, any of them).
 enum Formula {
     Ball(f64),
     Ellipsoid([f64; 3]),
@@ -247,7 +248,7 @@ enum Formula {
     Sag(Sag),
 }
 
-/// A conic or biconic with polynomial terms: how often each power of x, y and r = sqrt(x^2 + y^2) comes in.
+/// A conic or biconic with terms in powers of x, y and r = sqrt(x^2 + y^2).
 struct Sag {
     aperture: f64,
     height: f64,
@@ -256,7 +257,7 @@ struct Sag {
     terms: Vec<Term>,
 }
 
-/// Powers of x, y and r, and the coefficient.
+/// The exponents of x, y and r, and the coefficient.
 type Term = ([u32; 3], f64);
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -363,7 +364,7 @@ impl Formula {
         }
     }
 
-    /// A length that says how large the shape's own numbers are.
+    /// A length that bounds the shape's own parameters.
     fn size(&self) -> f64 {
         let finite = |list: &[f64]| list.iter().filter(|x| x.is_finite()).map(|x| x.abs()).sum::<f64>();
         match self {
@@ -382,7 +383,7 @@ impl Formula {
         }
     }
 
-    /// The side of a point in the shape's own frame, for a tolerance on its position.
+    /// The side of a point in the shape's own frame, with a tolerance for its position.
     fn side(&self, p: [f64; 3], tolerance: f64) -> Side {
         let [x, y, z] = p;
         let rho = (x * x + y * y).sqrt();
@@ -419,13 +420,13 @@ impl Formula {
                 let value: f64 = (0..4).map(|i| h[i] * row(i)).sum();
                 let size: f64 = q.iter().flatten().map(|e| e.abs()).sum();
                 let slope = 2.0 * dot([row(0), row(1), row(2)], [row(0), row(1), row(2)]).sqrt();
-                // the value itself is a sum of terms of this size
+                // the value is a sum of terms of this magnitude
                 let terms =
                     (0..4).map(|i| (0..4).map(|j| (h[i] * q[i][j] * h[j]).abs()).sum::<f64>()).sum::<f64>();
                 Side::of(-value, tolerance * (slope + size * tolerance) + 1e-14 * terms)
             }
             Formula::Sag(sag) => {
-                // where the wall is near, the sag beyond it says nothing
+                // near the wall the result is Near, whatever the sag beyond it
                 let (value, slope) = sag.depth(p);
                 let surface = Side::of(value, tolerance * (1.0 + slope));
                 let cap = Side::of(sag.height - z, tolerance);
@@ -436,7 +437,7 @@ impl Formula {
             Formula::Triangles(all) => {
                 let distance = all.iter().map(|t| distance(*t, p)).fold(f64::INFINITY, f64::min);
                 let turns: f64 = all.iter().map(|t| solid_angle(*t, p)).sum::<f64>() / std::f64::consts::TAU;
-                // a whole turn is 2 of these; shells within shells make more of them
+                // 2 per full turn; nested shells add more turns
                 let is_inside = (0.5 * turns).round().rem_euclid(2.0) == 1.0;
                 Side::of(if is_inside { distance } else { -distance }, tolerance)
             }
@@ -448,7 +449,7 @@ fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
-/// The angle that a triangle fills, seen from a point, with the sign of its turn: the formula of A. Van Oosterom and J. Strackee
+/// The signed solid angle of a triangle, seen from a point: the formula of A. Van Oosterom and J. Strackee
 /// (1983).
 fn solid_angle(triangle: [[f64; 3]; 3], p: [f64; 3]) -> f64 {
     let [a, b, c] = triangle.map(|corner| minus(corner, p));
@@ -457,7 +458,7 @@ fn solid_angle(triangle: [[f64; 3]; 3], p: [f64; 3]) -> f64 {
     2.0 * libm::atan2(dot(a, cross), x * y * z + dot(a, b) * z + dot(b, c) * x + dot(c, a) * y)
 }
 
-/// The distance of a point from a triangle: the least of those from its edges and, above its inside, from its plane.
+/// The distance of a point from a triangle: the minimum over its edges and, if the foot is inside, its plane.
 fn distance(triangle: [[f64; 3]; 3], p: [f64; 3]) -> f64 {
     let to_edge = |k: usize| {
         let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
@@ -487,7 +488,7 @@ impl Sag {
         base + self.terms.iter().map(|(n, c)| c.abs() * power(n)).sum::<f64>()
     }
 
-    /// The height above the surface, and how steep that is at most nearby.
+    /// The height above the surface, and an upper bound of the slope nearby.
     fn depth(&self, [x, y, z]: [f64; 3]) -> (f64, f64) {
         let at = |x: f64, y: f64| self.sag(x, y);
         let here = at(x, y);
@@ -507,14 +508,14 @@ impl Sag {
     }
 }
 
-/// r^2, r^4, ... and r, r^3, ...
+/// The powers r^2, r^4, ... and r, r^3, ...
 fn radial_terms(even: &[f64], odd: &[f64]) -> Vec<Term> {
     let even = even.iter().zip(1..).map(|(&c, k)| ([0, 0, 2 * k], c));
     let odd = odd.iter().zip(0..).map(|(&c, k)| ([0, 0, 2 * k + 1], c));
     even.chain(odd).collect()
 }
 
-/// x, y, x^2, x y, y^2, ...
+/// The powers x, y, x^2, x y, y^2, ...
 fn xy_terms(list: &[f64]) -> Vec<Term> {
     let (mut powers, mut degree, mut j) = (Vec::new(), 1, 0);
     for &c in list {
@@ -552,7 +553,7 @@ fn noll_terms(list: &[f64]) -> Vec<Term> {
     .collect()
 }
 
-/// To the left of the first ray and to the right of the second; one of the two is enough beyond 180 degrees.
+/// Left of the first ray and right of the second; above 180 degrees one of the two suffices.
 fn wedge(start: f64, sweep: f64) -> Formula {
     let ([c1, s1], [c2, s2]) = (turn(start), turn(start + sweep));
     let rows = vec![([s1, -c1, 0.0], 0.0), ([-s2, c2, 0.0], 0.0)];

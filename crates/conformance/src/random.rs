@@ -1,4 +1,4 @@
-//! Seeded random numbers: the same on every platform.
+//! Seeded random numbers, identical on every platform.
 
 use rand::{Rng, RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
@@ -13,17 +13,17 @@ impl Random {
         Random(ChaCha8Rng::seed_from_u64(seed))
     }
 
-    /// Uniform in [0, 1).
+    /// A number uniform in [0, 1).
     pub fn uniform(&mut self) -> f64 {
         self.0.random()
     }
 
-    /// Uniform in [lo, hi).
+    /// A number uniform in [lo, hi).
     pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.uniform()
     }
 
-    /// A whole number below `n`.
+    /// An integer in 0..n.
     pub fn below(&mut self, n: usize) -> usize {
         (self.0.next_u64() % n as u64) as usize
     }
@@ -38,12 +38,12 @@ impl Random {
         choices[self.below(choices.len())]
     }
 
-    /// A point uniform in a cube about the origin.
+    /// A point uniform in the cube about the origin with sides `2 * half`.
     pub fn point(&mut self, half: f64) -> Vec3 {
         Vec3::new(self.between(-half, half), self.between(-half, half), self.between(-half, half))
     }
 
-    /// A unit vector in any direction.
+    /// A unit vector, uniform on the sphere.
     pub fn direction(&mut self) -> Vec3 {
         loop {
             let v = self.point(1.0);
@@ -53,13 +53,13 @@ impl Random {
         }
     }
 
-    /// A power of ten between `10^lo` and `10^hi`, of either sign.
+    /// A number with magnitude between `10^lo` and `10^hi`, uniform in its logarithm, of random sign.
     pub fn magnitude(&mut self, lo: f64, hi: f64) -> f64 {
         let size = libm::pow(10.0, self.between(lo, hi));
         if self.chance(0.5) { size } else { -size }
     }
 
-    /// The order of `n` things, shuffled (Fisher & Yates).
+    /// A random permutation of 0..n (Fisher & Yates).
     pub fn order(&mut self, n: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..n).collect();
         for k in (1..n).rev() {

@@ -1,4 +1,4 @@
-//! Random rays: through a model, grazing, in its faces and along its edges, from far away, on any scale.
+//! Random rays: through a model, grazing, in its faces and along its edges, from far away, at any scale.
 
 use crate::{Random, Style};
 use rayweave_math::{Affine, Vec3};
@@ -40,7 +40,7 @@ fn from_afar(rng: &mut Random) -> Ray {
     Ray::new(rng.point(2.0) - distance * direction, direction)
 }
 
-/// The unit of time is anything.
+/// A ray with a direction of arbitrary length.
 fn rescaled(rng: &mut Random) -> Ray {
     let ray = through(rng);
     Ray::new(ray.origin, ray.direction * rng.magnitude(-30.0, 30.0).abs())
@@ -50,7 +50,7 @@ fn quarter(rng: &mut Random) -> f64 {
     0.25 * (rng.below(25) as f64 - 12.0)
 }
 
-/// In planes of the grid and along its lines; with `graze` at tiny angles to them.
+/// A ray in a plane of the grid or along one of its lines; with `graze` at tiny angles to them.
 fn along_axis(rng: &mut Random, graze: f64) -> Ray {
     let axis = rng.below(3);
     let mut origin = Vec3::new(quarter(rng), quarter(rng), quarter(rng));
@@ -75,7 +75,7 @@ fn diagonal(rng: &mut Random) -> Ray {
     Ray::new(origin, direction)
 }
 
-/// Nearly touching a sphere or cylinder of one of the sizes of the grid.
+/// A ray nearly tangent to a sphere or cylinder with one of the sizes of the grid.
 fn tangent(rng: &mut Random) -> Ray {
     let radius = rng.pick(&[0.5, 1.0]) * (1.0 + rng.magnitude(-17.0, -6.0));
     let outward = rng.direction();

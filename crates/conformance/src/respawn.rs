@@ -1,4 +1,5 @@
-//! Rays that leave a surface where they met it, a thousand times over: nothing is hit twice, nothing leaks.
+//! Re-hit test: rays that continue from the surface they hit, a thousand times. None hits a surface twice or
+//! leaks.
 
 use crate::models::{block, compiled, motion, shape};
 use crate::oracle::{Oracle, Probe, Side};
@@ -15,9 +16,9 @@ use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::delta;
 use std::sync::Arc;
 
-/// Inside mirrors of sizes from 1e-8 to 1e8: each of the shapes, boxes with rays into edges and corners, solids of
-/// parts that touch; each also placed as an instance. Every bounce meets the wall from inside, at a place that is on
-/// it, and no face between parts is seen.
+/// Bounces inside mirrors of sizes from 1e-8 to 1e8: each of the shapes, boxes with rays into edges and
+/// corners, solids of parts in contact; each also placed as an instance. Every bounce hits the wall from
+/// inside, at a point on it, and no face between parts.
 pub fn in_mirrors<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("bounces in mirrors");
     let rounds = effort.of(5, 500);
@@ -38,10 +39,10 @@ pub fn in_mirrors<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort
     tally.finish(900 * rounds * KINDS);
 }
 
-/// The number of kinds of mirrors: arrangements and shapes.
+/// Number of kinds of mirrors: arrangements and shapes.
 const KINDS: u64 = ARRANGED + 15;
 
-/// The number of arrangements among them.
+/// Number of arrangements among them.
 const ARRANGED: u64 = 10;
 
 trait ScaledTranslation {
@@ -55,7 +56,7 @@ impl ScaledTranslation for Affine {
     }
 }
 
-/// A mirror from inside, and a ray in it.
+/// A solid whose boundary is the mirror, and a ray inside.
 fn mirror(rng: &mut Random, kind: u64) -> (Solid, Ray) {
     let ball = shape("sphere", &[("radius", 1.0)]);
     let rod = shape("cylinder", &[("radius", 1.0), ("height", 1.5)]);
@@ -67,7 +68,7 @@ fn mirror(rng: &mut Random, kind: u64) -> (Solid, Ray) {
         4 => (ball, ray_from(rng, Vec3::ZERO)),
         5 => (rod, ray_from(rng, Vec3::ZERO)),
         6 => (shape("torus", &[("major", 1.0), ("minor", 0.4)]), ray_from(rng, Vec3::X)),
-        // parts that touch: boxes in a row, sectors of a rod, a pin in its hole
+        // parts in contact: boxes in a row, sectors of a rod, a pin in its hole
         7 => {
             let half = Vec3::new(0.5, 1.0, 1.0);
             let cells = [-1.0, 0.0, 1.0].map(|x| block(Vec3::X * x - half, Vec3::X * x + half));
@@ -89,7 +90,7 @@ fn mirror(rng: &mut Random, kind: u64) -> (Solid, Ray) {
     }
 }
 
-/// The example of a shape, within a box if it is unbounded, and a ray from a point in it.
+/// The example of a shape, intersected with a box if it is unbounded, and a ray from a point inside.
 fn example(rng: &mut Random, kind: usize) -> (Solid, Ray) {
     let solid = Solid::from(Primitive::examples().swap_remove(kind));
     let bounds = compiled(Program::compile(&solid)).bounds();
@@ -103,7 +104,7 @@ fn example(rng: &mut Random, kind: usize) -> (Solid, Ray) {
     (solid, Ray::new(point, rng.direction()))
 }
 
-/// From about a point: in any direction, or along an axis but for rounding.
+/// A ray from near a point, in any direction or nearly along an axis.
 fn ray_from(rng: &mut Random, point: Vec3) -> Ray {
     let origin = if rng.chance(0.3) { point } else { point + 0.09 * rng.point(1.0) };
     let direction = match rng.below(3) {
@@ -113,7 +114,7 @@ fn ray_from(rng: &mut Random, point: Vec3) -> Ray {
     Ray::new(origin, direction)
 }
 
-/// From the middle of a box into an edge or a corner, exactly or nearly; or along its walls; or anywhere.
+/// A ray from the middle of a box into an edge or a corner, exactly or nearly, or in a random direction.
 fn into_the_corner(rng: &mut Random, kind: u64, half: Vec3) -> Ray {
     let signs = Vec3::new(rng.pick(&[1.0, -1.0]), rng.pick(&[1.0, -1.0]), rng.pick(&[1.0, -1.0]));
     let corner = half * signs;
@@ -149,7 +150,8 @@ impl<E: Evaluator> Walk<'_, E> {
                 Some(c) if c.t == 0.0 => at_once + 1,
                 _ => 0,
             };
-            // what is met at once was found near when the list was made, by the tolerance at that time
+            // a crossing at t = 0 belongs to a face that was listed as near, by the tolerance at the time of
+            // arrival
             let listed = |face: Face| {
                 starts.iter().any(|s| (s.surface, s.placement) == (face.surface, face.placement))
             };
@@ -170,8 +172,8 @@ impl<E: Evaluator> Walk<'_, E> {
             });
             let (true, Some(crossing)) = (right, crossing) else { return };
             let (next, listed) = self.bounced(&ray, &crossing);
-            // crossed at once: the point has not moved, so what it lay on it lies on still, though the tolerance
-            // at t = 0 is smaller than the one at the time of arrival
+            // after a crossing at t = 0 the point has not moved, so it still lies on the listed faces,
+            // although the tolerance at t = 0 is smaller than the one at the time of arrival
             starts.retain(|_| crossing.t == 0.0);
             starts.extend(listed.into_iter().filter(|new| !starts.contains(new)).collect::<Vec<_>>());
             ray = next;
@@ -185,8 +187,8 @@ impl<E: Evaluator> Walk<'_, E> {
         value.abs() <= delta(entry.magnitude + magnitude, &local, t) * gradient.length()
     }
 
-    /// The reflected ray from a point put onto the face by one Newton step, and the faces that it starts on: all
-    /// within the tolerance, on the side where it was, that is inside.
+    /// The reflected ray, from the point projected onto the face by one Newton step, and the faces on which
+    /// it starts: all within the tolerance, with the ray on their inner side.
     fn bounced(&self, ray: &Ray, crossing: &Crossing) -> (Ray, Vec<Start>) {
         let normal = attributes::normal(self.program, ray, crossing);
         let mut starts = Vec::new();

@@ -1,4 +1,4 @@
-//! An evaluator against formulas: between any two crossings every point is on the reported side.
+//! An evaluator against formulas: all points between two crossings are on the reported side.
 
 use crate::oracle::{Oracle, Probe, medium};
 use crate::rays::{batch, rays};
@@ -7,8 +7,8 @@ use rayweave_model::{Collected, Evaluator, Program, Query, RegionId};
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
-/// Between neighbouring crossings, and before the first and after the last, points are drawn in the middle and
-/// ever closer to both ends: a crossing too many, too few, or in the wrong place shows there.
+/// Samples points between neighbouring crossings, before the first and after the last one: in the middle and
+/// ever closer to both ends. A surplus, missing or misplaced crossing shows up there.
 pub fn with_formulas<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let (models, count) = effort.models_and_rays();
     let mut tally = Tally::new("points on the side that formulas give");
@@ -26,7 +26,7 @@ pub fn with_formulas<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
             clear += one(&model, &oracles, ray, &found, i, seed, &evaluator, &mut tally);
         }
     }
-    // the tolerance must not swallow the test
+    // the tolerance must not exclude most samples
     assert!(clear * 10 > tally.asked() * 8, "only {clear} of {} samples are clear", tally.asked());
     tally.finish(models * count as u64);
 }
@@ -62,7 +62,8 @@ fn one<E: Evaluator>(
                 )
             });
         }
-        // what is found at 1e16, along a ray that is parallel to a face but for rounding, is anywhere
+        // a crossing at t ~ 1e16, of a ray that rounding keeps from being parallel to a face, has an
+        // arbitrary position
         let certain = |t: f64| t.abs() * ray.direction.length() < 1e6 * (1.0 + ray.origin.length());
         if let Some(crossing) = crossings.get(k).filter(|c| certain(c.t)) {
             let point = ray.at(crossing.t);
@@ -81,7 +82,8 @@ fn medium_of(program: &Program, region: RegionId) -> u32 {
     program.medium_of(region)
 }
 
-/// Times in an open interval: its middle, and close to its ends. An open end is a hundred lengths away.
+/// Times in an open interval: its middle, and close to its ends. An unbounded end is replaced by one 100
+/// lengths away.
 fn samples(ray: &Ray, from: Option<f64>, to: Option<f64>) -> Vec<f64> {
     let unit = 1.0 / ray.direction.length();
     let closest = -ray.origin.dot(ray.direction) / ray.direction.length_squared();

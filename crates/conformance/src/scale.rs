@@ -1,7 +1,8 @@
-//! Families of models of any size, for tests and measurements of how cost grows with the number of leaves.
+//! Families of models of any size, for tests and measurements of the cost as a function of the number of
+//! leaves.
 //!
-//! All lie in the cube between (-1, -1, -1) and (1, 1, 1), so that the same rays serve every size, and are the same on
-//! every platform.
+//! All lie in the cube between (-1, -1, -1) and (1, 1, 1), so that the same rays serve every size. They are
+//! identical on every platform.
 
 use crate::Random;
 use crate::models::{block, shape};
@@ -9,11 +10,11 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use std::f64::consts::PI;
 
-/// The part of the cube that the spheres of [`spheres`] would fill if none overlapped.
+/// The fraction of the cube that the spheres of [`spheres`] would fill without overlaps.
 pub const FILLING: f64 = 0.2;
 
-/// `n` spheres at random places, united: radii between 0.5 and 1.5 of a mean that falls as n^(-1/3), so that their volumes
-/// together fill the same part of the cube, [`FILLING`], whatever their number.
+/// The union of `n` spheres at random places. Radii are between 0.5 and 1.5 of a mean proportional to
+/// n^(-1/3), so that the sum of their volumes is the same fraction of the cube, [`FILLING`], for every n.
 pub fn spheres(n: usize, seed: u64) -> Solid {
     let mut rng = Random::new(seed);
     // the mean of x^3 for x uniform in [0.5, 1.5) is 1.25
@@ -25,7 +26,7 @@ pub fn spheres(n: usize, seed: u64) -> Solid {
     }))
 }
 
-/// A plate, 2 by 2 by 0.1, less `n` round holes through it on a square grid: `n` + 1 leaves.
+/// A plate, 2 by 2 by 0.1, minus `n` round holes on a square grid: `n` + 1 leaves.
 pub fn plate(n: usize) -> Solid {
     let half = Vec3::new(1.0, 1.0, 0.05);
     let rows = whole_root(n, 2);
@@ -38,9 +39,8 @@ pub fn plate(n: usize) -> Solid {
     block(-half, half) - Solid::union(holes)
 }
 
-/// A sponge by nested differences: a cube less three square bars through its middle, as in Menger's, and less 20 smaller
-/// sponges of the same kind in what they leave; those in the largest cubes first, four leaves each, until there are `n`
-/// leaves (or up to three more).
+/// A sponge by nested differences: a cube minus three square bars through its middle (as in Menger's sponge),
+/// minus
 pub fn sponge(n: usize) -> Solid {
     let cells = cells(n.div_ceil(4).max(1));
     let mut holes: Vec<Vec<Solid>> = vec![Vec::new(); cells.len()];
@@ -63,9 +63,9 @@ struct Cell {
 }
 
 impl Cell {
-    /// The cube without the bars and what else is to be taken out, given last first.
+    /// The cube minus the bars and the solids in `less`, which are in reverse order.
     fn drilled(&self, less: Vec<Solid>) -> Solid {
-        // the bars end clear of the cube, and nothing in it touches anything else
+        // the bars extend beyond the cube, and no two other faces touch
         let bar = |along: Vec3| {
             let half = self.half * (Vec3::splat(0.3) + 0.71 * along);
             block(self.centre - half, self.centre + half)
@@ -75,7 +75,7 @@ impl Cell {
         cube - Solid::union(bars.into_iter().chain(less.into_iter().rev()))
     }
 
-    /// The 20 cubes of a third of the size that the bars leave, somewhat shrunk.
+    /// The 20 cubes of a third of the size that the bars leave, slightly shrunk.
     fn smaller(&self, number: usize) -> impl Iterator<Item = Cell> {
         let place = |k: usize| Vec3::new((k % 3) as f64, (k / 3 % 3) as f64, (k / 9) as f64) - Vec3::ONE;
         let beside_the_bars = |at: &Vec3| at.abs().element_sum() >= 2.0;
@@ -87,7 +87,7 @@ impl Cell {
     }
 }
 
-/// The first cubes of the sponge, large ones first.
+/// The first cubes of the sponge, largest first.
 fn cells(count: usize) -> Vec<Cell> {
     let mut cells = vec![Cell { centre: Vec3::ZERO, half: 1.0, parent: None }];
     for number in 0.. {
@@ -101,13 +101,13 @@ fn cells(count: usize) -> Vec<Cell> {
     cells
 }
 
-/// One die of five leaves (a box and a sphere in common, less three cylinders) placed `n` times on a cubic grid, without
-/// turning: `n` instances.
+/// One die of five leaves (a box intersected with a sphere, minus three cylinders) placed `n` times on a
+/// cubic grid without rotation: `n` instances.
 pub fn lattice(n: usize) -> Solid {
     die(n).place(grid(n).map(Affine::translate).collect::<Vec<_>>())
 }
 
-/// The same die placed `n` times, turned and stretched each time in another way.
+/// The same die placed `n` times, each with its own rotation and scale.
 pub fn lattice_affine(n: usize, seed: u64) -> Solid {
     let mut rng = Random::new(seed);
     let map = |at: Vec3| {
@@ -119,14 +119,14 @@ pub fn lattice_affine(n: usize, seed: u64) -> Solid {
     die(n).place(grid(n).map(map).collect::<Vec<_>>())
 }
 
-/// The first `n` middles of a cubic grid that fills the cube.
+/// The first `n` cell centres of a cubic grid that fills the cube.
 fn grid(n: usize) -> impl Iterator<Item = Vec3> {
     let rows = whole_root(n, 3);
     let at = move |k: usize| (2 * k + 1) as f64 / rows as f64 - 1.0;
     (0..n).map(move |k| Vec3::new(at(k % rows), at(k / rows % rows), at(k / (rows * rows))))
 }
 
-/// A die that fits a cell of [`grid`] however it is turned.
+/// A die that fits into a cell of [`grid`] in any orientation.
 fn die(n: usize) -> Solid {
     let size = 2.0 / whole_root(n, 3) as f64;
     let hole = shape("cylinder", &[("radius", 0.15 * size), ("height", size)]);
@@ -135,7 +135,7 @@ fn die(n: usize) -> Solid {
     (cube & ball) - Solid::union([hole.rotate_y(90.0), hole.rotate_x(90.0), hole])
 }
 
-/// The least whole number >= 1 whose power is at least `n`.
+/// The least integer >= 1 whose power is at least `n`.
 fn whole_root(n: usize, power: u32) -> usize {
     (1..).find(|&k: &usize| k.pow(power) >= n).unwrap_or(1)
 }
@@ -152,7 +152,7 @@ mod tests {
             let group = program.prototypes()[0].leaves.len();
             assert_eq!(group, leaves);
             let bounds = program.bounds();
-            // a turned box gets a larger box around it
+            // the bounding box of a rotated box is larger than the box
             let most = if solid.to_string().contains("place") { 1.2 } else { 1.0 + 1e-12 };
             assert!(bounds.lo.abs().max(bounds.hi.abs()).max_element() <= most, "{bounds:?}");
         };
@@ -160,7 +160,7 @@ mod tests {
             in_cube(spheres(n, 1), n);
             in_cube(plate(n), n + 1);
             in_cube(sponge(n), n.div_ceil(4) * 4);
-            // a solid placed once is no instance
+            // a solid placed once is not an instance
             in_cube(lattice(n), if n == 1 { 5 } else { n });
             in_cube(lattice_affine(n, 1), if n == 1 { 5 } else { n });
         }

@@ -1,8 +1,8 @@
-//! Counting how often a promise is kept.
+//! Counts of checks and failures.
 
 use std::fmt::Display;
 
-/// How often something was asked and how often the answer was wrong, with the first few wrong ones.
+/// The number of checks and of failures, with messages for the first few failures.
 #[derive(Debug)]
 pub struct Tally {
     what: &'static str,
@@ -12,12 +12,12 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Nothing asked yet.
+    /// A tally without checks.
     pub fn new(what: &'static str) -> Tally {
         Tally { what, asked: 0, failed: 0, first: Vec::new() }
     }
 
-    /// Counts one answer; the message is made only for the first few that are wrong.
+    /// Counts one check; the message is made for the first few failures only.
     pub fn check<M: Display>(&mut self, right: bool, message: impl FnOnce() -> M) {
         self.asked += 1;
         if !right {
@@ -28,12 +28,13 @@ impl Tally {
         }
     }
 
-    /// The number of answers.
+    /// The number of checks.
     pub fn asked(&self) -> u64 {
         self.asked
     }
 
-    /// Panics, with the rate and the first failures, if there is any or if fewer than `least` were asked.
+    /// Panics if there is any failure, with the rate and the first messages, or if there were fewer than
+    /// `least` checks.
     pub fn finish(self, least: u64) {
         let Tally { what, asked, failed, first } = self;
         assert!(failed == 0, "{what}: {failed} of {asked} wrong\n{}", first.join("\n---\n"));

@@ -1,5 +1,5 @@
-//! Solids that touch are right without any nudging: whatever way each was made and placed, in any order of
-//! operands, turned as a whole, at any angle of the ray to the shared face.
+//! Solids in contact need no gap or overlap: for any way of making and placing each of them, any order of
+//! operands, any rotation of the whole, and any angle of the ray to the shared face.
 
 use crate::models::{block, compiled, motion, shape};
 use crate::rays::batch;
@@ -11,12 +11,12 @@ use rayweave_shape::surface::delta;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Solids that touch, and the same thing without any shared face.
+/// Solids in contact, and equivalent solids without shared faces.
 struct Case {
     name: &'static str,
     regions: Vec<Solid>,
     expected: Vec<Solid>,
-    /// A point in a shared face and the normal there.
+    /// Draws a point in a shared face and the normal there.
     seam: fn(&mut Random) -> (Vec3, Vec3),
 }
 
@@ -25,8 +25,9 @@ type Make = fn(&mut Random) -> Case;
 const CASES: &[Make] =
     &[tiles, common_faces, equal_boxes, doublet, shells, wedges, rods, frusta, touching_pair];
 
-/// Rays through points of shared faces, at angles from straight to 1e-12, against the same model without those
-/// faces: as many crossings between the same regions, each on the surface where it should be.
+/// Traces rays through points of shared faces, at angles from 1 to 1e-12, and compares with the equivalent
+/// model without those faces: the same number of crossings between the same regions, each on the expected
+/// surface.
 pub fn at_any_angle<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
     let mut tally = Tally::new("rays through touching faces");
     for seed in 0..effort.of(3_000, 250_000) {
@@ -67,11 +68,11 @@ fn regions(solids: &[Solid], frame: &Affine) -> Result<Program, CompileError> {
     Program::compile_regions(&regions)
 }
 
-/// Through a point of the seam, at an angle to it between 1e-12 and 1.
+/// A ray through a point of the seam, at an angle to it between 1e-12 and 1.
 fn seam_ray(rng: &mut Random, case: &Case, frame: &Affine) -> Ray {
     let (point, normal) = (case.seam)(rng);
     let along = rng.direction().cross(normal).normalize();
-    // where the frame is far away, nothing smaller can be told from 0
+    // in a distant frame smaller angles are within rounding of 0
     let least = (1e-12 * (1.0 + frame.translation.length())).max(1e-12);
     let angle = match rng.below(3) {
         0 => rng.magnitude(libm::log10(least), -6.0),
@@ -83,7 +84,8 @@ fn seam_ray(rng: &mut Random, case: &Case, frame: &Affine) -> Ray {
     Ray::new(origin, direction).transformed(frame)
 }
 
-/// A ray that is nearly tangent to a curved face cuts off a piece too thin to be promised.
+/// Removes the crossings of a ray nearly tangent to a curved face: the piece cut off is too thin to be
+/// guaranteed.
 fn without_grazes(crossings: &[Crossing], ray: &Ray) -> Vec<Crossing> {
     // a chord of this length is a few delta deep
     let limit = 1e-5 * (1.0 + ray.origin.length()).sqrt();
@@ -103,7 +105,7 @@ fn without_grazes(crossings: &[Crossing], ray: &Ray) -> Vec<Crossing> {
     kept
 }
 
-/// The same change of region, on the surface where it is expected.
+/// True for the same change of region on the expected surface.
 fn agree(expected: &Program, ray: &Ray, found: &Crossing, wanted: &Crossing) -> bool {
     let entry = expected.surface(wanted.face.surface);
     let (value, gradient) = entry.surface.value_and_gradient(ray.at(found.t));
@@ -111,7 +113,7 @@ fn agree(expected: &Program, ray: &Ray, found: &Crossing, wanted: &Crossing) -> 
     near && (found.before, found.after) == (wanted.before, wanted.after)
 }
 
-/// A solid moved by `by`, in one of many ways that differ by rounding.
+/// A solid moved by `by`, in one of several ways that differ by rounding.
 fn moved(rng: &mut Random, solid: &Solid, by: Vec3) -> Solid {
     let detour = rng.point(4.0);
     let turn = Affine::rotation(rng.direction(), rng.between(-180.0, 180.0));
@@ -193,7 +195,7 @@ fn common_faces(rng: &mut Random) -> Case {
     }
 }
 
-/// The same box made twice: nothing is left of the difference, and the rest is the box.
+/// The same box made twice: the difference is empty, and the union is the box.
 fn equal_boxes(rng: &mut Random) -> Case {
     let (lo, hi) = (Vec3::ZERO, Vec3::new(1.0, 0.8, 0.6));
     let (a, b) = (made_box(rng, lo, hi), made_box(rng, lo, hi));
@@ -205,7 +207,7 @@ fn equal_boxes(rng: &mut Random) -> Case {
         4 => (!&a | &b, Solid::universe()),
         _ => ((&a ^ &b) ^ &a, block(lo, hi)),
     };
-    // a far box, so that both models have a length
+    // a distant box, so that both models have a length
     let far = block(Vec3::splat(40.0), Vec3::splat(41.0));
     Case {
         name: "equal boxes",
@@ -215,7 +217,7 @@ fn equal_boxes(rng: &mut Random) -> Case {
     }
 }
 
-/// A cemented doublet: two lenses made apart, with one spherical face in common.
+/// A cemented doublet: two lenses made separately, with one spherical face in common.
 fn doublet(rng: &mut Random) -> Case {
     let sphere = |rng: &mut Random, radius: f64, z: f64| {
         moved(rng, &shape("sphere", &[("radius", radius)]), Vec3::new(0.0, 0.0, z))
@@ -239,7 +241,7 @@ fn doublet(rng: &mut Random) -> Case {
     Case { name: "doublet", regions: vec![front, back], expected: vec![whole, rest], seam }
 }
 
-/// A ball in a shell of the same radius.
+/// A ball in a shell whose inner radius equals that of the ball.
 fn shells(rng: &mut Random) -> Case {
     let sphere = |radius: f64| shape("sphere", &[("radius", radius)]);
     let (ball, hole) = (moved(rng, &sphere(1.0), Vec3::Y), moved(rng, &sphere(1.0), Vec3::Y));
@@ -291,7 +293,7 @@ fn wedges(rng: &mut Random) -> Case {
     }
 }
 
-/// Cylinders of one radius on top of each other.
+/// Cylinders of equal radius on top of each other.
 fn rods(rng: &mut Random) -> Case {
     let heights = [0.3, 1.1, 0.7];
     let mut z = -1.05;
@@ -328,7 +330,7 @@ fn frusta(rng: &mut Random) -> Case {
     }
 }
 
-/// Two boxes side by side: nothing in common, and neither takes anything from the other.
+/// Two boxes side by side: their intersection is empty, and their difference is the first one.
 fn touching_pair(rng: &mut Random) -> Case {
     let (lo, hi) = (Vec3::new(1.0, 0.0, 0.0), Vec3::new(2.0, 1.0, 1.0));
     let (a, b) = (made_box(rng, Vec3::ZERO, Vec3::ONE), made_box(rng, lo, hi));

@@ -1,5 +1,5 @@
-//! The judge of approximate evaluators: it accepts one that rounds to single precision and says so, and catches every kind
-//! of false claim.
+//! Tests of the test of approximate evaluators: it accepts one that rounds to single precision with correct
+//! bounds, and detects every kind of violation.
 
 use rayweave_conformance::Effort;
 use rayweave_conformance::approximate::{Verdict, against, on_model};
@@ -10,34 +10,34 @@ use rayweave_model::{
 use rayweave_trace::{Reference, Weave};
 use std::sync::Arc;
 
-/// What a toy does wrong.
+/// A deliberate fault of the toy evaluator.
 #[derive(Clone, Copy, PartialEq)]
 enum Fault {
     None,
-    /// Calls its times exact.
+    /// Bounds are 0.
     NoBound,
-    /// Gives a bound that is NaN.
+    /// Bounds are NaN.
     BoundIsNan,
-    /// Gives a bound that is infinite.
+    /// Bounds are infinite.
     BoundIsInfinite,
-    /// Never says that it is uncertain, and joins crossings that round to one time.
+    /// No ray is uncertain, and crossings that round to one time are joined.
     NeverUncertain,
-    /// Leaves out the last crossing of a ray.
+    /// The last crossing of each ray is missing.
     LastDropped,
-    /// Names another face of the same leaf.
+    /// The face is another one of the same leaf.
     OtherFace,
-    /// Gives the first two crossings in reverse.
+    /// The first two crossings are exchanged.
     Reversed,
-    /// Is in another region at the start.
+    /// The region at the start is wrong.
     OtherStart,
-    /// Forgets the flags of the last ray.
+    /// The flag of the last ray is missing.
     ShortColumn,
-    /// Says nothing at all.
+    /// Every ray is uncertain.
     AlwaysUncertain,
 }
 
-/// The exact answer rounded to single precision; uncertain where two times of a ray cannot be told apart any more, or a
-/// time cannot be told from an end of the window.
+/// The exact answer rounded to single precision. A ray is uncertain if two of its times, or a time and an end
+/// of the window, agree within their bounds.
 struct Toy {
     exact: Reference,
     fault: Fault,
@@ -47,7 +47,8 @@ fn toy(fault: Fault) -> impl Fn(Arc<Program>) -> Toy {
     move |program| Toy { exact: Reference::new(program), fault }
 }
 
-/// Half a unit in the last place of the rounded time, at least the smallest number that f32 has.
+/// Upper bound of the rounding error of a time: |t| times the epsilon of f32, at least the smallest f32 above
+/// 0.
 fn bound(t: f64) -> f64 {
     (t.abs() * f64::from(f32::EPSILON)).max(f64::from(f32::from_bits(1)))
 }

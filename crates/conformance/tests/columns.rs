@@ -1,4 +1,4 @@
-//! All crossings in columns: the same rows for any size of the batches, and the same crossings as the lists.
+//! Crossings in columns: the same rows for any batch size, and the same crossings as the lists.
 
 use rayweave_conformance::rays::{batch, rays};
 use rayweave_conformance::{Model, Random, Style};

@@ -1,4 +1,4 @@
-//! The plain view of a program holds its meaning: an interpreter that reads nothing else agrees with an evaluator.
+//! The plain view of a program is complete: an interpreter that reads nothing else agrees with an evaluator.
 
 use rayweave_conformance::{Model, Random, Style};
 use rayweave_model::plain::{GATE_AT_LEAST, LEAF_INSTANCE, PlainError, PlainProgram, SurfaceKind};
@@ -27,11 +27,11 @@ fn torus(q: &[f64], axis: &[f64], major: f64, minor: f64) -> f64 {
     (d - major) * (d - major) + z * z - minor * minor
 }
 
-/// The interpreter: brute force, by the documentation of the tables.
+/// A brute-force interpreter, written from the documentation of the tables.
 struct Interpreter<'p>(&'p PlainProgram);
 
 impl Interpreter<'_> {
-    /// f of a surface.
+    /// The value f of a surface at a point.
     fn value(&self, surface: u32, p: &Point) -> f64 {
         let record = self.0.surfaces[surface as usize];
         let n = &self.0.numbers[record.first as usize..];

@@ -1,29 +1,30 @@
-//! Boxes around boxes around triangles.
+//! Bounding volume hierarchy (BVH) over the triangles of a mesh.
 //!
-//! *Source*: binned surface area heuristic, I. Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies" (2007);
-//! eight children a node, as in H. Dammertz, J. Hanika, A. Keller, "Shallow Bounding Volume Hierarchies for Fast SIMD Ray
-//! Tracing of Incoherent Rays" (2008).
+//! *Source*: binned surface area heuristic, I. Wald, "On fast Construction of SAH-based Bounding Volume
+//! Hierarchies" (2007); eight children per node, as in H. Dammertz, J. Hanika, A. Keller, "Shallow Bounding
+//! Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays" (2008).
 //!
-//! *Guarantee*: boxes are kept in `f32` relative to the middle of the mesh, in halves of its size, and asked with a margin
-//! that covers what that rounds (a few units of 6e-8, see [`MARGIN`]) and what the line itself does: nothing is missed. Equal
-//! input gives equal nodes.
+//! *Guarantee*: queries are conservative, no triangle is missed. Boxes are stored in `f32` relative to the
+//! centre of the mesh, in units of half its size, and tested with a margin that covers their rounding errors
+//! (a few units of 6e-8, see [`MARGIN`]) and those of the line. Equal input gives equal nodes.
 
 use crate::{Line, Mesh};
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
 use std::ops::Range;
 
-/// Triangles in a leaf, at most.
+/// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
 const WIDTH: usize = 8;
 const BINS: usize = 16;
 /// Below this depth ranges are halved, which bounds the depth.
 const DEEP: usize = 24;
-/// Room for all that may wait to be visited: 7 children a level, 24 levels of any shape and 10 of halves.
+/// Capacity of the traversal stack: 7 children per level, for 24 levels of any shape and 10 of halving.
 const STACK: usize = 256;
-/// Within the box of the mesh, origin, times and planes in f32 add up to an error of 1e-6 of its half size at most.
+/// Margin of box tests in units of half the mesh size: twice the error bound (1e-6) of origin, times and
+/// planes in f32 within the box of the mesh.
 const MARGIN: f64 = 2e-6;
 
-/// Eight boxes and what is in them.
+/// A node: eight boxes and their children.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
     lo: [[f32; WIDTH]; 3],
@@ -31,7 +32,8 @@ struct Node {
     child: [Child; WIDTH],
 }
 
-/// A node, or a range of triangles: then the highest bit is set, three bits are the count, the others the start.
+/// An inner node, or a leaf: bit 31 is set, bits 28 to 30 are the number of triangles, the others the first
+/// one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Child(u32);
 
@@ -48,7 +50,7 @@ impl Child {
     }
 }
 
-/// The hierarchy over the triangles of a mesh, which it puts into an order of its own.
+/// A BVH over the triangles of a mesh, which are reordered.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Hierarchy {
     nodes: Vec<Node>,
@@ -57,7 +59,7 @@ pub(crate) struct Hierarchy {
     magnitude: f64,
 }
 
-/// A box in f32 with what it holds, while building.
+/// The box of a triangle in f32, during construction.
 #[derive(Clone, Copy, Debug)]
 struct Item {
     lo: [f32; 3],
@@ -100,7 +102,7 @@ impl Item {
         Item { lo: lo.map(below), hi: hi.map(above), triangle: triangle as u32 }
     }
 
-    /// Twice the middle.
+    /// Twice the centre.
     fn centre(&self, axis: usize) -> f32 {
         self.lo[axis] + self.hi[axis]
     }
@@ -116,7 +118,7 @@ fn above(x: f64) -> f32 {
 }
 
 impl Hierarchy {
-    /// The hierarchy and the order of triangles in it.
+    /// Builds the hierarchy; also returns the order of the triangles in it.
     pub fn new(mesh: &Mesh) -> (Hierarchy, Vec<u32>) {
         let bounds = mesh.bounds();
         let middle = if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() };
@@ -129,22 +131,23 @@ impl Hierarchy {
         (Hierarchy { nodes, middle, half, magnitude }, items.iter().map(|item| item.triangle).collect())
     }
 
-    /// Distance of the farthest point from the origin, at most.
+    /// Upper bound of the distance of a point of the mesh from the origin.
     pub fn magnitude(&self) -> f64 {
         self.magnitude
     }
 
-    /// Bytes held.
+    /// Size in bytes.
     pub fn bytes(&self) -> usize {
         self.nodes.len() * size_of::<Node>()
     }
 
-    /// The times between which the line is in the ball around the mesh, grown a little; `None` if it misses it.
+    /// The times between which the line is in a ball around the mesh, slightly enlarged; `None` if it misses
+    /// the ball.
     pub fn chord(&self, line: &Line) -> Option<(f64, f64)> {
         let time = line.closest_time(self.middle);
         let distance = (line.at(time) - self.middle).length();
         let radius = 1.75 * self.half + self.slack(line);
-        // NaN means that nothing is known, and the line is asked
+        // NaN proves nothing: the line is traced
         if distance > radius {
             return None;
         }
@@ -152,12 +155,13 @@ impl Hierarchy {
         Some((time - half, time + half))
     }
 
-    /// By how much a line may miss what it meets, for its own rounding.
+    /// Upper bound of the distance between the exact and the rounded line near the mesh.
     fn slack(&self, line: &Line) -> f64 {
         64.0 * UNIT_ROUNDOFF * (line.origin.length() + self.magnitude)
     }
 
-    /// Calls `visit` with ranges of triangles, in the hierarchy's order, that hold all which the line comes near to.
+    /// Calls `visit` with ranges of triangles, in the hierarchy's order, that include every triangle close to
+    /// the line.
     pub fn along(&self, line: &Line, mut visit: impl FnMut(Range<usize>)) {
         if self.chord(line).is_none() {
             return;
@@ -166,7 +170,7 @@ impl Hierarchy {
         self.walk(|node| ray.hits(node), &mut visit);
     }
 
-    /// Calls `visit` with ranges of triangles that hold all whose boxes meet this one.
+    /// Calls `visit` with ranges of triangles that include every triangle whose box intersects this one.
     pub fn within(&self, bounds: &Bounds, mut visit: impl FnMut(Range<usize>)) {
         let margin = Vec3::splat(MARGIN);
         let lo = ((bounds.lo - self.middle) / self.half - margin).to_array().map(below);
@@ -177,7 +181,7 @@ impl Hierarchy {
         self.walk(meets, &mut visit);
     }
 
-    /// Visits the leaves in boxes of which `hits` says so, bit by bit.
+    /// Traverses the tree. `hits` returns a bit mask of the children to visit.
     fn walk(&self, hits: impl Fn(&Node) -> u8, visit: &mut impl FnMut(Range<usize>)) {
         let mut stack = [0u32; STACK];
         let mut waiting = usize::from(!self.nodes.is_empty());
@@ -199,8 +203,8 @@ impl Hierarchy {
         }
     }
 
-    /// Calls `visit` with ranges of triangles, and the square of the distance within which others still count, until all
-    /// whose boxes are nearer to the point than what it last returned have been visited.
+    /// Calls `visit` with ranges of triangles and the squared distance within which triangles still count;
+    /// `visit` returns a new one. Ends when no unvisited box is nearer to the point than that.
     pub fn around(&self, point: Vec3, mut within: f64, mut visit: impl FnMut(Range<usize>, f64) -> f64) {
         let p = ((point - self.middle) / self.half).to_array();
         let margin = MARGIN + 64.0 * UNIT_ROUNDOFF * (point.length() + self.magnitude) / self.half;
@@ -223,7 +227,7 @@ impl Hierarchy {
                 stack[waiting] = (scale * node.distance_squared(k, &p, margin), node.child[k]);
                 waiting += 1;
             }
-            // the nearest last, to be taken first
+            // the nearest last, to be visited first
             stack[first..waiting].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         }
     }
@@ -236,7 +240,7 @@ impl Node {
         child: [Child::NONE; WIDTH],
     };
 
-    /// The square of the distance of a point from a box, at most.
+    /// Lower bound of the squared distance of a point from a box.
     fn distance_squared(&self, k: usize, p: &[f64; 3], margin: f64) -> f64 {
         let away = |axis: usize| {
             let (lo, hi) = (f64::from(self.lo[axis][k]), f64::from(self.hi[axis][k]));
@@ -246,14 +250,14 @@ impl Node {
     }
 }
 
-/// Eight answers as bits.
+/// Eight booleans as a bit mask.
 fn mask(is_set: impl Fn(usize) -> bool) -> u8 {
     (0..WIDTH).fold(0, |bits, k| bits | u8::from(is_set(k)) << k)
 }
 
-/// A line in the frame of the boxes.
+/// A line in the frame of the boxes, in f32.
 struct SmallRay {
-    /// Per axis: where the planes met first and last count from, the margin included.
+    /// Origin per axis for the slab planes that are crossed first and last, with the margin included.
     near: [f32; 3],
     far: [f32; 3],
     inverse: [f32; 3],
@@ -266,14 +270,14 @@ impl SmallRay {
         let scaled = line.direction / line.direction.abs().max_element();
         let direction = scaled.normalize().to_array();
         let margin = (MARGIN + hierarchy.slack(line) / hierarchy.half).min(1e30);
-        // a line across an axis meets its planes very late, never at 0 times infinity
+        // a line perpendicular to an axis crosses its planes at very large times, never at 0 times infinity
         let inverse = direction.map(|d| if d.abs() < 1e-25 { 1e25 } else { 1.0 / d });
         let toward =
             |sign: f64| std::array::from_fn(|k| (origin[k] + sign * margin.copysign(inverse[k])) as f32);
         SmallRay { near: toward(1.0), far: toward(-1.0), inverse: inverse.map(|x| x as f32) }
     }
 
-    /// Which boxes the line meets.
+    /// Bit mask of the boxes that the line intersects (slab test).
     fn hits(&self, node: &Node) -> u8 {
         let (mut first, mut last) = ([f32::NEG_INFINITY; WIDTH], [f32::INFINITY; WIDTH]);
         for axis in 0..3 {
@@ -302,7 +306,7 @@ impl Part {
     }
 }
 
-/// The nodes, root first; items are put into order.
+/// Builds the nodes, root first, and reorders the items.
 fn build(items: &mut [Item]) -> Vec<Node> {
     let mut nodes = Vec::with_capacity(items.len() / 16 + 1);
     if items.is_empty() {
@@ -311,7 +315,7 @@ fn build(items: &mut [Item]) -> Vec<Node> {
     nodes.push(Node::EMPTY);
     let mut waiting = vec![(0, 0, 0..items.len())];
     while let Some((index, depth, range)) = waiting.pop() {
-        // the last levels are filled evenly: fewer nodes
+        // the last levels are divided evenly, which needs fewer nodes
         let halve = depth >= DEEP || range.len() <= WIDTH * LEAF;
         for (k, part) in parts(items, range, halve).into_iter().enumerate() {
             let child = match part.range.len() <= LEAF {
@@ -334,7 +338,7 @@ fn build(items: &mut [Item]) -> Vec<Node> {
     nodes
 }
 
-/// Up to eight parts of a range: the one with the largest box is split again and again.
+/// Up to eight parts of a range: repeatedly splits the part with the largest box.
 fn parts(items: &mut [Item], range: Range<usize>, halve: bool) -> Vec<Part> {
     let mut parts = Vec::with_capacity(WIDTH);
     parts.push(Part::new(items, range));
@@ -352,7 +356,7 @@ fn parts(items: &mut [Item], range: Range<usize>, halve: bool) -> Vec<Part> {
     parts
 }
 
-/// Puts items into two groups and says where the second begins; neither is empty.
+/// Partitions items into two non-empty groups and returns the start of the second.
 fn split(items: &mut [Item], halve: bool) -> usize {
     let mut centres = Small::EMPTY;
     for item in items.iter() {
@@ -380,7 +384,8 @@ fn halves(items: &mut [Item], axis: usize) -> usize {
     half
 }
 
-/// The border between bins that makes area times count of both sides the least; `None` if all items are in one bin.
+/// The border between bins with the least cost, area times count summed over both sides; `None` if all items
+/// are in one bin.
 fn cheapest_border(items: &[Item], bin: &impl Fn(&Item) -> usize) -> Option<usize> {
     let mut bins = [(Small::EMPTY, 0usize); BINS];
     for item in items {
@@ -398,7 +403,7 @@ fn cheapest_border(items: &[Item], bin: &impl Fn(&Item) -> usize) -> Option<usiz
     (1..BINS).filter(filled).min_by(|&a, &b| cost(a).total_cmp(&cost(b)))
 }
 
-/// Area times count of the first bin, the first two, and so on.
+/// Area times count of the first bin, of the first two, and so on.
 fn running_costs<'a>(bins: impl Iterator<Item = &'a (Small, usize)>) -> Vec<f32> {
     let (mut all, mut count) = (Small::EMPTY, 0);
     bins.map(|(bounds, more)| {
@@ -409,7 +414,7 @@ fn running_costs<'a>(bins: impl Iterator<Item = &'a (Small, usize)>) -> Vec<f32>
     .collect()
 }
 
-/// Puts items that are wanted first, and counts them.
+/// Moves the items that satisfy the predicate to the front and returns their number.
 fn partition(items: &mut [Item], wanted: impl Fn(&Item) -> bool) -> usize {
     let mut first = 0;
     for k in 0..items.len() {

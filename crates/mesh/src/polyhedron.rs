@@ -1,4 +1,4 @@
-//! The solid within a closed mesh.
+//! The solid within a closed mesh: crossings of lines, point containment, nearest triangle.
 
 use crate::diagnosis::shells::Shells;
 use crate::hierarchy::Hierarchy;
@@ -8,29 +8,30 @@ use crate::triangle::{self, Triangle};
 use crate::{Diagnosis, Mesh, MeshError};
 use rayweave_math::{Bounds, Vec3};
 
-/// The solid within a closed mesh: what a line crosses an odd number of times on the way to infinity.
+/// The solid within a closed mesh, by the even-odd rule.
 ///
-/// Nothing can be changed after it was made, and nothing it is asked can fail. What it holds grows with the number of
-/// triangles: a torus of a million holds 57 bytes each ([`Polyhedron::bytes`]).
+/// Immutable; queries do not fail. Memory is proportional to the number of triangles: 57 bytes per triangle
+/// for a torus of a million ([`Polyhedron::bytes`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     vertices: Vec<Vec3>,
-    /// In the order of the hierarchy, as all that follows.
+    /// Triangles in the order of the hierarchy, as in the fields below unless stated otherwise.
     triangles: Vec<[u32; 3]>,
-    /// The numbers of the triangles in the mesh that was given.
+    /// The index in the input mesh of each triangle.
     numbers: Vec<u32>,
-    /// The places here of the mesh's triangles.
+    /// The position in `triangles` of each triangle of the input mesh.
     places: Vec<u32>,
-    /// For each triangle the largest of those that lie in its plane and hang together with it: its plane is that of all.
+    /// For each triangle the largest one that is connected to it within its plane, and whose plane is used
+    /// for all of them.
     faces: Vec<u32>,
-    /// Whether each turns counter-clockwise seen from outside.
+    /// Whether each triangle is counter-clockwise seen from outside.
     outward: Vec<bool>,
     hierarchy: Hierarchy,
     bounds: Bounds,
 }
 
 impl Default for Polyhedron {
-    /// Nothing.
+    /// The empty solid.
     fn default() -> Polyhedron {
         let (hierarchy, numbers) = Hierarchy::new(&Mesh::default());
         Polyhedron {
@@ -46,28 +47,30 @@ impl Default for Polyhedron {
     }
 }
 
-/// The point of a mesh that is nearest to another.
+/// The point of a mesh that is nearest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
     /// The point on the mesh.
     pub point: Vec3,
-    /// A triangle on which it lies, by the mesh's own numbers.
+    /// A triangle that contains it, by its index in the mesh.
     pub triangle: u32,
 }
 
-/// A line with what every triangle is asked of it.
+/// A line prepared for intersection with triangles.
 struct Query {
     shear: Shear,
-    /// The line, or where it was moved to.
+    /// The line, possibly shifted by the perturbation.
     line: Line,
-    /// The line as it was given, which the times are of.
+    /// The original line, to which times refer.
     timed: Line,
-    /// The distance at which a triangle cannot be told from one along the line; negative if that has been settled.
+    /// The tolerance within which a triangle counts as parallel to the line; negative if the line was already
+    /// shifted.
     delta: f64,
 }
 
 impl Mesh {
-    /// True if each edge has an even number of triangles, and there are some: what [`Polyhedron::new`] asks.
+    /// True if the mesh is not empty and each edge has an even number of triangles, as [`Polyhedron::new`]
+    /// requires.
     pub fn is_closed(&self) -> bool {
         let mesh = self.welded();
         check_closed(&mesh, &edge_uses(&mesh)).is_ok()
@@ -75,7 +78,7 @@ impl Mesh {
 }
 
 impl Polyhedron {
-    /// The solid within a mesh; equal points count as one, triangles with two equal corners do not count.
+    /// The solid within a mesh. Equal points count as one; triangles with two equal corners are ignored.
     ///
     /// # Errors
     /// [`MeshError::Empty`] if no triangle is left, [`MeshError::Open`] if an edge has an odd number of triangles.
@@ -104,13 +107,13 @@ impl Polyhedron {
     /// The solid within a mesh that was diagnosed.
     ///
     /// # Errors
-    /// As [`Polyhedron::new`], and [`MeshError::Flat`] if nothing is inside.
+    /// As [`Polyhedron::new`], and [`MeshError::Flat`] if the mesh encloses no volume.
     pub fn closed(mesh: &Mesh, diagnosis: &Diagnosis) -> Result<Polyhedron, MeshError> {
         if diagnosis.is_flat { Err(MeshError::Flat) } else { Polyhedron::new(mesh) }
     }
 
-    /// Which triangles turn counter-clockwise seen from outside, by one line through each shell. Of shells that go through
-    /// others, or have one side only, this holds for some.
+    /// Determines which triangles are counter-clockwise seen from outside, by one line through each shell.
+    /// For shells that intersect others, or are one-sided, the result holds only for some of the triangles.
     fn turns(&self, shells: &Shells) -> Vec<bool> {
         let mut outward: Vec<Option<bool>> = vec![None; shells.count()];
         let largest = shells.largest(|triangle| {
@@ -127,7 +130,8 @@ impl Polyhedron {
         self.numbers.iter().map(of).collect()
     }
 
-    /// Whether a triangle turns counter-clockwise seen from outside, by the line across its middle; `None` if that misses it.
+    /// Whether a triangle is counter-clockwise seen from outside, by the line along its normal through its
+    /// centroid; `None` if that line misses it.
     fn turns_outward(&self, triangle: u32) -> Option<bool> {
         let corners = self.corners(self.places[triangle as usize] as usize);
         let line = Line { origin: triangle::middle(corners), direction: triangle::normal(corners) };
@@ -137,11 +141,11 @@ impl Polyhedron {
         let mut found = Vec::new();
         self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
         let rank = found.iter().position(|crossing| crossing.triangle == triangle)?;
-        // along its normal it is the way out
+        // along its normal the line leaves the solid
         Some(rank % 2 == 1)
     }
 
-    /// The mesh, in its own order, with equal points as one.
+    /// The mesh in its original order, with equal points merged.
     pub fn to_mesh(&self) -> Mesh {
         let mut triangles = vec![[0; 3]; self.triangles.len()];
         for (&number, &corners) in self.numbers.iter().zip(&self.triangles) {
@@ -155,30 +159,31 @@ impl Polyhedron {
         self.triangles.len()
     }
 
-    /// The bytes that it holds.
+    /// Size in bytes.
     pub fn bytes(&self) -> usize {
         let per_triangle = size_of::<[u32; 3]>() + 3 * size_of::<u32>() + size_of::<bool>();
         self.vertices.len() * size_of::<Vec3>() + self.triangles.len() * per_triangle + self.hierarchy.bytes()
     }
 
-    /// The smallest box that holds it.
+    /// The bounding box.
     pub fn bounds(&self) -> Bounds {
         self.bounds
     }
 
-    /// A bound of the distance of its points from the origin.
+    /// Upper bound of the distance of its points from the origin.
     pub fn magnitude(&self) -> f64 {
         self.hierarchy.magnitude()
     }
 
-    /// Where a line goes in and out, at all times, in order of time: an even number of crossings.
+    /// Finds the crossings of a line with the boundary, at all times, in order of time: an even number.
     ///
-    /// The time of a crossing is that of the plane of its face, kept between the corners of the triangle. A line that lies
-    /// in faces, within [`Line::delta`] over its way through the ball around the mesh, is answered as if it were moved by a
-    /// few such distances along the first of the directions `perturbation` that leaves the face: to one side of all of it. Through edges
-    /// and vertices a line goes on one side, the same for all triangles (`contains_origin`).
+    /// The time of a crossing is that of the plane of its face, clamped to the range of the triangle's
+    /// corners. A line that lies in faces, within [`Line::delta`] along its chord of the ball around the
+    /// mesh, is shifted by a few such distances along the first of the directions `perturbation` that leaves
+    /// the face, so that the whole line is on one side. At edges and vertices symbolic perturbation puts the
+    /// line on one side, the same for all triangles (`contains_origin`).
     ///
-    /// `found` is emptied first.
+    /// `found` is cleared first.
     pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<Crossing>) {
         found.clear();
         let Some(chord) = self.hierarchy.chord(line) else {
@@ -205,7 +210,8 @@ impl Polyhedron {
         found.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
     }
 
-    /// Adds the crossings of a line, in no order, and tells how far it has to be moved so that it lies in no face.
+    /// Appends the crossings of a line, in no order, and returns the shift that moves the line out of all
+    /// faces it lies in.
     fn gather(
         &self,
         query: &Query,
@@ -230,7 +236,7 @@ impl Polyhedron {
         shift
     }
 
-    /// How far a line has to be moved that lies in the plane of a triangle; 0 if it does not.
+    /// The shift that moves a line out of the plane of a triangle; 0 if it does not lie in that plane.
     fn way_out(&self, place: usize, query: &Query, chord: (f64, f64), perturbation: &Perturbation) -> Vec3 {
         let [corner, ..] = self.corners(self.faces[place] as usize);
         let normal = self.face_normal(place);
@@ -243,22 +249,24 @@ impl Polyhedron {
         (4.0 * query.delta / normal.dot(way).abs()) * way
     }
 
-    /// The time at which a line crosses the plane of a triangle's face, kept within the triangle's own times.
+    /// The time at which a line crosses the plane of a triangle's face, clamped to the range of the
+    /// triangle's corners.
     fn time(&self, place: usize, line: &Line) -> f64 {
         let face = self.corners(self.faces[place] as usize);
         let t = plane_time(face, line);
         let times = self.corners(place).map(|corner| line.closest_time(corner));
         let (first, last) = (times[0].min(times[1]).min(times[2]), times[0].max(times[1]).max(times[2]));
-        // NaN, where plane and line are parallel, goes to the first
+        // NaN, from a line parallel to the plane, becomes the first
         if t >= first { t.min(last) } else { first }
     }
 
-    /// True if a point is inside: by the crossings of a line through it. On the boundary, as if moved along `perturbation`.
+    /// True if a point is inside, by the crossings of a line through it. A point on the boundary counts as
+    /// moved along `perturbation`.
     pub fn contains(&self, point: Vec3, perturbation: &Perturbation) -> bool {
         self.contains_with(point, perturbation, &mut Vec::new())
     }
 
-    /// The same with room for crossings, for callers that ask often.
+    /// Like [`Polyhedron::contains`], with a reusable buffer for repeated calls.
     pub fn contains_with(&self, point: Vec3, perturbation: &Perturbation, found: &mut Vec<Crossing>) -> bool {
         if !self.bounds.contains(point) {
             return false;
@@ -267,7 +275,7 @@ impl Polyhedron {
         found.iter().filter(|crossing| crossing.t > 0.0).count() % 2 == 1
     }
 
-    /// The point of the mesh nearest to another, among those that are nearer than `within`.
+    /// The point of the mesh nearest to a given point, if it is nearer than `within`.
     pub fn nearest(&self, point: Vec3, within: f64) -> Option<Nearest> {
         let mut best: Option<Nearest> = None;
         self.hierarchy.around(point, within * within, |range, mut within| {
@@ -286,23 +294,22 @@ impl Polyhedron {
         best
     }
 
-    /// The unit vector across the plane in which the triangle of this number lies, on the side from which it turns
-    /// counter-clockwise; NaN if the corners lie on a line.
+    /// The unit normal of the plane of a triangle, by the right-hand rule; NaN if the corners are collinear.
     pub fn normal(&self, triangle: u32) -> Vec3 {
         self.face_normal(self.places[triangle as usize] as usize)
     }
 
-    /// The unit normal of a triangle that points out of the solid; NaN if the corners lie on a line. (Where shells go through
-    /// each other it may point in.)
+    /// The outward unit normal of a triangle; NaN if the corners are collinear. (Where shells intersect each
+    /// other it may point inward.)
     pub fn outward_normal(&self, triangle: u32) -> Vec3 {
         let place = self.places[triangle as usize] as usize;
-        // the triangle that stands for the face may turn the other way
+        // the triangle that represents the face may have the opposite orientation
         let normal = self.face_normal(place);
         let own = triangle::cross(self.corners(place));
         if (normal.dot(own) >= 0.0) == self.outward[place] { normal } else { -normal }
     }
 
-    /// The distance of a point from the triangle of this number.
+    /// The distance of a point from a triangle.
     pub fn distance_from(&self, triangle: u32, point: Vec3) -> f64 {
         let corners = self.corners(self.places[triangle as usize] as usize);
         (triangle::closest_point(corners, point) - point).length()
@@ -313,12 +320,12 @@ impl Polyhedron {
         self.corners(self.places[number as usize] as usize)
     }
 
-    /// The number of the largest triangle among those that lie in one plane with this one, exactly, and hang together.
+    /// The index of the largest triangle that is connected to this one within its plane, exactly.
     pub fn face(&self, triangle: u32) -> u32 {
         self.numbers[self.faces[self.places[triangle as usize] as usize] as usize]
     }
 
-    /// Calls `visit` with the numbers of all triangles nearer to a point than a distance.
+    /// Calls `visit` with the indices of all triangles nearer to a point than `distance`.
     pub fn triangles_within(&self, point: Vec3, distance: f64, mut visit: impl FnMut(u32)) {
         let within = distance * distance;
         self.hierarchy.around(point, within, |range, within| {
@@ -332,12 +339,12 @@ impl Polyhedron {
         });
     }
 
-    /// The times between which a line is in the ball around the mesh; `None` if it misses it.
+    /// The times between which a line is in the ball around the mesh; `None` if it misses the ball.
     pub fn chord(&self, line: &Line) -> Option<(f64, f64)> {
         self.hierarchy.chord(line)
     }
 
-    /// Calls `visit` with the numbers of triangles that have a point in common with a box, and of some nearby.
+    /// Calls `visit` with the indices of all triangles that intersect a box, and of some others nearby.
     pub fn triangles_near(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
         self.hierarchy.within(bounds, |range| self.numbers[range].iter().for_each(|&number| visit(number)));
     }
@@ -351,7 +358,7 @@ impl Polyhedron {
     }
 }
 
-/// Triangles in another order, and their corners in the order in which these need them: neighbours lie together.
+/// Reorders the triangles, and their vertices by first use, so that neighbours are close in memory.
 fn in_order(mesh: &Mesh, numbers: &[u32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let mut new = vec![u32::MAX; mesh.vertices().len()];
     let mut vertices = Vec::with_capacity(new.len());
@@ -371,19 +378,20 @@ fn longer(a: Vec3, b: Vec3) -> Vec3 {
     if b.length_squared() > a.length_squared() { b } else { a }
 }
 
-/// When a line crosses the plane of a triangle. A plane across an axis has the same time in whichever of its triangles.
+/// The time at which a line crosses the plane of a triangle. All triangles in a plane perpendicular to an
+/// axis give the same time.
 fn plane_time(triangle: Triangle, line: &Line) -> f64 {
     let cross = triangle::cross(triangle);
     let away = triangle[0] - line.origin;
     if let Some(axis) = (0..3).find(|&k| cross[(k + 1) % 3] == 0.0 && cross[(k + 2) % 3] == 0.0) {
         return away[axis] / line.direction[axis];
     }
-    // the product of two areas may be beyond the range
+    // the product of two areas may overflow
     let cross = cross / cross.abs().max_element();
     cross.dot(away) / cross.dot(line.direction)
 }
 
-/// Refuses a mesh that has an edge with an odd number of triangles.
+/// Rejects a mesh that has an edge with an odd number of triangles.
 fn check_closed(mesh: &Mesh, uses: &[EdgeUse]) -> Result<(), MeshError> {
     let mut open = by_edge(uses).filter(|edge| edge.len() % 2 == 1);
     let Some(first) = open.next() else {
@@ -393,7 +401,7 @@ fn check_closed(mesh: &Mesh, uses: &[EdgeUse]) -> Result<(), MeshError> {
     Err(MeshError::Open { edges: 1 + open.count(), at: 0.5 * (a + b) })
 }
 
-/// For each triangle the largest of those that it hangs together with in one plane, exactly.
+/// For each triangle the largest one that is connected to it within one plane, exactly.
 fn faces(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<u32> {
     let mut sets = SignedSets::new(mesh.triangles().len());
     for edge in by_edge(uses) {
@@ -412,7 +420,7 @@ fn faces(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<u32> {
     (0..largest.len() as u32).map(|triangle| largest[sets.find(triangle).0 as usize]).collect()
 }
 
-/// True if two triangles at an edge lie in one plane, and neither on a line.
+/// True if two triangles at an edge lie in one plane and neither is degenerate.
 fn are_coplanar(mesh: &Mesh, pair: &[EdgeUse]) -> bool {
     let [a, b] = [0, 1].map(|k| mesh.corners(pair[k].triangle as usize));
     let is_end = |vertex: &&u32| pair[1].ends.contains(vertex);

@@ -98,18 +98,19 @@ fn orientation_along(triangle: Triangle, axis: usize) -> i8 {
     sign(orient2d(a, b, c))
 }
 
-/// How two triangles meet.
+/// The intersection of two triangles, classified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meeting {
-    /// Not at all, or at common corners only, or so that one touches the other.
+    /// None, or common corners only, or a contact without crossing.
     Touching,
-    /// An edge of one goes through the inside of the other.
+    /// An edge of one crosses the interior of the other.
     Crossing,
-    /// They lie in one plane and have an area in common.
+    /// They are coplanar and their interiors overlap.
     Overlapping,
 }
 
-/// How two triangles meet, exactly; the first `shared` corners of both are common points (0, 1 or 2).
+/// Classifies the intersection of two triangles, exactly. The first `shared` corners of both are common
+/// points (0, 1 or 2).
 pub(crate) fn meeting(a: Triangle, b: Triangle, shared: usize) -> Meeting {
     let sides = (b.map(|p| side_of(a, p)), a.map(|p| side_of(b, p)));
     let apart = |s: [i8; 3]| s == [1; 3] || s == [-1; 3];

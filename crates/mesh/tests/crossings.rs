@@ -34,7 +34,8 @@ fn det(a: &Exact, b: &Exact, c: &Exact) -> RBig {
     &a[0] * minor(1, 2) + &a[1] * minor(2, 0) + &a[2] * minor(0, 1)
 }
 
-/// The triangles that a line crosses, with times, in rational arithmetic. The line must not meet an edge.
+/// The triangles that a line crosses, with times, in rational arithmetic. The line must not intersect an
+/// edge.
 fn crossed_exactly(mesh: &Mesh, line: &Line) -> Vec<(u32, f64)> {
     let (o, d) = (exact(line.origin), exact(line.direction));
     let mut found = Vec::new();

@@ -1,8 +1,10 @@
-//! The contract of evaluators that do not give every bit: answers with a bound, or marked as uncertain.
+//! Contract of evaluators that are not exact: each crossing has an error bound, or its ray is marked
+//! uncertain.
 
 use crate::{CrossingColumns, Program, Query, Rays};
 
-/// Finds the crossings of a compiled model within stated bounds: single precision on a GPU, a preview, a learned guess.
+/// Finds the crossings of a compiled model within stated error bounds: single precision on a GPU, a preview,
+/// a learned predictor.
 ///
 /// This is the second contract beside [`Evaluator`](crate::Evaluator), whose answers are equal bit for bit. For each ray
 /// that is not marked as uncertain, compared with the answer of an `Evaluator` to the same query:
@@ -11,8 +13,8 @@ use crate::{CrossingColumns, Program, Query, Rays};
 /// - each crossing has the same face, placement and regions on both sides;
 /// - each time differs by at most the bound of its row.
 ///
-/// Nothing is promised about a ray that is marked as uncertain: the caller finds its crossings with an exact evaluator. The
-/// suite in `rayweave-conformance` judges both contracts.
+/// A ray that is marked as uncertain carries no guarantee: the caller traces it with an exact evaluator. The
+/// suite in `rayweave-conformance` tests both contracts.
 pub trait ApproximateEvaluator: Sync {
     /// The memory that a thread needs.
     type Scratch: Send;
@@ -28,7 +30,7 @@ pub trait ApproximateEvaluator: Sync {
 
     /// Appends the crossings of every ray of a batch to columns.
     ///
-    /// The rays are those that pass [`Rays::check`].
+    /// Rays must pass [`Rays::check`].
     fn columns(
         &self,
         rays: Rays<'_>,
@@ -41,11 +43,11 @@ pub trait ApproximateEvaluator: Sync {
 /// Crossings with bounds of their errors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ApproximateColumns {
-    /// The crossings. Those of an uncertain ray have no meaning; there may be none.
+    /// The crossings. Those of an uncertain ray are meaningless and may be missing.
     pub crossings: CrossingColumns,
-    /// The most by which each time may differ from the exact one: finite, >= 0, as long as `crossings.t`.
+    /// Upper bound of the error of each time: finite, >= 0, one per row of `crossings`.
     pub bound: Vec<f64>,
-    /// Whether each ray is to be traced again by an exact evaluator: as long as the number of rays.
+    /// One flag per ray: true if an exact evaluator has to trace it again.
     pub uncertain: Vec<bool>,
 }
 

@@ -1,4 +1,4 @@
-//! Points and normals of crossings, computed once and only for those that are reported.
+//! Hit attributes (point and normal), computed only for crossings that are reported.
 
 use crate::weld::local_ray;
 use crate::{Crossing, Face, PlacementId, Program};
@@ -10,11 +10,11 @@ pub fn point(ray: &Ray, crossing: &Crossing) -> Vec3 {
     ray.at(crossing.t)
 }
 
-/// The unit normal of a crossing, outward of what is entered or left: against the ray where it enters a
-/// region, along the ray where it leaves for the world.
+/// The unit normal of a crossing: against the ray where it enters a region, along the ray where it leaves for
+/// the world.
 ///
-/// It is the gradient of the surface there, carried to the world by the inverse transpose. At a point
-/// without tangent plane (the apex of a cone) it is the direction of the ray, so that it is never NaN.
+/// It is the gradient of the surface, transformed to the world by the inverse transpose. Where the surface
+/// has no tangent plane (the apex of a cone) it is parallel to the ray, so that it is never NaN.
 pub fn normal(program: &Program, ray: &Ray, crossing: &Crossing) -> Vec3 {
     let gradient = world_gradient(program, ray, crossing.face, crossing.t);
     let sign = if crossing.enters() { -1.0 } else { 1.0 };
@@ -23,7 +23,7 @@ pub fn normal(program: &Program, ray: &Ray, crossing: &Crossing) -> Vec3 {
     if slope == 0.0 { unit * outward(program, crossing.face) } else { unit * (slope.signum() * sign) }
 }
 
-/// The gradient of a face's surface at a time of the ray, in world coordinates; of no particular length.
+/// The gradient of a face's surface at time t, in world coordinates. Only its direction is meaningful.
 pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 {
     let (local, _) = local_ray(program, ray, face.placement);
     let (_, gradient) = program.surface(face.surface).surface.value_and_gradient(local.at(t));
@@ -32,10 +32,11 @@ pub fn world_gradient(program: &Program, ray: &Ray, face: Face, t: f64) -> Vec3 
     if largest > 0.0 { up / largest } else { Vec3::ZERO }
 }
 
-/// So many frames, one in the other, are gone through without memory of their own.
+/// Nesting depth of placements handled without a heap allocation.
 const NESTED: usize = 4;
 
-/// A gradient carried up through every frame to the world: the covector of f composed with the map into the frame.
+/// A gradient transformed through every enclosing frame to the world, by the transpose of each
+/// `local_from_world`.
 fn carried_up(program: &Program, placement: PlacementId, gradient: Vec3) -> Vec3 {
     if placement == PlacementId(0) {
         return gradient;
@@ -51,7 +52,7 @@ fn carried_up(program: &Program, placement: PlacementId, gradient: Vec3) -> Vec3
     first[..count].iter().chain(&deeper).rev().fold(gradient, |gradient, map| *map * gradient)
 }
 
-/// +1 if the gradient of a face's surface points out of its leaf, else -1: decides where a ray only grazes.
+/// +1 if the gradient of a face's surface points out of its leaf, else -1. Used where the ray is tangent.
 fn outward(program: &Program, face: Face) -> f64 {
     let leaf = program.leaf(face.leaf);
     if leaf.facets()[face.facet as usize].inside() ^ leaf.is_complement() { 1.0 } else { -1.0 }

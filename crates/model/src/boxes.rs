@@ -1,20 +1,21 @@
-//! Boxes around leaves, grown by what roots can err by, and where each leaf can matter.
+//! Boxes around leaves, grown by the error of computed roots, and the part of each box where its leaf can
+//! matter.
 
 use crate::leaf::LeafTable;
 use crate::program::{MARGIN, SurfaceEntry};
 use crate::{Ball, PrototypeId};
 use rayweave_math::{Bounds, Vec3};
 
-/// What is known about where a compiled group is, for the groups that it is placed in.
+/// Bounds and error factors of a compiled group, for the groups that place it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     /// A box that holds the solid (of the model: all regions).
     pub bounds: Bounds,
-    /// A box that holds it at all times of a ray: see [`sure`].
+    /// A conservative box for every time of a ray, unbounded unless finite on all sides: see [`sure`].
     pub sure: Bounds,
     /// The largest margin of its leaves.
     pub margin: f64,
-    /// The most by which a rounding in the group's frame can be magnified on the way in and back.
+    /// Upper bound of the factor by which a rounding error in the group's frame grows on the way in and back.
     pub condition: f64,
     /// The number of placements of one occurrence, itself included.
     pub placements: u32,
@@ -27,8 +28,8 @@ impl Default for Extent {
     }
 }
 
-/// A box that does not end on all sides says nothing for certain: a ray nearly parallel to a face leaves it at
-/// a time of 1e16 or so, at no certain place.
+/// `bounds` if finite or empty, else all of space. An unbounded box is unreliable: a ray nearly parallel to a
+/// face leaves it at t ~ 1e16, at a point that rounding decides.
 fn sure(bounds: Bounds) -> Bounds {
     if bounds.is_finite() || bounds.is_empty() { bounds } else { Bounds::ALL }
 }
@@ -37,7 +38,7 @@ fn sure(bounds: Bounds) -> Bounds {
 pub(crate) struct Boxes<'a, F> {
     pub leaves: &'a LeafTable,
     pub surfaces: &'a [SurfaceEntry],
-    /// What is known of a solid placed in the group.
+    /// Returns the extent of a solid placed in the group.
     pub inner: F,
 }
 
@@ -50,21 +51,22 @@ impl<F: Fn(PrototypeId) -> Extent> Boxes<'_, F> {
         }
     }
 
-    /// The most by which a rounding can be magnified on the way into the frame of a leaf and back, at least 1.
+    /// Upper bound of the factor by which a rounding error grows on the way into the frame of a leaf and
+    /// back; >= 1.
     pub fn condition(&self, leaf: usize) -> f64 {
         self.leaves.leaf(leaf).instance().map_or(1.0, |(run, k)| {
             let (up, down) = (run.world_from_local(k), run.place(k).local_from_world);
-            // a Frobenius norm is up to sqrt(3) times the greatest stretch: never too small
+            // the Frobenius norm is an upper bound of the spectral norm, at most sqrt(3) times as large
             up.linear_norm() * down.linear_norm() * (self.inner)(run.prototype).condition
         })
     }
 
-    /// A box that holds the leaf at all times of a ray that starts near the origin, and how far it was grown for that; a ray
-    /// from far away adds its share.
+    /// A box that holds the leaf at all times of a ray that starts near the origin, and the margin by which
+    /// it was grown for that. A distant origin needs a further margin, which the caller adds.
     ///
-    /// The margin is [`MARGIN`] of the lengths involved, four times the distance at which a computed root may lie off
-    /// its surface. Among these lengths are the leaf's own size and way, those of the faces that it shares surfaces with,
-    /// and the group's ball: whether a ray lies in a face is judged along a chord of it.
+    /// The margin is [`MARGIN`] times the lengths involved, four times the distance of a computed root from
+    /// its surface. These lengths include the leaf's own size and path, those of the faces that share its
+    /// surfaces, and the group's ball, because whether a ray lies in a face is decided along a chord of it.
     pub fn grown(&self, leaf: usize, ball: &Ball) -> (Bounds, f64) {
         let far = |v: Vec3| if v.is_finite() { v.length() } else { 0.0 };
         let chord = ball.centre.length() + 2.0 * ball.radius;

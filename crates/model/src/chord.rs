@@ -1,10 +1,11 @@
-//! The part of a ray that says whether it lies in a surface.
+//! The part of a ray along which the engine decides whether the ray lies in a surface.
 
 use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Chord, delta};
 
-/// A ball around all that is finite in a group: finite leaves and the anchor points of surfaces, doubled.
+/// A ball around everything finite in a group (finite leaves and the anchor points of surfaces), with twice
+/// the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// The ball's centre.
@@ -14,10 +15,10 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// The ball of a box that holds every finite thing of a group, doubled.
+    /// The ball with twice the radius of the one around a box that holds everything finite in a group.
     ///
-    /// Where all of it is one point (a lone plane, say) the distance of that point from the origin is the only
-    /// length in sight; at the origin itself there is none, and the radius is 0.
+    /// If the box is a single point (a lone plane, say), the only length available is the distance of that
+    /// point from the origin; at the origin itself the radius is 0.
     pub fn around(finite: &Bounds) -> Ball {
         if finite.is_empty() {
             return Ball { centre: Vec3::ZERO, radius: 0.0 };
@@ -27,16 +28,17 @@ impl Ball {
     }
 }
 
-/// A chord is at least so many times as long as the tolerance is wide.
+/// Least length of a chord, in multiples of the tolerance `delta`.
 const LEAST: f64 = 1024.0;
 
 impl Ball {
     /// Half of the chord of a ray that is closest to the centre at a time, in units of time.
     ///
-    /// A model without any length takes that of the ray's origin from its centre or, where the ray starts
-    /// there, the unit of time: so no length is singled out, and scales change nothing. A length that the ray's own
-    /// rounding swallows is none: a lone plane that was turned about the origin has one of 1e-17, and over that every
-    /// ray that meets it there would lie in it.
+    /// If the radius is 0, half the chord is the distance of the ray's origin from the centre or, if that is
+    /// 0 too, the length of its direction: no absolute length enters, so that results are invariant under
+    /// scaling. A radius below the ray's own rounding error counts as 0: a lone plane that was rotated about
+    /// the origin has a radius of about 1e-17, and every ray that crosses it would lie in it over such a
+    /// chord.
     pub fn half_chord(&self, ray: &Ray, closest: f64) -> f64 {
         let least = LEAST * delta(self.centre.length(), ray, closest);
         let radius = if self.radius > least { self.radius } else { 0.0 };
@@ -47,9 +49,8 @@ impl Ball {
 
 /// The chord of a ray: from one radius before its point closest to the centre to one radius after it.
 ///
-/// That is the part of the ray in the ball, and somewhat more for rays that pass beside the centre: what
-/// matters is that the chord is as long as the model, so that only a ray that keeps to a surface all along
-/// counts as lying in it.
+/// It covers the part of the ray in the ball, and more for rays that pass beside the centre. The chord is as
+/// long as the model, so that only a ray that stays in a surface over the whole length counts as lying in it.
 pub fn chord(ball: &Ball, ray: &Ray) -> Chord {
     let closest = ray.closest_time(ball.centre);
     let half = ball.half_chord(ray, closest);

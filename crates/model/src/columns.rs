@@ -1,31 +1,34 @@
-//! Answers in columns, filled batch by batch: for tables, arrays and pictures, without a list or a callback per ray.
+//! Results in columns, filled batch by batch: for tables, arrays and pictures, without a list or a callback
+//! per ray.
 //!
 //! - [`HitRows`]: the times at which each ray enters and leaves, as a hit array;
 //! - [`FirstHits`]: the first crossing of each ray;
 //! - [`CrossingColumns`]: all crossings of each ray.
 //!
 //! [`Evaluator::hits`](crate::Evaluator::hits), [`Evaluator::nearest`](crate::Evaluator::nearest) and
-//! [`Evaluator::columns`](crate::Evaluator::columns) fill them. All are views of the list of crossings, the same to the
-//! bit; an evaluator may have a shorter way to them. The caller owns the memory and chooses the size of a batch.
+//! [`Evaluator::columns`](crate::Evaluator::columns) fill them. All hold the same crossings, bit for bit; an
+//! evaluator may compute them in a faster way. The caller owns the memory and chooses the size of a batch.
 
 use crate::{Crossing, Face, LeafId, PlacementId, Program, RayAnswer, Rays, RegionId, Sink, attributes};
 use std::ops::Range;
 
-/// A hit array (H rows, N columns): column = ray, row = entry, in order of time.
+/// A hit array (H rows, N columns): one column per ray, entries in order of time.
 ///
-/// Entries are the times at which a ray enters or leaves whatever is not of the medium of the world, -inf first for a
-/// ray that is inside just after `t_min`; unused entries are +inf. From one medium into another is no entry.
+/// Entries are the times at which a ray enters or leaves the union of everything that is not of the medium of
+/// the world, -inf first for a ray that is inside just after `t_min`; unused entries are +inf. A change from
+/// one such medium into another is not an entry.
 #[derive(Debug)]
 pub struct HitRows<'r, 'a> {
     /// The times, in units of the rays' directions: row by row, each as long as the batch.
     pub times: &'r mut [&'a mut [f64]],
-    /// The numbers of the faces hit ([`Program::face_number`]), -1 where there is none: as many rows as `times`, or no
-    /// row if they are not asked for.
+    /// Face numbers ([`Program::face_number`]), -1 where there is none: as many rows as `times`, or no rows
+    /// to leave them out.
     pub faces: &'r mut [&'a mut [i32]],
 }
 
 impl HitRows<'_, '_> {
-    /// Writes the column of one ray; how many entries it has, be there room for them or not.
+    /// Writes the column of one ray and returns its number of entries, including those for which there is no
+    /// row.
     pub fn put(&mut self, program: &Program, answer: &RayAnswer<'_>) -> usize {
         let is_inside = |region| program.medium_of(region) != 0;
         let mut inside = is_inside(answer.start);
@@ -59,25 +62,25 @@ impl HitRows<'_, '_> {
     }
 }
 
-/// What each ray of a batch meets first: columns as long as the batch.
+/// The first crossing of each ray of a batch: columns as long as the batch.
 #[derive(Debug)]
 pub struct FirstHits<'a> {
-    /// When, in units of the rays' directions; +inf for a miss.
+    /// The time of the crossing, in units of the ray's direction; +inf for a miss.
     pub t: &'a mut [f64],
     /// The number of the face ([`Program::face_number`]); -1 for a miss.
     pub face: &'a mut [i32],
     /// The placement of the face; 0 for a miss.
     pub placement: &'a mut [u32],
-    /// The region before the crossing; for a miss the one that the ray is in.
+    /// The region before the crossing; for a miss the region that the ray is in.
     pub before: &'a mut [u32],
-    /// The region after it; for a miss the one that the ray is in.
+    /// The region after the crossing; for a miss the region that the ray is in.
     pub after: &'a mut [u32],
-    /// The components of the unit normals ([`attributes::normal`]), NaN for a miss; `None` if they are not asked for.
+    /// Components of the unit normals ([`attributes::normal`]), NaN for a miss; `None` to leave them out.
     pub normal: Option<[&'a mut [f64]; 3]>,
 }
 
 impl FirstHits<'_> {
-    /// Writes what one ray meets.
+    /// Writes the first crossing of one ray.
     pub fn put(&mut self, program: &Program, rays: &Rays<'_>, answer: &RayAnswer<'_>) {
         let i = answer.ray;
         let first = answer.crossings.first();
@@ -95,16 +98,16 @@ impl FirstHits<'_> {
     }
 }
 
-/// All crossings of rays in columns: one row for each crossing, sorted by ray, then t.
+/// All crossings of a batch in columns: one row per crossing, sorted by ray, then t.
 ///
-/// [`Evaluator::columns`](crate::Evaluator::columns) appends the rows of a batch. The rows are the same for any size of the
-/// batches. [`CrossingColumns::clear`] keeps the memory, so that a loop over batches of similar size allocates nothing once
-/// the columns have grown.
+/// [`Evaluator::columns`](crate::Evaluator::columns) appends the rows of a batch. The rows do not depend on
+/// the size of the batches. [`CrossingColumns::clear`] keeps the memory, so that a loop over batches of
+/// similar size allocates nothing once the columns have grown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossingColumns {
     /// The region of each ray just after `t_min`: as long as the number of rays.
     pub start: Vec<u32>,
-    /// The rows of ray i are `offsets[i]..offsets[i + 1]`: one entry more than there are rays.
+    /// The rows of ray i are `offsets[i]..offsets[i + 1]`: one entry more than the number of rays.
     pub offsets: Vec<usize>,
     /// The time of each crossing, in units of the ray's direction.
     pub t: Vec<f64>,
@@ -120,8 +123,8 @@ pub struct CrossingColumns {
     pub before: Vec<u32>,
     /// The region after the crossing.
     pub after: Vec<u32>,
-    /// The rows whose crossing belongs to other faces on its two sides ([`Crossing::is_between`]), in order, with that
-    /// crossing.
+    /// Rows whose crossing has another face on one of its two sides ([`Crossing::is_between`]), in order,
+    /// with that crossing.
     pub between: Vec<(usize, Crossing)>,
 }
 
@@ -158,7 +161,7 @@ impl CrossingColumns {
         self.offsets[i]..self.offsets[i + 1]
     }
 
-    /// Removes all rays and keeps the memory.
+    /// Removes all rays; keeps the allocated memory.
     pub fn clear(&mut self) {
         let CrossingColumns { start, offsets, t, face, leaf, placement, enters, before, after, between } =
             self;
@@ -169,7 +172,7 @@ impl CrossingColumns {
         [start, face, leaf, placement, before, after].into_iter().for_each(Vec::clear);
     }
 
-    /// The crossing of a row, with the faces on both sides of it.
+    /// The crossing of a row, with the faces on both its sides.
     pub fn crossing(&self, program: &Program, row: usize) -> Crossing {
         if let Ok(k) = self.between.binary_search_by_key(&row, |(row, _)| *row) {
             return self.between[k].1;
@@ -206,7 +209,7 @@ impl CrossingColumns {
     }
 }
 
-/// Columns with the program to which the crossings belong.
+/// A sink that appends crossings to columns, with the program they belong to.
 pub(crate) struct ColumnSink<'a> {
     pub program: &'a Program,
     pub columns: &'a mut CrossingColumns,
@@ -218,7 +221,7 @@ impl Sink for ColumnSink<'_> {
     }
 }
 
-/// The number of the face that a crossing belongs to.
+/// The face number of a crossing.
 fn face_number(program: &Program, crossing: &Crossing) -> i32 {
     program.face_number(crossing.face.leaf, crossing.face.facet) as i32
 }

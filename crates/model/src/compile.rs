@@ -1,4 +1,4 @@
-//! From solids to a program.
+//! Compilation of solids into a [`Program`].
 
 use crate::boxes::Extent;
 use crate::gate::Network;
@@ -11,19 +11,20 @@ use crate::tables::Tables;
 use crate::{CompileError, Region, Solid};
 
 impl Program {
-    /// Compiles one solid. Its inside is region 1 of medium 1, everything else the world.
+    /// Compiles one solid. Its inside is region 1 of medium 1, its outside the world.
     pub fn compile(solid: &Solid) -> Result<Program, CompileError> {
         let regions = vec![RegionInfo { name: solid_name(solid), medium: 1 }];
         compile(&[solid], regions, |_, _| ())
     }
 
-    /// Compiles an ordered list of regions: where they overlap, the later one wins.
+    /// Compiles an ordered list of regions: where they overlap, the later one has priority.
     pub fn compile_regions(regions: &[Region]) -> Result<Program, CompileError> {
         compile_watched(regions, |_, _| ())
     }
 }
 
-/// Compiles regions; for each group, in the order of compilation, `watch` makes what looks on while it is prepared.
+/// Compiles regions. For each group, in the order of compilation, `watch` makes the observer of its
+/// simplification.
 pub(crate) fn compile_watched<W: Watch>(
     regions: &[Region],
     watch: impl FnMut(usize, &Group) -> W,
@@ -48,7 +49,7 @@ fn compile<W: Watch>(
     let groups = lower(solids)?;
     let order = inner_first(&groups);
     let mut compiler = Compiler { labels: Labels::default(), done: groups.iter().map(|_| None).collect() };
-    // leaf and surface numbers run group by group with the model first, whatever the order of compilation
+    // leaf and surface numbers run group by group with the model first, not in the order of compilation
     let mut first_leaf = 0;
     let firsts: Vec<u32> = groups
         .iter()
@@ -70,7 +71,7 @@ fn compile<W: Watch>(
     Ok(compiler.assemble(tables, regions))
 }
 
-/// The groups ordered so that placed solids come before what places them.
+/// The groups in an order in which placed solids come before the groups that place them.
 fn inner_first(groups: &[Group]) -> Vec<usize> {
     let inner = |id: usize| {
         groups[id].parts.iter().filter_map(|part| match part.content {
@@ -108,7 +109,7 @@ struct GroupTables {
 
 struct Compiler {
     labels: Labels,
-    /// What later groups need to know about those that are compiled.
+    /// The extents of the groups compiled so far, for those that place them.
     done: Vec<Option<Extent>>,
 }
 
@@ -140,7 +141,7 @@ impl Compiler {
         Ok(GroupTables { prototype, leaves, surfaces })
     }
 
-    /// Joins the tables of all groups, moving their numbers behind one another.
+    /// Concatenates the tables of all groups and shifts their numbers accordingly.
     fn assemble(self, tables: Vec<Option<GroupTables>>, regions: Vec<RegionInfo>) -> Program {
         let mut program =
             Program { prototypes: Vec::new(), surfaces: Vec::new(), leaves: LeafTable::default(), regions };
@@ -149,7 +150,7 @@ impl Compiler {
             let instances = &mut group.prototype.instances;
             *instances = instances.start + runs..instances.end + runs;
             let surfaces = program.surfaces.len() as u32;
-            // most models have one large group: it is taken as it is
+            // most models have one large group: its tables are moved, not copied
             if program.leaves.len() == 0 {
                 (program.leaves, program.surfaces) = (group.leaves, group.surfaces);
             } else {

@@ -1,39 +1,39 @@
-//! The one parallel driver: fixed chunks of work, results in order, memory bounded, cancellable.
+//! Parallel driver: fixed chunks of work, ordered results, bounded memory, cancellation.
 //!
-//! What a chunk is does not depend on the number of threads, and results are merged in the order of the
-//! chunks, so that every run gives the same bits whatever the machine. Chunks are pulled only as fast as
-//! results are merged: at most a few per thread exist at any time.
+//! The chunks do not depend on the number of threads, and results are merged in the order of the chunks, so
+//! that every run gives the same bits on any machine. Chunks are pulled only as fast as results are merged:
+//! at most a few per thread exist at any time.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock};
 
-/// A flag by which a run can be stopped from another thread or a signal handler.
+/// A cancellation token: stops a run from another thread or a signal handler.
 #[derive(Clone, Debug, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// A token that nobody has used yet.
+    /// A token that is not cancelled.
     pub fn new() -> Cancel {
         Cancel::default()
     }
 
-    /// Asks every run that holds this token to stop soon.
+    /// Makes every run that holds this token stop soon.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// True once somebody has asked.
+    /// True after [`Cancel::cancel`] was called.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }
 
-/// Why a run ended early.
+/// The reason why a run ended early.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Stopped<E> {
-    /// Its token was used.
+    /// The token was cancelled.
     #[error("cancelled")]
     Cancelled,
     /// Merging a result failed.
@@ -41,30 +41,30 @@ pub enum Stopped<E> {
     Failed(#[from] E),
 }
 
-/// More threads than these only wait for each other on the machines there are.
+/// Upper limit of the number of threads: on current machines more of them only wait for each other.
 const MOST_THREADS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
 
-/// The number of threads to use: what is asked for, else the variable `RAYWEAVE_THREADS`, else all cores; 1024 at most.
-/// Anything in the variable that is not a whole number above 0 is ignored.
+/// Number of threads: `asked` if given, else the environment variable `RAYWEAVE_THREADS`, else the number of
+/// cores; at most 1024. A value of the variable that is not a positive integer is ignored.
 pub fn thread_count(asked: Option<NonZeroUsize>) -> NonZeroUsize {
     let from_variable = || std::env::var("RAYWEAVE_THREADS").ok()?.trim().parse().ok();
     asked.or_else(from_variable).unwrap_or_else(cores).min(MOST_THREADS)
 }
 
-/// The number of cores, looked up once: the system takes longer to tell than a thousand rays take.
+/// Number of cores, cached: the system call takes longer than tracing a thousand rays.
 fn cores() -> NonZeroUsize {
     static CORES: OnceLock<NonZeroUsize> = OnceLock::new();
     *CORES.get_or_init(|| std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
 }
 
-/// Chunks that a thread may be ahead of the merge.
+/// Number of chunks per thread that may be pulled but not yet merged.
 const AHEAD: usize = 3;
 
 /// Runs `work` on every chunk and merges the results in the order of the chunks.
 ///
-/// The calling thread is one of the threads. Each makes its own scratch once. `merge` runs on the calling thread; its
-/// error ends the run, as does the token, which is looked at before each chunk and each merge. A panic in `work` is
-/// passed on.
+/// The calling thread is one of the `threads`. Each thread makes its own scratch once. `merge` runs on the
+/// calling thread; an error of it ends the run, as does the token, which is checked before each chunk and
+/// each merge. A panic in `work` is propagated.
 pub fn drive<I, O, S, E>(
     threads: NonZeroUsize,
     cancel: &Cancel,
@@ -113,7 +113,7 @@ fn drive_here<I, O, S, E>(
     if cancel.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(()) }
 }
 
-/// Chunks on their way out and results on their way in.
+/// Chunks to be processed and results to be merged.
 struct Queue<C, O> {
     state: Mutex<QueueState<C, O>>,
     changed: Condvar,
@@ -122,18 +122,18 @@ struct Queue<C, O> {
 
 struct QueueState<C, O> {
     chunks: C,
-    /// The number of the next chunk, and of the next result to merge.
+    /// Numbers of the next chunk to pull and of the next result to merge.
     pulled: usize,
     merged: usize,
     results: BTreeMap<usize, O>,
-    /// The threads beside the calling one that have not left.
+    /// Threads other than the calling one that are still running.
     helpers: usize,
-    /// The threads that wait for a change: nobody is woken where nobody sleeps.
+    /// Threads that wait for a change; nobody is notified if it is 0.
     waiting: usize,
     closed: bool,
 }
 
-/// What the calling thread does next.
+/// Next step of the calling thread.
 enum Turn<I, O> {
     Merge(O),
     Work(usize, I),
@@ -148,7 +148,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
     }
 
     fn lock(&self) -> MutexGuard<'_, QueueState<C, O>> {
-        // a thread that panicked under the lock left numbers that are still true
+        // after a panic under the lock the counters are still consistent
         self.state.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
     }
 
@@ -159,7 +159,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
         guard
     }
 
-    /// Changes the state and tells those who wait.
+    /// Changes the state and wakes the waiting threads.
     fn change(&self, change: impl FnOnce(&mut QueueState<C, O>)) {
         let mut state = self.lock();
         change(&mut state);
@@ -168,7 +168,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
         }
     }
 
-    /// The next chunk with its number, once the merge is near enough; `None` at the end.
+    /// The next chunk with its number, after waiting until the merge is near enough; `None` at the end.
     fn next(&self, cancel: &Cancel) -> Option<(usize, I)> {
         let mut state = self.lock();
         while !state.closed && state.pulled >= state.merged + self.ahead {
@@ -194,7 +194,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
         self.change(|state| _ = state.results.insert(number, result));
     }
 
-    /// Merges results in order, and works where the next one is not there yet, until all is merged.
+    /// Merges results in order, and processes chunks while the next result is missing, until all are merged.
     fn merge_all<S, E>(
         &self,
         cancel: &Cancel,
@@ -238,7 +238,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
     }
 }
 
-/// Lets waiting threads go home however the calling thread ends.
+/// Releases waiting threads when the calling thread ends, even by a panic.
 struct Closing<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
 
 impl<I, C: Iterator<Item = I>, O> Drop for Closing<'_, I, C, O> {
@@ -247,7 +247,7 @@ impl<I, C: Iterator<Item = I>, O> Drop for Closing<'_, I, C, O> {
     }
 }
 
-/// Counts a thread out however it ends, so that a panic cannot leave the merge waiting.
+/// Counts a thread out when it ends, even by a panic, so that the merge cannot wait forever.
 struct Leaving<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
 
 impl<I, C: Iterator<Item = I>, O> Drop for Leaving<'_, I, C, O> {

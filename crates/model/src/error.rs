@@ -1,15 +1,15 @@
-//! Why a solid cannot be compiled.
+//! Errors of compiling a solid.
 
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::SingularError;
 
-/// A solid that cannot be compiled, with the way to the part that is at fault.
+/// A solid that cannot be compiled, with the path to the part at fault.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{path}: {problem}")]
 pub struct CompileError {
     /// The names and operators on the way from the root to the part, as `lens/union[1]/sphere`.
     pub path: String,
-    /// What is wrong there.
+    /// The problem with that part.
     pub problem: CompileProblem,
 }
 
@@ -19,14 +19,14 @@ impl Classified for CompileError {
     }
 }
 
-/// What can be wrong with a solid.
+/// The problem with a part of a solid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompileProblem {
-    /// A map without inverse.
+    /// A singular map.
     #[error("{0}")]
     Transform(#[from] SingularError),
-    /// More parts than the 31-bit numbers of a program can tell apart.
+    /// More parts than the 31-bit ids of a program can number.
     #[error(
         "the model has more than 2^31 {what}: their numbers do not fit. Are shared parts placed instead of copied?"
     )]
@@ -34,7 +34,7 @@ pub enum CompileProblem {
         /// Leaves, surfaces or placements.
         what: &'static str,
     },
-    /// Nearly equal surfaces that form a chain so long that its ends are not equal.
+    /// A chain of nearly equal surfaces so long that its ends are not equal.
     #[error(
         "faces {first} and {second} are neither equal nor apart: a chain of nearly coincident faces joins them. Were they computed in different ways?"
     )]
@@ -44,8 +44,8 @@ pub enum CompileProblem {
         /// A face at the other end.
         second: String,
     },
-    /// A length of a shape under its map is greater than [`rayweave_shape::Ray::MOST`], as are the ways to it, or a size
-    /// vanished.
+    /// A length of a shape under its map, or of the translations that lead to it, exceeds
+    /// [`rayweave_shape::Ray::MOST`], or a size vanished.
     #[error(
         "the shape has no usable size or place here: beyond 1e100 squares overflow, and sizes may vanish. Is a scale far too large or small?"
     )]

@@ -1,4 +1,4 @@
-//! The trait between the two sides of the house: rays and questions in, crossings out.
+//! The `Evaluator` trait, with its queries and answers: rays in, crossings out.
 
 use crate::{
     BadRay, CrossingColumns, FirstHits, HitRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays,
@@ -9,14 +9,14 @@ use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
 use std::ops::Range;
 
-/// The part of a ray that is asked about: strictly between `t_min` and `t_max`, which may be infinite.
+/// The interval of a ray that a query covers: open, `t_min < t < t_max`; both ends may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     t_min: f64,
     t_max: f64,
 }
 
-/// Why a window cannot be asked about.
+/// The reason why a window is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WindowError {
@@ -64,35 +64,35 @@ impl Default for Window {
     }
 }
 
-/// How many crossings of each ray are wanted.
+/// Number of crossings per ray that a query returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Limit {
     /// All of them.
     #[default]
     All,
-    /// The first one, if there is one: an evaluator may stop as soon as it is certain.
+    /// The first one, if there is one. An evaluator may stop as soon as that one is certain.
     First,
 }
 
-/// A surface on which a ray starts, and its side there just after t = 0.
+/// A surface on which a ray starts, and the side of the ray just after t = 0.
 ///
-/// A ray that leaves a surface by reflection or refraction starts *on* it: one root at t = 0 is divided out
-/// of the surface's equation, and the side is what the caller says, so that no offset is needed and nothing
-/// is hit twice.
+/// A ray that leaves a surface by reflection or refraction starts *on* it. One root at t = 0 is divided out
+/// of the surface's equation and the caller gives the side, so that the ray needs no offset and does not hit
+/// the surface again at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// The surface.
     pub surface: SurfaceId,
     /// The placement that it belongs to.
     pub placement: PlacementId,
-    /// True if the ray is where f < 0 just after its start.
+    /// True if f < 0 on the ray just after its start.
     pub inside: bool,
 }
 
 /// The start lists of a batch: those of ray i are `entries[first[i]..first[i + 1]]`.
 #[derive(Clone, Copy, Debug)]
 pub struct StartLists<'a> {
-    /// Where each ray's list begins, and the length of `entries` at the end.
+    /// First entry of each ray's list; the last element is the length of `entries`.
     pub first: &'a [u32],
     /// The lists, one after the other.
     pub entries: &'a [Start],
@@ -110,30 +110,30 @@ impl<'a> StartLists<'a> {
     }
 }
 
-/// What is asked of every ray of a batch.
+/// A query, the same for every ray of a batch.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Query<'a> {
-    /// The part of the rays that is asked about.
+    /// The interval of the rays that the query covers.
     pub window: Window,
-    /// How many crossings are wanted.
+    /// Whether to return all crossings or only the first.
     pub limit: Limit,
-    /// Surfaces that the rays start on; such rays are asked about times t >= 0 only.
+    /// Surfaces that the rays start on; such rays are traced for t >= 0 only.
     pub starts: Option<StartLists<'a>>,
 }
 
 impl<'a> Query<'a> {
-    /// The same query about a range of the rays of its batch.
+    /// The same query for a range of the rays of its batch.
     pub fn slice(&self, range: Range<usize>) -> Query<'a> {
         Query { starts: self.starts.map(|starts| starts.slice(range)), ..*self }
     }
 }
 
 impl Query<'_> {
-    /// True if a flip at `t` has happened before the part of a ray that is asked about, so that it only
-    /// moves the side at which the ray starts.
+    /// True if a flip at `t` comes before the window and therefore only changes the side on which the ray
+    /// starts.
     ///
-    /// A ray with a start list is asked about from t = 0 on, that time included: there a listed surface is
-    /// crossed whose side and direction disagree. (To go on after it, ask for t_min = `f64::MIN_POSITIVE`.)
+    /// For a ray with a start list the window includes t = 0: at that time a listed surface is crossed if its
+    /// side and its direction disagree. (To continue after it, set t_min = `f64::MIN_POSITIVE`.)
     pub fn is_past(&self, t: f64, has_starts: bool) -> bool {
         if has_starts && self.window.t_min <= 0.0 { t < 0.0 } else { t <= self.window.t_min }
     }
@@ -144,12 +144,12 @@ impl Query<'_> {
     }
 }
 
-/// A face of a leaf, somewhere in a model.
+/// A facet of a leaf, at one placement in the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Face {
     /// The leaf.
     pub leaf: LeafId,
-    /// The face's number among those of its leaf.
+    /// The facet's number within its leaf.
     pub facet: u32,
     /// The surface that the face lies in.
     pub surface: SurfaceId,
@@ -157,16 +157,16 @@ pub struct Face {
     pub placement: PlacementId,
 }
 
-/// A ray passes from one region into another.
+/// A change of region along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// When, in units of the ray's direction.
+    /// The time, in units of the ray's direction.
     pub t: f64,
     /// The face that the crossing belongs to.
     pub face: Face,
-    /// The face of the region that is left; the same as `face` where one side is the world.
+    /// The face of the region before; equal to `face` where one side is the world.
     pub left: Face,
-    /// The face of the region that is entered; the same as `face` where one side is the world.
+    /// The face of the region after; equal to `face` where one side is the world.
     pub entered: Face,
     /// The region before; 0 is the world.
     pub before: RegionId,
@@ -180,13 +180,13 @@ impl Crossing {
         self.after != RegionId(0)
     }
 
-    /// True if the face of what is left or that of what is entered is another one than `face`.
+    /// True if `left` or `entered` differs from `face`.
     pub fn is_between(&self) -> bool {
         self.left != self.face || self.entered != self.face
     }
 }
 
-/// All that is found on one ray.
+/// All crossings of one ray within the window.
 #[derive(Clone, Copy, Debug)]
 pub struct RayAnswer<'a> {
     /// The number of the ray in its batch.
@@ -197,9 +197,9 @@ pub struct RayAnswer<'a> {
     pub crossings: &'a [Crossing],
 }
 
-/// Takes the answers, ray by ray in the order of the batch.
+/// Receives the answers, ray by ray in the order of the batch.
 pub trait Sink {
-    /// Takes the answer for one ray.
+    /// Receives the answer for one ray.
     fn ray(&mut self, answer: RayAnswer<'_>);
 }
 
@@ -209,12 +209,12 @@ impl<F: FnMut(RayAnswer<'_>)> Sink for F {
     }
 }
 
-/// Answers gathered in arrays: those of ray i are `crossings[offsets[i]..offsets[i + 1]]`.
+/// Answers in arrays: those of ray i are `crossings[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collected {
     /// The region of each ray just after `t_min`.
     pub starts: Vec<RegionId>,
-    /// Where each ray's crossings begin, and their total at the end.
+    /// First crossing of each ray; the last element is the total number.
     pub offsets: Vec<usize>,
     /// The crossings, sorted by ray, then t.
     pub crossings: Vec<Crossing>,
@@ -237,12 +237,12 @@ impl Collected {
         self.starts.len()
     }
 
-    /// True if no ray was answered.
+    /// True if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.starts.is_empty()
     }
 
-    /// Appends the answers for the rays that follow.
+    /// Appends the answers of another batch.
     pub fn append(&mut self, other: &Collected) {
         let before = self.crossings.len();
         self.starts.extend_from_slice(&other.starts);
@@ -259,16 +259,16 @@ impl Sink for Collected {
     }
 }
 
-/// Answers questions about a compiled model along rays.
+/// An algorithm that answers ray queries on a compiled model.
 ///
-/// Every evaluator gives the same answer to the same question, bit for bit: they share the roots of the
-/// leaves, exact algebra, and one weld. An evaluator has no state of its own that changes; what it needs
-/// while it works is in a scratch, one per thread, that the caller owns.
+/// Every evaluator gives the same answer to the same query, bit for bit: all share the roots of the leaves,
+/// exact boolean algebra, and one weld. An evaluator itself is immutable; working memory is in a scratch, one
+/// per thread, which the caller owns.
 pub trait Evaluator: Sync {
     /// The memory that a thread needs.
     type Scratch: Send;
 
-    /// What the evaluator is called.
+    /// The name of the evaluator.
     fn name(&self) -> &'static str;
 
     /// The model.
@@ -277,17 +277,19 @@ pub trait Evaluator: Sync {
     /// Memory for one thread.
     fn scratch(&self) -> Self::Scratch;
 
-    /// The crossings of every ray of a batch, into the sink.
+    /// Passes the crossings of every ray of a batch to the sink.
     ///
-    /// The rays are those that pass [`Rays::check`]: it is made once, where rays come in. One that does not may be
-    /// answered by anything, a miss most often, but by no panic.
+    /// Rays must pass [`Rays::check`], which the caller runs once per batch. The answer for a ray that does
+    /// not pass is arbitrary, usually a miss; it does not panic.
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink);
 
-    /// The region that each point is in; 0 is the world. On a boundary: the side of a ray that lies in it.
+    /// The region that each point is in; 0 is the world. For a point on a boundary the symbolic perturbation
+    /// decides.
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
 
-    /// Appends the crossings of every ray of a batch to columns: [`Evaluator::crossings`] without a call per ray. The rows are
-    /// the same, to the bit, whatever the size of the batches; with columns that have grown already nothing is allocated.
+    /// Appends the crossings of every ray of a batch to columns: [`Evaluator::crossings`] without a call per
+    /// ray. The rows do not depend on the size of the batches, bit for bit. No memory is allocated once the
+    /// columns have grown.
     fn columns(
         &self,
         rays: Rays<'_>,
@@ -299,8 +301,8 @@ pub trait Evaluator: Sync {
         self.crossings(rays, query, scratch, &mut sink);
     }
 
-    /// The hit array of a batch; the greatest number of entries that a ray has. If that is more than there are rows,
-    /// the entries for which there is no row are left out: ask again with more rows.
+    /// Fills the hit array of a batch and returns the greatest number of entries of a ray. If that exceeds
+    /// the number of rows, the surplus entries are left out: call again with more rows.
     fn hits(
         &self,
         rays: Rays<'_>,
@@ -314,15 +316,16 @@ pub trait Evaluator: Sync {
         most
     }
 
-    /// What every ray of a batch meets first in the window.
+    /// Finds the first crossing of every ray of a batch in the window.
     fn nearest(&self, rays: Rays<'_>, window: Window, scratch: &mut Self::Scratch, hits: &mut FirstHits<'_>) {
         let query = Query { window, limit: Limit::First, starts: None };
         self.nearest_from(rays, &query, scratch, hits, &mut Vec::new());
     }
 
-    /// What every ray of a batch meets first: [`Evaluator::nearest`] for rays that may start on surfaces, whatever the
-    /// limit of the query. Crossings that belong to other faces on their two sides than `hits` names
-    /// ([`Crossing::is_between`]) are appended to `between` as well, each with the number of its ray, in any order.
+    /// Finds the first crossing of every ray of a batch, like [`Evaluator::nearest`], for rays that may start
+    /// on surfaces; the limit of the query is ignored. Crossings that have another face on one of their sides
+    /// ([`Crossing::is_between`]) are also appended to `between`, each with the number of its ray, in any
+    /// order.
     fn nearest_from(
         &self,
         rays: Rays<'_>,
@@ -351,7 +354,7 @@ pub trait Evaluator: Sync {
         Ok(collected)
     }
 
-    /// The crossings of one ray; for more than a few rays ask for batches.
+    /// The crossings of one ray. For more than a few rays use a batch.
     ///
     /// # Errors
     /// [`RayError`] if the ray does not pass [`Ray::check`].
@@ -359,7 +362,7 @@ pub trait Evaluator: Sync {
         self.collect(RayBatch::from_iter([ray]).rays(), query).map_err(|bad| bad.problem)
     }
 
-    /// True where the one point given is inside some region.
+    /// True if the point is inside some region.
     fn contains(&self, point: Vec3) -> bool {
         let mut region = [RegionId(0)];
         self.regions_at([&[point.x], &[point.y], &[point.z]], &mut self.scratch(), &mut region);
@@ -370,7 +373,7 @@ pub trait Evaluator: Sync {
 /// The state of a model between two crossings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct State {
-    /// The region that wins.
+    /// The region that owns the points of the span.
     pub region: RegionId,
     /// Its medium.
     pub medium: Medium,

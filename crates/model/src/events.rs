@@ -1,4 +1,4 @@
-//! Where one leaf changes along a ray: the meaning of a leaf, for every evaluator.
+//! Boundary events of one leaf along a ray. All evaluators share them: they define the geometry of a leaf.
 
 use crate::{Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId, Start, chord};
 use rayweave_math::Vec3;
@@ -6,10 +6,10 @@ use rayweave_math::roots::Crossings;
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Chord, Perturbation, SurfaceCrossings};
 
-/// A flip of one leaf of a group.
+/// A boundary event: a change of side of one leaf of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Event {
-    /// When.
+    /// The time, in units of the ray's direction.
     pub t: f64,
     /// The leaf, by its number in its group.
     pub leaf: u32,
@@ -17,7 +17,8 @@ pub struct Event {
     pub face: Face,
 }
 
-/// The changes of one leaf along a ray: its side at -inf and flips in order of time. A buffer to be reused.
+/// Boundary events of one leaf along a ray: its side at -inf and the flips in order of time. A reusable
+/// buffer.
 #[derive(Clone, Debug, Default)]
 pub struct LeafEvents {
     /// True if the leaf is inside as t -> -inf.
@@ -28,14 +29,15 @@ pub struct LeafEvents {
     holds: Vec<bool>,
 }
 
-/// A ray as a group sees it.
+/// A ray in the frame of a group.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupRay<'a> {
     /// The ray in the frame of the group.
     pub ray: Ray,
-    /// The chord that says whether it lies in a surface.
+    /// The chord that decides whether the ray lies in a surface.
     pub chord: Chord,
-    /// What the way from the world's frame into this one adds to the reach of every surface: see [`carried`].
+    /// Added to the magnitude of every surface for the maps from the world's frame into this one: see
+    /// [`carried`].
     pub magnitude: f64,
     /// The placement of the group.
     pub placement: PlacementId,
@@ -43,24 +45,24 @@ pub struct GroupRay<'a> {
     pub starts: &'a [Start],
 }
 
-/// A ray in the frame of a placed solid, with what is to be added there to the reach of every surface.
-///
-/// The ray has the same times, but was rounded on the way: by the position of its origin and by the lengths
-/// of the translations, which may be large in the frame outside and cancel in the frame inside. `magnitude` is
-/// what earlier steps have added in the frame outside.
+/// A ray in the frame of a placed solid, and the length to add there to the magnitude of every surface.
+/// The times of the ray are unchanged, but it was rounded on the way: in proportion to the position of its
+/// origin and to the lengths of the translations, which may be large in the outer frame and cancel in the
+/// inner one. `magnitude` is the length added by earlier steps, in the outer frame.
 pub fn carried(place: &Place, ray: &Ray, magnitude: f64) -> (Ray, f64) {
     let down = &place.local_from_world;
     (ray.transformed(down), down.linear_norm() * (ray.origin.length() + place.path + magnitude))
 }
 
-/// A point as a group sees it.
+/// A point in the frame of a group.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupPoint {
     /// The point in the frame of the group.
     pub point: Vec3,
-    /// Decides the side of a point on a surface.
+    /// Decides the side of a point that lies on a surface.
     pub perturbation: Perturbation,
-    /// What the way from the world's frame into this one adds to the rounding of the point: see [`carried`].
+    /// Length that bounds the rounding error of the point after the maps from the world's frame: see
+    /// [`carried`].
     pub magnitude: f64,
 }
 
@@ -70,7 +72,7 @@ impl GroupPoint {
         GroupPoint { point, perturbation: Perturbation::WORLD, magnitude: 0.0 }
     }
 
-    /// The same point as a solid placed in the group sees it.
+    /// The same point in the frame of a solid placed in the group.
     pub fn placed(&self, place: &Place) -> GroupPoint {
         let down = &place.local_from_world;
         let magnitude = down.linear_norm() * (self.point.length() + place.path + self.magnitude);
@@ -83,13 +85,14 @@ impl GroupPoint {
 }
 
 impl<'a> GroupRay<'a> {
-    /// A ray of the world as the model itself sees it.
+    /// A ray of the world in the frame of the model itself.
     pub fn world(program: &Program, ray: Ray, starts: &'a [Start]) -> GroupRay<'a> {
         let chord = chord(&program.prototype(PrototypeId(0)).ball, &ray);
         GroupRay { ray, chord, magnitude: 0.0, placement: PlacementId(0), starts }
     }
 
-    /// The same ray as a solid placed in the group sees it; `placement` is counted from that of the group.
+    /// The same ray in the frame of a solid placed in the group; `placement` is relative to that of the
+    /// group.
     pub fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> GroupRay<'a> {
         let (ray, magnitude) = carried(place, &self.ray, self.magnitude);
         let mut chord = chord(&inner.ball, &ray);
@@ -98,7 +101,7 @@ impl<'a> GroupRay<'a> {
         GroupRay { ray, chord, magnitude, placement, starts: self.starts }
     }
 
-    /// Where the ray crosses a facet, as "inside the facet" before and after; `None` if more often than four times.
+    /// The crossings of a facet, with its sides as "inside the facet"; `None` if there are more than four.
     fn crossings(&self, program: &Program, facet: LeafFacet) -> Option<SurfaceCrossings> {
         let entry = program.surface(facet.surface());
         let crossings = match self.start(facet) {
@@ -117,7 +120,8 @@ impl<'a> GroupRay<'a> {
         self.starts.iter().find(|s| s.surface == facet.surface() && s.placement == self.placement)
     }
 
-    /// The same, any number of times, passed to `flip`; true if the ray is inside the facet at the start.
+    /// Like `crossings` for any number of crossings: passes them to `flip` and returns whether the ray starts
+    /// inside the facet.
     fn all_crossings(&self, program: &Program, facet: LeafFacet, flip: &mut dyn FnMut(f64)) -> bool {
         let entry = program.surface(facet.surface());
         let inside = match self.start(facet) {
@@ -134,10 +138,9 @@ impl<'a> GroupRay<'a> {
     }
 }
 
-/// The changes of a leaf that is a conjunction of facets.
-///
-/// Of facets that flip at the same time the one with the lowest number is named: entering, undoing any of
-/// them alone would leave the leaf outside, and leaving, any of them alone would; so all are candidates.
+/// Boundary events of a leaf that is a conjunction of facets.
+/// If several facets flip at the same time, the event belongs to the one with the lowest number. All of them
+/// are candidates: undoing any one of them on entry, or doing any one alone on exit, puts the leaf outside.
 pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
     events.flips.clear();
     events.starts_inside = false;
@@ -157,7 +160,7 @@ pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, even
             }
             _ => return general_events(program, facets, ray, events),
         }
-        // the interval is open: where it shrinks to a point nothing is left of it
+        // the interval is open: it is empty once it shrinks to a point
         if enter.0 >= leave.0 {
             return;
         }
@@ -174,16 +177,16 @@ fn earlier(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
     if b.0 < a.0 { b } else { a }
 }
 
-/// The same where some facet is inside in more than one piece.
+/// Like [`leaf_events`] if some facet is inside in more than one piece.
 fn general_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
     events.conjunction(facets.len(), |k, flip| ray.all_crossings(program, facets[k], flip));
 }
 
 impl LeafEvents {
-    /// The changes of a conjunction of `count` facets that may each be crossed any number of times: all flips in
-    /// order, counting the facets that do not hold. `crossings(k, flip)` passes the times at which facet `k`
-    /// flips to `flip` and says whether it holds at the start. Of facets that flip at the same time the lowest
-    /// is named.
+    /// Boundary events of a conjunction of `count` facets with any number of crossings each: counts the
+    /// facets that do not hold, over all flips in order of time. `crossings(k, flip)` passes the times at
+    /// which facet `k` flips to `flip` and returns whether it holds at the start. Of facets that flip at the
+    /// same time the lowest number is reported.
     pub fn conjunction(
         &mut self,
         count: usize,
@@ -217,8 +220,8 @@ impl LeafEvents {
     }
 }
 
-/// True if a point is inside a conjunction of facets. On a surface, f = 0, the side is that of a ray that
-/// lies in it: where the perturbation leads.
+/// True if a point is inside a conjunction of facets. On a surface (f = 0) the symbolic perturbation decides
+/// the side, as for a ray that lies in the surface.
 pub fn facets_contain(program: &Program, facets: &[LeafFacet], point: &GroupPoint) -> bool {
     facets.iter().all(|facet| {
         let (value, gradient) = program.surface(facet.surface()).surface.value_and_gradient(point.point);

@@ -4,15 +4,16 @@ use crate::simplify::{Formula, Op, Term};
 use crate::{LeafId, NodeId};
 use std::borrow::Cow;
 
-/// The number of the node that leaf 0 is.
+/// Node number of leaf 0.
 const FIRST_LEAF: u32 = 2;
 
-/// When a gate is inside.
+/// The function that a gate computes of its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Rule {
-    /// Inside at least this many operands: 1 is the union, all of them the intersection.
+    /// True if at least this many operands are inside: 1 is the union, the number of operands the
+    /// intersection.
     AtLeast(u32),
-    /// Inside an odd number of operands.
+    /// True if an odd number of operands is inside.
     Odd,
 }
 
@@ -74,11 +75,11 @@ pub enum Gate<'e> {
     Join(Rule, Cow<'e, [Edge]>),
 }
 
-/// The boolean expression of one group over its leaves, as its formula was prepared
-/// ([`simplify`](crate::simplify)): equal nodes are stored once, and operands stand before the nodes that use them.
+/// The boolean expression of one group over its leaves, after simplification ([`simplify`](crate::simplify)):
+/// equal nodes are stored once, and operands come before the nodes that use them.
 ///
-/// Node 0 is empty, node 1 universe, node k + 2 leaf k of the group, whether it is used or not; the others are joins. A
-/// leaf costs nothing but the four bytes of each use of it.
+/// Node 0 is empty, node 1 universe, node k + 2 leaf k of the group, whether it is used or not; the others
+/// are joins. A leaf takes no memory except four bytes for each use of it.
 #[derive(Clone, Debug)]
 pub struct Expression {
     leaf_count: u32,
@@ -91,12 +92,12 @@ pub struct Expression {
 #[derive(Clone, Copy, Debug)]
 struct Join {
     rule: Rule,
-    /// Where its operands end; they begin where those of the join before it end.
+    /// End of its operands; they begin at the end of those of the join before it.
     end: u32,
 }
 
 impl Expression {
-    /// The same joins as those of a formula, in the same order, over so many leaves.
+    /// The joins of a formula, in the same order, over `leaf_count` leaves.
     pub fn new(formula: &Formula, leaf_count: usize) -> Expression {
         let mut expression = Expression {
             leaf_count: leaf_count as u32,
@@ -123,7 +124,7 @@ impl Expression {
         expression
     }
 
-    /// Makes a join of the last operands.
+    /// Appends a join of the last `count` operands.
     fn join(&mut self, op: Op, count: usize) -> NodeId {
         let first = self.operands.len() - count;
         if op == Op::Difference {
@@ -140,7 +141,7 @@ impl Expression {
         NodeId::from(self.node_count() - 1)
     }
 
-    /// What is asked of the group: one edge per region for the model, one for a placed solid.
+    /// The outputs of the group: one edge per region for the model, one for a placed solid.
     pub fn outputs(&self) -> &[Edge] {
         &self.outputs
     }
@@ -186,7 +187,7 @@ impl Expression {
         (self.joins[k].rule, &self.operands[begin as usize..self.joins[k].end as usize])
     }
 
-    /// The same as a formula, under the same numbers.
+    /// The same expression as a formula, with the same node numbers.
     pub fn formula(&self) -> Formula {
         let mut formula = Formula::with_capacity(self.node_count(), self.operands.len());
         (0..self.leaf_count).for_each(|leaf| _ = formula.leaf(LeafId(leaf)));
@@ -201,13 +202,13 @@ impl Expression {
         formula
     }
 
-    /// The bytes that it holds on to.
+    /// Size in bytes.
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&self.joins[..]) + size_of_val(&self.operands[..]) + size_of_val(&self.outputs[..])
     }
 
-    /// The expression below an edge as text: leaves by number, `~` complement, `any{..}`, `all{..}`, `odd{..}`.
-    /// Linear in the size of the text, which writes shared nodes out wherever they are used.
+    /// The expression below an edge as text: leaves by number, `~` complement, `any{..}`, `all{..}`,
+    /// `odd{..}`. Linear in the size of the text, which repeats shared nodes at each use.
     pub fn text(&self, edge: Edge) -> String {
         let writing = |node: NodeId| {
             let (rule, operands) = match self.node(node) {
@@ -227,8 +228,8 @@ impl Expression {
         write_tree(edge, writing, usize::MAX)
     }
 
-    /// The value of every node for given leaf values, by one pass in order: the plain meaning of the
-    /// expression, against which faster networks are tested.
+    /// Computes the value of every node for given leaf values in one pass: the definition of the expression,
+    /// against which faster networks are tested.
     pub fn evaluate(&self, inside: impl Fn(LeafId) -> bool, values: &mut Vec<bool>) {
         values.clear();
         values.extend([false, true]);
@@ -241,7 +242,7 @@ impl Expression {
     }
 }
 
-/// What stands before, between and after operands.
+/// Text before, between and after operands.
 pub(crate) struct Brackets {
     pub open: Cow<'static, str>,
     pub between: &'static str,
@@ -255,13 +256,13 @@ impl Brackets {
     }
 }
 
-/// How a node is written.
+/// The text of a node.
 pub(crate) enum Writing<'a> {
     Text(String),
     Join(Brackets, &'a [Edge]),
 }
 
-/// What is below an edge as text, with an explicit stack; cut off where it gets longer than `most` bytes.
+/// The expression below an edge as text, with an explicit stack; cut off once it is longer than `most` bytes.
 pub(crate) fn write_tree<'a>(edge: Edge, node: impl Fn(NodeId) -> Writing<'a>, most: usize) -> String {
     let (mut text, mut tasks) = (String::new(), vec![Err(edge)]);
     while let Some(task) = tasks.pop() {

@@ -1,4 +1,4 @@
-//! The four kinds of numbers by which things in a compiled model are known, and two small ones.
+//! Typed ids of the parts of a compiled model: leaves, surfaces, nodes, placements, prototypes and regions.
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -14,7 +14,7 @@ macro_rules! id {
         }
 
         impl From<usize> for $name {
-            /// Compiling refuses models with more than 2^31 of anything, so that the number fits.
+            /// Compilation rejects models with more than 2^31 of anything, so that the number fits.
             fn from(index: usize) -> Self {
                 $name(index as u32)
             }
@@ -23,19 +23,21 @@ macro_rules! id {
 }
 
 id! {
-    /// An occurrence of a primitive in a model: its name, its faces, its place in the order of declaration.
+    /// An occurrence of a primitive in a model, with a name, faces and a position in the order of
+    /// declaration.
     LeafId
 }
 id! {
-    /// An equation: faces of several leaves that coincide share one.
+    /// An equation; coincident faces of several leaves share one.
     SurfaceId
 }
 id! {
-    /// A node of the boolean expression: 0 is empty, 1 is universe, operands come before what uses them.
+    /// A node of the boolean expression: 0 is empty, 1 is universe; operands come before the nodes that use
+    /// them.
     NodeId
 }
 id! {
-    /// An occurrence of a placed solid: 0 is the model itself, then depth first.
+    /// An occurrence of a placed solid: 0 is the model itself, the others follow depth first.
     PlacementId
 }
 id! {

@@ -1,36 +1,37 @@
-//! The copies of a placed solid, in as little memory as gives their maps to the bit.
+//! Instances of a placed solid, stored compactly; their maps are recomputed bit for bit.
 
 use crate::{CompileProblem, PrototypeId};
 use rayweave_math::{Affine, Mat3, SingularError, Vec3};
 use std::sync::Arc;
 
-/// The way into the frame of a placed solid.
+/// The map into the frame of a placed solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
-    /// From the frame of the group that it is placed in to its own.
+    /// From the frame of the enclosing group to that of the solid.
     pub local_from_world: Affine,
-    /// The lengths of all translations composed on the way, in units of the outer frame: each of them was
-    /// rounded, so tolerances must count them even where they cancel.
+    /// Sum of the lengths of all translations composed in this map, in units of the outer frame. Each of them
+    /// was rounded, so tolerances must count them even where they cancel.
     pub path: f64,
 }
 
-/// The copies that one `place` makes: leaves of a group one after the other.
+/// The instances that one `place` makes: consecutive leaves of a group.
 ///
-/// Of each copy only its translation is kept, and of those that are turned or scaled, each in its own way, the linear part.
-/// Everything else is computed when it is asked for, in the same way each time.
+/// Stores the translation of each copy, and its linear part if these differ. Everything else is recomputed on
+/// each use, always in the same way.
 #[derive(Clone, Debug)]
 pub(crate) struct Instances {
-    /// What the copies are called, each with its number in brackets behind.
+    /// The name of the copies; each one appends its number in brackets.
     pub name: Arc<str>,
-    /// What is placed.
+    /// The solid that is placed.
     pub prototype: PrototypeId,
     /// The first of the leaves, and the number of instances among the leaves before it.
     pub first_leaf: u32,
     pub before: u32,
-    /// The number of the first placement, counted from that of the group, and how many there are of each copy.
+    /// The number of the first placement, relative to that of the group, and the number of placements in each
+    /// copy.
     pub first_placement: u32,
     pub placements_each: u32,
-    /// The map around all copies, and the lengths of the translations composed into it.
+    /// The map around all copies, and the sum of the lengths of the translations composed into it.
     outer: Affine,
     way: f64,
     /// The translation of each copy, within `outer`.
@@ -41,13 +42,13 @@ pub(crate) struct Instances {
 /// The linear parts of the maps of all copies, `outer` composed.
 #[derive(Clone, Debug)]
 enum Linear {
-    /// All alike, with the inverse.
+    /// One for all copies, with the inverse.
     Same { linear: Mat3, inverse: Mat3 },
-    /// One for each copy. Its inverse is computed when a ray comes by: to keep it would nearly double the memory.
+    /// One for each copy. Its inverse is computed on each use: storing it would nearly double the memory.
     Each(Vec<Mat3>),
 }
 
-/// Where the copies stand in the tables of their group.
+/// The numbers of the copies in the tables of their group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Numbers {
     pub prototype: PrototypeId,
@@ -98,7 +99,7 @@ impl Instances {
         self.translations.len()
     }
 
-    /// The number of the placement of a copy, counted from that of the group.
+    /// The number of the placement of a copy, relative to that of the group.
     #[inline]
     pub fn placement(&self, k: usize) -> u32 {
         self.first_placement + k as u32 * self.placements_each
@@ -113,10 +114,10 @@ impl Instances {
         Affine { linear, translation: self.outer.point(self.translations[k]) }
     }
 
-    /// The way into the frame of a copy.
+    /// The map into the frame of a copy.
     #[inline]
     pub fn place(&self, k: usize) -> Place {
-        // that there is an inverse was found out when the model was compiled
+        // `new` has verified that the inverse exists
         self.try_place(k).unwrap_or(Place { local_from_world: Affine::IDENTITY, path: 0.0 })
     }
 
@@ -133,14 +134,14 @@ impl Instances {
         Ok(Place { local_from_world, path })
     }
 
-    /// The bytes that it holds on to.
+    /// Size in bytes.
     pub fn bytes(&self) -> usize {
         let linear = if let Linear::Each(each) = &self.linear { size_of_val(&each[..]) } else { 0 };
         size_of_val(&self.translations[..]) + linear
     }
 }
 
-/// Equal, and no zero of another sign.
+/// Bitwise equality: distinguishes 0 from -0.
 fn same_bits(a: &Mat3, b: &Mat3) -> bool {
     a.to_cols_array().map(f64::to_bits) == b.to_cols_array().map(f64::to_bits)
 }

@@ -1,4 +1,4 @@
-//! What leaves and their faces are called: once for all leaves that are called the same.
+//! Names of leaves and their faces, stored once for all leaves with equal names.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -7,9 +7,9 @@ use std::sync::Arc;
 /// The names of a shape and of its faces.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Label {
-    /// The name given to the leaf, or that of its kind.
+    /// The name given to the leaf, or the name of its kind.
     pub name: Arc<str>,
-    /// What kind of shape it is.
+    /// The kind of shape, as `sphere`.
     pub kind: &'static str,
     /// The faces, as the manual page of the kind names them.
     pub faces: Arc<[Cow<'static, str>]>,
@@ -22,17 +22,17 @@ impl Label {
     }
 }
 
-/// Labels with numbers, each once.
+/// A table of distinct labels.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Labels {
     labels: Vec<Label>,
     numbers: HashMap<Label, u32>,
-    /// Lists of faces, each once.
+    /// The distinct lists of face names.
     faces: HashMap<Arc<[Cow<'static, str>]>, ()>,
 }
 
 impl Labels {
-    /// The number of a label. Leaves one after the other are often called the same, which costs no look-up.
+    /// The number of a label. Consecutive leaves often have equal names: those cost no look-up.
     pub fn number(
         &mut self,
         name: &Arc<str>,
@@ -48,7 +48,7 @@ impl Labels {
         self.insert(Label { name: name.clone(), kind, faces: faces.collect() })
     }
 
-    /// The number of a label.
+    /// The number of a label, which is added if it is new.
     pub fn insert(&mut self, mut label: Label) -> u32 {
         label.faces = self.faces(label.faces);
         let fresh = self.labels.len() as u32;

@@ -1,4 +1,4 @@
-//! The leaves of a program: what evaluators read of each, and the tables in which little is kept of each.
+//! The leaves of a program: the view that evaluators read, and the compact tables behind it.
 
 use crate::instances::Instances;
 use crate::label::Label;
@@ -14,29 +14,29 @@ pub struct Leaf<'p> {
     number: usize,
 }
 
-/// What a leaf is.
+/// The kind of a leaf.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LeafKind {
-    /// A conjunction of sides of surfaces.
+    /// A conjunction of half-spaces of surfaces.
     Shape {
         /// The facets: a range of the program's facet table.
         facets: Range<u32>,
     },
-    /// A solid compiled on its own, in its own frame.
+    /// A placed solid, compiled in its own frame.
     Instance {
         /// The group.
         prototype: PrototypeId,
-        /// The number of this placement, counted from that of the group that the leaf belongs to.
+        /// The number of this placement, relative to that of the group that the leaf belongs to.
         placement: u32,
     },
 }
 
-/// A side of a surface that bounds a leaf.
+/// A facet of a leaf: a surface and the side of it on which the leaf lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LeafFacet(u32);
 
 impl LeafFacet {
-    /// The side of a surface where f < 0, or else the other one.
+    /// The side of a surface where f < 0 if `inside`, else the other side.
     pub(crate) fn new(surface: SurfaceId, inside: bool) -> LeafFacet {
         LeafFacet(surface.0 << 1 | u32::from(inside))
     }
@@ -53,19 +53,19 @@ impl LeafFacet {
         self.0 & 1 == 1
     }
 
-    /// The same side of a surface that stands so many places further on.
+    /// The same side of the surface with a number greater by `by`.
     fn shifted(self, by: u32) -> LeafFacet {
         LeafFacet(self.0 + (by << 1))
     }
 }
 
 impl<'p> Leaf<'p> {
-    /// Its number.
+    /// The number of the leaf.
     pub fn id(&self) -> LeafId {
         LeafId::from(self.number)
     }
 
-    /// What it is.
+    /// Whether it is a shape or an instance.
     #[inline]
     pub fn kind(&self) -> LeafKind {
         let entry = self.table.entries[self.number];
@@ -76,19 +76,19 @@ impl<'p> Leaf<'p> {
         LeafKind::Instance { prototype: run.prototype, placement: run.placement(k) }
     }
 
-    /// Its facets; none of an instance.
+    /// The facets; empty for an instance.
     #[inline]
     pub fn facets(&self) -> &'p [LeafFacet] {
         &self.table.facets[self.first_facet()..self.table.facets_before(self.number + 1) as usize]
     }
 
-    /// Where its facets begin in the program's table.
+    /// The index of its first facet in the program's table.
     #[inline]
     pub(crate) fn first_facet(&self) -> usize {
         self.table.entries[self.number].first as usize
     }
 
-    /// The way into the frame of an instance; that of a shape is the group's own.
+    /// The map into the frame of an instance; the identity for a shape.
     #[inline]
     pub fn place(&self) -> Place {
         match self.instance() {
@@ -97,17 +97,17 @@ impl<'p> Leaf<'p> {
         }
     }
 
-    /// False if the preparation of the model has found that it matters to nothing that is asked.
+    /// False if simplification found that the leaf affects no output.
     pub fn is_asked(&self) -> bool {
         self.table.entries[self.number].of & UNASKED == 0
     }
 
-    /// True if the leaf is the complement of what its facets bound.
+    /// True if the leaf is the complement of the solid that its facets bound.
     pub fn is_complement(&self) -> bool {
         self.table.entries[self.number].of & COMPLEMENT != 0
     }
 
-    /// The name given to it, or its kind; of an instance with its number, as `place[7]`.
+    /// The name given to the leaf, or its kind; for an instance with its number, as `place[7]`.
     pub fn name(&self) -> Cow<'p, str> {
         match (self.label(), self.instance()) {
             (Some(label), _) => Cow::Borrowed(&label.name),
@@ -116,12 +116,12 @@ impl<'p> Leaf<'p> {
         }
     }
 
-    /// The name of the primitive that it is; none of an instance.
+    /// The name of the primitive; `None` for an instance.
     pub fn shape_name(&self) -> Option<&'static str> {
         self.label().map(|label| label.kind)
     }
 
-    /// The name of one of its faces, by its number there, as `rim.side`.
+    /// The name of a facet, as `rim.side`.
     pub fn face_name(&self, facet: usize) -> String {
         self.label().map_or_else(String::new, |label| label.face_name(facet))
     }
@@ -155,28 +155,28 @@ pub(crate) struct LeafTable {
     bounds: Vec<Bounds>,
     pub facets: Vec<LeafFacet>,
     pub instances: Vec<Instances>,
-    /// What shapes are called; of all groups.
+    /// The names of the shapes of all groups.
     pub labels: Vec<Label>,
 }
 
-/// What is kept of every leaf.
+/// The record of one leaf.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    /// The number of facets of the leaves before.
+    /// The number of facets of all leaves before it.
     first: u32,
-    /// The number of the label, or of the run of instances, and marks.
+    /// The number of the label, or of the run of instances, and flag bits.
     of: u32,
 }
 
-/// The mark of an instance.
+/// Flag of an instance.
 const INSTANCE: u32 = 1 << 31;
-/// The mark of a leaf that matters to nothing.
+/// Flag of a leaf that affects no output.
 const UNASKED: u32 = 1 << 30;
-/// The mark of a shape that is the complement of what its facets bound.
+/// Flag of a shape that is the complement of the solid that its facets bound.
 const COMPLEMENT: u32 = 1 << 29;
 const NUMBER: u32 = COMPLEMENT - 1;
 
-/// More leaves than this do not fit the numbers of a program.
+/// Greatest number of leaves that fits the ids of a program.
 pub(crate) const MOST_LEAVES: usize = NUMBER as usize;
 
 impl LeafTable {
@@ -191,7 +191,7 @@ impl LeafTable {
 
     /// The leaf that a facet belongs to.
     pub fn leaf_of_facet(&self, facet: usize) -> Leaf<'_> {
-        // of leaves without facets before the next facet the last one is found, but the one with the facet comes later
+        // of leaves that share this `first`, all but the last have no facets; partition_point finds the last
         let end = self.entries.partition_point(|entry| entry.first as usize <= facet);
         self.leaf(end.saturating_sub(1))
     }
@@ -211,7 +211,7 @@ impl LeafTable {
         last.map_or(0, |run| run.before as usize + run.len().min(number - run.first_leaf as usize))
     }
 
-    /// Adds a leaf that is a shape with the facets, and the box, that are added after it.
+    /// Adds a shape. Its facets and its box are pushed after it.
     pub fn push_shape(&mut self, label: u32, complement: bool) {
         let mark = if complement { COMPLEMENT } else { 0 };
         self.entries.push(Entry { first: self.facets.len() as u32, of: label | mark });
@@ -234,13 +234,13 @@ impl LeafTable {
         self.len() - self.bounds.len()
     }
 
-    /// Marks a leaf as one that matters to nothing.
+    /// Marks a leaf as one that affects no output.
     pub fn unask(&mut self, number: usize) {
         self.entries[number].of |= UNASKED;
     }
 
-    /// Adds the leaves of another table, whose surfaces stand so many places further on, and whose labels have been
-    /// given new numbers.
+    /// Appends the leaves of another table. `surfaces` is added to its surface numbers, and `label` maps its
+    /// label numbers to new ones.
     pub fn append(&mut self, other: LeafTable, surfaces: u32, label: impl Fn(u32) -> u32) {
         let (leaves, before) = (self.len() as u32, self.instance_count() as u32);
         let (facets, runs) = (self.facets.len() as u32, self.instances.len() as u32);
@@ -265,7 +265,7 @@ impl LeafTable {
         self.labels.shrink_to_fit();
     }
 
-    /// The bytes that it holds on to, by part.
+    /// Sizes in bytes, by part.
     pub fn bytes(&self) -> [(&'static str, usize); 5] {
         let copies: usize = self.instances.iter().map(Instances::bytes).sum();
         [

@@ -1,11 +1,11 @@
 //! Solids as boolean expressions, compiled once into a flat program.
 //!
-//! - [`Solid`]: what people build: shapes, transforms, boolean operators, names. Cheap to clone.
-//! - [`Program`]: what evaluators read: boolean skeletons, a leaf table, shared surfaces. Immutable.
-//! - [`Evaluator`]: the trait between the two sides, with its rays, queries and answers.
+//! - [`Solid`]: a tree of shapes, transforms, boolean operators and names, as users build it. Cheap to clone.
+//! - [`Program`]: the compiled form that evaluators use: expressions, leaf table, shared surfaces. Immutable.
+//! - [`Evaluator`]: the trait that answers ray queries on a program, with its rays, queries and answers.
 //!
-//! The rules about what is true along a ray that every evaluator shares (when crossings are welded, to
-//! which face they belong, what their normal is) are here too, each once: [`weld`] and [`attributes`].
+//! The rules that all evaluators share are implemented here, each once: when crossings are welded and to
+//! which face they belong ([`weld`]), and their points and normals ([`attributes`]).
 
 pub mod attributes;
 pub mod drive;

@@ -1,7 +1,7 @@
-//! From the tree that people build to the boolean formulas of its groups, as they were written.
+//! Lowering: from a tree of solids to the boolean formula of each group, before simplification.
 //!
-//! One walk with an explicit stack: transforms are composed on the way down, leaves and operators are numbered in the
-//! order in which they are met. Shared sub-trees are walked once per placement.
+//! One traversal with an explicit stack: it composes transforms on the way down and numbers leaves and
+//! operators in the order of the traversal. Shared sub-trees are visited once per placement.
 
 use crate::leaf::MOST_LEAVES;
 use crate::simplify::{Formula, Op};
@@ -11,21 +11,21 @@ use rayweave_shape::primitive::Primitive;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A group of leaves in one frame, with the solids asked of it.
+/// A group of leaves in one frame, with the solids that are its outputs.
 pub(crate) struct Group<'a> {
-    /// As it was written, with an output for each solid asked for.
+    /// The unsimplified formula, with one output per solid.
     pub formula: Formula,
-    /// The names of compounds, by the number of their node in the formula.
+    /// Names of compound solids, by the node number in the formula.
     pub names: HashMap<u32, Arc<str>>,
-    /// What the leaves are, in order.
+    /// Leaves, or runs of instances, in order.
     pub parts: Vec<Part<'a>>,
     pub leaf_count: usize,
     contexts: Vec<Context>,
 }
 
 impl Group<'_> {
-    /// The way from the root to a leaf, for messages. Made only when it is asked for: the ways to all leaves
-    /// of a deep tree together are of quadratic length.
+    /// The path from the root to a leaf, for messages. Computed on demand: the paths to all leaves of a deep
+    /// tree have quadratic total length.
     pub fn path(&self, part: &Part<'_>) -> String {
         let what = match &part.content {
             Content::Shape(primitive) => primitive.name(),
@@ -34,13 +34,14 @@ impl Group<'_> {
         path(&self.contexts, part.context, what)
     }
 
-    /// The map of a part into the frame of the group, and the lengths of the translations composed into it.
+    /// The map of a part into the frame of the group, and the sum of the lengths of the translations composed
+    /// into it.
     pub fn place(&self, part: &Part<'_>) -> (Affine, f64) {
         let Context { world_from_local, way, .. } = self.contexts[part.context as usize];
         (world_from_local, way)
     }
 
-    /// The name around the one that a leaf is called by, if it is near.
+    /// The name of the compound around a leaf's own name, if it is at most [`NEAR`] levels up.
     pub fn outer_name(&self, part: &Part<'_>) -> Option<&str> {
         let above = |&context: &u32| (context != 0).then(|| self.contexts[context as usize].parent);
         let contexts = std::iter::successors(Some(part.context), above).take(NEAR);
@@ -48,25 +49,26 @@ impl Group<'_> {
     }
 }
 
-/// So many maps and names are looked through for a name, so that to name all leaves of a deep tree takes linear time.
+/// Number of maps and names searched for an outer name; it keeps naming all leaves of a deep tree linear in
+/// time.
 const NEAR: usize = 64;
 
-/// A leaf, or the copies of a placed solid, before they are brought into the group's frame.
+/// A leaf, or the copies of a placed solid, before transformation into the group's frame.
 pub(crate) struct Part<'a> {
-    /// What the leaf is called; copies, with their number behind.
+    /// The name of the leaf; copies append their number.
     pub name: Arc<str>,
-    /// Where it stands.
+    /// The context: composed map and names.
     context: u32,
     pub content: Content<'a>,
 }
 
-/// What a part is.
+/// The content of a part: a shape, or the maps of the copies of a placed solid.
 pub(crate) enum Content<'a> {
     Shape(&'a Primitive),
     Copies(PrototypeId, &'a [Affine]),
 }
 
-/// Lowers solids, and all solids placed in them, to groups; the first group is the model itself.
+/// Lowers solids, and all solids placed in them, to groups. The first group is the model itself.
 pub(crate) fn lower<'a>(solids: &[&'a Solid]) -> Result<Vec<Group<'a>>, CompileError> {
     let mut prototypes = Prototypes::default();
     let mut groups = vec![Lowering::new(&mut prototypes).run(solids)?];
@@ -77,7 +79,7 @@ pub(crate) fn lower<'a>(solids: &[&'a Solid]) -> Result<Vec<Group<'a>>, CompileE
     Ok(groups)
 }
 
-/// The placed solids met so far, each once; number k is group k + 1.
+/// The placed solids found so far, each once; number k is group k + 1.
 #[derive(Default)]
 struct Prototypes<'a> {
     known: HashMap<usize, PrototypeId>,
@@ -93,38 +95,38 @@ impl<'a> Prototypes<'a> {
     }
 }
 
-/// Where in the model a walk is: the composed map and the names on the way.
+/// A position in the traversal: the composed map and the names on the path.
 struct Context {
     parent: u32,
     name: Option<Arc<str>>,
-    /// The innermost name, and whether only maps and complements lie below it so far.
+    /// The innermost name, and whether only maps and complements lie between it and this position.
     leaf_name: Option<Arc<str>>,
     direct: bool,
     world_from_local: Affine,
     way: f64,
 }
 
-/// A node and the context of a visit.
+/// A node (by address) and the context of its visit.
 type Key = (usize, u32);
 
 /// An operator whose operands are being collected.
 struct Frame {
     op: Op,
     complemented: bool,
-    /// Where its operands begin.
+    /// The index of its first operand.
     first: usize,
     key: Option<Key>,
     name: Option<Arc<str>>,
 }
 
-/// A node to be walked.
+/// A node to be visited.
 #[derive(Clone, Copy)]
 struct Visit<'a> {
     solid: &'a Solid,
     context: u32,
     complemented: bool,
-    /// True if the same walk may come by again: the node itself, or a map, name or complement around it, is
-    /// used more than once.
+    /// True if the same node may be visited again in this context: the node itself, or a map, name or
+    /// complement around it, has more than one handle.
     shared: bool,
 }
 
@@ -146,7 +148,7 @@ struct Lowering<'p, 'a> {
     done: HashMap<Key, Edge>,
     tasks: Vec<Task<'a>>,
     frames: Vec<Frame>,
-    /// What is not yet taken by an operator.
+    /// Stack of operands that no operator has consumed yet.
     operands: Vec<Edge>,
 }
 
@@ -190,7 +192,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         Ok(Group { formula, names, parts, leaf_count, contexts })
     }
 
-    /// Puts operands on the stack so that they are visited in order.
+    /// Pushes operands onto the stack in reverse, so that they are visited in order.
     fn visit_all(&mut self, operands: impl DoubleEndedIterator<Item = &'a Solid>, context: u32) {
         let visit =
             |solid: &'a Solid| Visit { solid, context, complemented: false, shared: solid.is_shared() };
@@ -225,13 +227,13 @@ impl<'p, 'a> Lowering<'p, 'a> {
         self.operands.push(if complemented { edge.complement() } else { edge });
     }
 
-    /// Goes on with the only operand of a node that is none in the formula.
+    /// Continues with the only operand of a map, name or complement, which is not a node of the formula.
     fn pass(&mut self, inner: &'a Solid, visit: Visit<'a>) {
         let shared = visit.shared || inner.is_shared();
         self.tasks.push(Task::Visit(Visit { solid: inner, shared, ..visit }));
     }
 
-    /// An operator: looked up where it was met before, else opened.
+    /// Reuses the edge of an operator that was visited before in this context, else opens a frame for it.
     fn join(&mut self, op: Op, visit: Visit<'a>, operands: impl DoubleEndedIterator<Item = &'a Solid>) {
         let Visit { solid, context, complemented, shared } = visit;
         let name = self.undirect(context);
@@ -277,7 +279,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         Ok(())
     }
 
-    /// Adds a part of so many leaves; the number of the first.
+    /// Adds a part with `leaves` leaves and returns the number of the first.
     fn part(&mut self, part: Part<'a>, leaves: usize, what: &str) -> Result<LeafId, CompileError> {
         let first = self.leaf_count;
         if first + leaves > MOST_LEAVES {
@@ -289,7 +291,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         Ok(LeafId::from(first))
     }
 
-    /// The union of instances; a single one is an ordinary transform.
+    /// The union of instances; a single one is lowered as an ordinary transform.
     fn placed(
         &mut self,
         visit: Visit<'a>,
@@ -298,7 +300,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
     ) -> Result<(), CompileError> {
         let Visit { solid, context, complemented, .. } = visit;
         match maps[..] {
-            // no group of its own: one that nothing places would have no place in the program
+            // a solid without placements gets no group: nothing in the program would refer to it
             [] => self.operand(Edge::EMPTY, complemented),
             [ref map] => {
                 let context = self.moved(&visit, map)?;
@@ -368,7 +370,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let fresh = self.contexts.len() as u32;
         let context = match visit.shared {
             true => *self.context_of.entry((visit.context, visit.solid.address())).or_insert(fresh),
-            // nobody comes by again
+            // no later visit
             false => fresh,
         };
         if context == fresh {
@@ -377,14 +379,14 @@ impl<'p, 'a> Lowering<'p, 'a> {
         context
     }
 
-    /// From here on the innermost name belongs to a compound, not to one leaf; the first time, answers with it.
+    /// Marks the innermost name as that of a compound, not of one leaf; returns that name the first time.
     fn undirect(&mut self, context: u32) -> Option<Arc<str>> {
         let context = &mut self.contexts[context as usize];
         let direct = std::mem::replace(&mut context.direct, false);
         context.leaf_name.clone().filter(|_| direct)
     }
 
-    /// The name of a leaf: the name given to it, or its kind after the name of the compound that it is in.
+    /// The name given to a leaf, or its kind after the name of the enclosing compound.
     fn leaf_name(&mut self, context: u32, kind: &'static str) -> Arc<str> {
         let Context { leaf_name, direct, .. } = &self.contexts[context as usize];
         match leaf_name {
@@ -398,15 +400,15 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 }
 
-/// The names of leaves that nobody has named, each made once.
+/// The names of unnamed leaves, each made once.
 #[derive(Default)]
 struct LeafNames {
-    /// By the address of the name around and that of the kind. (Contexts hold on to the former.)
+    /// By the addresses of the outer name (which the contexts keep alive) and of the kind.
     known: HashMap<(usize, usize), Arc<str>>,
 }
 
 impl LeafNames {
-    /// The kind, after the name of the compound that the leaf is in.
+    /// The kind, after the name of the enclosing compound.
     fn of(&mut self, outer: Option<&Arc<str>>, kind: &'static str) -> Arc<str> {
         let key = (outer.map_or(0, |name| name.as_ptr() as usize), kind.as_ptr() as usize);
         let name = || outer.map_or_else(|| kind.into(), |name| format!("{name}.{kind}").into());

@@ -1,8 +1,8 @@
 //! Solids as text: `front & back - ~rim`.
 //!
-//! The operators and their precedence are those of the model file and of Python (`~`, then `-`, `&`, `^`,
-//! `|`); a named solid is printed by its name, the one asked for as `name = ...`. Printing takes linear time and no
-//! call stack, whatever the depth.
+//! The operators and their precedence are those of model files and of Python (`~`, then `-`, `&`, `^`, `|`).
+//! A named solid is printed as its name, the outermost one as `name = ...`. Printing takes linear time and no
+//! recursion, at any depth.
 
 use crate::{Node, Solid};
 use rayweave_math::Affine;
@@ -10,7 +10,7 @@ use rayweave_shape::primitive::{Primitive, Value};
 use std::borrow::Cow;
 use std::fmt;
 
-/// How tightly a piece of text binds: it needs parentheses inside anything that binds more tightly.
+/// Precedence of a piece of text: it needs parentheses inside anything that binds more tightly.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Binding {
     Union,
@@ -18,7 +18,7 @@ enum Binding {
     Intersection,
     Difference,
     Complement,
-    /// A name, a call, something in parentheses.
+    /// A name, a call, or a text in parentheses.
     Atom,
 }
 
@@ -53,7 +53,7 @@ impl fmt::Debug for Solid {
     }
 }
 
-/// Writes a node that needs no others, or puts its parts on the stack, last one first.
+/// Writes a node without operands, or pushes its parts on the stack, last one first.
 fn expand<'a>(
     f: &mut fmt::Formatter<'_>,
     solid: &'a Solid,
@@ -91,7 +91,7 @@ fn expand<'a>(
     }
 }
 
-/// Operands with an operator between them, or a call where there are fewer than two.
+/// Operands with an operator between them, or a call if there are fewer than two.
 fn infix<'a>(
     f: &mut fmt::Formatter<'_>,
     call: &str,
@@ -124,10 +124,10 @@ fn infix<'a>(
     Ok(())
 }
 
-/// Above so many rows, in meshes, the first has to do.
+/// Longer lists of rows (meshes) are abbreviated to their first row.
 const MOST_ROWS: usize = 256;
 
-/// A shape as a call with named arguments, as it would be written in Python.
+/// A shape as a call with named arguments, in Python's syntax.
 fn primitive_text(primitive: &Primitive) -> String {
     let value = |value: &Value| match value {
         Value::Number(number) => format!("{number}"),

@@ -14,8 +14,8 @@ use std::ops::Range;
 
 /// A compiled model.
 ///
-/// Shared by reference among any number of threads and evaluators; nothing about it fails or changes after
-/// [`Program::compile`].
+/// Shared by reference among any number of threads and evaluators. It never changes after
+/// [`Program::compile`], and its methods do not fail.
 #[derive(Clone, Debug)]
 pub struct Program {
     pub(crate) prototypes: Vec<Prototype>,
@@ -29,26 +29,27 @@ pub struct Program {
 pub struct Prototype {
     /// The leaves of this group: a range of the program's leaf table, in the order of declaration.
     pub leaves: std::ops::Range<u32>,
-    /// The boolean skeleton over the group's leaves, with one output per region for the model, one for a placed solid.
+    /// The boolean network over the group's leaves, with one output per region for the model, one for a
+    /// placed solid.
     pub network: Network,
-    /// The same as plain expression: the meaning of `network`.
+    /// The expression that `network` computes, as a list of gates.
     pub expression: Expression,
     /// A box that holds the solid (of the model: all regions).
     pub bounds: Bounds,
-    /// The ball whose chords say whether a ray lies in a surface.
+    /// The ball whose chords decide whether a ray lies in a surface.
     pub ball: Ball,
-    /// The most by which a rounding in this group's frame can be magnified on the way into a placed solid and
-    /// back, at least 1: the factor for a ray's share in the growth of boxes.
+    /// Upper bound of the factor by which a rounding error in this group's frame grows on the way into a
+    /// placed solid and back, at least 1. A ray's own lengths, times [`MARGIN`] and this factor, grow boxes.
     pub condition: f64,
-    /// The number of placements that one occurrence of the group stands for, itself included.
+    /// The number of placements in one occurrence of the group, itself included.
     pub placements: u32,
-    /// The same with what only the groups need to know in which the solid is placed.
+    /// Bounds and error factors for the groups that place this one.
     pub(crate) extent: Extent,
-    /// The runs of instances among the leaves: a range of those of the program.
+    /// The runs of instances among the leaves: a range of the program's list.
     pub(crate) instances: std::ops::Range<u32>,
 }
 
-/// Boxes are grown by this times the lengths involved.
+/// Boxes are grown by this factor times the lengths involved.
 pub const MARGIN: f64 = 256.0 * UNIT_ROUNDOFF;
 
 /// A surface in the frame of its group.
@@ -56,20 +57,20 @@ pub const MARGIN: f64 = 256.0 * UNIT_ROUNDOFF;
 pub struct SurfaceEntry {
     /// The surface, in canonical form.
     pub surface: Surface,
-    /// The size and position of the surface plus the lengths of all translations composed on the way.
+    /// The size and position of the surface plus the lengths of all translations composed into its map.
     pub magnitude: f64,
 }
 
 /// A region of the model, or the solid that was compiled.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionInfo {
-    /// What the region is called.
+    /// The name of the region.
     pub name: String,
     /// The number of its medium; 0 is the medium of the world.
     pub medium: Medium,
 }
 
-/// A number of a medium; 0 is the medium of the world.
+/// The number of a medium; 0 is the medium of the world.
 pub type Medium = u32;
 
 impl Program {
@@ -104,10 +105,10 @@ impl Program {
         self.leaves.leaf(id.index())
     }
 
-    /// For each leaf of a group the part of its box, grown by its margin, where it can matter to what is asked of the group;
-    /// nothing of leaves that matter nowhere.
+    /// For each leaf of a group the part of its grown box where the leaf can affect an output of the group;
+    /// empty if there is none.
     ///
-    /// Computed anew each time, in time linear in the size of the group: meant for those who build something of it.
+    /// Computed on each call, in time linear in the size of the group.
     pub fn matters(&self, group: &Prototype) -> Vec<Bounds> {
         let inner = |id: PrototypeId| self.prototype(id).extent;
         let boxes = Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner };
@@ -117,9 +118,10 @@ impl Program {
         leaf_needs(&formula, &simplify::bounds(&formula, &grown), grown.len())
     }
 
-    /// For each region a box that holds it to rounding, whatever later regions take away; infinite where none is known.
+    /// A box for each region that holds it up to rounding, without regard to the priority of later regions.
+    /// Infinite if no bound is known.
     ///
-    /// Computed anew each time, in time linear in the size of the model.
+    /// Computed on each call, in time linear in the size of the model.
     pub fn region_bounds(&self) -> Vec<Bounds> {
         let group = self.prototype(PrototypeId(0));
         let inner = |id: PrototypeId| self.prototype(id).extent;
@@ -131,8 +133,8 @@ impl Program {
         outputs.map(|&edge| simplify::Beyond::of(edge, &nodes).bounds()).collect()
     }
 
-    /// A box in the frame of a group for what a box in the frame of a solid holds that is placed there as one of the
-    /// group's leaves, grown by the margin of that leaf.
+    /// Transforms a box from the frame of the solid placed as leaf `id` to the frame of the group, and grows
+    /// it by the margin of that leaf. For a leaf that is a shape it returns the box unchanged.
     pub fn placed_bounds(&self, group: &Prototype, id: LeafId, inner: &Bounds) -> Bounds {
         let Some((run, k)) = self.leaf(id).instance() else { return *inner };
         let extent = |id: PrototypeId| self.prototype(id).extent;
@@ -147,13 +149,13 @@ impl Program {
         Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner }.bounds(id.index())
     }
 
-    /// All facets, leaf by leaf: the faces that answers name.
+    /// All facets, leaf by leaf: the faces that crossings refer to by number.
     #[inline]
     pub fn facets(&self) -> &[LeafFacet] {
         &self.leaves.facets
     }
 
-    /// The number of a face in [`Program::facets`], from its leaf and its number there.
+    /// The number of a face in [`Program::facets`], from its leaf and its facet number there.
     pub fn face_number(&self, leaf: LeafId, facet: u32) -> u32 {
         self.leaf(leaf).first_facet() as u32 + facet
     }
@@ -174,12 +176,12 @@ impl Program {
         &self.regions
     }
 
-    /// The medium of a region; that of the world for region 0.
+    /// The medium of a region; 0 for region 0.
     pub fn medium_of(&self, region: RegionId) -> Medium {
         region.index().checked_sub(1).map_or(0, |k| self.regions[k].medium)
     }
 
-    /// What is asked of a group as text, one line for each region: `all{0, 1, ~2}`, leaves by their number in
+    /// The outputs of a group as text, one line for each region: `all{0, 1, ~2}`, leaves by their number in
     /// the group.
     pub fn expression_text(&self, id: PrototypeId) -> String {
         let group = self.prototype(id);
@@ -193,7 +195,7 @@ impl Program {
         self.prototypes[0].bounds
     }
 
-    /// The map from a placement's frame to the world and the group that is placed there.
+    /// The map from a placement's frame to the world, and the group that is placed there.
     pub fn placement(&self, id: PlacementId) -> (Affine, PrototypeId) {
         let (mut rest, mut group, mut map) = (id.0, PrototypeId(0), Affine::IDENTITY);
         while let Some((run, k)) = self.instance_before(group, rest) {
@@ -203,7 +205,7 @@ impl Program {
         (map, group)
     }
 
-    /// The steps by which a world ray is carried into a placement's frame, outermost first.
+    /// The maps that take a world ray into a placement's frame, outermost first.
     pub fn descend(&self, id: PlacementId) -> impl Iterator<Item = Place> {
         let (mut rest, mut group) = (id.0, PrototypeId(0));
         std::iter::from_fn(move || {
@@ -213,7 +215,8 @@ impl Program {
         })
     }
 
-    /// The last instance of a group whose first placement number is not above `rest`; none for the group itself.
+    /// The last instance of a group whose first placement number is at most `rest`; `None` for the group
+    /// itself.
     fn instance_before(&self, group: PrototypeId, rest: u32) -> Option<(&Instances, usize)> {
         let Range { start, end } = self.prototype(group).instances;
         let runs = &self.leaves.instances[start as usize..end as usize];
@@ -222,7 +225,7 @@ impl Program {
         Some((run, (k as usize).min(run.len() - 1)))
     }
 
-    /// The bytes that it holds on to, by part; a name that solids hold, too, is not counted.
+    /// Sizes in bytes, by part. Names that are shared with solids are not counted.
     pub fn bytes(&self) -> Vec<(&'static str, usize)> {
         let sum = |of: fn(&Prototype) -> usize| self.prototypes.iter().map(of).sum();
         let mut parts = vec![

@@ -1,4 +1,4 @@
-//! Rays on their way in.
+//! Batches of rays as structures of arrays.
 
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
@@ -11,7 +11,7 @@ use std::ops::Range;
 pub struct BadRay {
     /// The number of the ray in its batch.
     pub ray: usize,
-    /// What is wrong with it.
+    /// The reason.
     pub problem: RayError,
 }
 
@@ -44,7 +44,7 @@ impl Rays<'_> {
         self.origins[0].len()
     }
 
-    /// True if there is none.
+    /// True if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -55,10 +55,10 @@ impl Rays<'_> {
         Ray::new(at(&self.origins), at(&self.directions))
     }
 
-    /// Whether every ray is in the range that is traced: see [`Ray::check`].
+    /// Checks that every ray is in the range that can be traced: see [`Ray::check`].
     ///
     /// # Errors
-    /// [`BadRay`] for the first that is not.
+    /// [`BadRay`] for the first ray that is not.
     pub fn check(&self) -> Result<(), BadRay> {
         if self.are_plain() {
             return Ok(());
@@ -67,7 +67,7 @@ impl Rays<'_> {
         (0..self.len()).try_for_each(check)
     }
 
-    /// True only if all rays pass the check: column by column, without a branch for each ray.
+    /// True only if all rays pass the check. Runs column by column, without a branch per ray.
     fn are_plain(&self) -> bool {
         let is_small = |column: &[f64]| column.iter().fold(true, |all, x| all & (x.abs() <= Ray::MOST));
         let [x, y, z] = self.directions;
@@ -106,12 +106,12 @@ impl RayBatch {
         self.origins[0].len()
     }
 
-    /// True if there is none.
+    /// True if there are no rays.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Appends rays with directions of unit length along those given, which are not 0.
+    /// Appends rays with their directions normalised to unit length. The directions must not be 0.
     pub fn extend_normalised(&mut self, rays: Rays<'_>) {
         for (own, given) in self.origins.iter_mut().zip(rays.origins) {
             own.extend_from_slice(given);
@@ -127,7 +127,7 @@ impl RayBatch {
         }
     }
 
-    /// Forgets all rays and keeps the memory.
+    /// Removes all rays; keeps the allocated memory.
     pub fn clear(&mut self) {
         self.origins.iter_mut().chain(&mut self.directions).for_each(Vec::clear);
     }

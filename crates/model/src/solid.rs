@@ -1,4 +1,4 @@
-//! What people build: shapes joined by boolean operators.
+//! Solids as users build them: trees of shapes and boolean operators.
 
 use rayweave_math::{Affine, Vec3};
 use rayweave_shape::primitive::Primitive;
@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 /// A solid: a boolean combination of primitives under affine maps.
 ///
-/// A `Solid` is a shared handle: cloning it costs a reference count, whatever its size. Operators build new
-/// solids and change none: `|` union, `&` intersection, `-` difference, `^` symmetric difference, `!`
-/// complement. Nothing is checked or computed until [`crate::Program`] compiles it.
+/// A `Solid` is a shared handle: cloning it copies a reference, whatever its size. Operators build new solids
+/// and modify none: `|` union, `&` intersection, `-` difference, `^` symmetric difference, `!` complement.
+/// Nothing is checked or computed until [`crate::Program`] compiles it.
 ///
-/// Trees may be as deep as memory allows: no operation on them uses the call stack for depth.
+/// Trees may be as deep as memory allows: no operation on them is recursive.
 #[derive(Clone)]
 pub struct Solid(Arc<Inner>);
 
@@ -20,46 +20,46 @@ struct Inner {
     node: Node,
 }
 
-/// How a solid is made from others.
+/// A node of the tree: a shape, or a way to make a solid from others.
 #[derive(Clone)]
 pub enum Node {
-    /// Nothing.
+    /// The empty solid.
     Empty,
-    /// All of space.
+    /// The universe: all of space.
     Universe,
     /// A shape.
     Primitive(Primitive),
     /// Everything outside a solid.
     Complement(Solid),
-    /// Inside any of them; of none: nothing.
+    /// Points inside any of the operands; empty if there are none.
     Union(Vec<Solid>),
-    /// Inside all of them; of none: all of space.
+    /// Points inside all of the operands; the universe if there are none.
     Intersection(Vec<Solid>),
-    /// Inside the first and not inside the second.
+    /// Points inside the first and not inside the second.
     Difference(Solid, Solid),
-    /// Inside an odd number of them.
+    /// Points inside an odd number of the operands.
     SymmetricDifference(Vec<Solid>),
     /// The image under a map, `world_from_local`.
     Transformed(Affine, Solid),
-    /// The same solid with a name, which its leaves inherit where they have none of their own.
+    /// The same solid with a name, which leaves without a name of their own inherit.
     Named(Arc<str>, Solid),
-    /// The union of the images under many maps: one prototype, placed many times.
+    /// The union of the images under several maps: one prototype with many instances.
     Placed(Solid, Arc<[Affine]>),
 }
 
 /// A solid made of one medium, as part of a model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// What the region is called.
+    /// The name of the region.
     pub name: String,
-    /// The space that it takes, except where a later region takes it.
+    /// The space that it occupies, except where a later region has priority.
     pub solid: Solid,
     /// The number of its medium; 0 is the medium of the world.
     pub medium: u32,
 }
 
 impl Node {
-    /// The solids that this node is made from, in order.
+    /// The operands of this node as a slice; empty for a difference, see [`Node::operand_refs`].
     pub fn operands(&self) -> &[Solid] {
         match self {
             Node::Empty | Node::Universe | Node::Primitive(_) => &[],
@@ -77,37 +77,37 @@ impl Solid {
         Solid(Arc::new(Inner { node }))
     }
 
-    /// How this solid is made.
+    /// The root node of this solid.
     pub fn node(&self) -> &Node {
         &self.0.node
     }
 
-    /// Nothing: the neutral element of union.
+    /// The empty solid: the neutral element of union.
     pub fn empty() -> Solid {
         Solid::new(Node::Empty)
     }
 
-    /// All of space: the neutral element of intersection.
+    /// The universe: the neutral element of intersection.
     pub fn universe() -> Solid {
         Solid::new(Node::Universe)
     }
 
-    /// Inside any of the solids; the union of none is [`Solid::empty`].
+    /// Points inside any of the solids; the union of none is [`Solid::empty`].
     pub fn union(solids: impl IntoIterator<Item = Solid>) -> Solid {
         Solid::new(Node::Union(solids.into_iter().collect()))
     }
 
-    /// Inside all of the solids; the intersection of none is [`Solid::universe`].
+    /// Points inside all of the solids; the intersection of none is [`Solid::universe`].
     pub fn intersection(solids: impl IntoIterator<Item = Solid>) -> Solid {
         Solid::new(Node::Intersection(solids.into_iter().collect()))
     }
 
-    /// Inside an odd number of the solids.
+    /// Points inside an odd number of the solids.
     pub fn symmetric_difference(solids: impl IntoIterator<Item = Solid>) -> Solid {
         Solid::new(Node::SymmetricDifference(solids.into_iter().collect()))
     }
 
-    /// The same solid under a name, by which the faces of its leaves are called in answers.
+    /// The same solid with a name, which is part of the names of its faces in answers.
     pub fn named(&self, name: &str) -> Solid {
         Solid::new(Node::Named(name.into(), self.clone()))
     }
@@ -152,22 +152,22 @@ impl Solid {
         self.apply(Affine::mirror(normal.into()))
     }
 
-    /// The union of the images under many maps. The solid is compiled once, however many they are.
+    /// The union of the images under several maps. The solid is compiled once, however many maps there are.
     pub fn place(&self, transforms: impl Into<Arc<[Affine]>>) -> Solid {
         Solid::new(Node::Placed(self.clone(), transforms.into()))
     }
 
-    /// True if both handles point at the same node.
+    /// True if both handles refer to the same node.
     pub fn is_same(&self, other: &Solid) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 
-    /// The address of the node, by which shared sub-trees are recognised.
+    /// The address of the node; identifies shared sub-trees.
     pub(crate) fn address(&self) -> usize {
         Arc::as_ptr(&self.0) as usize
     }
 
-    /// True if more than one handle points at the node.
+    /// True if more than one handle refers to the node.
     pub(crate) fn is_shared(&self) -> bool {
         Arc::strong_count(&self.0) > 1
     }
@@ -204,12 +204,13 @@ fn take_operands(node: &mut Node, waiting: &mut Vec<Solid>) {
 }
 
 impl PartialEq for Solid {
-    /// Equal if built in the same way from equal parts (not: if they fill the same space).
+    /// Structural equality: built in the same way from equal parts. Two solids that fill the same space may
+    /// differ.
     fn eq(&self, other: &Solid) -> bool {
         let mut waiting = vec![(self, other)];
         let mut seen = std::collections::HashSet::new();
         while let Some((a, b)) = waiting.pop() {
-            // sub-trees may be shared many times over: each pair of nodes is compared once
+            // sub-trees may be shared many times: each pair of nodes is compared once
             if a.is_same(b) || !seen.insert((a.address(), b.address())) {
                 continue;
             }

@@ -1,10 +1,10 @@
-//! The flips of leaves running through the network of their group, in order of time.
+//! A sweep along one ray: flips leaves in the network of their group, in order of time.
 
 use crate::gate::{Network, NetworkState};
 use crate::weld::{Change, Flips, attribute};
 use crate::{Event, Face, State};
 
-/// A network with its state, as the weld sees it.
+/// A network with its state, as the [`Flips`] of a weld.
 #[derive(Debug)]
 pub struct NetworkFlips<'a> {
     network: &'a Network,
@@ -28,10 +28,10 @@ impl Flips for NetworkFlips<'_> {
     }
 }
 
-/// Events running through a network, all of one time at a step.
+/// A sweep over events, one time per step.
 #[derive(Debug)]
 pub struct Sweep<'a> {
-    /// The network as the events have left it.
+    /// The network after the events so far.
     pub flips: NetworkFlips<'a>,
     events: &'a [Event],
     position: usize,
@@ -39,12 +39,12 @@ pub struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Of events sorted by time, those before `t_max`.
+    /// A sweep over events sorted by time; stops before `t_max`.
     pub fn new(network: &'a Network, state: &'a mut NetworkState, events: &'a [Event], t_max: f64) -> Self {
         Sweep::resume(network, state, events, 0, t_max)
     }
 
-    /// Goes on after the first `position` events, which `state` has seen.
+    /// Continues after the first `position` events, which are already applied to `state`.
     pub fn resume(
         network: &'a Network,
         state: &'a mut NetworkState,
@@ -55,18 +55,18 @@ impl<'a> Sweep<'a> {
         Sweep { flips: NetworkFlips { network, state }, events, position, t_max }
     }
 
-    /// How many events have passed.
+    /// The number of events so far.
     pub fn position(&self) -> usize {
         self.position
     }
 
-    /// When the next step is; `None` if there is none.
+    /// The time of the next step; `None` if there is none.
     #[inline]
     pub fn next_time(&self) -> Option<f64> {
         self.events.get(self.position).map(|event| event.t).filter(|&t| t < self.t_max)
     }
 
-    /// Flips all leaves of the next time; that time and the first of its events.
+    /// Applies all events of the next time; returns that time and the index of its first event.
     #[inline]
     pub fn step(&mut self) -> Option<(f64, usize)> {
         let t = self.next_time()?;
@@ -78,8 +78,8 @@ impl<'a> Sweep<'a> {
         Some((t, first))
     }
 
-    /// Steps to the next change of region from `now`, which becomes what is there after it; `state` is that of the
-    /// winning output.
+    /// Steps to the next change of region. `now` is the state before and is updated; `state` maps a winning
+    /// output to its state.
     #[inline]
     pub fn next_change(&mut self, now: &mut State, state: impl Fn(u32) -> State) -> Option<Change> {
         loop {
@@ -92,8 +92,9 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Steps to the next time at which output 0 is no longer `inside`, which is then turned; with the face to which
-    /// that belongs: how a placed solid is one leaf of the group around it.
+    /// Steps to the next time at which output 0 differs from `inside`, and inverts `inside`. Returns that
+    /// time and the face to which the change belongs. This makes a placed solid one leaf of the group around
+    /// it.
     #[inline]
     pub fn next_flip(&mut self, inside: &mut bool) -> Option<(f64, Face)> {
         loop {
@@ -107,7 +108,7 @@ impl<'a> Sweep<'a> {
         }
     }
 
-    /// Puts the leaves that may have been touched back to rest, that is outside.
+    /// Resets the leaves that may have changed to their state at rest, outside.
     pub fn rest(self, touched: impl IntoIterator<Item = u32>) {
         let NetworkFlips { network, state } = self.flips;
         for leaf in touched {

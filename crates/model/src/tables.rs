@@ -1,4 +1,4 @@
-//! The tables of a group while it is compiled.
+//! Leaf and surface tables of a group during compilation.
 
 use crate::boxes::{Boxes, Extent};
 use crate::drive::{Cancel, Stopped, drive, thread_count};
@@ -21,29 +21,29 @@ use std::num::NonZeroUsize;
 pub(crate) struct Tables {
     pub leaves: LeafTable,
     pub surfaces: Vec<SurfaceEntry>,
-    /// The numbers of the planes among the surfaces of the chunk at hand, by the bits of plane and magnitude: large models have
-    /// millions of faces in a few of them.
+    /// Numbers of the planes of the current chunk, by the bits of plane and magnitude: large models have
+    /// millions of faces in few planes.
     planes: HashMap<[u64; 5], SurfaceId>,
 }
 
-/// What becomes of a group besides its tables.
+/// Results of compiling a group, other than its tables.
 pub(crate) struct Prepared {
     pub expression: Expression,
     pub ball: Ball,
     pub extent: Extent,
 }
 
-/// So many shapes are brought into the group's frame at a time.
+/// Number of shapes that are transformed into the group's frame at a time.
 const CHUNK: usize = 4096;
 
-/// Shapes in the frame of their group with labels of their own, or the copies of a placed solid.
+/// A run of shapes in the frame of their group, with their own labels, or the copies of a placed solid.
 enum Lowered<'g, 'a> {
     Shapes(Box<(Tables, Labels)>),
     Copies(&'g Part<'a>),
 }
 
 impl Tables {
-    /// The leaves of a group with their surfaces, each its own; labels get numbers that hold for all groups.
+    /// The leaves of a group with their surfaces, not yet shared; labels are numbered across all groups.
     pub fn of(
         group: &Group<'_>,
         labels: &mut Labels,
@@ -104,7 +104,7 @@ impl Tables {
             }
             if facet.inside {
                 let both = bounds.intersection(&surface.inside_bounds());
-                // two boxes of something very thin may miss each other by a rounding
+                // the boxes of a very thin shape may be disjoint by a rounding
                 bounds = if both.is_empty() { bounds } else { both };
             }
             let id = self.surface(SurfaceEntry { surface, magnitude });
@@ -114,7 +114,7 @@ impl Tables {
         Ok(())
     }
 
-    /// The number of a surface; of planes that are the same to the bit, the same.
+    /// Adds a surface and returns its number; bitwise equal planes get the same number.
     fn surface(&mut self, entry: SurfaceEntry) -> SurfaceId {
         let fresh = SurfaceId::from(self.surfaces.len());
         if let Surface::Plane(plane) = &entry.surface {
@@ -160,7 +160,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Faces that coincide get one surface, the same bits for all of them.
+    /// Replaces coincident surfaces by one representative, bit for bit.
     pub fn share(&mut self, group: &Group<'_>, labels: &Labels) -> Result<(), CompileError> {
         let candidates: Vec<_> = self.surfaces.iter().map(|s| (&s.surface, s.magnitude)).collect();
         let shared = share(&candidates).map_err(|wide| {
@@ -193,7 +193,7 @@ impl Tables {
         Ok(())
     }
 
-    /// Prepares the formula of the group, and marks the leaves that do not matter.
+    /// Simplifies the formula of the group and marks the leaves that affect no output.
     pub fn prepare(
         &mut self,
         group: Group<'_>,
@@ -206,8 +206,9 @@ impl Tables {
         let count = self.leaves.len();
         let exact: Vec<Bounds> = (0..count).map(|leaf| boxes.bounds(leaf)).collect();
         let ball = self.ball(&exact);
-        // grown by more than rounding, so that parts that only touch are not taken for apart; a ray that starts so
-        // far away that its roots err by more than the gap between two parts gets what is true of them
+        // grown by more than rounding, so that parts in contact do not count as disjoint; for a ray that
+        // starts so far away that its roots err by more than the gap between two parts, the result is still
+        // that of disjoint parts
         let mut margin = 0.0f64;
         let sure: Vec<Bounds> = (0..count)
             .map(|leaf| {
@@ -240,7 +241,7 @@ impl Tables {
         Prepared { expression: Expression::new(&prepared, count), ball, extent }
     }
 
-    /// The ball around the finite leaves and the anchors of the surfaces of the others.
+    /// The ball around the finite leaves and the anchor points of the surfaces of the others.
     fn ball(&self, bounds: &[Bounds]) -> Ball {
         let mut finite = Bounds::EMPTY;
         for (leaf, bounds) in bounds.iter().enumerate() {
@@ -257,7 +258,7 @@ impl Tables {
     }
 }
 
-/// Brings some shapes into the frame of their group; copies are left to be numbered in order.
+/// Transforms shapes into the frame of their group. Copies are returned as they are, to be numbered in order.
 fn lowered<'g, 'a>(group: &Group<'_>, parts: &'g [Part<'a>]) -> Result<Lowered<'g, 'a>, CompileError> {
     let (mut tables, mut labels) = (Tables::default(), Labels::default());
     for part in parts {

@@ -1,31 +1,34 @@
-//! From the exact list of changes to the crossings that are reported: one weld, and to whom a crossing belongs.
+//! The weld: turns the exact list of changes of a ray into the crossings that are reported, and attributes
+//! each to a face.
 //!
-//! Inside, booleans compare times exactly. That leaves slivers where two surfaces that should coincide differ
-//! by rounding, so neighbouring crossings are *welded* where the piece of the ray between them keeps within
-//! `delta` of both surfaces all along. This is done here once, on the final list, for every evaluator.
+//! Boolean operations compare times exactly. Where two surfaces that should coincide differ by rounding, this
+//! leaves slivers. Neighbouring crossings are therefore *welded* if the piece of the ray between them stays
+//! within `delta` of both surfaces over its whole length. Every evaluator uses this one implementation, on
+//! the final list.
 
 use crate::{Crossing, Event, Face, PlacementId, Program, RegionId, State, carried};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{coincides_along, separated_along};
 use std::ops::Range;
 
-/// The leaf states of a group while it is swept; both directions, since a flip undoes itself.
+/// The leaf states of a group during a sweep. A second flip of a leaf undoes the first.
 pub trait Flips {
     /// Flips a leaf.
     fn flip(&mut self, leaf: u32);
-    /// The number of the last output that is inside, from 1; 0 if none is.
+    /// The number of the last output that is inside, counted from 1; 0 if none is.
     fn winner(&mut self) -> u32;
-    /// True if output `k`, from 0, is inside.
+    /// True if output `k`, counted from 0, is inside.
     fn output(&mut self, k: u32) -> bool;
 }
 
-/// What runs through a model: a ray, or whatever else can tell where it keeps to a surface.
+/// A path through a model: a ray, or another curve that can be tested for coincidence with a surface.
 pub trait Trajectory {
-    /// True if the piece between two times lies within `delta` of the surface of a face all along.
+    /// True if the piece between two times lies within `delta` of the surface of a face over its whole
+    /// length.
     fn coincides_along(&self, program: &Program, face: Face, a: f64, b: f64) -> bool;
 
-    /// True only if no piece from `a` to a time in `ends` coincides_along the surface of a face: who can tell lets evaluators stop
-    /// early.
+    /// True only if no piece from `a` to a time in `ends` coincides with the surface of a face. May always
+    /// return false; returning true lets evaluators stop early.
     fn separated_along(&self, _program: &Program, _face: Face, _a: f64, _ends: (f64, f64)) -> bool {
         false
     }
@@ -48,11 +51,11 @@ impl Trajectory for Ray {
 /// A time at which the state of the model changes.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
-    /// When.
+    /// The time.
     pub t: f64,
-    /// The flips at that time: events `first..end`.
+    /// Index of the first event at that time: the flips are events `first..end`.
     pub first: usize,
-    /// One past the last of them.
+    /// Index one past the last of them.
     pub end: usize,
     /// The state just before.
     pub before: State,
@@ -60,25 +63,25 @@ pub struct Change {
     pub after: State,
 }
 
-/// Neighbouring changes of medium welded so far.
+/// A run of changes of medium welded so far.
 #[derive(Clone, Copy, Debug)]
 struct Run {
-    /// Its events, those of changes of region beside it among them.
+    /// Its events, including adjacent changes of region within a medium.
     first: usize,
     end: usize,
     /// The states before and after it.
     before: State,
     after: State,
-    /// The last change of medium, and its face alone.
+    /// The last change of medium, with the face of that change alone.
     t: f64,
     face: Face,
-    /// True if it is one change.
+    /// True if it is a single change.
     single: bool,
-    /// The last change of either kind.
+    /// The last change, of medium or of region.
     tail: (f64, Face),
 }
 
-/// Neighbouring changes of region, not of medium, that lie in each other's surfaces.
+/// A chain of changes of region within one medium, in which neighbours lie in each other's surfaces.
 #[derive(Clone, Copy, Debug)]
 struct Quiet {
     first: usize,
@@ -86,12 +89,12 @@ struct Quiet {
     tail: (f64, Face),
 }
 
-/// What a weld knows between two changes: for evaluators that find events as they go.
+/// The state of a weld between two changes, for evaluators that compute events incrementally.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Paused(Option<Run>, Option<Quiet>);
 
 impl Paused {
-    /// True if there is no crossing that waits for what comes next.
+    /// True if no crossing is pending.
     pub fn is_idle(&self) -> bool {
         self.0.is_none()
     }
@@ -107,23 +110,23 @@ pub struct Weld<'a, T = Ray> {
 }
 
 impl<'a, T: Trajectory> Weld<'a, T> {
-    /// For one trajectory with all its events in order of time.
+    /// Starts a weld for one trajectory, with all its events in order of time.
     pub fn new(program: &'a Program, path: T, events: &'a [Event]) -> Self {
         Weld { program, path, events, pending: None, quiet: None }
     }
 
-    /// Goes on after a pause; `events` may have got more at its end since.
+    /// Continues after a pause; events may have been appended to `events` since.
     pub fn resume(program: &'a Program, path: T, events: &'a [Event], paused: Paused) -> Self {
         Weld { program, path, events, pending: paused.0, quiet: paused.1 }
     }
 
-    /// Lets go of the events.
+    /// Releases the borrow of the events and returns the state.
     pub fn pause(self) -> Paused {
         Paused(self.pending, self.quiet)
     }
 
-    /// Takes the next change of region; answers with the crossing that it shows to be complete, if any. `flips`
-    /// must be in the state just after the change, that is, with events `..change.end` flipped.
+    /// Adds the next change of region; returns the crossing that this change completes, if any. `flips` must
+    /// be in the state just after the change, with events `..change.end` flipped.
     pub fn change(&mut self, change: Change, flips: &mut impl Flips) -> Option<Crossing> {
         if change.before.medium == change.after.medium {
             self.quiet_change(change, flips);
@@ -146,8 +149,9 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         self.report(&complete, end, flips)
     }
 
-    /// A change of region within one medium is no crossing. But next to one, where both lie in each other's
-    /// surfaces, the region between them is a sliver: that before or after both is the one to be named.
+    /// Handles a change of region within one medium, which is not a crossing by itself. If it is next to a
+    /// crossing and both lie in each other's surfaces, the region between them is a sliver: the region
+    /// reported is the one before or after both.
     fn quiet_change(&mut self, change: Change, flips: &mut impl Flips) {
         let winner = |flips: &mut _| Flips::winner(flips);
         let face = attribute(self.events, change.first..change.end, change.end, flips, winner);
@@ -162,14 +166,15 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         self.quiet = Some(chain.map_or(fresh, |quiet| Quiet { tail: here, ..quiet }));
     }
 
-    /// The last crossing, once there are no more changes; `position` events are flipped in `flips`.
+    /// Returns the last crossing after the final change; `position` events are flipped in `flips`.
     pub fn finish(&mut self, position: usize, flips: &mut impl Flips) -> Option<Crossing> {
         let run = self.pending.take()?;
         self.report(&run, position, flips)
     }
 
-    /// True if there is a crossing that no change at a time in `ends` can be welded to, so that [`Weld::finish`] gives
-    /// what is reported whatever comes then. All changes before have been taken.
+    /// True if a crossing is pending and no change at a time in `ends` can be welded to it, so that
+    /// [`Weld::finish`] returns the crossing that is reported in any case. All earlier changes must have been
+    /// added.
     pub fn is_settled(&self, ends: (f64, f64)) -> bool {
         let separated_along = |(a, face): (f64, Face)| self.path.separated_along(self.program, face, a, ends);
         self.pending.is_some_and(|run| {
@@ -183,7 +188,7 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         coincides_along(second) && (first == second || coincides_along(first))
     }
 
-    /// The crossing that a complete run amounts to: none if the medium is the same before and after.
+    /// The crossing of a complete run; `None` if the medium is the same before and after.
     fn report(&self, run: &Run, position: usize, flips: &mut impl Flips) -> Option<Crossing> {
         let Run { first, end, before, after, .. } = *run;
         if before.medium == after.medium {
@@ -194,7 +199,7 @@ impl<'a, T: Trajectory> Weld<'a, T> {
             true => run.face,
             false => attribute(self.events, first..end, position, flips, medium_state(self.program)),
         };
-        // a region that goes on beneath the other one, or ended before, is left or entered at the same face
+        // a region that continues below the other one, or ended before, is left or entered at the same face
         let mut of_region = |region: RegionId| match alone || region == RegionId(0) {
             true => face,
             false => {
@@ -209,12 +214,12 @@ impl<'a, T: Trajectory> Weld<'a, T> {
     }
 }
 
-/// The face that the flips `range` of `events` belong to: of those whose flip alone changes the state before
-/// all of them, or whose flip undone changes the state after, the one of the lowest leaf; if there is none, of
-/// those that change the state as they come, one after the other. (Some do, as the state is another one in
-/// the end; and leaves that cannot matter here never do, so it is the same whether an evaluator looks at
-/// them or not.) `flips` has `position` events flipped, at least those up to the end of the range, and is left
-/// as it was.
+/// The face to which the flips `range` of `events` belong: the face of the lowest leaf whose flip alone
+/// changes the state before all of them, or whose flip undone changes the state after. If there is none, the
+/// lowest leaf whose flip changes the state when they are applied one after the other. (Some flip does,
+/// because the states before and after differ. Leaves that cannot matter here never do, so the result is the
+/// same whether or not an evaluator includes them.) `flips` has `position` events flipped, at least those up
+/// to the end of the range, and is restored.
 pub fn attribute<F: Flips>(
     events: &[Event],
     range: Range<usize>,
@@ -228,7 +233,7 @@ pub fn attribute<F: Flips>(
     }
 }
 
-/// The same; `None` where the flips together change nothing.
+/// Like [`attribute`]; `None` if the flips together change nothing.
 fn responsible<F: Flips>(
     events: &[Event],
     range: Range<usize>,
@@ -254,8 +259,8 @@ fn responsible<F: Flips>(
     best.filter(|_| before != after).map(|event| event.face)
 }
 
-/// Flips each member alone and keeps the lowest leaf that makes a difference; of several flips of one leaf
-/// the last. The state without any flip.
+/// Flips each member alone and keeps in `best` the lowest leaf that changes the state; of several flips of
+/// one leaf the last. Returns the state without any flip.
 fn test_each<'e, F: Flips>(
     members: &'e [Event],
     flips: &mut F,
@@ -277,7 +282,8 @@ fn test_each<'e, F: Flips>(
     now
 }
 
-/// Flips the members one after the other, and leaves them flipped; keeps the lowest leaf that makes a difference.
+/// Flips the members one after the other and leaves them flipped; keeps the lowest leaf that changes the
+/// state.
 fn test_all<'e, F: Flips>(
     members: &'e [Event],
     flips: &mut F,
@@ -303,8 +309,8 @@ fn region_state<F: Flips>(region: RegionId) -> impl Fn(&mut F) -> u32 {
     move |flips: &mut F| u32::from(flips.output(region.0 - 1))
 }
 
-/// A ray of the world in the frame of a placement, by the same steps by which evaluators carried it there, and
-/// what they add to the reach of surfaces.
+/// A world ray in the frame of a placement, by the same steps as in evaluators, and the length to add to the
+/// magnitude of surfaces there: see [`carried`].
 pub fn local_ray(program: &Program, ray: &Ray, placement: PlacementId) -> (Ray, f64) {
     program.descend(placement).fold((*ray, 0.0), |(ray, magnitude), place| carried(&place, &ray, magnitude))
 }

@@ -1,4 +1,4 @@
-//! What solids are compiled to, by short prints.
+//! Compilation of small solids, compared as text.
 
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_model::{CompileProblem, LeafId, LeafKind, PlacementId, Program, PrototypeId, Region, Solid};
@@ -9,7 +9,7 @@ fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
     Solid::from(build(name, &arguments).unwrap())
 }
 
-/// Unit spheres two apart along x: neighbours touch.
+/// Unit spheres along x, two apart: neighbours are in contact.
 fn balls<const N: usize>() -> [Solid; N] {
     row(2.0)
 }
@@ -54,7 +54,7 @@ fn constants_vanish() {
 #[test]
 fn what_bounds_show_not_to_matter_is_not_asked() {
     let [a, b, c, d] = balls();
-    // neighbours touch, and touching is not apart
+    // neighbours are in contact, which does not count as disjoint
     check(&(&a - &b - &c - &d), "all{0, ~1}");
     check(&(&a & &b), "all{0, 1}");
     check(&(&a & &c), "empty");
@@ -72,7 +72,7 @@ fn what_bounds_show_not_to_matter_is_not_asked() {
 fn a_solid_used_twice_is_one_leaf() {
     let [a, b, c] = row(0.25);
     check(&((&a & &b) | (&a & &c)), "any{all{0, 1}, all{0, 2}}");
-    // doubled forty times over: linear in the number of steps
+    // doubled forty times: linear in the number of steps
     let mut twice = a;
     for _ in 0..40 {
         twice = (&twice & &b) | (&twice - &c);
@@ -88,7 +88,7 @@ fn touching_faces_share_a_surface() {
     let turned = |s: &Solid| s.rotate([1.0, 2.0, 3.0], 33.0).translate([0.1, 0.2, 0.3]);
     let pair = turned(&unit) | turned(&unit.translate([1.0, 0.0, 0.0]));
     let program = Program::compile(&pair).unwrap();
-    // six faces each; x+ meets x-, and the four sides are coplanar
+    // six faces each; x+ coincides with x-, and the four sides are coplanar
     assert_eq!(program.surfaces().len(), 7);
     assert_eq!(program.facets().len(), 12);
 }
@@ -153,7 +153,7 @@ fn copies_keep_their_maps_to_the_bit() {
         let row = placed.place(maps.clone());
         let program = Program::compile(&(&b | &row.apply(outer).named("row") | &row)).unwrap();
         assert_eq!(program.leaves().len(), 12);
-        // leaf 0 is a ball; then the copies within the map, then those without it
+        // leaf 0 is the ball; then the copies within the map, then those without it
         for (k, map) in maps.iter().map(|map| map.then(&outer)).chain(maps.iter().copied()).enumerate() {
             let leaf = program.leaf(LeafId(k as u32 + 1));
             assert_eq!(program.placement(PlacementId(k as u32 + 1)), (map, PrototypeId(1)));
@@ -180,7 +180,7 @@ fn faces_are_named_wherever_copies_stand() {
     let names: Vec<String> = program.face_names().collect();
     let tiles = ["x-", "x+", "y-", "y+", "z-", "z+"].map(|face| format!("tile.{face}"));
     assert_eq!(names[..6], tiles);
-    // that of the ball after the second row, then that of the solid which is placed
+    // the face of the ball after the second row, then that of the placed solid
     assert_eq!(names[6..], ["sphere.side", "dot.side"]);
     for (number, name) in names.iter().enumerate() {
         assert_eq!(program.face_name(number as u32), *name);
@@ -236,7 +236,7 @@ fn printing_uses_the_fewest_parentheses() {
     check(shape("sphere", &[("radius", 2.0)]), "sphere(radius=2)");
 }
 
-/// Beyond 1e100 squares of lengths, and products of these, overflow: rays are refused there, and so are models.
+/// Beyond 1e100 squares and products of lengths overflow: rays and models are rejected there.
 #[test]
 fn models_out_of_reach_are_refused() {
     let ball = shape("sphere", &[("radius", 1.0)]);
@@ -246,7 +246,7 @@ fn models_out_of_reach_are_refused() {
         assert_eq!(problem(&ball.scale(Vec3::splat(far))), Some(CompileProblem::NotFinite));
         let places = [Affine::IDENTITY, Affine::translate(Vec3::new(far, 0.0, 0.0))];
         assert_eq!(problem(&ball.place(places)), Some(CompileProblem::NotFinite));
-        // there and back again is as bad: the digits are gone
+        // the inverse translation does not restore the lost digits
         assert_eq!(
             problem(&ball.translate([far, 0.0, 0.0]).translate([-far, 0.0, 0.0])),
             Some(CompileProblem::NotFinite)

@@ -27,7 +27,7 @@
 //! A [`Program`] is a solid compiled into flat tables, in which coincident faces are merged into one surface.
 //! [`Packets`] is the default evaluator, with eight rays at a time in small models; [`Weave`] is for models
 //! of any size; [`Reference`] is the simplest implementation; [`SingleHit`] can explain its decisions (see
-//! [`explain()`]); [`Spans`] works on whole arrays. All implement the trait [`Evaluator`].
+//! [`explain()`]). All implement the trait [`Evaluator`].
 //!
 //! ```
 //! use rayweave::{Evaluator, Program, Query, Ray, Vec3, Weave, shapes::sphere};
@@ -285,7 +285,9 @@ pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Win
 pub use rayweave_scene::Compiled;
 pub use rayweave_shape::Ray;
 pub use rayweave_trace::single_hit::explain;
-pub use rayweave_trace::{AnyEvaluator, AnyScratch, Packets, Reference, SingleHit, Spans, Weave};
+#[cfg(feature = "spans")]
+pub use rayweave_trace::Spans;
+pub use rayweave_trace::{AnyEvaluator, AnyScratch, Packets, Reference, SingleHit, Weave};
 
 /// The Rust code of the README, compiled and run with the documentation tests.
 #[cfg(doctest)]

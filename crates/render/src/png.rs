@@ -8,7 +8,7 @@ use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 #[non_exhaustive]
 pub enum ReadError {
     /// The file is damaged or not a PNG file.
-    #[error("this is no PNG file that can be read ({0})")]
+    #[error("this is not a readable PNG file: {0}.")]
     Decoding(#[from] png::DecodingError),
     /// The picture has a pixel format that is never written here.
     #[error("the picture has {0}: only 8-bit RGBA pictures are read. Convert it.")]

@@ -1,8 +1,9 @@
-//! Time per ray of `array_csg` into given memory, checks included, beside the machine's copy bandwidth.
+//! Benchmark of `array_csg_into`, checks included: time per ray, and the fraction of the machine's copy
+//! bandwidth.
 //!
-//! `cargo run --release -p rayweave-rootray --example array_csg_speed [-- RAYS [OPERATION]]`: a million rays and their union
-//! unless told otherwise (`union`, `intersect`, `difference`). Every figure is the best of several runs. The fraction is that of the bandwidth of a
-//! copy, read and written.
+//! `cargo run --release -p rayweave-rootray --example array_csg_speed [-- RAYS [OPERATION]]`: by default a
+//! million rays and their union (operations: `union`, `intersect`, `difference`). Every figure is the best of
+//! several runs. The fraction refers to the bandwidth of a copy, reads and writes included.
 
 use std::time::Instant;
 
@@ -12,7 +13,7 @@ use rayweave_rootray::hit_array::{
     CsgOptions, HitArray, HitArrayError, Instructions, Operation, Real, array_csg_into,
 };
 
-/// Rows of each operand.
+/// Rows per operand.
 const ROWS: [usize; 4] = [2, 4, 8, 16];
 
 /// Seconds of the fastest run.
@@ -25,7 +26,7 @@ fn best(runs: usize, mut run: impl FnMut()) -> f64 {
     (0..runs).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Sorted columns of random times, a fifth of the pairs padding.
+/// Sorted columns of random times; a fifth of the pairs is padding.
 fn random_hits<T: Real>(rng: &mut ChaCha8Rng, rows: usize, rays: usize, number: fn(f64) -> T) -> Vec<T> {
     let mut hits = vec![T::INFINITY; rows * rays];
     let mut column = vec![0.0; rows];
@@ -43,7 +44,7 @@ fn random_hits<T: Real>(rng: &mut ChaCha8Rng, rows: usize, rays: usize, number: 
     hits
 }
 
-/// Bytes per second, read and written, when so much is copied that no cache holds it.
+/// Copy bandwidth in bytes per second, reads and writes included, for a size that no cache holds.
 fn copy_bandwidth() -> f64 {
     let from = vec![1_u8; 1 << 26];
     let mut to = vec![0_u8; 1 << 26];

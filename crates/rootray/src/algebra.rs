@@ -19,7 +19,7 @@ struct Counter {
     rule: CountRule,
     /// For each operand, whether the trajectory is inside it.
     inside: Vec<bool>,
-    /// How many operands it is inside of.
+    /// The number of operands that it is inside of.
     count: usize,
 }
 

@@ -7,8 +7,8 @@ use crate::RootRay;
 pub struct SurfaceCount {
     /// The number as t -> -inf.
     pub start: usize,
-    /// Every distinct time at which some solid is entered or left, increasing, with the number just after it. Where as many
-    /// solids are entered as left the number stays the same.
+    /// Every distinct time at which some solid is entered or left, increasing, with the number just after it.
+    /// The number may stay the same, if as many solids are entered as left.
     pub steps: Vec<(f64, usize)>,
 }
 

@@ -29,8 +29,8 @@ pub(crate) fn run_length<T>(items: &[T], welded: &mut impl FnMut(&T, &T) -> bool
     items.len().min(joints + 1)
 }
 
-/// Streaming form of [`weld_runs`]: replaces the contents of `run` by the next maximal run and returns whether there is one.
-/// Looks at most one item ahead of the run, and allocates only if `run` has to grow.
+/// Streaming form of [`weld_runs`]: replaces the contents of `run` by the next maximal run and returns
+/// whether there is one. Reads at most one item beyond the run, and allocates only if `run` has to grow.
 pub fn next_run<I: Iterator>(
     items: &mut Peekable<I>,
     run: &mut Vec<I::Item>,

@@ -63,7 +63,7 @@ fn columns_are_those_of_sampled_sides() {
     assert!(crossings > 10_000, "{crossings}");
 }
 
-/// A thousand solids one in the other, which no sort by insertion would do in time, and the other way round.
+/// A thousand nested solids in both orders, for which an insertion sort would take quadratic time.
 #[test]
 fn many_operands_count_up_and_down() {
     let arrays: Vec<HitArrayBuf> = (1..=1000)
@@ -79,7 +79,7 @@ fn many_operands_count_up_and_down() {
         combine(rule, 2, arrays.iter().map(|array| (array, complemented)), &mut merged, &mut out);
         [0, 1].map(|k| out.as_array().column(k).filter(|&t| t < INF).collect::<Vec<_>>())
     };
-    // at least k of them hold what is nearer than the k-th from outside
+    // at least k of them contain the points inside the k-th from outside
     assert_eq!(column(CountRule::AtLeast(300), false), [vec![], vec![-701.0, 701.0]]);
     assert_eq!(column(CountRule::AtLeast(701), true), [vec![-INF], vec![-INF, -701.0, 701.0]]);
     let [none, odd] = column(CountRule::Odd, false);

@@ -1,5 +1,5 @@
-//! Many rays at once against one ray at a time, to the bit: every instruction set, remainders of lanes, shapes, ties, zeros of
-//! both signs, infinities, threads; and the places of faults.
+//! SIMD forms against the scalar form, bit for bit: every instruction set, remainders of lanes, shapes, ties,
+//! zeros of both signs, infinities, threads; and the positions of errors.
 
 use std::num::NonZeroUsize;
 
@@ -65,7 +65,7 @@ fn check_both(a: &[Vec<f64>], b: &[Vec<f64>]) {
     check::<f32>(a, b, |t| t as f32);
 }
 
-/// All non-decreasing columns of so many rows over the given numbers.
+/// All non-decreasing columns of `rows` rows over the given numbers.
 fn all_columns(rows: usize, numbers: &[f64]) -> Vec<Vec<f64>> {
     let mut columns = vec![vec![]];
     for _ in 0..rows {
@@ -85,7 +85,8 @@ fn check_all_pairs(a: &[Vec<f64>], b: &[Vec<f64>]) {
     check_both(&a, &b);
 }
 
-/// Every way in which up to two pieces can lie, touch and have no length, on both sides of no entry and of many.
+/// All arrangements of up to two pieces that are disjoint, touch or have no length, next to operands with
+/// none or many entries.
 #[test]
 fn all_small_columns() {
     let numbers = [-INF, 1.0, 2.0, 3.0, INF];
@@ -96,7 +97,8 @@ fn all_small_columns() {
     }
 }
 
-/// Six rows of three different numbers against few: all ties there are, for the networks that know no operand.
+/// Six rows of three different numbers against few: all possible ties, for the networks that do not
+/// distinguish operands.
 #[test]
 fn all_ties_of_six_rows() {
     let high = all_columns(6, &[1.0, 2.0, INF]);
@@ -118,7 +120,7 @@ fn all_signs_of_zero() {
     check_all_pairs(&high, &columns[0]);
 }
 
-/// A sorted column: a mixture of ties, times of their own, padding and unbounded starts, by taste.
+/// A sorted column: a random mixture of ties, other times, padding and unbounded starts.
 fn random_column(rng: &mut ChaCha8Rng, rows: usize, ties: f64) -> Vec<f64> {
     let entry = |rng: &mut ChaCha8Rng| match rng.random_range(0..12) {
         0 => -INF,
@@ -176,7 +178,7 @@ fn threads(count: usize) -> NonZeroUsize {
     NonZeroUsize::new(count).unwrap()
 }
 
-/// A large array, cut among threads or not, whole or in batches.
+/// A large array, with one or several threads, whole or in batches.
 #[test]
 fn threads_and_batches_do_not_show() {
     let mut rng = ChaCha8Rng::seed_from_u64(34);
@@ -205,7 +207,7 @@ fn threads_and_batches_do_not_show() {
     }
 }
 
-/// One fault among many rays is found wherever it is, with its row and column.
+/// One error among many rays is found anywhere, with its row and column.
 #[test]
 fn faults_are_named_where_they_are() {
     for (rows, columns) in [(2, 700), (4, 700), (6, 100), (12, 100)] {
@@ -252,7 +254,7 @@ fn fault<T: Real>(
     array_csg(first, second, Operation::Union, options).unwrap_err()
 }
 
-/// A fault of shape, or of a single ray, leaves the output as it was.
+/// After an error of shape, or in a single ray, the output is unchanged.
 #[test]
 fn small_faults_write_nothing() {
     let mut out = [7.0; 4];
@@ -271,7 +273,7 @@ fn instructions_are_named_from_narrow_to_wide() {
     assert!(!available.contains(&Instructions::Widest));
     #[cfg(target_arch = "x86_64")]
     assert!(available.contains(&Instructions::Sse2), "every such machine has it");
-    // what a machine lacks is not used, and gives the same
+    // an instruction set that the machine lacks is not used, and the result is the same
     let asked = [Instructions::Sse42, Instructions::Avx2, Instructions::Avx512];
     for instructions in asked {
         let options = CsgOptions { instructions, ..CsgOptions::default() };

@@ -1,4 +1,4 @@
-//! `array_csg` against a table written by numpy: reference/array_csg.py says how.
+//! `array_csg` against a table written by numpy, with reference/array_csg.py.
 
 use rayweave_rootray::hit_array::{CsgOptions, HitArray, Operation, Real, array_csg};
 

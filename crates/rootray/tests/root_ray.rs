@@ -1,4 +1,4 @@
-//! Making, asking, cutting, welding and validating root-rays.
+//! Construction, queries, clipping, welding and validation of root-rays.
 
 mod common;
 

@@ -329,7 +329,7 @@ mod tests {
         check_fault("2 R", (2, 3), "an operator is missing before this: the operators are + - * / ^.");
         check_fault("2(3)", (1, 2), "an operator is missing before this: the operators are + - * / ^.");
         check_fault("(1", (0, 1), "unmatched `(`: there is no `)` after it.");
-        check_fault("1)", (1, 2), "unmatched `)` (there is no `(` before it)");
+        check_fault("1)", (1, 2), "unmatched `)`: there is no `(` before it.");
         check_fault("()", (1, 2), "unexpected `)`: a number or a parameter is missing before it.");
         check_fault("1, 2", (1, 2), "unexpected `,`: it separates the arguments of a function.");
         check_fault("min(1,)", (6, 7), "unexpected `)`: a number or a parameter is missing before it.");

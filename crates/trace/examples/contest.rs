@@ -1,9 +1,9 @@
-//! All evaluators against the reference on the same random rays, bit for bit.
+//! Differential test: all evaluators against the reference on the same random rays, bit for bit.
 //!
-//! `cargo run --release -p rayweave-trace --example contest -- FROM TO`: the models of the seeds FROM..TO, a thousand
-//! rays each (0 100000 are 1e8 rays). A seed always stands for the same model and rays, so a run may be cut
-//! anywhere; the line of a chunk says how far it is done. Without numbers a few models are asked. Exits with 1 if any
-//! answer differs.
+//! `cargo run --release -p rayweave-trace --example contest -- FROM TO`: the models of the seeds FROM..TO, a
+//! thousand rays each (0 100000 are 1e8 rays). A seed always gives the same model and rays, so a run may be
+//! split anywhere; every chunk prints a line of progress. Without numbers a few models are traced. Exits with
+//! 1 if any answer differs.
 
 use rayweave_conformance::contest::{Score, contest};
 use rayweave_conformance::{Maker, contender};
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Seeds that a thread takes at a time.
+/// Number of seeds that a thread takes at a time.
 const CHUNK: u64 = 100;
 
 fn evaluators() -> Vec<Maker> {

@@ -1,4 +1,5 @@
-//! Full lists of rays through models with cones, quadrics and tori, on one thread: eight rays at a time and one by one.
+//! Throughput of complete hit lists on models with cones, quadrics and tori, on one thread: eight rays at a
+//! time and one by one.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, HitRows, Program, RayBatch, Solid, Window};
@@ -8,11 +9,11 @@ use rayweave_trace::{Packets, Weave};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Rays of a batch, few enough for the cache.
+/// Rays per batch, few enough for the cache.
 const RAYS: usize = 4096;
-/// How often each batch is traced; the fastest time counts.
+/// Number of runs per batch; the fastest counts.
 const ROUNDS: usize = 100;
-/// Rows for hits.
+/// Rows of the hit arrays.
 const ROWS: usize = 16;
 
 fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
@@ -53,7 +54,7 @@ fn models() -> Vec<(&'static str, Solid)> {
     ]
 }
 
-/// Rays from points on a sphere towards points in a box, from a fixed multiplicative sequence.
+/// Rays from points on a sphere towards points in a box, from a fixed linear congruential sequence.
 fn rays() -> RayBatch {
     let mut state = 1u64;
     let mut unit = || {
@@ -68,7 +69,7 @@ fn rays() -> RayBatch {
     std::iter::repeat_with(ray).take(RAYS).collect()
 }
 
-/// Seconds for a batch.
+/// Seconds per batch.
 fn seconds<E: Evaluator>(evaluator: &E, batch: &RayBatch, rounds: usize) -> f64 {
     let (mut times, mut faces) = (vec![0.0; ROWS * RAYS], vec![0; ROWS * RAYS]);
     let mut scratch = evaluator.scratch();

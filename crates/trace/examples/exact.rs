@@ -1,8 +1,8 @@
-//! All evaluators against the oracle without rounding.
+//! All evaluators against the exact oracle.
 //!
-//! `cargo run --release -p rayweave-trace --example exact -- transversal|planted|turned|points FROM TO`: the models of the seeds
-//! FROM..TO, fifty rays each (0 200000 are 1e7 rays). A seed always stands for the same model and rays. Prints what
-//! was counted and each wrong model, shrunk; exits with 1 if there is one.
+//! `cargo run --release -p rayweave-trace --example exact -- transversal|planted|turned|points FROM TO`: the
+//! models of the seeds FROM..TO, fifty rays each (0 200000 are 1e7 rays). A seed always gives the same model
+//! and rays. Prints the counts and each wrong model, minimised; exits with 1 if there is one.
 
 use rayweave_conformance::exact::{self, Count};
 use rayweave_conformance::{Maker, contender};
@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Seeds that a thread takes at a time.
+/// Number of seeds that a thread takes at a time.
 const CHUNK: u64 = 100;
 
 type Suite = fn(&[Maker], Range<u64>) -> Count;

@@ -1,4 +1,4 @@
-//! Bytes a leaf and seconds of compiling for large models: `memory [LEAVES] [FAMILY...]`.
+//! Bytes per leaf and compile times of large models: `memory [LEAVES] [FAMILY...]`.
 
 use rayweave_conformance::scale;
 use rayweave_model::{Program, Solid};
@@ -21,7 +21,7 @@ const FAMILIES: [Family; 5] = [
     ("affine", |n| scale::lattice_affine(n, 1)),
 ];
 
-/// What something keeps allocated, in bytes, and the seconds that it takes.
+/// The result of `make`, the bytes that it keeps allocated, and the seconds that it takes.
 fn kept<T>(make: impl FnOnce() -> T) -> (T, f64, f64) {
     let (region, started) = (Region::new(GLOBAL), Instant::now());
     let made = make();

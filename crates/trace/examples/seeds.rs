@@ -1,15 +1,16 @@
-//! What is made of trees by the algorithms that Rayweave began with, and by its evaluators: wrong answers per million
-//! rays, against exact arithmetic.
+//! Wrong answers per million rays, against exact arithmetic, of the algorithms that Rayweave began with and
+//! of its evaluators.
 //!
-//! `cargo run --release -p rayweave-trace --example seeds -- MODELS`: so many models of each family (40 if it
-//! is not said), fifty rays each.
-//! All get the same leaves, with the crossings that our kernels give; an answer is the whole list along the ray, and it
-//! is right if it has the side at -inf, the number of crossings and all times.
+//! `cargo run --release -p rayweave-trace --example seeds -- MODELS`: number of models of each family
+//! (default 40), fifty rays each. All algorithms get the same leaves, with crossings from our kernels. An
+//! answer is the whole list along the ray; it is right if the side at -inf, the number of crossings and all
+//! times are right.
 //!
-//! - *hit arrays*: `array_csg` of PyRayT over the whole tree, as its numpy code does it; and the same once equal
-//!   times are dropped in pairs, which only makes zero-length pieces vanish;
-//! - *tables*: single hit by the nine-entry tables and slices of Opticks, from crossing to crossing: the original
-//!   tables within the original limits, the original tables without limits, and the mended tables without limits;
+//! - *hit arrays*: `array_csg` of PyRayT over the whole tree, as in its numpy code; and the same with equal
+//!   times dropped in pairs, which removes only pieces of length zero;
+//! - *tables*: single hit by the nine-entry tables and slices of Opticks, from crossing to crossing: the
+//!   original tables within the original limits, the original tables without limits, and the corrected tables
+//!   without limits;
 //! - our evaluators.
 
 use rayweave_conformance::exact::{Answer, Binary, Family, Operator, Trial, trial};
@@ -22,20 +23,20 @@ use rayweave_trace::single_hit::{LeafAnswers, Next};
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
-/// Rays of a model.
+/// Rays per model.
 const RAYS: usize = 50;
 
-/// More crossings than any ray has here: steps that go on are a fault.
+/// More crossings than any ray has here: a longer sequence is a fault.
 const MOST_STEPS: usize = 64;
 
-/// Where a leaf or a tree is crossed along a ray, and whether it holds the ray at -inf.
+/// The side at -inf and the crossings of a leaf or a tree along a ray.
 #[derive(Clone, Debug)]
 struct List {
     starts_inside: bool,
     times: Vec<f64>,
 }
 
-/// The answers of an algorithm for all rays of a trial, from the lists of each leaf.
+/// Computes the lists of the tree for all rays of a trial, from the lists of each leaf.
 type Algorithm = Box<dyn Fn(&Trial, &[Vec<List>]) -> Vec<List>>;
 
 fn program(solid: &Solid) -> Arc<Program> {
@@ -52,7 +53,7 @@ fn lists(make: &Maker, solid: &Solid, rays: &[Ray]) -> Vec<List> {
     (0..rays.len()).map(list).collect()
 }
 
-/// An evaluator of ours.
+/// One of our evaluators.
 fn ours<E: Evaluator + 'static>(make: fn(Arc<Program>) -> E) -> Algorithm {
     let maker = contender(make);
     Box::new(move |trial, _| lists(&maker, &trial.solid, &trial.rays))
@@ -62,7 +63,7 @@ fn single_hit(program: Arc<Program>) -> SingleHit {
     SingleHit::new(program).expect("a small model")
 }
 
-/// Hit arrays as they come.
+/// Hit arrays without postprocessing.
 fn hit_arrays(trial: &Trial, leaves: &[Vec<List>]) -> Vec<List> {
     let count = trial.rays.len();
     let array = combined(&trial.tree, leaves, count);
@@ -75,7 +76,7 @@ fn hit_arrays(trial: &Trial, leaves: &[Vec<List>]) -> Vec<List> {
     (0..count).map(list).collect()
 }
 
-/// The array of a tree, row by row.
+/// The hit array of a tree, row by row.
 fn combined(tree: &Binary, leaves: &[Vec<List>], count: usize) -> Vec<f64> {
     match tree {
         Binary::Leaf(k) => padded(&leaves[*k], count),
@@ -105,7 +106,7 @@ fn padded(lists: &[List], count: usize) -> Vec<f64> {
     (0..rows).flat_map(|row| (0..count).map(move |i| (row, i))).map(|(row, i)| entry(row, i)).collect()
 }
 
-/// The same without entries that are equal in pairs.
+/// [`hit_arrays`] without entries that are equal in pairs.
 fn without_pairs(trial: &Trial, leaves: &[Vec<List>]) -> Vec<List> {
     let mut lists = hit_arrays(trial, leaves);
     for list in &mut lists {
@@ -133,7 +134,7 @@ impl LeafAnswers for Leaves<'_> {
     }
 }
 
-/// Tables, from crossing to crossing.
+/// Decision tables, queried from crossing to crossing.
 fn tables(tables: Tables, limits: Option<Limits>) -> Algorithm {
     Box::new(move |trial, leaves| {
         let tree = complete(&trial.tree);
@@ -179,12 +180,12 @@ fn algorithms() -> Vec<(&'static str, Algorithm)> {
     ]
 }
 
-/// What became of the rays of a family.
+/// Counts of a family of models.
 struct Count {
     rays: u64,
-    /// Of these: at which several surfaces are crossed at once, or which lie in one.
+    /// Rays that cross several surfaces at the same time or lie in one.
     coincident: u64,
-    /// Of each algorithm.
+    /// Wrong answers per algorithm.
     wrong: Vec<u64>,
 }
 

@@ -1,4 +1,5 @@
-//! Rays per second through a small lens and a die, on one thread, by every evaluator or by those named as arguments.
+//! Rays per second through a small lens and a die, on one thread, for every evaluator or for those named as
+//! arguments.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RayBatch, Solid};
@@ -25,7 +26,7 @@ fn die() -> Solid {
     body - &bore - bore.rotate_x(90.0) - bore.rotate_y(90.0)
 }
 
-/// Rays from points on a sphere towards points in a box, from a fixed multiplicative sequence.
+/// Rays from points on a sphere towards points in a box, from a fixed linear congruential sequence.
 fn rays(count: usize, radius: f64, half: f64) -> RayBatch {
     let mut state = 1u64;
     let mut unit = || {
@@ -41,7 +42,7 @@ fn rays(count: usize, radius: f64, half: f64) -> RayBatch {
     .collect()
 }
 
-/// Rays per second, and the crossings of a ray.
+/// Rays per second, and crossings per ray.
 fn rate<E: Evaluator>(evaluator: &E, batch: &RayBatch, limit: Limit) -> (f64, f64) {
     let mut scratch = evaluator.scratch();
     let query = Query { limit, ..Query::default() };

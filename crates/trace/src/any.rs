@@ -1,7 +1,9 @@
 //! An evaluator chosen by name at run time.
 
 use crate::single_hit::TooLarge;
-use crate::{Packets, Reference, SingleHit, Spans, Weave};
+#[cfg(feature = "spans")]
+use crate::Spans;
+use crate::{Packets, Reference, SingleHit, Weave};
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{Crossing, Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};
 use std::sync::Arc;
@@ -27,107 +29,107 @@ impl Classified for EvaluatorError {
     }
 }
 
-/// Any of the evaluators. They give the same answers, bit for bit, and differ in speed only.
-///
-/// For interfaces that receive the choice as text; other code uses [`Packets`], [`Weave`], [`Reference`], [`SingleHit`] or
-/// [`Spans`] directly.
-#[derive(Clone, Debug)]
-pub enum AnyEvaluator {
-    /// For daily use: many rays at a time where the model is small, the weave elsewhere.
-    Packets(Packets),
-    /// One sweep along a ray, for models of any size.
-    Weave(Weave),
-    /// The direct one, for checks.
-    Reference(Reference),
-    /// Advances from crossing to crossing.
-    SingleHit(SingleHit),
-    /// Combines whole arrays, from the leaves up.
-    Spans(Spans),
-}
+/// Defines [`AnyEvaluator`] and [`AnyScratch`] from one entry for each evaluator: its documentation, an optional `cfg`, its
+/// type, its name and its constructor. The first entry is the default.
+macro_rules! evaluators {
+    ($($(#[doc = $doc:literal])+ $(#[cfg($cfg:meta)])? $Kind:ident, $name:literal, $new:expr;)+) => {
+        /// An evaluator chosen at run time. All kinds give the same answers, bit for bit, and differ in speed only.
+        ///
+        /// For interfaces that receive the choice as text; other code uses [`Packets`], [`Weave`], [`Reference`] or
+        /// [`SingleHit`] directly.
+        #[derive(Clone, Debug)]
+        #[non_exhaustive]
+        pub enum AnyEvaluator {
+            $($(#[doc = $doc])+ $(#[cfg($cfg)])? $Kind($Kind),)+
+        }
 
-/// The scratch memory of a thread for [`AnyEvaluator`].
-#[derive(Debug)]
-pub enum AnyScratch {
-    /// For [`AnyEvaluator::Packets`].
-    Packets(<Packets as Evaluator>::Scratch),
-    /// For [`AnyEvaluator::Weave`].
-    Weave(<Weave as Evaluator>::Scratch),
-    /// For [`AnyEvaluator::Reference`].
-    Reference(<Reference as Evaluator>::Scratch),
-    /// For [`AnyEvaluator::SingleHit`].
-    SingleHit(<SingleHit as Evaluator>::Scratch),
-    /// For [`AnyEvaluator::Spans`].
-    Spans(<Spans as Evaluator>::Scratch),
-}
+        /// The scratch memory of a thread for [`AnyEvaluator`].
+        #[derive(Debug)]
+        #[non_exhaustive]
+        pub enum AnyScratch {
+            $(
+                #[doc = concat!("For [`AnyEvaluator::", stringify!($Kind), "`].")]
+                $(#[cfg($cfg)])?
+                $Kind(<$Kind as Evaluator>::Scratch),
+            )+
+        }
 
-impl AnyEvaluator {
-    /// The names to choose from; the first is the default.
-    pub const NAMES: [&str; 5] = ["packets", "weave", "reference", "single_hit", "spans"];
+        const ALL_NAMES: &[&str] = &[$($(#[cfg($cfg)])? $name,)+];
 
-    /// The evaluator of this name, or the default.
-    ///
-    /// # Errors
-    ///
-    /// [`EvaluatorError`]: an unknown name, or a model that is too large, as it can be for [`SingleHit`].
-    pub fn new(name: Option<&str>, program: Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
-        match name.unwrap_or(AnyEvaluator::NAMES[0]) {
-            "packets" => Ok(AnyEvaluator::Packets(Packets::new(program))),
-            "weave" => Ok(AnyEvaluator::Weave(Weave::new(program))),
-            "reference" => Ok(AnyEvaluator::Reference(Reference::new(program))),
-            "single_hit" => Ok(AnyEvaluator::SingleHit(SingleHit::new(program)?)),
-            "spans" => Ok(AnyEvaluator::Spans(Spans::new(program))),
-            other => {
-                Err(EvaluatorError::UnknownName(Message::unknown("evaluator", other, AnyEvaluator::NAMES)))
+        impl AnyEvaluator {
+            /// The evaluator called `name`, or the default.
+            ///
+            /// # Errors
+            ///
+            /// [`EvaluatorError`]: an unknown name, or a model that is too large, as it can be for [`SingleHit`].
+            pub fn new(name: Option<&str>, program: Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
+                match name.unwrap_or(AnyEvaluator::NAMES[0]) {
+                    $($(#[cfg($cfg)])? $name => $new(program).map(AnyEvaluator::$Kind),)+
+                    other => {
+                        Err(EvaluatorError::UnknownName(Message::unknown("evaluator", other, AnyEvaluator::NAMES)))
+                    }
+                }
+            }
+
+            fn owns(&self, scratch: &AnyScratch) -> bool {
+                match (self, scratch) {
+                    $($(#[cfg($cfg)])? (AnyEvaluator::$Kind(_), AnyScratch::$Kind(_)) => true,)+
+                    _ => false,
+                }
+            }
+
+            fn new_scratch(&self) -> AnyScratch {
+                match self {
+                    $($(#[cfg($cfg)])? AnyEvaluator::$Kind(evaluator) => AnyScratch::$Kind(evaluator.scratch()),)+
+                }
             }
         }
-    }
 
-    /// A function that makes the evaluator of this name, for questions that compile programs of their own.
-    pub fn maker(name: Option<&str>) -> impl Fn(Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
-        move |program| AnyEvaluator::new(name, program)
-    }
-}
+        /// The same call to an evaluator of any kind.
+        macro_rules! each {
+            ($any:expr, $evaluator:ident => $call:expr) => {
+                match $any {
+                    $($(#[cfg($cfg)])? AnyEvaluator::$Kind($evaluator) => $call,)+
+                }
+            };
+        }
 
-/// The same call to whichever evaluator it is.
-macro_rules! each {
-    ($any:expr, $evaluator:ident => $call:expr) => {
-        match $any {
-            AnyEvaluator::Packets($evaluator) => $call,
-            AnyEvaluator::Weave($evaluator) => $call,
-            AnyEvaluator::Reference($evaluator) => $call,
-            AnyEvaluator::SingleHit($evaluator) => $call,
-            AnyEvaluator::Spans($evaluator) => $call,
+        /// The same call to an evaluator of any kind, with its scratch; the scratch of another kind is replaced first.
+        macro_rules! each_with {
+            ($any:expr, $scratch:ident, $evaluator:ident => $call:expr) => {{
+                if !$any.owns($scratch) {
+                    *$scratch = $any.new_scratch();
+                }
+                match ($any, $scratch) {
+                    $($(#[cfg($cfg)])? (AnyEvaluator::$Kind($evaluator), AnyScratch::$Kind($scratch)) => $call,)+
+                    _ => unreachable!("the scratch was replaced"),
+                }
+            }};
         }
     };
 }
 
-/// The same call to whichever evaluator it is, with its scratch; the scratch of another evaluator is replaced first.
-macro_rules! each_with {
-    ($any:expr, $scratch:ident, $evaluator:ident => $call:expr) => {{
-        if !$any.owns($scratch) {
-            *$scratch = $any.scratch();
-        }
-        match ($any, $scratch) {
-            (AnyEvaluator::Packets($evaluator), AnyScratch::Packets($scratch)) => $call,
-            (AnyEvaluator::Weave($evaluator), AnyScratch::Weave($scratch)) => $call,
-            (AnyEvaluator::Reference($evaluator), AnyScratch::Reference($scratch)) => $call,
-            (AnyEvaluator::SingleHit($evaluator), AnyScratch::SingleHit($scratch)) => $call,
-            (AnyEvaluator::Spans($evaluator), AnyScratch::Spans($scratch)) => $call,
-            _ => unreachable!("the scratch was replaced"),
-        }
-    }};
+evaluators! {
+    /// For daily use: rays in bundles of eight where the model is small, the sweep of [`Weave`] elsewhere.
+    Packets, "packets", |program| Ok(Packets::new(program));
+    /// One sweep along a ray over the sorted crossings of all leaves, for models of any size.
+    Weave, "weave", |program| Ok(Weave::new(program));
+    /// Root-ray algebra in the order of the expression, for checks.
+    Reference, "reference", |program| Ok(Reference::new(program));
+    /// Advances from crossing to crossing and can explain each of them.
+    SingleHit, "single_hit", |program| Ok(SingleHit::new(program)?);
+    /// Combines whole arrays of hits, from the leaves up.
+    #[cfg(feature = "spans")]
+    Spans, "spans", |program| Ok(Spans::new(program));
 }
 
 impl AnyEvaluator {
-    fn owns(&self, scratch: &AnyScratch) -> bool {
-        matches!(
-            (self, scratch),
-            (AnyEvaluator::Packets(_), AnyScratch::Packets(_))
-                | (AnyEvaluator::Weave(_), AnyScratch::Weave(_))
-                | (AnyEvaluator::Reference(_), AnyScratch::Reference(_))
-                | (AnyEvaluator::SingleHit(_), AnyScratch::SingleHit(_))
-                | (AnyEvaluator::Spans(_), AnyScratch::Spans(_))
-        )
+    /// The names to choose from; the first is the default.
+    pub const NAMES: [&str; ALL_NAMES.len()] = *ALL_NAMES.first_chunk().expect("as many names as there are");
+
+    /// A function that makes the evaluator of this name, for questions that compile programs of their own.
+    pub fn maker(name: Option<&str>) -> impl Fn(Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
+        move |program| AnyEvaluator::new(name, program)
     }
 }
 
@@ -143,13 +145,7 @@ impl Evaluator for AnyEvaluator {
     }
 
     fn scratch(&self) -> AnyScratch {
-        match self {
-            AnyEvaluator::Packets(packets) => AnyScratch::Packets(packets.scratch()),
-            AnyEvaluator::Weave(weave) => AnyScratch::Weave(weave.scratch()),
-            AnyEvaluator::Reference(reference) => AnyScratch::Reference(reference.scratch()),
-            AnyEvaluator::SingleHit(single_hit) => AnyScratch::SingleHit(single_hit.scratch()),
-            AnyEvaluator::Spans(spans) => AnyScratch::Spans(spans.scratch()),
-        }
+        self.new_scratch()
     }
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut AnyScratch, sink: &mut dyn Sink) {

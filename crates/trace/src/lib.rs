@@ -1,13 +1,16 @@
-//! Evaluators on the CPU: what a ray meets in a compiled model.
+//! CPU evaluators: algorithms that answer ray queries (crossings, nearest hit, region at a point) on a
+//! compiled model.
 //!
-//! - [`Packets`]: eight rays at a time through small models, the weave for all else; the one for daily use.
-//! - [`Reference`]: root-ray algebra in the order of the expression; obvious, slow, the truth.
-//! - [`Weave`]: gathers the flips of the leaves that the ray can touch, sorts them once and sweeps the boolean
-//!   network, stopping early where one crossing is enough.
-//! - [`SingleHit`]: asks what is next after t, from crossing to crossing; the evaluator that can explain itself.
-//! - [`Spans`]: combines whole hit arrays of many rays, gate by gate, from the leaves up.
+//! - [`Packets`]: eight rays at a time, one per SIMD lane, through small models; [`Weave`] for all others.
+//!   The default.
+//! - [`Reference`]: root-ray algebra in the order of the expression. Simple and slow: the ground truth for
+//!   tests.
+//! - [`Weave`]: collects the boundary events of the leaves that a BVH finds for the ray, sorts them once and
+//!   sweeps the boolean network. It stops early if one crossing is enough.
+//! - [`SingleHit`]: computes the next crossing after t, again and again. It can explain its decisions.
+//! - `Spans`: combines whole hit arrays of many rays, gate by gate, from the leaves up (feature `spans`).
 //!
-//! All give the same answers, bit for bit. [`AnyEvaluator`] is one of them, chosen by name.
+//! All return the same answers, bit for bit. [`AnyEvaluator`] is one of them, chosen by name.
 
 mod accel;
 mod any;
@@ -16,11 +19,13 @@ mod reference;
 mod weave;
 
 pub mod single_hit;
+#[cfg(feature = "spans")]
 pub mod spans;
 
 pub use any::{AnyEvaluator, AnyScratch, EvaluatorError};
 pub use packets::{Packets, PacketsScratch};
 pub use reference::Reference;
 pub use single_hit::SingleHit;
+#[cfg(feature = "spans")]
 pub use spans::Spans;
 pub use weave::Weave;

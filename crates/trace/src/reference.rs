@@ -1,9 +1,10 @@
 //! The reference evaluator: root-ray algebra, gate by gate, on all leaves of every ray.
 //!
-//! Nothing is culled, nothing stops early and no state is carried from one crossing to the next: the root-ray
+//! There is no culling, no early termination and no state carried from one crossing to the next. The root-ray
 //! of each gate is computed from those of its operands in the order of the expression, and freed after its
-//! last use, so that memory stays linear in the number of leaves. What it shares with the faster evaluators
-//! is only what defines the answer: the flips of leaves, the weld, and the rule of attribution.
+//! last use, so that memory stays linear in the number of leaves. The code shared with the faster evaluators
+//! is only that which defines the answer: the boundary events of leaves, the weld, and the rule of
+//! attribution.
 
 use rayweave_math::Vec3;
 use rayweave_model::weld::{Change, Flips, Weld, attribute};
@@ -16,13 +17,13 @@ use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_shape::Ray;
 use std::sync::Arc;
 
-/// The evaluator that is obviously right.
+/// The reference evaluator: the ground truth for tests of the others.
 #[derive(Clone, Debug)]
 pub struct Reference {
     program: Arc<Program>,
 }
 
-/// Memory of a thread: only a buffer for the crossings of one ray.
+/// Scratch memory of a thread: a buffer for the crossings of one ray.
 #[derive(Clone, Debug, Default)]
 pub struct ReferenceScratch {
     crossings: Vec<Crossing>,
@@ -34,7 +35,7 @@ impl Reference {
         Reference { program }
     }
 
-    /// The changes of one solid of a group along a ray, with all flips of its leaves.
+    /// The root-rays of all outputs of a group along a ray, with all boundary events of its leaves.
     fn group(&self, group: PrototypeId, ray: &GroupRay<'_>) -> GroupAnswer {
         let prototype = self.program.prototype(group);
         let leaves: Vec<(bool, Vec<Event>)> =
@@ -46,7 +47,7 @@ impl Reference {
         GroupAnswer { outputs, starts_inside, events }
     }
 
-    /// The flips of one leaf of a group.
+    /// The start side and the boundary events of one leaf of a group.
     fn leaf(&self, prototype: &Prototype, leaf: u32, ray: &GroupRay<'_>) -> (bool, Vec<Event>) {
         let id = LeafId(prototype.leaves.start + leaf);
         match &self.program.leaf(id).kind() {
@@ -75,7 +76,7 @@ impl Reference {
         }
     }
 
-    /// The region just after each time at which any region changes, and those times.
+    /// The state at the start, and the times at which any region changes, each with the state just after it.
     fn changes(&self, answer: &GroupAnswer) -> (State, Vec<(f64, State)>) {
         let mut times: Vec<f64> = answer.outputs.iter().flat_map(|output| output.times()).collect();
         times.sort_by(f64::total_cmp);
@@ -183,18 +184,18 @@ impl Evaluator for Reference {
     }
 }
 
-/// What a group gives along a ray.
+/// Result of a group along a ray.
 struct GroupAnswer {
     /// The root-ray of each output.
     outputs: Vec<RootRay<()>>,
     /// The side of each leaf at -inf.
     starts_inside: Vec<bool>,
-    /// The flips of all leaves, by time, then leaf.
+    /// The boundary events of all leaves, sorted by time, then leaf.
     events: Vec<Event>,
 }
 
 impl GroupAnswer {
-    /// The placed solid as one leaf of the group around it.
+    /// Converts a placed solid to a leaf of the group around it: start side and boundary events.
     fn into_leaf(self, expression: &Expression, leaf: u32) -> (bool, Vec<Event>) {
         let mut flips = PlainFlips::new(expression, self.starts_inside);
         let Some(output) = self.outputs.first() else {
@@ -213,8 +214,8 @@ impl GroupAnswer {
     }
 }
 
-/// The root-rays of the outputs: those of all gates in the order of the expression, each dropped after its
-/// last use.
+/// The root-rays of the outputs. Those of all gates are computed in the order of the expression and dropped
+/// after their last use.
 fn root_rays(expression: &Expression, leaves: &[(bool, Vec<Event>)]) -> Vec<RootRay<()>> {
     let outputs = expression.outputs();
     let mut uses = vec![0usize; expression.node_count()];
@@ -248,7 +249,7 @@ fn root_rays(expression: &Expression, leaves: &[(bool, Vec<Event>)]) -> Vec<Root
     outputs.iter().map(|&edge| take(&mut known, &mut uses, edge)).collect()
 }
 
-/// The side just after `t`: that of the start, flipped once for each root passed.
+/// The side just after `t`: that of the start, changed once for each root passed.
 fn inside_after(ray: &RootRay<()>, t: f64) -> bool {
     let passed = ray.roots().partition_point(|root| root.t <= t);
     ray.start().is_inside() ^ (passed % 2 == 1)
@@ -257,11 +258,11 @@ fn inside_after(ray: &RootRay<()>, t: f64) -> bool {
 fn leaf_ray((starts_inside, events): &(bool, Vec<Event>)) -> RootRay<()> {
     let start = if *starts_inside { Side::Inside } else { Side::Outside };
     let roots = events.iter().map(|event| Root { t: event.t, surface: () }).collect();
-    // leaves give strictly increasing finite times
+    // leaves have strictly increasing finite times
     RootRay::new(start, roots).unwrap_or_else(|_| RootRay::empty())
 }
 
-/// Leaf states as plain values, from which everything is computed anew whenever it is asked for.
+/// Leaf states as plain booleans; every query evaluates the whole expression.
 struct PlainFlips<'a> {
     expression: &'a Expression,
     inside: Vec<bool>,

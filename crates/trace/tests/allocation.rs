@@ -1,6 +1,6 @@
-//! Nothing allocates per ray: with a scratch that has seen rays before, batches cost no allocation at all.
+//! No evaluator allocates per ray: once a scratch has been used, further batches do not allocate.
 //!
-//! One test alone in its program, because allocations are counted for all threads.
+//! A single test in its own program, because allocations are counted for all threads.
 
 use rayweave_conformance::rays::{batch, rays};
 use rayweave_conformance::{Model, Random, Style};
@@ -19,8 +19,8 @@ use std::sync::Arc;
 #[global_allocator]
 static COUNTER: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Allocations and reallocations in a round like one before, and what was found there: the least of three, since the thread
-/// of the test harness may allocate meanwhile.
+/// Allocations and reallocations in a repeated round, and the result of the round. The least of three, since
+/// the thread of the test harness may allocate meanwhile.
 fn in_second<T: PartialEq + std::fmt::Debug>(mut round: impl FnMut() -> T) -> (usize, T) {
     let first = round();
     let mut again = || {
@@ -33,7 +33,7 @@ fn in_second<T: PartialEq + std::fmt::Debug>(mut round: impl FnMut() -> T) -> (u
     (least, first)
 }
 
-/// Lists of crossings, first ones, and the regions of the origins.
+/// All crossings, first crossings, and the regions of the origins.
 fn second_round<E: Evaluator>(evaluator: &E, seed: u64, model: &Model) -> (usize, usize) {
     let rays = batch(&rays(&mut Random::new(seed), model.style, &model.frame, 100));
     let points: [Vec<f64>; 3] = std::array::from_fn(|k| rays.rays().origins[k].to_vec());
@@ -51,7 +51,7 @@ fn second_round<E: Evaluator>(evaluator: &E, seed: u64, model: &Model) -> (usize
     })
 }
 
-/// First hits with their normals; how many there are.
+/// First hits with normals. Returns allocations and number of hits.
 fn second_look<E: Evaluator>(evaluator: &E, rays: &RayBatch) -> (usize, usize) {
     let count = rays.rays().len();
     let [mut t, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; count]);
@@ -71,7 +71,7 @@ fn second_look<E: Evaluator>(evaluator: &E, rays: &RayBatch) -> (usize, usize) {
     })
 }
 
-/// All crossings, batch by batch in the same columns; how many there are.
+/// All crossings, batch by batch in the same columns. Returns allocations and number of crossings.
 fn second_columns<E: Evaluator>(evaluator: &E, rays: &RayBatch) -> (usize, usize) {
     let (rays, query) = (rays.rays(), Query::default());
     let (mut scratch, mut columns) = (evaluator.scratch(), CrossingColumns::default());

@@ -1,4 +1,4 @@
-//! All evaluators pass the suite.
+//! The conformance suite for all evaluators.
 
 use rayweave_conformance::conformance_tests;
 use rayweave_model::Program;

@@ -1,4 +1,4 @@
-//! All evaluators at once against the reference, in small; `examples/contest.rs` does it at any length.
+//! Differential test of all evaluators against the reference, short form of `examples/contest.rs`.
 
 use rayweave_conformance::contender;
 use rayweave_conformance::contest::contest;
@@ -23,7 +23,7 @@ fn all_give_the_same_lists() {
 
 #[test]
 fn a_liar_is_found_out() {
-    // an evaluator that knows another model
+    // an evaluator of another model
     let liar = contender(|_| {
         Weave::new(std::sync::Arc::new(
             rayweave_model::Program::compile(&rayweave_model::Solid::universe()).expect("legal"),

@@ -1,6 +1,6 @@
-//! The bank of degenerate cases: small arrangements that are known to break ray tracers, each with its answer.
+//! Degenerate cases: small arrangements that are known to break ray tracers, each with its answer.
 //!
-//! Every case is asked of every evaluator in the list at the end; a new one is a line there.
+//! Every case runs on every evaluator in the list at the end of the file; add new evaluators there.
 
 use rayweave_conformance::Random;
 use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
@@ -32,8 +32,8 @@ impl Bench<'_> {
         (self.0)(Arc::new(Program::compile(solid).unwrap()), &[ray])
     }
 
-    /// The ray crosses at these times and begins outside if `outside` is true. Times may be off by what the
-    /// tolerance of points allows at the angle at which the ray meets the surface (`slant`, its sine).
+    /// Asserts that the ray crosses at these times and starts outside if `outside` is true. The tolerance of
+    /// times is that of points divided by `slant`, the sine of the angle between ray and surface.
     fn expect_in(&self, frame: &Affine, solid: &Solid, ray: Ray, outside: bool, times: &[f64], slant: f64) {
         let turned = ray.transformed(frame);
         let placed = if *frame == Affine::IDENTITY { solid.clone() } else { solid.apply(*frame) };
@@ -52,14 +52,14 @@ impl Bench<'_> {
         assert!(enters.eq((0..got.len()).map(|k| (k % 2 == 0) == outside)), "sides of {told}");
     }
 
-    /// In every frame.
+    /// [`Bench::expect_in`] in every frame.
     fn expect(&self, solid: &Solid, origin: [f64; 3], direction: [f64; 3], times: &[f64]) {
         let ray = Ray::new(origin.into(), direction.into());
         frames().iter().for_each(|frame| self.expect_in(frame, solid, ray, true, times, 0.5));
     }
 
-    /// Where it stands: for a ray in a face of the whole, which w decides, and for what rounding decides in
-    /// other frames.
+    /// [`Bench::expect_in`] in the original frame: for rays in a face of the whole, whose side the
+    /// perturbation direction w determines, and for cases that rounding decides in other frames.
     fn expect_here(&self, solid: &Solid, origin: [f64; 3], direction: [f64; 3], times: &[f64]) {
         self.expect_in(&Affine::IDENTITY, solid, Ray::new(origin.into(), direction.into()), true, times, 0.5);
     }
@@ -120,7 +120,7 @@ fn flush_through_hole(bench: &Bench) {
         bench.expect(holed, [0.25, 0.125, -5.0], Z, NOTHING);
         bench.expect(holed, [0.75, 0.125, -5.0], Z, &[4.0, 6.0]);
         bench.expect(holed, [-5.0, 0.0, 0.25], X, &[4.0, 4.5, 5.5, 6.0]);
-        // slanted through the hole: in at the bottom, through its wall, out of the far side
+        // slanted through the hole: enters at the bottom, passes through its wall, leaves on the far side
         bench.expect(holed, [0.0, 0.0, -1.0], [0.5, 0.0, 0.5], &[1.0, 2.0]);
         // through the rim at the top and the one at the bottom
         bench.expect(holed, [0.5, 0.0, 1.0], [-0.25, 0.0, -0.5], NOTHING);
@@ -146,7 +146,7 @@ fn abutting_union_along_the_shared_face(bench: &Bench) {
     bench.expect(&row, [5.0, -3.0, 0.0], Y, &[2.0, 4.0]);
     bench.expect(&row, [5.0, 3.0, 0.5], [0.0, -2.0, 0.0], &[1.0, 2.0]);
     bench.expect(&row, [5.0, -2.0, -2.0], [0.0, 1.0, 1.0], &[1.0, 3.0]);
-    // beside it the ray is in the face of one alone
+    // beyond the shared face the ray is in the face of one box only
     let step = block([4.0, -1.0, -1.0], [5.0, 1.0, 1.0]) | block([5.0, -1.0, -1.0], [6.0, 0.0, 1.0]);
     // w points to +x, out of the first
     bench.expect_here(&step, [5.0, -3.0, 0.0], Y, &[2.0, 3.0]);
@@ -163,7 +163,7 @@ fn four_boxes_along_their_common_edge(bench: &Bench) {
         bench.expect(solid, [-2.0, -2.0, 3.0], [1.0; 3], &[1.0, 3.0]);
         bench.expect(solid, [-2.0, 2.0, 5.0], [1.0, -1.0, 0.0], &[1.0, 3.0]);
     }
-    // three of them: what is missing at the edge is the quarter that w does not point into
+    // three of them: the gap at the edge is the quarter into which w does not point
     bench.expect_here(&Solid::union(four[..3].to_vec()), [0.0; 3], Z, &[4.0, 6.0]);
     bench.expect_here(&Solid::union(four[1..].to_vec()), [0.0; 3], Z, NOTHING);
 }
@@ -177,7 +177,7 @@ fn face_sharing_intersection(bench: &Bench) {
     bench.expect(&(sphere(1.0) & sphere(1.0).translate([2.0, 0.0, 0.0])), [-4.0, 0.0, 0.0], X, NOTHING);
 }
 
-/// A - A and A ^ A are nothing, A | A and A & A are A, for every shape and any ray.
+/// A - A and A ^ A are empty, A | A and A & A are A, for every shape and any ray.
 fn a_solid_and_itself(bench: &Bench) {
     let shapes = ["sphere", "box", "cylinder", "cone", "torus", "paraboloid", "tube", "prism", "ellipsoid"];
     for name in shapes {
@@ -203,7 +203,7 @@ fn tangent_rays(bench: &Bench) {
     bench.expect(&sphere(1.0), [-2.2, 0.0, 4.6], [0.6, 0.0, -0.8], NOTHING);
     bench.expect(&rod(1.0, 4.0), [1.0, -3.0, 0.25], Y, NOTHING);
     bench.expect(&rod(1.0, 4.0), [1.0, -3.0, -3.0], [0.0, 1.0, 1.0], NOTHING);
-    // touching from inside, where the ray stays inside
+    // touches from inside, so the ray stays inside
     let shell = sphere(2.0) - sphere(1.0);
     let t = 3f64.sqrt();
     bench.expect(&shell, [1.0, 0.0, 0.0], Y, &[-t, t]);
@@ -216,11 +216,11 @@ fn two_tangent_spheres_through_the_contact(bench: &Bench) {
     bench.expect(&pair, [10.0, 0.0, 0.0], [-2.0, 0.0, 0.0], &[1.5, 3.5]);
     // across the contact, tangent to both
     bench.expect(&pair, [5.0, -3.0, 0.0], Y, NOTHING);
-    // aslant through it: out of one and into the other at the same point
+    // slanted through the contact: leaves one and enters the other at the same point
     let s = 1.0 / 2f64.sqrt();
     bench.expect(&pair, [5.0, 0.0, 0.0], [s, s, 0.0], &[-2.0 * s, 2.0 * s]);
     let inner = sphere(2.0) - sphere(1.0).translate([1.0, 0.0, 0.0]);
-    // one in the other: along the line of centres nothing is left at the contact
+    // one inside the other: on the line of centres nothing is left at the contact
     bench.expect(&inner, [-4.0, 0.0, 0.0], X, &[2.0, 4.0]);
 }
 
@@ -231,12 +231,12 @@ fn cone_apex(bench: &Bench) {
     // across the apex, and through it to the base
     bench.expect(&up, [-3.0, 0.0, 1.0], X, NOTHING);
     bench.expect(&up, [0.25, 0.0, -1.0], [-0.25, 0.0, 2.0], &[0.0, 1.0]);
-    // two cones tip to tip are one piece along the axis and through the tip
+    // two cones tip to tip are connected along the axis and through the tip
     let tips = &up | &up.mirror(Z).translate([0.0, 0.0, 2.0]);
     bench.expect(&tips, [0.0, 0.0, -5.0], Z, &[4.0, 8.0]);
     bench.expect(&tips, [0.25, 0.0, -1.0], [-0.25, 0.0, 2.0], &[0.0, 2.0]);
     bench.expect(&tips, [-3.0, 0.0, 1.0], X, NOTHING);
-    // along a generator: by w, which points out of the side at +x and into that at -x
+    // along a generator: w points out of the side at +x, and into it at -x
     bench.expect_here(&up, [1.0, 0.0, -1.0], [-0.5, 0.0, 1.0], NOTHING);
     bench.expect_here(&up, [-1.0, 0.0, -1.0], [0.5, 0.0, 1.0], &[0.0, 2.0]);
 }
@@ -245,11 +245,11 @@ fn torus_axis_and_equators(bench: &Bench) {
     let ring = torus(2.0, 1.0);
     bench.expect(&ring, [0.0, 0.0, -5.0], Z, NOTHING);
     bench.expect(&ring, [-5.0, 0.0, 0.0], X, &[2.0, 4.0, 6.0, 8.0]);
-    // touching the inner equator from the tube: the ray stays inside
+    // touches the inner equator from inside the tube: the ray stays inside
     let t = 8f64.sqrt();
     bench.expect(&ring, [1.0, 0.0, 0.0], Y, &[-t, t]);
     bench.expect(&ring, [1.0, -5.0, 0.0], Y, &[5.0 - t, 5.0 + t]);
-    // touching it from the hole, and the outer equator
+    // touches it from the hole; touches the outer equator
     bench.expect(&ring, [1.0, 0.0, -3.0], Z, NOTHING);
     bench.expect(&ring, [3.0, -5.0, 0.0], Y, NOTHING);
     bench.expect(&ring, [3.0, 0.0, -5.0], Z, NOTHING);
@@ -257,7 +257,7 @@ fn torus_axis_and_equators(bench: &Bench) {
 
 fn quartic_with_double_roots(bench: &Bench) {
     let ring = torus(2.0, 1.0);
-    // in the plane that touches the torus along its top circle: two double roots, or one of fourth order
+    // in the plane tangent to the torus along its top circle: two double roots, or one of fourth order
     for x in [0.0, 0.5, 1.0, 1.5, 1.9375] {
         bench.expect_here(&ring, [x, -5.0, 1.0], Y, NOTHING);
         bench.expect_here(&ring, [-x, 5.0, -1.0], [0.0, -2.0, 0.0], NOTHING);
@@ -271,7 +271,7 @@ fn quartic_with_double_roots(bench: &Bench) {
     let times = [-at(2.0 + half), -at(2.0 - half), at(2.0 - half), at(2.0 + half)];
     let ray = Ray::new(Vec3::new(1.0, 0.0, 1.0 - h), Vec3::Y);
     frames().iter().for_each(|frame| bench.expect_in(frame, &ring, ray, true, &times, 0.02));
-    // along a circle of Villarceau's plane: z = x tan(30 degrees) touches the torus at two points
+    // in the plane of the Villarceau circles: z = x tan(30 degrees) touches the torus at two points
     let lean = Vec3::new(3f64.sqrt(), 0.0, 1.0);
     bench.expect(&ring, [0.0; 3], lean.to_array(), NOTHING);
 }
@@ -282,19 +282,19 @@ fn horn_and_spindle_torus(bench: &Bench) {
     bench.expect(&horn, [-5.0, 0.0, 0.0], X, &[3.0, 7.0]);
     bench.expect(&horn, [0.0, -5.0, 0.0], Y, &[3.0, 7.0]);
     let t: f64 = 1.5;
-    // off the axis along it: 1 - (1 - rho)^2 = z^2
+    // parallel to the axis: 1 - (1 - rho)^2 = z^2
     let z = (1.0 - (t - 1.0) * (t - 1.0)).sqrt();
     bench.expect(&horn, [t, 0.0, -5.0], Z, &[5.0 - z, 5.0 + z]);
     let spindle = torus(1.0, 2.0);
     let tip = 3f64.sqrt();
     bench.expect(&spindle, [0.0, 0.0, -5.0], Z, &[5.0 - tip, 5.0 + tip]);
     bench.expect(&spindle, [-5.0, 0.0, 0.0], X, &[2.0, 8.0]);
-    // through the tip across: it touches the skin at a point
+    // across the tip: touches the surface at a point
     bench.expect(&spindle, [-5.0, 0.0, 1.75], X, &across_spindle(1.75));
     bench.expect(&spindle, [-5.0, 0.5, 0.25], X, &chord_of_spindle(0.5, 0.25));
 }
 
-/// Where y = 0 and z = `height` cross the skin: above the tip, two pieces.
+/// The crossings of the line y = 0, z = `height` with the surface: two pieces above the tip.
 fn across_spindle(height: f64) -> [f64; 4] {
     let half = (4.0 - height * height).sqrt();
     let (outer, inner) = (1.0 + half, 1.0 - half);
@@ -332,7 +332,7 @@ fn sphere_inscribed_in_a_box(bench: &Bench) {
     bench.expect(&(cube() | sphere(1.0)), [-5.0, 0.0, 0.0], X, &[4.0, 6.0]);
     bench.expect(&(cube() & sphere(1.0)), [-5.0, 0.0, 0.0], X, &[4.0, 6.0]);
     bench.expect(&(sphere(1.0) - cube()), [-5.0, 0.0, 0.0], X, NOTHING);
-    // in a face through the contact: w points out at +x and in at -x
+    // in a face, through the contact: w points out at +x and in at -x
     bench.expect_here(&corners, [1.0, -5.0, 0.0], Y, NOTHING);
     bench.expect_here(&corners, [-1.0, -5.0, 0.0], Y, &[4.0, 6.0]);
 }
@@ -347,7 +347,7 @@ fn needle_boxes(bench: &Bench) {
     bench.expect_here(&needle, [0.0, 0.0, -2e3], [0.0, 0.0, 1e3], &[1.0, 3.0]);
     bench.expect_here(&needle, [-1.0, 0.0, 999.0], X, &[1.0 - 1e-6, 1.0 + 1e-6]);
     bench.expect_here(&needle, [0.0, 0.0, 0.0], [1e-9, 0.0, 1.0], &[-1000.0, 1000.0]);
-    // thinner than the tolerance it vanishes
+    // thinner than the tolerance, so it vanishes
     let film = block([5.0, -1.0, -1.0], [5.0f64.next_up(), 1.0, 1.0]);
     bench.expect_here(&film, [0.0; 3], X, NOTHING);
 }
@@ -374,7 +374,7 @@ fn far_origins(bench: &Bench) {
     }
 }
 
-/// A thousand operators deep, from both sides.
+/// Chains of a thousand operators, from both sides.
 fn deep_chains(bench: &Bench) {
     let link = |k: usize| sphere(0.75).translate([k as f64, 0.0, 0.0]);
     let left = (1..1000).fold(link(0), |chain, k| chain | link(k));
@@ -383,7 +383,7 @@ fn deep_chains(bench: &Bench) {
     for chain in [&left, &right] {
         bench.expect(chain, rod, X, &[4.25, 1004.75]);
     }
-    // a ball minus what is left of the next larger one: nothing, then the ball, in turns
+    // a ball minus the previous result for the next larger one: alternately the empty solid and the ball
     let shell = |k: usize| sphere(1001.0 - k as f64);
     let onion = (1..=1000).fold(shell(0), |outer, k| shell(k) - outer);
     bench.expect_here(&onion, [-2000.0, 0.0, 0.0], X, &[1999.0, 2001.0]);
@@ -394,7 +394,7 @@ fn deep_chains(bench: &Bench) {
     bench.expect_here(&rings, [-2000.0, 0.0, 0.0], X, &times);
 }
 
-/// A wall of 100,000 tiles that touch.
+/// A wall of 100,000 touching tiles.
 fn union_of_a_hundred_thousand(bench: &Bench) {
     let tile = |k: u32| {
         let (x, y) = (f64::from(k % 1000), f64::from(k / 1000));
@@ -429,37 +429,37 @@ fn empty_and_universal_operands(bench: &Bench) {
     for solid in [!&a, &all - &a, &all ^ &a] {
         bench.expect_in(&Affine::IDENTITY, &solid, ray, false, &alone, 1.0);
     }
-    // a solid that happens to be empty
+    // a solid that is empty by its geometry
     let empty = cube() & cube().translate([5.0, 0.0, 0.0]);
     bench.expect(&(&a | &empty), eye, X, &alone);
     bench.expect(&(&a & &empty), eye, X, NOTHING);
 }
 
-/// A rod along x that is solid in these pieces of it.
+/// A rod along x that is solid in these intervals.
 fn pieces(all: &[[f64; 2]]) -> Solid {
     Solid::union(all.iter().map(|[lo, hi]| block([*lo, -1.0, -1.0], [*hi, 1.0, 1.0])))
 }
 
-/// Operands in several pieces each, which have to be asked again in turns: both of them with intersections, the
-/// closer one with unions of which both are left.
+/// Operands in several pieces each, which single hit must query again in turns: both operands of an
+/// intersection, and the closer operand of a union that the ray leaves.
 fn operands_in_pieces(bench: &Bench) {
     let eye = [0.0; 3];
     let (a, b) = (pieces(&[[9.338, 9.451], [10.733, 12.508]]), pieces(&[[6.245, 9.014], [9.823, 11.101]]));
     bench.expect(&(&a & &b), eye, X, &[10.733, 11.101]);
     bench.expect(&(&b & &a), eye, X, &[10.733, 11.101]);
     bench.expect(&(&a ^ &b), eye, X, &[6.245, 9.014, 9.338, 9.451, 9.823, 10.733, 11.101, 12.508]);
-    // from inside both: the one that is left first is entered again before the other one is left
+    // from inside both: the operand that is left first is entered again before the other one is left
     let (short, long) = (pieces(&[[-1.0, 1.0], [2.0, 8.0]]), pieces(&[[-2.0, 4.0]]));
     for both in [&short | &long, &long | &short] {
         bench.expect(&both, [-5.0, 0.0, 0.0], X, &[3.0, 13.0]);
     }
     bench.expect(&(&short - &long), [-5.0, 0.0, 0.0], X, &[9.0, 13.0]);
-    // A - (B - C) is A without B, and with what C gives back
+    // A - (B - C) is A without B, plus the part of C in B
     let kept = pieces(&[[1.0, 9.0]]) - (pieces(&[[2.0, 8.0]]) - pieces(&[[4.0, 6.0]]));
     bench.expect(&kept, eye, X, &[1.0, 2.0, 4.0, 6.0, 8.0, 9.0]);
     let flush = pieces(&[[1.0, 9.0]]) - (pieces(&[[1.0, 8.0]]) - pieces(&[[4.0, 8.0]]));
     bench.expect(&flush, eye, X, &[4.0, 9.0]);
-    // five that overlap in a row, and pieces that meet end to end
+    // five that overlap in a row, and pieces that touch end to end
     let row: Vec<[f64; 2]> = (0..5).map(|k| [1.0 + f64::from(k), 2.5 + f64::from(k)]).collect();
     bench.expect(&pieces(&row), eye, X, &[1.0, 6.5]);
     bench.expect(&pieces(&[[1.0, 2.0], [3.0, 4.0], [2.0, 3.0]]), eye, X, &[1.0, 4.0]);
@@ -483,7 +483,7 @@ fn wedge_fans(bench: &Bench) {
 
 fn cylinder_caps_at_the_rim(bench: &Bench) {
     let can = rod(1.0, 2.0);
-    // through both rims, and touching one from outside
+    // through both rims; touches one from outside
     bench.expect(&can, [1.0, 0.0, 1.0], [1.0, 0.0, 1.0], &[-2.0, 0.0]);
     bench.expect(&can, [1.0, 0.0, 1.0], [1.0, 0.0, -1.0], NOTHING);
     bench.expect(&can, [1.0, 0.0, 1.0], [0.0, 1.0, -1.0], NOTHING);
@@ -491,13 +491,13 @@ fn cylinder_caps_at_the_rim(bench: &Bench) {
     // in the planes of the caps: w points out of the top and into the bottom
     bench.expect_here(&can, [-5.0, 0.0, 1.0], X, NOTHING);
     bench.expect_here(&can, [-5.0, 0.0, -1.0], X, &[4.0, 6.0]);
-    // along the side: out at +x, in at -x
+    // along the side: w points out at +x, in at -x
     bench.expect_here(&can, [1.0, 0.0, -5.0], Z, NOTHING);
     bench.expect_here(&can, [-1.0, 0.0, -5.0], Z, &[4.0, 6.0]);
 }
 
-/// A pin fits the bore of a tube that was stretched along its axis, or scaled and turned: the bore is still round,
-/// so the two are one face, which belongs to the leaf that was declared first.
+/// A pin fits the bore of a tube that was stretched along its axis, or scaled and turned: the bore is still
+/// round, so both surfaces are one face, which belongs to the leaf that was declared first.
 fn pins_in_stretched_tubes(bench: &Bench) {
     let tube = shape("tube", &[("outer_radius", 2.0), ("inner_radius", 1.0), ("height", 1.0)]);
     let pin = rod(1.0, f64::INFINITY);
@@ -506,7 +506,7 @@ fn pins_in_stretched_tubes(bench: &Bench) {
         let stretched = tube.scale(by);
         let filled = bench.ask(&(&stretched | &pin), ray);
         assert_eq!(filled.crossings.len(), 2, "{by:?}");
-        // what is left of the pin outside of the tube: nothing, once it is cut to its height
+        // the part of the pin outside of the tube: nothing within the tube's height
         let inside = &pin - &stretched;
         let found = bench.ask(&inside, ray);
         assert_eq!(found.crossings.iter().map(|c| c.face.leaf.0).collect::<Vec<_>>(), [0, 0], "{by:?}");
@@ -515,8 +515,9 @@ fn pins_in_stretched_tubes(bench: &Bench) {
     }
 }
 
-/// A change that no flip alone makes belongs to the first leaf that makes it when they flip in turn: in `(A & B) | (C &
-/// D)` with four equal faces, entering, neither A alone does anything nor any other, and A and B together do.
+/// A change that no single boundary event makes belongs to the first leaf that makes it when the events are
+/// applied in turn: in `(A & B) | (C & D)` with four equal faces, on entry, no leaf alone changes anything,
+/// but A and B together do.
 fn changes_that_take_two_flips(bench: &Bench) {
     let ray = Ray::new(Vec3::new(-3.0, 0.1, 0.2), Vec3::X);
     let owners = |solid: &Solid| {
@@ -526,15 +527,15 @@ fn changes_that_take_two_flips(bench: &Bench) {
     let [a, b, c, d] = [cube(), cube(), cube(), cube()];
     assert_eq!(owners(&((&a & &b) | (&c & &d))), [(2.0, 1), (4.0, 2)]);
     assert_eq!(owners(&((&a | &b) & (&c | &d))), [(2.0, 2), (4.0, 1)]);
-    // where one flip does it, it is the lowest leaf of those
+    // if one boundary event suffices, the change belongs to the lowest such leaf
     assert_eq!(owners(&(&a & &b)), [(2.0, 0), (4.0, 0)]);
     assert_eq!(owners(&(&a | &b)), [(2.0, 0), (4.0, 0)]);
 }
 
-/// A lone plane through the origin has no length but that of rounding once it is turned: rays that meet it where it is
-/// closest to the origin do not lie in it.
+/// A single plane through the origin has no length scale but that of rounding once it is turned. Rays that
+/// hit it near its point closest to the origin do not lie in it.
 fn lone_planes_through_the_origin(bench: &Bench) {
-    // moved within itself, so that the rounding of the turn shows
+    // moved within itself, so that the rounding errors of the rotation matter
     let plane = half_space(Y, 0.0).translate([-1.5, 0.0, -1.5]);
     for angle in [0.0, 13.0, 30.0, 77.7, 120.0] {
         for axis in [Vec3::X, Vec3::new(1.0, 2.0, 3.0), Vec3::new(-2.0, 0.1, 1.0)] {
@@ -549,11 +550,11 @@ fn lone_planes_through_the_origin(bench: &Bench) {
     }
 }
 
-/// A ray that meets an edge, grazing one of its faces and steep to the other: that the two are met at one time is lost
-/// in the rounding of the grazing one, which may move by `64 u / slope`. What is left between them lies within the
-/// tolerance of the grazed face, but not of the other one, so that no weld takes it away: it is as right as an answer
-/// for a ball larger by that tolerance. (The exact oracle counts such rays as torn: some 20 of a million on planted
-/// coincidences, none elsewhere.)
+/// A ray through an edge, grazing to one of its faces and steep to the other: rounding of the grazing root,
+/// up to `64 u / slope`, separates two equal times. The piece between them lies within the tolerance of the
+/// grazed face, but not of the other one, so it is not welded: the answer is right for a ball larger by that
+/// tolerance. (The exact oracle counts such rays as torn: some 20 of a million on planted coincidences, none
+/// elsewhere.)
 fn an_edge_met_while_grazing(bench: &Bench) {
     let dome = sphere(1.0) & half_space(X, 0.0);
     let mut torn = 0;
@@ -570,9 +571,9 @@ fn an_edge_met_while_grazing(bench: &Bench) {
             assert!((p.length() - 1.0).abs() <= 64.0 * UNIT_ROUNDOFF * 3.0, "slope {slope}: {t}");
         }
     }
-    // of 399; were it none, the promise would be greater than it is
+    // of 399; if there were none, the documented guarantee could be stronger
     assert!((1..=300).contains(&torn), "{torn}");
-    // steeper than the root of the tolerance the piece is within the tolerance of both, and welded away
+    // above the square root of the tolerance the piece is within the tolerance of both, and is welded
     for k in 1..400 {
         let slope = f64::from(k) / 8.0;
         let ray = Ray::new(Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.0, -slope));
@@ -580,7 +581,7 @@ fn an_edge_met_while_grazing(bench: &Bench) {
     }
 }
 
-/// Two media that share a face, met at angles down to 1e-12: one crossing from one into the other, no gap.
+/// Two media that share a face, hit at angles down to 1e-12: one crossing from one into the other, no gap.
 fn cemented_faces_at_grazing_angles(bench: &Bench) {
     let regions = |frame: &Affine| {
         let part = |name: &str, z: f64, medium| Region {
@@ -608,8 +609,8 @@ fn cemented_faces_at_grazing_angles(bench: &Bench) {
     }
 }
 
-/// A placed inlay of the same medium, flush with the block around it: it is the inlay that is entered and left,
-/// not the block for the moment by which rounding lets one face come first.
+/// A placed inlay of the same medium, flush with the block around it: the ray enters and leaves the inlay,
+/// and not the block for the instant by which rounding makes one face come first.
 fn flush_regions_of_one_medium(bench: &Bench) {
     for frame in frames() {
         let copies = [Affine::IDENTITY, Affine::translate(Vec3::new(9.0, 0.0, 0.0))];

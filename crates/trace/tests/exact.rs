@@ -1,15 +1,15 @@
 //! Evaluators against exact arithmetic: no wrong side, no crossing too many or too few.
 //!
-//! The oracle answers each ray once, and every evaluator is compared with that. The long forms take as many rays as
-//! `examples/exact.rs` is told to.
+//! The oracle answers each ray once, and every evaluator is compared with it. `examples/exact.rs` runs the
+//! long forms for any number of rays.
 
 use rayweave_conformance::{Maker, contender, exact};
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 
-/// Models of the short form: fifty rays each.
+/// Seeds of the short form, a model of fifty rays each.
 const SHORT: std::ops::Range<u64> = 0..1100;
 
-/// Of the long form: 1e7 rays.
+/// Seeds of the long form: 1e7 rays.
 const LONG: std::ops::Range<u64> = 0..200_000;
 
 fn evaluators() -> Vec<Maker> {
@@ -22,7 +22,7 @@ fn evaluators() -> Vec<Maker> {
     ]
 }
 
-/// Half of the rays at least meet a coincidence.
+/// Models with planted coincidences, which at least half of the rays hit.
 fn planted(seeds: std::ops::Range<u64>, least: u64) {
     let count = exact::planted(&evaluators(), seeds);
     assert!(2 * count.plain <= count.rays, "{} of {} rays are plain", count.plain, count.rays);
@@ -49,9 +49,9 @@ fn points() {
     exact::points(&evaluators(), SHORT).finish("points", 45_000);
 }
 
-/// Models of the long form on which engine and oracle once differed: parts placed far from the origin with rays near
-/// their faces, cones and crossing planes with rays through the singular point, flips that only together change
-/// anything, a stretched tube and a pin, crossings beside ties and touches.
+/// Models of the long form on which engine and oracle once differed: parts placed far from the origin with
+/// rays near their faces, cones and crossing planes with rays through the singular point, boundary events
+/// that change the result only together, a stretched tube and a pin, crossings beside ties and touches.
 #[test]
 fn planted_coincidences_that_were_wrong_once() {
     let seeds = [

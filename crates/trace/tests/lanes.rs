@@ -1,4 +1,4 @@
-//! Models with curved faces of every kind, eight rays at a time: the reference's answers, bit for bit.
+//! Models with curved faces of every kind, eight rays at a time: equal to the reference, bit for bit.
 
 use fearless_simd::Level;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -45,7 +45,7 @@ fn diagonal(x: f64, y: f64, z: f64, constant: f64) -> Solid {
     Solid::from(build("quadric", &[("matrix", Value::from(&rows[..]))]).unwrap())
 }
 
-/// Everything about as large as 1, around the origin.
+/// Models of about unit size around the origin.
 fn models() -> Vec<(&'static str, Solid)> {
     let bore = cone(0.7, 0.3, 3.0);
     let bowl = shape("paraboloid", &[("focal_length", 0.4), ("height", 1.0)]);
@@ -87,7 +87,7 @@ fn unit(rng: &mut ChaCha8Rng) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)))
 }
 
-/// Ordinary rays, beams along coordinate axes, rays at edges and apexes, from afar, from within.
+/// Rays in general position, parallel to the axes, at edges and apexes, from far away and from inside.
 fn rays(count: usize, program: &Arc<Program>, rng: &mut ChaCha8Rng) -> RayBatch {
     let reference = Reference::new(program.clone());
     let mut rays: Vec<Ray> = Vec::with_capacity(count);
@@ -114,7 +114,7 @@ fn rays(count: usize, program: &Arc<Program>, rng: &mut ChaCha8Rng) -> RayBatch 
     rays.into_iter().collect()
 }
 
-/// A ray that touches the model where another one meets it, or nearly.
+/// A ray that is tangent, or nearly so, to the model where another ray hits it.
 fn tangent(reference: &Reference, ray: Ray, rng: &mut ChaCha8Rng) -> Ray {
     let found = reference.one(ray, &Query::default()).unwrap();
     let Some(crossing) = found.crossings.first() else { return ray };
@@ -130,7 +130,7 @@ fn bits(found: &Collected) -> Vec<u64> {
     found.crossings.iter().map(|c| c.t.to_bits()).collect()
 }
 
-/// The bits of times and normals of first hits, and their faces.
+/// Times and normals of first hits as bits, and their faces.
 fn looks<E: Evaluator>(evaluator: &E, batch: &RayBatch, window: Window) -> (Vec<[u64; 4]>, Vec<i32>) {
     let count = batch.rays().len();
     let [mut t, mut x, mut y, mut z] = [(); 4].map(|()| vec![0.0; count]);
@@ -170,7 +170,7 @@ fn compare(name: &str, program: &Arc<Program>, batch: &RayBatch, level: Level) {
     }
 }
 
-/// The best set of instructions and the least.
+/// The best instruction set of this machine, and the baseline.
 fn levels() -> [Level; 2] {
     [Level::new(), Level::baseline()]
 }
@@ -194,7 +194,7 @@ fn long_curved_models_get_the_answers_of_the_reference() {
     (10..20).for_each(|seed| check(5_000, seed));
 }
 
-/// Two media that share a curved face, and one that is overlapped.
+/// Two media that share a curved face, and one that overlaps.
 #[test]
 fn curved_regions_get_the_answers_of_the_reference() {
     let (bowl, ring) = (cone(0.4, 1.0, 1.5), torus(0.7, 0.3));

@@ -1,4 +1,4 @@
-//! How much large models take in memory, the hierarchy over their leaves included.
+//! Memory of large models, including the BVH of their leaves.
 
 use rayweave_conformance::scale;
 use rayweave_model::{Program, Solid};
@@ -12,7 +12,7 @@ static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 const LEAVES: usize = 20_000;
 
-/// What a program with its hierarchy keeps allocated, in bytes a leaf.
+/// Bytes per leaf that a program and its BVH keep allocated.
 fn bytes_a_leaf(solid: &Solid) -> f64 {
     let region = Region::new(GLOBAL);
     let weave = Weave::new(Arc::new(Program::compile(solid).unwrap()));

@@ -1,5 +1,5 @@
-//! Rays that are parallel to a surface but for rounding, so that they would meet it at times of 1e16: what they
-//! meet close by must not suffer.
+//! Rays that are parallel to a surface up to rounding, which would hit it at times of about 1e16: nearby
+//! crossings must stay correct.
 
 mod everyone;
 
@@ -9,7 +9,7 @@ use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use std::sync::Arc;
 
-/// A rotation without a round number in it.
+/// A rotation without round numbers.
 fn turn() -> Affine {
     let columns = [
         [0.9198678251134597, -0.29241932082280053, -0.2614079668460134],
@@ -27,7 +27,7 @@ fn made(name: &str, arguments: &[(&str, Value)]) -> Solid {
     Solid::from(build(name, arguments).unwrap())
 }
 
-/// The crossings within 1000 of the origin along the ray, and whether the origin of the ray is inside.
+/// True if the origin of the ray is inside, and the number of crossings with |t| < 1000.
 fn near(solid: &Solid, origin: Vec3, direction: Vec3) -> (bool, usize) {
     let program = Arc::new(Program::compile(&solid.apply(turn())).unwrap());
     let ray = Ray::new(origin, direction).transformed(&turn());
@@ -61,7 +61,7 @@ fn an_elliptic_cylinder_is_not_met_beside_it() {
     }
 }
 
-/// Far out the ray is within the tolerance of the surface, so far is the tolerance: near by it is not.
+/// Far away the tolerance is so large that the ray is within it of the surface; nearby it is not.
 #[test]
 fn an_asymptotic_ray_meets_a_hyperboloid_once() {
     let rows: [[f64; 4]; 4] =
@@ -76,8 +76,8 @@ fn an_asymptotic_ray_meets_a_hyperboloid_once() {
     }
 }
 
-/// On top of a ring, across the circle where it touches its plane: four roots in one place. Whether they are found
-/// is up to rounding, but nothing is found anywhere else.
+/// A ray on top of a torus, across the circle where the tangent plane touches: a fourfold root. Rounding
+/// decides whether it is found, but no root is found anywhere else.
 #[test]
 fn a_ray_that_touches_a_ring_on_top_meets_it_nowhere_else() {
     let ring = made("torus", &[("major", 1.0.into()), ("minor", 0.5.into())]);

@@ -1,5 +1,5 @@
-//! Models whose parts lie apart, touch or overlap, along rays: the answers of what was prepared against the tree
-//! as it was written, evaluated by long hand from the crossings of each leaf alone.
+//! Pruning: models whose parts are disjoint, touch or overlap along rays. The prepared model is compared with
+//! the original tree, evaluated from the crossings of each leaf alone.
 
 use rayweave_conformance::Random;
 use rayweave_math::Vec3;
@@ -15,7 +15,7 @@ fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
     Solid::from(build(name, &arguments).unwrap())
 }
 
-/// A leaf at whole coordinates: faces of two of them coincide as often as not.
+/// A leaf at integer coordinates, so that many faces coincide.
 fn leaf(rng: &mut Random) -> Solid {
     let size = 1.0 + rng.below(3) as f64;
     let at = Vec3::new(rng.below(9) as f64, rng.below(3) as f64, rng.below(3) as f64);
@@ -35,7 +35,7 @@ fn leaf(rng: &mut Random) -> Solid {
     solid.translate(at)
 }
 
-/// An operator of a tree as it was written: of the numbers of its operands, those before it.
+/// An operator of the original tree; operands are indices of earlier nodes.
 enum Written {
     Leaf(usize),
     Not(usize),
@@ -45,7 +45,7 @@ enum Written {
     Xor(usize, usize),
 }
 
-/// A tree over leaves: `(tree, the same as a solid)`.
+/// A random tree over leaves, and the same as a solid.
 fn tree(rng: &mut Random, leaves: &[Solid]) -> (Vec<Written>, Solid) {
     let mut tree: Vec<Written> = (0..leaves.len()).map(Written::Leaf).collect();
     let mut solids: Vec<Solid> = leaves.to_vec();
@@ -72,7 +72,7 @@ fn tree(rng: &mut Random, leaves: &[Solid]) -> (Vec<Written>, Solid) {
     (tree, solids[open[0]].clone())
 }
 
-/// The value of the last node of the tree.
+/// The value of node `root` of the tree.
 fn value(tree: &[Written], root: usize, leaves: &[bool]) -> bool {
     let mut values: Vec<bool> = Vec::with_capacity(tree.len());
     for node in &tree[..=root] {
@@ -96,7 +96,7 @@ fn ask(evaluator: &impl Evaluator, ray: Ray) -> Line {
     (found.starts[0] != RegionId(0), found.crossings.iter().map(|crossing| crossing.t).collect())
 }
 
-/// The same from the lines of the leaves: all flips at one time at once.
+/// The line of the tree, from the lines of the leaves: all boundary events at one time are applied at once.
 fn by_long_hand(tree: &[Written], lines: &[Line]) -> Line {
     let root = tree.len() - 1;
     let mut inside: Vec<bool> = lines.iter().map(|line| line.0).collect();
@@ -117,14 +117,14 @@ fn by_long_hand(tree: &[Written], lines: &[Line]) -> Line {
     (start, crossings)
 }
 
-/// A ray in general direction, or along x through the middle of faces that coincide.
+/// A ray in a random direction, or along x through the interior of coincident faces.
 fn ray(rng: &mut Random) -> Ray {
     let through = Vec3::new(4.0, 1.0, 1.0) + rng.point(4.0);
     if rng.chance(0.5) {
         let direction = rng.direction();
         return Ray::new(through - rng.between(-20.0, 20.0) * direction, direction);
     }
-    // no face lies at such heights
+    // no face lies at these coordinates
     let half = |rng: &mut Random| rng.below(6) as f64 - 1.5 + 0.25 * rng.uniform();
     Ray::new(Vec3::new(-8.0, half(rng), half(rng)), Vec3::X)
 }

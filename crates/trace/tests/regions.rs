@@ -13,7 +13,7 @@ fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
     Solid::from(build(name, &arguments).unwrap())
 }
 
-/// Cubes of side 2, named, centred at the given x.
+/// A named cube of side 2, centred at the given x.
 fn cube(name: &str, x: f64) -> Solid {
     shape("box", &[("size", 2.0)]).named(name).translate([x, 0.0, 0.0])
 }
@@ -32,7 +32,7 @@ fn along_x(program: &Arc<Program>) -> Vec<Crossing> {
     everyone::ask(program, ray).crossings
 }
 
-/// `(t - 10, region before, region after)`: the place along x and the regions.
+/// `(t - 10, region before, region after)`: the position along x and the regions.
 fn passes(crossings: &[Crossing]) -> Vec<(f64, u32, u32)> {
     crossings.iter().map(|c| (c.t - 10.0, c.before.0, c.after.0)).collect()
 }
@@ -54,7 +54,7 @@ fn touching_regions_are_one_crossing_that_names_both_faces() {
 
 #[test]
 fn a_gap_of_rounding_size_is_no_gap() {
-    // 0.1 + 0.2 is not 0.3: scaled and moved so that the faces differ in the last bits
+    // 0.1 + 0.2 != 0.3: scaled and moved so that the faces differ in the last bits
     let a = cube("a", 0.0).scale(Vec3::splat(0.1)).translate([0.1 + 0.2, 0.0, 0.0]);
     let b = cube("b", 2.0).scale(Vec3::splat(0.1)).translate([0.3, 0.0, 0.0]);
     let (c, d) = (
@@ -94,7 +94,7 @@ fn later_regions_win_and_give_back() {
         face_name(&program, found[1].left).starts_with("core")
             && face_name(&program, found[2].entered).starts_with("core")
     );
-    // declared the other way round the body hides the core
+    // in the opposite order the body hides the core
     let hidden = model(&[(&shape("sphere", &[("radius", 0.5)]), 2), (&cube("body", 0.0), 1)]);
     assert_eq!(passes(&along_x(&hidden)), [(-1.0, 0, 2), (1.0, 2, 0)]);
 }

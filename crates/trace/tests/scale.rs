@@ -1,4 +1,5 @@
-//! Models of hundreds of leaves: culling, stopping early and asking placed solids by pieces change no bit of any answer.
+//! Models of hundreds of leaves: culling, early termination and piecewise tracing of placed solids change no
+//! bit of any answer.
 
 use rayweave_conformance::{Random, scale};
 use rayweave_math::{Affine, Vec3};
@@ -18,7 +19,7 @@ fn cube(size: f64, at: Vec3) -> Solid {
     shape("box", &[("size", Value::Number(size))]).translate(at)
 }
 
-/// Cubes on a grid, each face shared by two; united, taken out of one another and counted odd.
+/// Cubes on a grid that share faces, combined by union, difference and symmetric difference.
 fn tiles(rng: &mut Random) -> Solid {
     let mut solid = Solid::empty();
     let cells = (0..343).map(|k| Vec3::new((k % 7) as f64, (k / 7 % 7) as f64, (k / 49) as f64));
@@ -34,7 +35,7 @@ fn tiles(rng: &mut Random) -> Solid {
     solid
 }
 
-/// A lattice of lattices: placed solids with more leaves than are asked about at once.
+/// A lattice of lattices: placed solids with enough leaves to be traced piece by piece.
 fn nested(rng: &mut Random) -> Solid {
     let small = scale::lattice(125) - scale::spheres(50, 5);
     let half = |at: Vec3| Affine::scale(Vec3::splat(0.4)).then(&Affine::translate(at));
@@ -45,7 +46,7 @@ fn nested(rng: &mut Random) -> Solid {
     small.place(maps)
 }
 
-/// Solids with parts that have no end, cut to boxes and not.
+/// Solids with unbounded parts, some of them cut to boxes.
 fn endless(rng: &mut Random) -> Solid {
     let half = |rng: &mut Random| {
         shape(
@@ -65,7 +66,7 @@ fn endless(rng: &mut Random) -> Solid {
     (most ^ (rods.clone() & cube(1.5, Vec3::ZERO))) | (rods - half(rng) - cube(2.0, Vec3::ZERO))
 }
 
-/// Parts in media, later ones over earlier ones.
+/// Parts with media, later ones over earlier ones.
 fn regions(rng: &mut Random) -> Vec<Region> {
     let region = |k: usize, solid: Solid| Region { name: format!("r{k}"), solid, medium: k as u32 % 3 };
     let solids = [scale::plate(100), tiles(rng), scale::spheres(100, 3), nested(rng), scale::sponge(60)];
@@ -91,7 +92,7 @@ fn models() -> Vec<(&'static str, Vec<Region>)> {
     ]
 }
 
-/// Rays in general direction and along the grids, from inside, outside and far away.
+/// Rays in random directions and along the grids, from inside, outside and far away.
 fn rays(rng: &mut Random, program: &Program, count: usize) -> Vec<Ray> {
     let bounds = program.bounds();
     let (centre, half) = match bounds.is_finite() {
@@ -126,7 +127,7 @@ struct Pair {
 type Found = (RegionId, Vec<Crossing>);
 
 impl Pair {
-    /// What both answer, if it is the same.
+    /// The common answer of both evaluators; panics if they differ.
     fn ask(&self, ray: Ray, query: &Query<'_>) -> Found {
         let theirs = self.theirs.one(ray, query).unwrap();
         let ours = self.ours.one(ray, query).unwrap();
@@ -157,7 +158,7 @@ impl Pair {
         }
     }
 
-    /// From crossing to crossing, each asked for alone.
+    /// Traces from crossing to crossing, one query each.
     fn steps(&self, ray: Ray, all: &[Crossing]) {
         let (mut t_min, mut steps) = (f64::NEG_INFINITY, Vec::new());
         while let Ok(window) = Window::new(t_min, f64::INFINITY) {
@@ -173,7 +174,7 @@ impl Pair {
         assert_eq!(steps[..end], all[..end], "{}: {ray:?}", self.name);
     }
 
-    /// A ray that leaves the surface of a crossing, reflected and not.
+    /// Traces rays that leave the surface of a crossing, forwards or reversed.
     fn leaving_a_surface(&self, ray: Ray, all: &[Crossing], rng: &mut Random) {
         let Some(crossing) = (!all.is_empty()).then(|| all[rng.below(all.len())]) else { return };
         let direction = if rng.chance(0.5) { ray.direction } else { -ray.direction };
@@ -236,9 +237,9 @@ fn points_are_in_the_regions_of_the_reference() {
     }
 }
 
-/// A ray that slowly sinks into a block, and out of it again where cubes with a top within rounding of the block's are
-/// taken out: the two faces are far apart along the ray, and the boxes of the cubes begin after the first. What lies
-/// between is a sliver, so that a walk with the ray has to look ahead.
+/// A ray that slowly descends into a block, and leaves it again where cubes are subtracted whose tops are
+/// within rounding of the block's: the two faces are far apart along the ray, and the boxes of the cubes
+/// begin after the first. The piece between them is a sliver, so that the traversal must look ahead.
 #[test]
 fn slivers_far_along_the_ray_are_seen() {
     let rng = &mut Random::new(8);
@@ -260,7 +261,7 @@ fn slivers_far_along_the_ray_are_seen() {
         let ray = Ray::new(enters - 1.5 * direction, direction);
         let query = Query { limit: Limit::First, ..Query::nearest() };
         let (_, found) = pair.ask(ray, &query);
-        // the top of the block, crossed at once
+        // the top of the block, without any delay
         let top = (1.0 - ray.origin.z) / direction.z;
         let in_tooth = (0..15).any(|k| (enters.x + 0.5 - 0.1 * k as f64).abs() < 0.03);
         slivers += usize::from(!in_tooth && found.first().is_none_or(|crossing| crossing.t > top + 0.01));
@@ -268,7 +269,7 @@ fn slivers_far_along_the_ray_are_seen() {
     assert!(slivers > 50, "{slivers} slivers");
 }
 
-/// One scratch for all rays gives what a fresh one gives: nothing is left behind by a walk that stops early.
+/// A scratch used for all rays gives the answers of a fresh one: early termination leaves no state behind.
 #[test]
 fn a_walk_that_stops_leaves_nothing_behind() {
     let program =

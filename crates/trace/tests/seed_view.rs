@@ -1,7 +1,6 @@
-//! The seed's machinery, and what its original table and limits get wrong, counted.
+//! The seed's single-hit algorithm, with counts of the errors caused by its original table and limits.
 //!
-//! Leaves are intervals or a few of them, so that the truth is the algebra of root-rays; "ours" is the
-//! evaluator.
+//! Leaves are root-rays, so that the algebra of root-rays gives the truth; "ours" is the evaluator.
 
 use rayweave_conformance::Random;
 use rayweave_model::{Edge, Gate, LeafId, NodeId, Rule};
@@ -30,7 +29,7 @@ fn post_order_by_bits() {
     let three = perfect(3);
     let order: Vec<u32> = three.post_order().collect();
     assert_eq!(order, [8, 9, 4, 10, 11, 5, 2, 12, 13, 6, 14, 15, 7, 3, 1]);
-    // against the definition: children before their parent, the first before the second
+    // the definition: children before their parent, the first before the second
     fn visit(i: u32, size: u32, out: &mut Vec<u32>) {
         if i <= size {
             visit(2 * i, size, out);
@@ -89,7 +88,7 @@ fn tables_of_the_rule_and_the_original_differ_in_one_place() {
     assert_eq!([of(&original, true), of(&original, false)], [Action::Second, Action::First]);
 }
 
-/// The numbers that Opticks has in its source, and the same mended.
+/// The numbers in the source of Opticks, and the corrected ones.
 #[test]
 fn tables_are_packed_as_published() {
     let published = [[0x22121141, 0x00014014, 0x00141141], [0x22115122, 0x00022055, 0x00133155]];
@@ -163,8 +162,8 @@ impl Forms {
     }
 }
 
-/// Wrong answers of: the original tables with the original limits, and with wide ones; the mended tables with
-/// wide ones; ours.
+/// Numbers of wrong answers: of the original tables with the original limits and with wide ones, of the
+/// corrected tables with wide limits, and ours.
 #[derive(Debug, Default, PartialEq)]
 struct Wrong {
     seed: usize,
@@ -186,7 +185,7 @@ impl Wrong {
     }
 }
 
-/// A box from -50 to 50 with two balls about its ends, from inside the left ball: the seed answers the box's
+/// A box from -50 to 50 with two balls about its ends, from inside the left ball: the seed returns the box's
 /// own exit, 50, inside the right ball.
 #[test]
 fn the_farther_exit_is_wrong_where_the_closer_operand_is_entered_again() {
@@ -203,7 +202,7 @@ fn the_farther_exit_is_wrong_where_the_closer_operand_is_entered_again() {
     }
 }
 
-/// Leaves in a row, each overlapping the next, in a left-deep union.
+/// A left-deep union of leaves in a row, each overlapping the next.
 fn row(leaves: u32, reversed: bool) -> (Forms, Tried) {
     let at = |k: u32| f64::from(if reversed { leaves - 1 - k } else { k });
     let mut forms = Forms::new((0..leaves).map(|k| line(&[at(k), at(k) + 1.5])).collect());
@@ -227,7 +226,7 @@ fn four_slices_lose_rays_on_five_overlapping_leaves_in_a_row() {
             match forms.seed(&all, &tables, Limits::SEED, 0.25) {
                 Ok(answer) => assert_eq!(answer, truth),
                 Err(fault) => {
-                    // which the original does not tell from a ray that meets nothing
+                    // the original reports it as a miss
                     assert_eq!((fault, silent(Err(fault))), (Fault::SlicesFull, Next::Outside));
                     faults += 1;
                 }
@@ -278,10 +277,10 @@ fn eight_bits_lose_every_ray_at_height_eight() {
     }
 }
 
-/// Two boxes side by side, then a third over the seam: a tie that tables settle by asking only one operand.
+/// Two boxes side by side: a tie at which the tables query only one operand again.
 #[test]
 fn tables_leak_on_ties() {
-    // A exits where B is entered: their union goes on
+    // A exits where B is entered: their union continues
     let mut forms = Forms::new(vec![line(&[0.0, 1.0]), line(&[1.0, 2.0])]);
     let both = forms.join(Operator::Union, &forms.leaf(0), &forms.leaf(1));
     assert_eq!(next_of(&both.truth, 0.5), Next::Exit(2.0));
@@ -312,7 +311,7 @@ fn random_tree(rng: &mut Random, leaves: u32, operators: &[Operator], ties: bool
     (forms, all)
 }
 
-/// Wrong answers in `trees` random trees, each asked from before its start on and from four times within.
+/// Wrong answers in `trees` random trees, each queried from before its start and from four random times.
 fn count_wrong(trees: u64, leaves: std::ops::Range<u32>, operators: &[Operator], ties: bool) -> Wrong {
     let mut wrong = Wrong::default();
     for seed in 0..trees {
@@ -338,7 +337,7 @@ fn without_ties_the_mended_tables_are_right_and_the_original_ones_are_not() {
         assert!(wrong.seed >= wrong.original, "{wrong:?}");
         assert_eq!((wrong.mended, wrong.ours), (0, 0));
     }
-    // two convex leaves are what the original entry is right for
+    // the original entry is right for two convex leaves
     let wrong = count_wrong(4000, 2..3, &Operator::ALL, false);
     assert_eq!(wrong, Wrong::default());
 }
@@ -381,7 +380,7 @@ fn a_positive_view_of_any_tree_without_symmetric_differences() {
         let limits = Limits::for_height(complete.height());
         let answer = next(&complete, &Tables::from_rule(), limits, &forms.lines, t_min);
         assert_eq!(answer, Ok(next_of(&truth, t_min)), "seed {seed}");
-        // and none with one
+        // no view of a tree with a symmetric difference
         forms.gates.push(Gate::Join(Rule::Odd, vec![edge, Edge::new(NodeId(2), false)].into()));
         let odd = Edge::new(NodeId(forms.gates.len() as u32 - 1), false);
         assert_eq!(CompleteTree::view(&Tree::new(&forms.gates, &[odd], MOST_NODES).unwrap()), None);

@@ -1,4 +1,4 @@
-//! Solids that use the same parts many times, and placements of nothing.
+//! Solids that use the same parts many times, and empty placements.
 
 mod everyone;
 
@@ -18,7 +18,8 @@ fn times(solid: &Solid) -> Vec<f64> {
     everyone::ask(&program, ray).crossings.iter().map(|c| c.t).collect()
 }
 
-/// Each level uses the one below twice, through a handle that is itself shared: 2^60 walks if done naively.
+/// Each level uses the one below twice, through a handle that is itself shared: 2^60 visits without
+/// memoisation.
 #[test]
 fn nested_sharing_is_walked_once() {
     let other = ball().translate([3.0, 0.0, 0.0]);
@@ -37,7 +38,7 @@ fn nested_sharing_is_walked_once() {
     assert!(program.leaves().len() <= 200, "{}", program.leaves().len());
 }
 
-/// The same with gates of one kind in gates of that kind, which may not be merged into each of their users.
+/// The same for nested gates of one kind, which must not be merged into each of their users.
 #[test]
 fn merged_gates_are_walked_once() {
     let balls: Vec<Solid> = (0..4).map(|k| ball().translate([3.0 * f64::from(k), 0.0, 0.0])).collect();
@@ -51,7 +52,7 @@ fn merged_gates_are_walked_once() {
     assert!(program.prototypes()[0].expression.nodes().len() < 1000);
 }
 
-/// Every union of a chain is a solid of its own, too: a flat gate for each of them would be quadratic.
+/// Every union of a chain is also a solid of its own: a flat gate for each of them would be quadratic.
 #[test]
 fn chains_whose_members_are_all_used_stay_linear() {
     let mut chain = vec![ball()];
@@ -84,7 +85,8 @@ fn a_placed_solid_met_twice_is_one() {
     assert_eq!(times(&(&pair ^ &pair)), [0.0; 0]);
 }
 
-/// A face shared with one that came a long way is as uncertain as that one: no box may say more than the faces do.
+/// A face shared with one that was translated far has the uncertainty of that one: boxes must not be tighter
+/// than the faces.
 #[test]
 fn a_shared_face_is_as_far_as_the_farthest() {
     let sizes: [(&str, Value); 3] = [("sides", 3u32.into()), ("radius", 2.0.into()), ("height", 3.0.into())];

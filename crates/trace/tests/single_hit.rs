@@ -70,7 +70,7 @@ impl Skeleton {
         Tree::new(&self.gates, outputs, MOST_NODES).unwrap()
     }
 
-    /// The root-rays of edges by the algebra.
+    /// The root-rays of edges, by the algebra.
     fn root_rays(&self, lines: &[RootRay], outputs: &[Edge]) -> Vec<RootRay> {
         let mut known: Vec<RootRay> = Vec::new();
         let of = |known: &[RootRay], edge: &Edge| {
@@ -100,7 +100,7 @@ fn complement_sometimes(rng: &mut Random, edge: Edge) -> Edge {
     if rng.chance(0.25) { edge.complement() } else { edge }
 }
 
-/// A random skeleton, its outputs, and lines for its leaves. Times are few whole numbers where `ties`.
+/// A random skeleton, its outputs, and lines for its leaves. With `ties`, times are small integers.
 fn random_case(rng: &mut Random, ties: bool) -> (Skeleton, Vec<Edge>, Vec<RootRay>) {
     let leaves = 1 + rng.below(9) as u32;
     let mut skeleton = Skeleton::new(leaves);
@@ -113,7 +113,7 @@ fn random_case(rng: &mut Random, ties: bool) -> (Skeleton, Vec<Edge>, Vec<RootRa
         let operands: Vec<Edge> = (0..arity)
             .map(|_| {
                 let at = rng.below(pool.len());
-                // used up, mostly, so that the last gates are over most of the others
+                // most operands are used once, so that the last gates depend on most of the others
                 let edge = if pool.len() > 1 && rng.chance(0.8) { pool.swap_remove(at) } else { pool[at] };
                 complement_sometimes(rng, edge)
             })
@@ -150,7 +150,7 @@ fn winner(outputs: &[RootRay], t: f64) -> u32 {
     outputs.iter().rposition(inside).map_or(0, |k| k as u32 + 1)
 }
 
-/// All changes of the winner after `t_min`, by the algebra.
+/// All changes of the owner after `t_min`, by the algebra.
 fn expected(outputs: &[RootRay], t_min: f64) -> (u32, Vec<(f64, u32)>) {
     let mut times: Vec<f64> = outputs.iter().flat_map(|ray| ray.times()).filter(|&t| t > t_min).collect();
     times.sort_by(f64::total_cmp);
@@ -168,7 +168,7 @@ fn expected(outputs: &[RootRay], t_min: f64) -> (u32, Vec<(f64, u32)>) {
     (start, changes)
 }
 
-/// All changes after `t_min`, by asking again and again.
+/// All changes after `t_min`, by repeated queries.
 fn asked(tree: &Tree, lines: &Lines, t_min: f64, watch: &mut impl Watch) -> (u32, Vec<(f64, u32)>) {
     let mut stacks = Stacks::new(tree.height());
     let mut step = stacks.ask(tree, lines, t_min, watch);
@@ -184,7 +184,7 @@ fn asked(tree: &Tree, lines: &Lines, t_min: f64, watch: &mut impl Watch) -> (u32
     (start, changes)
 }
 
-/// The largest numbers of slices and values.
+/// The largest numbers of slices and values, and the number of leaf queries.
 #[derive(Default)]
 struct Depths {
     slices: usize,
@@ -253,7 +253,7 @@ fn every_rule_fires_and_is_told() {
 
 // ---- the stacks ----
 
-/// A union that leans to one side, of `n` lines each of which begins in the one before and outlasts it.
+/// A one-sided union of `n` lines, each of which begins in the one before and outlasts it.
 fn overlapping(n: u32, leans_right: bool, reversed: bool) -> (Tree, Lines) {
     let mut skeleton = Skeleton::new(n);
     let order: Vec<u32> = if reversed { (0..n).rev().collect() } else { (0..n).collect() };
@@ -317,7 +317,7 @@ fn balance_spares_questions() {
     assert!(balanced.leaves < 12_000 && depths.leaves > 500_000, "{} {}", balanced.leaves, depths.leaves);
 }
 
-/// On a stack of 256 KiB, a chain of all operations that is 100,000 gates high: nothing recurses.
+/// A chain of all operations, 100,000 gates high, on a stack of 256 KiB: no function recurses.
 #[test]
 fn depth_needs_no_call_stack() {
     let work = || {
@@ -343,7 +343,7 @@ fn depth_needs_no_call_stack() {
         let wanted = expected(&skeleton.root_rays(&lines, &[all]), f64::NEG_INFINITY);
         assert!(wanted.1.len() > 2);
         assert_eq!(asked(&tree, &Lines(lines), f64::NEG_INFINITY, &mut NoWatch), wanted);
-        // both stacks in full: every gate of the chain waits at once
+        // both stacks full: every gate of the chain waits at once
         let (tree, lines) = overlapping(2000, true, true);
         let mut depths = Depths::default();
         Stacks::new(tree.height()).ask(&tree, &lines, 0.0, &mut depths);
@@ -363,7 +363,7 @@ fn too_much_sharing_is_refused() {
     }
     let refused = Tree::new(&skeleton.gates, &[all], MOST_NODES);
     assert_eq!(refused.unwrap_err(), TooLarge { nodes: u64::MAX, most: MOST_NODES });
-    // counted exactly, and built with exactly that many
+    // the size is computed exactly, and a tree of exactly that size is accepted
     let mut skeleton = Skeleton::new(2);
     let both = skeleton.or(Skeleton::leaf(0), Skeleton::leaf(1));
     let twice = skeleton.join(Rule::Odd, vec![both, both.complement(), Skeleton::leaf(1)]);
@@ -386,7 +386,7 @@ fn single_hit(program: Arc<Program>) -> SingleHit {
     SingleHit::new(program).unwrap()
 }
 
-/// Placements in placements in placements: questions within questions.
+/// Nested placements: queries within queries.
 #[test]
 fn placed_solids_are_asked_in_their_turn() {
     let pair = |step: f64| [0.0, step].map(|x| Affine::translate(Vec3::new(x, 0.0, 0.0)));
@@ -445,7 +445,7 @@ fn the_chain_of_eight_spheres_reads_like_an_explanation() {
     ] {
         assert!(story.lines().any(|found| found.trim() == line), "{line}\n{story}");
     }
-    // what is so for good is told once, and not at all where more of it is
+    // a constant node is printed once, and not at all below a larger constant node
     assert_eq!(story.matches("  a is outside for good.\n").count(), 1);
     assert_eq!(story.matches(" is outside for good.").count(), 3, "{story}");
 }
@@ -491,7 +491,7 @@ fn settled_parts_of_large_models_take_one_line() {
     let story = single_hit(Arc::new(Program::compile(&s).unwrap())).explain(along_x(), &Query::default());
     let text = story.to_string();
     assert!(story.steps() > 3 * 8192);
-    // what never changes again is kept once
+    // entries of constant nodes are kept once
     let kept: usize = story.questions.iter().map(|question| question.entries.len()).sum();
     assert!(kept < 8250, "{kept}");
     assert!(text.lines().count() < 120, "{text}");
@@ -559,7 +559,7 @@ fn explanations_hold_every_decision_and_end_in_the_answer() {
     assert!([0, 2, 3].iter().all(|&k| rules[k] > 100), "{rules:?}");
 }
 
-/// The decision again, by the words of the rule: for all values that an operand may still take.
+/// Checks a decision against the text of the rule.
 fn check_decision(tree: &Tree, gate: usize, operands: &[Operand; 2], verdict: Verdict) {
     let Kind::Gate(op) = tree.nodes()[gate].kind else { panic!("not a gate") };
     let [a, b] = operands.each_ref().map(|operand| operand.answer);

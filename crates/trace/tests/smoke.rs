@@ -1,4 +1,4 @@
-//! Small closed forms through all evaluators.
+//! Small closed forms for all evaluators.
 
 mod everyone;
 
@@ -75,7 +75,7 @@ fn deep_chain() {
     assert!(s.to_string().len() > 1_000_000);
     let program = Arc::new(Program::compile(&s).unwrap());
     let x = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
-    // gate by gate such a chain costs the square of its length
+    // gate by gate such a chain would take quadratic time
     let found = Weave::new(program).one(x, &Query::default()).unwrap();
     assert!(found.crossings.len() > 100_000);
     let _ = Primitive::example("sphere");

@@ -249,7 +249,7 @@ def _restore(name: str, maker: str | None, arguments: tuple[Any, ...]) -> Curve:
         "about",
         "with_frequency",
     ):
-        raise RayweaveError("what was pickled is no curve of this version")
+        raise RayweaveError("the pickled object is not a curve: it is of another version.")
     made = globals()[name]
     curve: Curve = (made if maker is None else getattr(made, maker))(*arguments)
     return curve

@@ -125,5 +125,5 @@ fn point<const D: usize>(numbers: &[f64]) -> PyResult<Point<D>> {
 }
 
 fn damaged() -> PyErr {
-    bad_value("what was pickled is no solid of this version (or it is damaged)")
+    bad_value("the pickled bytes are not a solid: they are damaged or of another version.")
 }

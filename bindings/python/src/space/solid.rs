@@ -241,7 +241,7 @@ type Pickled = (String, usize, Vec<f64>, Option<String>, Vec<usize>);
 #[pyfunction]
 #[pyo3(signature = (steps))]
 pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
-    let damaged = || bad_value("what was pickled is no solid of this version (or it is damaged)");
+    let damaged = || bad_value("the pickled bytes are not a solid: they are damaged or of another version.");
     let mut made: Vec<PySpaceSolid> = Vec::with_capacity(steps.len());
     for (call, dimension, numbers, name, operands) in steps {
         let call = call_named(&call).ok_or_else(damaged)?;

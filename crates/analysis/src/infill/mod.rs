@@ -45,7 +45,7 @@
 //! use std::sync::Arc;
 //!
 //! // a drilled plate, in layers 0.5 thick, each turned by 90 degrees from the one below
-//! let block = Solid::from(build("box", &[("size", [20.0, 10.0, 1.0].into())])?).translate([10.0, 5.0, 0.5]);
+//! let block = Solid::from(build("box", &[("size", (&[20.0, 10.0, 1.0][..]).into())])?).translate([10.0, 5.0, 0.5]);
 //! let hole = Solid::from(build("cylinder", &[("radius", 3.0.into()), ("height", f64::INFINITY.into())])?);
 //! let plate = block - hole.translate([10.0, 5.0, 0.0]);
 //! let weave = Weave::new(Arc::new(Program::compile(&plate)?));

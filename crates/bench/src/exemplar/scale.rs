@@ -152,7 +152,7 @@ fn patient_count(
     ask(few.rays())?;
     let seconds = started.elapsed().as_secs_f64();
     if seconds > PATIENCE {
-        return Err(format!("left out ({} takes {seconds:.1} s for {FEW} rays)", evaluator.name()));
+        return Err(format!("left out: {} takes {seconds:.1} s for {FEW} rays.", evaluator.name()));
     }
     let count = (0.1 / seconds * FEW as f64) as usize;
     Ok(count.clamp(FEW, batch.rays().len()))

@@ -65,7 +65,7 @@ fn parameters_can_be_set() {
 fn cemented_parts_share_one_crossing() {
     let bench = Bench::new();
     let line = ["--from", "-20,0.25,0.125", "--to", "-19,0.25,0.125"];
-    for evaluator in ["packets", "weave", "reference", "single_hit", "spans"] {
+    for evaluator in ["packets", "weave", "reference", "single_hit"] {
         let arguments = [&["probe", "cemented.toml", "--json", "--evaluator", evaluator], &line[..]];
         let answer = bench.json(&arguments.concat());
         let found = times(&answer);

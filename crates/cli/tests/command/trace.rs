@@ -64,7 +64,6 @@ fn any_number_of_threads_and_any_evaluator_write_the_same_bytes() {
     assert_eq!(one, with("weave.csv", &["--evaluator", "weave"]));
     assert_eq!(one, with("reference.csv", &["--evaluator", "reference"]));
     assert_eq!(one, with("single_hit.csv", &["--evaluator", "single_hit"]));
-    assert_eq!(one, with("spans.csv", &["--evaluator", "spans"]));
 }
 
 #[test]

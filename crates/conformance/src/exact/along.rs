@@ -1,4 +1,4 @@
-//! A surface along a ray: where it is crossed, or on which side of it the whole ray is.
+//! A surface along a ray: its crossings, or the side of it on which the whole ray lies.
 
 use super::root::{Root, SignChanges, sign_changes};
 use super::{Dyadic, Line, Surface};
@@ -6,38 +6,39 @@ use rayweave_math::{Affine, UNIT_ROUNDOFF};
 use rayweave_model::Ball;
 use rayweave_shape::Ray;
 
-/// The direction along which rays that lie in a surface are perturbed.
+/// The direction in which rays that lie in a surface are perturbed.
 const W: [f64; 3] = [1.0, 0.7548776662466927, 0.5698402909980532];
 
-/// Pieces of a depth between one over this and this times the tolerance may be welded or not.
+/// Factor of the range of uncertain depths: a piece between 1 / GREY and GREY tolerances deep may be welded
+/// or not.
 pub(super) const GREY: f64 = 4.0;
 
-/// Why a ray has no certain answer and is to be drawn again.
+/// The reason why the exact answer for a ray is uncertain; another ray is drawn instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubt {
-    /// It lies in a surface within about the tolerance.
+    /// Its distance from a surface is close to the tolerance.
     Lying,
-    /// A piece is about as deep as the tolerance.
+    /// The depth of a piece is close to the tolerance.
     Depth,
-    /// It lies in a surface whose sides w cannot tell apart.
+    /// It lies in a surface, and w does not determine the side.
     Side,
 }
 
-/// What says how long a ray has to keep to a surface to lie in it: for each ball of the compiled model, the
-/// middle of the ray's chord and half its length, in times.
+/// The chords over which a ray has to stay in a surface to lie in it: for each ball of the compiled model,
+/// the middle of the chord and half its length, in times.
 ///
-/// The model itself has a ball, and each solid placed in it one of its own. Which surface belongs to which is not
-/// asked: only rays that lie in a surface over all of these chords, or over none, have a certain answer.
+/// The model itself has a ball, and each solid placed in it has one. The chords are not assigned to surfaces:
+/// the answer is certain only if a ray lies in a surface over all of these chords, or over none.
 #[derive(Clone, Debug)]
 pub struct Span(Vec<(f64, f64)>);
 
 impl Span {
-    /// For a ray, and balls with the maps into the frames in which they are given.
+    /// The chords of a ray, for balls given with the maps into their frames.
     pub fn new(ray: &Ray, balls: &[(Affine, Ball)]) -> Span {
         let chord = |(map, ball): &(Affine, Ball)| {
             let (origin, direction) = (map.point(ray.origin), map.vector(ray.direction));
             let middle = (ball.centre - origin).dot(direction) / direction.length_squared();
-            // a length that rounding swallows is none
+            // a length below rounding counts as 0
             let rounding = origin.length() + middle.abs() * direction.length() + ball.centre.length();
             let radius = if ball.radius > 65536.0 * UNIT_ROUNDOFF * rounding { ball.radius } else { 0.0 };
             let lengths = [radius, (origin - ball.centre).length(), direction.length()];
@@ -54,7 +55,7 @@ impl Span {
     }
 }
 
-/// A surface along the ray.
+/// A surface along a ray.
 pub(super) struct Along {
     /// `[a, b, c]` of `a t^2 + b t + c`.
     pub(super) coefficients: [Dyadic; 3],
@@ -71,13 +72,13 @@ pub(super) fn delta(surface: &Surface, line: &Line, t: f64) -> f64 {
     64.0 * UNIT_ROUNDOFF * (o + t.abs() * d + surface.magnitude)
 }
 
-/// The distance of the point at a time from a surface, to first order.
+/// The distance of the ray from a surface at a time, to first order.
 pub(super) fn distance(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, t: &Dyadic) -> f64 {
     let value = polynomial(coefficients, t).to_f64().abs();
     if value == 0.0 { 0.0 } else { value / surface.slope(&line.at(&t.rounded())) }
 }
 
-/// The same in units of the tolerance.
+/// The distance in units of the tolerance.
 pub(super) fn depth(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, t: &Dyadic) -> f64 {
     distance(surface, coefficients, line, t) / delta(surface, line, t.to_f64())
 }
@@ -100,8 +101,8 @@ impl Along {
         verdicts.try_fold(first, |all, verdict| if verdict? == all { Ok(all) } else { Err(Doubt::Lying) })
     }
 
-    /// True if the chord lies in the surface: in its middle, at its ends and, where the tolerance is smallest,
-    /// about the start of the ray.
+    /// True if the chord lies in the surface: tested in its middle, at its ends and near the start of the
+    /// ray, where the tolerance is smallest.
     fn keeps_to(
         surface: &Surface,
         c: &[Dyadic; 3],
@@ -124,19 +125,19 @@ impl Along {
         }
     }
 
-    /// The greatest time by which a root may move if the surface moves by `by`.
+    /// Upper bound of the change of a root if the surface moves by `by`.
     pub(super) fn play(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
         let t = root.near();
         let [a, b, _] = &self.coefficients;
         let error = by * surface.slope(&line.at(&t.rounded()));
         let speed = (&(a * t).scaled(1) + b).to_f64().abs();
         let bend = a.to_f64().abs();
-        // f moves by error: a second root joins in if the extremum between them is not farther away
+        // f changes by error: a second root takes part if the extremum between them is at most that far away
         if speed * speed >= 4.0 * bend * error { 2.0 * error / speed } else { 2.5 * (error / bend).sqrt() }
     }
 
-    /// The time at which a surface that is not crossed is touched within the tolerance, and by how much that moves if
-    /// the surface does.
+    /// For a surface that is touched within the tolerance but not crossed: the time, and the change of it if
+    /// the surface moves by the tolerance.
     pub(super) fn touch(&self, surface: &Surface, line: &Line) -> Option<(f64, f64)> {
         let [a, b, _] = &self.coefficients;
         if !self.changes.roots.is_empty() || a.is_zero() || self.lies {
@@ -150,7 +151,8 @@ impl Along {
         near.then(|| (t, 2.5 * (error * (slope + error * surface.bend()) / a.to_f64().abs()).sqrt()))
     }
 
-    /// The distance between the surface and the ray where they are almost tangent.
+    /// The distance between the surface and the ray at the extremum of the polynomial, where they may be
+    /// tangent.
     pub(super) fn extremum(&self, surface: &Surface, line: &Line) -> f64 {
         let [a, b, _] = &self.coefficients;
         if a.is_zero() || self.lies {
@@ -163,7 +165,8 @@ impl Along {
 /// True (negative) if moving along w makes f negative, in the middle of each chord.
 fn side_along_w(surface: &Surface, line: &Line, span: &Span) -> Result<bool, Doubt> {
     let mut sides = span.middles().map(|t| {
-        // the middle is rounded: where surfaces meet themselves the gradient is 0, and beside it anything
+        // the middle is rounded: at a self-intersection of the surface the gradient is 0, and arbitrary
+        // beside it
         let slack = surface.bend() * delta(surface, line, t.to_f64());
         side_at(surface, line, &t, slack)
     });
@@ -171,7 +174,7 @@ fn side_along_w(surface: &Surface, line: &Line, span: &Span) -> Result<bool, Dou
     sides.try_fold(first, |all, side| if side? == all { Ok(all) } else { Err(Doubt::Side) })
 }
 
-/// The same at a time; the gradient is known to within `slack`.
+/// Like [`side_along_w`] at one time; the error of the gradient is at most `slack`.
 pub(super) fn side_at(surface: &Surface, line: &Line, t: &Dyadic, slack: f64) -> Result<bool, Doubt> {
     let gradient = surface.gradient(&line.at(t));
     let w = W.map(Dyadic::from);

@@ -1,49 +1,50 @@
-//! What a ray meets, decided without rounding, by the rules of coincidence: equal times flip together, a ray in
-//! a surface is moved along the fixed direction w in thought, pieces within the tolerance are welded once.
+//! Exact crossings of a ray, by the rules of coincidence: flips at equal times happen together, a ray in a
+//! surface is perturbed symbolically along the fixed direction w, and pieces within the tolerance are welded
+//! once.
 
 use super::along::{Along, Doubt, GREY, Span, delta, depth, side_at};
 use super::{Dyadic, Exact, Line, Root, Surface};
 use rayweave_math::Vec3;
 
-/// A crossing as it has to be.
+/// An exact crossing.
 #[derive(Clone, Debug)]
 pub struct Expected {
     /// The region before, counted from 1; 0 is the world.
     pub before: usize,
     /// The region after.
     pub after: usize,
-    /// When, rounded: the time of the last of the crossings welded into one.
+    /// The time, rounded: that of the last of the crossings welded into one.
     pub t: f64,
-    /// The least and the greatest time that a backward stable computation may give.
+    /// The range of times that a backward stable computation may give.
     pub times: (f64, f64),
-    /// The leaves to one of which it belongs.
+    /// The leaves that it may belong to.
     pub leaves: Vec<usize>,
 }
 
-/// What is special about a ray.
+/// The coincidences on a ray.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Traits {
     /// It lies in a surface.
     pub lies: bool,
-    /// It crosses several different surfaces, or one that several leaves own, at one time.
+    /// It crosses several surfaces, or one that several leaves share, at one time.
     pub ties: bool,
     /// It touches a surface without crossing it.
     pub touches: bool,
 }
 
-/// The answer for a ray.
+/// The exact answer for a ray.
 #[derive(Clone, Debug)]
 pub struct Answer {
     /// The region at -inf.
     pub start: usize,
     /// The crossings.
     pub crossings: Vec<Expected>,
-    /// What is special about the ray.
+    /// The coincidences on the ray.
     pub traits: Traits,
 }
 
 impl Answer {
-    /// The answer for the times from `-far` to `far`.
+    /// The answer restricted to times from `-far` to `far`.
     pub fn within(mut self, far: f64) -> Answer {
         let passed = self.crossings.partition_point(|c| c.t < -far);
         if let Some(last) = self.crossings.drain(..passed).next_back() {
@@ -54,7 +55,7 @@ impl Answer {
     }
 }
 
-/// All that flips at one time.
+/// All flips at one time.
 pub(super) struct Moment {
     pub(super) root: Root,
     pub(super) surfaces: Vec<usize>,
@@ -63,7 +64,7 @@ pub(super) struct Moment {
     regions: (usize, usize),
 }
 
-/// The work on one ray.
+/// The computation for one ray.
 pub(super) struct Work<'a> {
     pub(super) exact: &'a Exact,
     pub(super) line: &'a Line,
@@ -72,7 +73,7 @@ pub(super) struct Work<'a> {
     start: (Vec<bool>, usize),
 }
 
-/// The answer for a ray through a model, or why there is none.
+/// The answer for a ray through a model, or the reason why it is uncertain.
 pub fn answer(exact: &Exact, line: &Line, span: &Span) -> Result<Answer, Doubt> {
     let work = Work::new(exact, line, span)?;
     let crossings = work.welded()?;
@@ -102,7 +103,7 @@ impl<'a> Work<'a> {
         if region == 0 { 0 } else { self.exact.parts[region - 1].1 }
     }
 
-    /// Finds all moments at which anything flips.
+    /// Computes all moments at which a leaf or region changes.
     fn sweep(&mut self) {
         let mut negative: Vec<bool> = self.along.iter().map(|a| a.changes.starts_negative).collect();
         let count = self.exact.leaves.len();
@@ -167,8 +168,8 @@ impl<'a> Work<'a> {
         Ok(crossings)
     }
 
-    /// The last moment beside `k`, in the order given, to which only the region changes and not the medium, each
-    /// piece on the way being within the tolerance of the surfaces at its ends.
+    /// The last of the moments next to `k`, in the given order, that change the region but not the medium,
+    /// such that each piece on the way is within the tolerance of the surfaces at its ends.
     fn beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<usize, Doubt> {
         let mut last = k;
         for next in order.filter(|&k| self.moments[k].regions.0 != self.moments[k].regions.1) {
@@ -180,8 +181,8 @@ impl<'a> Work<'a> {
         Ok(last)
     }
 
-    /// True if different surfaces are crossed at a moment without any change of medium: rounding may cross them one
-    /// after the other, with a change and its undoing between.
+    /// True if different surfaces are crossed at a moment without a change of medium: with rounding errors
+    /// they may be crossed one after the other, with a change and its inverse.
     fn is_balanced(&self, k: usize) -> bool {
         let (moment, all) = (&self.moments[k], &self.exact.surfaces);
         let first = moment.surfaces[0];
@@ -190,8 +191,8 @@ impl<'a> Work<'a> {
             && moment.surfaces.iter().any(|&s| !all[s].is_same(&all[first]))
     }
 
-    /// Balanced moments beside `k`, in the order given, that lie in the same surfaces as it does: where rounding tells
-    /// their crossings apart they are welded to it.
+    /// The balanced moments next to `k`, in the given order, that lie in the same surfaces as `k`: if
+    /// rounding separates their crossings, these are welded to it.
     fn balanced_beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<Vec<usize>, Doubt> {
         let mut found = Vec::new();
         for next in order.take_while(|&next| !self.is_change(next)).filter(|&next| self.is_balanced(next)) {
@@ -220,7 +221,7 @@ impl<'a> Work<'a> {
         if far == near { Err(Doubt::Depth) } else { Ok(near) }
     }
 
-    /// Times of a piece: its ends, quarters, and where it is nearest to the start of the ray.
+    /// Sample times of a piece: its ends, quarters, and around the point nearest to the start of the ray.
     fn samples(&self, a: &Root, b: &Root) -> Vec<Dyadic> {
         let (a, b) = (a.near().rounded(), b.near().rounded());
         let part = |k: f64| &a + &(&Dyadic::from(k) * &(&b - &a));
@@ -258,10 +259,10 @@ impl<'a> Work<'a> {
         Ok(Some(Expected { before, after, t, times, leaves }))
     }
 
-    /// The leaves that a crossing may be said to belong to. Where several surfaces meet, rounding may let any
-    /// leaf that owns one of them flip, and flip back; where all is one surface, only the lowest leaf whose
-    /// flip alone changes the medium before, or whose flip undone changes the one after, or if there is none
-    /// the first that changes it when they flip one after the other.
+    /// The leaves that a crossing may belong to. Where several surfaces coincide at a time, rounding may let
+    /// any leaf with one of them flip, and flip back. Where there is a single surface, it is the lowest leaf
+    /// whose flip alone changes the medium before, or whose flip undone changes the medium after, or if there
+    /// is none the first that changes it when they flip one after the other.
     fn owners(&self, run: &[usize], times: (f64, f64)) -> Vec<usize> {
         let about = self.moments.iter().filter(|m| times.0 <= m.root.t() && m.root.t() <= times.1);
         let mut surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();
@@ -274,7 +275,7 @@ impl<'a> Work<'a> {
         (0..self.exact.leaves.len()).filter(meets).collect()
     }
 
-    /// The surfaces that are touched, so nearly that rounding may cross them twice, in a range of times.
+    /// The surfaces that, in a range of times, come so close to the ray that rounding may cross them twice.
     fn touched(&self, (from, to): (f64, f64)) -> Vec<usize> {
         let touched = |&s: &usize| {
             let (surface, along) = (&self.exact.surfaces[s], &self.along[s]);
@@ -320,14 +321,14 @@ impl<'a> Work<'a> {
     }
 }
 
-/// The region that holds a point: where it lies on a surface, on the side along w. `None` if rounding may put
-/// it on either side of a surface that it does not lie on, or if w cannot tell.
+/// The region that contains a point; on a surface, that on the side along w. `None` if the point is so close
+/// to a surface that rounding may put it on either side, or if w does not determine the side.
 pub fn region_at(exact: &Exact, point: Vec3) -> Option<usize> {
     let line = Line::new(rayweave_shape::Ray::new(point, Vec3::X));
     let side = |surface: &Surface| {
         let value = surface.value(&line.at(&Dyadic::ZERO));
         if value.is_zero() {
-            // the engine's surface is rounded, and may pass beside the point
+            // the engine's surface is rounded and may not contain the point
             if surface.is_rounded() {
                 return None;
             }

@@ -1,34 +1,36 @@
-//! What became of the rays asked.
+//! Counts of the outcomes of a test.
 
-/// What became of the rays asked.
+/// Counts of the outcomes of a test.
 #[derive(Clone, Debug, Default)]
 pub struct Count {
-    /// Answered, and compared.
+    /// Rays that were compared.
     pub rays: u64,
-    /// Of these: in a surface.
+    /// Those that lie in a surface.
     pub lying: u64,
-    /// Of these: crossing several surfaces or leaves at once.
+    /// Those that cross several surfaces or leaves at one time.
     pub ties: u64,
-    /// Of these: touching a surface.
+    /// Those that touch a surface.
     pub touching: u64,
-    /// Of these: none of that.
+    /// Those without any coincidence.
     pub plain: u64,
-    /// Crossings expected.
+    /// Expected crossings.
     pub crossings: u64,
-    /// Drawn again because a piece is about as deep as the tolerance.
+    /// Rays without a certain answer, mostly because the depth of a piece is close to the tolerance.
     pub redrawn: u64,
-    /// Within 1e-9 of an edge or a tangency, with another answer (turned models only).
+    /// Rays within 1e-9 of an edge or a tangency, and how many of them have another answer (rotated models
+    /// only).
     pub near_edges: (u64, u64),
-    /// With another answer where two surfaces are met at once within rounding, at very different angles.
+    /// Rays with another answer that cross two surfaces at one time within rounding, at very different
+    /// angles.
     pub torn: u64,
-    /// Wrong.
+    /// Wrong answers.
     pub wrong: u64,
-    /// The first wrong one of each model, by its seed.
+    /// The first wrong answer of each model, with its seed.
     pub messages: Vec<(u64, String)>,
 }
 
 impl Count {
-    /// Adds what another part of a run counted.
+    /// Adds the counts of another part of the test.
     pub fn add(&mut self, other: Count) {
         self.rays += other.rays;
         self.lying += other.lying;
@@ -44,7 +46,7 @@ impl Count {
         self.messages.extend(other.messages);
     }
 
-    /// Panics if anything was wrong or too few rays were asked.
+    /// Panics if any answer was wrong or if there were fewer than `least` rays.
     pub fn finish(self, what: &str, least: u64) {
         let summary = Count { messages: Vec::new(), ..self.clone() };
         println!("{what}: {summary:?}");

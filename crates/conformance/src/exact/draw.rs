@@ -1,11 +1,11 @@
-//! Models and rays full of coincidences, in dyadic numbers.
+//! Random models and rays full of coincidences, in dyadic numbers.
 
 use super::{Map, Part, Shape, Tree};
 use crate::Random;
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
 
-/// Where and how large a model and its rays are drawn: a scale by a power of two, then a shift.
+/// A random scale by a power of two or a shift, to be applied to a model and its rays; empty for most models.
 pub fn stage(rng: &mut Random) -> Vec<Map> {
     match rng.below(6) {
         0 => vec![Map::Scale([libm::ldexp(1.0, rng.below(53) as i32 - 26); 3])],
@@ -14,7 +14,7 @@ pub fn stage(rng: &mut Random) -> Vec<Map> {
     }
 }
 
-/// A ray on a stage; `None` if that would round it.
+/// A ray transformed to a stage; `None` if that would round it.
 pub fn staged(ray: Ray, stage: &[Map]) -> Option<Ray> {
     stage.iter().try_fold(ray, |ray, map| {
         let affine = map.affine();
@@ -27,8 +27,8 @@ pub fn staged(ray: Ray, stage: &[Map]) -> Option<Ray> {
     })
 }
 
-/// A model of one part, or of several in any media, on a grid of halves with few sizes: faces, edges, axes and
-/// points of contact coincide everywhere.
+/// A model of one part, or of several with any media, on a grid of pitch 0.5 with few sizes: many faces,
+/// edges, axes and points of contact coincide.
 pub fn parts(rng: &mut Random) -> Vec<Part> {
     let count = if rng.chance(0.7) { 1 } else { 2 + rng.below(3) };
     let leaves = if count == 1 { 1 + rng.below(7) } else { 1 + rng.below(3) };
@@ -41,7 +41,7 @@ pub fn parts(rng: &mut Random) -> Vec<Part> {
         .collect()
 }
 
-/// A random tree of about so many leaves.
+/// A random tree of about `leaves` leaves.
 fn tree(rng: &mut Random, leaves: usize) -> Tree {
     if leaves <= 1 {
         let shape = shape(rng);
@@ -178,7 +178,7 @@ fn round(rng: &mut Random) -> Shape {
     }
 }
 
-/// Surfaces of all other kinds, many of which hold straight lines of the grid.
+/// Quadrics of all other kinds, many of which contain straight lines of the grid.
 fn general(rng: &mut Random) -> Shape {
     let (entries, size): (&[(usize, usize, f64)], f64) = match rng.below(9) {
         k @ 0..3 => return hyperboloid([1.0, -1.0, 0.0][k]),
@@ -188,7 +188,7 @@ fn general(rng: &mut Random) -> Shape {
         // cylinders over a parabola and over a hyperbola
         5 => (&[(0, 0, 1.0), (2, 3, -0.5)], 1.0),
         6 => (&[(0, 0, 1.0), (1, 1, -1.0), (3, 3, -0.25)], 0.5),
-        // two planes that cross, and a cone about a slanted axis: x y < 0, z^2 < x y
+        // two crossing planes, and a cone about a slanted axis: x y < 0, z^2 < x y
         7 => (&[(0, 1, 0.5)], 0.0),
         _ => (&[(0, 1, -0.5), (2, 2, 1.0)], 0.0),
     };
@@ -197,14 +197,14 @@ fn general(rng: &mut Random) -> Shape {
     Shape::Quadric(matrix, size)
 }
 
-/// x^2 + y^2 < z^2 + level: of one sheet, of two, or the double cone between them.
+/// The hyperboloid x^2 + y^2 < z^2 + level: of one sheet, of two, or the double cone between them.
 fn hyperboloid(level: f64) -> Shape {
     let mut matrix = [[0.0; 4]; 4];
     (matrix[0][0], matrix[1][1], matrix[2][2], matrix[3][3]) = (1.0, 1.0, -1.0, -level);
     Shape::Quadric(matrix, level.abs())
 }
 
-/// Arrangements in which most rays meet a coincidence.
+/// Arrangements in which most rays have a coincidence.
 fn special(rng: &mut Random) -> Tree {
     let corners = |lo: [f64; 3], hi: [f64; 3]| Tree::Leaf(Shape::Corners(lo, hi));
     let cube = corners([-1.0; 3], [1.0; 3]);
@@ -220,7 +220,7 @@ fn special(rng: &mut Random) -> Tree {
             let at = |x: f64, y: f64| corners([x, y, -1.0], [x + 1.0, y + 1.0, 1.0]);
             Tree::Any(vec![at(-1.0, -1.0), at(0.0, -1.0), at(-1.0, 0.0), at(0.0, 0.0)])
         }
-        // two balls that touch
+        // two balls in contact
         3 => Tree::Any(vec![ball.clone(), ball.at(2.0, 0.0, 0.0)]),
         // a ball in a box
         4 => cube.minus(ball),
@@ -240,11 +240,11 @@ fn special(rng: &mut Random) -> Tree {
             let other = Tree::Leaf(Shape::Cone(0.0, 0.5, 1.0));
             Tree::Any(vec![rod, cone.at(0.0, 0.0, 1.5), other.at(0.0, 0.0, 2.5)])
         }
-        // a solid minus itself, or but for a part
+        // a solid minus itself
         9 => Tree::Any(vec![cube.clone(), ball.clone()]).minus(Tree::Any(vec![ball, cube])),
         // a block cut by a face-sharing block
         10 => cube.clone().minus(corners([0.0, -1.0, -1.0], [1.0, 1.0, 0.5])),
-        // a ball around a rod that it meets in a circle, within a tube
+        // a ball around a rod, which intersect in a circle, within a tube
         _ => {
             let tube = Tree::Leaf(Shape::Tube(1.0, 0.5, 2.0));
             Tree::Odd(vec![ball, tube, rod])
@@ -257,13 +257,13 @@ fn special(rng: &mut Random) -> Tree {
     }
 }
 
-/// A ray of numbers that `f64` holds: mostly through points and along lines of the grid.
+/// A ray with coordinates that `f64` holds exactly, mostly through points and along lines of the grid.
 pub fn ray(rng: &mut Random) -> Ray {
     let point = Vec3::from_array(halves(rng));
     let whole = |rng: &mut Random| rng.below(7) as f64 - 3.0;
     let mut direction = Vec3::ZERO;
     match rng.below(16) {
-        // anything
+        // anywhere
         0..4 => {
             let (a, b) = (rng.point(2.5), rng.point(2.5));
             return Ray::new(a - 2.0 * (b - a), b - a);
@@ -295,7 +295,7 @@ pub fn ray(rng: &mut Random) -> Ray {
     }
     let far = if rng.chance(0.1) { libm::ldexp(1.0, rng.below(21) as i32) } else { whole(rng) };
     let origin = point - far * direction;
-    // only if nothing was rounded the ray goes through the point
+    // the ray passes through the point only if nothing was rounded
     let exact = (0..3).all(|k| origin[k] + far * direction[k] == point[k]);
     Ray::new(if exact { origin } else { point }, direction)
 }

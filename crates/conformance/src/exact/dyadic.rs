@@ -1,4 +1,4 @@
-//! Numbers m 2^e with whole m and e: every `f64`, and every sum and product of them, without rounding.
+//! Dyadic numbers m 2^e with integers m and e: exact arithmetic on `f64` values.
 
 use dashu_int::ops::{BitTest, SquareRoot};
 use dashu_int::{IBig, Sign};
@@ -12,7 +12,7 @@ pub struct Dyadic {
     exponent: isize,
 }
 
-/// More bits than any comparison of times in double precision can need.
+/// More bits than any comparison of times in double precision needs.
 const PRECISION: isize = 192;
 
 impl Dyadic {
@@ -26,7 +26,7 @@ impl Dyadic {
         self.mantissa.is_zero()
     }
 
-    /// -1, 0 or 1.
+    /// The sign: -1, 0 or 1.
     pub fn sign(&self) -> i32 {
         match self.mantissa.sign() {
             _ if self.mantissa.is_zero() => 0,
@@ -35,7 +35,7 @@ impl Dyadic {
         }
     }
 
-    /// The size of the number without its sign.
+    /// The absolute value.
     pub fn abs(&self) -> Dyadic {
         if self.sign() < 0 { -self } else { self.clone() }
     }
@@ -50,7 +50,7 @@ impl Dyadic {
         self * self
     }
 
-    /// How it compares with another number.
+    /// Exact comparison.
     pub fn compare(&self, other: &Dyadic) -> Ordering {
         (self - other).sign().cmp(&0)
     }
@@ -60,7 +60,7 @@ impl Dyadic {
         self.mantissa.bit_len() as isize
     }
 
-    /// Cut to 192 bits, towards -inf.
+    /// The number truncated to 192 bits, towards -inf.
     pub fn rounded(&self) -> Dyadic {
         let excess = self.bits() - PRECISION;
         if excess <= 0 {
@@ -84,7 +84,7 @@ impl Dyadic {
         Dyadic { mantissa, exponent: self.exponent - shift - divisor.exponent }
     }
 
-    /// The nearest `f64`, within an ulp.
+    /// A nearby `f64`, within one ulp.
     pub fn to_f64(&self) -> f64 {
         let excess = (self.bits() - 100).max(0);
         let top = i128::try_from(&self.mantissa >> excess as usize).expect("100 bits fit");
@@ -93,7 +93,7 @@ impl Dyadic {
 }
 
 impl From<f64> for Dyadic {
-    /// Exact. The number must be finite.
+    /// Exact conversion. Panics if the number is not finite.
     fn from(x: f64) -> Dyadic {
         assert!(x.is_finite(), "{x} is not a number of finite length");
         let (fraction, exponent) = libm::frexp(x);

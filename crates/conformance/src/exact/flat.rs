@@ -1,4 +1,4 @@
-//! A model as surfaces in the world, leaves, and trees over them by number.
+//! A model as surfaces in world coordinates, leaves, and boolean trees over leaf numbers.
 
 use super::map::{Matrix, carried, identity, product};
 use super::{Map, Part, Shape, Surface, Tree};
@@ -7,16 +7,16 @@ use rayweave_math::{Affine, Vec3};
 /// A conjunction of sides of surfaces, or its complement.
 #[derive(Clone, Debug)]
 pub struct Leaf {
-    /// (surface, inside where it is negative).
+    /// Surface numbers, each with whether the leaf lies where the surface is negative.
     pub facets: Vec<(usize, bool)>,
     /// True for the complement.
     pub complement: bool,
 }
 
-/// A tree with leaves by number.
+/// A boolean tree over leaf numbers.
 #[derive(Clone, Debug)]
 pub enum Node {
-    /// Everywhere or nowhere.
+    /// The universe (true) or empty.
     Constant(bool),
     /// A leaf.
     Leaf(usize),
@@ -31,7 +31,7 @@ pub enum Node {
 }
 
 impl Node {
-    /// True if inside, for given leaves.
+    /// The value of the tree for given leaf values.
     pub fn holds(&self, leaves: &[bool]) -> bool {
         match self {
             Node::Constant(value) => *value,
@@ -44,7 +44,7 @@ impl Node {
     }
 }
 
-/// A model in exact form: surfaces in the world, leaves, and one tree for each part.
+/// A model in exact form: surfaces in world coordinates, leaves, and one tree for each part.
 #[derive(Clone, Debug, Default)]
 pub struct Exact {
     /// The surfaces, each once.
@@ -55,7 +55,7 @@ pub struct Exact {
     pub parts: Vec<(Node, u32)>,
 }
 
-/// Where a tree stands.
+/// The map of a tree to the world.
 #[derive(Clone)]
 struct Place {
     local_from_world: Matrix,
@@ -129,7 +129,7 @@ impl Exact {
         Node::Leaf(self.leaves.len() - 1)
     }
 
-    /// The number of a surface, the same for equal ones of equal sense.
+    /// The number of a surface. Surfaces with equal matrices, sign included, share one number.
     fn surface(&mut self, surface: Surface) -> usize {
         let known = self.surfaces.iter().position(|s| s.is_equal(&surface));
         let k = known.unwrap_or_else(|| {

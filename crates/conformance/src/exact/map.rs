@@ -1,4 +1,4 @@
-//! Maps that `f64` holds without rounding: dyadic shifts, scales by powers of two, quarter turns, mirrors.
+//! Affine maps that are exact in `f64`: dyadic shifts, scales by powers of two, quarter turns, mirrors.
 
 use super::Dyadic;
 use rayweave_math::{Affine, Vec3};
@@ -7,7 +7,7 @@ use rayweave_model::Solid;
 /// A 4 x 4 matrix of exact numbers.
 pub type Matrix = [[Dyadic; 4]; 4];
 
-/// One step of a placement.
+/// An elementary map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Map {
     /// A shift.
@@ -30,7 +30,7 @@ fn diagonal(entries: [f64; 4]) -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
-/// The matrix that changes nothing.
+/// The identity matrix.
 pub fn identity() -> Matrix {
     diagonal([1.0; 4])
 }
@@ -41,7 +41,7 @@ pub fn product(a: &Matrix, b: &Matrix) -> Matrix {
     std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
 }
 
-/// `L^T Q L`: the matrix of a quadric in the world from that in its own frame, L being `local_from_world`.
+/// `L^T Q L`: transforms the matrix of a quadric from its own frame to the world, L being `local_from_world`.
 pub fn carried(quadric: &Matrix, local_from_world: &Matrix) -> Matrix {
     let transposed: Matrix = std::array::from_fn(|i| std::array::from_fn(|j| local_from_world[j][i].clone()));
     product(&product(&transposed, quadric), local_from_world)
@@ -73,7 +73,7 @@ impl Map {
         }
     }
 
-    /// The same for the engine.
+    /// The map as the engine's `Affine`.
     pub fn affine(&self) -> Affine {
         let axis = |k: usize| Vec3::AXES[k];
         match *self {
@@ -84,7 +84,7 @@ impl Map {
         }
     }
 
-    /// The solid moved in the words of people who build solids.
+    /// The solid under the map, by the methods of `Solid`.
     pub fn applied(&self, solid: &Solid) -> Solid {
         match *self {
             Map::Move(v) => solid.translate(v),
@@ -97,7 +97,7 @@ impl Map {
     }
 }
 
-/// The inverse of a right-handed quarter turn: with (i, j, k) cyclic from the axis i, j goes to -k, k to j.
+/// The inverse of a right-handed quarter turn: for (i, j, k) cyclic from axis i, it maps j to -k and k to j.
 fn quarter_back(axis: usize) -> Matrix {
     let (j, k) = ((axis + 1) % 3, (axis + 2) % 3);
     let mut matrix = diagonal([0.0, 0.0, 0.0, 1.0]);

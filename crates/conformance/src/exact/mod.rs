@@ -1,13 +1,14 @@
-//! An oracle without rounding, sharing no code with the engine.
+//! An oracle without rounding errors, independent of the engine's code.
 //!
-//! Models of planes and quadrics in dyadic numbers, rays taken as exactly the `f64` that they consist of.
-//! Crossings are numbers (p +- sqrt(d)) / q with p, d, q = m 2^e, compared exactly; booleans are decided on the
-//! open intervals between distinct crossings; a ray in a surface is moved along the fixed direction in
-//! thought, with the exact sign; and neighbours are welded as the rules for coincidence say, where pieces of
-//! about the depth of the tolerance have no certain answer and are counted apart.
+//! Models consist of planes and quadrics with dyadic coefficients; rays are exactly the `f64` values that
+//! they consist of. Crossings are numbers (p +- sqrt(d)) / q with p, d, q = m 2^e, compared exactly. Boolean
+//! operations are evaluated on the open intervals between distinct crossings. A ray in a surface is perturbed
+//! symbolically along the fixed direction, with the exact sign. Neighbouring crossings are welded by the
+//! rules of coincidence; a ray is uncertain if the depth of a piece is close to the tolerance, and is counted
+//! separately.
 //!
-//! The one thing taken from the compiled model is its ball, which says how long a ray has to keep to a surface
-//! to lie in it.
+//! The only input taken from the compiled model is its balls, which determine over what length a ray has to
+//! stay in a surface to lie in it.
 
 mod along;
 mod answer;

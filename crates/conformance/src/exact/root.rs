@@ -12,17 +12,17 @@ pub struct Root {
     d: Dyadic,
     /// Greater than zero.
     q: Dyadic,
-    /// The same as one number, to about 190 bits.
+    /// The value, to about 190 bits.
     near: Dyadic,
     t: f64,
 }
 
-/// Where a function changes sign: its sign at -inf and the places.
+/// The sign changes of a function: its sign at -inf and its roots.
 #[derive(Clone, Debug)]
 pub struct SignChanges {
     /// True if the function is negative at -inf.
     pub starts_negative: bool,
-    /// The places, strictly increasing.
+    /// The roots, strictly increasing.
     pub roots: Vec<Root>,
 }
 
@@ -39,22 +39,22 @@ impl Root {
         Root { p, side, d, q, near, t }
     }
 
-    /// The quotient of two numbers.
+    /// The root p / q.
     pub fn quotient(p: Dyadic, q: Dyadic) -> Root {
         Root::new(p, 0, Dyadic::ZERO, q)
     }
 
-    /// To about 190 bits (of the greater of p and sqrt(d) over q).
+    /// The value, to about 190 bits (relative to the greater of p and sqrt(d), over q).
     pub fn near(&self) -> &Dyadic {
         &self.near
     }
 
-    /// Rounded.
+    /// The value rounded to `f64`.
     pub fn t(&self) -> f64 {
         self.t
     }
 
-    /// Exactly.
+    /// Exact comparison.
     pub fn compare(&self, other: &Root) -> Ordering {
         let slack = 1e-14 * (self.t.abs() + other.t.abs()) + 1e-40;
         if (self.t - other.t).abs() > slack {
@@ -91,7 +91,7 @@ fn sign_of_one(a: &Dyadic, b: &Dyadic, d: &Dyadic) -> i32 {
 fn sign_of_two(a: &Dyadic, (b, d): (&Dyadic, &Dyadic), (c, e): (&Dyadic, &Dyadic)) -> i32 {
     let (first, second) = (&b.square() * d, &c.square() * e);
     let (sb, sc) = (b.sign() * d.sign(), c.sign() * e.sign());
-    // the sign of the two roots together
+    // the sign of the sum of the two square roots
     let roots = match (sb, sc) {
         (0, _) => sc,
         (_, 0) => sb,
@@ -106,7 +106,7 @@ fn sign_of_two(a: &Dyadic, (b, d): (&Dyadic, &Dyadic), (c, e): (&Dyadic, &Dyadic
     if roots == 0 || sa == 0 || sa == roots {
         return if roots == 0 { sa } else { roots };
     }
-    // of opposite sign: which is larger, a^2 or the square of the rest?
+    // of opposite sign: compares a^2 with the square of that sum
     let rest = &(&a.square() - &first) - &second;
     let mixed = -&(b * c).scaled(1);
     match sign_of_one(&rest, &mixed, &(d * e)) {
@@ -116,7 +116,7 @@ fn sign_of_two(a: &Dyadic, (b, d): (&Dyadic, &Dyadic), (c, e): (&Dyadic, &Dyadic
     }
 }
 
-/// Where `a t^2 + b t + c` changes sign; it must not be zero everywhere.
+/// The sign changes of `a t^2 + b t + c`, which must not vanish identically.
 pub fn sign_changes([a, b, c]: &[Dyadic; 3]) -> SignChanges {
     let constant = |negative| SignChanges { starts_negative: negative, roots: Vec::new() };
     if a.is_zero() && b.is_zero() {
@@ -190,8 +190,8 @@ mod tests {
         assert!(roots([1.0, -2.0, 0.0])[0].near().is_zero());
     }
 
-    /// Against a wide fixed-point approximation, on polynomials with small whole coefficients, which often
-    /// have equal roots.
+    /// Compares with a high-precision approximation, on polynomials with small integer coefficients, which
+    /// often have equal roots.
     #[test]
     fn comparison_agrees_with_many_digits() {
         let mut rng = Random::new(4);

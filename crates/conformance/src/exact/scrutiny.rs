@@ -1,20 +1,20 @@
-//! A closer look at a ray: how near it comes to what rounding might change.
+//! Distances of a ray from edges and tangencies, where rounding may change the answer.
 
 use super::along::{Along, Span, delta, distance};
 use super::answer::Work;
 use super::{Doubt, Dyadic, Exact, Line, Root};
 
-/// What takes a closer look at all pairs of crossings.
+/// The sensitivity of an answer to rounding errors.
 #[derive(Clone, Copy, Debug)]
 pub struct Scrutiny {
-    /// The distance at which it passes an edge (two surfaces at once) or a tangency.
+    /// The distance of the ray from the nearest edge (two surfaces at one time) or tangency.
     pub clearance: f64,
-    /// Two surfaces are crossed so nearly at once, and at such different angles, that a computation within the
-    /// tolerance may find a piece between them that is not near both.
+    /// True if two surfaces are crossed at nearly one time and at such different angles that a computation
+    /// within the tolerance may find a piece between them that is not close to both.
     pub torn: bool,
 }
 
-/// How near the ray comes to what rounding might change.
+/// Computes how close a ray comes to a change of the answer.
 pub fn scrutiny(exact: &Exact, line: &Line, span: &Span) -> Result<Scrutiny, Doubt> {
     Ok(Work::new(exact, line, span)?.scrutiny())
 }
@@ -51,8 +51,8 @@ impl Work<'_> {
         self.pairs().map(both).fold(f64::INFINITY, f64::min)
     }
 
-    /// All crossings of surfaces and touches that rounding may take for two, with the time by which the kernels
-    /// may move them: they keep well within the tolerance.
+    /// All crossings, and all contacts that rounding may turn into two crossings, as (surface, time, error
+    /// bound of the time in the kernels, which stay well within the tolerance).
     fn played(&self) -> Vec<(usize, f64, f64)> {
         let bound = |s: usize, t: f64| delta(&self.exact.surfaces[s], self.line, t) / 16.0;
         let mut all: Vec<(usize, f64, f64)> = Vec::new();

@@ -6,15 +6,15 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Value, build};
 
-/// A shape with numbers for which its equations are exact. Lengths are > 0 and whole multiples of powers of
-/// two.
+/// A shape with parameters for which its equations are exact. Lengths are > 0 and integer multiples of powers
+/// of two.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// `normal . p < offset`.
     HalfSpace([f64; 3], f64),
     /// `lo < normal . p < hi`.
     Slab([f64; 3], f64, f64),
-    /// Centred, with these edges.
+    /// Centred, with these edge lengths.
     Box([f64; 3]),
     /// Between two corners.
     Corners([f64; 3], [f64; 3]),
@@ -24,30 +24,30 @@ pub enum Shape {
     Wedge(u8, u8),
     /// Four-sided, with this circumradius and height: `|x| + |y| < radius`.
     Prism(f64, f64),
-    /// By its radius.
+    /// Radius.
     Sphere(f64),
-    /// By its half axes, powers of two.
+    /// Half axes, powers of two.
     Ellipsoid([f64; 3]),
-    /// By radius and height, which may be infinite.
+    /// Radius and height, which may be infinite.
     Cylinder(f64, f64),
-    /// By the radii at the bottom and the top and the height, a power of two.
+    /// Radii at the bottom and the top, and height, a power of two.
     Cone(f64, f64, f64),
-    /// By focal length and height, which may be infinite.
+    /// Focal length and height, which may be infinite.
     Paraboloid(f64, f64),
-    /// By outer and inner radius and height.
+    /// Outer radius, inner radius and height.
     Tube(f64, f64, f64),
-    /// `[x y z 1] Q [x y z 1]^T < 0`, with the length that says how large it is.
+    /// `[x y z 1] Q [x y z 1]^T < 0`, and a length that characterises its size.
     Quadric([[f64; 4]; 4], f64),
 }
 
-/// A side of a surface in the shape's own frame.
+/// A facet of a shape, in the shape's own frame.
 #[derive(Clone, Debug)]
 pub struct Facet {
     /// The equation.
     pub matrix: Matrix,
     /// True if the shape lies where it is negative.
     pub inside: bool,
-    /// A point that says where it is, rounded.
+    /// A point that gives its position, rounded.
     pub anchor: Vec3,
     /// Its size, 0 for planes.
     pub size: f64,
@@ -86,12 +86,12 @@ fn caps(height: f64) -> Vec<Facet> {
     if height.is_finite() { slab([0.0, 0.0, 1.0], -0.5 * height, 0.5 * height).into() } else { Vec::new() }
 }
 
-/// The direction at so many quarters from +x towards +y.
+/// The direction at k quarter turns from +x towards +y.
 fn at_quarter(k: u8) -> [f64; 2] {
     [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][usize::from(k % 4)]
 }
 
-/// The planes of the sector that begins at one quarter and sweeps through one or two.
+/// The planes of a sector that starts at a quarter and spans one or two.
 fn sector(start: u8, sweep: u8) -> Vec<Facet> {
     // after the start: -y x0 + x y0 < 0 there; before the end
     let [c, s] = at_quarter(start);
@@ -115,14 +115,13 @@ fn cone_side(radius1: f64, radius2: f64, height: f64) -> Facet {
     let (mean, slope) = (0.5 * (radius1 + radius2), (radius2 - radius1) / height);
     let apex = if slope == 0.0 { 0.0 } else { -mean / slope };
     let side = upright([1.0, 1.0, -slope * slope], -mean * slope, -mean * mean, 0.0);
-    // written about its apex if that is not far, else about the origin
+    // referred to its apex if that is not far, else to the origin
     let size = if slope == 0.0 || apex.abs() > 16.0 * height.max(radius1).max(radius2) { mean } else { 0.0 };
     Facet { anchor: if size == 0.0 { Vec3::Z * apex } else { Vec3::ZERO }, size, ..side }
 }
 
 impl Shape {
-    /// The sides of which the shape is the intersection, or, if true stands beside them, the complement of
-    /// the intersection.
+    /// The facets whose intersection is the shape, or, if the flag is true, its complement.
     pub fn facets(&self) -> (Vec<Facet>, bool) {
         let with_caps = |side: Facet, height: f64| [vec![side], caps(height)].concat();
         let facets = match self {
@@ -165,7 +164,7 @@ impl Shape {
         (facets, false)
     }
 
-    /// The engine's name and arguments for it.
+    /// The engine's name and arguments of the shape.
     fn arguments(&self) -> (&'static str, Vec<(&'static str, Value)>) {
         let vector = |v: &[f64]| Value::Vector(v.to_vec());
         match self {
@@ -203,7 +202,7 @@ impl Shape {
         }
     }
 
-    /// The shape as the engine builds it.
+    /// The shape as the engine's solid.
     pub fn solid(&self) -> Solid {
         let (name, arguments) = self.arguments();
         Solid::from(build(name, &arguments).unwrap_or_else(|e| panic!("{self:?}: {e}")))

@@ -1,8 +1,8 @@
-//! Models with something left out: how a wrong answer is shown by a model as small as can be.
+//! Shrinking of failing models: all models with one element removed.
 
 use super::{Part, Tree};
 
-/// Models with one part less, or one part smaller.
+/// The models with one part removed, or one part smaller.
 pub fn smaller_models(parts: &[Part]) -> Vec<Vec<Part>> {
     let mut all = Vec::new();
     for k in 0..parts.len() {
@@ -18,7 +18,7 @@ pub fn smaller_models(parts: &[Part]) -> Vec<Vec<Part>> {
     all
 }
 
-/// Trees with something left out.
+/// The trees with one element removed.
 fn smaller(tree: &Tree) -> Vec<Tree> {
     let mut all: Vec<Tree> = tree.operands().into_iter().cloned().collect();
     let within = |make: &dyn Fn(Tree) -> Tree, a: &Tree| smaller(a).into_iter().map(make).collect::<Vec<_>>();

@@ -1,4 +1,4 @@
-//! Evaluators against exact answers.
+//! Tests of evaluators against exact answers.
 
 use super::answer::{Answer, Expected, answer, region_at};
 use super::scrutiny::scrutiny;
@@ -13,24 +13,25 @@ use rayweave_shape::Ray;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rays of a model.
+/// Number of rays per model.
 const RAYS: usize = 50;
 
-/// A model in both forms.
+/// A model in both forms, exact and compiled.
 struct Subject {
     parts: Vec<Part>,
     exact: Exact,
     evaluators: Vec<Box<dyn Asked>>,
     /// The balls of the model and of all solids placed in it, each with the map into its frame.
     balls: Vec<(Affine, Ball)>,
-    /// Where the engine's model stands.
+    /// The map from the exact model to the engine's model.
     frame: Affine,
-    /// True if the engine numbers leaves as the exact model does.
+    /// True if the engine numbers leaves in the same way as the exact model.
     numbered: bool,
 }
 
 impl Subject {
-    /// True if the engine's surfaces are not quite the exact ones, or rounding decides what rays meet far out.
+    /// True if the engine's surfaces are rounded versions of the exact ones, or if rounding decides crossings
+    /// far out.
     fn is_windowed(&self) -> bool {
         self.frame != Affine::IDENTITY || self.exact.surfaces.iter().any(|s| s.is_rounded() || s.is_open())
     }
@@ -43,12 +44,12 @@ impl Subject {
 fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, String> {
     let program =
         |frame: &Affine| Program::compile_regions(&regions(parts, frame)).map_err(|e| e.to_string());
-    // the balls belong to the model where the exact answer is asked
+    // the balls are those of the model in the frame of the exact answer
     let balls = balls(&program(&Affine::IDENTITY)?);
     let compiled = program(&frame)?;
     let numbered = compiled.prototypes().len() == 1;
     let mut exact = Exact::new(parts);
-    // tolerances are those of where the engine's model stands
+    // the tolerances are those at the position of the engine's model
     exact.surfaces.iter_mut().for_each(|s| s.magnitude += 2.0 * frame.translation.length());
     let compiled = Arc::new(compiled);
     let evaluators = makers.iter().map(|make| make(compiled.clone())).collect();
@@ -65,7 +66,7 @@ fn balls(program: &Program) -> Vec<(Affine, Ball)> {
     placements.map(ball).collect()
 }
 
-/// Models on a dyadic grid, asked as they are: numbers of crossings, regions before and after, times.
+/// Models on a dyadic grid, unrotated: compares number of crossings, regions before and after, and times.
 pub fn planted(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
     for seed in seeds {
@@ -80,8 +81,8 @@ pub fn planted(makers: &[Maker], seeds: Range<u64>) -> Count {
     count
 }
 
-/// Rays anywhere, through the models of [`planted`] and through trees of boxes, balls and rods anywhere: next to none
-/// meets a coincidence of its own, though half of the models have faces in common.
+/// Random rays through the models of [`planted`] and through random trees of boxes, balls and rods. Almost
+/// none of the rays has a coincidence of its own, though half of the models have common faces.
 pub fn transversal(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
     for seed in seeds {
@@ -101,7 +102,7 @@ fn on_stage(part: Part, stage: &[Map]) -> Part {
     Part { tree: stage.iter().fold(part.tree, |tree, map| tree.moved(*map)), ..part }
 }
 
-/// The same models turned by a rotation from an integer quaternion, rounded, and shifted.
+/// The models of [`planted`] under a shift and a rotation from an integer quaternion, rounded.
 pub fn turned(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
     for seed in seeds {
@@ -115,8 +116,7 @@ pub fn turned(makers: &[Maker], seeds: Range<u64>) -> Count {
     count
 }
 
-/// The rotation of a quaternion of small whole numbers: entries are quotients of whole numbers, each rounded
-/// once.
+/// The rotation of a quaternion of small integers: entries are quotients of integers, each rounded once.
 fn rotation(rng: &mut Random) -> Affine {
     let mut whole = || rng.below(9) as f64 - 4.0;
     let (a, b, c, d) = (whole(), whole(), whole(), whole() + 0.0);
@@ -138,7 +138,7 @@ fn compare_all(subject: &Subject, rays: &[Ray], seed: u64, count: &mut Count, ma
         tally(&verdict, count);
         if let Verdict::Wrong(what) = verdict {
             count.wrong += 1;
-            // one message for each model
+            // one message per model
             if count.messages.last().is_none_or(|(last, _)| *last != seed) {
                 let small = shrink(subject, *ray, makers);
                 count.messages.push((seed, format!("{what}\n{small}")));
@@ -147,17 +147,17 @@ fn compare_all(subject: &Subject, rays: &[Ray], seed: u64, count: &mut Count, ma
     }
 }
 
-/// What is said of an answer.
+/// The outcome for one ray.
 enum Verdict {
-    /// No certain answer.
+    /// The exact answer is uncertain.
     Doubtful,
-    /// Not compared: a ray in a face of a turned model.
+    /// Not compared: a ray in a face of a rotated model.
     Exempt,
     /// Right.
     Right(Answer),
-    /// Other than it should be, near an edge of a turned model.
+    /// Near an edge of a rotated model; true if the answer equals the exact one.
     NearEdge(bool),
-    /// Other than it should be where rounding decides.
+    /// Different where rounding decides.
     Torn,
     /// Wrong.
     Wrong(String),
@@ -211,13 +211,13 @@ fn judge(subject: &Subject, ray: Ray) -> Verdict {
     }
 }
 
-/// How long a ray is compared with a model whose surfaces are rounded: one that is parallel to a face but for
-/// rounding meets it far out.
+/// The time up to which a ray is compared if the model's surfaces are rounded: a ray that rounding keeps from
+/// being parallel to a face crosses it far out.
 fn far(ray: &Ray) -> f64 {
     (100.0 + ray.origin.length()) / ray.direction.length()
 }
 
-/// What differs between an evaluator and the exact answer.
+/// The first difference between an evaluator and the exact answer.
 fn differences(subject: &Subject, evaluator: &dyn Asked, ray: Ray, expected: &Answer) -> Option<String> {
     let turned = subject.frame != Affine::IDENTITY;
     let window = match subject.is_windowed() {
@@ -267,10 +267,10 @@ fn in_time(crossing: &Crossing, expected: &Expected, slack: f64) -> bool {
     (crossing.t - middle).abs() <= slack * half
 }
 
-/// True if the crossing after a time between two crossings is not the next one.
+/// True if the nearest crossing after a time between the last two crossings is not the last one.
 fn nearest_differs(evaluator: &dyn Asked, rays: &RayBatch, crossings: &[Crossing]) -> bool {
     let Some(pair) = crossings.windows(2).last() else { return false };
-    // not the middle, where slivers that are welded away are planted
+    // not the middle, where the models have slivers that are welded away
     let t_min = pair[0].t + 0.37 * (pair[1].t - pair[0].t);
     let Ok(window) = Window::new(t_min, f64::INFINITY) else { return false };
     if !(pair[0].t < t_min && t_min < pair[1].t) {
@@ -287,7 +287,7 @@ fn told(answer: &Answer) -> String {
     format!("from {} {:?}{lines}", answer.start, answer.traits)
 }
 
-/// A smaller model that is answered wrongly along the same ray, with the answers.
+/// A smaller model with a wrong answer for the same ray, with both answers.
 fn shrink(subject: &Subject, ray: Ray, makers: &[Maker]) -> String {
     let mut parts = subject.parts.clone();
     let fails = |parts: &[Part]| {
@@ -306,7 +306,7 @@ fn shrink(subject: &Subject, ray: Ray, makers: &[Maker]) -> String {
     format!("{parts:?}\n{ray:?} frame {:?}\nshrunk: {what}", subject.frame)
 }
 
-/// Points of the grid and others: the region that holds them, on surfaces the side along w.
+/// Compares the region at points of the grid and others; on a surface the side along w decides.
 pub fn points(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
     for seed in seeds {

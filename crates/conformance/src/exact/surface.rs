@@ -5,13 +5,13 @@ use super::map::{Matrix, zero};
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;
 
-/// The surface `[p 1] Q [p 1]^T = 0`, inside where it is negative.
+/// The surface `[p 1] Q [p 1]^T = 0`, with the inside where it is negative.
 #[derive(Clone, Debug)]
 pub struct Surface {
     matrix: Matrix,
     rounded: [[f64; 4]; 4],
-    /// Its size and distance from the origin plus the lengths of all translations on the way: what the
-    /// tolerance counts.
+    /// Its size and distance from the origin plus the lengths of all translations in its map, to which the
+    /// tolerance is proportional.
     pub magnitude: f64,
 }
 
@@ -25,7 +25,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// From a ray.
+    /// The exact form of a ray.
     pub fn new(ray: Ray) -> Line {
         let exact = |v: Vec3, last: Dyadic| {
             let [x, y, z] = v.to_array().map(Dyadic::from);
@@ -34,20 +34,20 @@ impl Line {
         Line { ray, origin: exact(ray.origin, Dyadic::ONE), direction: exact(ray.direction, Dyadic::ZERO) }
     }
 
-    /// The point at a time.
+    /// The point at a time, in homogeneous coordinates.
     pub fn at(&self, t: &Dyadic) -> [Dyadic; 4] {
         std::array::from_fn(|k| &self.origin[k] + &(t * &self.direction[k]))
     }
 }
 
 impl Surface {
-    /// From the matrix of the equation.
+    /// A surface from the matrix of its equation.
     pub fn new(matrix: Matrix, magnitude: f64) -> Surface {
         let rounded = std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j].to_f64()));
         Surface { matrix, rounded, magnitude }
     }
 
-    /// True if both are the same surface, on whichever side the insides lie.
+    /// True if both are the same surface, regardless of which side is inside.
     pub fn is_same(&self, other: &Surface) -> bool {
         let (a, b) = (self.entries(), other.entries());
         let Some(k) = a.iter().position(|x| !x.is_zero()) else { return false };
@@ -55,7 +55,7 @@ impl Surface {
         !b[k].is_zero() && (0..a.len()).all(|i| a[i] * b[k] == a[k] * b[i])
     }
 
-    /// True if both have the same equation.
+    /// True if both have the same matrix.
     pub fn is_equal(&self, other: &Surface) -> bool {
         self.entries().into_iter().zip(other.entries()).all(|(a, b)| a == b)
     }
@@ -72,20 +72,20 @@ impl Surface {
         plane.then(|| q[3][3].abs() / normal.length())
     }
 
-    /// True if the engine's unit normal or principal axes are rounded: for planes but those across a coordinate
-    /// axis, and quadrics whose axes are not the coordinate axes.
+    /// True if the engine's unit normal or principal axes are rounded: for planes not perpendicular to a
+    /// coordinate axis, and for quadrics whose axes are not the coordinate axes.
     pub fn is_rounded(&self) -> bool {
         let oblique = (0..3).filter(|&k| self.rounded[k][3] != 0.0).count() > 1;
         let turned = [(0, 1), (0, 2), (1, 2)].iter().any(|&(i, j)| self.rounded[i][j] != 0.0);
         turned || (self.distance().is_some() && oblique)
     }
 
-    /// The matrix times a vector.
+    /// The product of the matrix and a vector.
     fn applied(&self, v: &[Dyadic; 4]) -> [Dyadic; 4] {
         std::array::from_fn(|i| dot(&self.matrix[i], v))
     }
 
-    /// `[a, b, c]` of `f(r(t)) = a t^2 + b t + c`.
+    /// The coefficients `[a, b, c]` of `f(r(t)) = a t^2 + b t + c`.
     pub fn along(&self, line: &Line) -> [Dyadic; 3] {
         let by_direction = self.applied(&line.direction);
         let by_origin = self.applied(&line.origin);
@@ -112,14 +112,15 @@ impl Surface {
         Vec3::from_array(self.gradient(point).map(|g| g.to_f64())).length()
     }
 
-    /// The most by which the gradient along w changes over a unit of length: |w| < 2 times that of the gradient.
+    /// Upper bound of the change of the gradient along w per unit of length: |w| < 2 times that of the
+    /// gradient.
     pub fn bend(&self) -> f64 {
         let squares = self.rounded[..3].iter().flat_map(|row| &row[..3]).map(|entry| entry * entry);
         4.0 * squares.sum::<f64>().sqrt()
     }
 
-    /// True if there are rays with one crossing or none that all rays near them cross far out, so that rounding
-    /// decides what they meet there: for all but planes, ellipsoids and cylinders over ellipses.
+    /// True if an arbitrarily small change of some ray adds a crossing far out, so that rounding decides: all
+    /// surfaces but planes, ellipsoids and cylinders over ellipses.
     pub fn is_open(&self) -> bool {
         let q = &self.rounded;
         let bowl = |k: usize| q[k][k] > 0.0 || (q[k][k] == 0.0 && q[k][3] == 0.0);

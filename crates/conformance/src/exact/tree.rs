@@ -1,4 +1,4 @@
-//! Boolean trees of exact shapes, and the engine's solids for the same.
+//! Boolean trees of exact shapes, and the engine's solids for them.
 
 use super::{Map, Shape};
 use rayweave_math::Affine;
@@ -7,9 +7,9 @@ use rayweave_model::{Region, Solid};
 /// A boolean tree.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tree {
-    /// Nothing.
+    /// The empty solid.
     Empty,
-    /// All of space.
+    /// The universe.
     Universe,
     /// A shape.
     Leaf(Shape),
@@ -23,9 +23,9 @@ pub enum Tree {
     Odd(Vec<Tree>),
     /// The difference.
     Minus(Box<Tree>, Box<Tree>),
-    /// Moved.
+    /// The image under a map.
     Moved(Map, Box<Tree>),
-    /// The union of several images, made by instancing.
+    /// The union of several images, as instances.
     Placed(Vec<Map>, Box<Tree>),
 }
 
@@ -46,17 +46,17 @@ impl Tree {
         Tree::Minus(Box::new(self), Box::new(other))
     }
 
-    /// Moved.
+    /// The image under a map.
     pub fn moved(self, map: Map) -> Tree {
         Tree::Moved(map, Box::new(self))
     }
 
-    /// Shifted.
+    /// The image under a shift.
     pub fn at(self, x: f64, y: f64, z: f64) -> Tree {
         self.moved(Map::Move([x, y, z]))
     }
 
-    /// The same as the engine builds it: by operators where there are two operands.
+    /// The tree as the engine's solid; nodes with two operands are made by operators.
     pub fn solid(&self) -> Solid {
         let all = |trees: &[Tree]| trees.iter().map(Tree::solid).collect::<Vec<_>>();
         match self {
@@ -82,7 +82,7 @@ impl Tree {
         }
     }
 
-    /// The trees of which this one is made.
+    /// The operands of the root.
     pub fn operands(&self) -> Vec<&Tree> {
         match self {
             Tree::Empty | Tree::Universe | Tree::Leaf(_) => Vec::new(),
@@ -93,7 +93,7 @@ impl Tree {
     }
 }
 
-/// A solid of one medium; where several overlap the later one wins.
+/// A solid of one medium; where several overlap, the later one has priority.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     /// The solid.
@@ -102,7 +102,7 @@ pub struct Part {
     pub medium: u32,
 }
 
-/// The parts as the engine's regions, under a map of the engine.
+/// The parts as the engine's regions, transformed by `frame`.
 pub fn regions(parts: &[Part], frame: &Affine) -> Vec<Region> {
     let region = |(k, part): (usize, &Part)| {
         let solid = part.tree.solid();

@@ -1,7 +1,7 @@
-//! Trials for algorithms that are no evaluators: binary trees of convex leaves, rays, and the exact answers.
+//! Tests for algorithms that are not evaluators: binary trees of convex leaves, rays, and the exact answers.
 //!
-//! What such an algorithm gets is what the literature gives it: closed, bounded, convex leaves (boxes, balls, rods),
-//! each with its own two crossings or none, under unions, intersections and differences of two operands.
+//! The models suit algorithms from the literature: closed, bounded, convex leaves (boxes, balls, rods), each
+//! with two crossings or none, under unions, intersections and differences of two operands.
 
 use super::{Answer, Exact, Line, Part, Shape, Span, Tree, answer, draw};
 use crate::Random;
@@ -9,42 +9,42 @@ use rayweave_math::Affine;
 use rayweave_model::{Program, Solid};
 use rayweave_shape::Ray;
 
-/// An operator of two operands.
+/// A binary operator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
-    /// In either.
+    /// In either operand.
     Union,
-    /// In both.
+    /// In both operands.
     Intersection,
-    /// In the first, not in the second.
+    /// In the first operand, not in the second.
     Difference,
 }
 
-/// A binary tree over leaves by number.
+/// A binary tree over leaf numbers.
 #[derive(Clone, Debug)]
 pub enum Binary {
     /// A leaf.
     Leaf(usize),
-    /// Two trees.
+    /// The join of two trees.
     Join(Operator, Box<[Binary; 2]>),
 }
 
-/// What the models of a trial have in common.
+/// A family of random models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Two to eight leaves anywhere, and rays anywhere.
+    /// Two to eight leaves and rays at arbitrary positions.
     Generic,
-    /// Two to eight leaves on a grid of halves, and rays along its lines and through its points for the most part.
+    /// Two to eight leaves on a grid of pitch 0.5, and rays mostly along its lines and through its points.
     Planted,
-    /// Balanced unions of eight leaves anywhere.
+    /// Balanced unions of eight leaves at arbitrary positions.
     Unions,
 }
 
 impl Family {
-    /// All of them.
+    /// All families.
     pub const ALL: [Family; 3] = [Family::Generic, Family::Planted, Family::Unions];
 
-    /// What it is called.
+    /// The name of the family.
     pub fn name(self) -> &'static str {
         match self {
             Family::Generic => "generic",
@@ -54,18 +54,18 @@ impl Family {
     }
 }
 
-/// A model with rays whose answers are certain.
+/// A model with rays whose exact answers are certain.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// The tree.
     pub tree: Binary,
     /// Its leaves.
     pub leaves: Vec<Solid>,
-    /// The whole as a solid.
+    /// The whole model as a solid.
     pub solid: Solid,
-    /// Rays.
+    /// The rays.
     pub rays: Vec<Ray>,
-    /// The answer for each of them.
+    /// The exact answer for each ray.
     pub answers: Vec<Answer>,
 }
 
@@ -81,7 +81,7 @@ pub(super) fn generic(rng: &mut Random) -> Tree {
     joined(&tree, &leaves)
 }
 
-/// The model and the rays of a seed; `None` if the model is not legal.
+/// The model and the rays of a seed; `None` if the model does not compile.
 pub fn trial(family: Family, seed: u64, rays: usize) -> Option<Trial> {
     let mut rng = Random::new(4 << 40 | seed);
     let (tree, leaves) = model(&mut rng, family);
@@ -110,8 +110,8 @@ pub fn trial(family: Family, seed: u64, rays: usize) -> Option<Trial> {
 }
 
 impl Answer {
-    /// True if a list says the same: the side at -inf, the number of crossings, and each time within what a backward
-    /// stable computation may give.
+    /// True if a list agrees with the answer: in the side at -inf, the number of crossings, and each time
+    /// within the range that a backward stable computation may give.
     pub fn is_told_by(&self, starts_inside: bool, times: &[f64]) -> bool {
         let near = |(t, e): (&f64, &super::Expected)| e.times.0 <= *t && *t <= e.times.1;
         starts_inside == (self.start != 0)
@@ -150,7 +150,7 @@ fn joined(tree: &Binary, leaves: &[Tree]) -> Tree {
     }
 }
 
-/// A box, a ball or a rod. Lengths are short enough for their squares to be exact.
+/// A box, a ball or a rod. The lengths have few enough bits for their squares to be exact.
 fn leaf(rng: &mut Random, family: Family) -> Tree {
     let grid = family == Family::Planted;
     let mut length = |lo: f64, hi: f64| match grid {
@@ -171,7 +171,7 @@ fn leaf(rng: &mut Random, family: Family) -> Tree {
     tree.at(place(), place(), place())
 }
 
-/// A ray through two points anywhere near the origin.
+/// A ray through two random points near the origin.
 pub(super) fn through(rng: &mut Random) -> Ray {
     let (a, b) = (rng.point(2.0), rng.point(2.0));
     Ray::new(a - 3.0 * (b - a), b - a)

@@ -321,7 +321,7 @@ impl<'a> Parser<'a> {
             let size = format!("it has {rows} rows and {} columns, counted from 1", matrix.columns);
             self.fault(
                 start,
-                format!("`{}` is no element of the matrix ({size})", &self.text[start..self.at]),
+                format!("`{}` is not an element of the matrix: {size}.", &self.text[start..self.at]),
             )
         })
     }

@@ -36,7 +36,7 @@ pub enum DesignError {
     #[error("there is no {0}: at least one is needed.")]
     None(&'static str),
     /// The merit function has no finite value at the start.
-    #[error("the search cannot begin ({0})")]
+    #[error("the search cannot begin: {0}")]
     NoStart(String),
     /// An error of the prescription.
     #[error(transparent)]

@@ -1,4 +1,4 @@
-//! Triangles that go through each other.
+//! Self-intersections of a mesh: pairs of triangles that cross or overlap.
 
 use super::Findings;
 use crate::Mesh;
@@ -7,16 +7,16 @@ use crate::topology::is_collapsed;
 use crate::triangle::{self, Meeting, Triangle};
 use rayweave_math::Vec3;
 
-/// Two triangles that have more in common than corners and edges.
+/// A pair of triangles that have more in common than corners and edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersection {
-    /// The two, the smaller number first.
+    /// The indices of the triangles, the smaller one first.
     pub triangles: [u32; 2],
-    /// A place near to what they have in common: the middle of what their boxes share.
+    /// A point near the intersection: the centre of the intersection of their boxes.
     pub at: Vec3,
 }
 
-/// Pairs that go through each other, and pairs that lie in each other; sorted.
+/// The pairs that cross, and the coplanar pairs that overlap; both sorted.
 pub(super) fn intersections(mesh: &Mesh) -> (Findings<Intersection>, Findings<Intersection>) {
     let (hierarchy, order) = Hierarchy::new(mesh);
     let (mut crossings, mut overlaps) = (Findings::default(), Findings::default());
@@ -44,7 +44,8 @@ fn intersection(mesh: &Mesh, triangles: [u32; 2]) -> Intersection {
     Intersection { triangles, at: a.intersection(&b).centre() }
 }
 
-/// How two triangles meet. Those with the same corners are duplicates, and none of these.
+/// Classifies the intersection of two triangles. Triangles with the same corners are duplicates, which count
+/// as touching.
 fn meeting_of(mesh: &Mesh, first: u32, second: u32) -> Meeting {
     let [a, b] = [first, second].map(|number| mesh.corners(number as usize));
     if triangle::bounds(a).intersection(&triangle::bounds(b)).is_empty() {
@@ -61,7 +62,7 @@ fn meeting_of(mesh: &Mesh, first: u32, second: u32) -> Meeting {
     }
 }
 
-/// The corners of a triangle, those that are common first.
+/// The corners of a triangle, the common ones first.
 fn common_first(mesh: &Mesh, corners: [u32; 3], common: &[u32]) -> Triangle {
     let mut corners = corners;
     corners.sort_by_key(|vertex| common.iter().position(|other| other == vertex).unwrap_or(3));

@@ -5,7 +5,7 @@ use rand::{RngExt, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
 use rayweave_mesh::{Mesh, Perturbation};
 
-/// The directions of the project's rule for rays in a surface.
+/// The perturbation directions of the engine.
 pub const ASIDE: Perturbation =
     [Vec3::new(1.0, 0.754_877_666_246_692_7, 0.569_840_290_998_053_2), Vec3::X, Vec3::Y, Vec3::Z];
 

@@ -1,15 +1,16 @@
-//! Deep trees: heavy paths with a segment tree on each.
+//! Networks of deep trees: heavy-path decomposition with a segment tree on each path.
 //!
-//! Every gate picks one operand, the one with most leaves below, as its *heavy* one; the tree falls into
-//! paths that climb from a leaf through heavy edges, and any way to the root crosses at most log2 n of them
-//! (Sleator & Tarjan, "A data structure for dynamic trees", 1983). With the other operands of a gate counted,
-//! the gate is one of four functions of its heavy operand: constant 0, constant 1, identity, complement.
-//! A segment tree composes the functions of a path, so that a flip anywhere costs O(log n) a path.
+//! The *heavy* operand of a gate is the one with most leaves below. The heavy edges divide the tree into
+//! paths, each of which starts at a leaf or at a gate without heavy operand, and the way from any node to the
+//! root passes through at most log2 n of them (Sleator & Tarjan, "A data structure for dynamic trees", 1983).
+//! For fixed values of its other operands a gate is one of four functions of its heavy operand: constant 0,
+//! constant 1, identity, complement. A segment tree composes the functions of a path, so that a flip costs
+//! O(log n) per path.
 
 use super::{Network, NetworkState};
 use crate::Rule;
 
-/// A function of one truth value: bit 0 is its value at false, bit 1 at true.
+/// A function of one boolean: bit 0 is its value at false, bit 1 at true.
 type Function = u8;
 
 const IDENTITY: Function = 0b10;
@@ -23,14 +24,14 @@ fn compose(inner: Function, outer: Function) -> Function {
     u8::from(apply(outer, apply(inner, false))) | u8::from(apply(outer, apply(inner, true))) << 1
 }
 
-/// The paths of a tree; what does not change along a ray.
+/// The paths of a tree; constant along a ray.
 #[derive(Clone, Debug)]
 pub(super) struct HeavyPaths {
     /// The path of each node (leaves and gates).
     path_of: Vec<u32>,
-    /// The place of each gate in its path, counted from the bottom; gates only.
+    /// The position of each gate in its path, counted from the bottom; gates only.
     place_of: Vec<u32>,
-    /// The heavy operand of each gate and whether it is complemented; `NONE` where no operand can be.
+    /// The heavy operand of each gate and whether it is complemented; `NONE` if the gate has none.
     heavy: Vec<(u32, bool)>,
     paths: Vec<Path>,
 }
@@ -40,17 +41,17 @@ const NONE: u32 = u32::MAX;
 
 #[derive(Clone, Debug)]
 struct Path {
-    /// Where the path's segment tree begins.
+    /// Index of the path's segment tree in `HeavyState::trees`.
     tree: u32,
     /// The number of leaves of the segment tree, a power of two.
     width: u32,
-    /// The leaf at the bottom, or `NONE` where the path begins with a gate without heavy operand.
+    /// The leaf at the bottom, or `NONE` if the path begins with a gate without heavy operand.
     bottom: u32,
     top: u32,
 }
 
-/// What changes along a ray: the segment trees and the value at the top of each path. (For networks that
-/// are not trees: the settled value of each gate.)
+/// The state along a ray: the segment trees and the value at the top of each path. (For networks that are not
+/// trees: the current value of each gate.)
 #[derive(Clone, Debug, Default)]
 pub(super) struct HeavyState {
     trees: Vec<Function>,
@@ -66,15 +67,15 @@ impl HeavyState {
         size_of_val(&self.trees[..]) + size_of_val(&self.values[..])
     }
 
-    /// Notes the settled value of a gate; true if it is new.
+    /// Stores the value of a gate or path; true if it has changed.
     pub fn changed(&mut self, index: usize, value: bool) -> bool {
         std::mem::replace(&mut self.values[index], value) != value
     }
 }
 
 impl HeavyPaths {
-    /// `counts` and `values` are those of the network with every leaf outside; from here on `counts` counts
-    /// the operands that are not heavy.
+    /// Computes the paths and their initial state. `counts` and `values` are those of the network with every
+    /// leaf outside; on return `counts` excludes the heavy operands.
     pub fn new(network: &Network, counts: &mut [u32], values: &[bool]) -> (HeavyPaths, HeavyState) {
         let leaves = network.leaf_count as usize;
         let mut this = HeavyPaths {
@@ -145,7 +146,7 @@ impl HeavyPaths {
         HeavyState { trees, values }
     }
 
-    /// A gate as a function of its heavy operand, given how many of the others are inside.
+    /// A gate as a function of its heavy operand, with `light` of the other operands inside.
     fn function(&self, network: &Network, gate: usize, light: u32) -> Function {
         let rule: Rule = network.rules[gate];
         let alone = rule.holds(light);
@@ -155,7 +156,7 @@ impl HeavyPaths {
         if complemented { compose(0b01, plain) } else { plain }
     }
 
-    /// Flips a leaf: the path above it gets a new value, and so on upwards while values change.
+    /// Flips a leaf: updates the value of its path, then of the paths above, while values change.
     pub fn flip(&self, network: &Network, state: &mut NetworkState, leaf: u32) {
         let mut path = self.path_of[leaf as usize];
         loop {
@@ -173,7 +174,7 @@ impl HeavyPaths {
         }
     }
 
-    /// Counts the top of a path in or out of the gate above and recomputes the path of that gate.
+    /// Updates the count of the gate above the top of a path, and the path of that gate, which it returns.
     fn count_light(&self, network: &Network, state: &mut NetworkState, user: u32, inside: bool) -> u32 {
         let gate = ((user >> 1) - network.leaf_count) as usize;
         let path = self.path_of[(user >> 1) as usize];
@@ -192,7 +193,7 @@ impl HeavyPaths {
     }
 }
 
-/// For each gate its operand with most leaves below, as (node, complemented). A node that feeds an output is
+/// For each gate the operand with most leaves below, as (node, complemented). A node that feeds an output is
 /// never heavy, so that its value is always that of the top of a path.
 fn heavy_operands(network: &Network) -> Vec<(u32, bool)> {
     let leaves = network.leaf_count as usize;

@@ -1,11 +1,10 @@
-//! Boolean networks that follow single flips of leaves.
+//! Boolean networks with incremental update: the values of the outputs after each flip of a leaf.
 //!
-//! A [`Network`] is the expression of a group laid out for sweeping along a ray: a leaf flips, and the
-//! change runs upwards as far as it changes anything. Three layouts give the same answers:
-//!
+//! A [`Network`] is the expression of a group, laid out for a sweep along a ray: a leaf flips, and the change
+//! propagates upwards as long as values change. Three layouts give the same results:
 //! - counters, for trees: each gate counts the operands that are inside. A flip costs at most the depth.
-//! - ordered counters, where a node has several users: gates are settled in topological order, each once.
-//! - heavy paths, for deep trees: a flip costs O(log^2 n) whatever the depth (see `heavy`).
+//! - ordered counters, if a node has several users: gates are updated in topological order, each once.
+//! - heavy paths, for deep trees: a flip costs O(log^2 n) at any depth (see `heavy`).
 
 mod heavy;
 mod winner;
@@ -17,14 +16,14 @@ use std::collections::BinaryHeap;
 
 pub use winner::Winner;
 
-/// Trees deeper than this are swept by heavy paths. A flip by counters costs a few nanoseconds a level and
-/// one by heavy paths some hundred at once, so the border is not critical.
+/// Depth above which trees use heavy paths. A flip by counters costs a few nanoseconds per level and one by
+/// heavy paths some hundred in total, so the threshold is not critical.
 const DEEP: u32 = 64;
 
 /// A boolean network over the leaves of a group, with one or more outputs.
 #[derive(Clone, Debug)]
 pub struct Network {
-    /// Leaves first, then gates, operands before users.
+    /// One rule per gate, operands before users. Nodes are numbered leaves first, then gates.
     rules: Vec<Rule>,
     leaf_count: u32,
     users: Users,
@@ -32,20 +31,20 @@ pub struct Network {
     fed: Vec<(u32, u32, bool)>,
     feeds: BitSet,
     layout: Layout,
-    /// The state in which every leaf is outside, but for the leaves.
+    /// The state in which every leaf is outside, without the leaf values.
     initial: NetworkState,
 }
 
-/// The users of each node, bit 0 set where they take its complement.
+/// The users of each node; bit 0 is set if the user takes the complement.
 #[derive(Clone, Debug)]
 enum Users {
-    /// At most one: [`NO_USER`] where there is none.
+    /// At most one user per node; [`NO_USER`] if there is none.
     One(Vec<u32>),
-    /// Those of node k: `users[first[k]..first[k + 1]]`.
+    /// The users of node k: `users[first[k]..first[k + 1]]`.
     Many { first: Vec<u32>, users: Vec<u32> },
 }
 
-/// Instead of a user: more than twice the number of any gate.
+/// Marks a node without user: greater than twice the number of any gate.
 const NO_USER: u32 = u32::MAX;
 
 impl Users {
@@ -70,7 +69,7 @@ impl Users {
     }
 }
 
-/// A set of small numbers.
+/// A set of small integers.
 #[derive(Clone, Debug)]
 struct BitSet(Vec<u64>);
 
@@ -144,7 +143,7 @@ impl Network {
         self.rules.len()
     }
 
-    /// Flips a leaf and settles everything above it.
+    /// Flips a leaf and updates every node above it.
     pub fn flip(&self, state: &mut NetworkState, leaf: u32) {
         let inside = &mut state.leaves[leaf as usize];
         *inside = !*inside;
@@ -156,15 +155,16 @@ impl Network {
         }
     }
 
-    /// Reads what a flip of a leaf will read, and answers with nothing of meaning. Called for many leaves before they flip,
-    /// it lets the processor wait for their memory all at once, where a network is too large for its caches.
+    /// Reads the memory that a flip of a leaf will read; the result is meaningless. Calls for many leaves
+    /// before their flips let the processor fetch all of it in parallel, if the network is too large for its
+    /// caches.
     #[inline]
     pub fn read_ahead(&self, state: &NetworkState, leaf: u32) -> u32 {
         let user = self.users_of(leaf).first().copied().unwrap_or(0);
         user ^ u32::from(state.leaves[leaf as usize]) ^ u32::from(self.feeds.get(leaf))
     }
 
-    /// The bytes that it holds on to.
+    /// Size in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let heavy = if let Layout::Heavy(paths) = &self.layout { paths.bytes() } else { 0 };
         size_of_val(&self.rules[..])
@@ -180,7 +180,7 @@ impl Network {
         self.users.of(node)
     }
 
-    /// Passes a node's new value on to the outputs that it feeds.
+    /// Writes a node's new value to the outputs that it feeds.
     fn feed(&self, winner: &mut Winner, node: u32, inside: bool) {
         if self.feeds.get(node) {
             let first = self.fed.partition_point(|&(fed, ..)| fed < node);
@@ -190,7 +190,7 @@ impl Network {
         }
     }
 
-    /// Counts one operand of a gate in or out; `Some(value)` if that changes the gate.
+    /// Increments or decrements the count of a gate; `Some(value)` if that changes the value of the gate.
     fn count(&self, counts: &mut [u32], gate: u32, operand_inside: bool) -> Option<bool> {
         let index = (gate - self.leaf_count) as usize;
         let (rule, before) = (self.rules[index], counts[index]);
@@ -200,7 +200,7 @@ impl Network {
         (value != rule.holds(before)).then_some(value)
     }
 
-    /// Every node has at most one user: follow the change upwards.
+    /// Propagates a change upwards in a tree, where every node has at most one user.
     fn climb(&self, state: &mut NetworkState, mut node: u32, mut inside: bool) {
         loop {
             self.feed(&mut state.winner, node, inside);
@@ -212,8 +212,9 @@ impl Network {
         }
     }
 
-    /// Some node has several users: settle gates in topological order. A gate waits until all its operands
-    /// are final, so it changes at most once however the paths to it differ in length.
+    /// Propagates a change in topological order, for networks in which some node has several users. A gate
+    /// waits until all its operands are final, so it changes at most once, whatever the lengths of the paths
+    /// to it.
     fn settle(&self, state: &mut NetworkState, leaf: u32, inside: bool) {
         self.feed(&mut state.winner, leaf, inside);
         self.pass_on(state, leaf, inside);
@@ -238,16 +239,17 @@ impl Network {
     }
 }
 
-/// Lays a network out. Its nodes are the leaves and those joins of the expression that are reached from an output.
+/// Builds a network. Its nodes are the leaves and the joins of the expression that are reachable from an
+/// output.
 struct Builder<'e> {
     outputs: &'e [Edge],
     leaf_count: u32,
-    /// The number in the network of each join of the expression; [`NO_NODE`] where it is not reached.
+    /// The number in the network of each join of the expression; [`NO_NODE`] if it is unreachable.
     number: Vec<u32>,
     gates: Vec<(Rule, &'e [Edge])>,
 }
 
-/// No node of the network.
+/// Marks a constant or an unreachable join, which have no node in the network.
 const NO_NODE: u32 = u32::MAX;
 
 impl<'e> Builder<'e> {
@@ -302,7 +304,7 @@ impl<'e> Builder<'e> {
         if self.uses().all(is_first) { Users::One(one) } else { self.many_users(nodes) }
     }
 
-    /// The user lists of all nodes, in compressed rows.
+    /// The user lists of all nodes, in compressed sparse row form.
     fn many_users(&self, nodes: usize) -> Users {
         let mut first = vec![0u32; nodes + 1];
         self.uses().for_each(|(node, _)| first[node as usize + 1] += 1);
@@ -318,7 +320,7 @@ impl<'e> Builder<'e> {
         Users::Many { first, users }
     }
 
-    /// Values with every leaf outside: `(count of operands inside, value)` of each gate.
+    /// The number of operands inside for each gate, and the value of each node, with every leaf outside.
     fn counts(&self) -> (Vec<u32>, Vec<bool>) {
         let (mut counts, mut values) = (Vec::new(), vec![false; self.leaf_count as usize]);
         for gate in 0..self.gates.len() {
@@ -389,7 +391,7 @@ mod tests {
     use crate::LeafId;
     use crate::simplify::{Formula, Op, share};
 
-    /// A small deterministic stream of numbers for random networks.
+    /// A deterministic stream of random numbers.
     struct Stream(u64);
 
     impl Stream {

@@ -1,9 +1,9 @@
-//! Which outputs are inside, and the last of them: a bit set with summaries.
+//! The set of outputs that are inside, with its largest member: a hierarchical bit set.
 
-/// A set of small numbers that finds its largest member in O(log64 n).
+/// A set of small integers with its largest member in O(log64 n).
 #[derive(Clone, Debug, Default)]
 pub struct Winner {
-    /// Level 0 holds the members; bit k of the next level says that word k of this one is not empty.
+    /// Level 0 holds the members; bit k of the next level is set if word k of this level is not 0.
     levels: Vec<Vec<u64>>,
 }
 
@@ -30,7 +30,7 @@ impl Winner {
         self.levels[0][member as usize / 64] >> (member % 64) & 1 == 1
     }
 
-    /// Puts a number into the set or takes it out.
+    /// Inserts or removes a number.
     pub fn set(&mut self, member: u32, present: bool) {
         let (mut at, mut bit) = (member as usize / 64, 1u64 << (member % 64));
         for level in &mut self.levels {

@@ -1,4 +1,4 @@
-//! From a program to its plain view.
+//! Conversion of a program to its plain view.
 
 use super::{
     GATE_AT_LEAST, GATE_ODD, LEAF_COMPLEMENT, LEAF_INSTANCE, LEAF_SHAPE, LEAF_UNUSED, PlainBox, PlainFacet,
@@ -9,11 +9,11 @@ use crate::{Edge, Leaf, LeafId, LeafKind, Place, Program, Prototype, Rule};
 use rayweave_math::{Mat3, Vec3};
 use rayweave_shape::surface::Surface;
 
-/// Why a program has no plain view.
+/// The reason why a program has no plain view.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlainError {
-    /// A leaf has a surface that is no list of a few numbers: a mesh, a sag surface.
+    /// A leaf has a surface without a fixed number of parameters: a mesh, a sag surface.
     #[error(
         "leaf {}, `{name}`, has no plain form: the surface of a `{shape}` is a list of any length. \
          Trace this model on the CPU.",
@@ -24,10 +24,10 @@ pub enum PlainError {
         leaf: LeafId,
         /// Its name.
         name: String,
-        /// The primitive that it is.
+        /// The name of its primitive.
         shape: &'static str,
     },
-    /// A table would be longer than its `u32` indices can count.
+    /// A table is longer than a `u32` index can address.
     #[error("the model has more than 2^32 {what}: their indices do not fit. Split the model.")]
     TooLarge {
         /// The table.
@@ -36,7 +36,7 @@ pub enum PlainError {
 }
 
 impl Program {
-    /// The program as tables of plain records, in time linear in its size.
+    /// The program as tables of plain records. Takes time linear in its size.
     ///
     /// # Errors
     ///
@@ -47,7 +47,7 @@ impl Program {
             plain.leaf(self, leaf)?;
         }
         for entry in self.surfaces() {
-            // leaves have been checked: every surface belongs to one
+            // every surface belongs to a leaf, and the leaves have been checked
             let Some(kind) = plain_kind(&entry.surface) else { continue };
             let first = index(plain.numbers.len(), "numbers of surfaces")?;
             plain.surfaces.push(PlainSurface { kind: kind as u32, first });
@@ -152,7 +152,7 @@ fn plain_kind(surface: &Surface) -> Option<SurfaceKind> {
     }
 }
 
-/// Appends the numbers of a surface, in the order of its [`SurfaceKind`].
+/// Appends the numbers of a surface, in the order given at [`SurfaceKind`].
 fn push_numbers(surface: &Surface, numbers: &mut Vec<f64>) {
     let mut vectors = |vectors: &[Vec3], scalars: &[f64]| {
         numbers.extend(vectors.iter().flat_map(|v| v.to_array()));

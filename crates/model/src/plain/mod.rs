@@ -1,22 +1,23 @@
 //! A plain view of a program: tables of fixed-size records, for a GPU buffer, a worker or a file.
 //!
-//! A [`PlainProgram`] holds all that is needed to find crossings: groups, leaves, facets, surfaces, placed solids, the
-//! boolean networks, regions and media. It holds no names and no search structures. Every table is a vector of one kind
-//! of [`Record`]: `#[repr(C)]`, `u32` alone or `f64` alone, no padding, no pointer. Ids are indices of tables.
+//! A [`PlainProgram`] holds everything needed to compute crossings: groups, leaves, facets, surfaces, placed
+//! solids, the boolean networks, regions and media. It holds no names and no search structures. Every table
+//! is a vector of one kind of [`Record`]: `#[repr(C)]`, only `u32` or only `f64` fields, no padding, no
+//! pointers. Ids are indices of tables.
 //!
 //! # Meaning
 //!
-//! - A **surface** has a `kind` and numbers, from which its f follows: see [`SurfaceKind`]. Inside is where f < 0.
-//! - A **facet** is one side of a surface. A **leaf** of kind [`LEAF_SHAPE`] is inside where all of its facets hold.
-//! - A leaf of kind [`LEAF_INSTANCE`] is a placed solid: a point of the group is carried by the map of the instance into
-//!   the frame of another group, and is inside the leaf where output 0 of that group is inside.
-//! - The **network** of a group has nodes in topological order: node 0 is empty, node 1 is everything, node k + 2 is leaf
-//!   k of the group, and the gates follow. An **edge** is `2 * node + complement`.
-//! - Group 0 is the model. Its output k is region k + 1; where several are inside, the last one owns the point. Region 0
-//!   is the world. Every other group has one output.
+//! - A **surface** has a `kind` and numbers, which define its f: see [`SurfaceKind`]. Inside is f < 0.
+//! - A **facet** is one side of a surface. A leaf of kind [`LEAF_SHAPE`] is inside where all its facets hold.
+//! - A leaf of kind [`LEAF_INSTANCE`] is a placed solid: the map of the instance takes a point of the group
+//!   into the frame of another group; the point is inside the leaf if it is inside output 0 of that group.
+//! - The **network** of a group has nodes in topological order: node 0 is empty, node 1 is the universe, node
+//!   k + 2 is leaf k of the group, and the gates follow. An **edge** is `2 * node + complement`.
+//! - Group 0 is the model. Its output k is region k + 1; where several are inside, the last one owns the
+//!   point. Region 0 is the world. Every other group has one output.
 //!
-//! [`DESIGN`](https://github.com/rayweave/rayweave/blob/main/DESIGN.md) says which crossings are reported where surfaces
-//! coincide; that needs no other table.
+//! [`DESIGN`](https://github.com/rayweave/rayweave/blob/main/DESIGN.md) defines the crossings that are
+//! reported where surfaces coincide; they need no other table.
 
 mod build;
 mod record;
@@ -25,24 +26,25 @@ pub use build::PlainError;
 pub use record::Record;
 use record::record;
 
-/// The kind of a leaf whose `first` and `count` are a range of facets.
+/// Kind of a leaf that is a shape: `first` and `count` are a range of facets.
 pub const LEAF_SHAPE: u32 = 0;
-/// The kind of a leaf whose `first` is the number of an instance; `count` is 1.
+/// Kind of a leaf that is a placed solid: `first` is the number of an instance; `count` is 1.
 pub const LEAF_INSTANCE: u32 = 1;
 
-/// The flag of a leaf that is the complement of what its facets bound. The network accounts for it already; it only
-/// turns normals.
+/// Flag of a leaf that is the complement of the solid that its facets bound. The network already accounts for
+/// it; it only affects the direction of normals.
 pub const LEAF_COMPLEMENT: u32 = 1;
-/// The flag of a leaf that matters to no output.
+/// Flag of a leaf that affects no output.
 pub const LEAF_UNUSED: u32 = 2;
 
-/// The rule of a gate that is inside where at least `least` of its operands are: 1 is the union, `count` the intersection.
+/// Rule of a gate that is inside if at least `least` of its operands are: 1 is the union, `count` the
+/// intersection.
 pub const GATE_AT_LEAST: u32 = 0;
-/// The rule of a gate that is inside where an odd number of its operands are; `least` is 0.
+/// Rule of a gate that is inside if an odd number of its operands are; `least` is 0.
 pub const GATE_ODD: u32 = 1;
 
-/// The kinds of surfaces, with their numbers in order and f. Unit vectors are of length 1 to rounding; matrices are given
-/// row by row.
+/// Kinds of surfaces, with their numbers in order and f. Unit vectors have length 1 up to rounding; matrices
+/// are in row-major order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum SurfaceKind {
@@ -77,7 +79,7 @@ impl SurfaceKind {
         SurfaceKind::AffineTorus,
     ];
 
-    /// How many numbers a surface of this kind has.
+    /// The number of parameters of a surface of this kind.
     pub const fn count(self) -> usize {
         match self {
             SurfaceKind::Plane | SurfaceKind::Sphere => 4,
@@ -104,13 +106,13 @@ record! {
         first_output: u32,
         /// The number of its outputs: one for each region for group 0, else 1.
         output_count: u32,
-        /// The number of placements that one occurrence of the group stands for, itself included.
+        /// The number of placements in one occurrence of the group, itself included.
         placements: u32,
     }
 }
 
 record! {
-    /// The numbers of a group.
+    /// Bounds and error factor of a group.
     PlainFrame: 88 {
         /// The lower corner of a box that holds the group; may be infinite.
         lo: [f64; 3],
@@ -120,7 +122,8 @@ record! {
         ball_centre: [f64; 3],
         /// The radius of the ball.
         ball_radius: f64,
-        /// The most by which a rounding in this frame can be magnified on the way into a placed solid and back, >= 1.
+        /// Upper bound of the factor by which a rounding error in this frame grows on the way into a placed
+        /// solid and back, >= 1.
         condition: f64,
     }
 }
@@ -174,17 +177,18 @@ record! {
     PlainInstance: 8 {
         /// The group that is placed.
         group: u32,
-        /// The number of its placement, counted from that of the group around it.
+        /// The number of its placement, relative to that of the enclosing group.
         placement: u32,
     }
 }
 
 record! {
-    /// The way into the frame of a placed solid.
+    /// The map into the frame of a placed solid.
     PlainMap: 104 {
-        /// From the frame of the group around it to its own: three rows of a 3x4 matrix that acts on columns.
+        /// From the frame of the enclosing group to its own: three rows of a 3x4 matrix that acts on columns.
         local_from_world: [f64; 12],
-        /// The lengths of all translations composed on the way, in units of the outer frame: tolerances count them.
+        /// Sum of the lengths of all translations composed in the map, in units of the outer frame;
+        /// tolerances count them.
         path: f64,
     }
 }
@@ -218,7 +222,7 @@ record! {
 pub struct PlainProgram {
     /// The groups; the first is the model.
     pub groups: Vec<PlainGroup>,
-    /// The numbers of the groups.
+    /// Bounds and error factors of the groups.
     pub frames: Vec<PlainFrame>,
     /// The leaves, group by group in the order of declaration.
     pub leaves: Vec<PlainLeaf>,
@@ -228,16 +232,16 @@ pub struct PlainProgram {
     pub facets: Vec<PlainFacet>,
     /// The surfaces, group by group.
     pub surfaces: Vec<PlainSurface>,
-    /// The size and position of each surface plus the lengths of all translations composed on the way: tolerances are a
-    /// multiple of it.
+    /// The size and position of each surface plus the lengths of all translations composed into its map:
+    /// tolerances are a multiple of it.
     pub magnitudes: Vec<f64>,
     /// The numbers of all surfaces.
     pub numbers: Vec<f64>,
     /// The placed solids.
     pub instances: Vec<PlainInstance>,
-    /// The ways into their frames.
+    /// The maps into their frames.
     pub maps: Vec<PlainMap>,
-    /// The gates, group by group, operands before what uses them.
+    /// The gates, group by group, operands before users.
     pub gates: Vec<PlainGate>,
     /// The operands of all gates: edges.
     pub operands: Vec<u32>,
@@ -259,7 +263,7 @@ pub struct PlainTable {
 }
 
 impl PlainProgram {
-    /// The number of media, that of the world included: one more than the greatest number of a medium.
+    /// The number of media: one more than the greatest medium number; medium 0 is that of the world.
     pub fn medium_count(&self) -> u32 {
         1 + self.regions.iter().map(|region| region.medium).max().unwrap_or(0)
     }
@@ -298,7 +302,8 @@ mod tests {
     use rayweave_math::{Affine, Vec3};
     use rayweave_shape::primitive::{Value, build};
 
-    /// The size in memory and in bytes, the alignment, and that the bytes read back to the same record.
+    /// Checks the size in memory and in bytes, the alignment, and that the bytes read back to the same
+    /// record.
     fn check<R: Record + Default + PartialEq + std::fmt::Debug>(size: usize, alignment: usize) {
         assert_eq!((size_of::<R>(), R::SIZE, align_of::<R>()), (size, size, alignment));
         let counted: Vec<u8> = (0..size as u8).collect();

@@ -1,9 +1,9 @@
-//! Records of fixed size, and their bytes.
+//! Records of fixed size and their serialisation.
 
-/// A row of a plain table: `u32` alone or `f64` alone, without padding.
+/// A row of a plain table: only `u32` or only `f64` fields, without padding.
 ///
-/// The bytes of a record are its fields in the order of declaration, little-endian, each as wide as in memory. On a
-/// little-endian machine they are the memory of the record.
+/// The bytes of a record are its fields in the order of declaration, little-endian, each as wide as in
+/// memory. On a little-endian machine they equal the memory of the record.
 pub trait Record: Copy {
     /// The number of bytes of a record.
     const SIZE: usize;
@@ -11,7 +11,7 @@ pub trait Record: Copy {
     /// Appends the bytes of the record.
     fn put(&self, bytes: &mut Vec<u8>);
 
-    /// Takes a record from the front of some bytes; `None` if they are too few.
+    /// Reads a record from the front of a slice and advances it; `None` if there are too few bytes.
     fn get(bytes: &mut &[u8]) -> Option<Self>;
 }
 
@@ -59,7 +59,7 @@ impl<const N: usize> Record for [f64; N] {
     }
 }
 
-/// Defines a record of the given size, which must be the sum of the sizes of its fields.
+/// Defines a record with the given size, which must be the sum of the sizes of its fields.
 macro_rules! record {
     ($(#[$doc:meta])* $name:ident: $size:literal { $($(#[$field_doc:meta])* $field:ident: $kind:ty,)* }) => {
         $(#[$doc])*

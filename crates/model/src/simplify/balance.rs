@@ -1,19 +1,19 @@
-//! Nodes of many operands as binary trees.
+//! Balanced binary trees for nodes with many operands.
 
 use super::formula::{Formula, Op, Renumbered, Term};
 
-/// A step in the building of a binary tree with a stack.
+/// A step in the construction of a binary tree with a stack (postfix order).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
-    /// Put the operand of this number on the stack.
+    /// Push the operand with this number.
     Operand(usize),
-    /// Take two off, first the second one, and put them back as one.
+    /// Pop the second operand, then the first, and push their join.
     Join,
 }
 
-/// Promise: the steps that join `count` operands, in order, to a binary tree of the least height.
+/// The steps that join `count` operands, in order, into a binary tree of minimal height.
 ///
-/// Each node halves what is below it, so that the height is log2 of the count, rounded up.
+/// Each node halves the range below it, so that the height is log2 of the count, rounded up.
 pub fn balanced(count: usize) -> Vec<Step> {
     let mut steps = Vec::with_capacity((2 * count).saturating_sub(1));
     let mut waiting = vec![Ok(0..count)];
@@ -31,10 +31,10 @@ pub fn balanced(count: usize) -> Vec<Step> {
     steps
 }
 
-/// Promise: the same answer and the same order of leaves, with nodes of many operands as balanced binary trees.
+/// Replaces nodes with many operands by balanced binary trees; keeps the value and the order of leaves.
 ///
-/// "At least k of n" is no chain of an operation on two operands: such nodes stay as they are, where neither one nor
-/// all operands are enough. Of a difference the first operand stands alone: `a - (b | c)`.
+/// "At least k of n" with 1 < k < n is not a chain of a binary operation: such nodes are kept. The first
+/// operand of a difference stays separate: `a - (b | c)`.
 pub fn balance(formula: &Formula) -> Formula {
     let uses = formula.uses();
     let mut out = Formula::like(formula);
@@ -64,7 +64,7 @@ pub fn balance(formula: &Formula) -> Formula {
     out
 }
 
-/// The operation on two operands of which one on many is a chain.
+/// The binary operation whose chain equals an operation on `count` operands; `None` if there is none.
 fn pairwise(op: Op, count: usize) -> Option<Op> {
     match op {
         Op::AtLeast(1) => Some(Op::Union),
@@ -74,7 +74,7 @@ fn pairwise(op: Op, count: usize) -> Option<Op> {
     }
 }
 
-/// The root of the balanced tree over at least one operand.
+/// The root of a balanced tree over at least one operand.
 fn binary(
     out: &mut Formula,
     op: Op,

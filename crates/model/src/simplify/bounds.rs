@@ -1,13 +1,13 @@
-//! CSG-tight bounds.
+//! Bounding boxes of boolean formulas: of each node, and of where each node matters.
 
 use super::formula::{Formula, Op, Term};
 use crate::Edge;
 use rayweave_math::Bounds;
 
-/// A box beyond which a node has one and the same value everywhere.
+/// A box outside of which a node is constant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beyond {
-    /// The box; infinite where the node has no bounds.
+    /// The box; infinite if the node has no bounds.
     pub within: Bounds,
     /// The value outside the box.
     pub inside: bool,
@@ -17,7 +17,7 @@ impl Beyond {
     const EMPTY: Beyond = Beyond { within: Bounds::EMPTY, inside: false };
     const UNIVERSE: Beyond = Beyond { within: Bounds::EMPTY, inside: true };
 
-    /// The same for the complement.
+    /// The bounds of the complement.
     fn complement(self) -> Beyond {
         Beyond { inside: !self.inside, ..self }
     }
@@ -27,19 +27,19 @@ impl Beyond {
         if self.inside { Bounds::ALL } else { self.within }
     }
 
-    /// The box and value of an operand.
+    /// The bounds of an operand.
     pub fn of(edge: Edge, nodes: &[Beyond]) -> Beyond {
         let plain = nodes[edge.node().index()];
         if edge.is_complemented() { plain.complement() } else { plain }
     }
 }
 
-/// Promise: for each node a box beyond which it is constant, if each leaf is outside beyond its own box.
+/// For each node a box outside of which it is constant, given that each leaf is outside beyond its own box.
 ///
-/// From the leaves upwards. An intersection is outside wherever one operand is, so that its box is the intersection
-/// of the boxes of the operands that are bounded (for `a - b` that of `a`); the intersection of complements is inside
-/// beyond all of their boxes. The union is its dual. The parity and count of operands are fixed beyond all boxes.
-/// `leaves` has a box for each leaf number.
+/// Computed from the leaves upwards. An intersection is outside wherever one operand is, so its box is the
+/// intersection of the boxes of the bounded operands (for `a - b` that of `a`); an intersection of
+/// complements is inside beyond all their boxes. The union is the dual. A parity or a count is constant
+/// beyond all boxes. `leaves` has a box for each leaf number.
 pub fn bounds(formula: &Formula, leaves: &[Bounds]) -> Vec<Beyond> {
     let mut nodes: Vec<Beyond> = Vec::with_capacity(formula.node_count());
     for (_, term, operands) in formula.nodes() {
@@ -53,17 +53,18 @@ pub fn bounds(formula: &Formula, leaves: &[Bounds]) -> Vec<Beyond> {
     nodes
 }
 
-/// Promise: a box around everything that is asked of the formula.
+/// A box around all outputs of the formula.
 pub fn output_bounds(formula: &Formula, nodes: &[Beyond]) -> Bounds {
     let boxes = formula.outputs().iter().map(|&edge| Beyond::of(edge, nodes).bounds());
     boxes.fold(Bounds::EMPTY, |all, bounds| all.union(&bounds))
 }
 
-/// Promise: for each node a box outside of which its value does not matter to any output.
+/// For each node a box outside of which its value affects no output.
 ///
-/// From the outputs downwards: an operand matters only where its user is not constant whatever its operands are, and
-/// matters itself. Where operands are taken for what they are beyond their own boxes, their users still are what they are
-/// beyond theirs, by induction from the leaves; and within, where they matter, they get the right operands.
+/// Computed from the outputs downwards: an operand matters only where its user matters and is not constant.
+/// Proof that operands may be replaced by their constants beyond their boxes: by induction from the leaves,
+/// every user then still has its own constant beyond its own box; and inside, where it matters, it has the
+/// right operands.
 pub fn needs(formula: &Formula, nodes: &[Beyond]) -> Vec<Bounds> {
     let mut needs = vec![Bounds::EMPTY; formula.node_count()];
     formula.outputs().iter().for_each(|edge| needs[edge.node().index()] = Bounds::ALL);
@@ -80,14 +81,14 @@ pub fn needs(formula: &Formula, nodes: &[Beyond]) -> Vec<Bounds> {
     needs
 }
 
-/// Promise: for each leaf the part of its box where it matters; nothing of leaves that the formula does not have.
+/// For each leaf the part of its box where it matters; empty for leaves that the formula does not contain.
 pub fn leaf_needs(formula: &Formula, nodes: &[Beyond], leaf_count: usize) -> Vec<Bounds> {
     let needs = needs(formula, nodes);
     let mut leaves = vec![Bounds::EMPTY; leaf_count];
     for (node, term, _) in formula.nodes() {
         if let Term::Leaf(leaf) = term {
             let here = needs[node.index()].intersection(&nodes[node.index()].within);
-            // a leaf may be more than one node
+            // a leaf may have several nodes
             leaves[leaf.index()] = leaves[leaf.index()].union(&here);
         }
     }
@@ -113,7 +114,8 @@ fn joined(op: Op, operands: &[Edge], nodes: &[Beyond]) -> Beyond {
     }
 }
 
-/// The intersection: outside beyond the box of any operand that is outside beyond it, else inside beyond all boxes.
+/// The intersection: outside beyond the box of any operand that is outside there; if there is none, inside
+/// beyond all boxes.
 fn all(operands: impl Iterator<Item = Beyond>) -> Beyond {
     let (mut bounded, mut holes) = (None::<Bounds>, Bounds::EMPTY);
     for Beyond { within, inside } in operands {

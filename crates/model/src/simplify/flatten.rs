@@ -1,13 +1,14 @@
-//! Chains of one operator.
+//! Flattening of chains of one associative operator.
 
 use super::formula::{Formula, Op, Renumbered, Term};
 use crate::{Edge, NodeId};
 
-/// Promise: the same answer and the same order of leaves, with chains of one operator as one node with many operands.
+/// Merges chains of one operator into one node with many operands; keeps the value and the order of leaves.
 ///
-/// `a | (b | c)` turns into `a | b | c`, `a - b - (c | d)` into `a` less all others, a node of one operand into that
-/// operand. Nodes that are used more than once stay: merged into each of their users, their operands would be counted
-/// once per use, which is quadratic in a chain whose every member is used, and exponential where uses are nested.
+/// `a | (b | c)` becomes `a | b | c`, `a - b - (c | d)` becomes `a` minus all others, and a node with one
+/// operand becomes that operand. Nodes that are used more than once are kept: merged into each of their
+/// users, their operands would be repeated once per use, which is quadratic for a chain in which every member
+/// is used, and exponential for nested uses.
 pub fn flatten(formula: &Formula) -> Formula {
     let uses = formula.uses();
     let places = places(formula, &uses);
@@ -33,28 +34,29 @@ pub fn flatten(formula: &Formula) -> Formula {
     out
 }
 
-/// True if there is nothing to do for [`flatten`].
+/// True if [`flatten`] would change nothing.
 pub(super) fn is_flat(formula: &Formula) -> bool {
     places(formula, &formula.uses()).iter().all(Option::is_none)
 }
 
-/// True if the operation of one operand is that operand.
+/// True if the operation on one operand is that operand.
 fn is_identity(op: Op) -> bool {
     !matches!(op, Op::AtLeast(least) if least != 1)
 }
 
-/// Where the operands of a node go.
+/// The node that takes over the operands of a merged node, and how.
 #[derive(Clone, Copy)]
 struct Place {
-    /// The operation of the node that takes them.
+    /// The operation of that node.
     op: Op,
-    /// True if it takes complements of them.
+    /// True if it takes their complements.
     complemented: bool,
-    /// True if the first of them is the first operand there.
+    /// True if the first of them is its first operand.
     first: bool,
 }
 
-/// For nodes whose operands go to their only user, or to where its own go: the place there.
+/// For each node that is merged into its only user, the place of its operands; `None` for nodes that are
+/// kept.
 fn places(formula: &Formula, uses: &[u32]) -> Vec<Option<Place>> {
     let mut places = vec![None; formula.node_count()];
     for (node, term, operands) in formula.nodes().rev() {
@@ -74,7 +76,7 @@ fn places(formula: &Formula, uses: &[u32]) -> Vec<Option<Place>> {
     places
 }
 
-/// True if a node may be replaced at a place by its operands.
+/// True if a node at a place may be replaced by its operands.
 fn goes_into(formula: &Formula, node: NodeId, place: Place) -> bool {
     let Term::Join(below) = formula.term(node) else { return false };
     let Place { op, complemented, first } = place;
@@ -89,7 +91,8 @@ fn goes_into(formula: &Formula, node: NodeId, place: Place) -> bool {
     }
 }
 
-/// The operands of a node and of all that goes into it, in order; true if the complement is meant.
+/// Collects the operands of a node and of all nodes merged into it, in order; true if the result is
+/// complemented.
 fn collect(
     formula: &Formula,
     node: NodeId,
@@ -107,7 +110,8 @@ fn collect(
             operands.push(to.edge(edge));
             continue;
         }
-        // a symmetric difference takes complements out; elsewhere only nodes of one operand have one
+        // a symmetric difference pulls complements out; elsewhere only nodes with one operand can be
+        // complemented
         let complemented = edge.is_complemented() && op != Op::SymmetricDifference;
         odd ^= edge.is_complemented() && op == Op::SymmetricDifference;
         let below = formula.operands(edge.node()).iter().rev();

@@ -1,13 +1,13 @@
-//! Constants, idempotence, contradiction.
+//! Constant folding, idempotence and contradiction.
 
 use super::formula::{Formula, Op, Renumbered, Term};
 use crate::Edge;
 
-/// Promise: the same answer, without constants, repeated operands and operands beside their own complement.
+/// Removes constants, repeated operands and operands next to their own complement; keeps the value.
 ///
-/// `a | empty` and `a & a` turn into `a`, `a - a` into empty, `a ^ a ^ b` into `b`; what that makes constant vanishes in
-/// turn. Operands are put into the order of their numbers, which is that of their first leaves as far as nodes are
-/// numbered in the order of declaration.
+/// `a | empty` and `a & a` become `a`, `a - a` becomes empty, `a ^ a ^ b` becomes `b`; nodes that become
+/// constant are folded in turn. Operands are sorted by node number, which is the order of their first leaves
+/// if nodes are numbered in the order of declaration.
 pub fn fold(formula: &Formula) -> Formula {
     let uses = formula.uses();
     let mut out = Formula::like(formula);
@@ -36,15 +36,15 @@ pub fn fold(formula: &Formula) -> Formula {
     out
 }
 
-/// What a node is folded to.
+/// The result of folding a node.
 pub(super) enum Folded {
     /// One of its operands, or a constant.
     Edge(Edge),
-    /// A node with the operands that are left.
+    /// A node over the remaining operands.
     Join { op: Op, complemented: bool },
 }
 
-/// The rules for one node. Its operands are sorted, and those that are not needed are taken out.
+/// Folds one node. Sorts its operands and removes those that are not needed.
 pub(super) fn fold_join(op: Op, operands: &mut Vec<Edge>) -> Folded {
     match op {
         Op::Union => fold_chain(op, operands, Edge::EMPTY),
@@ -76,7 +76,7 @@ fn fold_chain(op: Op, operands: &mut Vec<Edge>, neutral: Edge) -> Folded {
     }
 }
 
-/// Complements move to the result, and equal operands cancel.
+/// Moves complements to the result and cancels equal operands.
 fn fold_odd(operands: &mut Vec<Edge>) -> Folded {
     let mut complemented = false;
     for edge in operands.iter_mut() {
@@ -97,7 +97,7 @@ fn fold_odd(operands: &mut Vec<Edge>) -> Folded {
     }
 }
 
-/// Takes out neighbours that cancel, and their neighbours in turn; answers with the number of pairs.
+/// Removes adjacent operands that cancel, also those that become adjacent, and returns the number of pairs.
 fn cancel(operands: &mut Vec<Edge>, cancels: impl Fn(Edge, Edge) -> bool) -> u32 {
     let (mut kept, mut pairs) = (0, 0);
     for k in 0..operands.len() {
@@ -112,7 +112,7 @@ fn cancel(operands: &mut Vec<Edge>, cancels: impl Fn(Edge, Edge) -> bool) -> u32
     pairs
 }
 
-/// At least so many of the operands: of an operand and its complement exactly one counts, whatever its value.
+/// Folds "at least k of n": of an operand and its complement exactly one counts, whatever its value.
 fn fold_count(least: u32, operands: &mut Vec<Edge>) -> Folded {
     let full = operands.iter().filter(|&&edge| edge == Edge::UNIVERSE).count() as u32;
     operands.retain(|&edge| edge != Edge::UNIVERSE && edge != Edge::EMPTY);

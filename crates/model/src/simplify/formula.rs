@@ -4,23 +4,23 @@ use crate::expression::{Brackets, Writing, write_tree};
 use crate::{Edge, LeafId, NodeId};
 use std::borrow::Cow;
 
-/// How a node is joined from its operands.
+/// The operation of a node on its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Op {
-    /// Inside any operand; of none: nothing.
+    /// Inside any operand; without operands empty.
     Union,
-    /// Inside all operands; of none: all of space.
+    /// Inside all operands; without operands the universe.
     Intersection,
-    /// Inside the first operand and none of the others; of none: nothing.
+    /// Inside the first operand and none of the others; without operands empty.
     Difference,
     /// Inside an odd number of operands.
     SymmetricDifference,
-    /// Inside at least so many operands.
+    /// Inside at least this many operands.
     AtLeast(u32),
 }
 
 impl Op {
-    /// The value for given values of the operands.
+    /// The value of the operation for given values of the operands.
     pub fn of(self, mut operands: impl Iterator<Item = bool>) -> bool {
         match self {
             Op::Union => operands.any(|inside| inside),
@@ -32,7 +32,7 @@ impl Op {
     }
 }
 
-/// What a node is.
+/// The kind of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Term {
     /// Never inside; node 0.
@@ -47,13 +47,13 @@ pub enum Term {
 
 /// A formula with one or more outputs.
 ///
-/// Node 0 is empty, node 1 universe, and operands stand before their users. A complement is a mark on an operand
-/// ([`Edge`]). A part that is used more than once may be stored once. Each node has a *tag*, which the passes hand
-/// on: from what node of the formula as it was written it comes.
+/// Node 0 is empty, node 1 universe, and operands come before their users. A complement is a flag of an
+/// operand ([`Edge`]). A common part may be stored once. Each node has a *tag*, which the passes preserve:
+/// the number of the node of the original formula from which it derives.
 #[derive(Clone, Debug)]
 pub struct Formula {
     terms: Vec<Term>,
-    /// Where the operands of each node end.
+    /// End of the operands of each node.
     ends: Vec<u32>,
     operands: Vec<Edge>,
     tags: Vec<u32>,
@@ -67,7 +67,7 @@ impl Default for Formula {
 }
 
 impl Formula {
-    /// The two constants, with room for more.
+    /// A formula with the two constants and capacity for more nodes and operands.
     pub fn with_capacity(nodes: usize, operands: usize) -> Formula {
         let mut formula = Formula {
             terms: Vec::with_capacity(nodes + 2),
@@ -81,7 +81,7 @@ impl Formula {
         formula
     }
 
-    /// Room for about as much as another formula holds.
+    /// An empty formula with the capacity of another one.
     pub(super) fn like(other: &Formula) -> Formula {
         Formula::with_capacity(other.terms.len(), other.operands.len())
     }
@@ -100,20 +100,20 @@ impl Formula {
         self.push(Term::Leaf(leaf), tag)
     }
 
-    /// Appends a node with its operands, just as they are.
+    /// Appends a node with its operands, unchanged.
     pub fn join(&mut self, op: Op, operands: &[Edge]) -> Edge {
         let tag = self.terms.len() as u32;
         self.tagged(Term::Join(op), operands, tag)
     }
 
-    /// Appends a node that comes from the same place as another one.
+    /// Appends a node with the given tag.
     pub(super) fn tagged(&mut self, term: Term, operands: &[Edge], tag: u32) -> Edge {
         debug_assert!(operands.iter().all(|edge| edge.node().index() < self.terms.len()));
         self.operands.extend_from_slice(operands);
         self.push(term, tag)
     }
 
-    /// Complements some leaves wherever they are used.
+    /// Complements some leaves in all their uses.
     pub(crate) fn complement_leaves(&mut self, complements: impl Fn(LeafId) -> bool) {
         let complemented = |term: &Term| matches!(term, Term::Leaf(leaf) if complements(*leaf));
         let nodes: Vec<bool> = self.terms.iter().map(complemented).collect();
@@ -129,7 +129,7 @@ impl Formula {
         self.outputs.push(output);
     }
 
-    /// What is asked of the formula.
+    /// The outputs of the formula.
     pub fn outputs(&self) -> &[Edge] {
         &self.outputs
     }
@@ -139,7 +139,7 @@ impl Formula {
         self.terms.len()
     }
 
-    /// What a node is.
+    /// The kind of a node.
     ///
     /// # Panics
     /// If there is no such node.
@@ -147,7 +147,7 @@ impl Formula {
         self.terms[node.index()]
     }
 
-    /// The operands of a node; none of a leaf or a constant.
+    /// The operands of a node; empty for a leaf or a constant.
     ///
     /// # Panics
     /// If there is no such node.
@@ -156,7 +156,7 @@ impl Formula {
         &self.operands[begin as usize..self.ends[node.index()] as usize]
     }
 
-    /// From what node of the formula as it was written a node comes.
+    /// The tag of a node: the number of the node of the original formula from which it derives.
     ///
     /// # Panics
     /// If there is no such node.
@@ -172,7 +172,8 @@ impl Formula {
         })
     }
 
-    /// How often each node is used, by nodes that are asked for and by outputs; 0 where it is not asked for.
+    /// The number of uses of each node, by reachable nodes and by outputs; 0 for nodes that no output
+    /// reaches.
     pub fn uses(&self) -> Vec<u32> {
         let mut uses = vec![0; self.terms.len()];
         self.outputs.iter().for_each(|edge| uses[edge.node().index()] += 1);
@@ -184,7 +185,7 @@ impl Formula {
         uses
     }
 
-    /// The value of every node for given values of the leaves: the plain meaning of the formula.
+    /// Computes the value of every node for given values of the leaves: the definition of the formula.
     pub fn evaluate(&self, inside: impl Fn(LeafId) -> bool, values: &mut Vec<bool>) {
         values.clear();
         for (_, term, operands) in self.nodes() {
@@ -200,9 +201,9 @@ impl Formula {
         }
     }
 
-    /// What is below an edge as text: leaves by number, `~` complement, `any{..}`, `all{..}`, `minus{..}`,
-    /// `odd{..}`, `at_least_2{..}`. Linear in the size of the text, which writes shared nodes out wherever
-    /// they are used.
+    /// The formula below an edge as text: leaves by number, `~` complement, `any{..}`, `all{..}`,
+    /// `minus{..}`, `odd{..}`, `at_least_2{..}`. Linear in the size of the text, which repeats shared nodes
+    /// at each use.
     pub fn text(&self, edge: Edge) -> String {
         let writing = |node| match self.term(node) {
             Term::Empty => Writing::Text("empty".into()),
@@ -213,8 +214,8 @@ impl Formula {
         write_tree(edge, writing, usize::MAX)
     }
 
-    /// The same as people write it, with names for leaves: `front & (back | ~rim)`; cut off where it gets longer than
-    /// `most` bytes.
+    /// The formula below an edge in infix notation with names of leaves: `front & (back | ~rim)`; cut off
+    /// once it is longer than `most` bytes.
     pub(super) fn infix(&self, edge: Edge, leaf_name: impl Fn(LeafId) -> String, most: usize) -> String {
         let writing = |node| match self.term(node) {
             Term::Empty => Writing::Text("empty".into()),
@@ -259,7 +260,7 @@ fn infix(op: Op, outermost: bool) -> Brackets {
     }
 }
 
-/// Where the nodes of a formula are in the next one, as edges: a node may turn into a complement.
+/// Map from the nodes of a formula to edges of the next one: a node may become a complement.
 pub(super) struct Renumbered(Vec<Edge>);
 
 impl Renumbered {

@@ -1,10 +1,10 @@
-//! How high a formula stands.
+//! The height of a formula.
 
 use super::formula::{Formula, Term};
 
-/// Promise: the number of nodes on the longest way from an output down to, and without, a leaf or constant.
+/// The number of joins on the longest path from an output down to a leaf or constant.
 ///
-/// A complement is a mark and no node, so it adds nothing.
+/// A complement is a flag, not a node, so it adds nothing.
 pub fn height(formula: &Formula) -> u32 {
     let mut heights: Vec<u32> = Vec::with_capacity(formula.node_count());
     for (_, term, operands) in formula.nodes() {

@@ -1,8 +1,9 @@
-//! The preparation of formulas: from the tree as it was written to the one that programs hold.
+//! Simplification of boolean formulas, before they are stored in a program.
 //!
-//! Each pass is a free function in a file of its own with a one-line promise; each keeps the answer. [`prepare`] is how they
-//! follow one another when a model is compiled. No pass uses the call stack for depth, and each takes time linear in the
-//! size of the formula ([`fold`](fold()) and [`share`](share()) sort operands).
+//! Each pass is a free function in its own file; the first line of its documentation is its contract. Every
+//! pass keeps the value of the formula. [`prepare`] runs them in the order used for compilation. No pass is
+//! recursive, and each takes time linear in the size of the formula ([`fold`](fold()) and [`share`](share())
+//! sort operands).
 
 mod balance;
 mod bounds;
@@ -29,7 +30,7 @@ pub use share::share;
 use rayweave_math::Bounds;
 use std::borrow::Cow;
 
-/// A step of the preparation, as [`prepare`] reports it.
+/// A pass of the simplification, as [`Preparation`] reports it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
     /// [`positive`](positive()).
@@ -40,12 +41,12 @@ pub enum Pass {
     Fold,
     /// [`share`](share()).
     Share,
-    /// [`prune`](prune()) and what it leaves to the passes before it.
+    /// [`prune`](prune()), followed by the other passes on its result.
     Prune,
 }
 
 impl Pass {
-    /// What it is called.
+    /// The name of the pass.
     pub fn name(self) -> &'static str {
         match self {
             Pass::Positive => "positive",
@@ -56,7 +57,7 @@ impl Pass {
         }
     }
 
-    /// What it makes sure of, while it keeps the answer.
+    /// The property that it establishes, while it keeps the value.
     pub fn promise(self) -> &'static str {
         match self {
             Pass::Positive => "complements at leaves and symmetric differences only (De Morgan)",
@@ -68,22 +69,23 @@ impl Pass {
     }
 }
 
-/// What looks on while a formula is prepared.
+/// An observer of the simplification of a formula.
 pub(crate) trait Watch {
-    /// A pass made the second formula from the first one.
+    /// Called after a pass made the second formula from the first one.
     fn pass(&mut self, _pass: Pass, _before: &Formula, _after: &Formula) {}
-    /// These operands are to be cut from a formula.
+    /// Called before these operands are cut from a formula.
     fn cuts(&mut self, _formula: &Formula, _leaves: &[Bounds], _cuts: &[Cut]) {}
-    /// All is done; the boxes of the leaves, and the box of what is asked for.
+    /// Called at the end, with the boxes of the leaves and the box of the outputs.
     fn finish(&mut self, _written: &Formula, _kept: &Formula, _leaves: &[Bounds], _tight: Bounds) {}
 }
 
-/// Nobody looks on.
+/// No observer.
 impl Watch for () {}
 
-/// All passes in order: De Morgan, chains, constants, sharing, bounds; and what the last one leaves to the ones before.
+/// Runs all passes in order: De Morgan, chains, constants, sharing, bounds; then the first four again on the
+/// result.
 ///
-/// `leaves` are the boxes that [`prune`](prune()) asks for.
+/// `leaves` are the boxes that [`prune`](prune()) takes.
 pub fn prepare(formula: &Formula, leaves: &[Bounds]) -> Formula {
     prepare_watched(formula, leaves, &mut ())
 }
@@ -107,11 +109,11 @@ type Run = fn(&Formula) -> Formula;
 const TIDYING: [(Pass, Run); 4] =
     [(Pass::Positive, positive), (Pass::Flatten, flatten), (Pass::Fold, fold), (Pass::Share, share)];
 
-/// So often the passes that need no bounds are run at most: a bound on time. One round is enough unless one pass gives
-/// another one before it something to do, and that a third one, and so on.
+/// Maximum number of rounds of the passes that need no bounds: limits the time. A second round is needed only
+/// if one pass creates work for an earlier one, a third one if that does so again, and so on.
 const ROUNDS: usize = 4;
 
-/// The passes that need no bounds, until there is nothing left for them.
+/// Repeats the passes that need no bounds until they change nothing, at most [`ROUNDS`] times.
 fn tidy(formula: &Formula, watch: &mut impl Watch) -> Formula {
     let mut formula = Cow::Borrowed(formula);
     for _ in 0..ROUNDS {

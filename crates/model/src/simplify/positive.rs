@@ -3,15 +3,16 @@
 use super::formula::{Formula, Op, Term};
 use crate::{Edge, NodeId};
 
-/// Promise: the same answer, with complements at leaves and on symmetric differences only, and no difference left.
+/// Moves complements to leaves and symmetric differences and removes differences; keeps the value.
 ///
-/// `~(a | b)` turns into `~a & ~b`, `a - b` into `a & ~b`, "not at least k of n" into "at least n - k + 1 of the
-/// complements" (De Morgan, 1847). A symmetric difference passes its operands' complements to its own. A node that
-/// is used both ways is written out twice, so that the result has at most twice the nodes.
+/// `~(a | b)` becomes `~a & ~b`, `a - b` becomes `a & ~b`, "not at least k of n" becomes "at least n - k + 1
+/// of the complements" (De Morgan, 1847). A symmetric difference takes over the complements of its operands.
+/// A node that is used both plain and complemented is written twice, so that the result has at most twice the
+/// nodes.
 pub fn positive(formula: &Formula) -> Formula {
     let needed = needed(formula);
     let mut out = Formula::like(formula);
-    // the edges for a node and for its complement
+    // indexed by node, then by complement
     let mut to = vec![[Edge::EMPTY, Edge::UNIVERSE]; formula.node_count()];
     to[1] = [Edge::UNIVERSE, Edge::EMPTY];
     let mut operands = Vec::new();
@@ -43,7 +44,7 @@ pub fn positive(formula: &Formula) -> Formula {
     out
 }
 
-/// True if there is nothing to do for [`positive`].
+/// True if [`positive`] would change nothing.
 pub(super) fn is_positive(formula: &Formula) -> bool {
     let uses = formula.uses();
     let keeps = |edge: &Edge| !edge.is_complemented() || keeps_complements(formula.term(edge.node()));
@@ -52,12 +53,12 @@ pub(super) fn is_positive(formula: &Formula) -> bool {
         && formula.outputs().iter().all(keeps)
 }
 
-/// True if complements stay at a node.
+/// True if a complement of such a node is kept as it is.
 pub(super) fn keeps_complements(term: Term) -> bool {
     !matches!(term, Term::Join(op) if op != Op::SymmetricDifference)
 }
 
-/// Whether each node is needed as it is, and as its complement.
+/// For each node whether it is needed plain, and whether complemented.
 fn needed(formula: &Formula) -> Vec<[bool; 2]> {
     let mut needed = vec![[false; 2]; formula.node_count()];
     let mark = |needed: &mut Vec<[bool; 2]>, edge: Edge, complemented: bool| {
@@ -85,7 +86,8 @@ fn needed(formula: &Formula) -> Vec<[bool; 2]> {
     needed
 }
 
-/// The operands of a symmetric difference without complements; true if an odd number of them had one.
+/// Collects the operands of a symmetric difference without complements; true if an odd number of them had
+/// one.
 fn collect_odd(formula: &Formula, node: NodeId, to: &[[Edge; 2]], operands: &mut Vec<Edge>) -> bool {
     operands.clear();
     let mut odd = false;
@@ -99,7 +101,7 @@ fn collect_odd(formula: &Formula, node: NodeId, to: &[[Edge; 2]], operands: &mut
     odd
 }
 
-/// The operands of a node, or of its complement, with the operation that joins them.
+/// Collects the operands of a node, or of its complement, and returns the operation that joins them.
 fn collect(
     formula: &Formula,
     node: NodeId,
@@ -116,7 +118,7 @@ fn collect(
     }));
     match (op, side) {
         (Op::Union, false) | (Op::Intersection, true) => Op::Union,
-        // nothing, less nothing, is nothing
+        // an empty difference is empty
         (Op::Difference, false) if all.is_empty() => Op::Union,
         (Op::Difference, true) if all.is_empty() => Op::Intersection,
         (Op::Difference, true) => Op::Union,

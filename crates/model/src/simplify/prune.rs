@@ -1,42 +1,44 @@
-//! Parts that bounds show not to matter.
+//! Pruning of parts that bounding boxes prove irrelevant.
 
 use super::bounds::{Beyond, bounds, needs};
 use super::formula::{Formula, Op, Renumbered, Term};
 use crate::{Edge, NodeId};
 use rayweave_math::Bounds;
 
-/// An operand, or an output, that bounds show to be constant wherever it matters.
+/// An operand or output that is constant wherever it matters, by its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cut {
-    /// What was replaced by a constant.
+    /// The part that is replaced by a constant.
     pub part: Edge,
-    /// The node that used it; none for an output.
+    /// The node that used it; `None` for an output.
     pub user: Option<NodeId>,
     /// The constant.
     pub inside: bool,
 }
 
-/// Why a part does not matter.
+/// The reason why a part does not matter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// It is the same everywhere: an intersection of parts whose bounds are disjoint, of which two are named, or the
-    /// complement of one.
+    /// It is constant everywhere: an intersection of parts with disjoint bounds, or the complement of one.
+    /// Two disjoint parts are given if found.
     Constant(Option<(Edge, Edge)>),
-    /// Subtracted where nothing is: `a - b` with disjoint bounds. The other operand is named.
+    /// Disjoint from the rest of an intersection or difference, as `b` in `a - b` with disjoint bounds. The
+    /// other operand is given.
     Apart(Edge),
-    /// Added where everything is: beyond the bounds of what this operand is the complement of.
+    /// Absorbed in a union: the given operand, a complement, is inside wherever the part is.
     Absorbed(Edge),
-    /// Elsewhere in the formula it is decided what is where this part is.
+    /// The rest of the formula decides the value wherever this part is.
     Decided,
 }
 
-/// Promise: the same answer along every ray, without operands that are constant wherever they matter.
+/// Removes operands that are constant wherever they matter; keeps the value along every ray.
 ///
-/// That is what is provably empty, what is provably absorbed, and `b` in `a - b` with disjoint bounds: all three are one
-/// rule. An operand is replaced by what it is beyond its box ([`bounds()`]) if this box misses the part of space where
-/// its user is not constant and matters ([`needs()`]; the proof is there). `leaves` has a box for each leaf number beyond which
-/// no ray finds the leaf inside: grown by what roots can err by, so that parts that touch are not taken for disjoint. The
-/// constants are left to [`fold`](super::fold()).
+/// One rule covers parts that are provably empty, parts that are absorbed, and `b` in `a - b` with disjoint
+/// bounds: an operand is replaced by its constant beyond its box ([`bounds()`]) if this box is disjoint from
+/// the part of space where its user matters and is not constant ([`needs()`]; the proof is there). `leaves`
+/// has, for each leaf number, a box beyond which no ray finds the leaf inside: grown by the error of computed
+/// roots, so that parts in contact do not count as disjoint. The constants are left to
+/// [`fold`](super::fold()).
 pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<Cut>) {
     let nodes = bounds(formula, leaves);
     let needs = needs(formula, &nodes);
@@ -63,10 +65,10 @@ pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<Cut>) {
     (out, cuts)
 }
 
-/// So many operands are looked through for one to be named in a reason: of wide nodes not all, for the sake of time.
+/// Maximum number of operands that are searched for one to give in a reason: limits the time for wide nodes.
 const LOOKED_THROUGH: usize = 1000;
 
-/// Why a cut was made; `nodes` are the [`bounds()`] of the formula that was pruned.
+/// The reason for a cut; `nodes` are the [`bounds()`] of the formula before pruning.
 pub fn reason(formula: &Formula, nodes: &[Beyond], cut: Cut) -> Reason {
     let within = |edge: Edge| nodes[edge.node().index()].within;
     let part = within(cut.part);
@@ -74,7 +76,7 @@ pub fn reason(formula: &Formula, nodes: &[Beyond], cut: Cut) -> Reason {
         return Reason::Constant(disjoint_pair(formula.operands(cut.part.node()), nodes));
     }
     let Some(user) = cut.user else { return Reason::Decided };
-    // what decides an intersection is outside beyond its box, what decides a union inside
+    // beyond its box the deciding operand is outside for an intersection, inside for a union
     let (decides, why): (bool, fn(Edge) -> Reason) = match formula.term(user) {
         Term::Join(Op::Intersection | Op::Difference) => (false, Reason::Apart),
         Term::Join(Op::Union) => (true, Reason::Absorbed),
@@ -87,7 +89,7 @@ pub fn reason(formula: &Formula, nodes: &[Beyond], cut: Cut) -> Reason {
     other.map_or(Reason::Decided, |&edge| why(edge))
 }
 
-/// The first operand that is disjoint from one before it, after that one.
+/// The first operand that is disjoint from an earlier one, as (earlier, later).
 fn disjoint_pair(operands: &[Edge], nodes: &[Beyond]) -> Option<(Edge, Edge)> {
     let within = |edge: Edge| nodes[edge.node().index()].within;
     let mut common = Bounds::ALL;

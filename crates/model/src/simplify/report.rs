@@ -1,4 +1,4 @@
-//! What the preparation of a model did, for people.
+//! Readable report on the simplification of a model.
 
 use super::bounds::{Beyond, bounds};
 use super::formula::{Formula, Op, Term};
@@ -14,35 +14,35 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
-/// What the preparation of one group did: of the model itself, or of a placed solid.
+/// Report on the simplification of one group: the model itself, or a placed solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preparation {
     /// The group.
     pub group: PrototypeId,
-    /// Which solid it is, for people: the model, or one placed under a name so many times.
+    /// The solid, in words: the model, or the name and number of copies of a placed solid.
     pub whose: String,
-    /// The passes in order; each starts from what the one before it left.
+    /// The passes in order; each starts from the result of the one before.
     pub passes: Vec<PassReport>,
-    /// What bounds showed not to matter.
+    /// The parts removed because of their bounds.
     pub removals: Vec<Removal>,
-    /// The names of the leaves that are not asked any more, whatever the reason.
+    /// The names of the leaves that no output uses any more, for any reason.
     pub unasked: Vec<String>,
-    /// As binary trees, as the single-hit evaluator has them.
+    /// The size as binary trees, the form that the single-hit evaluator uses.
     pub balanced: Size,
-    /// The formula as it was written, by the names of leaves; cut off if it is long.
+    /// The formula before simplification, with names of leaves; cut off if it is long.
     pub written: String,
-    /// The formula as it is kept, likewise.
+    /// The formula after simplification, likewise.
     pub kept: String,
     /// The union of the boxes of all leaves.
     pub loose: Bounds,
-    /// The box that follows from how they are joined.
+    /// The box that follows from the formula.
     pub tight: Bounds,
 }
 
-/// What a pass did.
+/// The effect of a pass on the size of the formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassReport {
-    /// Which.
+    /// The pass.
     pub pass: Pass,
     /// The size of the formula before it.
     pub before: Size,
@@ -50,7 +50,7 @@ pub struct PassReport {
     pub after: Size,
 }
 
-/// How large a formula is; shared nodes count once.
+/// The size of a formula; shared nodes count once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Size {
     /// The number of different leaves.
@@ -59,23 +59,23 @@ pub struct Size {
     pub operators: usize,
     /// The number of operands that are complements of operators other than symmetric differences.
     pub complements: usize,
-    /// The number of operators on the longest way from an output to a leaf.
+    /// The number of operators on the longest path from an output to a leaf.
     pub height: u32,
 }
 
-/// A part that is not asked any more, because bounds show that it does not matter.
+/// A part that was removed because its bounds show that it does not matter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Removal {
-    /// What it is called.
+    /// The name or description of the part.
     pub part: String,
-    /// Why it does not matter.
+    /// The reason, in words.
     pub why: String,
-    /// What the operand is replaced by: universe or empty.
+    /// The constant that replaces it: universe if true, empty if false.
     pub inside: bool,
 }
 
 impl Preparation {
-    /// Compiles a model, and tells what the preparation of each of its groups did, the model itself first.
+    /// Compiles a model and reports the simplification of each of its groups, the model itself first.
     ///
     /// # Errors
     /// As [`crate::Program::compile_regions`].
@@ -88,13 +88,13 @@ impl Preparation {
         Ok(reports)
     }
 
-    /// The formula as it was written, and as it is kept.
+    /// The sizes before and after simplification.
     pub fn sizes(&self) -> (Size, Size) {
         let first = self.passes.first().map(|pass| pass.before).unwrap_or_default();
         (first, self.passes.last().map_or(first, |pass| pass.after))
     }
 
-    /// The report as text, with at most so many removed parts.
+    /// The report as text, with at most `most` removed parts.
     pub fn text(&self, most: usize) -> String {
         let (written, kept) = self.sizes();
         let mut text = format!("preparation of {}\n\n", self.whose);
@@ -134,7 +134,7 @@ impl fmt::Display for Preparation {
     }
 }
 
-/// What a placed solid is called, and how often it is placed within the groups that use it.
+/// The name of a placed solid and the number of its copies, in words.
 fn placed(program: &Program, group: PrototypeId) -> String {
     let runs = program.leaves.instances.iter().filter(|run| run.prototype == group);
     let name = runs.clone().next().map_or("", |run| &run.name);
@@ -166,12 +166,12 @@ fn bounds_text(bounds: &Bounds) -> String {
 
 /// A number to six digits.
 fn short(x: f64) -> f64 {
-    // no -0
+    // -0 becomes 0
     rayweave_math::round_to_digits(x, 6) + 0.0
 }
 
 impl Size {
-    /// The size of what is asked for of a formula.
+    /// The size of the part of a formula that its outputs reach.
     pub fn of(formula: &Formula) -> Size {
         let uses = formula.uses();
         let mut size = Size { height: height(formula), ..Size::default() };
@@ -195,7 +195,7 @@ impl Size {
     }
 }
 
-/// Looks on while a group is prepared, and writes its report.
+/// Writes the report of a group while it is simplified.
 struct Reporter<'r> {
     names: Names,
     report: Preparation,
@@ -254,7 +254,7 @@ impl Watch for Reporter<'_> {
     }
 }
 
-/// The names of the leaves; those that are called the same by the name around them, too, or else by a number.
+/// The names of the leaves, made distinct: by the name of the enclosing compound, or else by a number.
 fn distinct_names(group: &Group) -> Vec<Arc<str>> {
     let count = |names: &[Arc<str>]| {
         let mut counts: HashMap<Arc<str>, usize> = HashMap::new();
@@ -287,17 +287,17 @@ fn distinct_names(group: &Group) -> Vec<Arc<str>> {
     names
 }
 
-/// What parts are called.
+/// The names of leaves and compounds.
 struct Names {
     leaves: Vec<Arc<str>>,
     /// By tag.
     compounds: HashMap<u32, Arc<str>>,
 }
 
-/// Formulas longer than this are cut off, in bytes.
+/// Length in bytes at which formulas are cut off.
 const LONG: usize = 160;
 
-/// Descriptions of parts longer than this are replaced by counts, in bytes.
+/// Length in bytes above which the description of a part is replaced by a count.
 const WORDY: usize = 48;
 
 impl Names {
@@ -321,7 +321,7 @@ impl Names {
         format!("{}{more}", texts.join("; "))
     }
 
-    /// A part, complemented or not, without its complement.
+    /// The name or text of the node of an edge, ignoring a complement.
     fn plain(&self, formula: &Formula, edge: Edge) -> String {
         let node = edge.node();
         let op = match formula.term(node) {

@@ -1,4 +1,4 @@
-//! Equal sub-trees.
+//! Sharing of equal sub-formulas (common subexpression elimination).
 
 use super::fold::{Folded, fold_join};
 use super::formula::{Formula, Renumbered, Term};
@@ -6,10 +6,10 @@ use crate::{Edge, LeafId, NodeId};
 use std::collections::HashMap;
 use std::hash::{BuildHasher, RandomState};
 
-/// Promise: the same answer, with equal sub-trees stored once.
+/// Stores equal sub-formulas once; keeps the value.
 ///
-/// Value numbering from the leaves upwards (hash-consing: Ershov, 1958). Where operands turn out to be equal, the
-/// rules of [`fold`](super::fold()) apply again.
+/// Value numbering from the leaves upwards (hash-consing: Ershov, 1958). Where operands turn out to be equal,
+/// the rules of [`fold`](super::fold()) are applied again.
 pub fn share(formula: &Formula) -> Formula {
     let uses = formula.uses();
     let mut shared = Shared { out: Formula::like(formula), ..Shared::default() };
@@ -39,15 +39,15 @@ pub fn share(formula: &Formula) -> Formula {
     shared.out
 }
 
-/// Nodes with the same hash are chained.
+/// A hash table of nodes; nodes with the same hash form a chain.
 #[derive(Default)]
 struct Shared {
     out: Formula,
     hasher: RandomState,
     newest: HashMap<u64, NodeId>,
-    /// For each node the one before it of the same hash; node 0 ends the chain.
+    /// For each node the previous one with the same hash; node 0 ends the chain.
     older: Vec<NodeId>,
-    /// The node of each leaf; node 0 where there is none yet.
+    /// The node of each leaf; node 0 if there is none yet.
     leaves: Vec<NodeId>,
 }
 

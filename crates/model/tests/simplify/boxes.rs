@@ -1,4 +1,5 @@
-//! Bounds and pruning on a grid: leaves are arbitrary sets of points within their boxes, which touch as often as not.
+//! Bounds and pruning on a grid: leaves are arbitrary sets of points within their boxes, many of them in
+//! contact.
 
 use crate::written::Choices;
 use rayweave_math::{Bounds, Vec3};
@@ -7,7 +8,7 @@ use rayweave_model::simplify::{
     Formula, Reason, bounds, leaf_needs, needs, output_bounds, prepare, prune, reason,
 };
 
-/// Points at whole numbers, on which corners of boxes lie, too.
+/// Number of grid points along x and y. They have integer coordinates, as have the corners of boxes.
 const SIDE: usize = 7;
 
 fn points() -> impl Iterator<Item = Vec3> {
@@ -19,7 +20,7 @@ fn points() -> impl Iterator<Item = Vec3> {
 /// Sets of points within boxes.
 struct Sets {
     boxes: Vec<Bounds>,
-    /// For each leaf a set of bits, of which a point picks one: any subset of the box may come up.
+    /// A bit mask for each leaf; each point selects one bit, so that any subset of the box may occur.
     members: Vec<u64>,
 }
 
@@ -40,7 +41,7 @@ fn bits(choices: &mut Choices) -> u64 {
     (0..64).map(|k| u64::from(choices.chance(2)) << k).sum()
 }
 
-/// A box with whole corners; sometimes flat, unbounded on some sides, all of space or nothing.
+/// A box with integer corners; sometimes flat, unbounded on some sides, all of space or empty.
 fn a_box(choices: &mut Choices) -> Bounds {
     let mut side = || {
         let at = choices.below(SIDE) as f64;
@@ -69,7 +70,7 @@ fn answers(formula: &Formula, values: &[bool]) -> Vec<bool> {
     formula.outputs().iter().map(|e| values[e.node().index()] ^ e.is_complemented()).collect()
 }
 
-/// Everything that is said about a formula over boxes, at every point.
+/// Checks the properties of bounds, needs and pruning at every point.
 fn check(formula: &Formula, sets: &Sets) {
     let nodes = bounds(formula, &sets.boxes);
     let around = output_bounds(formula, &nodes);
@@ -89,7 +90,7 @@ fn check(formula: &Formula, sets: &Sets) {
             let found = answers(other, &values(other, |leaf| sets.holds(leaf, point)));
             assert_eq!(found, expected, "{}, pruned to {}", said(), other.text(other.outputs()[0]));
         }
-        // leaves are not asked where they do not matter, and taken for outside
+        // leaves count as outside where they do not matter
         let asked = |leaf: LeafId| near[leaf.index()].contains(point) && sets.holds(leaf, point);
         assert_eq!(answers(formula, &values(formula, asked)), expected, "{}", said());
     }

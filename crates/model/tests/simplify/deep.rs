@@ -1,4 +1,4 @@
-//! Worst cases: deep, wide and much-shared formulas on a small stack, in linear time.
+//! Worst cases: deep, wide and heavily shared formulas, on a small stack and in linear time.
 
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::simplify::{
@@ -8,7 +8,7 @@ use rayweave_model::{Edge, LeafId};
 
 const LEVELS: usize = 100_000;
 
-/// Linear work takes a fraction of a second, quadratic work hours.
+/// Limit that separates linear work (a fraction of a second) from quadratic work (hours).
 fn on_a_small_stack(work: impl FnOnce() + Send) {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(256 << 10).spawn_scoped(scope, work).unwrap();
@@ -65,7 +65,7 @@ fn a_long_chain_of_one_operator_becomes_a_low_tree() {
 
 #[test]
 fn parts_that_are_shared_again_and_again() {
-    // doubled at each level: written out it would have 2^4000 leaves
+    // doubled at each level: as a tree it would have 2^4000 leaves
     let mut formula = Formula::default();
     let [mut part, a, b] = [0, 1, 2].map(|k| formula.leaf(LeafId(k)));
     for _ in 0..4000 {

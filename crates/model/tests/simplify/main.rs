@@ -1,4 +1,4 @@
-//! The preparation of formulas: every pass keeps the answer and its promise.
+//! Simplification of formulas: every pass keeps the value and satisfies its contract.
 
 mod boxes;
 mod deep;

@@ -1,4 +1,4 @@
-//! Every pass against truth tables: all small formulas, thousands of larger ones.
+//! Every pass against truth tables: all small formulas, and thousands of larger ones.
 
 use crate::written::{Choices, Written};
 use rayweave_math::Bounds;
@@ -20,7 +20,7 @@ const PASSES: [(&str, Run, Run); 7] = [
     ("prepare", prepared, keeps_folded),
 ];
 
-/// Nothing is known of the leaves: nothing may be pruned but constants.
+/// Boxes without information about the leaves: only constants may be pruned.
 fn without_boxes(formula: &Formula) -> Formula {
     prune(formula, &[Bounds::ALL; 16]).0
 }
@@ -33,7 +33,7 @@ fn same(formula: &Formula) -> Formula {
     formula.clone()
 }
 
-/// All nodes that are asked for, with their operands.
+/// All nodes that an output reaches, with their operands.
 fn asked(formula: &Formula) -> Vec<(Term, Vec<Edge>)> {
     let uses = formula.uses();
     let asked = formula.nodes().filter(|(node, ..)| uses[node.index()] > 0);
@@ -97,7 +97,7 @@ fn texts(formula: &Formula) -> Vec<String> {
     formula.outputs().iter().map(|&edge| formula.text(edge)).collect()
 }
 
-/// The answer, the promise, and that a second time changes nothing.
+/// Checks that a pass keeps the value, satisfies its contract and is idempotent.
 fn check(written: &Written) {
     for (name, run, promise) in PASSES {
         let once = run(&written.formula);
@@ -109,7 +109,7 @@ fn check(written: &Written) {
     }
 }
 
-/// Operands of the smallest formulas: constants and three leaves, one of them complemented, too.
+/// Operands of the smallest formulas: constants and three leaves, one of them also complemented.
 const ATOMS: [(usize, bool); 6] = [(0, false), (1, false), (2, false), (2, true), (3, false), (4, false)];
 
 const OPS: [Op; 5] = [Op::Union, Op::Intersection, Op::Difference, Op::SymmetricDifference, Op::AtLeast(2)];
@@ -152,7 +152,7 @@ fn long_many_random_formulas() {
     }
 }
 
-/// The leaves in the order in which the text of a formula names them.
+/// The leaves in the order of the text of a formula.
 fn leaf_order(formula: &Formula) -> Vec<String> {
     let texts = texts(formula).join(",").replace("at_least_", "l");
     let words = texts.split(|c: char| !c.is_ascii_alphanumeric());

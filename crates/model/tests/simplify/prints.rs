@@ -1,4 +1,4 @@
-//! Every pass by short prints.
+//! Every pass on small examples, compared as text.
 
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::simplify::{
@@ -154,7 +154,7 @@ fn heights_count_operators() {
     assert_eq!(height(&prepare(&chain, &[Bounds::ALL; 5])), 4);
 }
 
-/// Unit intervals 0..1, 2..3, ... along x; touching ones have a number in common.
+/// Unit intervals 0..1, 2..3, ... along x; intervals in contact share an end.
 fn row() -> [Bounds; 5] {
     std::array::from_fn(|k| {
         let x = 2.0 * k as f64;
@@ -173,16 +173,16 @@ fn what_bounds_show_not_to_matter_vanishes() {
     check_pruned(|f, [a, b, ..]| f.join(Intersection, &[a, b]), "empty");
     check_pruned(|f, [a, b, c, ..]| f.join(Difference, &[a, b, c]), "0");
     check_pruned(|f, [a, b, ..]| f.join(Union, &[a, b]), "any{0, 1}");
-    // all of space but for the first: what is elsewhere is in it already
+    // all of space except the first, which contains everything elsewhere
     check_pruned(|f, [a, b, ..]| f.join(Union, &[a.complement(), b]), "~0");
     check_pruned(|f, [a, b, ..]| f.join(Union, &[a.complement(), b.complement()]), "universe");
-    // an odd number of complements: all of space beyond both, and the third part is there
+    // an odd number of complements: inside beyond both, where the third part is
     let parity = |f: &mut Formula, [a, b, c, ..]: [Edge; 5]| {
         let odd = f.join(SymmetricDifference, &[a.complement(), b]);
         f.join(Union, &[odd, c])
     };
     check_pruned(parity, "~odd{0, 1}");
-    // only the fourth is near anything of the other side, however deep they stand
+    // only the fourth is near any part of the other operand, at any depth
     let deep = |f: &mut Formula, [a, b, c, d, e]: [Edge; 5]| {
         let pair = f.join(Union, &[b, d]);
         let less = f.join(Difference, &[pair, a]);

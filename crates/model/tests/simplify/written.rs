@@ -1,14 +1,15 @@
-//! Formulas to be prepared, with their truth tables by long hand.
+//! Random formulas with their truth tables, computed independently.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayweave_model::simplify::{Formula, Op};
 use rayweave_model::{Edge, LeafId};
 
-/// The values for each assignment of the leaves, one bit each: leaf k is bit k of the number of the assignment.
+/// A truth table with one bit for each assignment: leaf k is bit k of the assignment's number.
 pub type Table = Vec<u64>;
 
-/// A formula, with the table of each of its edges: worked out by itself, word by word, and never by the library.
+/// A formula with the table of each of its edges, computed independently of the library, 64 assignments at a
+/// time.
 pub struct Written {
     pub formula: Formula,
     leaves: u32,
@@ -27,7 +28,7 @@ impl Written {
         Written { formula, leaves, tables, asked: Vec::new() }
     }
 
-    /// The number of things that can be operands: empty, universe, the leaves, and what was joined.
+    /// The number of possible operands: empty, universe, the leaves, and the joins so far.
     pub fn count(&self) -> usize {
         self.tables.len()
     }
@@ -40,7 +41,7 @@ impl Written {
         }
     }
 
-    /// Joins operands, each with whether its complement is meant.
+    /// Joins operands, each given with whether it is complemented.
     pub fn join(&mut self, op: Op, operands: &[(usize, bool)]) {
         let operands: Vec<(Edge, Table)> = operands.iter().map(|&operand| self.operand(operand)).collect();
         let edges: Vec<Edge> = operands.iter().map(|operand| operand.0).collect();
@@ -56,7 +57,7 @@ impl Written {
         self.asked.push(table);
     }
 
-    /// The tables of the outputs of a formula that should be the same.
+    /// Compares the outputs of a formula that should be equivalent with the tables.
     #[track_caller]
     pub fn check(&self, prepared: &Formula, what: &str) {
         let mut values = Vec::new();
@@ -127,7 +128,8 @@ impl Choices {
         }
     }
 
-    /// A formula with parts used once, several times and never, constants, operators of none, one and many.
+    /// A formula with nodes used once, several times and never, constants, and operators with no, one and
+    /// many operands.
     pub fn formula(&mut self, leaves: u32, joins: usize) -> Written {
         let mut written = Written::new(leaves);
         let mut unused: Vec<usize> = (2..written.count()).collect();

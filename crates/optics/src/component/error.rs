@@ -56,7 +56,7 @@ pub enum ComponentError {
     },
     /// An aperture that extends beyond the end of a surface.
     #[error(
-        "aperture of the {part} extends {} from the axis: the {surface} surface ends {} from it. \
+        "the aperture of the {part} extends {} from the axis: the {surface} surface ends {} from it. \
          Is a diameter given as a radius?",
         round_to_digits(*reach, 6), round_to_digits(*limit, 6)
     )]

@@ -207,7 +207,7 @@ fn refusals() {
     assert!(message(50.0, 50.0, INF, 10.0).starts_with("thickness of the lens is inf:"));
     assert_eq!(
         message(50.0, 4.0, 1.0, 10.0),
-        "aperture of the lens extends 5 from the axis: the back surface ends 4 from it. Is a diameter given as a radius?"
+        "the aperture of the lens extends 5 from the axis: the back surface ends 4 from it. Is a diameter given as a radius?"
     );
     // a meniscus: the sags 50 - sqrt(2500 - h^2) and 10 - sqrt(100 - h^2) differ by 1 where they cross
     let problem = lens(10.0, 50.0, 1.0, Aperture::circle(18.0)).unwrap_err();

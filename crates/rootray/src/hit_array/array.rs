@@ -58,7 +58,7 @@ impl<'a, T: Real> HitArray<'a, T> {
         used.iter().skip(column).step_by(self.columns.max(1)).copied()
     }
 
-    /// Refuses an odd number of rows; `name` is the array's name in messages.
+    /// Rejects an odd number of rows; `name` is the array's name in messages.
     pub(crate) fn check_rows(&self, name: &'static str) -> Result<(), HitArrayError> {
         if self.rows % 2 == 1 {
             return Err(HitArrayError::OddRows { array: name, rows: self.rows });
@@ -66,7 +66,7 @@ impl<'a, T: Real> HitArray<'a, T> {
         Ok(())
     }
 
-    /// Refuses NaN and unsorted columns, if the number of rows is even.
+    /// Rejects NaN and unsorted columns. The number of rows must be even.
     pub(crate) fn check_entries(&self, name: &'static str) -> Result<(), HitArrayError> {
         if self.is_sorted() {
             return Ok(());
@@ -74,7 +74,8 @@ impl<'a, T: Real> HitArray<'a, T> {
         (0..self.columns).try_for_each(|column| check_column(name, column, self.column(column)))
     }
 
-    /// Whether every entry is at least the one above it; false if there is a NaN, as every column has two entries or none.
+    /// Whether every entry is at least the one above it; false if there is a NaN, as every column has two
+    /// entries or none.
     fn is_sorted(&self) -> bool {
         (1..self.rows).all(|row| {
             let pairs = self.row(row - 1).iter().zip(self.row(row));
@@ -84,7 +85,7 @@ impl<'a, T: Real> HitArray<'a, T> {
     }
 }
 
-/// Refuses a column that holds NaN or is not sorted.
+/// Rejects a column that holds NaN or is not sorted.
 pub(crate) fn check_column<T: Real>(
     array: &'static str,
     column: usize,

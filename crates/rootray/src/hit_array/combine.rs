@@ -43,13 +43,13 @@ fn keep(rule: CountRule, complements: usize, entries: &[MergedHit], mut put: imp
         count = tied.iter().fold(count, counted);
         if rule.is_inside(count) != inside {
             inside = !inside;
-            // no negative zero: the bits shall not depend on which operand it came from
+            // no negative zero: the bits must not depend on the operand that the time comes from
             write(tied[0].t + 0.0);
         }
     }
 }
 
-/// The count after an entry. Between entries of one time it may be anything, so it wraps.
+/// The count after an entry. It wraps, because between entries with equal times it may be any number.
 fn counted(count: usize, entry: &MergedHit) -> usize {
     let complemented = entry.tag == 1;
     if entry.enters != complemented { count.wrapping_add(1) } else { count.wrapping_sub(1) }

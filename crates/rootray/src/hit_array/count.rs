@@ -36,7 +36,8 @@ pub fn count_array<T: Real>(
     Ok(CountArray { times, counts })
 }
 
-/// The merged entries of one ray with the count after each; `state` has bit 0 set inside the first solid, bit 1 the second.
+/// The merged entries of one ray with the count after each; bit 0 of `state` is set inside the first solid,
+/// bit 1 inside the second.
 fn count<T: Real>(mut state: u8, first: &[T], second: &[T], out: &mut [(T, u8)]) {
     for ((t, bit), out) in Merge::new(first, second).zip(out) {
         state ^= bit;

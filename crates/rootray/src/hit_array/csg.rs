@@ -25,14 +25,14 @@ pub enum Regularize<T = f64> {
     /// Keeps pieces of length zero, as Frazier's code does.
     #[default]
     No,
-    /// Entries with equal times flip together; pieces of length zero are gone.
+    /// Entries with equal times flip together, which removes pieces of length zero.
     Exact,
     /// As `Exact`, then drops pieces shorter than this length (finite, not negative; differences are computed in `T`). A run of
     /// times, each closer than this length to the next, is dropped, except for its last time if the run has odd length.
     Weld(T),
 }
 
-/// How [`array_csg`] writes its result.
+/// Options of [`array_csg`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CsgOptions<T = f64> {
     /// Whether to sort each column, padding last. Without sorting, dropped entries stay in place as +inf, and the result is
@@ -154,7 +154,7 @@ fn one_by_one<T: Real>(
     });
 }
 
-/// Numbers in the result. The sum cannot overflow where the arrays exist: each holds at most `isize::MAX` bytes.
+/// Length of the result. The sum cannot overflow: each array holds at most `isize::MAX` bytes.
 pub(super) fn output_len<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> usize {
     array1.data().len() + array2.data().len()
 }
@@ -179,19 +179,19 @@ fn check_shapes<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> 
     }
     array1.check_rows("array1")?;
     match array2.check_rows("array2") {
-        // of several faults the first is named
+        // of several errors the first is reported
         Err(error) => array1.check_entries("array1").and(Err(error)),
         Ok(()) => Ok(()),
     }
 }
 
-/// Refuses NaN and unsorted columns.
+/// Rejects NaN and unsorted columns.
 fn check_entries<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
     array1.check_entries("array1")?;
     array2.check_entries("array2")
 }
 
-/// Refuses two arrays that cannot be combined.
+/// Rejects two arrays that cannot be combined.
 pub(super) fn check_pair<T: Real>(
     array1: &HitArray<'_, T>,
     array2: &HitArray<'_, T>,

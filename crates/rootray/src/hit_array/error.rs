@@ -1,7 +1,8 @@
-//! What can be wrong with hit arrays.
+//! Errors of hit arrays.
 
-/// Why hit arrays could not be combined. Rows and columns count from 0; `array` is the name of the argument. Of several bad
-/// entries the first is named: `array1` before `array2`, then the lowest column, then the lowest row.
+/// The reason why hit arrays cannot be combined. Rows and columns count from 0; `array` is the name of the
+/// argument. Of several bad entries the first is reported: `array1` before `array2`, then the lowest column,
+/// then the lowest row.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum HitArrayError {
@@ -12,9 +13,9 @@ pub enum HitArrayError {
     Shape {
         /// Numbers given.
         len: usize,
-        /// Rows asked for.
+        /// Requested rows.
         rows: usize,
-        /// Columns asked for.
+        /// Requested columns.
         columns: usize,
     },
     /// An odd number of rows.

@@ -1,19 +1,19 @@
-//! Which of the machine's instructions are used.
+//! Selection of the SIMD instruction set.
 
 use fearless_simd::Level;
 
-/// The instructions that hit arrays are combined with. The results are the same to the bit; this is for tests and measurements.
-/// Where the machine lacks the ones asked for, one ray is handled at a time.
+/// The instruction set used to combine hit arrays. Results do not depend on it, bit for bit; the choice is
+/// for tests and measurements. If the machine lacks the requested set, rays are combined one at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Instructions {
-    /// The widest that this machine has, found out once while the program runs.
+    /// The widest set of this machine, detected at run time.
     #[default]
     Widest,
-    /// One ray at a time: the plain form of the algorithm.
+    /// The scalar algorithm: one ray at a time.
     Scalar,
     /// x86: two f64 or four f32 at a time.
     Sse2,
-    /// x86: as many.
+    /// x86: the same numbers as `Sse2`.
     Sse42,
     /// x86: four f64 or eight f32 at a time.
     Avx2,
@@ -22,14 +22,14 @@ pub enum Instructions {
 }
 
 impl Instructions {
-    /// Those that this machine has, from the narrowest to the widest; `Widest` is not among them.
+    /// The sets that this machine has, from the narrowest to the widest, without `Widest`.
     pub fn available() -> Vec<Self> {
         let named = [Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512];
         let found = named.into_iter().filter(|instructions| instructions.level().is_some());
         std::iter::once(Self::Scalar).chain(found).collect()
     }
 
-    /// What to hand to the kernels, `None` for the plain form.
+    /// The level to pass to the kernels; `None` for the scalar algorithm.
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     pub(super) fn level(self) -> Option<Level> {
         let widest = Level::new();
@@ -43,7 +43,7 @@ impl Instructions {
         }
     }
 
-    /// What to hand to the kernels, `None` for the plain form.
+    /// The level to pass to the kernels; `None` for the scalar algorithm.
     #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
     pub(super) fn level(self) -> Option<Level> {
         Some(Level::new()).filter(|level| self == Self::Widest && !level.is_fallback())

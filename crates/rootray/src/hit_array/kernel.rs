@@ -1,4 +1,4 @@
-//! What happens to one ray: its two sorted columns merged, and the entries kept that change the state.
+//! Scalar kernel for one ray: merges its two sorted columns and keeps the entries that change the state.
 
 use super::{Operation, Real};
 
@@ -65,7 +65,7 @@ pub(super) fn keep<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &
     out[kept..].fill(T::INFINITY);
 }
 
-/// Writes every entry of the merged columns in its place, those not kept as +inf.
+/// Writes every entry of the merged columns in its place, and +inf for those that are not kept.
 pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let mut state = 0;
     for ((t, bit), out) in Merge::new(first, second).zip(out) {
@@ -74,8 +74,8 @@ pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &
     }
 }
 
-/// Writes the crossings of the exact algebra, then +inf: entries with equal times flip together. A result that comes from
-/// infinity inside begins with -inf.
+/// Writes the crossings of the exact algebra, then +inf: entries with equal times flip together. A result
+/// that is inside at -inf begins with -inf.
 pub(super) fn regularize<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let (mut kept, mut before, mut state) = (0, 0, 0);
     let mut entries = Merge::new(first, second).take_while(|entry| entry.0 < T::INFINITY).peekable();
@@ -85,7 +85,7 @@ pub(super) fn regularize<T: Real>(table: TruthTable, first: &[T], second: &[T], 
             continue;
         }
         if table.differs(before, state) {
-            // no negative zero: the bits shall not depend on which operand it came from
+            // no negative zero: the bits must not depend on the operand that the time comes from
             out[kept] = t + T::ZERO;
             kept += 1;
         }

@@ -50,7 +50,7 @@ impl MergedHits {
         first..self.ends[column]
     }
 
-    /// Makes room; `ends` then says where each column begins.
+    /// Counts the entries and allocates; on return `ends` holds the start of each column.
     fn count<'a>(&mut self, columns: usize, arrays: impl Iterator<Item = (&'a HitArrayBuf, u32)>) {
         self.ends.clear();
         self.ends.resize(columns, 0);
@@ -69,7 +69,7 @@ impl MergedHits {
         self.entries.resize(total, MergedHit::default());
     }
 
-    /// Puts every entry into its column; `ends` moves on to where each column ends.
+    /// Writes every entry into its column; on return `ends` holds the end of each column.
     fn fill<'a>(&mut self, arrays: impl Iterator<Item = (&'a HitArrayBuf, u32)>) {
         for (array, tag) in arrays {
             let array = array.as_array();

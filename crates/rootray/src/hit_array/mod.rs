@@ -5,16 +5,16 @@
 //! number of -inf entries means that the ray comes from infinity inside the solid, an odd number of entries below +inf that it
 //! goes to infinity inside it.
 //!
-//! [`array_csg`] is the function of R. Frazier's *PyRayT* ("Efficient CSG", 2021), number for number, with one promise
-//! more: entries are merged stably, those of `array1` before those of `array2` at equal times, so that results can be
-//! reproduced. The numpy code counts on through the padding; as H is even, both counts are back where they began at the last row,
-//! so its wrap-around from row 0 to the last row compares with "inside neither", and an entry is kept exactly if the state
-//! changes at it. Kept +inf entries cannot be told from dropped ones. An entry of -inf is an ordinary entry, the first of its
-//! column, and comes out as -inf where it is kept.
+//! [`array_csg`] computes the same numbers as the function of R. Frazier's *PyRayT* ("Efficient CSG", 2021),
+//! and is also deterministic: entries are merged stably, those of `array1` before those of `array2` at equal
+//! times. The numpy code also counts the padding. As H is even, both counts return to their initial values at
+//! the last row, so its wrap-around from row 0 to the last row compares with "inside neither", and an entry
+//! is kept exactly if the state changes at it. Kept +inf entries cannot be distinguished from dropped ones.
+//! An entry of -inf is an ordinary entry, the first of its column, and stays -inf if it is kept.
 //!
-//! Where both arrays hold the same time the entries flip one after the other, so that pieces of length zero may show up, and
-//! union and intersection do not commute. [`Regularize`] removes them: equal times flip together, as in
-//! [`RootRay`](crate::RootRay)'s algebra, and pieces shorter than a given length may be welded.
+//! Entries of both arrays with the same time flip one after the other, so that pieces of length zero may
+//! occur, and union and intersection do not commute. [`Regularize`] removes them: equal times flip together,
+//! as in [`RootRay`](crate::RootRay)'s algebra, and pieces shorter than a given length may be welded.
 //!
 //! [`array_csg_into`] combines one ray per SIMD lane, with SSE2, AVX2 or AVX-512 (NEON and WebAssembly are compiled but not
 //! tested), on a chosen number of threads. Single rays, regularized or unsorted results, and columns of more than some thousand

@@ -15,7 +15,7 @@ pub struct Part<'a, T, O> {
     pub out: Vec<&'a mut [O]>,
 }
 
-/// Least numbers of results per thread: about a tenth of a millisecond of work.
+/// Least length of the result per thread: about a tenth of a millisecond of work.
 const NUMBERS_PER_THREAD: usize = 1 << 17;
 
 /// Maximum number of threads for a result of this length; [`array_csg_into`](super::array_csg_into) uses no more.
@@ -23,7 +23,8 @@ pub fn most_threads(numbers: usize) -> NonZeroUsize {
     NonZeroUsize::new(numbers / NUMBERS_PER_THREAD).unwrap_or(NonZeroUsize::MIN)
 }
 
-/// Columns of a part are a multiple of this, the last part's excepted: no cache line of the result belongs to two threads.
+/// Columns of a part are a multiple of this, except for the last part: no cache line of the result belongs to
+/// two threads.
 const COLUMNS_PER_CUT: usize = 64;
 
 impl<'a, T: Real, O> Part<'a, T, O> {
@@ -38,7 +39,7 @@ impl<'a, T: Real, O> Part<'a, T, O> {
         self.out.first().map_or(0, |row| row.len())
     }
 
-    /// Divides the columns into at most `count` parts of nearly equal width, fewer if there is little work.
+    /// Divides the columns into at most `threads` parts of nearly equal width; fewer if there is little work.
     pub fn split(mut self, threads: NonZeroUsize) -> Vec<Self> {
         let width = self.width();
         let count = threads.min(most_threads(width * self.out.len())).get();
@@ -77,7 +78,8 @@ fn rows<T: Real>(array: HitArray<'_, T>) -> Vec<&[T]> {
     (0..array.rows()).map(|row| array.row(row)).collect()
 }
 
-/// Runs `work` on every part, each on a thread of its own, the first on this one; whether it was true for all.
+/// Runs `work` on every part, each on its own thread, the first on the calling one. Returns whether all
+/// results are true.
 pub(super) fn all_parts<P: Send>(parts: Vec<P>, work: impl Fn(P) -> bool + Sync) -> bool {
     let mut parts = parts.into_iter();
     let Some(first) = parts.next() else { return true };

@@ -9,10 +9,10 @@ mod sealed {
     use super::super::wide::{self, Plan};
 
     pub trait Sealed: SimdFloatElement {
-        /// As many numbers as one instruction handles.
+        /// A SIMD vector of the widest size.
         type Lanes<S: Simd>: SimdFloat<S, Element = Self>;
 
-        /// [`wide::combine`] for this type: so it is compiled once, not wherever it is called.
+        /// [`wide::combine`] for this type, so that it is compiled once and not at every call.
         fn combine(level: Level, plan: &Plan, part: Part<'_, Self, Self>) -> bool;
 
         /// [`wide::pays`] for this type.

@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::Real;
 use super::part::Part;
 
-/// Rays handled together. Two cache lines of f64 per row: whole lines are moved, and the scratch stays in the cache.
+/// Columns handled together: two cache lines of f64 per row, so that whole lines are copied and the scratch
+/// stays in the cache.
 const BLOCK: usize = 16;
 
 /// Calls `kernel` with the two columns and the output column of every ray of a range.

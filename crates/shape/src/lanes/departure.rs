@@ -26,8 +26,8 @@ pub struct LaneStarts<S: Simd> {
 struct Again<S: Simd> {
     /// Time of the crossing; +inf for none.
     t: Lanes<S>,
-    /// Uncertain lanes: the ray leaves the surface to the other side than listed, or it is tangent, or this kernel does not
-    /// know when it returns.
+    /// Uncertain lanes: the ray leaves the surface to the other side than listed, or it is tangent, or this
+    /// kernel cannot compute its return.
     unsure: Mask<S>,
     /// The square term is small: the ray may stay close to the surface for long.
     slow: Mask<S>,

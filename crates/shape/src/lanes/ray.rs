@@ -13,7 +13,7 @@ pub struct LaneLimits {
     pub centre: Vec3,
     /// Radius of the ball, > 0.
     pub radius: f64,
-    /// Largest reach of a surface.
+    /// Largest magnitude bound of a surface.
     pub magnitude: f64,
     /// Largest radius of a sphere or a cylinder.
     pub largest_radius: f64,
@@ -47,7 +47,7 @@ pub struct LaneRay<S: Simd> {
     pub slow_plane: Lanes<S>,
     /// Below this square term a ray crosses a quadric at a grazing angle.
     pub slow_square: Lanes<S>,
-    /// Sum of the taxicab length of the origin and the largest reach.
+    /// Sum of the taxicab length of the origin and the largest magnitude bound.
     pub(super) lengths: Lanes<S>,
     /// Taxicab length of the direction.
     pub(super) speed: Lanes<S>,

@@ -4,9 +4,10 @@
 //! Compilation identifies equal surfaces, so that their roots are bit-identical. Copies that are not identified here are
 //! still welded along each ray: sharing is an improvement, not a requirement.
 //!
-//! Two surfaces of the same kind are equal if all their parameters are: components of unit vectors within 64 u, lengths
-//! within 64 u times the larger reach of the two, factors within 64 u relative; axes and planes in either sense. Objects
-//! are equal if their forms are bit-identical and their placements equal in this sense.
+//! Two surfaces of the same kind are equal if all their parameters are: components of unit vectors within 64
+//! u, lengths within 64 u times the larger magnitude of the two, factors within 64 u relative; axes and
+//! planes in either sense. Objects are equal if their forms are bit-identical and their placements equal in
+//! this sense.
 //!
 //! *Method*: a sorted sweep. The surfaces of one kind are sorted by one parameter and cut wherever neighbours differ by
 //! more than the tolerance; each part is sorted by the next parameter, until no parameter cuts it. (Hashing of rounded
@@ -28,8 +29,9 @@ pub struct Shared {
     pub flipped: Vec<bool>,
 }
 
-/// A chain of surfaces, each equal to the next within the tolerance, with ends more than four tolerances (for the largest
-/// reach in the chain) apart: neither one surface nor several. The model is nearly but not exactly aligned.
+/// A chain of surfaces, each equal to the next within the tolerance, with ends more than four tolerances (for
+/// the largest magnitude in the chain) apart: neither one surface nor several. The model is nearly but not
+/// exactly aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WideClass {
     /// One member.
@@ -52,8 +54,8 @@ impl std::error::Error for WideClass {}
 
 const TOLERANCE: f64 = 64.0 * UNIT_ROUNDOFF;
 
-/// Finds equal surfaces. Each comes with its reach: its own or, better, one that includes the composed translations. At
-/// most `u32::MAX` surfaces.
+/// Finds equal surfaces. Each comes with its magnitude bound: its own or, better, one that includes the
+/// composed translations. At most `u32::MAX` surfaces.
 pub fn share<S: Borrow<Surface>>(surfaces: &[(S, f64)]) -> Result<Shared, WideClass> {
     let surfaces: &[(&Surface, f64)] =
         &surfaces.iter().map(|(s, magnitude)| (s.borrow(), *magnitude)).collect::<Vec<_>>();
@@ -348,7 +350,7 @@ struct Width {
     number: usize,
     lo: (f64, usize),
     hi: (f64, usize),
-    /// Tolerances of the members with the smallest and the largest reach.
+    /// Tolerances of the members with the smallest and the largest magnitude.
     tolerances: [f64; 2],
 }
 

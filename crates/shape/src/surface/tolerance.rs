@@ -92,9 +92,9 @@ pub fn coincides_between(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: 
         && (degree < 5 || (1..degree).all(|k| near(a + (b - a) * (f64::from(k) / f64::from(degree)))))
 }
 
-/// True only if no piece of the ray from `a` to a time between `from` and `to` lies within `delta` of the surface
-/// ([`coincides_along`]), with `a <= from <= to`; for callers that do not know yet where the piece ends. Always false for surfaces of
-/// degree 4.
+/// True only if no piece of the ray from `a` to a time between `from` and `to` lies within `delta` of the
+/// surface ([`coincides_along`]), with `a <= from <= to`; for callers that have not yet found the end of the
+/// piece. Always false for surfaces of degree 4.
 ///
 /// Along the ray f is a polynomial q of degree at most 2. On a piece [a, b] it differs from the straight line through its
 /// values at the ends by `k (t - a) (b - t)`, with the maximum in the middle. So if |q| is at most T at the ends and in the
@@ -129,7 +129,7 @@ pub struct Chord {
     pub perturbation: Perturbation,
     ends: (f64, f64),
     middle: Vec3,
-    /// `delta` in the middle, for a surface with reach 0.
+    /// `delta` in the middle, for a surface with magnitude 0.
     delta: f64,
 }
 

@@ -1,13 +1,15 @@
-//! How boxes are sorted into a tree, by several threads, the same tree whatever their number.
+//! Construction of a bounding volume hierarchy (BVH) by several threads. The tree does not depend on their
+//! number.
 //!
-//! The surface area heuristic in bins (Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007)
-//! parts the boxes in two, again and again. Parts begin at multiples of eight boxes, so that nodes of eight are full but
-//! for a few. The place of every part in the tables is known before it is made, so that threads share nothing.
+//! Binary splits by the binned surface area heuristic (Wald, "On fast construction of SAH-based bounding
+//! volume hierarchies", 2007). Every part begins at a multiple of eight boxes, so that almost all nodes of
+//! width eight are full. The index of a part in the tables depends only on item counts, so that threads write
+//! to disjoint slices.
 
 use rayweave_math::Vec3;
 use std::ops::Range;
 
-/// The box of a leaf in the frame of a hierarchy.
+/// The bounding box of a leaf, in the frame of a hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Item {
     pub lo: [f32; 3],
@@ -31,38 +33,39 @@ impl Item {
         std::array::from_fn(|k| self.lo[k] + self.hi[k])
     }
 
-    /// Half of the surface.
+    /// Half of the surface area; zero for an empty box.
     pub fn area(&self) -> f32 {
         let [x, y, z]: [f32; 3] = std::array::from_fn(|k| self.hi[k] - self.lo[k]);
         if x < 0.0 { 0.0 } else { x * y + y * z + z * x }
     }
 }
 
-/// A part of the items: all, or one of the two into which a part before was split.
+/// A node of the binary tree: a range of the items, either all of them or one side of a split.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Part {
-    /// The box around its items.
+    /// The bounding box of its items.
     pub bounds: Item,
-    /// How many of its items are in the part that follows it in the table; none if it is not split. The other part
-    /// comes behind all parts of that one.
+    /// The number of its items in the left child, which follows it in the table; 0 if the part is not split.
+    /// The right child follows the whole subtree of the left one.
     pub first: u32,
 }
 
-/// Items at the end of a tree, and children of a node of the wide tree.
+/// Largest number of items in an end part, and number of children of a node of the wide tree.
 pub(super) const WIDTH: usize = 8;
 
 const BINS: usize = 16;
 
-/// From this depth on parts are halved, which bounds the depth whatever the boxes.
+/// Depth from which parts are split in half by count, which bounds the depth of the tree for all inputs.
 const DEEP: u32 = 48;
 
-/// The deepest tree: 2^32 items are 2^29 at ends.
+/// Bound of the depth of a tree: 2^32 items make 2^29 end parts, and halving separates these in fewer than 32
+/// levels.
 pub(super) const DEPTH: usize = DEEP as usize + 32;
 
-/// Parts of fewer items are not worth a thread.
+/// Number of items below which a part is not given to another thread.
 const SHARED: usize = 1 << 14;
 
-/// The parts of items, which are sorted into their order; each part before those into which it is split.
+/// Sorts the items into tree order. Returns the parts of the tree in preorder.
 pub(super) fn parts(items: &mut [Item], threads: usize) -> Vec<Part> {
     let nothing = Part { bounds: Item::EMPTY, first: 0 };
     let mut parts = vec![nothing; part_count(items.len())];
@@ -72,12 +75,12 @@ pub(super) fn parts(items: &mut [Item], threads: usize) -> Vec<Part> {
     parts
 }
 
-/// How many parts so many items make.
+/// Number of parts (nodes of the binary tree) for this number of items.
 pub(super) fn part_count(items: usize) -> usize {
     (2 * items.div_ceil(WIDTH)).saturating_sub(1)
 }
 
-/// Splits a part and leaves one half to another thread, as long as there are any.
+/// Splits a part; while threads are left, another thread builds the left half.
 fn fork(items: &mut [Item], parts: &mut [Part], depth: u32, threads: usize) {
     if threads <= 1 || items.len() < SHARED {
         return sort(items, parts, depth);
@@ -93,7 +96,7 @@ fn fork(items: &mut [Item], parts: &mut [Part], depth: u32, threads: usize) {
     });
 }
 
-/// Splits a part and all parts of it.
+/// Builds the subtree of a part on this thread.
 fn sort(items: &mut [Item], parts: &mut [Part], depth: u32) {
     let mut waiting = vec![(0..items.len(), 0usize, depth)];
     while let Some((range, part, depth)) = waiting.pop() {
@@ -115,7 +118,7 @@ fn around(items: &[Item]) -> Item {
     items.iter().fold(Item::EMPTY, |all, item| all.with(item))
 }
 
-/// Sorts more than eight items into two parts, and says how many are in the first, a multiple of eight.
+/// Partitions more than eight items at a split. Returns the number of items before it, a multiple of eight.
 fn split(items: &mut [Item], depth: u32) -> usize {
     let centres = items.iter().fold(Item::EMPTY, |all, item| {
         let middle = item.middle();
@@ -140,14 +143,15 @@ fn rounded(count: usize, all: usize) -> usize {
     ((count + WIDTH / 2) / WIDTH * WIDTH).clamp(WIDTH, most)
 }
 
-/// Sorts the items with the lowest centres, so many, before the others. Those at the same place are ordered by leaf, so
-/// that the tree does not depend on the order in which they come.
+/// Moves the `at` items with the lowest centres before the others. Equal centres are ordered by leaf, so that
+/// the tree does not depend on the order of the input.
 fn select(items: &mut [Item], at: usize, axis: usize) {
     let key = |item: &Item| item.lo[axis] + item.hi[axis];
     items.select_nth_unstable_by(at, |a, b| key(a).total_cmp(&key(b)).then(a.leaf.cmp(&b.leaf)));
 }
 
-/// How many items lie before the border between bins with the least expected cost.
+/// The number of items before the bin border of least expected cost; `None` if no border has items on both
+/// sides.
 fn best_border(items: &[Item], axis: usize, range: Range<f32>) -> Option<usize> {
     let scale = BINS as f32 / (range.end - range.start);
     let mut bins = [(Item::EMPTY, 0usize); BINS];
@@ -172,12 +176,12 @@ fn best_border(items: &[Item], axis: usize, range: Range<f32>) -> Option<usize> 
     best.1
 }
 
-/// What a ray that meets both parts may expect to test, times the surface of the whole.
+/// Expected number of box tests for a ray that enters both parts, times the surface area of the whole.
 fn cost(left: Item, lefts: usize, right: Item, rights: usize) -> f32 {
     left.area() * lefts as f32 + right.area() * rights as f32
 }
 
-/// The same for few items: every split at a multiple of eight, along each axis.
+/// [`split`] for few items: tries every multiple of eight along each axis.
 fn split_few(items: &mut [Item]) -> usize {
     let mut best = (f32::INFINITY, 0, 0);
     for axis in 0..3 {

@@ -1,7 +1,8 @@
-//! A tree of boxes, eight to a node, that are tested at once.
+//! A bounding volume hierarchy (BVH) of width eight: the eight boxes of a node are tested with one SIMD slab
+//! test.
 //!
-//! Boxes are f32, rounded outwards in the frame of the hierarchy: 28 bytes a box, and one box in seven for inner nodes
-//! where all are full.
+//! Boxes are f32, rounded outwards in the frame of the hierarchy: 28 bytes per box. If all nodes are full,
+//! inner nodes add one box in seven.
 
 use super::build::{DEPTH, Item, Part, WIDTH, part_count, parts};
 use super::frame::{Frame, Probe};
@@ -12,7 +13,7 @@ use rayweave_shape::Ray;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Boxes of leaves, by where they are.
+/// A BVH of the leaves of a group.
 #[derive(Clone, Debug)]
 pub(super) struct Hierarchy {
     frame: Frame,
@@ -20,21 +21,22 @@ pub(super) struct Hierarchy {
     level: Level,
 }
 
-/// Eight boxes with what they hold.
+/// Eight boxes and their children.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 struct Node {
-    /// The planes lo x, y, z and hi x, y, z of each box; a box that is not there is empty.
+    /// The planes lo x, y, z and hi x, y, z of each box; an unused box is empty.
     planes: [[f32; WIDTH]; 6],
-    /// What is in each box: the number of a leaf with [`LEAF`] added, or of a node.
+    /// Child of each box: a leaf number with [`LEAF`] set, or a node number.
     child: [u32; WIDTH],
 }
 
-/// Marks the number of a leaf.
+/// Bit that marks the number of a leaf.
 const LEAF: u32 = 1 << 31;
 
 impl Hierarchy {
-    /// The tree over the finite boxes of some leaves, made by so many threads; it does not depend on their number.
+    /// Builds the tree over the finite boxes of some leaves. The tree does not depend on the number of
+    /// threads.
     pub fn new(leaves: &[(Bounds, u32)], threads: usize) -> Hierarchy {
         let all = leaves.iter().fold(Bounds::EMPTY, |all, (bounds, _)| all.union(bounds));
         let frame =
@@ -44,12 +46,12 @@ impl Hierarchy {
         Hierarchy { frame, nodes: widened(&items, &parts), level: Level::new() }
     }
 
-    /// What it takes in memory.
+    /// Memory of the nodes in bytes.
     pub fn bytes(&self) -> usize {
         self.nodes.len() * size_of::<Node>()
     }
 
-    /// A length of the size of all boxes together.
+    /// Largest extent of all boxes together, up to a factor of two.
     pub fn size(&self) -> f64 {
         self.frame.size()
     }
@@ -58,7 +60,7 @@ impl Hierarchy {
         self.frame.probe(ray, margin, window)
     }
 
-    /// The leaves whose boxes the ray passes in its window.
+    /// Appends the leaves whose boxes the ray passes within its window.
     pub fn touched(&self, probe: &Probe, out: &mut Vec<u32>) {
         dispatch!(self.level, simd => {
             let slabs = Slabs::new(simd, probe);
@@ -66,13 +68,13 @@ impl Hierarchy {
         });
     }
 
-    /// The leaves whose boxes, grown, hold a point.
+    /// Appends the leaves whose boxes, grown by `margin`, contain a point.
     pub fn around(&self, point: Vec3, margin: f64, out: &mut Vec<u32>) {
         let point = self.frame.around(point, margin);
         self.walk(|node| node.overlaps(&point), out);
     }
 
-    /// Goes through all nodes that `hits` shows the way to: it tells which of the boxes of a node count, as bits.
+    /// Depth-first traversal. `hits` returns the boxes of a node to be visited, as a bit mask.
     #[inline(always)]
     fn walk(&self, hits: impl Fn(&Node) -> u32, out: &mut Vec<u32>) {
         let Some(mut node) = self.nodes.first() else { return };
@@ -104,20 +106,20 @@ impl Hierarchy {
     }
 }
 
-/// A way through a hierarchy along a ray, leaves in the order in which the ray enters their boxes.
+/// State of a front-to-back traversal: leaves come in the order in which the ray enters their boxes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Front {
     probe: Probe,
-    /// Boxes not opened yet, the first one on top: the time of the entry as bits in the order of the times, then what is
-    /// in the box.
+    /// Queue of boxes not yet opened, nearest first: the entry time, as bits ordered like the times, above
+    /// the child number.
     waiting: BinaryHeap<Reverse<u64>>,
-    /// The leaves in the node opened last.
+    /// The leaves of the node that was opened last.
     fresh: [u32; WIDTH],
     fresh_count: usize,
 }
 
 impl Front {
-    /// At the beginning of the window.
+    /// Starts the traversal at the beginning of the window.
     pub(super) fn begin(&mut self, hierarchy: &Hierarchy, probe: Probe) {
         self.probe = probe;
         self.waiting.clear();
@@ -126,7 +128,8 @@ impl Front {
         }
     }
 
-    /// No box that has not been opened begins before this time of the ray; infinite where there is none.
+    /// Lower bound, in the ray's parameter, of the entry times of all boxes not yet opened; infinite if there
+    /// is none.
     pub fn time(&self) -> f64 {
         match self.waiting.peek() {
             Some(&Reverse(first)) => self.probe.time(time_of((first >> 32) as u32)),
@@ -139,12 +142,12 @@ impl Front {
         self.probe.end()
     }
 
-    /// The leaves whose boxes were found in the node that was opened last.
+    /// The leaves in the node that was opened last.
     pub fn fresh(&self) -> &[u32] {
         &self.fresh[..self.fresh_count]
     }
 
-    /// Opens the first box; the leaf if there is one in it.
+    /// Opens the nearest box; returns its leaf if it is the box of a leaf.
     pub(super) fn next(&mut self, hierarchy: &Hierarchy) -> Option<u32> {
         let Reverse(first) = self.waiting.pop()?;
         let child = first as u32;
@@ -173,7 +176,7 @@ impl Front {
     }
 }
 
-/// Bits in the order of the numbers.
+/// Maps a number to bits that sort in the same order.
 fn bits_of(time: f32) -> u32 {
     let bits = time.to_bits();
     if bits >> 31 == 0 { bits | 1 << 31 } else { !bits }
@@ -183,7 +186,8 @@ fn time_of(bits: u32) -> f32 {
     f32::from_bits(if bits >> 31 == 1 { bits ^ 1 << 31 } else { !bits })
 }
 
-/// A ray ready for the slab test of Kay & Kajiya ("Ray tracing complex scenes", 1986) with eight boxes at once.
+/// A ray prepared for the slab test (Kay & Kajiya, "Ray tracing complex scenes", 1986) against eight boxes at
+/// once.
 struct Slabs<S: Simd> {
     simd: S,
     near: [usize; 3],
@@ -209,8 +213,8 @@ impl<S: Simd> Slabs<S> {
         }
     }
 
-    /// Which boxes the ray passes in its window, as bits, and when it enters each. A box that is not there is entered at
-    /// +inf and left at -inf.
+    /// Bit mask of the boxes that the ray passes within its window, and the entry times. For an unused box
+    /// the ray enters at +inf and leaves at -inf.
     #[inline(always)]
     fn passed(&self, node: &Node) -> (u32, f32x8<S>) {
         let [mut enter, mut leave] = self.window;
@@ -258,7 +262,7 @@ impl Node {
         self.child[k] = child;
     }
 
-    /// Which boxes have a point in common with another box, as bits.
+    /// Bit mask of the boxes that overlap another box.
     fn overlaps(&self, other: &Item) -> u32 {
         let meets = |k: usize| {
             (0..3).all(|axis| {
@@ -269,18 +273,18 @@ impl Node {
     }
 }
 
-/// A part of the items on its way into a node.
+/// A part of the items that becomes a child of a wide node.
 #[derive(Clone, Copy)]
 struct Piece {
-    /// Its number among the parts.
+    /// Its index in the table of parts.
     part: usize,
-    /// Its items.
+    /// First of its items.
     begin: usize,
     count: usize,
 }
 
 impl Piece {
-    /// The two into which it is split.
+    /// The two children of its split.
     fn split(self, parts: &[Part]) -> [Piece; 2] {
         let Piece { part, begin, count } = self;
         let first = parts[part].first as usize;
@@ -289,7 +293,8 @@ impl Piece {
     }
 }
 
-/// The nodes of the wide tree, each before those below it: the largest box in a node is opened until there are eight.
+/// The nodes of the wide tree in preorder. The box of largest area in a node is split until the node has
+/// eight.
 fn widened(items: &[Item], parts: &[Part]) -> Vec<Node> {
     let mut nodes: Vec<Node> = Vec::with_capacity(items.len() / (WIDTH - 2));
     let mut waiting = Vec::new();
@@ -326,7 +331,7 @@ fn widened(items: &[Item], parts: &[Part]) -> Vec<Node> {
     nodes
 }
 
-/// Up to eight pieces of a piece of more than eight items, and how many.
+/// Splits a piece of more than eight items into up to eight pieces. Returns these and their number.
 fn eight(piece: Piece, parts: &[Part]) -> ([Piece; WIDTH], usize) {
     let (mut pieces, mut count) = ([piece; WIDTH], 1);
     while count < WIDTH {
@@ -354,7 +359,7 @@ mod tests {
         (0..count).map(&mut one).collect()
     }
 
-    /// Boxes in one another, smaller and smaller, in a corner; boxes all the same; boxes without extent.
+    /// Hard cases: boxes nested in a corner, ever smaller; identical boxes; boxes without extent.
     fn odd(count: usize) -> [Vec<(Bounds, u32)>; 3] {
         let point = |x: f64| Bounds { lo: Vec3::splat(x), hi: Vec3::splat(x) };
         let shrinking = |k: usize| Bounds { lo: Vec3::ZERO, hi: Vec3::splat(libm::exp2(-(k as f64) / 7.0)) };
@@ -366,7 +371,8 @@ mod tests {
         ]
     }
 
-    /// The leaves below a node, and how deep the tree is; boxes hold what is below them.
+    /// Collects the leaves below a node and returns the depth of the tree. Asserts that boxes contain their
+    /// children.
     fn leaves_below(nodes: &[Node], at: usize, depth: usize, out: &mut Vec<u32>) -> usize {
         let (mut deepest, node) = (depth, &nodes[at]);
         for k in (0..WIDTH).filter(|&k| node.planes[0][k] <= node.planes[3][k]) {
@@ -418,7 +424,7 @@ mod tests {
         }
     }
 
-    /// The slab test in f64 on boxes that are not grown at all.
+    /// Slab test in f64 on boxes that are not grown.
     fn passes(ray: &Ray, window: Window, bounds: &Bounds) -> bool {
         let (mut enter, mut leave) = (window.t_min(), window.t_max());
         for k in 0..3 {
@@ -435,7 +441,7 @@ mod tests {
         enter <= leave
     }
 
-    /// Rays of all kinds near boxes of about unit size at a place: along axes, through corners, from afar.
+    /// Rays near boxes of about unit size around a point: along axes, through corners, and from afar.
     fn rays(rng: &mut ChaCha8Rng, leaves: &[(Bounds, u32)], at: Vec3) -> Vec<Ray> {
         let mut vector = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
         let mut rays = Vec::new();
@@ -471,7 +477,7 @@ mod tests {
                     let mut touched = Vec::new();
                     tree.touched(&probe, &mut touched);
                     touched.sort_unstable();
-                    // in order of entry, the same leaves
+                    // front-to-back traversal finds the same leaves
                     let (mut front, mut ordered, mut time) =
                         (Front::default(), Vec::new(), f64::NEG_INFINITY);
                     front.begin(&tree, probe);
@@ -495,7 +501,7 @@ mod tests {
                     found += touched.len();
                 }
             }
-            // 60 boxes are asked about that a ray only just passes or misses
+            // 60 allows for boxes that a ray barely passes or misses
             assert!(met > 100 && found <= met + met / 50 + 60, "{found} of {met}");
         }
     }

@@ -1,7 +1,7 @@
-//! Which leaves a ray can touch. May change speed, never an answer.
+//! Candidate leaves of a ray: a BVH for each group. It affects speed, never an answer.
 //!
-//! A leaf counts where it can matter ([`Program::matters`]): a ray that passes outside of that box
-//! would see no flip of it that changes anything. Boxes are grown by more than any kernel can err.
+//! The box of a leaf is the region where the leaf can matter ([`Program::matters`]): outside of it no
+//! boundary event of the leaf changes a result. Boxes are grown by more than the largest error of any kernel.
 
 mod build;
 mod frame;
@@ -14,16 +14,17 @@ use rayweave_math::Vec3;
 use rayweave_model::drive::thread_count;
 use rayweave_model::{GroupPoint, GroupRay, MARGIN, Program, Prototype, Window};
 
-/// The leaves of a group by where they are.
+/// A BVH of the leaves of a group, with those that have no finite box.
 #[derive(Clone, Debug)]
 pub(crate) struct Accel {
-    /// Leaves that can matter without bound: every ray can touch them.
+    /// Leaves whose box is unbounded: candidates for every ray.
     unbounded: Vec<u32>,
     hierarchy: Hierarchy,
     condition: f64,
 }
 
-/// What the position of a ray's origin adds to the growth of every box, and the way into the frame of the group.
+/// Growth of every box due to the position of the ray's origin and to the transform into the frame of the
+/// group.
 fn ray_margin(origin: Vec3, magnitude: f64) -> f64 {
     MARGIN * (origin.length() + magnitude)
 }
@@ -42,43 +43,43 @@ impl Accel {
         Accel { unbounded, hierarchy, condition: group.condition }
     }
 
-    /// What it takes in memory.
+    /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         self.hierarchy.bytes() + self.unbounded.len() * size_of::<u32>()
     }
 
-    /// A length of the size of all boxes together.
+    /// Largest extent of all boxes together, up to a factor of two.
     pub fn size(&self) -> f64 {
         self.hierarchy.size()
     }
 
-    /// How much boxes are to be grown for a ray.
+    /// The growth of boxes for a ray.
     fn margin(&self, ray: &GroupRay<'_>) -> f64 {
         self.condition * ray_margin(ray.ray.origin, ray.magnitude)
     }
 
-    /// The leaves that the ray can touch within the window.
+    /// Appends the leaves that the ray can touch within the window.
     pub fn touched(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
         out.extend_from_slice(&self.unbounded);
         self.hierarchy.touched(&self.hierarchy.probe(&ray.ray, self.margin(ray), window), out);
     }
 
-    /// The leaves that any ray can touch anywhere.
+    /// The leaves without a finite box.
     pub fn unbounded(&self) -> &[u32] {
         &self.unbounded
     }
 
-    /// Makes ready for the other leaves, one by one in the order in which the ray enters their boxes.
+    /// Starts a front-to-back traversal of the leaves with finite boxes.
     pub fn begin(&self, ray: &GroupRay<'_>, window: Window, front: &mut Front) {
         front.begin(&self.hierarchy, self.hierarchy.probe(&ray.ray, self.margin(ray), window));
     }
 
-    /// Goes a step along a ray: a leaf if there is one there.
+    /// One step of the traversal; returns a leaf if the step reaches one.
     pub fn next(&self, front: &mut Front) -> Option<u32> {
         front.next(&self.hierarchy)
     }
 
-    /// The leaves whose bounds hold a point.
+    /// Appends the leaves whose boxes contain a point.
     pub fn around(&self, point: &GroupPoint, out: &mut Vec<u32>) {
         out.extend_from_slice(&self.unbounded);
         self.hierarchy.around(point.point, self.condition * ray_margin(point.point, point.magnitude), out);

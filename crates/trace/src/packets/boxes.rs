@@ -1,7 +1,9 @@
-//! A hierarchy of boxes, eight of which are tested at once against all that a bundle of eight rays may touch.
+//! A BVH of width eight for bundles of eight rays: all boxes of a node are tested at once against the whole
+//! bundle.
 //!
-//! A bundle goes through the origins between the least and the greatest of its rays, at all speeds between the slowest and
-//! the fastest. What it misses no ray of it touches; what it touches is tested ray by ray by who asks.
+//! The bundle is bounded by interval arithmetic: by the least and greatest origins and the slowest and
+//! fastest speeds of its rays. Conservative: a miss is definite for every ray of the bundle. On a possible
+//! hit the caller tests each ray.
 
 use super::group::Row;
 use fearless_simd::Simd;
@@ -9,36 +11,36 @@ use fearless_simd::prelude::*;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, splat};
 
-/// Boxes around boxes.
+/// The nodes of the BVH; the first is the root.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Boxes {
     nodes: Vec<Node>,
 }
 
-/// Eight boxes, one in each lane; those that are not used are empty.
+/// Eight boxes, one per lane; unused ones are empty.
 #[derive(Clone, Debug)]
 struct Node {
     /// The lower corners, then the upper ones, component by component.
     planes: [Row; 6],
-    /// What is in each.
+    /// The child in each box.
     content: [Content; LANES],
-    /// How many are used.
+    /// The number of boxes in use.
     count: usize,
 }
 
-/// What is in a box.
+/// The child in a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Content {
-    /// A node.
+    /// A node, by index.
     Node(u32),
-    /// A thing of those that the hierarchy was made for.
+    /// An item, by index.
     Item(u32),
 }
 
-/// A box of a hierarchy that parts things in two.
+/// A node of the binary tree from which the wide nodes are made.
 struct Pair {
     bounds: Bounds,
-    /// The numbers of both halves; none of a single thing.
+    /// The indices of both children; `None` for a single item.
     halves: Option<[u32; 2]>,
     item: u32,
 }
@@ -52,7 +54,7 @@ impl Boxes {
         boxes
     }
 
-    /// Puts what the hierarchy was made for into its order, and numbers it anew.
+    /// Returns the items in the order of the hierarchy, and renumbers them in it.
     pub fn reorder<T: Clone>(&mut self, items: &[T]) -> Vec<T> {
         let mut ordered = Vec::with_capacity(items.len());
         for content in self.nodes.iter_mut().flat_map(|node| &mut node.content[..node.count]) {
@@ -64,7 +66,7 @@ impl Boxes {
         ordered
     }
 
-    /// Makes nodes of eight out of pairs: those of the largest area are opened first.
+    /// Builds the nodes of width eight from the binary tree: boxes of the largest area are opened first.
     fn collapse(&mut self, pairs: &[Pair]) {
         let mut waiting = vec![(0, None)];
         while let Some((pair, place)) = waiting.pop() {
@@ -84,7 +86,7 @@ impl Boxes {
     }
 }
 
-/// Up to eight boxes within one, which are all of it.
+/// The contents of a box of the binary tree, as up to eight boxes.
 fn opened(pairs: &[Pair], pair: u32) -> Vec<u32> {
     let mut held = vec![pair];
     while held.len() < LANES {
@@ -128,8 +130,8 @@ impl Node {
     }
 }
 
-/// Boxes parted by the surface area heuristic in bins (Wald, "On fast construction of SAH-based bounding volume
-/// hierarchies", 2007): the first holds all others.
+/// The binary tree, root first, split by the binned surface area heuristic (Wald, "On fast construction of
+/// SAH-based bounding volume hierarchies", 2007).
 fn pairs(items: &[Bounds]) -> Vec<Pair> {
     let mut order: Vec<usize> = (0..items.len()).collect();
     let (mut pairs, mut waiting): (Vec<Pair>, _) = (Vec::new(), vec![(0..items.len(), None)]);
@@ -153,7 +155,7 @@ fn pairs(items: &[Bounds]) -> Vec<Pair> {
 
 const BINS: usize = 16;
 
-/// Reorders the boxes, two or more, and says where to part them.
+/// Partitions two or more boxes. Returns the number of boxes on the left side.
 fn part(items: &[Bounds], here: &mut [usize]) -> usize {
     let centre = |k: usize| items[k].centre();
     let centres =
@@ -193,15 +195,16 @@ fn area(bounds: &Bounds) -> f64 {
     if bounds.is_empty() { 0.0 } else { size.x * size.y + size.y * size.z + size.z * size.x }
 }
 
-/// Eight rays ready for tests against boxes.
+/// Eight rays prepared for slab tests.
 pub(super) struct Slabs<S: Simd> {
     origin: Vec3Lanes<S>,
     inverse: Vec3Lanes<S>,
-    /// Boxes are to be grown by this.
+    /// The growth of the boxes.
     margin: Lanes<S>,
 }
 
-/// The inverse of a component of a direction, kept finite: 1e-100 moves the ray by less than any margin.
+/// The inverse of a component of a direction, kept finite: a component of 1e-100 moves the ray by less than
+/// any margin.
 #[inline(always)]
 fn inverse<S: Simd>(simd: S, d: Lanes<S>) -> Lanes<S> {
     splat(simd, 1.0) / d.abs().max(splat(simd, 1e-100)).copysign(d)
@@ -233,7 +236,7 @@ impl<S: Simd> Slabs<S> {
         enter.simd_le(leave) & magnitude.rays
     }
 
-    /// The bundle of some of the rays, a bit each.
+    /// The bundle of the rays in a bit mask.
     #[inline(always)]
     pub fn bundle(&self, rays: u64) -> Bundle {
         let mut sides = [[Side::NONE; 2]; 3];
@@ -252,19 +255,19 @@ impl<S: Simd> Slabs<S> {
     }
 }
 
-/// What eight rays touch between them.
+/// Bounds of the origins and directions of up to eight rays.
 pub(super) struct Bundle {
-    /// For each axis those rays that go up, and those that go down, mirrored.
+    /// For each axis, the rays that ascend along it, and the mirror images of those that descend.
     sides: [[Side; 2]; 3],
 }
 
-/// Rays that go up along an axis.
+/// Bounds of the rays that ascend along an axis.
 #[derive(Clone, Copy)]
 struct Side {
-    /// The greatest origin, a margin farther on, and the least, a margin farther back.
+    /// The greatest origin plus the margin, and the least origin minus the margin.
     near: f64,
     far: f64,
-    /// The least and the greatest inverse of a speed.
+    /// The least and the greatest inverse speed.
     least: f64,
     greatest: f64,
 }
@@ -281,7 +284,7 @@ impl Side {
         self.greatest = larger(self.greatest, inverse);
     }
 
-    /// When the first of the rays may enter boxes and the last may leave them.
+    /// Bounds per box: the earliest entry time and the latest exit time of any of the rays.
     #[inline(always)]
     fn times<S: Simd>(&self, low: Lanes<S>, high: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
         let (near, far) = (low - self.near, high - self.far);
@@ -300,7 +303,8 @@ fn smaller(a: f64, b: f64) -> f64 {
 }
 
 impl Bundle {
-    /// When the bundle may enter each of the boxes of a node, and a bit for each that it may touch.
+    /// Lower bounds of the entry times into the boxes of a node, and a bit mask of the boxes that the bundle
+    /// may touch.
     #[inline(always)]
     fn enter<S: Simd>(&self, simd: S, node: &Node, magnitude: &Reach<S>) -> (Lanes<S>, u64) {
         let (mut enter, mut leave) = (splat(simd, magnitude.from.1), splat(simd, magnitude.until.1));
@@ -323,11 +327,11 @@ impl Bundle {
     }
 }
 
-/// Boxes that a bundle has yet to enter, the first one last.
+/// Stack of boxes that a bundle has yet to enter, the nearest one of each node on top.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Ahead(Vec<Place>);
 
-/// One of the boxes of a node.
+/// One box of a node.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     enter: f64,
@@ -335,7 +339,7 @@ struct Place {
     lane: u32,
 }
 
-/// When which rays are to be followed: from when, until when, and the last of these times.
+/// The rays to be tested, and their intervals of t: the bound per lane, and the bound for all lanes.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<S: Simd> {
     pub rays: Mask<S>,
@@ -344,7 +348,7 @@ pub(super) struct Reach<S: Simd> {
 }
 
 impl Ahead {
-    /// Makes ready for another bundle.
+    /// Starts the traversal for a bundle.
     #[inline(always)]
     pub fn begin<S: Simd>(&mut self, simd: S, boxes: &Boxes, bundle: &Bundle, magnitude: &Reach<S>) {
         self.0.clear();
@@ -353,7 +357,7 @@ impl Ahead {
         }
     }
 
-    /// The next thing whose box some ray passes. Things come in the order of the boxes around them, more or less.
+    /// The next item whose box some ray passes. The order is approximately front to back.
     #[inline(always)]
     pub fn next<S: Simd>(
         &mut self,
@@ -384,7 +388,7 @@ impl Ahead {
             touched &= touched - 1;
             let here = Place { enter: enter.as_slice()[lane as usize % LANES], node, lane };
             self.0.push(here);
-            // by insertion: hardly ever more than three
+            // insertion sort: there are rarely more than three
             let mut at = self.0.len() - 1;
             while at > known && self.0[at - 1].enter < here.enter {
                 self.0[at] = self.0[at - 1];

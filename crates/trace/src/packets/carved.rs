@@ -1,9 +1,9 @@
-//! Solids of many leaves of which any ray comes near a few only: what some unions of leaves have in common, less other
-//! leaves. A plate with its holes, a turned part.
+//! Carved solids: an intersection of unions of leaves, minus other leaves, where each ray comes near few of
+//! the many leaves. Examples: a plate with holes, a turned part.
 //!
-//! The leaves that rays come near are found by a hierarchy of boxes. Nothing is laid out for these leaves beforehand: an end
-//! of a stretch of one of them is a change if it is in some leaf of each other union, in no other leaf of its own, and in
-//! none of those that are taken away.
+//! A BVH finds the leaves near a bundle of rays. No boolean function of these leaves is prepared in advance:
+//! the end of a span of one of them is a change if it lies in some leaf of each other union, in no other leaf
+//! of its own union, and in none of the subtracted leaves.
 
 use super::boxes::{Ahead, Boxes, Bundle, Reach, Slabs};
 use super::group::{CODE, Group};
@@ -15,7 +15,7 @@ use rayweave_model::{Edge, Gate, LeafId, LeafKind, Program, Prototype, Rule, Win
 use rayweave_shape::lanes::{Doubt, Facet, LaneRay, Lanes, Mask, splat};
 use std::ops::Range;
 
-/// Such a solid.
+/// An intersection of unions of leaves, minus other leaves.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Carved {
     leaves: Vec<Leaf>,
@@ -28,25 +28,25 @@ pub(super) struct Carved {
 #[derive(Clone, Debug)]
 struct Leaf {
     facets: Range<usize>,
-    /// How many stretches may be cut out of its own.
+    /// The largest number of gaps in its span.
     gaps: usize,
-    /// The union that it is one of; [`NONE`] if it is taken away.
+    /// The union that it belongs to; [`NONE`] if it is subtracted.
     union: u32,
 }
 
-/// A solid as it is taken apart.
+/// State of the decomposition of a solid.
 struct Builder<'p> {
     program: &'p Program,
     group: &'p Prototype,
-    /// Where the leaves of the group matter.
+    /// The boxes outside of which the leaves of the group do not matter.
     matters: &'p [Bounds],
     carved: Carved,
     bounds: Vec<Bounds>,
 }
 
 impl Carved {
-    /// For a part of a group, with where the leaves of that matter; `None` if it is of another form, or has leaves for
-    /// which there is no kernel or no end.
+    /// Decomposes a part of a group; `matters` holds the boxes in which its leaves matter. Returns `None` if
+    /// the part has another form, or leaves without a kernel or a finite box.
     pub fn new(program: &Program, group: &Prototype, edge: Edge, matters: &[Bounds]) -> Option<Carved> {
         let mut builder = Builder { program, group, matters, carved: Carved::default(), bounds: Vec::new() };
         let mut waiting = vec![edge];
@@ -66,7 +66,8 @@ impl Carved {
 }
 
 impl Builder<'_> {
-    /// Takes an operand of an intersection; what is left to be taken where it is one itself.
+    /// Adds an operand of an intersection. Returns the operands that are left, if it is itself an
+    /// intersection.
     fn take(&mut self, edge: Edge) -> Option<Vec<Edge>> {
         let upright = !edge.is_complemented();
         match self.group.expression.node(edge.node()) {
@@ -108,7 +109,7 @@ impl Builder<'_> {
     }
 }
 
-/// The leaves that some rays come near, union by union, those that are taken away at the end.
+/// The leaves near a bundle, sorted by union, subtracted leaves last.
 struct Near {
     leaves: [NearLeaf; MOST],
     count: usize,
@@ -116,10 +117,10 @@ struct Near {
 
 #[derive(Clone, Copy)]
 struct NearLeaf {
-    /// Its number.
+    /// Its index.
     leaf: u32,
     union: u32,
-    /// The numbers of its stretches: its own, then those cut out of it.
+    /// The indices of its spans: first its own, then the gaps in it.
     first: usize,
     end: usize,
 }
@@ -129,7 +130,7 @@ impl Near {
         Near { leaves: [NearLeaf { leaf: 0, union: NONE, first: 0, end: 0 }; MOST], count: 0 }
     }
 
-    /// False if there is no room for it.
+    /// Adds a leaf; false if the list is full.
     #[inline(always)]
     fn add(&mut self, leaf: u32, union: u32) -> bool {
         if self.count == MOST {
@@ -149,7 +150,7 @@ impl Near {
         &self.leaves[..self.count.min(MOST)]
     }
 
-    /// How many unions they belong to.
+    /// The number of unions that the leaves belong to.
     #[inline(always)]
     fn unions(&self) -> u32 {
         let (mut count, mut last) = (0, NONE);
@@ -161,7 +162,7 @@ impl Near {
     }
 }
 
-/// Eight rays and the bundle that they are.
+/// Eight rays, their slabs and their bundle.
 pub(super) struct Bundled<'a, S: Simd> {
     pub ray: &'a LaneRay<S>,
     pub slabs: &'a Slabs<S>,
@@ -170,7 +171,8 @@ pub(super) struct Bundled<'a, S: Simd> {
 }
 
 impl<S: Simd> Group<'_, S> {
-    /// As [`Group::enter`]: the first two changes of rays, what is in doubt about them, and which start inside.
+    /// [`Group::enter`] for a carved solid: finds the first two changes. Returns the uncertain lanes and the
+    /// lanes that start inside.
     pub fn enter_carved(
         &mut self,
         carved: &Carved,
@@ -215,8 +217,8 @@ impl<S: Simd> Group<'_, S> {
         (doubt, self.starts_inside(&near, window))
     }
 
-    /// The stretches of leaves; false if there is a union that no ray meets, as soon as that is clear, `None` if there are
-    /// too many.
+    /// Computes the spans of the leaves. Returns false as soon as no ray hits any leaf of some union, and
+    /// `None` if there are too many spans.
     #[inline(always)]
     fn near_stretches(
         &mut self,
@@ -244,7 +246,7 @@ impl<S: Simd> Group<'_, S> {
         Some(is_met)
     }
 
-    /// Finds the first two changes.
+    /// Finds the first two changes of each ray.
     #[inline(always)]
     fn near_changes(&mut self, near: &Near, window: Window, doubt: &mut Doubt<S>) {
         let never = splat(self.simd, f64::INFINITY);
@@ -253,7 +255,7 @@ impl<S: Simd> Group<'_, S> {
             let NearLeaf { first, end, .. } = near.leaves[own];
             for code in 2 * first..2 * end {
                 let t = self.end(code);
-                // what is later than the first two changes does not matter
+                // only the first two changes are needed
                 let asked =
                     t.simd_gt(window.t_min()) & t.simd_lt(window.t_max()) & t.simd_le(second.min(tied));
                 if !asked.any_true() {
@@ -271,7 +273,8 @@ impl<S: Simd> Group<'_, S> {
         self.set_key(1, second.min(tied));
     }
 
-    /// Where an end of a stretch at a time is a change, and where it may be one that comes at the same time as another one.
+    /// Lanes in which the end of a span at time `t` is a change of the solid, and lanes in which it may be
+    /// one but coincides with another end (a tie).
     #[inline(always)]
     fn near_change(
         &self,
@@ -288,7 +291,7 @@ impl<S: Simd> Group<'_, S> {
             open &= if other == first { within | touches } else { !within };
             ties |= touches;
         }
-        // those of one union follow each other
+        // leaves of one union are consecutive
         let (mut any, mut of) = (Mask::splat(self.simd, true), NONE);
         for (k, leaf) in near.all().iter().enumerate() {
             if k == own {
@@ -310,7 +313,8 @@ impl<S: Simd> Group<'_, S> {
         (open & !ties, open & ties)
     }
 
-    /// Where a time is in a leaf for sure, and where some stretch of it begins or ends then.
+    /// Lanes in which `t` is strictly inside a leaf, and lanes in which some span of the leaf begins or ends
+    /// at `t`.
     #[inline(always)]
     fn holds(&self, leaf: &NearLeaf, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
         let (mut holds, mut touches) = self.within(leaf.first, t);
@@ -322,14 +326,14 @@ impl<S: Simd> Group<'_, S> {
         (holds, touches)
     }
 
-    /// Where a time is in a stretch, and where that begins or ends then.
+    /// Lanes in which `t` is strictly inside a span, and lanes in which the span begins or ends at `t`.
     #[inline(always)]
     fn within(&self, stretch: usize, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
         let (from, to) = self.stretch(stretch);
         (from.simd_lt(t) & t.simd_lt(to), t.simd_eq(from) | t.simd_eq(to))
     }
 
-    /// Which rays are inside just after the window begins.
+    /// The lanes that are inside just after the beginning of the window.
     #[inline(always)]
     fn starts_inside(&self, near: &Near, window: Window) -> Mask<S> {
         let never = Mask::splat(self.simd, false);
@@ -356,7 +360,7 @@ impl<S: Simd> Group<'_, S> {
         inside & any
     }
 
-    /// Where a stretch holds just after a time.
+    /// The lanes that are in a span just after `t`.
     #[inline(always)]
     fn begun(&self, stretch: usize, t: Lanes<S>) -> Mask<S> {
         let (from, to) = self.stretch(stretch);

@@ -1,4 +1,4 @@
-//! Eight rays through a plan.
+//! Evaluation of a plan for a bundle of eight rays.
 
 use super::logic::{Step, Tape};
 use super::network::sort;
@@ -9,23 +9,23 @@ use fearless_simd::prelude::*;
 use rayweave_model::{Rays, Window};
 use rayweave_shape::lanes::{Doubt, Facet, LANES, LaneRay, LaneStarts, Lanes, Mask, Span, Vec3Lanes, splat};
 
-/// A number of each ray, in memory.
+/// One number per ray, in memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Row(pub [f64; LANES]);
 
-/// The ends of stretches are told apart by these bits of a key.
+/// The low bits of a key, which hold the index of an end of a span.
 pub(super) const CODE: u64 = 2 * MOST as u64 - 1;
 
-/// A row for each end of a stretch.
+/// A row for each end of a span.
 pub(super) type Rows = [Row; 2 * MOST];
 
-/// The memory of a thread for eight rays; fixed in size, so that codes need no check.
+/// Per-thread memory for eight rays. Its size is fixed, so that indices need no bounds check.
 #[derive(Clone, Debug)]
 pub(super) struct Memory {
-    /// Where stretch k begins: 2 k, ends: 2 k + 1. Empty ones begin at +inf and end at -inf.
+    /// Span k begins at row 2 k and ends at row 2 k + 1. Empty spans begin at +inf and end at -inf.
     pub ends: Rows,
-    /// The numbers of the faces there.
+    /// The faces at these ends, as numbers.
     pub faces: Rows,
     pub keys: Rows,
 }
@@ -37,7 +37,7 @@ impl Default for Memory {
     }
 }
 
-/// Eight rays at work.
+/// A bundle of eight rays in evaluation.
 #[derive(Debug)]
 pub(super) struct Group<'m, S: Simd> {
     pub simd: S,
@@ -45,14 +45,14 @@ pub(super) struct Group<'m, S: Simd> {
     values: [Mask<S>; STEPS],
 }
 
-/// What was found on eight rays.
+/// Result of a plan for eight rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
-    /// Lanes that have to be asked one by one, a bit each.
+    /// Bit mask of the uncertain lanes, which fall back to the weave.
     pub doubt: u64,
-    /// The greatest number of changes of the winner on a ray.
+    /// The greatest number of changes of the owner on a ray.
     pub most: usize,
-    /// The winner of each ray at the start.
+    /// The owner of each ray's start.
     pub starts: [f64; LANES],
 }
 
@@ -62,7 +62,7 @@ impl<'m, S: Simd> Group<'m, S> {
         Group { simd, memory, values: [Mask::splat(simd, false); STEPS] }
     }
 
-    /// [`Group::run_here`] as a function of its own: compiled once for each instruction set, not wherever it is called.
+    /// [`Group::run_here`] as a separate function, compiled once per instruction set instead of at each call.
     pub fn run(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, window: Window, first: bool) -> Found {
         let simd = self.simd;
         simd.vectorize(
@@ -71,7 +71,7 @@ impl<'m, S: Simd> Group<'m, S> {
         )
     }
 
-    /// [`Group::enter_here`] as a function of its own.
+    /// [`Group::enter_here`] as a separate function.
     pub fn enter(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
         let simd = self.simd;
         simd.vectorize(
@@ -80,7 +80,7 @@ impl<'m, S: Simd> Group<'m, S> {
         )
     }
 
-    /// Finds the first two changes of rays; what is in doubt about them, and which start inside.
+    /// Finds the first two changes of each ray. Returns the uncertain lanes and the lanes that start inside.
     #[inline(always)]
     fn enter_here(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
         let never = Mask::splat(self.simd, false);
@@ -95,8 +95,8 @@ impl<'m, S: Simd> Group<'m, S> {
         (doubt, starts.simd_gt(splat(self.simd, 0.0)))
     }
 
-    /// The changes of rays `at..` (the last one again and again where there are fewer than eight), or of the first two
-    /// of them only.
+    /// Finds the changes of the rays from `at` on: all, or only the first two. If fewer than eight rays are
+    /// left, the last one fills the other lanes.
     #[inline(always)]
     fn run_here(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, window: Window, first: bool) -> Found {
         let simd = self.simd;
@@ -113,7 +113,7 @@ impl<'m, S: Simd> Group<'m, S> {
         Found { doubt: unsure, most, starts: self.starts_after(plan, window) }
     }
 
-    /// The lanes about whose changes anything is in doubt.
+    /// The lanes whose changes are uncertain.
     #[inline(always)]
     fn unsure(&self, plan: &Plan, ray: &LaneRay<S>, most: usize, doubt: &Doubt<S>) -> u64 {
         let mut unsure = doubt.always;
@@ -154,7 +154,7 @@ impl<'m, S: Simd> Group<'m, S> {
         Found { doubt, most, starts: self.starts(plan, from) }
     }
 
-    /// The stretches of all leaves; false if no ray is ever inside, as soon as that is clear.
+    /// Computes the spans of all leaves. Returns false as soon as it is certain that no ray is ever inside.
     #[inline(always)]
     fn stretches(
         &mut self,
@@ -173,7 +173,7 @@ impl<'m, S: Simd> Group<'m, S> {
         true
     }
 
-    /// No change on any ray.
+    /// Sets the keys to: no change on any ray.
     #[inline(always)]
     pub fn no_changes(&mut self) {
         let never = splat(self.simd, f64::INFINITY);
@@ -181,8 +181,8 @@ impl<'m, S: Simd> Group<'m, S> {
         self.set_key(1, never);
     }
 
-    /// The stretch of a leaf, number `first`, and those that are cut out of it. False if there is none on any ray: then
-    /// what is cut out of it does not matter.
+    /// Computes the span of a leaf, with index `first`, and the gaps in it. Returns false if it is empty on
+    /// all rays; the gaps do not matter then.
     #[inline(always)]
     pub fn leaf(
         &mut self,
@@ -234,9 +234,9 @@ impl<'m, S: Simd> Group<'m, S> {
         Lanes::load_array_ref(self.simd, &self.memory.keys[k % (2 * MOST)].0)
     }
 
-    /// Finds the ends of stretches at which the winner changes, and sorts them: each key is the time with its last bits
-    /// replaced by the number of the end. Times that differ by no more are taken for doubtful later. The greatest
-    /// number of them on a ray, or 2 if only the first two are asked for.
+    /// Finds the ends of spans at which the owner changes, and sorts them. Each key is the time with its low
+    /// bits replaced by the index of the end; times that differ in these bits only are marked as uncertain
+    /// later. Returns the greatest number of changes on a ray, or 2 if `first` limits the search to two.
     #[inline(always)]
     fn changes(
         &mut self,
@@ -272,7 +272,7 @@ impl<'m, S: Simd> Group<'m, S> {
             }
         }
         if first {
-            // one that comes later counts as a change
+            // a tie after the first change counts as the second change
             doubt.always |= tied.simd_le(earliest) & tied.simd_lt(never);
             self.set_key(0, earliest);
             self.set_key(1, second.min(tied));
@@ -290,8 +290,8 @@ impl<'m, S: Simd> Group<'m, S> {
         key.store_array(&mut self.memory.keys[k % (2 * MOST)].0);
     }
 
-    /// Where the winner changes at the time at which a stretch begins or ends, and where another one on which that
-    /// depends does so at the same time.
+    /// Lanes in which the owner changes at the end of a span at time `t`, and lanes in which another relevant
+    /// span begins or ends at the same time (a tie).
     #[inline(always)]
     fn difference(&mut self, difference: &Difference, t: Lanes<S>, asked: Mask<S>) -> (Mask<S>, Mask<S>) {
         let (mut changes, mut ties) = (asked, Mask::splat(self.simd, false));
@@ -323,7 +323,7 @@ impl<'m, S: Simd> Group<'m, S> {
         (changes, ties & asked)
     }
 
-    /// When a stretch begins and ends.
+    /// The times at which a span begins and ends.
     #[inline(always)]
     pub fn stretch(&self, k: usize) -> (Lanes<S>, Lanes<S>) {
         (self.end(2 * k), self.end(2 * k + 1))
@@ -348,7 +348,7 @@ impl<'m, S: Simd> Group<'m, S> {
         if complement { !value } else { value }
     }
 
-    /// The winner of each ray just after the window begins.
+    /// The owner of each ray just after the beginning of the window.
     #[inline(always)]
     fn starts_after(&mut self, plan: &Plan, window: Window) -> [f64; LANES] {
         match (plan.start, window.t_min()) {
@@ -357,7 +357,7 @@ impl<'m, S: Simd> Group<'m, S> {
         }
     }
 
-    /// The winner of each ray just after a time.
+    /// The owner of each ray just after `t`.
     #[inline(always)]
     fn starts(&mut self, plan: &Plan, t: Lanes<S>) -> [f64; LANES] {
         for (at, step) in plan.regions.steps.iter().enumerate() {
@@ -376,14 +376,14 @@ impl<'m, S: Simd> Group<'m, S> {
         winner.to_array()
     }
 
-    /// The number of the end at place `k` of lane `lane`; `None` if it has no such change.
+    /// The index of the span end at position `k` of a lane; `None` if the lane has fewer changes.
     #[inline(always)]
     pub fn code(&self, k: usize, lane: usize) -> Option<usize> {
         let key = self.memory.keys[k % (2 * MOST)].0[lane % LANES];
         (key < f64::INFINITY).then(|| (key.to_bits() & CODE) as usize)
     }
 
-    /// The stretches of a lane that hold just after a time, a bit each.
+    /// Bit mask of the spans that contain the times just after `t`, in one lane.
     pub fn holds_after(&self, plan: &Plan, lane: usize, t: f64) -> u64 {
         let ends = &self.memory.ends;
         let holds = |k: &usize| ends[2 * k].0[lane] <= t && t < ends[2 * k + 1].0[lane];
@@ -391,13 +391,14 @@ impl<'m, S: Simd> Group<'m, S> {
     }
 }
 
-/// A whole number from -2^31 to 2^31 as one, without the checks of a cast: added to 1.5 * 2^52 it stands in the last bits.
+/// Converts a whole number, -2^31 <= x < 2^31, without the checks of a cast: after the addition of 1.5 * 2^52
+/// its low bits hold the integer.
 #[inline(always)]
 pub(super) fn whole(x: f64) -> i32 {
     (x + 6_755_399_441_055_744.0).to_bits() as i32
 }
 
-/// Three columns of eight rays.
+/// Loads eight rays from three columns.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lanes<S> {
     let [x, y, z] = columns;

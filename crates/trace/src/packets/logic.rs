@@ -1,8 +1,9 @@
-//! Boolean functions of a few stretches, as straight-line programs over masks of lanes.
+//! Boolean functions of a few spans, as straight-line programs over lane masks.
 //!
-//! A function is built once as a graph of two-input gates in which equal gates are one and constants are folded away.
-//! What is asked of it while rays run: its value, and its *boolean difference* by a stretch: whether the function
-//! would change if that stretch alone did (Akers, "On a theory of Boolean functions", 1959).
+//! A function is built once as a graph of two-input gates with common subexpressions shared and constants
+//! folded. At run time two things are evaluated: its value, and its *boolean difference* with respect to a
+//! span, which is true where the function changes if that span alone does (Akers, "On a theory of Boolean
+//! functions", 1959).
 
 use super::plan::STEPS;
 use rayweave_model::{Edge, Expression, Gate, LeafId, NodeId, Rule};
@@ -87,8 +88,8 @@ impl Logic {
         if complement { plain.not() } else { plain }
     }
 
-    /// The functions below some edges of an expression; `leaf` gives that of a leaf. `None` if a leaf has none, or if
-    /// there would be more than `most` gates.
+    /// The functions below some edges of an expression; `leaf` returns the function of a leaf. `None` if a
+    /// leaf has none, or if there would be more than `most` gates.
     pub fn outputs(
         &mut self,
         expression: &Expression,
@@ -137,7 +138,7 @@ impl Logic {
         }
     }
 
-    /// At least so many of the operands: `reached[k]` is "at least k + 1 so far".
+    /// True if at least `least` of the operands are. `reached[k]` is "at least k + 1 of the operands so far".
     fn at_least(&mut self, least: usize, operands: &[Wire]) -> Wire {
         let mut reached = vec![Wire::FALSE; least];
         for &operand in operands {
@@ -176,7 +177,7 @@ impl Logic {
         outputs.iter().map(|&wire| image(&images, wire)).collect()
     }
 
-    /// Whether the winner, the last of the functions that holds, is another one if input `k` changes.
+    /// The boolean difference of the owner (the last function that is true) with respect to input `k`.
     pub fn difference(&mut self, outputs: &[Wire], k: usize) -> Wire {
         let without = self.with(outputs, |input| (input == k).then_some(Wire::FALSE));
         let with = self.with(outputs, |input| (input == k).then_some(Wire::TRUE));
@@ -191,7 +192,8 @@ impl Logic {
         changes
     }
 
-    /// The inputs, or their complements, of which a function is the conjunction; `None` if it is none.
+    /// The literals, (input, true if not complemented), whose conjunction the function is; `None` if it is
+    /// not a conjunction.
     pub fn cube(&self, function: Wire) -> Option<Vec<(u32, bool)>> {
         let (mut literals, mut waiting) = (Vec::new(), vec![function]);
         while let Some(wire) = waiting.pop() {
@@ -207,7 +209,7 @@ impl Logic {
         Some(literals)
     }
 
-    /// A program for some functions.
+    /// Compiles functions to a straight-line program.
     pub fn tape(&self, outputs: &[Wire]) -> Tape {
         let mut used = vec![false; self.nodes.len()];
         outputs.iter().for_each(|wire| used[wire.gate()] = true);
@@ -242,13 +244,13 @@ impl Logic {
     }
 }
 
-/// The function below an edge, if that below its node is there.
+/// The function of an edge; `None` if that of its node is not known yet.
 fn along(wires: &HashMap<NodeId, Wire>, edge: Edge) -> Option<Wire> {
     let wire = *wires.get(&edge.node())?;
     Some(if edge.is_complemented() { wire.not() } else { wire })
 }
 
-/// A step of a tape; numbers are those of earlier steps.
+/// An instruction of a tape; operands are indices of earlier instructions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Step {
     Constant,
@@ -263,14 +265,15 @@ pub(super) enum Step {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tape {
     pub steps: Vec<Step>,
-    /// The steps that are the answers, and whether they have to be complemented.
+    /// The instructions that give the outputs, and whether each is complemented.
     pub outputs: Vec<(u16, bool)>,
-    /// The inputs that are read, a bit each.
+    /// Bit mask of the inputs that are read.
     pub inputs: u64,
 }
 
 impl Tape {
-    /// The winner for one set of inputs, a bit each: the number of the last answer that holds, from 1; 0 if none does.
+    /// The owner for one set of inputs, given as a bit mask: the number, from 1, of the last output that is
+    /// true; 0 if none is.
     pub fn winner(&self, inputs: u64) -> u32 {
         let mut values = [false; STEPS];
         for (at, step) in self.steps.iter().enumerate() {
@@ -293,7 +296,7 @@ impl Tape {
 mod tests {
     use super::*;
 
-    /// Random functions of six inputs, as truth tables of 64 bits beside the graph.
+    /// Random functions of six inputs, compared with their truth tables of 64 bits.
     #[test]
     fn tapes_and_differences_agree_with_truth_tables() {
         let mut state = 11u64;

@@ -1,11 +1,12 @@
-//! Packets: eight rays at a time through small models.
+//! Evaluator for small models: a bundle of eight rays is processed at a time, one ray per SIMD lane.
 //!
-//! Along a ray a leaf is a stretch from one time to another (less what some facets cut out). Each end of a stretch is
-//! kept if the boolean of the *other* stretches at that time makes it a change: comparisons and masks, no sweep and no
-//! branch. That takes a number of comparisons that grows with the square of the number of leaves, so models of more than a
-//! few leaves are taken apart for first hits, if they are unions of small solids, placed or not, or carved of a few, and
-//! left to [`Weave`] otherwise; so is every single ray about which lanes cannot be certain: where two events come at the
-//! same time, where two crossings are so near each other that they may have to be welded, where a ray may lie in a face.
+//! Along a ray a leaf is a span from one time to another, less the gaps that some facets cut out. An end of a
+//! span is a crossing if the boolean function of the *other* spans at that time makes it one: comparisons and
+//! masks, no sweep and no branch. The number of comparisons grows with the square of the number of leaves. For
+//! first hits, larger models are therefore decomposed if they are unions of solids, placed or not, each of
+//! which is small or carved (`carved`); [`Weave`] traces all others. It also traces each ray whose lane is
+//! uncertain: two events occur at the same time, two crossings are so close that they may have to be welded,
+//! or the ray may lie in a face.
 
 mod boxes;
 mod carved;
@@ -35,10 +36,11 @@ use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
 use starts::Begin;
 use std::sync::Arc;
 
-/// Up to so many comparisons of stretches a model is asked as a whole for lists; beyond that the weave is faster.
+/// Number of span comparisons above which the weave computes lists of crossings faster than a plan of the
+/// whole model.
 const TOGETHER: usize = 256;
 
-/// The evaluator for daily use: lanes where they are sure, [`Weave`] elsewhere.
+/// The default evaluator: eight rays at a time where lanes are certain, [`Weave`] for the rest.
 #[derive(Clone, Debug)]
 pub struct Packets {
     weave: Weave,
@@ -47,7 +49,7 @@ pub struct Packets {
     level: Level,
 }
 
-/// Memory of a thread.
+/// Scratch memory of a thread for [`Packets`].
 #[derive(Clone, Debug, Default)]
 pub struct PacketsScratch {
     weave: WeaveScratch,
@@ -57,7 +59,8 @@ pub struct PacketsScratch {
 }
 
 impl PacketsScratch {
-    /// How many leaves the weave has been asked for with this scratch, on rays that were not sure in lanes.
+    /// Number of leaves that [`Weave`] has intersected with this scratch: on uncertain lanes, and on all rays
+    /// where the model has no plan for lanes.
     pub fn asked_of_weave(&self) -> u64 {
         self.weave.asked()
     }
@@ -69,7 +72,7 @@ impl Packets {
         Packets::with_level(program, Level::new())
     }
 
-    /// The same with instructions of a given level, for comparisons: the answers do not depend on it.
+    /// An evaluator with a given SIMD instruction set, for comparisons. The answers do not depend on it.
     pub fn with_level(program: Arc<Program>, level: Level) -> Packets {
         let model = Common::new(&program);
         let plan = model.as_ref().and_then(|model| Plan::new(&program, model));
@@ -86,13 +89,13 @@ impl Packets {
         }
     }
 
-    /// True if the model is one for lanes.
+    /// True if the model is traced in lanes of eight rays.
     pub fn uses_lanes(&self) -> bool {
         self.plan.is_some() || self.objects.is_some()
     }
 }
 
-/// Takes what was found on the rays `at..at + count`.
+/// Receives the results of the rays `at..at + count`.
 trait Take {
     fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize);
 }
@@ -118,7 +121,7 @@ fn run<S: Simd, T: Take>(
     }
 }
 
-/// Asks the weave about a ray.
+/// Traces one ray with the weave.
 fn one_by_one(
     weave: &Weave,
     rays: Rays<'_>,
@@ -137,7 +140,7 @@ fn one_by_one(
     weave.crossings(one, &query, scratch, &mut |found: RayAnswer<'_>| answer(RayAnswer { ray, ..found }));
 }
 
-/// Lists of crossings.
+/// Receiver for lists of crossings.
 struct Lists<'a> {
     weave: &'a Weave,
     rays: Rays<'a>,
@@ -163,7 +166,7 @@ impl Take for Lists<'_> {
     }
 }
 
-/// The crossings of a lane and the region that it starts in.
+/// Writes the crossings of a lane. Returns the region in which it starts.
 #[inline(always)]
 fn list<S: Simd>(
     program: &Program,
@@ -199,7 +202,7 @@ fn winner_after<S: Simd>(plan: &Plan, group: &Group<'_, S>, lane: usize, t: f64)
     RegionId(plan.winner(group.holds_after(plan, lane, t)))
 }
 
-/// Hit arrays.
+/// Receiver for hit arrays.
 struct Arrays<'a, 'r, 'c> {
     weave: &'a Weave,
     rays: Rays<'a>,
@@ -236,7 +239,7 @@ impl Take for Arrays<'_, '_, '_> {
 }
 
 impl Arrays<'_, '_, '_> {
-    /// Rays that start outside, all of them sure.
+    /// Writes rays that start outside and are all certain.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
         for (k, row) in self.rows.times.iter_mut().enumerate() {
@@ -262,14 +265,14 @@ impl Arrays<'_, '_, '_> {
     }
 }
 
-/// First hits.
+/// Receiver for first hits.
 struct Firsts<'a, 'c> {
     weave: &'a Weave,
     rays: Rays<'a>,
     query: Query<'a>,
     scratch: &'a mut PacketsScratch,
     hits: &'a mut FirstHits<'c>,
-    /// Crossings that belong to other faces on their two sides.
+    /// Crossings whose two sides belong to other faces.
     between: &'a mut Vec<(usize, Crossing)>,
 }
 
@@ -297,7 +300,7 @@ impl Take for Firsts<'_, '_> {
     }
 }
 
-/// Eight answers: times and faces, regions before and after, placements.
+/// Eight first hits: times and faces, regions before and after, placements.
 struct Eight {
     t: Row,
     face: Row,
@@ -307,7 +310,7 @@ struct Eight {
 }
 
 impl Eight {
-    /// Nothing is met.
+    /// Eight misses.
     #[inline(always)]
     fn nothing(starts: [f64; LANES]) -> Eight {
         let (t, face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
@@ -315,7 +318,7 @@ impl Eight {
     }
 }
 
-/// In a model of one region; lanes in doubt meet nothing.
+/// First hits in a model of one region; uncertain lanes are misses.
 #[inline(always)]
 fn plain_firsts<S: Simd>(group: &Group<'_, S>, found: &Found) -> Eight {
     let mut eight = Eight::nothing(found.starts);
@@ -329,7 +332,7 @@ fn plain_firsts<S: Simd>(group: &Group<'_, S>, found: &Found) -> Eight {
     eight
 }
 
-/// In a model of several regions.
+/// First hits in a model of several regions; uncertain lanes are misses.
 fn other_firsts<S: Simd>(program: &Program, plan: &Plan, group: &Group<'_, S>, found: &Found) -> Eight {
     let mut eight = Eight::nothing(found.starts);
     for lane in (0..LANES).filter(|lane| found.doubt >> lane & 1 == 0) {
@@ -350,7 +353,7 @@ fn other_firsts<S: Simd>(program: &Program, plan: &Plan, group: &Group<'_, S>, f
 }
 
 impl Firsts<'_, '_> {
-    /// Eight rays; those in doubt are to be overwritten.
+    /// Writes eight rays; the caller overwrites uncertain lanes.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, eight: &Eight, at: usize) {
         self.write(eight, at, LANES);
@@ -361,7 +364,7 @@ impl Firsts<'_, '_> {
         }
     }
 
-    /// Writes answers but for the normals.
+    /// Writes everything but the normals.
     #[inline(always)]
     fn write(&mut self, eight: &Eight, at: usize, count: usize) {
         let here = at..at + count;
@@ -378,7 +381,7 @@ impl Firsts<'_, '_> {
         }
     }
 
-    /// What the normals are found from, if they are asked for.
+    /// The input of the normals; `None` if the caller requests no normals.
     #[inline(always)]
     fn hits<S: Simd>(&self, simd: S, eight: &Eight, at: usize) -> Option<Hits<S>> {
         self.hits.normal.as_ref()?;
@@ -398,7 +401,7 @@ impl Firsts<'_, '_> {
         z[at..at + count].copy_from_slice(&normals.z.as_slice()[..count]);
     }
 
-    /// The normals of some lanes one by one: everything else about them has been written.
+    /// Computes the normals of some lanes one by one, from what has been written about them.
     fn dress(&mut self, mut lanes: u64, at: usize, face: impl Fn(usize) -> Face) {
         let Some([x, y, z]) = &mut self.hits.normal else { return };
         while lanes != 0 {
@@ -412,7 +415,7 @@ impl Firsts<'_, '_> {
         }
     }
 
-    /// What rays meet first among many solids.
+    /// First hits among many solids.
     #[inline(always)]
     fn among<S: Simd>(&mut self, simd: S, objects: &Objects, memory: &mut Memory, ahead: &mut [Ahead; 2]) {
         let mut group = Group::new(simd, memory);
@@ -427,7 +430,7 @@ impl Firsts<'_, '_> {
         }
     }
 
-    /// Writes what was found first among many solids; lanes in doubt are to be overwritten.
+    /// Writes first hits among many solids; the caller overwrites uncertain lanes.
     #[inline(always)]
     fn put_first<S: Simd>(&mut self, simd: S, objects: &Objects, first: &First, at: usize, count: usize) {
         let First { t, face, region: after, placement, .. } = *first;
@@ -441,7 +444,7 @@ impl Firsts<'_, '_> {
         }
     }
 
-    /// Asks the weave about a ray.
+    /// Traces one ray with the weave and writes its first hit.
     fn put_one(&mut self, ray: usize) {
         let (rays, hits, program) = (&self.rays, &mut *self.hits, self.weave.program());
         let between = &mut *self.between;
@@ -477,7 +480,7 @@ impl Evaluator for Packets {
         let Some(plan) = &self.plan else {
             return self.weave.crossings(rays, query, &mut scratch.weave, sink);
         };
-        // the first change of region need not be one of medium
+        // the first change of region may leave the medium unchanged
         let first = query.limit == Limit::First && plan.is_plain;
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Lists { weave: &self.weave, rays, query, scratch, sink };

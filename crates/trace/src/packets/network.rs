@@ -1,7 +1,7 @@
-//! Sorting a few keys of eight rays at a time, without a branch.
+//! Sorting networks: a few keys of eight rays at a time, without branches.
 //!
-//! Batcher's odd-even merge sort ("Sorting networks and their applications", 1968), written out for small numbers so that
-//! the keys stay in registers; more keys go through insertion.
+//! Batcher's odd-even merge sort ("Sorting networks and their applications", 1968), unrolled for up to 16
+//! keys so that they stay in registers; more keys use insertion sort.
 
 use super::group::{Row, Rows};
 use super::plan::MOST;
@@ -9,7 +9,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_shape::lanes::{LANES, Lanes};
 
-/// Loads keys, puts each pair of them in order, and stores them.
+/// Loads the keys, applies the comparators in order, and stores them.
 macro_rules! network {
     ($simd:ident, $rows:ident, $size:literal: $(($a:literal, $b:literal))+) => {{
         let mut keys: [Lanes<S>; $size] = std::array::from_fn(|k| Lanes::load_array_ref($simd, &$rows[k].0));
@@ -82,8 +82,8 @@ mod tests {
     use super::*;
     use fearless_simd::{Level, dispatch};
 
-    /// By the zero-one principle (Knuth, The Art of Computer Programming 3, 5.3.4) a network that sorts zeros and ones
-    /// sorts anything.
+    /// By the zero-one principle (Knuth, The Art of Computer Programming 3, 5.3.4) a network that sorts all
+    /// sequences of zeros and ones sorts all sequences.
     #[test]
     fn all_zeros_and_ones_are_sorted() {
         for count in 0..=18usize {

@@ -1,4 +1,5 @@
-//! Normals of eight hits at a time, by the operations of [`rayweave_model::attributes::normal`] in their order.
+//! Normals of eight hits at a time, by the same operations in the same order as
+//! [`rayweave_model::attributes::normal`].
 
 use super::group::{Row, whole};
 use fearless_simd::Simd;
@@ -8,23 +9,23 @@ use rayweave_model::Program;
 use rayweave_shape::lanes::{Gradient, LANES, Lanes, Mask, Vec3Lanes, splat};
 use rayweave_shape::surface::{Cylinder, Surface};
 
-/// How the normals of a face are found.
+/// Method for the normals of a face.
 #[derive(Clone, Debug)]
 pub(super) enum Slope {
-    /// The same everywhere, up to its sense.
+    /// Constant up to the sign.
     Unit(Vec3),
-    /// Along the line from the centre of a sphere.
+    /// From the centre of a sphere to the point.
     Centre(Vec3),
-    /// Along the perpendicular from the axis of a cylinder.
+    /// From the axis of a cylinder, perpendicularly, to the point.
     Axis(Cylinder),
-    /// Along the gradient of any other surface.
+    /// Gradient of any other surface with a SIMD kernel.
     Curved(Gradient),
-    /// One by one.
+    /// No SIMD kernel: one by one.
     Other,
 }
 
 impl Slope {
-    /// For every face of a program by its number.
+    /// The methods for all faces of a program, by face number.
     pub fn all(program: &Program) -> Vec<Slope> {
         let of_face = |facet: &rayweave_model::LeafFacet| match &program.surface(facet.surface()).surface {
             Surface::Plane(plane) => unit(plane.normal),
@@ -41,21 +42,22 @@ fn unit(gradient: Vec3) -> Slope {
     (gradient / largest).try_normalize().map_or(Slope::Other, Slope::Unit)
 }
 
-/// The hits whose normals are asked for.
+/// Eight hits whose normals are to be computed.
 pub(super) struct Hits<S: Simd> {
     pub origin: Vec3Lanes<S>,
     pub direction: Vec3Lanes<S>,
     pub t: Lanes<S>,
     /// The numbers of the faces.
     pub face: Row,
-    /// Those that leave a region for the world.
+    /// Lanes that leave a region for the world.
     pub leaves: Mask<S>,
-    /// The lanes that have a hit, a bit each.
+    /// Bit mask of the lanes that have a hit.
     pub hit: u64,
 }
 
 impl<S: Simd> Hits<S> {
-    /// The normals, NaN where there is no hit, and the lanes whose normals have to be found one by one.
+    /// The normals, NaN where there is no hit, and a bit mask of the lanes whose normals must be computed one
+    /// by one.
     #[inline(always)]
     pub fn normals(&self, simd: S, slopes: &[Slope]) -> (Vec3Lanes<S>, u64) {
         let mut normals = Vec3Lanes::splat(simd, Vec3::NAN);
@@ -72,7 +74,7 @@ impl<S: Simd> Hits<S> {
                     Some(normalised(simd, place.minus_all(axis.point).perpendicular(axis.axis)))
                 }
                 Slope::Curved(gradient) => {
-                    // a function of its own: what is asked most often stays in registers
+                    // a separate function, so that the common cases stay in registers
                     let along = simd.vectorize(
                         #[inline(always)]
                         || scaled_to_unit(simd, gradient.at(simd, place)),
@@ -90,15 +92,16 @@ impl<S: Simd> Hits<S> {
         self.oriented(simd, normals, others)
     }
 
-    /// Unit gradients as normals; the lanes that have to be asked one by one, `others` and those that only graze.
+    /// Turns unit gradients into normals. Also returns the lanes that must be computed one by one: `others`
+    /// and grazing rays.
     #[inline(always)]
     pub fn oriented(&self, simd: S, normals: Vec3Lanes<S>, others: u64) -> (Vec3Lanes<S>, u64) {
         let slope = normals.dot(self.direction);
-        // against the ray where it enters, along it where it leaves
+        // against the ray where it enters, along the ray where it leaves
         let turns = slope.simd_gt(0.0) ^ self.leaves;
         let one = splat(simd, 1.0);
         let sense = turns.select(-one, one);
-        // a ray that only grazes, and what has no tangent plane
+        // grazing rays, and points without a tangent plane
         let unsure = !(slope.abs().simd_gt(0.0)) & Mask::from_bitmask(simd, self.hit);
         (normals.times(sense), (others | unsure.to_bitmask()) & self.hit)
     }
@@ -110,7 +113,7 @@ fn normalised<S: Simd>(simd: S, offset: Vec3Lanes<S>) -> Vec3Lanes<S> {
     scaled_to_unit(simd, offset.times(splat(simd, 2.0)))
 }
 
-/// The unit vectors along gradients, first brought to a largest component of 1.
+/// The unit vectors along gradients, which are first scaled to a largest component of 1.
 #[inline(always)]
 pub(super) fn scaled_to_unit<S: Simd>(simd: S, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
     let Vec3Lanes { x, y, z } = gradient;

@@ -1,9 +1,10 @@
-//! What eight rays meet first among many small solids that are united, some of them placed.
+//! First hits of eight rays on a union of many small solids, some of them placed.
 //!
-//! As long as a ray is outside of all of them, the first change is the earliest entry into any: each solid is asked by a
-//! plan of its own, in its own frame, front to back through a hierarchy of boxes, and boxes behind what was found so far
-//! are left out. A ray that starts inside, two entries at the same time, or one so near the next change that the two may
-//! have to be welded, is left to the weave.
+//! For a ray that starts outside all solids, the first change is the earliest entry into any of them. A BVH
+//! yields the solids from front to back; each is intersected with a plan of its own in its own frame, and
+//! boxes behind the current hit are skipped. A ray falls back to the weave if it starts inside, if two
+//! entries occur at the same time, or if the entry and the next change are so close that they may have to be
+//! welded.
 
 use super::boxes::{Ahead, Boxes, Reach, Slabs};
 use super::carved::{Bundled, Carved};
@@ -24,17 +25,17 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Solids that are united.
+/// A union of solids.
 #[derive(Clone, Debug)]
 pub(super) struct Objects {
     pub model: Arc<Common>,
     objects: Vec<Object>,
     parts: Vec<Part>,
-    /// The ways into the frames of placed solids.
+    /// The transforms into the frames of placed solids.
     steps: Vec<Step>,
     boxes: Boxes,
     condition: f64,
-    /// True if there are so few leaves that all may as well be asked together by all rays.
+    /// True if there are so few leaves that all eight rays are traced together, however far apart they are.
     is_few: bool,
 }
 
@@ -43,14 +44,14 @@ pub(super) struct Objects {
 struct Object {
     bounds: Bounds,
     region: f64,
-    /// The number of its part: copies have the same.
+    /// The index of its part; copies share it.
     part: u32,
     placement: u32,
-    /// The way into its frame, the outermost step first.
+    /// The transforms into its frame, outermost first.
     steps: Range<u32>,
 }
 
-/// What is asked of a solid in its own frame.
+/// A solid in its own frame, prepared for intersection.
 #[derive(Clone, Debug)]
 struct Part {
     asked: Asked,
@@ -59,7 +60,7 @@ struct Part {
     condition: f64,
 }
 
-/// How a solid is asked.
+/// The method of intersection of a solid.
 #[derive(Clone, Debug)]
 enum Asked {
     Plan(Box<Plan>),
@@ -76,7 +77,8 @@ impl Asked {
 }
 
 impl Objects {
-    /// For a model whose regions are unions of small solids, none of the medium of the world.
+    /// Decomposes a model; `None` unless its regions are unions of small solids, none with the medium of the
+    /// world.
     pub fn new(program: &Program, model: &Arc<Common>) -> Option<Objects> {
         if program.regions().iter().any(|region| region.medium == 0) {
             return None;
@@ -116,7 +118,7 @@ struct Within {
     region: f64,
     group: PrototypeId,
     placement: u32,
-    /// The leaves by which the group is placed, the outermost first, each with its own group.
+    /// The leaves that place the group, outermost first, each with its own group.
     path: Vec<(PrototypeId, LeafId)>,
     steps: Range<u32>,
 }
@@ -128,11 +130,11 @@ impl Default for Within {
     }
 }
 
-/// The solids of a model as they are found.
+/// State of the decomposition of a model.
 struct Gathered<'p> {
     program: &'p Program,
     model: &'p Arc<Common>,
-    /// Where the leaves of each group matter, once that was asked.
+    /// Cache of the boxes in which the leaves of each group matter.
     matters: HashMap<PrototypeId, Vec<Bounds>>,
     known: HashMap<(PrototypeId, Edge), Option<u32>>,
     waiting: Vec<Within>,
@@ -155,10 +157,10 @@ impl<'p> Gathered<'p> {
         }
     }
 
-    /// Takes apart what is waiting; `None` if it is not a union of small solids, or one of too many.
+    /// Decomposes the waiting solids; `None` if one is not a union of small solids, or if there are too many.
     fn gather(&mut self) -> Option<()> {
         while let Some(within) = self.waiting.pop() {
-            // parts that are used by several unions come by more than once
+            // parts of several unions are visited more than once
             if self.objects.len() + self.waiting.len() > LARGE {
                 return None;
             }
@@ -192,7 +194,7 @@ impl<'p> Gathered<'p> {
         matches!(self.program.leaf(self.leaf(within, leaf)).kind(), LeafKind::Instance { .. })
     }
 
-    /// Goes on in the frame of a placed solid.
+    /// Continues in the frame of a placed solid.
     fn enter(&mut self, mut within: Within, leaf: LeafId) -> Option<()> {
         let id = self.leaf(&within, leaf);
         let LeafKind::Instance { prototype, placement } = self.program.leaf(id).kind() else { return None };
@@ -217,7 +219,7 @@ impl<'p> Gathered<'p> {
         self.matters.entry(group).or_insert_with(|| program.matters(program.prototype(group)))
     }
 
-    /// The number of a part; `None` if it is none for lanes.
+    /// The index of a part; `None` if it cannot be intersected in lanes.
     fn part(&mut self, within: &Within) -> Option<u32> {
         let key = (within.group, within.edge);
         if let Some(known) = self.known.get(&key) {
@@ -238,9 +240,10 @@ impl<'p> Gathered<'p> {
         Some(self.parts.len() as u32 - 1)
     }
 
-    /// By a plan if there is a small one; `None` if neither that nor anything else is possible.
+    /// Chooses a plan if it is small, otherwise a carved solid, otherwise the larger plan; `None` if none is
+    /// possible.
     fn asked(&mut self, within: &Within, group: &Prototype) -> Option<Asked> {
-        // rays must not start inside far away
+        // no ray may start inside far away
         let plan = Plan::of(self.program, self.model, group, &[within.edge], true);
         let mut plan = plan.filter(|plan| plan.start == Some(0)).map(Box::new);
         if let Some(plan) = plan.take_if(|plan| is_small(plan)) {
@@ -251,7 +254,7 @@ impl<'p> Gathered<'p> {
         carved.map(|carved| Asked::Carved(Box::new(carved))).or(plan.map(Asked::Plan))
     }
 
-    /// Adds a solid, unless it is nowhere; `None` if it has no end.
+    /// Adds a solid unless it is empty; `None` if it is unbounded.
     fn add(&mut self, within: &Within, part: u32) -> Option<()> {
         let bounds = self.bounds(within)?;
         if bounds.is_empty() {
@@ -265,7 +268,7 @@ impl<'p> Gathered<'p> {
         Some(())
     }
 
-    /// The box of a solid in the world.
+    /// The bounding box of a solid in the world.
     fn bounds(&mut self, within: &Within) -> Option<Bounds> {
         let program = self.program;
         let leaves = leaves(&program.prototype(within.group).expression, within.edge)?;
@@ -285,7 +288,7 @@ fn is_small(plan: &Plan) -> bool {
     plan.comparisons() <= SMALL
 }
 
-/// The parts in the order in which objects use them, so that neighbours are near each other in memory, too.
+/// Sorts the parts in the order in which objects use them, so that spatial neighbours are close in memory.
 fn reordered(parts: &[Part], objects: &mut [Object]) -> Vec<Part> {
     let (mut ordered, mut numbers) = (Vec::with_capacity(parts.len()), HashMap::new());
     for object in objects {
@@ -297,7 +300,7 @@ fn reordered(parts: &[Part], objects: &mut [Object]) -> Vec<Part> {
     ordered
 }
 
-/// The leaves below an edge, if they are few.
+/// The leaves below an edge; `None` if there are too many.
 fn leaves(expression: &Expression, edge: Edge) -> Option<Vec<LeafId>> {
     let (mut found, mut waiting) = (Vec::new(), vec![edge]);
     while let Some(edge) = waiting.pop() {
@@ -313,36 +316,37 @@ fn leaves(expression: &Expression, edge: Edge) -> Option<Vec<LeafId>> {
     Some(found)
 }
 
-/// What is found first on eight rays.
+/// First hits of eight rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct First {
-    /// When; +inf for a miss.
+    /// The times; +inf for a miss.
     pub t: Row,
-    /// The number of the face; -1 for a miss.
+    /// The numbers of the faces; -1 for a miss.
     pub face: Row,
-    /// The region entered; 0 for a miss.
+    /// The regions entered; 0 for a miss.
     pub region: Row,
-    /// The placement of the face; 0 for a miss.
+    /// The placements of the faces; 0 for a miss.
     pub placement: Row,
-    /// The number of the solid; of no account for a miss.
+    /// The indices of the solids; undefined for a miss.
     object: Row,
-    /// Lanes that have to be asked one by one, a bit each.
+    /// Bit mask of the uncertain lanes, which fall back to the weave.
     pub doubt: u64,
 }
 
-/// So far behind a hit, in radii of the model, solids are still looked at: it is made sure that no weld reaches farther.
+/// Length behind a hit, in radii of the model, in which solids are still searched. A separate check proves
+/// that no weld reaches farther.
 const BEHIND: f64 = 0.01;
 
-/// What was found so far.
+/// State of a search.
 struct Search<S: Simd> {
     first: Lanes<S>,
-    /// No change is earlier than this after the first.
+    /// Lower bound of the time of the next change after the first.
     second: Lanes<S>,
     face: Lanes<S>,
     object: Lanes<S>,
     grazes: Mask<S>,
     always: Mask<S>,
-    /// The rays that are asked about at present.
+    /// The rays being traced.
     asked: Mask<S>,
 }
 
@@ -364,7 +368,7 @@ impl<S: Simd> Search<S> {
 }
 
 impl Objects {
-    /// What eight rays meet first: those that go together are asked together.
+    /// The first hits of eight rays. Rays that are close to each other are traced together.
     #[inline(always)]
     pub fn first<S: Simd>(
         &self,
@@ -392,7 +396,7 @@ impl Objects {
         self.found(simd, &ray, &search, behind, (program, window))
     }
 
-    /// Looks for what some of the rays meet first.
+    /// Searches for the first hits of the rays in the bit mask `some`.
     #[inline(always)]
     fn search<S: Simd>(
         &self,
@@ -418,7 +422,7 @@ impl Objects {
         }
     }
 
-    /// Looks for the first entry into one solid; true if that is earlier on any ray.
+    /// Intersects one solid. Returns true if the hit of any ray became earlier.
     #[inline(always)]
     fn ask<S: Simd>(
         &self,
@@ -476,7 +480,7 @@ impl Objects {
         closer.any_true()
     }
 
-    /// What a search has found, and how certain that is.
+    /// Collects the results of a search, and marks uncertain lanes.
     #[inline(always)]
     fn found<S: Simd>(
         &self,
@@ -528,7 +532,8 @@ impl Objects {
         first
     }
 
-    /// True if nothing from a time on, within the model, can be welded to the first crossing of a ray.
+    /// True if no change at time `next` or later, within the model, can be welded to the first crossing of a
+    /// ray.
     fn is_settled(
         &self,
         first: &First,
@@ -549,7 +554,7 @@ impl Objects {
         Face { placement: PlacementId(first.placement.0[lane] as u32), ..face }
     }
 
-    /// The normals of hits, and the lanes where they have to be found one by one.
+    /// The normals of hits, and a bit mask of the lanes that must be computed one by one.
     #[inline(always)]
     pub fn normals<S: Simd>(
         &self,
@@ -580,7 +585,8 @@ impl Objects {
         hits.oriented(simd, units, others)
     }
 
-    /// The first of some rays, and those that are so near it that they touch the same boxes, most of the time; a bit each.
+    /// Bit mask of the first of the rays in `left` and those so close to it that they usually touch the same
+    /// boxes.
     #[inline(always)]
     fn together<S: Simd>(&self, simd: S, ray: &LaneRay<S>, left: u64) -> u64 {
         let first = left & left.wrapping_neg();
@@ -594,7 +600,8 @@ impl Objects {
     }
 }
 
-/// Rays go together up to this angle, and up to this distance in radii of the model.
+/// Largest angle in radians, and largest distance in radii of the model, between rays that are traced
+/// together.
 const NEAR: f64 = 0.03;
 
 /// The greatest of eight times.

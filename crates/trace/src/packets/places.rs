@@ -1,4 +1,4 @@
-//! Eight rays in the frames of placed solids, and the normals of what they meet there.
+//! Transforms of eight rays into the frames of placed solids, and normals of hits there.
 
 use super::boxes::Slabs;
 use super::group::whole;
@@ -9,26 +9,26 @@ use rayweave_model::{MARGIN, Place, Program};
 use rayweave_shape::lanes::{Doubt, LaneLimits, LaneRay, Lanes, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
 
-/// A step on the way into the frame of a placed solid.
+/// A transform on the path into the frame of a placed solid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     place: Place,
-    /// The most by which it stretches a length.
+    /// Largest factor by which it stretches a length (norm of the linear part).
     stretch: f64,
 }
 
-/// Eight rays on the way into a frame.
+/// Eight rays in the frame of a placed solid.
 #[derive(Clone, Copy)]
 pub(super) struct Carried<S: Simd> {
     pub origin: Vec3Lanes<S>,
     pub direction: Vec3Lanes<S>,
-    /// What the way adds to the reach of every surface.
+    /// The amount that the transforms add to the magnitude bound of every surface.
     magnitude: Lanes<S>,
 }
 
 impl<S: Simd> Carried<S> {
-    /// Through some steps, the outermost first, as [`rayweave_model::carried`] does it; what is added to reaches may be
-    /// somewhat more.
+    /// Applies the transforms, outermost first, as [`rayweave_model::carried`] does. The amount added to
+    /// magnitude bounds may be slightly larger than there.
     #[inline(always)]
     pub fn new(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[Step]) -> Self {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
@@ -43,14 +43,14 @@ impl<S: Simd> Carried<S> {
         ray
     }
 
-    /// Ready for tests against the boxes of a group of a condition.
+    /// Prepares slab tests against the boxes of a group with this condition.
     #[inline(always)]
     pub fn slabs(&self, simd: S, condition: f64) -> Slabs<S> {
         let margin = (self.origin.taxicab() + self.magnitude) * (condition * MARGIN);
         Slabs::new(simd, self.origin, self.direction, margin)
     }
 
-    /// Ready for kernels.
+    /// Prepares the rays for the kernels.
     #[inline(always)]
     pub fn ready(&self, simd: S, limits: &LaneLimits) -> (LaneRay<S>, Doubt<S>) {
         LaneRay::carried(simd, self.origin, self.direction, limits, self.magnitude)
@@ -69,7 +69,7 @@ impl Step {
         Step { place, stretch: place.local_from_world.linear_norm() }
     }
 
-    /// Gradients in the frame outside: by the transpose.
+    /// Transforms gradients to the outer frame, by the transpose.
     #[inline(always)]
     fn back<S: Simd>(&self, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
         let down = &self.place.local_from_world.linear;
@@ -77,8 +77,9 @@ impl Step {
     }
 }
 
-/// The unit gradients, in the frame of the world, of a face met by rays at times `t`, as
-/// [`rayweave_model::attributes::world_gradient`] and what is done with it; `None` of faces whose normals are found one by one.
+/// The unit gradients, in the frame of the world, of a face hit by rays at times `t`, by the operations of
+/// [`rayweave_model::attributes::world_gradient`] and of its normalisation. `None` for faces whose normals
+/// are computed one by one.
 #[inline(always)]
 pub(super) fn unit_gradient<S: Simd>(
     simd: S,
@@ -93,7 +94,7 @@ pub(super) fn unit_gradient<S: Simd>(
     let mut gradient = match &slopes[whole(face) as usize] {
         Slope::Centre(centre) => place.minus_all(*centre).times(two),
         Slope::Axis(axis) => place.minus_all(axis.point).perpendicular(axis.axis).times(two),
-        // a function of its own: what is asked most often stays in registers
+        // a separate function, so that the common cases stay in registers
         Slope::Curved(gradient) => simd.vectorize(
             #[inline(always)]
             || gradient.at(simd, place),

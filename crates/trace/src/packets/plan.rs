@@ -1,4 +1,4 @@
-//! What is done for every eight rays, laid out once for a small model.
+//! Plans: a small model, prepared for evaluation in SIMD lanes.
 
 use super::logic::{Logic, Tape, Wire};
 use super::normal::Slope;
@@ -10,64 +10,67 @@ use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
 use rayweave_shape::surface::{Surface, delta_of};
 use std::sync::Arc;
 
-/// Stretches that a plan may have: each has two ends, which are told apart by six bits.
+/// Largest number of spans of a plan: each has two ends, whose index fits six bits.
 pub(super) const MOST: usize = 32;
 
-/// Steps that each of its boolean functions may have.
+/// Largest number of instructions of each boolean function of a plan.
 pub(super) const STEPS: usize = 128;
 
-/// Gates that the boolean skeleton may have: deep chains of operators over a few leaves are not worth it.
+/// Largest number of gates of the boolean skeleton. Deep chains of operators over few leaves are not worth a
+/// plan.
 const GATES: usize = 512;
 
-/// Models of more leaves than this are left to the weave: tables of faces and plans would take too much memory.
+/// Number of leaves above which the weave traces the model: tables of faces and plans would take too much
+/// memory.
 pub(super) const LARGE: usize = 1 << 16;
 
-/// Beyond so many comparisons the solids of a union are asked one by one for first hits.
+/// Number of comparisons above which the solids of a union are intersected one by one for first hits.
 pub(super) const APART: usize = 16;
 
-/// Beyond so many comparisons it is better to leave out the leaves that no ray comes near.
+/// Number of comparisons above which it pays to skip the leaves that no ray comes near.
 pub(super) const SMALL: usize = 64;
 
-/// Winners are tabled for so many stretches.
+/// Largest number of spans for which the owners are tabulated.
 const TABLED: usize = 8;
 
-/// No stretch.
+/// No span.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// A small model, ready for lanes.
+/// A small model, prepared for evaluation in SIMD lanes.
 ///
-/// Along a ray a leaf is one stretch, less the stretches that some of its facets cut out of it (the bore of a tube). All
-/// these stretches are numbered; the boolean skeleton is a function of whether a time is in each of them.
+/// Along a ray a leaf is one span, less the gaps that some of its facets cut out of it (the bore of a tube).
+/// All these spans and gaps are numbered; the boolean skeleton is a function of whether t lies in each of
+/// them.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
-    /// What all plans of the model share.
+    /// Data shared by all plans of the model.
     pub model: Arc<Common>,
     pub leaves: Vec<LeafPlan>,
     pub facets: Vec<Facet>,
-    /// For each stretch: whether the winner changes if that alone does.
+    /// For each span, the boolean difference of the owner with respect to it.
     pub differences: Vec<Difference>,
-    /// What is inside, for each region.
+    /// A boolean function per region: true inside.
     pub regions: Tape,
-    /// The winner for every set of stretches, if there are few: a table is read faster than the tape.
+    /// The owner for every set of spans, if there are few: a table lookup is faster than the tape.
     winners: Vec<u32>,
-    /// The winner as t -> -inf, if it is the same for all rays.
+    /// The owner as t -> -inf, if it is the same for all rays.
     pub start: Option<u32>,
-    /// True if inside is one region, and not of the medium of the world.
+    /// True if the inside is one region whose medium is not that of the world.
     pub is_plain: bool,
 }
 
-/// What holds for a model as a whole.
+/// Data shared by all plans of a model.
 #[derive(Clone, Debug)]
 pub(super) struct Common {
     pub limits: LaneLimits,
-    /// The faces by their numbers.
+    /// The faces by number.
     pub faces: Vec<Face>,
-    /// How their normals are found.
+    /// The methods for their normals.
     pub slopes: Vec<Slope>,
 }
 
 impl Common {
-    /// For a model; `None` if it is too large or has no size.
+    /// Tables of a model; `None` if it is too large or has no extent.
     pub fn new(program: &Program) -> Option<Arc<Common>> {
         let group = program.prototype(PrototypeId(0));
         if group.leaves.len() > LARGE || program.facets().len() > 8 * LARGE || group.ball.radius <= 0.0 {
@@ -81,29 +84,29 @@ impl Common {
     }
 }
 
-/// When a stretch matters.
+/// The boolean difference of the owner with respect to a span.
 #[derive(Clone, Debug)]
 pub(super) enum Difference {
-    /// If a time is in all of some stretches and in none of some others.
+    /// A conjunction: t lies in all of some spans and in none of some others.
     Cube(Vec<Literal>),
-    /// By any other function.
+    /// Any other function.
     Tape(Tape),
 }
 
-/// A stretch in which a time has to be, or not to be.
+/// A condition on one span.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Literal {
-    /// The number of the stretch.
+    /// The index of the span.
     pub stretch: u32,
-    /// True if the time has to be in it.
+    /// True if t must lie in the span, false if it must not.
     pub inside: bool,
-    /// True if it is this one's part to look whether both end at the same time.
+    /// True if ties with this span are detected here; each pair of spans is checked once.
     pub ties: bool,
 }
 
 impl Difference {
     fn new(logic: &Logic, outputs: &[Wire], own: usize) -> Difference {
-        // in a copy: what one difference adds to the graph is nothing to the next
+        // on a copy, so that the gates of one difference do not enlarge the graph of the next
         let mut logic = logic.clone();
         let difference = logic.difference(outputs, own);
         let literal =
@@ -126,14 +129,14 @@ impl Difference {
 #[derive(Clone, Debug)]
 pub(super) struct LeafPlan {
     pub facets: std::ops::Range<usize>,
-    /// The number of its stretch.
+    /// The index of its span.
     pub span: usize,
-    /// True if nothing is inside where this leaf is not.
+    /// True if everything inside lies in this leaf.
     pub is_needed: bool,
 }
 
 impl Plan {
-    /// For all that is asked of a model; `None` if that is too large for lanes.
+    /// The plan of a whole model; `None` if it is too large for lanes.
     pub fn new(program: &Program, model: &Arc<Common>) -> Option<Plan> {
         let group = program.prototype(PrototypeId(0));
         let is_plain = program.regions().len() == 1 && program.regions()[0].medium != 0;
@@ -143,8 +146,8 @@ impl Plan {
         }
     }
 
-    /// For a part of a group; `None` if that is too large for lanes, or has placed solids or surfaces for which there is no
-    /// kernel.
+    /// The plan of a part of a group; `None` if it is too large for lanes, or has placed solids or surfaces
+    /// without a kernel.
     pub fn of(
         program: &Program,
         model: &Arc<Common>,
@@ -182,16 +185,16 @@ impl Plan {
         }
         plan.start = winner_far_out(&mut logic, &outputs, &bounded);
         for leaf in &mut plan.leaves {
-            // in a copy: what this adds to the graph is nothing to the next
+            // on a copy, so that the graph does not grow
             let without = logic.clone().with(&outputs, |k| (k == leaf.span).then_some(Wire::FALSE));
             leaf.is_needed = without.iter().all(|&wire| wire == Wire::FALSE);
         }
-        // rays that miss one of these need not be asked about others
+        // rays that miss one of these need no other leaf
         plan.leaves.sort_by_key(|leaf| !leaf.is_needed);
         Some(plan)
     }
 
-    /// The stretches of a leaf; whether a time is in the leaf.
+    /// Numbers the span and the gaps of a leaf. Returns the function "t is in the leaf".
     fn leaf(
         &mut self,
         program: &Program,
@@ -209,24 +212,25 @@ impl Plan {
         Some(inside)
     }
 
-    /// Comparisons with other stretches for each group of rays, in pairs: what grows with the square of a model's size.
+    /// Cost of a bundle: the number of comparisons with other spans, counted once for both ends of a span.
+    /// Quadratic in the size of the model.
     pub fn comparisons(&self) -> usize {
         self.differences.iter().map(Difference::steps).sum()
     }
 
-    /// The winner where some stretches hold, a bit each.
+    /// The owner where the spans in a bit mask contain t.
     pub fn winner(&self, holds: u64) -> u32 {
         self.winners.get(holds as usize).copied().unwrap_or_else(|| self.regions.winner(holds))
     }
 
-    /// The number of stretches.
+    /// The number of spans.
     pub fn stretches(&self) -> usize {
         self.differences.len()
     }
 }
 
-/// Adds the facets of a leaf, and numbers the gaps that they may cut out of its stretch, from 1; how many these are, or
-/// `None` if there is no kernel for some facet.
+/// Appends the facets of a leaf, and numbers from 1 the gaps that they may cut out of its span. Returns the
+/// number of gaps; `None` if a facet has no kernel.
 pub(super) fn leaf_facets(
     program: &Program,
     range: std::ops::Range<u32>,
@@ -262,7 +266,7 @@ pub(super) fn leaf_facets(
     Some(gaps as usize)
 }
 
-/// The winner where a time is in none of the bounded stretches, if the others do not matter then.
+/// The owner where t is in none of the bounded spans, if it does not depend on the others there.
 fn winner_far_out(logic: &mut Logic, outputs: &[Wire], bounded: &[usize]) -> Option<u32> {
     let far = logic.with(outputs, |k| bounded.contains(&k).then_some(Wire::FALSE));
     let is_constant = |wire: &Wire| *wire == Wire::FALSE || *wire == Wire::TRUE;
@@ -275,12 +279,12 @@ fn take(stretches: &mut usize) -> Option<usize> {
     (*stretches <= MOST).then_some(*stretches - 1)
 }
 
-/// True if the planes of a leaf leave no room on both sides of the waist of a surface, as those of a frustum.
+/// True if the planes of a leaf exclude one side of the waist of a surface, as those of a frustum do.
 fn is_one_piece(program: &Program, facets: &[LeafFacet], kernel: &Kernel) -> bool {
     kernel.waist().is_some_and(|waist| facets.iter().any(|facet| is_beyond(program, facet, waist)))
 }
 
-/// True if the facet is a plane, and a point lies on it or beyond.
+/// True if the facet is a plane, and the point lies on it or outside of it.
 fn is_beyond(program: &Program, facet: &LeafFacet, point: Vec3) -> bool {
     let entry = program.surface(facet.surface());
     let Surface::Plane(plane) = &entry.surface else { return false };
@@ -289,7 +293,7 @@ fn is_beyond(program: &Program, facet: &LeafFacet, point: Vec3) -> bool {
     beyond >= -delta_of(entry.magnitude + point.length())
 }
 
-/// For rays that may meet some leaves of a group.
+/// Limits for rays that may touch some leaves of a group.
 pub(super) fn limits(
     program: &Program,
     group: &Prototype,
@@ -298,7 +302,7 @@ pub(super) fn limits(
     let mut limits = LaneLimits {
         centre: group.ball.centre,
         radius: group.ball.radius,
-        // leaves may reach farther than their surfaces, and the points of a chord are of that size, too
+        // leaves may extend beyond the magnitude of their surfaces, and the points of a chord are as large
         magnitude: group.ball.centre.length() + group.ball.radius / 16.0,
         largest_radius: 0.0,
         bend: 0.0,

@@ -1,26 +1,27 @@
-//! Rays that start on surfaces, for lanes: those that start on one at most; the others are left to the weave.
+//! Start surfaces of ray bundles. Lanes handle rays that start on at most one surface; the weave traces the
+//! others.
 
 use super::group::Row;
 use rayweave_model::{PlacementId, Query, Start, SurfaceId};
 use rayweave_shape::lanes::LANES;
 
-/// Where eight rays begin.
+/// The starts of eight rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Begin {
-    /// The numbers of the surfaces that they start on; -1 for none.
+    /// The numbers of the start surfaces; -1 for none.
     pub surface: Row,
-    /// Those that are where f < 0 just after the start, a bit each.
+    /// Bit mask of the rays with f < 0 just after the start.
     pub inside: u64,
-    /// The times after which they are asked about.
+    /// The lower bounds of the rays' intervals of t.
     pub from: Row,
-    /// Up to when all of them are.
+    /// The upper bound for all rays.
     pub t_max: f64,
-    /// Those that start on several surfaces, a bit each.
+    /// Bit mask of the rays that start on several surfaces or on a placed one.
     pub doubt: u64,
 }
 
 impl Begin {
-    /// Rays `at..at + count` of a batch; more lanes than those begin anywhere.
+    /// The starts of the rays `at..at + count` of a batch; the remaining lanes are arbitrary.
     pub fn new(query: &Query<'_>, at: usize, count: usize) -> Begin {
         let window = query.window;
         let mut begin = Begin {
@@ -37,7 +38,7 @@ impl Begin {
                 continue;
             }
             if window.t_min() <= 0.0 {
-                // t = 0 is asked about, too: see `Query::is_past`
+                // t = 0 is included: see `Query::is_past`
                 begin.from.0[lane] = -f64::from_bits(1);
             }
             match *list {

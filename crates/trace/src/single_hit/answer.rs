@@ -1,26 +1,25 @@
-//! What is next after a time: the answer of a leaf, and of everything built from leaves.
+//! The next change after a time: of a leaf, and of nodes built from leaves.
 
 use std::fmt;
 
-/// What a leaf answers to "what is next after t?".
+/// Next change of a leaf after a time t.
 ///
-/// "At t" means just after it: on (t, t + 0). The side there is counted from the roots that have passed,
-/// never found by looking at a point.
+/// The side at t is that on (t, t + 0), just after t. It is counted from the roots passed, never found by
+/// evaluating a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Next {
     /// Outside until this finite time, then inside.
     Enter(f64),
     /// Inside until this finite time, then outside.
     Exit(f64),
-    /// Outside for ever.
+    /// Outside forever.
     Outside,
-    /// Inside for ever: an exit at +inf.
+    /// Inside forever: an exit at +inf.
     Inside,
 }
 
 impl Next {
-    /// The answer of something that is inside or not and crosses its boundary next at the time given, if
-    /// ever.
+    /// The next change of a solid whose side and next boundary crossing, if any, are given.
     pub fn new(inside: bool, crossing: Option<f64>) -> Next {
         match (inside, crossing) {
             (false, Some(t)) => Next::Enter(t),
@@ -43,7 +42,7 @@ impl Next {
         }
     }
 
-    /// The answer of the complement.
+    /// The next change of the complement.
     pub fn complement(self) -> Next {
         match self {
             Next::Enter(t) => Next::Exit(t),
@@ -65,10 +64,10 @@ impl fmt::Display for Next {
     }
 }
 
-/// What is next of a node: like [`Next`], for values that are small numbers.
+/// Next change of a node whose values are small integers; compare [`Next`].
 ///
-/// The value of a solid is 0 or 1; that of a k-of-n gate's parts the number of operands that the ray is
-/// inside of; that of a model the region that wins.
+/// The value of a solid is 0 or 1; that of a partial sum of a k-of-n gate is the number of operands that
+/// contain the ray; that of a model is the number of the owner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// The value until `t`.
@@ -80,7 +79,7 @@ pub struct Step {
 }
 
 impl Step {
-    /// The same value for ever.
+    /// A value that never changes.
     pub fn constant(value: u32) -> Step {
         Step { before: value, after: value, t: f64::INFINITY }
     }
@@ -90,12 +89,12 @@ impl Step {
         (self.t == f64::INFINITY).then_some(self.before)
     }
 
-    /// The same about another value, a function of this one.
+    /// The same change of a function of the value.
     pub fn map(self, value: impl Fn(u32) -> u32) -> Step {
         Step { before: value(self.before), after: value(self.after), t: self.t }
     }
 
-    /// As the answer of a solid: inside where the value is not 0.
+    /// Converts to the change of a solid: inside where the value is not 0.
     pub fn next(self) -> Next {
         Next::new(self.before != 0, self.t.is_finite().then_some(self.t))
     }

@@ -1,41 +1,42 @@
-//! Asking a tree what is next: the rule, over a post-order, with two stacks and no recursion.
+//! Iterative evaluation of a tree: the next change of its root after a time, over the post-order, with two
+//! stacks.
 //!
-//! A *slice* of the post-order with a time t_min is work to be done: its leaves are asked, its gates take the
-//! answers of their operands from the stack of values. Where a gate has to ask again (rule 4), the slice is
-//! cut: its rest, from this gate on, waits on the stack of slices, and the sub-trees of the operands in
-//! question become a slice of their own with a later t_min. (If both have to be asked they are neighbours in
-//! the post-order: one slice.) The answer of an operand that is not asked again stays on the stack of values;
-//! it is still true, as its next change lies after the new t_min.
+//! A *slice* of the post-order with a time t_min is pending work: its leaves are queried, and its gates take
+//! the results of their operands from the stack of values. Where a gate must query operands again (rule 4),
+//! the slice is split: the rest of it, from this gate on, waits on the stack of slices, and the sub-trees of
+//! these operands become a slice of their own with a later t_min. (If both must be queried they are adjacent
+//! in the post-order: one slice.) The result of an operand that is not queried again stays on the stack of
+//! values; it is still valid, as its next change lies after the new t_min.
 //!
-//! Slices that wait belong to gates on one way from the root to a leaf, so a tree of height h needs room for
-//! h + 1 slices, the one at work included, and likewise h + 1 values. (A. Kensler's recursion, made iterative
-//! as in S. Blyth's Opticks, with stacks that are as deep as the tree needs.)
+//! Waiting slices belong to gates on one path from the root to a leaf, so a tree of height h needs room for h
+//! + 1 slices, the current one included, and likewise for h + 1 values. (The recursion of A. Kensler, made
+//! iterative as in S. Blyth's Opticks, with stacks as deep as the tree needs.)
 
 use super::{Kind, Next, Step, Tree, Verdict, decide};
 
 /// The leaves of a tree along one ray.
 pub trait LeafAnswers {
-    /// What is next of a leaf after `t_min`, which may be -inf.
+    /// The next change of a leaf after `t_min`, which may be -inf.
     fn next(&self, leaf: u32, t_min: f64) -> Next;
 }
 
-/// Watches how an answer comes about.
+/// Observer of an evaluation.
 pub trait Watch {
-    /// A leaf was asked.
+    /// A leaf was queried.
     fn leaf(&mut self, _node: usize, _t_min: f64, _answer: Next) {}
-    /// A gate was given two answers.
+    /// A gate was decided.
     fn gate(&mut self, _node: usize, _operands: [Step; 2], _verdict: Verdict) {}
-    /// So many slices and values are on the stacks, the slice at work included.
+    /// Numbers of entries on the two stacks, the current slice included.
     fn depth(&mut self, _slices: usize, _values: usize) {}
 }
 
-/// Watches nothing.
+/// An observer that does nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct NoWatch;
 
 impl Watch for NoWatch {}
 
-/// A range of the post-order, to be worked off from a time on.
+/// A range of the post-order, to be evaluated from a time on.
 #[derive(Clone, Copy, Debug)]
 struct Slice {
     next: u32,
@@ -43,14 +44,14 @@ struct Slice {
     t_min: f64,
 }
 
-/// The answer of a node whose gate has not come yet.
+/// The result of a node whose parent has not been decided yet.
 #[derive(Clone, Copy, Debug)]
 struct Value {
     node: u32,
     step: Step,
 }
 
-/// The two stacks.
+/// The stacks of slices and values.
 #[derive(Clone, Debug, Default)]
 pub struct Stacks {
     slices: Vec<Slice>,
@@ -58,13 +59,13 @@ pub struct Stacks {
 }
 
 impl Stacks {
-    /// Stacks for trees of a height: `height + 1` entries each.
+    /// Stacks for trees of this height: `height + 1` entries each.
     pub fn new(height: u32) -> Stacks {
         let most = height as usize + 1;
         Stacks { slices: Vec::with_capacity(most), values: Vec::with_capacity(most) }
     }
 
-    /// What is next of a tree after `t_min`, which may be -inf.
+    /// The next change of a tree after `t_min`, which may be -inf.
     pub fn ask(
         &mut self,
         tree: &Tree,
@@ -81,7 +82,7 @@ impl Stacks {
         self.values.pop().map_or(Step::constant(0), |value| value.step)
     }
 
-    /// Works a slice off, up to its end or to where it is cut.
+    /// Evaluates a slice up to its end or to the gate where it is split.
     fn work(&mut self, tree: &Tree, leaves: &impl LeafAnswers, slice: Slice, watch: &mut impl Watch) {
         for node in slice.next..slice.end {
             let at = node as usize;
@@ -115,7 +116,7 @@ impl Stacks {
         }
     }
 
-    /// The answers of the two operands of a gate, in their order: one that was asked again lies on top.
+    /// Pops the results of the two operands of a gate, in their order; one that was queried again is on top.
     fn pop_two(&mut self) -> [Value; 2] {
         let nothing = Value { node: 0, step: Step::constant(0) };
         let (top, below) = (self.values.pop().unwrap_or(nothing), self.values.pop().unwrap_or(nothing));
@@ -123,7 +124,7 @@ impl Stacks {
     }
 }
 
-/// The sub-trees of the operands that are to be asked again.
+/// The sub-trees of the operands that must be queried again.
 fn again(tree: &Tree, gate: usize, t_min: f64, asked: [bool; 2]) -> Slice {
     let [first, _] = tree.operands(gate);
     let next = if asked[0] { tree.nodes()[gate].begin } else { first as u32 + 1 };

@@ -1,4 +1,4 @@
-//! The evaluator of compiled models.
+//! The single-hit evaluator of compiled models.
 
 use super::roots::Roots;
 use super::sides::{Sides, Turned};
@@ -13,27 +13,26 @@ use rayweave_shape::Ray;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The evaluator that asks "what is next after t?".
+/// Evaluator that computes one crossing at a time, by the query "next change after t".
 ///
-/// Its answers are those of every other evaluator, bit for bit. It finds one crossing at a time: the tree of
-/// the model is asked from t_min on, and again from each crossing on. Every leaf is asked, so a question
-/// costs time in proportion to their number: this is the evaluator for small models, for explanations, and
-/// for checking the others.
+/// The tree of the model is evaluated from t_min on, and again from each crossing on. The answers are those
+/// of every other evaluator, bit for bit. Every query visits every leaf and so takes time linear in their
+/// number: this evaluator is for small models, for explanations, and for checks of the others.
 #[derive(Clone, Debug)]
 pub struct SingleHit {
     program: Arc<Program>,
     /// The tree of each group.
     trees: Vec<Tree>,
-    /// What the largest of the groups needs.
+    /// The height and the number of leaves of the largest groups.
     height: u32,
     leaves: usize,
 }
 
-/// Memory of a thread.
+/// Scratch memory of a thread for [`SingleHit`].
 #[derive(Clone, Debug)]
 pub struct SingleHitScratch {
     pub(super) stacks: Stacks,
-    /// Buffers for each level of nesting. A placed solid has at least two placements, and a model less than
+    /// Buffers per nesting level. A placed solid has at least two placements, and a model has fewer than
     /// 2^31, so there are at most 31 levels.
     pub(super) levels: Vec<Option<Box<Level>>>,
     pub(super) crossings: Vec<Crossing>,
@@ -45,10 +44,10 @@ pub struct SingleHitScratch {
 pub(super) struct Level {
     pub roots: Roots,
     turned: Turned,
-    /// The flips near the changes found so far.
+    /// The boundary events near the changes found so far.
     events: Vec<Event>,
     leaf: LeafEvents,
-    /// The changes of a placed solid, found one level further in.
+    /// The changes of a placed solid, from the next nesting level.
     inner: Vec<(f64, Face)>,
 }
 
@@ -56,8 +55,8 @@ impl SingleHit {
     /// An evaluator of a compiled model.
     ///
     /// # Errors
-    /// [`TooLarge`] if the trees of all groups together have more than [`MOST_NODES`] nodes, shared parts
-    /// written out wherever they are used. With that the stacks of a thread are bounded, too.
+    /// [`TooLarge`] if the trees of all groups together have more than [`MOST_NODES`] nodes; shared parts are
+    /// duplicated at each use. This also bounds the stacks of a thread.
     pub fn new(program: Arc<Program>) -> Result<SingleHit, TooLarge> {
         let mut trees = Vec::with_capacity(program.prototypes().len());
         let mut left = MOST_NODES;
@@ -77,14 +76,14 @@ impl SingleHit {
         &self.trees[group.index()]
     }
 
-    /// The story of how the answer for one ray comes about: every question, every decision, every crossing.
+    /// Explains the answer for one ray: records every query, decision and crossing.
     ///
     /// Start lists count as in [`Evaluator::crossings`], for ray 0.
     pub fn explain(&self, ray: Ray, query: &Query<'_>) -> Explanation {
         Explanation::new(self, ray, query)
     }
 
-    /// Enters the flips of all leaves of a group along a ray.
+    /// Collects the boundary events of all leaves of a group along a ray.
     pub(super) fn gather(
         &self,
         group: PrototypeId,
@@ -97,7 +96,7 @@ impl SingleHit {
         for leaf in 0..leaves.len() as u32 {
             let id = LeafId(leaves.start + leaf);
             match &self.program.leaf(id).kind() {
-                // the tree does not ask it
+                // the tree does not contain it
                 _ if !self.program.leaf(id).is_asked() => {
                     level.roots.enter(false, std::iter::empty());
                 }
@@ -124,7 +123,7 @@ impl SingleHit {
         level.roots.enter(level.leaf.starts_inside, flips);
     }
 
-    /// All changes of a placed solid, by asking it again and again; true if it is inside from the start.
+    /// All changes of a placed solid, by repeated queries. Returns true if it is inside from the start.
     fn instance(
         &self,
         group: PrototypeId,
@@ -146,7 +145,7 @@ impl SingleHit {
         starts_inside
     }
 
-    /// The face by which the only output of a group changes at `t`.
+    /// The face through which the only output of a group changes at `t`.
     fn face(&self, tree: &Tree, level: &mut Level, t: f64) -> Face {
         let Level { roots, events, turned, .. } = level;
         events.clear();
@@ -187,7 +186,7 @@ impl SingleHit {
         start
     }
 
-    /// Asks from crossing to crossing and welds; the region at the start.
+    /// Queries from crossing to crossing and welds. Returns the region at the start.
     pub(super) fn walk(
         &self,
         ray: Ray,
@@ -234,7 +233,7 @@ impl SingleHit {
         step
     }
 
-    /// The value of a group's tree at a point: the number of the last output that holds it, or 0.
+    /// The value of a group's tree at a point: the number of the last output that contains it, or 0.
     fn value_at(&self, group: PrototypeId, point: &GroupPoint, values: &mut Vec<u32>) -> u32 {
         let tree = self.tree(group);
         let first = self.program.prototype(group).leaves.start;
@@ -296,11 +295,11 @@ impl Evaluator for SingleHit {
     }
 }
 
-/// Watches a walk along a ray.
+/// Observer of a ray.
 pub(super) trait WatchWalk: Watch {
-    /// The model is asked what is next after a time.
+    /// A query of the model for its next change after a time begins.
     fn question(&mut self, _t_min: f64) {}
-    /// It has answered.
+    /// The query returns.
     fn answer(&mut self, _step: Step) {}
     /// The weld reports a crossing.
     fn crossing(&mut self, _crossing: &Crossing) {}
@@ -308,18 +307,18 @@ pub(super) trait WatchWalk: Watch {
 
 impl WatchWalk for NoWatch {}
 
-/// The changes of a walk on their way to crossings.
+/// Converts the changes of a ray to crossings.
 struct Welding<'a> {
     program: &'a Program,
     tree: &'a Tree,
     ray: Ray,
     paused: Paused,
-    /// The time up to which flips have been gathered.
+    /// The time up to which boundary events have been collected.
     last: Option<f64>,
 }
 
 impl Welding<'_> {
-    /// Takes the next change of the winning region.
+    /// Takes the next change of the owner.
     fn step(&mut self, step: Step, level: &mut Level) -> Option<Crossing> {
         let (before, after) = (self.state(step.before), self.state(step.after));
         if before.region == after.region {
@@ -350,8 +349,8 @@ impl Welding<'_> {
     }
 }
 
-/// The time from which a walk asks: just before 0 where the ray starts on surfaces, as they may be crossed at
-/// 0.
+/// The time from which the first query starts: just before 0 if the ray starts on surfaces, as these may be
+/// crossed at 0.
 fn first_t_min(query: &Query<'_>, has_starts: bool) -> f64 {
     match query.window.t_min() {
         t_min if has_starts && t_min <= 0.0 => 0.0f64.next_down(),

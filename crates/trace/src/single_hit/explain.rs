@@ -1,4 +1,5 @@
-//! Why an answer is what it is: the record of every decision, as data. [`super::story`] tells it as text.
+//! Explanations of answers: a record of every leaf query, gate decision and crossing of one ray, as data.
+//! [`super::story`] prints it as text.
 
 use super::evaluator::WatchWalk;
 use super::names::Names;
@@ -11,7 +12,7 @@ use rayweave_model::{
 use rayweave_shape::{Ray, RayError};
 use std::sync::Arc;
 
-/// A ray that cannot be explained.
+/// Error of [`explain`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExplainError {
@@ -32,12 +33,13 @@ impl Classified for ExplainError {
     }
 }
 
-/// Explains the crossings of one ray: every query of a leaf, every decision at a gate of the model's tree with the operands it
-/// was made from, and the crossings. [`std::fmt::Display`] prints it as text; the fields hold the same as data.
+/// Explains the crossings of one ray: records every query of a leaf, every decision at a gate of the model's
+/// tree with its operands, and the crossings. [`std::fmt::Display`] prints the record as text; the fields
+/// hold it as data.
 ///
 /// # Errors
 ///
-/// [`ExplainError`]: a ray that is out of range, or a model that is too large.
+/// [`ExplainError`]: the ray is out of range, or the model is too large.
 ///
 /// ```
 /// use rayweave_math::Vec3;
@@ -63,95 +65,95 @@ pub fn explain(program: &Arc<Program>, ray: Ray, window: Window) -> Result<Expla
     Ok(evaluator.explain(ray, &Query { window, ..Query::default() }))
 }
 
-/// So many entries are kept of one explanation; the others are counted. A model of ten thousand leaves has twice as
-/// many for each of its crossings.
+/// Largest number of entries kept in an explanation; further ones are only counted. A model of ten thousand
+/// leaves makes twice as many for each of its crossings.
 pub const MOST_ENTRIES: usize = 100_000;
 
-/// How the answer for one ray came about. Its `Display` tells it as a story.
+/// The record of how the answer for one ray was computed. Its `Display` prints it as text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// The ray.
     pub ray: Ray,
-    /// What the regions are called, by their numbers: 0 is "the world".
+    /// The names of the regions, by number: 0 is "the world".
     pub regions: Vec<Arc<str>>,
     /// The region just after the beginning of the window; 0 is the world.
     pub start: RegionId,
-    /// What the model was asked, in order.
+    /// The queries of the model, in order.
     pub questions: Vec<Question>,
     /// The crossings: the answer.
     pub crossings: Vec<Found>,
-    /// How many changes of medium were welded with their neighbours; counted where all crossings are asked
-    /// for.
+    /// Number of changes of medium that were welded with their neighbours; computed only if all crossings are
+    /// wanted.
     pub welded: usize,
 }
 
-/// One question to the whole model: "what is next after t_min?".
+/// One query of the whole model: its next change after t_min.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    /// The time that is asked from, which may be -inf.
+    /// The start time of the query, which may be -inf.
     pub t_min: f64,
-    /// Every leaf asked and every decision made, in order, but for parts that are known never to change again;
-    /// [`MOST_ENTRIES`] of all questions together.
+    /// Every leaf query and every decision, in order, except those in sub-trees known to be constant from
+    /// here on; at most [`MOST_ENTRIES`] over all queries.
     pub entries: Vec<Entry>,
-    /// How many more there were about parts that are known.
+    /// Number of entries omitted because their sub-tree is known to be constant.
     pub repeated: usize,
-    /// How many more there were for which there is no room.
+    /// Number of entries omitted because the limit was reached.
     pub left_out: usize,
-    /// The answer: numbers of regions, 0 is the world.
+    /// The result, as numbers of regions; 0 is the world.
     pub answer: Step,
-    /// True if the medium changes then, within the window.
+    /// True if the medium changes at that time, within the window.
     pub changes_medium: bool,
 }
 
-/// A leaf asked or a decision made.
+/// A leaf query or a decision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The node, by its place in the tree's post-order.
+    /// The node, by its index in the tree's post-order.
     pub node: usize,
-    /// Where its sub-tree begins: all nodes from there on, up to itself, are below it.
+    /// The first node of its sub-tree: all nodes from there up to itself are below it.
     pub begin: usize,
-    /// How far it lies below the root.
+    /// Its distance from the root.
     pub depth: u32,
-    /// What it is called, its complement not counted.
+    /// Its name, without its complement.
     pub name: Arc<str>,
-    /// What its values stand for.
+    /// The meaning of its values.
     pub meaning: Meaning,
-    /// What happened.
+    /// The query or decision.
     pub what: What,
 }
 
-/// What the values of a node stand for.
+/// The meaning of the values of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// Not 0: inside.
+    /// Inside if not 0.
     Solid,
-    /// So many operands that the ray is inside of.
+    /// Number of operands that contain the ray.
     Count,
-    /// The number of the region that wins; 0 is the world.
+    /// Number of the owner; 0 is the world.
     Region,
 }
 
-/// What happened at a node.
+/// A leaf query or a gate decision.
 #[derive(Clone, Debug, PartialEq)]
 pub enum What {
-    /// A leaf was asked.
+    /// A query of a leaf.
     Leaf {
         /// Its number in the program.
         leaf: LeafId,
-        /// The time it was asked from.
+        /// The start time of the query.
         t_min: f64,
-        /// What it answered.
+        /// The result.
         answer: Next,
         /// The face that it crosses next.
         face: Option<Face>,
-        /// What the face is called.
+        /// The name of the face.
         face_name: Option<Arc<str>>,
     },
-    /// A gate decided from the answers of its operands.
+    /// A decision at a gate.
     Gate {
         /// The operands.
         operands: [Operand; 2],
-        /// The value just after the time that the operands were asked from, before any complement.
+        /// The value just after the start time of the operands' query, before any complement.
         value: u32,
         /// The decision, before any complement.
         verdict: Verdict,
@@ -159,7 +161,7 @@ pub enum What {
 }
 
 impl What {
-    /// True if the node was found never to change again.
+    /// True if the node was found to be constant from here on.
     pub fn is_settled(&self) -> bool {
         match self {
             What::Leaf { answer, .. } => answer.time() == f64::INFINITY,
@@ -167,7 +169,7 @@ impl What {
         }
     }
 
-    /// The number of the rule that decided (see [`super::decide`]); `None` for a leaf.
+    /// The number of the rule that was applied (see [`super::decide`]); `None` for a leaf.
     pub fn rule(&self) -> Option<u8> {
         match self {
             What::Leaf { .. } => None,
@@ -181,20 +183,20 @@ impl What {
 /// An operand of a decision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operand {
-    /// The node, by its place in the tree's post-order.
+    /// The node, by its index in the tree's post-order.
     pub node: usize,
-    /// What it is called, its complement not counted.
+    /// Its name, without its complement.
     pub name: Arc<str>,
-    /// What its values stand for.
+    /// The meaning of its values.
     pub meaning: Meaning,
     /// True if the gate takes its complement.
     pub complemented: bool,
-    /// Its answer, as the gate takes it.
+    /// Its next change, as the gate takes it.
     pub answer: Step,
 }
 
 impl Operand {
-    /// What the operand says of itself, without the complement and the weight that the gate sees it with.
+    /// The next change of the operand itself, without the complement and weight with which the gate takes it.
     pub fn own_answer(&self) -> Step {
         self.answer.map(|value| match self.meaning {
             Meaning::Solid => u32::from((value != 0) != self.complemented),
@@ -203,7 +205,7 @@ impl Operand {
     }
 }
 
-/// A crossing with names.
+/// A crossing with the name of its face.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
     /// The crossing.
@@ -218,7 +220,7 @@ impl Explanation {
         let mut scratch = evaluator.scratch();
         let seen = GroupRay::world(evaluator.program(), ray, starts);
         let mut level = evaluator.gather(PrototypeId(0), &seen, 0, &mut scratch);
-        // the faces are looked up while the walk borrows the roots for itself
+        // cloned, as the walk borrows the level
         let roots = level.roots.clone();
         let mut recorder = Recorder {
             names: Names::new(evaluator),
@@ -236,7 +238,7 @@ impl Explanation {
         Explanation { ray, regions: region_names(evaluator.program()), start, questions, crossings, welded }
     }
 
-    /// How many leaves were asked and decisions made, those included that are not kept.
+    /// Number of leaf queries and decisions, those that are not kept included.
     pub fn steps(&self) -> usize {
         let steps = |question: &Question| question.entries.len() + question.repeated + question.left_out;
         self.questions.iter().map(steps).sum()
@@ -248,7 +250,7 @@ fn region_names(program: &Program) -> Vec<Arc<str>> {
     ["the world"].into_iter().chain(names).map(Arc::from).collect()
 }
 
-/// Writes a walk down.
+/// Observer that records a ray.
 struct Recorder<'a, F> {
     names: Names<'a>,
     next_face: F,
@@ -256,12 +258,12 @@ struct Recorder<'a, F> {
     found: Vec<Found>,
     t_max: f64,
     settled: Settled,
-    /// How many entries are still taken.
+    /// Number of entries that are still accepted.
     room: usize,
 }
 
 impl<F> Recorder<'_, F> {
-    /// False, and the entry is counted, if it is about what is known or there is no room for it.
+    /// Returns false, and counts the entry, if its sub-tree is known to be constant or the limit is reached.
     fn takes(&mut self, node: usize) -> bool {
         let is_known = self.settled.contains(node);
         match self.questions.last_mut() {

@@ -1,16 +1,16 @@
-//! The single-hit evaluator: "what is next after t?", asked of a tree.
+//! The single-hit evaluator: computes the next crossing after t, again and again, on a binary CSG tree.
 //!
-//! Nothing but one next crossing is kept of each operand, however many it has: a gate takes the two answers
-//! of its operands and makes its own from them by one rule (see [`decide`]), or asks again from a later time
-//! on. So its memory is bounded by the height of the tree, which is what it was invented for (on machines
-//! whose threads have little memory), and every decision can be told: see [`SingleHit::explain`].
+//! Only the next change of each operand is kept, however many it has: a gate combines those of its two
+//! operands by one rule (see [`decide`]), or queries them again from a later time on. So memory is bounded by
+//! the height of the tree, the original motive of the algorithm (on machines whose threads have little
+//! memory), and every decision can be explained: see [`SingleHit::explain`].
 //!
-//! - [`Next`], [`Step`]: the answers;
+//! - [`Next`], [`Step`]: the next change of a leaf or node;
 //! - [`decide`]: the rule;
 //! - [`Tree`]: the expression as a binary tree;
-//! - [`Stacks`]: asking a tree, iteratively;
+//! - [`Stacks`]: iterative evaluation of a tree;
 //! - [`SingleHit`]: the evaluator of compiled models;
-//! - [`seed_view`]: the same by complete binary trees and decision tables, as it was first done, for study.
+//! - `seed_view`: the original form, with complete binary trees and decision tables, for study (feature `seed-view`).
 
 mod answer;
 mod ask;
@@ -24,6 +24,7 @@ mod sides;
 mod story;
 mod tree;
 
+#[cfg(feature = "seed-view")]
 pub mod seed_view;
 
 pub use answer::{Next, Step};

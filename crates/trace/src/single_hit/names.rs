@@ -1,4 +1,4 @@
-//! What the nodes of a tree are called.
+//! The names of the nodes of a tree.
 
 use super::explain::Meaning;
 use super::{Kind, Node, Op, SingleHit, Tree};
@@ -7,19 +7,19 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Operands over more nodes than this are not written out in a formula: three leaves.
+/// Number of nodes above which an operand is abbreviated in a formula: three leaves.
 const WRITTEN_OUT: usize = 5;
 
 /// The names of the nodes of a model's tree.
 pub(super) struct Names<'a> {
     program: &'a Program,
     tree: &'a Tree,
-    /// How many leaves have the same name.
+    /// Number of leaves with each name.
     namesakes: HashMap<Cow<'a, str>, u32>,
     /// The nodes of the outputs with their numbers, sorted by node.
     outputs: Vec<(usize, usize)>,
     depths: Vec<u32>,
-    /// The names that have been asked for.
+    /// Cache of the names.
     known: HashMap<usize, Arc<str>>,
 }
 
@@ -59,12 +59,12 @@ impl<'a> Names<'a> {
         LeafId(self.program.prototype(PrototypeId(0)).leaves.start + leaf)
     }
 
-    /// How far a node lies below the root.
+    /// The distance of a node from the root.
     pub fn depth(&self, node: usize) -> u32 {
         self.depths[node]
     }
 
-    /// The name of a node, its complement not counted: `a`, `a | b`, `(a ... k) - l`.
+    /// The name of a node, without its complement: `a`, `a | b`, `(a ... k) - l`.
     pub fn of(&mut self, node: usize) -> Arc<str> {
         if let Some(name) = self.known.get(&node) {
             return name.clone();
@@ -127,7 +127,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// In brackets, but for leaves and gates like the one above.
+    /// The name in brackets, except for leaves and gates like the one above.
     fn bracketed(&self, node: usize, above: Option<Op>) -> String {
         match self.node(node).kind {
             Kind::Gate(_) if node + 1 - self.node(node).begin as usize > WRITTEN_OUT => self.ends(node),
@@ -159,7 +159,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// What the values of a node stand for.
+    /// The meaning of the values of a node.
     pub fn meaning(&self, node: usize) -> Meaning {
         match self.node(node).kind {
             Kind::Gate(Op::Sum) => Meaning::Count,
@@ -169,7 +169,7 @@ impl<'a> Names<'a> {
     }
 }
 
-/// How far each node lies below the root.
+/// The distance of each node from the root.
 fn depths(tree: &Tree) -> Vec<u32> {
     let mut depths = vec![0; tree.nodes().len()];
     for node in (0..depths.len()).rev() {

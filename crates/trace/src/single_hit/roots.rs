@@ -1,9 +1,9 @@
-//! The flips of the leaves of a group along one ray, found once and looked up by every question.
+//! The boundary events of the leaves of a group along one ray, computed once and looked up by every query.
 
 use super::{LeafAnswers, Next};
 use rayweave_model::{Event, Face};
 
-/// The flips of one leaf.
+/// The boundary events of one leaf.
 #[derive(Clone, Copy, Debug, Default)]
 struct Span {
     first: u32,
@@ -11,7 +11,7 @@ struct Span {
     starts_inside: bool,
 }
 
-/// The flips of the leaves of a group, leaf by leaf.
+/// The boundary events of the leaves of a group, leaf by leaf.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Roots {
     spans: Vec<Span>,
@@ -19,13 +19,13 @@ pub(super) struct Roots {
 }
 
 impl Roots {
-    /// Forgets all leaves and keeps the memory.
+    /// Removes all leaves; the memory is kept.
     pub fn clear(&mut self) {
         self.spans.clear();
         self.flips.clear();
     }
 
-    /// Enters the next leaf with its flips in order of time.
+    /// Appends the next leaf with its boundary events in order of time.
     pub fn enter(&mut self, starts_inside: bool, flips: impl Iterator<Item = (f64, Face)>) {
         let first = self.flips.len() as u32;
         self.flips.extend(flips);
@@ -37,7 +37,7 @@ impl Roots {
         (span.starts_inside, &self.flips[span.first as usize..span.end as usize])
     }
 
-    /// The side of a leaf just after `t`, and the flip that comes next.
+    /// The side of a leaf just after `t`, and the next boundary event.
     fn after(&self, leaf: u32, t: f64) -> (bool, Option<&(f64, Face)>) {
         let (starts_inside, flips) = self.flips(leaf);
         let passed = flips.partition_point(|flip| flip.0 <= t);
@@ -54,7 +54,7 @@ impl Roots {
         self.after(leaf, t).1.map(|flip| flip.1)
     }
 
-    /// Appends the flips of all leaves with `after < t <= to`, by time, then leaf.
+    /// Appends the boundary events of all leaves with `after < t <= to`, sorted by time, then leaf.
     pub fn events(&self, after: f64, to: f64, out: &mut Vec<Event>) {
         let old = out.len();
         for leaf in 0..self.spans.len() as u32 {

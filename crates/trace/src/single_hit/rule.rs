@@ -1,17 +1,17 @@
-//! The one rule by which the answers of two operands make the answer of their node.
+//! The rule that combines the next changes of two operands into that of their node.
 //!
 //! Let s be the values of the operands just after t_min, t their next times, f the node's function.
 //!
-//! 1. If operands that never change again already fix f, that constant is the answer.
+//! 1. If operands that never change again already determine f, the result is that constant.
 //! 2. Take the earliest of the times, and change *every* operand whose time it is.
-//! 3. If f has changed, that is the answer.
-//! 4. Else ask all operands that have changed again, after that time, and start over.
+//! 3. If f has changed, that change is the result.
+//! 4. Otherwise query all operands that have changed again, after that time, and start over.
 //!
-//! It is the same for union, intersection, difference, symmetric difference, k of n and "the last region
-//! wins", for complements and for operands without bounds, and where any number of faces coincide.
+//! The rule is the same for union, intersection, difference, symmetric difference, k of n and priority of the
+//! last region, for complements and unbounded operands, and for any number of coincident faces.
 //!
 //! After A. Kensler, "Ray tracing CSG objects using single hit intersections" (2006), whose tables of nine
-//! entries are the special case without ties, but for one entry: see [`super::seed_view`].
+//! entries are the special case without ties, except for one entry: see the module `seed_view`.
 
 use super::Step;
 
@@ -30,7 +30,7 @@ pub enum Op {
     Odd,
     /// The sum of the values.
     Sum,
-    /// The second value, or the first where the second is 0: of regions the last that the ray is in.
+    /// The second value, or the first where the second is 0: the last region that contains the ray.
     Last,
 }
 
@@ -51,7 +51,7 @@ impl Op {
         }
     }
 
-    /// The value if the operands that never change again fix it, whatever the others may become.
+    /// The value if the operands that never change again determine it.
     fn fixed(self, a: Option<u32>, b: Option<u32>) -> Option<u32> {
         match (self, a, b) {
             (_, Some(a), Some(b)) => Some(self.of(a, b)),
@@ -63,7 +63,8 @@ impl Op {
     }
 }
 
-/// `known` of the sum will stay; up to `open` more may come and go.
+/// The value of `sum >= least` if it is certain: `known` of the sum is constant, and up to `open` more may
+/// come and go.
 fn decided(least: u32, known: u32, open: u32) -> Option<u32> {
     match () {
         () if known >= least => Some(1),
@@ -72,25 +73,25 @@ fn decided(least: u32, known: u32, open: u32) -> Option<u32> {
     }
 }
 
-/// What the rule makes of two answers.
+/// Result of the rule for two operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// Rule 1: operands that never change again fix this value.
+    /// Rule 1: constant from here on, as determined by operands that never change again.
     Fixed(u32),
     /// Rule 3: a change.
     Changes(Step),
-    /// Rule 4: nothing changes at `t`, so ask the operands that do again, after it.
+    /// Rule 4: the value does not change at `t`, so the operands that do are queried again, after it.
     AskAgain {
-        /// The time of the change that changes nothing.
+        /// The time of the change of an operand that leaves the value unchanged.
         t: f64,
-        /// True if the first operand has to be asked.
+        /// True if the first operand must be queried again.
         first: bool,
-        /// True if the second operand has to be asked.
+        /// True if the second operand must be queried again.
         second: bool,
     },
 }
 
-/// The rule.
+/// Applies the rule to the next changes of two operands.
 pub fn decide(op: Op, a: Step, b: Step) -> Verdict {
     if let Some(value) = op.fixed(a.settled(), b.settled()) {
         return Verdict::Fixed(value);

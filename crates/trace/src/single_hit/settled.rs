@@ -1,8 +1,8 @@
-//! Which parts of a tree are known never to change again.
+//! The parts of a tree that are known to be constant from here on.
 
 use std::collections::BTreeMap;
 
-/// Disjoint ranges of the post-order, by their beginnings.
+/// Disjoint ranges of the post-order, keyed by their first node.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Settled(BTreeMap<usize, usize>);
 
@@ -11,7 +11,7 @@ impl Settled {
         self.0.range(..=node).next_back().is_some_and(|(_, &end)| node < end)
     }
 
-    /// Adds a sub-tree, which holds or is apart from each that is known.
+    /// Adds a sub-tree, which contains or is disjoint from each known one.
     pub fn add(&mut self, begin: usize, end: usize) {
         while let Some((&inner, _)) = self.0.range(begin..end).next() {
             self.0.remove(&inner);

@@ -1,4 +1,4 @@
-//! The sides of all leaves at a time, with some of them turned over to see what depends on them.
+//! The sides of all leaves at a time, some of them inverted to find which faces matter.
 
 use super::Tree;
 use super::roots::Roots;
@@ -7,20 +7,19 @@ use rayweave_model::weld::Flips;
 /// Memory for [`Sides`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Turned {
-    /// For each leaf, whether its side is turned over; all false between questions.
+    /// For each leaf, whether its side is inverted; all false between queries.
     leaves: Vec<bool>,
     values: Vec<u32>,
 }
 
 impl Turned {
-    /// For groups of at most so many leaves and trees of at most such a height.
+    /// Memory for groups of at most `leaves` leaves and trees of at most this height.
     pub fn new(leaves: usize, height: u32) -> Turned {
         Turned { leaves: vec![false; leaves], values: Vec::with_capacity(height as usize + 1) }
     }
 }
 
-/// The leaves just after a time, for the rule of attribution: every question is answered by evaluating the
-/// tree.
+/// The leaves just after a time, for the rule of attribution. Every query evaluates the tree.
 pub(super) struct Sides<'a> {
     pub tree: &'a Tree,
     pub roots: &'a Roots,

@@ -1,20 +1,20 @@
-//! An explanation as text.
+//! Explanations as text.
 
 use super::explain::{Entry, Explanation, Found, Meaning, Operand, Question, What};
 use super::{Next, Step, Verdict};
 use std::fmt;
 use std::sync::Arc;
 
-/// So many lines of decisions are told if nobody asks for more or less.
+/// Default number of lines of decisions.
 pub const MOST_LINES: usize = 1_000;
 
-/// One question takes no more than this part of all lines.
+/// Inverse of the largest share of all lines that one query takes.
 const SHARE: usize = 10;
 
-/// So many crossings are told at the end.
+/// Largest number of crossings printed at the end.
 const MOST_CROSSINGS: usize = 100;
 
-/// Lines are moved to the right no further than for this depth.
+/// Largest depth for which lines are indented.
 const DEEPEST: u32 = 12;
 
 const LEGEND: &str = "\
@@ -35,8 +35,9 @@ pub struct Story<'a> {
 }
 
 impl Explanation {
-    /// The story in at most so many lines of decisions. A question takes no more than a tenth of them: of a
-    /// longer one the beginning and the end are told. What is left out is counted. `usize::MAX` tells all.
+    /// The explanation as text with at most `most_lines` lines of decisions; `usize::MAX` prints all. A query
+    /// takes at most a tenth of them: of a longer one the beginning and the end are printed. Omitted lines
+    /// are counted.
     pub fn story(&self, most_lines: usize) -> Story<'_> {
         Story { told: self, figures: Figures::new(self), most_lines }
     }
@@ -70,7 +71,7 @@ impl fmt::Display for Story<'_> {
 }
 
 impl Story<'_> {
-    /// Tells a question; the number of lines that this took.
+    /// Prints a query. Returns the number of lines.
     fn question(
         &self,
         f: &mut fmt::Formatter<'_>,
@@ -142,7 +143,7 @@ impl Story<'_> {
         writeln!(f, "({questions}, {} steps.)", self.told.steps())
     }
 
-    /// What happened at a node, as a sentence.
+    /// A query or decision as a sentence.
     pub fn sentence(&self, entry: &Entry) -> String {
         match &entry.what {
             What::Leaf { answer, face_name, .. } => {
@@ -204,7 +205,7 @@ impl Story<'_> {
         }
     }
 
-    /// What happens then, and how the operand is that does not change then.
+    /// The change at `t`, and the state of the operand that does not change then.
     fn events(&self, operands: &[Operand; 2], t: f64, joint: &str) -> String {
         let event = |operand: &Operand| self.event(&operand.name, operand.meaning, operand.own_answer());
         let [a, b] = operands;
@@ -227,7 +228,7 @@ impl Story<'_> {
         }
     }
 
-    /// How an operand is, and how long.
+    /// The state of an operand and its duration.
     fn state(&self, operand: &Operand) -> String {
         let (name, step) = (&operand.name, operand.own_answer());
         let until = match step.settled() {
@@ -241,7 +242,7 @@ impl Story<'_> {
         }
     }
 
-    /// Why nothing will ever change.
+    /// The reason why a node is constant from here on.
     fn settled_by(&self, operands: &[Operand; 2]) -> String {
         let [a, b] = operands;
         match [a, b].map(|operand| operand.own_answer().settled()) {
@@ -260,7 +261,7 @@ fn side(value: u32) -> &'static str {
     if value == 0 { "outside" } else { "inside" }
 }
 
-/// How a sentence names an operand.
+/// The name of an operand in a sentence.
 fn subject(operand: &Operand) -> Arc<str> {
     match operand.meaning {
         Meaning::Region => format!("the choice among {}", operand.name).into(),
@@ -268,7 +269,8 @@ fn subject(operand: &Operand) -> Arc<str> {
     }
 }
 
-/// The entries that are told: not those that lead to nothing but a node that is settled, too, right after them.
+/// The entries to be printed, without those that only lead to a node that is also found constant right after
+/// them.
 fn shown(entries: &[Entry]) -> Vec<&Entry> {
     let mut shown: Vec<&Entry> = Vec::new();
     for entry in entries {
@@ -280,7 +282,7 @@ fn shown(entries: &[Entry]) -> Vec<&Entry> {
     shown
 }
 
-/// Drops the lines below a settled node if they are about settled nodes only.
+/// Drops the lines below a constant node if all of them are about constant nodes.
 fn forget_settled(shown: &mut Vec<&Entry>, node: &Entry) {
     let is_below = |entry: &&Entry| (node.begin..node.node).contains(&entry.node);
     let kept = shown.iter().rposition(|entry| !(entry.what.is_settled() && is_below(entry)));
@@ -289,17 +291,17 @@ fn forget_settled(shown: &mut Vec<&Entry>, node: &Entry) {
     }
 }
 
-/// How many digits times are told with: as few as tell them apart, but six.
+/// Number of digits of printed times: the least, from six, with which all times differ.
 #[derive(Clone, Copy, Debug)]
 struct Figures {
     digits: usize,
 }
 
 impl Figures {
-    /// Of all that are enough for a double.
+    /// Enough for any f64.
     const ALL: usize = 17;
 
-    /// For people to read.
+    /// For coordinates of the ray.
     const PEOPLE: Figures = Figures { digits: 10 };
 
     fn new(told: &Explanation) -> Figures {
@@ -330,9 +332,9 @@ impl Figures {
     }
 }
 
-/// A number with all its digits, but not more zeros than can be read.
+/// A number in decimal notation, or in scientific notation if it is very large or small.
 fn full(x: f64) -> String {
     let is_plain = x == 0.0 || (1e-4..1e10).contains(&x.abs()) || !x.is_finite();
-    // + 0.0 makes -0 a 0
+    // + 0.0 turns -0 into 0
     if is_plain { (x + 0.0).to_string() } else { format!("{x:e}") }
 }

@@ -1,4 +1,4 @@
-//! The expression of a group as one binary tree in post-order: the evaluator's own layout.
+//! The expression of a group as one binary tree in post-order.
 
 use super::Op;
 use rayweave_error::{Classified, ErrorKind};
@@ -6,18 +6,18 @@ use rayweave_model::simplify::{Step, balanced};
 use rayweave_model::{Edge, Gate, Rule};
 use std::fmt;
 
-/// More nodes than this (2^22) are refused, over all groups of a model: 128 MiB of tree, and stacks of at
-/// most as much again for each thread where the tree is nothing but depth.
+/// Largest number of nodes over all groups of a model (2^22): 128 MiB of trees, and stacks of at most the
+/// same size per thread, if the tree is a chain.
 pub const MOST_NODES: u64 = 1 << 22;
 
-/// A model whose tree would have too many nodes.
+/// Error: the tree of the model would have too many nodes.
 ///
-/// The tree has no sharing: a part that is used in many places is written out in each of them.
+/// The tree does not share nodes: a part with several uses is duplicated at each of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooLarge {
     /// The number of nodes of the tree; `u64::MAX` if it is that or more.
     pub nodes: u64,
-    /// The number that is allowed.
+    /// The largest number allowed.
     pub most: u64,
 }
 
@@ -31,8 +31,8 @@ impl fmt::Display for TooLarge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the tree of the single-hit evaluator has {} nodes, more than {} (shared parts are written out \
-             wherever they are used) would another evaluator do?",
+            "the tree of the single-hit evaluator has {} nodes, more than {}: shared parts are written out \
+             wherever they are used. Use another evaluator.",
             match self.nodes {
                 u64::MAX => "at least 2^64".to_owned(),
                 nodes => nodes.to_string(),
@@ -44,10 +44,10 @@ impl fmt::Display for TooLarge {
 
 impl std::error::Error for TooLarge {}
 
-/// What a node is.
+/// The kind of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The same value for ever.
+    /// A constant value.
     Constant(u32),
     /// A leaf, by its number in its group.
     Leaf(u32),
@@ -58,25 +58,25 @@ pub enum Kind {
 /// A node; its sub-tree is the slice of the post-order that ends with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Node {
-    /// What it is.
+    /// The kind.
     pub kind: Kind,
-    /// Where its sub-tree begins.
+    /// The first node of its sub-tree.
     pub begin: u32,
-    /// True if the complement is meant.
+    /// True if the node is complemented.
     pub complemented: bool,
-    /// What a value of 1 counts: 1, or the number of the region whose solid this is.
+    /// Factor of the value: 1, or the number of the region whose solid this is.
     pub weight: u32,
 }
 
 impl Node {
-    /// The value of the node for a value of its kind.
+    /// The value of the node, with complement and weight, for a value of its kind.
     pub fn value(&self, value: u32) -> u32 {
         (value ^ u32::from(self.complemented)) * self.weight
     }
 }
 
-/// A binary tree over the leaves of a group; its value is the number of the last output that is inside, from
-/// 1, or 0.
+/// A binary tree over the leaves of a group. Its value is the number, from 1, of the last output that is
+/// inside; 0 if none is.
 #[derive(Clone, Debug)]
 pub struct Tree {
     nodes: Vec<Node>,
@@ -86,7 +86,8 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// The tree of a list of gates, operands before users, as in [`rayweave_model::Expression::nodes`].
+    /// Builds the tree of a list of gates, operands before users, as in
+    /// [`rayweave_model::Expression::nodes`].
     ///
     /// Gates with more than two operands become balanced trees, in the order of their operands.
     ///
@@ -115,30 +116,30 @@ impl Tree {
         &self.nodes
     }
 
-    /// The node of an output, by the number of the output from 0.
+    /// The index of the node of output `k`, from 0.
     ///
     /// # Panics
-    /// If there are not that many outputs.
+    /// If there are not more than `k` outputs.
     pub fn output(&self, k: u32) -> usize {
         self.outputs[k as usize] as usize
     }
 
-    /// The number of gates on the longest way from the root to a leaf.
+    /// The number of gates on the longest path from the root to a leaf.
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// The operands of the gate at a place.
+    /// The indices of the operands of a gate.
     ///
     /// # Panics
-    /// May panic where there is no gate.
+    /// May panic if the node is not a gate.
     pub fn operands(&self, gate: usize) -> [usize; 2] {
         let second = gate - 1;
         [self.nodes[second].begin as usize - 1, second]
     }
 
-    /// The value of a node for given leaf values; `values` is a stack, left as it was, that the function of
-    /// the leaves may use, too.
+    /// The value of a node for given leaf values. `values` is a stack, left as it was; `inside` may use it,
+    /// too.
     pub fn evaluate(
         &self,
         node: usize,
@@ -160,7 +161,7 @@ impl Tree {
     }
 }
 
-/// The number of nodes of the tree; `u64::MAX` if it is that or more.
+/// The number of nodes of the tree, saturated at `u64::MAX`.
 fn expanded_size(gates: &[Gate], outputs: &[Edge]) -> u64 {
     let mut sizes: Vec<u64> = Vec::with_capacity(gates.len());
     for gate in gates {
@@ -177,13 +178,13 @@ fn joined_size(sizes: &[u64], operands: &[Edge]) -> u64 {
     sum.saturating_add((operands.len() as u64).saturating_sub(1)).max(1)
 }
 
-/// What is still to be written, last first.
+/// Pending work of the builder, a stack.
 enum Task {
-    /// The last node so far is the root of the next output.
+    /// Records the last node as the root of the next output.
     Mark,
-    /// An operand; a value of 1 counts as `weight`.
+    /// Writes an operand with a weight.
     Operand(Edge, u32),
-    /// A gate over the two sub-trees before it.
+    /// Writes a gate over the two sub-trees before it.
     Gate { op: Op, complemented: bool, weight: u32 },
 }
 
@@ -216,7 +217,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// All outputs as a balanced tree; each marks its root.
+    /// Schedules all outputs as a balanced tree; each marks its root.
     fn outputs(&mut self) {
         if self.outputs.is_empty() {
             return self.leaf(Kind::Constant(0), false, 1);
@@ -241,12 +242,12 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// A gate with any number of operands: as a balanced tree, of sums where neither one nor all of them are
-    /// needed.
+    /// Schedules a gate with any number of operands as a balanced tree; k of n with 1 < k < n as a tree of
+    /// sums.
     fn join(&mut self, rule: Rule, operands: &'a [Edge], complemented: bool, weight: u32) {
         let count = operands.len() as u32;
         let (top, part) = match rule {
-            // the same whatever the operands are
+            // constant for all operands
             _ if count == 0 || rule == Rule::AtLeast(0) => {
                 return self.leaf(Kind::Constant(u32::from(rule.holds(0))), complemented, weight);
             }
@@ -267,7 +268,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Two or more operands as a balanced tree below a gate; the gates between are `part`.
+    /// Schedules two or more operands as a balanced tree below a gate; the gates between are `part`.
     fn parts(&mut self, operands: &[Edge], part: Op, gate: Task) {
         self.tasks.push(gate);
         // the last step is the gate itself

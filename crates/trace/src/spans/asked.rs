@@ -1,4 +1,4 @@
-//! What columns of hit arrays stand for: rays, or points.
+//! The columns of hit arrays: rays or points.
 
 use crate::accel::Accel;
 use rayweave_model::{
@@ -6,15 +6,16 @@ use rayweave_model::{
     facets_contain, leaf_events,
 };
 
-/// Something that leaves can be asked about, in the frame of a group.
+/// A ray or a point in the frame of a group.
 pub(super) trait Asked: Copy {
-    /// The leaves that it can touch.
+    /// Appends the leaves that it can touch.
     fn touched(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>);
 
-    /// The side at the start, and the flips, of a leaf that is a conjunction of facets.
+    /// The side at the start, and the boundary events, of a leaf that is a conjunction of facets.
     fn leaf(&self, program: &Program, facets: &[LeafFacet], query: &Query<'_>, events: &mut LeafEvents);
 
-    /// The same as a solid placed in the group sees it; `placement` is counted from that of the group.
+    /// The ray or point in the frame of a solid placed in the group; `placement` is relative to that of the
+    /// group.
     fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> Self;
 
     /// The placement of the group.
@@ -26,7 +27,7 @@ pub(super) trait Asked: Copy {
 pub(super) struct AskedRay {
     /// The ray, without its start list.
     pub ray: GroupRay<'static>,
-    /// Its number in the batch, for its start list.
+    /// Its index in the batch, which finds its start list.
     pub number: usize,
 }
 
@@ -49,7 +50,7 @@ impl Asked for AskedRay {
     }
 }
 
-/// A point is a ray that crosses nothing: its side is that at the start.
+/// A point is a ray without crossings: its side is that at the start.
 impl Asked for GroupPoint {
     fn touched(&self, accel: &Accel, _: &Query<'_>, out: &mut Vec<u32>) {
         accel.around(self, out);

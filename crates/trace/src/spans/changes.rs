@@ -1,9 +1,9 @@
-//! When the winning output of a group changes along a ray, from the hit arrays of all outputs.
+//! The changes of the owner of a group along a ray, from the hit arrays of all outputs.
 
 use rayweave_model::gate::Winner;
 use rayweave_rootray::hit_array::MergedHit;
 
-/// A change of the winning output: the number of the last output that is inside, from 1, or 0.
+/// A change of the owner: the number of the last output that is inside, from 1, or 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Switch {
     pub t: f64,
@@ -13,21 +13,22 @@ pub(super) struct Switch {
 
 /// The changes of one ray, in order of time.
 pub(super) struct Changes<'a> {
-    /// The entries of all outputs, each with its output as its tag.
+    /// The entries of all outputs, each tagged with its output.
     hits: &'a [MergedHit],
     winner: &'a mut Winner,
     done: usize,
 }
 
 impl<'a> Changes<'a> {
-    /// `winner` has the outputs that are inside where no array has an entry, and gets that back in the end.
+    /// Starts at t = -inf. `winner` holds the outputs that are inside where no array has an entry, and is
+    /// restored on drop.
     pub fn new(hits: &'a [MergedHit], winner: &'a mut Winner) -> Self {
         let mut changes = Changes { hits, winner, done: 0 };
         changes.pass(hits.partition_point(|hit| hit.t == f64::NEG_INFINITY));
         changes
     }
 
-    /// The winner now: before any call of `next`, at t = -inf.
+    /// The current owner: before any call of `next`, at t = -inf.
     pub fn now(&self) -> u32 {
         self.winner.last()
     }
@@ -37,7 +38,7 @@ impl<'a> Changes<'a> {
         self.done == self.hits.len()
     }
 
-    /// Lets the next entries flip their outputs.
+    /// Inverts the outputs of the next `count` entries.
     fn pass(&mut self, count: usize) {
         self.hits[self.done..][..count].iter().for_each(|hit| flip(self.winner, hit.tag));
         self.done += count;

@@ -1,4 +1,4 @@
-//! The evaluator of compiled models.
+//! The span evaluator of compiled models.
 
 use super::WIDTH;
 use super::asked::AskedRay;
@@ -19,25 +19,28 @@ use rayweave_shape::Ray;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The evaluator that works on whole arrays: hits of many rays with one leaf, then with one gate, and so on up the expression.
+/// Evaluator that works on whole arrays: the hits of many rays with one leaf, then with one gate, and so on
+/// up the expression.
 ///
-/// Every leaf gives a hit array, one column per ray; every gate makes one from those of its operands, by counting the operands
-/// that are inside; what is left at the end is welded and attributed as everywhere. This is the way of S. D. Roth, "Ray
-/// casting for modeling solids", Computer Graphics and Image Processing 18 (1982), who combines the spans inside of solids
-/// from the leaves up, for whole batches of rays as in array languages. Its answers are those of every other evaluator, bit for bit.
+/// Every leaf yields a hit array, one column per ray. Every gate computes one from those of its operands, by
+/// counting the operands that are inside. The final arrays are welded and attributed as in all evaluators.
+/// This is the method of S. D. Roth, "Ray casting for modeling solids", Computer Graphics and Image
+/// Processing 18 (1982), which combines the spans inside of solids from the leaves up, applied to whole
+/// batches of rays as in array languages. The answers are those of every other evaluator, bit for bit.
 ///
-/// A chunk of N rays costs O(G) for G gates and, at each gate with operands of H rows in all, O(H N) and the sorting of each
-/// ray's entries: good for models of few leaves that most rays meet, where others pay for every ray what is here paid for a
-/// chunk. A gate's array is dropped after its last use, so at most as many are kept as the expression is wide, O(log n) for
-/// a balanced tree with n leaves; beside them, the flips of all leaves of the rays in the chunk, for attribution.
+/// A chunk of N rays costs O(G) for G gates and, at each gate whose operands have H rows in total, O(H N) and
+/// the sorting of each ray's entries. This suits models of few leaves that most rays hit, where the cost per
+/// gate is paid once per chunk instead of once per ray. A gate's array is dropped after its last use, so that
+/// the number of arrays is at most the width of the expression, O(log n) for a balanced tree with n leaves.
+/// In addition, the boundary events of all leaves are kept for the rays of the chunk, for attribution.
 #[derive(Clone, Debug)]
 pub struct Spans {
     pub(super) program: Arc<Program>,
-    /// For each group, a hierarchy over its leaves and the order of its gates.
+    /// For each group, a BVH of its leaves and the order of its gates.
     pub(super) groups: Vec<(Accel, Schedule)>,
 }
 
-/// Memory of a thread.
+/// Scratch memory of a thread for [`Spans`].
 #[derive(Clone, Debug, Default)]
 pub struct SpansScratch {
     rays: Room<AskedRay>,
@@ -55,7 +58,7 @@ impl Spans {
         Spans { groups: groups.collect(), program }
     }
 
-    /// Runs the changes of region of one ray through the weld; the region at the start.
+    /// Welds the changes of region of one ray into crossings. Returns the region at the start.
     fn report(
         &self,
         asked: Question<'_>,
@@ -98,7 +101,7 @@ impl Spans {
     }
 }
 
-/// What is asked of one ray.
+/// A ray with its query.
 #[derive(Clone, Copy)]
 struct Question<'a> {
     ray: Ray,

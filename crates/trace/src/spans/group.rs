@@ -1,4 +1,4 @@
-//! The hit arrays of a group for a chunk of columns.
+//! Hit arrays of a group for a chunk of columns.
 
 use super::Spans;
 use super::asked::Asked;
@@ -13,35 +13,35 @@ use rayweave_rootray::Side;
 use rayweave_rootray::hit_array::{HitArrayBuf, combine};
 use std::ops::Range;
 
-/// Which group is asked, and what.
+/// The group and the query of a chunk.
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
     pub group: PrototypeId,
-    /// How many groups are around it.
+    /// Number of groups around it.
     pub depth: usize,
     pub query: Query<'a>,
-    /// The first of what is asked that belongs to the chunk.
+    /// Index of the first ray or point of the chunk.
     pub begin: usize,
 }
 
 impl<'a> At<'a> {
-    /// The model itself, from the first ray or point on.
+    /// The whole model, from the first ray or point on.
     pub fn model(query: &Query<'a>) -> At<'a> {
         At { group: PrototypeId(0), depth: 0, query: *query, begin: 0 }
     }
 
-    /// A solid placed in the group. What it is does not depend on the part of it that is asked about.
+    /// A solid placed in the group. It is evaluated on the whole line, whatever the window.
     fn inside(&self, group: PrototypeId) -> At<'a> {
         let query = Query { window: Window::ALL, ..self.query };
         At { group, depth: self.depth + 1, query, begin: 0 }
     }
 }
 
-/// Stands beside t = -inf, where no face is crossed.
+/// Placeholder for t = -inf, where no face is crossed.
 const NO_FACE: Face = Face { leaf: LeafId(0), facet: 0, surface: SurfaceId(0), placement: PlacementId(0) };
 
 impl Spans {
-    /// Computes the arrays of the group's outputs for the next chunk; the number of its columns.
+    /// Computes the arrays of the group's outputs for the next chunk. Returns the number of columns.
     pub(super) fn chunk<P: Asked>(&self, at: At<'_>, level: &mut Level<P>, room: &mut Room<P>) -> usize {
         let (accel, schedule) = &self.groups[at.group.index()];
         let leaves = self.program.prototype(at.group).leaves.len();
@@ -70,7 +70,7 @@ impl Spans {
         columns
     }
 
-    /// The hit array of a leaf, for those columns that can touch it, and its flips.
+    /// Computes the hit array of a leaf, for the columns that can touch it, and its boundary events.
     fn leaf<P: Asked>(
         &self,
         at: At<'_>,
@@ -126,7 +126,7 @@ impl Spans {
         }
     }
 
-    /// A placed solid, asked about in its own frame, as one leaf of the group around it.
+    /// Evaluates a placed solid in its own frame, as one leaf of the group around it.
     fn instance<P: Asked>(
         &self,
         at: At<'_>,
@@ -153,8 +153,8 @@ impl Spans {
         room.rests[at.group.index()] = Some(rest);
     }
 
-    /// The changes of a solid that is a group's only output along one column, each with its face; one at t = -inf if it is
-    /// inside from the start.
+    /// Calls `each` for the changes, along one column, of a solid that is a group's only output, with their
+    /// faces; first with t = -inf if it is inside from the start.
     fn faces<P>(
         &self,
         group: PrototypeId,

@@ -1,4 +1,4 @@
-//! The memory for one group and a chunk of columns.
+//! Memory for one group and a chunk of columns.
 
 use super::{MOST_PAIRS, WIDTH};
 use crate::accel::Accel;
@@ -8,15 +8,15 @@ use rayweave_rootray::Side;
 use rayweave_rootray::hit_array::{HitArrayBuf, MergedHits};
 use std::ops::Range;
 
-/// The buffers of one level of nesting.
+/// The buffers of one nesting level.
 #[derive(Clone, Debug)]
 pub(super) struct Level<P> {
-    /// What is asked of the group, in its frame.
+    /// The rays or points, in the frame of the group.
     pub asked: Vec<P>,
     pub touched: Touched,
     /// A hit array for each slot of the schedule.
     pub arrays: Vec<HitArrayBuf>,
-    /// Entries of the operands of a gate; in the end those of the outputs, each with its output as its tag.
+    /// Entries of the operands of a gate; in the end those of the outputs, each tagged with its output.
     pub merged: MergedHits,
     pub leaf: LeafEvents,
     pub flips: FlipLists,
@@ -35,19 +35,19 @@ impl<P> Default for Level<P> {
     }
 }
 
-/// Which columns can touch which leaf.
+/// The columns that can touch each leaf.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Touched {
-    /// (leaf, column), column by column.
+    /// (leaf, column) pairs, column by column.
     pairs: Vec<(u32, u32)>,
     leaves: Vec<u32>,
-    /// The columns of each leaf, one after the other, and where those of a leaf end.
+    /// The columns of each leaf, one after the other, and the end of each leaf's range.
     columns: Vec<u32>,
     ends: Vec<u32>,
 }
 
 impl Touched {
-    /// Takes as many columns as make a chunk; their number.
+    /// Takes as many columns as fit a chunk. Returns their number.
     pub fn fill(&mut self, asked: &[impl Asked], accel: &Accel, leaves: usize, query: &Query<'_>) -> usize {
         self.pairs.clear();
         let mut width = 0;
@@ -88,10 +88,10 @@ impl Touched {
     }
 }
 
-/// The flips of leaves, by column.
+/// The boundary events of leaves, by column.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FlipLists {
-    /// As they are found, leaf by leaf.
+    /// In the order of computation, leaf by leaf.
     found: Vec<(u32, Event)>,
     events: Vec<Event>,
     ends: Vec<usize>,
@@ -102,23 +102,23 @@ impl FlipLists {
         self.found.clear();
     }
 
-    /// Enters a flip; one at t = -inf stands for a leaf that is inside from the start.
+    /// Appends a boundary event; t = -inf marks a leaf that is inside from the start.
     pub fn push(&mut self, column: u32, event: Event) {
         self.found.push((column, event));
     }
 
-    /// How many there are.
+    /// The number of events.
     pub fn len(&self) -> usize {
         self.found.len()
     }
 
-    /// Makes a column of a hit array from the flips entered since there were `mark` of them.
+    /// Writes a column of a hit array from the events appended after the first `mark`.
     pub fn fill_column(&self, mark: usize, column: u32, out: &mut HitArrayBuf) {
         let times = self.found[mark..].iter().map(|(_, event)| event.t);
         out.fill_column(column as usize, Side::Outside, times);
     }
 
-    /// Sorts all flips by column.
+    /// Sorts all events by column.
     pub fn sort(&mut self, columns: usize) {
         self.ends.clear();
         self.ends.resize(columns, 0);
@@ -137,7 +137,7 @@ impl FlipLists {
         }
     }
 
-    /// The flips of a column, by time, then leaf, after [`FlipLists::sort`].
+    /// The events of a column, sorted by time, then leaf; valid after [`FlipLists::sort`].
     pub fn column(&mut self, column: usize) -> &[Event] {
         let events = &mut self.events[range(&self.ends, column)];
         events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));

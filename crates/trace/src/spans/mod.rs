@@ -1,11 +1,11 @@
-//! The span evaluator: whole hit arrays, gate by gate.
+//! The span evaluator: combines whole hit arrays of many rays, gate by gate.
 //!
 //! - [`Spans`]: the evaluator of compiled models;
 //! - `group`: the arrays of a group, leaf by leaf and gate by gate;
-//! - `schedule`: the order of the gates and the slots for their results;
-//! - `room`, `level`: the memory of a thread, and for a chunk of columns;
-//! - `asked`: columns are rays or points;
-//! - `changes`: from the arrays of the outputs to changes of region;
+//! - `schedule`: the order of the gates and the slots of their results;
+//! - `room`, `level`: the memory of a thread, and of a chunk of columns;
+//! - `asked`: the columns, which are rays or points;
+//! - `changes`: the changes of region, from the arrays of the outputs;
 //! - `sides`: the sides of leaves, for the rule of attribution.
 
 mod asked;
@@ -19,9 +19,9 @@ mod sides;
 
 pub use evaluator::{Spans, SpansScratch};
 
-/// Columns handled together: with a few rows each, the arrays of a gate stay in the nearest cache.
+/// Largest number of columns of a chunk: with a few rows each, the arrays of a gate stay in the L1 cache.
 const WIDTH: usize = 128;
 
-/// Pairs of a column and a leaf that it can touch handled together, unless one column alone has more: this, not the size of
-/// the model, bounds what a chunk needs.
+/// Largest number of (leaf, column) pairs of a chunk of several columns. This bounds the memory of a chunk
+/// independently of the size of the model.
 const MOST_PAIRS: usize = 1 << 13;

@@ -1,19 +1,20 @@
-//! The memory of a thread for columns of one kind.
+//! Memory of a thread for rays or for points.
 
 use super::level::Level;
 use rayweave_model::gate::{NetworkState, Winner};
 use rayweave_model::{Prototype, PrototypeId};
 
-/// Memory for columns of one kind.
+/// Memory of a thread for columns of one kind.
 #[derive(Clone, Debug)]
 pub(super) struct Room<P> {
-    /// Buffers for each level of nesting: at most 31, as a placed solid has at least two placements.
+    /// Buffers per nesting level: at most 31, as a placed solid has at least two placements.
     pub levels: Vec<Option<Box<Level<P>>>>,
-    /// The outputs and leaves of each group, made when they are first needed; always at rest between columns.
+    /// The outputs and leaves of each group, allocated on first use and restored to the initial state after
+    /// each column.
     pub rests: Vec<Option<Box<Rest>>>,
 }
 
-/// A group on a column that touches nothing.
+/// The initial state of a group: that on a column that touches no leaf.
 #[derive(Clone, Debug)]
 pub(super) struct Rest {
     pub outputs: Winner,

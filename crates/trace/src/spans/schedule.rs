@@ -1,14 +1,16 @@
-//! The order in which the nodes of an expression are computed, and where each result is kept.
+//! The order in which the nodes of an expression are computed, and the slots of their results.
 
 use rayweave_model::{Edge, Expression, Gate, Rule};
 use rayweave_rootray::CountRule;
 use std::ops::Range;
 
-/// What to compute one after the other, each result into a numbered slot that is used again once its last user is done.
+/// A sequence of steps, each of which writes its result to a numbered slot; a slot is reused after the last
+/// use of its result.
 ///
-/// Of the operands of a gate the one that needs most slots comes first (R. Sethi, J. D. Ullman, "The generation of optimal
-/// code for arithmetic expressions", J. ACM 17, 1970), so that a tree of n nodes needs O(log n) slots and its widest gate's
-/// number of operands, a chain three, however deep they are. Nodes with several users keep their slot up to the last of them.
+/// The operand of a gate that needs most slots is computed first (R. Sethi, J. D. Ullman, "The generation of
+/// optimal code for arithmetic expressions", J. ACM 17, 1970). So a tree of n nodes needs O(log n) slots plus
+/// the number of operands of its widest gate, and a chain of any depth needs three. Nodes with several users
+/// keep their slot up to the last use.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
     pub steps: Vec<Step>,
@@ -21,11 +23,11 @@ pub(super) struct Schedule {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Step {
     pub what: What,
-    /// Where the result goes.
+    /// The slot of the result.
     pub slot: u32,
 }
 
-/// What a node is.
+/// The operation of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum What {
     /// Outside (`false`) or inside everywhere.
@@ -36,7 +38,7 @@ pub(super) enum What {
     Join(CountRule, Range<u32>),
 }
 
-/// A result as an operand.
+/// A result used as an operand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Operand {
     pub slot: u32,
@@ -44,7 +46,7 @@ pub(super) struct Operand {
 }
 
 impl Schedule {
-    /// The schedule for all nodes that the outputs depend on.
+    /// The schedule of all nodes that the outputs depend on.
     pub fn new(expression: &Expression) -> Schedule {
         let (nodes, outputs): (&[Gate], _) = (&expression.nodes().collect::<Vec<_>>(), expression.outputs());
         let mut builder = Builder {
@@ -65,18 +67,18 @@ impl Schedule {
         &self.operands[range.start as usize..range.end as usize]
     }
 
-    /// Where the results asked for are, in the end.
+    /// The final results.
     pub fn outputs(&self) -> &[Operand] {
         &self.outputs
     }
 
-    /// The number of slots, the most results that are kept at a time.
+    /// The number of slots: the largest number of results kept at a time.
     pub fn slots(&self) -> usize {
         self.slots as usize
     }
 }
 
-/// How many users each node has that is reached from an output; 0 if it is not.
+/// The number of users of each node; 0 if it is not reachable from an output.
 fn uses(nodes: &[Gate], outputs: &[Edge]) -> Vec<u32> {
     let mut uses = vec![0; nodes.len()];
     outputs.iter().for_each(|edge| uses[edge.node().index()] += 1);
@@ -88,8 +90,8 @@ fn uses(nodes: &[Gate], outputs: &[Edge]) -> Vec<u32> {
     uses
 }
 
-/// How many slots each node needs if nothing is shared: while operand k, in falling order of need, is computed,
-/// the results of k others are kept.
+/// The number of slots that each node needs if nothing is shared: while operand k, in order of falling need,
+/// is computed, the results of k others are kept.
 fn needs(nodes: &[Gate]) -> Vec<u32> {
     let (mut needs, mut below) = (Vec::with_capacity(nodes.len()), Vec::<u32>::new());
     for gate in nodes {
@@ -114,20 +116,20 @@ struct Builder<'e> {
     nodes: &'e [Gate<'e>],
     needs: Vec<u32>,
     uses: Vec<u32>,
-    /// Where each node's result is, once it has been computed.
+    /// The slot of each node's result, once it has been computed.
     slots: Vec<Option<u32>>,
     free: Vec<u32>,
     schedule: Schedule,
 }
 
-/// What is left to do.
+/// Pending work of the builder.
 enum Task {
     Visit(usize),
     Compute(usize),
 }
 
 impl Builder<'_> {
-    /// Schedules a node, after all that it depends on.
+    /// Schedules a node, after all nodes that it depends on.
     fn visit(&mut self, node: usize) {
         let mut tasks = vec![Task::Visit(node)];
         while let Some(task) = tasks.pop() {
@@ -137,7 +139,7 @@ impl Builder<'_> {
                     let below = tasks.len();
                     let operands = operands_of(&self.nodes[node]).iter().map(|edge| edge.node().index());
                     tasks.extend(operands.map(Task::Visit));
-                    // the last one is taken first
+                    // tasks are a stack: the last one is executed first
                     tasks[below..].sort_by_key(|task| match task {
                         Task::Visit(node) | Task::Compute(node) => self.needs[*node],
                     });
@@ -149,7 +151,7 @@ impl Builder<'_> {
     }
 
     fn compute(&mut self, node: usize) {
-        // taken before the operands are let go, so that a result never overwrites what it is made from
+        // allocated before the operands' slots are freed, so that a result never overwrites an operand
         let slot = self.free.pop().unwrap_or_else(|| {
             self.schedule.slots += 1;
             self.schedule.slots - 1
@@ -185,7 +187,7 @@ impl Builder<'_> {
     }
 
     fn operand(&self, edge: Edge) -> Operand {
-        // operands are computed first: there is always a slot
+        // operands are computed first, so the slot exists
         Operand { slot: self.slots[edge.node().index()].unwrap_or(0), complemented: edge.is_complemented() }
     }
 }
@@ -196,7 +198,7 @@ mod tests {
     use rayweave_model::LeafId;
     use rayweave_model::simplify::{Formula, Op};
 
-    /// Runs a schedule on plain sides and compares the outputs with the plain meaning of the formula.
+    /// Runs a schedule on booleans and compares the outputs with an evaluation of the formula.
     fn check(formula: &Formula, leaves: u32) -> Schedule {
         let expression = Expression::new(formula, leaves as usize);
         let schedule = Schedule::new(&expression);
@@ -230,7 +232,7 @@ mod tests {
     fn a_chain_needs_three_slots() {
         let mut f = Formula::default();
         let x = leaves(&mut f, 12);
-        // the deep operand stands last, and is computed first
+        // the deep operand is the last, and is computed first
         let chain = x.iter().skip(1).enumerate().fold(x[0], |below, (k, &next)| match k % 2 {
             0 => f.join(Op::Union, &[next, below]),
             _ => f.join(Op::Difference, &[next, below]),

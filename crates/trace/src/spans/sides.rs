@@ -1,27 +1,28 @@
-//! The sides of all leaves at a time: asked for only where several faces compete for a crossing.
+//! The sides of all leaves at a time, computed only where several faces compete for a crossing.
 
 use rayweave_model::Event;
 use rayweave_model::gate::{Network, NetworkState};
 use rayweave_model::weld::Flips;
 use std::ops::Range;
 
-/// The leaves of a group just after some events, from a network that follows them only when somebody looks.
+/// The leaves of a group just after some events, in a network that is updated lazily.
 ///
-/// Hit arrays say when the solid changes, and nearly every change has one flip alone, which needs no more. So most rays never
-/// come here.
+/// Hit arrays give the times at which the solid changes, and nearly every change has one boundary event,
+/// whose face needs no network. So most rays never update it.
 pub(super) struct Sides<'a> {
     network: &'a Network,
     state: &'a mut NetworkState,
-    /// All events of a column; those at t = -inf, which stand for leaves that are inside from the start, come first.
+    /// All events of a column; those at t = -inf, which mark leaves that are inside from the start, come
+    /// first.
     events: &'a [Event],
-    /// How many of them the state has followed.
+    /// Number of events that the state includes.
     done: usize,
-    /// How many of them are meant to have happened.
+    /// Number of events that the state must include when it is read.
     meant: usize,
 }
 
 impl Sides<'_> {
-    /// Puts the leaves that were flipped back to rest, that is outside.
+    /// Restores the inverted leaves to the initial side, outside.
     pub fn rest(self) {
         for event in &self.events[..self.done] {
             if self.state.leaf(event.leaf) {
@@ -55,15 +56,15 @@ impl Flips for Sides<'_> {
     }
 }
 
-/// The events of a column, passed in order of time.
+/// The events of a column, processed in order of time.
 pub(super) struct Sweep<'a> {
     pub sides: Sides<'a>,
-    /// How many events stand for leaves that are inside from the start.
+    /// Number of events that mark leaves inside from the start.
     unbounded: usize,
 }
 
 impl<'a> Sweep<'a> {
-    /// With the events of a column sorted by time; `state` is at rest, every leaf outside.
+    /// A sweep over the events of a column, sorted by time; in `state` every leaf is outside.
     pub fn new(network: &'a Network, state: &'a mut NetworkState, events: &'a [Event]) -> Self {
         let unbounded = events.partition_point(|event| event.t == f64::NEG_INFINITY);
         Sweep { sides: Sides { network, state, events, done: 0, meant: unbounded }, unbounded }
@@ -74,12 +75,12 @@ impl<'a> Sweep<'a> {
         &self.sides.events[self.unbounded..]
     }
 
-    /// The number of events passed.
+    /// The number of these events that have been passed.
     pub fn position(&self) -> usize {
         self.sides.meant - self.unbounded
     }
 
-    /// Passes all events up to and including those at `t`; which these last ones are.
+    /// Passes all events up to and including those at `t`. Returns the range of those at `t`.
     pub fn go(&mut self, t: f64) -> Range<usize> {
         let (events, position) = (self.events(), self.position());
         let first = position + events[position..].iter().take_while(|event| event.t < t).count();

@@ -1,4 +1,4 @@
-//! The list of crossings: the flips of all leaves that the ray can touch, sorted once.
+//! Lists of crossings: the boundary events of all leaves that the ray can touch, sorted once.
 
 use super::{Level, Weave, WeaveScratch};
 use rayweave_model::gate::NetworkState;
@@ -9,23 +9,24 @@ use rayweave_model::{
 };
 use rayweave_shape::Ray;
 
-/// So many leaves fit the caches nearest to a processor with all that is read of them.
+/// Number of leaves whose data fit the processor's nearest caches.
 const CACHED: usize = 2000;
 
-/// What is asked about a group.
+/// A query of a group.
 #[derive(Clone, Copy)]
 pub(super) struct Asked<'r> {
     pub group: PrototypeId,
-    /// The ray as the group sees it.
+    /// The ray in the frame of the group.
     pub ray: &'r GroupRay<'r>,
-    /// The part of it that counts.
+    /// The relevant part of the ray.
     pub window: Window,
-    /// How many groups are around the group.
+    /// Number of groups around the group.
     pub depth: usize,
 }
 
 impl Weave {
-    /// Finds the crossings of a ray, or the first one, from the flips of all leaves; the region at its start.
+    /// Appends the crossings of a ray, or the first one, from the boundary events of all leaves. Returns the
+    /// region at its start.
     pub(super) fn list(
         &self,
         ray: Ray,
@@ -61,8 +62,8 @@ impl Weave {
         start
     }
 
-    /// Gathers the flips of the leaves of a group that the ray can touch in the window, sorted by time, and
-    /// flips in `state` the leaves that are inside from the start.
+    /// Collects the boundary events of the leaves of a group that the ray can touch in the window, sorted by
+    /// time, and flips in `state` the leaves that are inside from the start.
     pub(super) fn gather(
         &self,
         asked: Asked<'_>,
@@ -83,8 +84,8 @@ impl Weave {
         level
     }
 
-    /// Reads what asking and flipping some leaves will read, one kind of table after the other: so the processor waits for
-    /// the memory of many leaves at once, and not for each of three tables and a network in turn.
+    /// Prefetches the data that intersecting and flipping some leaves will read, table by table: cache misses
+    /// of many leaves then overlap, instead of one after the other in three tables and a network.
     pub(super) fn read_ahead(&self, group: PrototypeId, leaves: &[u32], state: &NetworkState) {
         let (program, group) = (&*self.program, self.program.prototype(group));
         if group.leaves.len() <= CACHED || leaves.is_empty() {
@@ -105,8 +106,9 @@ impl Weave {
         std::hint::black_box(read);
     }
 
-    /// Appends the flips of a leaf of a group; true if it is inside from the start. Outside of the window they may be
-    /// others, but so that the leaf is as it should be where the window begins.
+    /// Appends the boundary events of a leaf of a group. Returns true if it is inside from the start. Outside
+    /// of the window the events may differ from the exact ones, but the side of the leaf is correct where the
+    /// window begins.
     pub(super) fn leaf(
         &self,
         asked: Asked<'_>,
@@ -131,7 +133,7 @@ impl Weave {
         }
     }
 
-    /// The same for a leaf that is a shape.
+    /// [`Weave::leaf`] for a shape.
     fn shape(
         &self,
         id: LeafId,
@@ -149,14 +151,15 @@ impl Weave {
         level.leaf.starts_inside
     }
 
-    /// The changes of a placed solid in the window, as flips of one leaf; true if it is inside from the start.
+    /// The changes of a placed solid in the window, as boundary events of one leaf. Returns true if it is
+    /// inside from the start.
     fn instance(&self, asked: Asked<'_>, scratch: &mut WeaveScratch, out: &mut Vec<(f64, Face)>) -> bool {
         let Asked { group, window, depth, .. } = asked;
         let mut state = scratch.take_state(&self.program, group);
         let level = self.gather(asked, scratch, &mut state);
         let network = &self.program.prototype(group).network;
         let mut sweep = Sweep::new(network, &mut state, &level.events, window.t_max());
-        // whose face it was does not matter any more
+        // the faces before the window do not matter
         while sweep.next_time().is_some_and(|t| t < window.t_min()) {
             sweep.step();
         }

@@ -1,10 +1,11 @@
-//! The weave: gather the flips of the leaves that a ray can touch, sort them once, sweep.
+//! The weave: an event sweep along each ray, for models of any size.
 //!
-//! For each ray the leaves whose bounds it passes give their flips; these are sorted by time and run through
-//! the boolean network of the group, which tells after each flip what has changed. Only the leaves touched
-//! are put back afterwards, so a ray costs what it meets and not what the model holds. A placed solid is one
-//! leaf of the group around it, whose flips come from a sweep of its own group in its own frame. Where one crossing is
-//! enough, many leaves are asked one after the other along the ray (`nearest`).
+//! For each ray a BVH finds the leaves whose boxes it passes. Their boundary events are sorted by time and
+//! applied, one by one, to the boolean network of the group, which yields the change of region. Afterwards
+//! only the touched leaves are reset, so that the cost of a ray depends on the leaves that it touches and not
+//! on the size of the model. A placed solid is one leaf of the group around it; its boundary events come from
+//! a sweep of its own group in its own frame. For first crossings of models with many leaves, the leaves are
+//! intersected in order along the ray (`nearest`).
 
 mod list;
 mod nearest;
@@ -25,7 +26,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Weave {
     program: Arc<Program>,
-    /// A hierarchy over the leaves of each group.
+    /// A BVH of the leaves of each group.
     accel: Vec<Accel>,
 }
 
@@ -36,7 +37,7 @@ impl Weave {
         Weave { program, accel }
     }
 
-    /// What the hierarchies over the leaves take, in bytes.
+    /// Memory of the BVHs of all groups, in bytes.
     pub fn hierarchy_bytes(&self) -> usize {
         self.accel.iter().map(Accel::bytes).sum()
     }
@@ -47,12 +48,12 @@ impl Weave {
     }
 }
 
-/// Of so few leaves all that a ray can touch are asked, even where one crossing is enough: going along with the ray costs
-/// more than it saves.
+/// Largest number of leaves for which all touched leaves are intersected even for a first crossing:
+/// front-to-back traversal costs more than it saves.
 const FEW: usize = 12;
 
-/// The question for a ray that starts on surfaces. Before t = 0 a leaf may have any side there, whatever its box: that
-/// part of the ray is not asked about.
+/// The query for a ray that starts on surfaces, limited to t >= 0. Before t = 0 such a leaf may have any
+/// side, whatever its box.
 fn from_zero<'a>(query: &Query<'a>) -> Query<'a> {
     match Window::new(query.window.t_min().max(0.0), query.window.t_max()) {
         Ok(window) => Query { window, ..*query },

@@ -1,8 +1,10 @@
-//! The first crossing: leaves are asked in the order in which the ray enters their boxes, as far as is needed.
+//! First crossings: leaves are intersected in the order in which the ray enters their boxes, no farther than
+//! needed.
 //!
-//! Flips before the *frontier*, the time at which the ray enters the next box, are final: they are swept, and a crossing
-//! is reported as soon as nothing beyond the frontier can be welded to it. A leaf that is asked late does not matter
-//! before its box, so it is brought to the side that it has where the sweep stands.
+//! Boundary events before the *frontier*, the time at which the ray enters the next box, are final. They are
+//! swept, and a crossing is reported as soon as no event beyond the frontier can be welded to it. A leaf does
+//! not matter before its box; when it is reached, it is set to the side that it has at the position of the
+//! sweep.
 
 use super::list::Asked;
 use super::scratch::{Near, Partly};
@@ -15,7 +17,7 @@ use rayweave_model::{
 use rayweave_shape::Ray;
 use std::cmp::Ordering;
 
-/// A flip to come; the greatest is the one that comes first.
+/// A future event; the greatest in this order is the earliest in time.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Coming(pub Event);
 
@@ -39,13 +41,13 @@ impl PartialEq for Coming {
 
 impl Eq for Coming {}
 
-/// Placed solids of so many leaves are asked about one piece of the ray after the other.
+/// Number of leaves above which a placed solid is intersected with one piece of the ray after the other.
 const LARGE: usize = 64;
 
-/// So many leaves a ray may meet in the first piece.
+/// Expected number of leaves that the ray touches in the first piece.
 const FIRST_PIECE: f64 = 4.0;
 
-/// A walk with a ray as far as its first crossing.
+/// A walk along a ray up to its first crossing.
 struct Walk<'a> {
     weave: &'a Weave,
     ray: GroupRay<'a>,
@@ -53,15 +55,15 @@ struct Walk<'a> {
     level: Box<Level>,
     near: Near,
     state: Box<NetworkState>,
-    /// The sweep has passed this time.
+    /// Time up to which the sweep has advanced.
     swept: f64,
-    /// How many of the events it has passed.
+    /// Number of events swept.
     position: usize,
     paused: Paused,
 }
 
 impl Weave {
-    /// Appends the first crossing of a ray, if there is one; the region at its start.
+    /// Appends the first crossing of a ray, if there is one. Returns the region at its start.
     pub(super) fn nearest(
         &self,
         ray: Ray,
@@ -99,7 +101,7 @@ impl Weave {
 const MODEL: PrototypeId = PrototypeId(0);
 
 impl Walk<'_> {
-    /// Asks the leaves that have no box.
+    /// Intersects the leaves that have no finite box.
     fn begin(&mut self, scratch: &mut WeaveScratch) {
         self.near.coming.clear();
         self.near.partly.clear();
@@ -112,11 +114,11 @@ impl Walk<'_> {
         }
     }
 
-    /// Goes to where the part of the ray begins that is asked about; the state there.
+    /// Advances to the beginning of the window. Returns the state there.
     fn start(&mut self, scratch: &mut WeaveScratch) -> State {
         let has_starts = !self.ray.starts.is_empty();
         let t_min = self.query.window.t_min();
-        // flips at 0 are not past there
+        // events at 0 are not past
         let first = if has_starts { t_min.max(0.0) } else { t_min };
         while self.frontier() <= first {
             self.step(scratch);
@@ -134,7 +136,7 @@ impl Walk<'_> {
         self.weave.state(self.state.winner())
     }
 
-    /// Sweeps as far as flips are final, and asks more leaves, until there is a crossing or nothing is left.
+    /// Sweeps the final events and intersects more leaves until a crossing is found or nothing is left.
     fn first_crossing(&mut self, now: &mut State, scratch: &mut WeaveScratch) -> Option<Crossing> {
         loop {
             let frontier = self.frontier();
@@ -149,7 +151,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Moves the flips before the frontier to the events.
+    /// Moves the future events before the frontier to the event list.
     fn take_final(&mut self, frontier: f64) {
         while let Some(&Coming(event)) = self.near.coming.peek()
             && event.t < frontier
@@ -159,7 +161,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Sweeps the events; the first crossing if it is certain, as all events before the frontier are there.
+    /// Sweeps the events, which are complete up to the frontier. Returns the first crossing if it is certain.
     fn sweep(&mut self, now: &mut State, frontier: f64) -> Option<Crossing> {
         if self.position == self.level.events.len() && self.paused.is_idle() {
             return None;
@@ -189,13 +191,13 @@ impl Walk<'_> {
         None
     }
 
-    /// No flip that has not been found yet lies before this time.
+    /// Lower bound of the times of all events not found yet.
     fn frontier(&self) -> f64 {
         let partly = self.near.partly.iter().map(|partly| partly.until);
         partly.fold(self.near.front.time(), f64::min)
     }
 
-    /// Opens what is at the frontier.
+    /// Advances the frontier by one step: opens a box or intersects a leaf.
     fn step(&mut self, scratch: &mut WeaveScratch) {
         let time = self.near.front.time();
         if let Some(at) = self.near.partly.iter().position(|partly| partly.until <= time) {
@@ -215,7 +217,8 @@ impl Walk<'_> {
         }
     }
 
-    /// How long the first piece of the ray is about which a leaf is asked; none if it is asked about all at once.
+    /// Length of the first piece of the ray for a leaf; `None` if the leaf is intersected with the whole
+    /// window.
     fn first_piece(&self, leaf: u32) -> Option<f64> {
         let program = &self.weave.program;
         let leaf = program.leaf(LeafId(program.prototype(MODEL).leaves.start + leaf));
@@ -229,7 +232,7 @@ impl Walk<'_> {
         Some(FIRST_PIECE * size / libm::cbrt(leaves as f64) / speed)
     }
 
-    /// Asks a large placed solid about the next piece of the ray, from its `until` on.
+    /// Intersects a large placed solid with the next piece of the ray, from its `until` on.
     fn ask_piece(&mut self, Partly { leaf, until, step, is_new }: Partly, scratch: &mut WeaveScratch) {
         let (end, t_max) = (until + step, self.query.window.t_max());
         let ends = end >= self.near.front.end().min(t_max);
@@ -247,7 +250,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Moves the events from number `known` on to those that come.
+    /// Moves the events from index `known` on to the future events; those already swept past flip their leaf
+    /// at once.
     fn take_asked(&mut self, known: usize) {
         for k in known..self.level.events.len() {
             let event = self.level.events[k];
@@ -261,7 +265,7 @@ impl Walk<'_> {
         self.level.events.truncate(known);
     }
 
-    /// Asks a leaf about all flips in a window.
+    /// Intersects a leaf with the ray in a window.
     fn ask(&mut self, leaf: u32, window: Window, scratch: &mut WeaveScratch) {
         let known = self.level.events.len();
         let asked = Asked { group: MODEL, ray: &self.ray, window, depth: 0 };
@@ -278,7 +282,7 @@ impl Walk<'_> {
 }
 
 impl Near {
-    /// No flip that has not been swept comes after this time, which is not before the frontier.
+    /// Upper bound of the times of all events not swept yet; not less than the frontier.
     fn last_event(&self, frontier: f64) -> f64 {
         self.front.end().max(self.latest).max(frontier)
     }

@@ -1,16 +1,16 @@
-//! The regions that hold points.
+//! Regions that contain points.
 
 use super::{Level, Weave, WeaveScratch};
 use rayweave_model::gate::NetworkState;
 use rayweave_model::{GroupPoint, LeafId, LeafKind, PrototypeId, RegionId, facets_contain};
 
 impl Weave {
-    /// The region that holds a point of the world.
+    /// The region that contains a point of the world.
     pub(super) fn region_at(&self, point: &GroupPoint, scratch: &mut WeaveScratch) -> RegionId {
         RegionId(self.value_at(PrototypeId(0), point, 0, scratch, |state| state.winner()))
     }
 
-    /// What a group's outputs say of a point.
+    /// Evaluates `value` on the network state of a group at a point.
     fn value_at<T>(
         &self,
         group: PrototypeId,
@@ -30,7 +30,7 @@ impl Weave {
         value
     }
 
-    /// The leaves of a group that hold a point, of those that can matter there.
+    /// The leaves of a group that contain a point, of those that can matter there.
     fn containing(
         &self,
         group: PrototypeId,

@@ -1,4 +1,4 @@
-//! The memory of a thread that weaves.
+//! Scratch memory of [`super::Weave`].
 
 use super::nearest::Coming;
 use crate::accel::Front;
@@ -6,16 +6,16 @@ use rayweave_model::gate::NetworkState;
 use rayweave_model::{Crossing, Event, Face, LeafEvents, Program, PrototypeId};
 use std::collections::BinaryHeap;
 
-/// Memory of a thread.
+/// Scratch memory of a thread for [`super::Weave`].
 #[derive(Clone, Debug, Default)]
 pub struct WeaveScratch {
-    /// The network state of each group, made when it is first needed; always at rest between rays.
+    /// The network state of each group, allocated on first use; between rays every state is the initial one.
     states: Vec<Option<Box<NetworkState>>>,
-    /// Buffers for each level of nesting.
+    /// Buffers per nesting level.
     levels: Vec<Option<Box<Level>>>,
     pub(super) near: Near,
     pub(super) crossings: Vec<Crossing>,
-    /// Leaves asked so far.
+    /// Number of leaves intersected so far.
     pub(super) asked: u64,
 }
 
@@ -24,41 +24,41 @@ pub struct WeaveScratch {
 pub(super) struct Level {
     pub touched: Vec<u32>,
     pub events: Vec<Event>,
-    /// The changes of a placed solid, found one level further in.
+    /// The changes of a placed solid, from the next nesting level.
     pub inner: Vec<(f64, Face)>,
     pub leaf: LeafEvents,
 }
 
-/// The buffers of a sweep that goes with the ray.
+/// The buffers of a front-to-back sweep.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Near {
     pub front: Front,
-    /// Flips of the leaves asked so far, the first one on top.
+    /// Future boundary events of the leaves intersected so far, the earliest on top.
     pub coming: BinaryHeap<Coming>,
-    /// The latest of all flips found.
+    /// The latest time of all boundary events found.
     pub latest: f64,
-    /// Large placed solids that have been asked about times up to here only.
+    /// Large placed solids intersected only up to some time.
     pub partly: Vec<Partly>,
 }
 
-/// A large placed solid that has been asked about times up to `until`.
+/// A large placed solid intersected with the ray up to time `until`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Partly {
     pub leaf: u32,
     pub until: f64,
-    /// How long the next piece of the ray is.
+    /// Length of the next piece of the ray.
     pub step: f64,
     /// True before the first piece.
     pub is_new: bool,
 }
 
 impl WeaveScratch {
-    /// How many leaves have been asked for their flips with this scratch.
+    /// Number of leaves intersected with this scratch, for its whole lifetime.
     pub fn asked(&self) -> u64 {
         self.asked
     }
 
-    /// The buffers for a level of nesting, empty.
+    /// Empty buffers for a nesting level.
     pub(super) fn take_level(&mut self, depth: usize) -> Box<Level> {
         if self.levels.len() <= depth {
             self.levels.resize_with(depth + 1, || None);

@@ -1,11 +1,11 @@
-//! One ray, asked of every evaluator at once.
+//! One ray, traced by every evaluator.
 
 use rayweave_model::{Collected, Evaluator, Program, Query};
 use rayweave_shape::Ray;
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
-/// What all evaluators answer, after it is certain that they do.
+/// The answer of the reference, after a check that all other evaluators return the same.
 pub fn ask(program: &Arc<Program>, ray: Ray) -> Collected {
     let reference = Reference::new(program.clone()).one(ray, &Query::default()).unwrap();
     let single_hit = SingleHit::new(program.clone()).unwrap();

@@ -1,5 +1,5 @@
-//! Volumes of booleans of twenty pairs of meshes, by rays, against manifold3d 3.5.4 (2026-11-22), whose rows
-//! `crates/bench/peers/mesh_booleans.py` prints.
+//! Volumes of booleans of twenty pairs of meshes, computed with rays, against manifold3d 3.5.4 (2026-11-22).
+//! `crates/bench/peers/mesh_booleans.py` prints the expected rows.
 
 use super::shapes::{ball, cuboid, potato, torus};
 use super::{solid, vector};
@@ -11,7 +11,7 @@ use rayweave_shape::Ray;
 use rayweave_trace::Weave;
 use std::sync::Arc;
 
-/// Union, intersection, difference.
+/// Volumes of union, intersection and difference.
 const VOLUMES: [(&str, [f64; 3]); 20] = [
     ("cubes shifted along the diagonal", [1.875, 0.125, 0.875]),
     ("cubes shifted along x: four faces in common planes", [1.5, 0.5, 0.5]),
@@ -51,7 +51,7 @@ fn shifted(mesh: &Mesh, by: [f64; 3]) -> Mesh {
     moved(mesh, by, Vec3::Z, 0.0)
 }
 
-/// An L: a block without a quarter of it.
+/// An L: a block without one quarter.
 fn angle() -> Mesh {
     let base = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
     let corners = [0.0, 1.0].into_iter().flat_map(|z| base.map(|[x, y]| Vec3::new(x, y, z)));
@@ -92,7 +92,7 @@ fn pairs() -> [(Mesh, Mesh); 20] {
     ]
 }
 
-/// The volume by one ray in each cell of a grid of n x n across z, after the solid was turned at random.
+/// The volume from one jittered ray along z per cell of an n x n grid, after a random rotation of the solid.
 fn volume(solid: &Solid, n: u32, seed: u64) -> f64 {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let turn = Affine::rotation(vector(&mut rng), rng.random_range(0.0..180.0));
@@ -119,7 +119,7 @@ fn volume(solid: &Solid, n: u32, seed: u64) -> f64 {
     length * cell.x * cell.y
 }
 
-/// Rays, and the error allowed, as a part of the union.
+/// Compares with n x n rays per solid; `tolerance` is relative to the volume of the union.
 fn check(n: u32, tolerance: f64) {
     for (k, ((name, volumes), (a, b))) in VOLUMES.iter().zip(pairs()).enumerate() {
         assert!((a.volume() - volumes[1] - volumes[2]).abs() < 1e-9, "{name}: another mesh");
@@ -133,7 +133,7 @@ fn check(n: u32, tolerance: f64) {
 
 #[test]
 fn volumes_of_booleans_are_those_of_a_kernel_for_meshes() {
-    // five standard deviations of so few rays
+    // five standard deviations of this number of rays
     check(64, 1.5e-2);
 }
 

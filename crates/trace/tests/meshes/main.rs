@@ -1,5 +1,5 @@
-//! Meshes among the other leaves: faces in common with exact shapes and with each other, and volumes of booleans against a
-//! kernel for booleans of meshes.
+//! Meshes combined with other leaves: coincident faces with exact shapes and with each other, and volumes of
+//! booleans against a mesh boolean kernel.
 
 #[path = "../everyone/mod.rs"]
 mod everyone;
@@ -33,7 +33,8 @@ fn vector(rng: &mut ChaCha8Rng) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)))
 }
 
-/// Rays through corners and edges, in faces and along edges of a unit cube at the origin, and others.
+/// Rays through the half-integer grid, so that many pass through corners and edges, in faces and along edges
+/// of the unit cube at the origin.
 fn hostile_ray(rng: &mut ChaCha8Rng) -> Ray {
     let mut round =
         || Vec3::from_array(std::array::from_fn(|_| f64::from(rng.random_range(-2..=4i32)) * 0.5));
@@ -53,7 +54,7 @@ fn placed(solid: &Solid, rng: &mut ChaCha8Rng, round: u32) -> (Solid, Affine) {
     (solid.apply(map), map)
 }
 
-/// A box of triangles is the box: on no ray do they differ, be it in a face, along an edge or through a corner.
+/// A box of triangles equals the exact box, also on rays in a face, along an edge or through a corner.
 #[test]
 fn a_box_of_triangles_is_the_box() {
     let mut rng = ChaCha8Rng::seed_from_u64(1);
@@ -78,7 +79,7 @@ fn a_box_of_triangles_is_the_box() {
     assert!(met > 100, "{met}");
 }
 
-/// A mesh and an exact box side by side are one solid, and have nothing in common.
+/// A mesh and an exact box side by side are one solid, and their intersection is empty.
 #[test]
 fn a_mesh_and_a_box_that_touch_are_one() {
     let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -100,7 +101,8 @@ fn a_mesh_and_a_box_that_touch_are_one() {
     }
 }
 
-/// Booleans of meshes with each other and with exact shapes, point by point between crossings.
+/// Booleans of meshes with each other and with exact shapes, against winding numbers at points between
+/// crossings.
 #[test]
 fn booleans_are_point_by_point_those_of_solid_angles() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
@@ -125,7 +127,7 @@ fn booleans_are_point_by_point_those_of_solid_angles() {
     assert!(inside > 100 && outside > 50, "{inside} {outside}");
 }
 
-/// Placed many times a mesh is kept once, and its crossings are those of each copy.
+/// A placed mesh has the crossings of each copy.
 #[test]
 fn placed_meshes_are_asked_in_their_own_frames() {
     let mesh = solid(&cuboid(Vec3::ZERO, Vec3::ONE));
@@ -133,7 +135,7 @@ fn placed_meshes_are_asked_in_their_own_frames() {
         mesh.place((0..10).map(|k| Affine::translate(Vec3::new(f64::from(k), 0.0, 0.0))).collect::<Vec<_>>());
     assert_eq!(times(&tiles, Ray::new(Vec3::new(-1.0, 0.3, 0.4), Vec3::X)), [1.0, 11.0]);
     assert_eq!(times(&tiles, Ray::new(Vec3::new(3.5, -1.0, 0.4), Vec3::Y)), [1.0, 2.0]);
-    // along a face that two of them share, and along one of all
+    // along a face shared by two copies, and along faces of all copies
     assert_eq!(times(&tiles, Ray::new(Vec3::new(4.0, -1.0, 0.4), Vec3::Y)), [1.0, 2.0]);
     assert!(times(&tiles, Ray::new(Vec3::new(-1.0, 1.0, 0.4), Vec3::X)).is_empty());
     assert_eq!(times(&tiles, Ray::new(Vec3::new(-1.0, 0.0, 0.4), Vec3::X)), [1.0, 11.0]);

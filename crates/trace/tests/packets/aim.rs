@@ -1,4 +1,4 @@
-//! Rays aimed at where a model is delicate.
+//! Rays aimed at degenerate places of a model.
 
 use rayweave_conformance::Random;
 use rayweave_math::Vec3;
@@ -7,7 +7,7 @@ use rayweave_shape::Ray;
 /// A point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Where.
+    /// The point.
     pub point: Vec3,
     /// The unit normal there.
     pub normal: Vec3,
@@ -21,8 +21,8 @@ impl Target {
     }
 }
 
-/// A ray through a target or close by, at any angle to its normal and to the direction along it, from anywhere, with any
-/// unit of time.
+/// A ray through a target or close by, at any angle to the normal and to the tangent direction, from
+/// anywhere, with a direction of any length.
 pub fn aimed(rng: &mut Random, targets: &[Target]) -> Ray {
     let Target { point, normal, along } = targets[rng.below(targets.len())];
     let across = normal.cross(along);
@@ -47,8 +47,8 @@ pub fn aimed(rng: &mut Random, targets: &[Target]) -> Ray {
     Ray::new(point - back * direction, direction * unit_of_time(rng))
 }
 
-/// Zero, or a number of any size between two powers of ten, of either sign: half of them in the upper six powers; one
-/// in a hundred is so small that its square vanishes, or nearly so.
+/// Zero, or a number of random magnitude between two powers of ten, of either sign: half of them in the upper
+/// six decades. One in a hundred is so small that its square underflows, or nearly so.
 fn small(rng: &mut Random, lo: f64, hi: f64) -> f64 {
     match rng.below(100) {
         0 => rng.magnitude(-170.0, -140.0),
@@ -58,7 +58,7 @@ fn small(rng: &mut Random, lo: f64, hi: f64) -> f64 {
     }
 }
 
-/// The length of a direction of unit length.
+/// A factor for a direction of unit length.
 fn unit_of_time(rng: &mut Random) -> f64 {
     match rng.below(16) {
         0 => rng.magnitude(-90.0, 90.0).abs(),

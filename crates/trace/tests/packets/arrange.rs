@@ -1,4 +1,4 @@
-//! Parts whose faces are close to each other, and where to aim.
+//! Parts whose faces are close to each other, with targets for rays.
 
 use crate::aim::Target;
 use rayweave_conformance::Random;
@@ -7,10 +7,10 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Value, build};
 
-/// Parts, and the places at which they are delicate.
+/// Returns parts, and targets at their degenerate places.
 pub type Arrangement = fn(&mut Random) -> (Vec<Solid>, Vec<Target>);
 
-/// All of them.
+/// All arrangements.
 pub const ALL: [Arrangement; 12] = [
     thin_shells,
     thin_gaps,
@@ -26,7 +26,8 @@ pub const ALL: [Arrangement; 12] = [
     rings,
 ];
 
-/// From far below the tolerance, which is about 5e-14 here, to far above it, near it most often; sometimes 0.
+/// Zero, or a length from far below the tolerance, which is about 5e-14 here, to far above it, most often
+/// near it.
 pub fn gap(rng: &mut Random) -> f64 {
     match rng.below(10) {
         0 => 0.0,
@@ -47,7 +48,7 @@ pub fn cube(half: Vec3) -> Solid {
     block(-half, half)
 }
 
-/// Of a unit ball and a cylinder of unit radius along z.
+/// A target on a unit ball.
 fn on_ball(rng: &mut Random) -> Target {
     let normal = rng.direction();
     Target::new(normal, normal, normal.cross(rng.direction()).normalize())
@@ -59,7 +60,7 @@ fn on_rod(rng: &mut Random) -> Target {
     Target::new(normal + rng.between(-0.9, 0.9) * Vec3::Z, normal, Vec3::Z)
 }
 
-/// The middle of a face of the cube of half width 1, or near its border.
+/// A target on the cube of half width 1, in the middle of a face or near its border.
 fn on_cube(rng: &mut Random) -> Target {
     let axis = rng.below(3);
     let (mut normal, mut along) = (Vec3::AXES[axis], Vec3::AXES[(axis + 1) % 3]);
@@ -82,7 +83,7 @@ fn several(rng: &mut Random, count: usize, target: fn(&mut Random) -> Target) ->
     (0..count).map(|_| target(rng)).collect()
 }
 
-/// Two or three of one shape, one in the other, hardly smaller.
+/// Two or three nested solids of one shape, of nearly equal size.
 pub fn thin_shells(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let (a, b) = (gap(rng), gap(rng));
     let sizes = [1.0, 1.0 - a, 1.0 - a - b];
@@ -123,7 +124,7 @@ pub fn thin_gaps(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, targets)
 }
 
-/// Balls, or a ball and a rod, that nearly touch: rays through the contact, and along the common tangents.
+/// Balls, or a ball and a rod, that nearly touch: rays through the contact and along common tangents.
 pub fn touching_balls(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let apart = 1.0 + gap(rng);
     let radius = rng.pick(&[0.5, 1.0, 3.0]);
@@ -146,7 +147,7 @@ pub fn touching_balls(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, targets)
 }
 
-/// Rods on one axis, with rays nearly along it.
+/// Coaxial rods, with rays nearly along the axis.
 pub fn coaxial_rods(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let radius = |rng: &mut Random| rng.pick(&[1.0, 1.0, 0.5, 0.999]) + gap(rng);
     let height = |rng: &mut Random| rng.pick(&[2.0, 2.0, 1.0, f64::INFINITY]);
@@ -167,7 +168,7 @@ pub fn coaxial_rods(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, targets)
 }
 
-/// Boxes, prisms and wedges with edges in common or nearly so.
+/// Boxes, prisms and wedges with common or nearly common edges.
 pub fn edges_and_corners(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let shift = |rng: &mut Random| {
         let mut by = Vec3::ZERO;
@@ -200,7 +201,7 @@ pub fn edges_and_corners(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, targets)
 }
 
-/// Where caps meet sides: rods, tubes, balls cut by planes.
+/// Rims between caps and sides: rods, tubes, balls cut by planes.
 pub fn rims(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let thin = 1.0 - gap(rng).abs().max(1e-15);
     let inner = rng.pick(&[0.6, 0.8, thin]);
@@ -246,7 +247,7 @@ pub fn bores_beside_faces(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, vec![wall(rng), wall(rng), wall(rng), on_cube(rng)])
 }
 
-/// Half-spaces, slabs, wedges and rods without ends, and the outside of bounded parts.
+/// Half-spaces, slabs, wedges and infinite rods, and complements of bounded parts.
 pub fn unbounded_parts(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let slab = |normal: Vec3, hi: f64| half_space(normal, hi) - half_space(normal, -1.0);
     let part = |rng: &mut Random| match rng.below(8) {
@@ -262,7 +263,7 @@ pub fn unbounded_parts(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, vec![on_cube(rng), on_cube(rng), on_rod(rng), on_ball(rng)])
 }
 
-/// Parts at whole coordinates, some of them turned by quarters: ties on nearly every ray along an axis.
+/// Parts at integer coordinates, some of them turned by 90 degrees: ties on nearly every ray along an axis.
 pub fn whole_coordinates(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let part = |rng: &mut Random| {
         let size = 1.0 + rng.below(2) as f64;
@@ -291,13 +292,13 @@ fn cone(radius1: f64, radius2: f64, height: f64) -> Solid {
     shape("cone", &[("radius1", radius1), ("radius2", radius2), ("height", height)])
 }
 
-/// `x p^2 + y q^2 + z r^2 + constant < 0`.
+/// The solid `x p^2 + y q^2 + z r^2 + constant < 0`.
 fn diagonal(x: f64, y: f64, z: f64, constant: f64) -> Solid {
     let rows = [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0], [0.0, 0.0, 0.0, constant]];
     Solid::from(build("quadric", &[("matrix", Value::from(&rows[..]))]).expect("a legal shape"))
 }
 
-/// A point of the cone of slope 1 around z, with the line to its apex at the origin.
+/// A target on the cone of slope 1 around z with apex at the origin; `along` is the generator.
 fn on_cone(rng: &mut Random) -> Target {
     let turn = rng.pick(&[0.0, 1.0, 2.5]);
     let out = Vec3::new(libm::cos(turn), libm::sin(turn), 0.0);
@@ -306,7 +307,8 @@ fn on_cone(rng: &mut Random) -> Target {
     Target::new(height * (out + Vec3::Z), (out - Vec3::Z).normalize(), line)
 }
 
-/// Cones of one apex or nearly so, frusta flush with each other, with rays along their lines and through the apex.
+/// Cones with a common or nearly common apex and flush frusta, with rays along generators and through the
+/// apex.
 pub fn cones(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let tip = cone(0.0, 1.0, 1.0).translate([0.0, 0.0, 0.5]);
     let both = diagonal(1.0, 1.0, -1.0, 0.0) & cylinder(2.0, 3.0);
@@ -326,7 +328,7 @@ pub fn cones(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, several(rng, 6, on_cone))
 }
 
-/// Balls that were squeezed, bowls, hyperboloids: nearly equal ones, and nearly rods and balls.
+/// Ellipsoids, paraboloids and hyperboloids that nearly coincide with each other, with rods or with balls.
 pub fn conics(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let bowl = shape("paraboloid", &[("focal_length", 0.25), ("height", 2.0)]);
     let part = |rng: &mut Random| match rng.below(8) {
@@ -343,7 +345,7 @@ pub fn conics(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     (parts, vec![on_ball(rng), on_rod(rng), on_rod(rng), on_cone(rng), on_cube(rng)])
 }
 
-/// Rings that nearly touch rods, balls and planes, and each other; rays in the planes that touch them along circles.
+/// Tori that nearly touch rods, balls, planes and each other; rays in planes that touch them along circles.
 pub fn rings(rng: &mut Random) -> (Vec<Solid>, Vec<Target>) {
     let torus = |major: f64, minor: f64| shape("torus", &[("major", major), ("minor", minor)]);
     let part = |rng: &mut Random| match rng.below(8) {

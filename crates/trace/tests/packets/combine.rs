@@ -1,10 +1,10 @@
-//! Models of a few parts.
+//! Random models made of a few parts.
 
 use rayweave_conformance::Random;
 use rayweave_math::Affine;
 use rayweave_model::{Region, Solid};
 
-/// One solid of the parts, or a region for each, or regions that share parts; in some frame.
+/// One solid of the parts, a region for each part, or regions that share parts, in a frame.
 pub fn regions(rng: &mut Random, parts: &[Solid], frame: &Affine) -> Vec<Region> {
     let solids: Vec<Solid> = match rng.below(4) {
         0..2 => vec![joined(rng, parts)],
@@ -20,14 +20,14 @@ pub fn regions(rng: &mut Random, parts: &[Solid], frame: &Affine) -> Vec<Region>
     };
     let plain = solids.len() == 1 && rng.chance(0.9);
     let region = |(k, solid): (usize, Solid)| {
-        // equal media, and that of the world, are as common as others
+        // equal media, and the medium of the world, are as likely as others
         let medium = if plain { 1 } else { rng.below(3) as u32 };
         Region { name: format!("r{k}"), solid: solid.apply(*frame), medium }
     };
     solids.into_iter().enumerate().map(region).collect()
 }
 
-/// Some of the parts, at least one, in any order.
+/// A random non-empty subset of the parts, in random order.
 fn some(rng: &mut Random, parts: &[Solid]) -> Vec<Solid> {
     let order = rng.order(parts.len());
     order[..1 + rng.below(parts.len())].iter().map(|&k| parts[k].clone()).collect()

@@ -1,4 +1,4 @@
-//! Many small solids, united, that touch or nearly do; and bundles of rays.
+//! Unions of many small solids that touch or nearly touch, and bundles of rays.
 
 use crate::aim::{Target, aimed};
 use crate::arrange::{cube, cylinder, gap, sphere};
@@ -8,7 +8,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Region, Solid};
 use rayweave_shape::Ray;
 
-/// One or some regions of twenty to eighty solids on a grid of unit cubes, or anywhere.
+/// One to three regions of 20 to 39 solids each, on a grid of unit cubes or anywhere.
 pub fn crowd(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
     let on_grid = rng.chance(0.6);
     let place = |rng: &mut Random| match on_grid {
@@ -40,7 +40,7 @@ pub fn crowd(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
     (regions, (0..8).map(|_| target(rng)).collect())
 }
 
-/// A plate, a block or what is common to some unions, less twenty to fifty solids on a grid or anywhere; or copies of it.
+/// A plate, a block or an intersection of unions, minus 20 to 49 solids on a grid; or two copies of it.
 pub fn carved(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
     let place = |rng: &mut Random| Vec3::new(rng.below(5) as f64 - 2.0, rng.below(5) as f64 - 2.0, 0.0);
     let plate = cube(Vec3::new(2.5, 2.5, rng.pick(&[0.25, 0.5, 1.0])));
@@ -69,7 +69,7 @@ pub fn carved(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
     (vec![region], (0..8).map(|_| target(rng)).collect())
 }
 
-/// A shape of about the size of a unit cube.
+/// A primitive of about the size of a unit cube.
 fn single(rng: &mut Random) -> Solid {
     match rng.below(5) {
         0 => sphere(0.5),
@@ -93,7 +93,7 @@ pub fn member(rng: &mut Random) -> Solid {
     }
 }
 
-/// Rays in bundles of eight that hardly go apart, some of them equal to the bit.
+/// Rays in bundles of eight that are close to each other, some of them bitwise equal.
 pub fn bundles(rng: &mut Random, targets: &[Target], count: usize) -> Vec<Ray> {
     let mut rays = Vec::with_capacity(count);
     while rays.len() < count {

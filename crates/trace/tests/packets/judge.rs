@@ -1,4 +1,4 @@
-//! Every question that an evaluator can be asked, and whether two answer them alike.
+//! Comparison of two evaluators on every kind of query.
 
 use fearless_simd::Level;
 use rayweave_conformance::rays::batch;
@@ -10,7 +10,7 @@ use rayweave_shape::Ray;
 use rayweave_trace::{Packets, Reference};
 use std::sync::Arc;
 
-/// The levels of instructions that this machine has, the best one first.
+/// The SIMD instruction sets of this machine, best first.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]
@@ -24,7 +24,7 @@ pub fn levels() -> Vec<Level> {
     [best].into_iter().chain(others.into_iter().flatten()).collect()
 }
 
-/// A model that is one for lanes, and rays.
+/// A model that is traced in lanes, and rays.
 pub struct Setting {
     program: Arc<Program>,
     regions: Vec<Region>,
@@ -33,7 +33,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// `None` if the model is refused or not for lanes.
+    /// `None` if the model does not compile or is not traced in lanes.
     pub fn new(regions: Vec<Region>, rays: Vec<Ray>, name: String) -> Option<Setting> {
         let program = Arc::new(Program::compile_regions(&regions).ok()?);
         let for_lanes = Packets::new(program.clone()).uses_lanes();
@@ -51,7 +51,7 @@ impl Setting {
     }
 }
 
-/// All that is answered about one ray; numbers as bits, since -0 is not 0 and NaN is NaN.
+/// All answers about one ray; numbers as bits, so that -0 differs from 0 and NaN equals itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Answer {
     start: u32,
@@ -65,7 +65,7 @@ struct Answer {
     nearest_at: [i64; 4],
 }
 
-/// How often answers were equal.
+/// Counts of compared answers and crossings.
 pub struct Judge {
     tally: Tally,
     crossings: usize,
@@ -76,14 +76,15 @@ impl Judge {
         Judge { tally: Tally::new(what), crossings: 0 }
     }
 
-    /// Panics if any answer differs, if fewer than `least` rays were compared, or if most of them meet nothing.
+    /// Panics if any answer differs, if fewer than `least` rays were compared, or if there is at most one
+    /// crossing per two rays.
     pub fn finish(self, least: u64) {
         let asked = self.tally.asked() as usize;
         self.tally.finish(least);
         assert!(2 * self.crossings > asked, "only {} crossings on {asked} rays", self.crossings);
     }
 
-    /// Every question in every window, on some level and with some number of rows.
+    /// Compares every kind of query in several windows, with a random instruction set and number of rows.
     pub fn everything(&mut self, setting: &Setting, rng: &mut Random, levels: &[Level]) {
         let truth = Reference::new(setting.program.clone());
         let lists = lists(&truth, &setting.rays, &Query::default());
@@ -95,14 +96,14 @@ impl Judge {
         }
     }
 
-    /// The whole line, in batches of a size.
+    /// Compares on the whole line, in batches of a given size.
     pub fn in_batches(&mut self, setting: &Setting, size: usize, levels: &[Level]) {
         for rows in [2, 16] {
             self.compare(setting, &Questions { window: Window::ALL, rows, size }, levels);
         }
     }
 
-    /// Lists of all crossings, and the first one, in one window: for many rays.
+    /// Compares lists of all crossings and first crossings in one window: for many rays.
     pub fn lists(&mut self, setting: &Setting, rng: &mut Random) {
         let level = rng.pick(&levels());
         let (truth, packets) = evaluators(setting, level);
@@ -160,7 +161,7 @@ pub fn lists<E: Evaluator>(evaluator: &E, rays: &[Ray], query: &Query<'_>) -> Co
     found
 }
 
-/// The whole line; from or to some time; between two of them. Half of these times are those of crossings.
+/// The whole line, half lines and an interval; most bounds are times of crossings.
 fn windows(crossings: &[Crossing], rng: &mut Random) -> Vec<Window> {
     let mut time = || match crossings {
         [_, ..] if rng.chance(0.7) => crossings[rng.below(crossings.len())].t,
@@ -175,16 +176,16 @@ fn windows(crossings: &[Crossing], rng: &mut Random) -> Vec<Window> {
 #[derive(Clone, Copy, Debug)]
 struct Questions {
     window: Window,
-    /// Of hit arrays.
+    /// Rows of the hit arrays.
     rows: usize,
-    /// Of batches.
+    /// Rays per batch.
     size: usize,
 }
 
-/// What is answered about all rays.
+/// The answers about all rays.
 struct Answers {
     rays: Vec<Answer>,
-    /// Of each batch: the greatest number of entries.
+    /// For each batch, the largest number of entries of a ray.
     most: Vec<usize>,
 }
 
@@ -220,7 +221,7 @@ fn by_lists<E: Evaluator>(
     }
 }
 
-/// Into columns full of rubbish, every second time without faces.
+/// Writes to rows initialised with garbage; with an even number of rows, without faces.
 fn by_rows<E: Evaluator>(
     evaluator: &E,
     rays: Rays<'_>,

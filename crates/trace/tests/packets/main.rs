@@ -1,5 +1,5 @@
-//! [`Packets`] against [`Reference`]: equal answers, bit for bit, to every question, on every level of instructions, in
-//! batches of any size; on models and rays that are made to mislead what lanes think to be certain.
+//! [`Packets`] against [`Reference`]: equal answers, bit for bit, to every kind of query, with every
+//! instruction set and batch size, on models and rays designed to make lanes report wrong results as certain.
 //!
 //! [`Packets`]: rayweave_trace::Packets
 //! [`Reference`]: rayweave_trace::Reference
@@ -23,7 +23,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::Region;
 use rayweave_shape::Ray;
 
-/// A model of one of the arrangements, turned, moved and scaled, with rays aimed at where it is delicate.
+/// A model of one of the arrangements, turned, moved and scaled, with rays aimed at its degenerate places.
 fn arranged(seed: u64, arrangement: Arrangement, count: usize) -> (Vec<Region>, Vec<Ray>) {
     let rng = &mut Random::new(5 << 40 | seed);
     let (parts, targets) = arrangement(rng);
@@ -33,7 +33,7 @@ fn arranged(seed: u64, arrangement: Arrangement, count: usize) -> (Vec<Region>, 
     (regions, rays)
 }
 
-/// Every second one only turned by quarters; some are large or small or far away.
+/// Half of the frames have at most a rotation by multiples of 90 degrees; some are large, small or far away.
 fn frame(rng: &mut Random) -> Affine {
     let turn = match rng.below(4) {
         0 => Affine::IDENTITY,
@@ -46,7 +46,7 @@ fn frame(rng: &mut Random) -> Affine {
     turn.then(&Affine::scale(Vec3::splat(size))).then(&place)
 }
 
-/// Asks everything about models of an arrangement.
+/// Compares all queries on models of an arrangement.
 fn check(what: &'static str, arrangement: Arrangement, models: u64, least: u64) {
     let mut judge = Judge::new(what);
     for seed in 0..models {
@@ -57,7 +57,7 @@ fn check(what: &'static str, arrangement: Arrangement, models: u64, least: u64) 
     judge.finish(models * least);
 }
 
-/// How many models and rays the tests with long forms ask.
+/// Numbers of models of the short and the long form.
 const SHORT: u64 = 150;
 const LONG: u64 = 40_000;
 
@@ -91,7 +91,7 @@ arrangements! {
     rings, long_rings;
 }
 
-/// Asks everything about unions of many solids, in bundles of rays.
+/// Compares all queries on unions of many solids, with bundles of rays.
 fn check_crowds(models: u64, least: u64) {
     let mut judge = Judge::new("crowds");
     for seed in 0..models {
@@ -116,7 +116,7 @@ fn long_crowds() {
     check_crowds(20_000, 60);
 }
 
-/// Asks everything about solids out of which many others are taken.
+/// Compares all queries on solids minus many others.
 fn check_carved(models: u64, least: u64) {
     let mut judge = Judge::new("carved solids");
     for seed in 0..models {
@@ -141,7 +141,8 @@ fn long_carved_solids() {
     check_carved(20_000, 60);
 }
 
-/// Random models of the suite that lanes take: `small` ones, half of the rays on the grid where faces coincide.
+/// Random models of the suite that are traced in lanes; most are small, and half have rays on the grid where
+/// faces coincide.
 fn sweep(seeds: std::ops::Range<u64>, count: usize, least: u64) {
     let mut judge = Judge::new("random models of the suite");
     for seed in seeds {
@@ -173,7 +174,7 @@ fn long_random_models() {
     sweep(3000..50_000, 1000, 10_000_000);
 }
 
-/// Rays that start on surfaces of all arrangements, and of random models.
+/// Compares rays that start on surfaces of all arrangements and of random models.
 fn check_starts(seeds: std::ops::Range<u64>, least: u64) {
     let mut tally = Tally::new("rays that start on surfaces");
     for seed in seeds {

@@ -1,4 +1,4 @@
-//! Copies of solids, placed in all ways, that touch or nearly do.
+//! Copies of solids, placed by maps of all kinds, that touch or nearly touch.
 
 use crate::aim::{Target, aimed};
 use crate::arrange::gap;
@@ -13,7 +13,7 @@ use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::sync::Arc;
 
-/// A map onto a place of a grid, or next to it: straight, turned, mirrored, stretched or sheared.
+/// A map onto or next to a grid point: identity, rotation, reflection, scaling or shear, then a translation.
 fn map(rng: &mut Random) -> Affine {
     let at = Vec3::new(rng.below(4) as f64 - 1.5, rng.below(4) as f64 - 1.5, rng.below(3) as f64 - 1.0);
     let shear = |by: f64| {
@@ -35,7 +35,7 @@ fn maps(rng: &mut Random, count: usize) -> Vec<Affine> {
     (0..count).map(|_| map(rng)).collect()
 }
 
-/// Copies of one solid, or of a group of copies, all by translations or each by a map of its own.
+/// Copies of one solid, or of a group of copies, by translations or by arbitrary maps.
 fn copies(rng: &mut Random) -> Solid {
     let parts = (0..1 + rng.below(3)).map(|_| member(rng)).collect::<Vec<_>>();
     let part = Solid::union(parts);
@@ -53,7 +53,7 @@ fn copies(rng: &mut Random) -> Solid {
     }
 }
 
-/// One or two regions of copies, some of them beside solids that are not placed; and where to aim.
+/// One or two regions of copies, some of them beside solids that are not placed, with targets.
 fn placed(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
     let regions = (0..1 + rng.below(2)).map(|k| {
         let all = (0..1 + rng.below(2)).map(|_| copies(rng)).collect::<Vec<_>>();
@@ -71,7 +71,7 @@ fn placed(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
     (regions, (0..8).map(|_| target(rng)).collect())
 }
 
-/// Asks everything about placed solids: in bundles, and ray by ray.
+/// Compares all queries on placed solids, with bundles and with single rays.
 fn check(models: u64, least: u64) {
     let mut judge = Judge::new("placed solids");
     for seed in 0..models {
@@ -98,7 +98,7 @@ fn long_placed_solids() {
     check(20_000, 60);
 }
 
-/// What the weave is asked, for the first hits of rays.
+/// Number of leaves that the weave intersects for the first hits of rays.
 fn asked_of_weave(solid: Solid, rays: &[Ray]) -> u64 {
     let program = Arc::new(Program::compile(&solid).expect("a legal model"));
     let packets = Packets::new(program);
@@ -119,7 +119,8 @@ fn asked_of_weave(solid: Solid, rays: &[Ray]) -> u64 {
     scratch.asked_of_weave()
 }
 
-/// Ordinary rays through placed solids are answered in lanes, whether they go together or not.
+/// Rays in general position through placed solids are traced in lanes, whether they are close to each other
+/// or not.
 #[test]
 fn lanes_answer_for_placed_solids() {
     let rng = &mut Random::new(3);

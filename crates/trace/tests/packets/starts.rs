@@ -1,4 +1,5 @@
-//! Rays that start on surfaces: sent on from where they met a model, on the right side and now and then on the wrong one.
+//! Rays that start on surfaces: continued from their hits with the right side, and sometimes with the wrong
+//! one.
 
 use crate::judge::{Setting, bits, evaluators, lists};
 use fearless_simd::Level;
@@ -12,7 +13,7 @@ use rayweave_model::{
 use rayweave_shape::Ray;
 use rayweave_shape::surface::delta;
 
-/// Follows the rays of a setting from face to face, and compares every answer on the way.
+/// Follows the rays of a setting from face to face, and compares all answers.
 pub fn follow(setting: &Setting, level: Level, rng: &mut Random, tally: &mut Tally) {
     let (truth, packets) = evaluators(setting, level);
     let (mut rays, mut listed) = (setting.rays.clone(), vec![Vec::new(); setting.rays.len()]);
@@ -51,7 +52,7 @@ pub fn follow(setting: &Setting, level: Level, rng: &mut Random, tally: &mut Tal
     }
 }
 
-/// Mostly what comes after the start.
+/// A window that usually begins at the start of the ray.
 fn window(rng: &mut Random) -> Window {
     let from = match rng.below(6) {
         0 => f64::NEG_INFINITY,
@@ -62,7 +63,7 @@ fn window(rng: &mut Random) -> Window {
     Window::new(from, if rng.chance(0.2) { 5.0 * rng.uniform() + 1e-3 } else { f64::INFINITY }).unwrap()
 }
 
-/// A ray that leaves a face in some direction.
+/// A ray that leaves a face in some direction, with its start list.
 fn sent_on(program: &Program, ray: &Ray, crossing: &Crossing, rng: &mut Random) -> (Ray, Vec<Start>) {
     let normal = attributes::normal(program, ray, crossing);
     let speed = ray.direction.length();
@@ -79,12 +80,12 @@ fn sent_on(program: &Program, ray: &Ray, crossing: &Crossing, rng: &mut Random) 
         Start { surface: face.surface, placement: face.placement, inside }
     };
     let at = start(crossing.face, rng.chance(0.05));
-    // what is listed beside it has to be true, which is not looked up here in placed solids
+    // further entries of the list must be true, which is not checked here for placed solids
     let is_flat = program.prototypes().len() == 1;
     let list = match if is_flat { rng.below(10) } else { 3 * rng.below(2) } {
         0 => vec![],
         1 => vec![Start { placement: PlacementId(1), ..at }],
-        // whatever else is near
+        // all other surfaces near the point
         2 => {
             let near = faces(program).filter(|face| is_on(program, face, ray, crossing.t));
             let others = near.map(|face| start(face, false)).filter(|other| other.surface != at.surface);
@@ -92,7 +93,7 @@ fn sent_on(program: &Program, ray: &Ray, crossing: &Crossing, rng: &mut Random) 
         }
         _ => vec![at],
     };
-    // put onto the face, as is asked for of rays that start there
+    // moved onto the face, as required of rays that start there
     let (value, slope) =
         program.surface(crossing.face.surface).surface.value_and_gradient(ray.at(crossing.t));
     let step = value / slope.dot(normal);
@@ -121,7 +122,7 @@ fn is_on(program: &Program, face: &Face, ray: &Ray, t: f64) -> bool {
     value.abs() <= delta(entry.magnitude, ray, t) * gradient.length()
 }
 
-/// Numbers as bits, and what differs on the two sides.
+/// Numbers as bits, ids, and crossings whose faces differ on the two sides.
 type Near = ([u64; 4], [i64; 4], Vec<Crossing>);
 
 fn nearest<E: Evaluator>(evaluator: &E, rays: &[Ray], query: &Query<'_>) -> Vec<Near> {

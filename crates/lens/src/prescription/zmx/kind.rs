@@ -54,7 +54,7 @@ impl Parameters {
         let odd = self.0.iter().find(|&(&number, &value)| number > 0 && value != 0.0 && !known(number));
         match odd {
             None => Ok(()),
-            Some((number, _)) => Err(format!("the {kind} has a parameter {number} ({read})")),
+            Some((number, _)) => Err(format!("the {kind} has a parameter {number}: {read}.")),
         }
     }
 }

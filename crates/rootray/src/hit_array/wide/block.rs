@@ -1,4 +1,5 @@
-//! Combination of any number of rows: sorting networks order the rows of a block of columns that stays in the cache.
+//! Combination of any number of rows: sorting networks order the rows of a block of columns that fits in the
+//! cache.
 
 use std::ops::Range;
 
@@ -13,22 +14,23 @@ use super::rule::{self, Rule};
 use super::watch::Watch;
 use super::{direct, load, store};
 
-/// Registers of a row of a block.
+/// Registers per row of a block.
 const WIDTH: usize = 4;
 
 /// Rows that are sorted in registers.
 const GROUP: usize = 8;
 
-/// Bytes of a tile: some blocks side by side, whose rows are read and written in one go each. It stays in the second cache.
+/// Bytes of a tile, which consists of adjacent blocks whose rows are read and written together. Fits in the
+/// L2 cache.
 const TILE: usize = 1 << 17;
 
-/// The most columns of a tile: a page of f64.
+/// Maximum number of columns of a tile: a page of f64.
 const LONGEST: usize = 512;
 
 /// State shared by all blocks of a call.
 pub struct Plan {
     pub(super) operation: Operation,
-    /// Rows of the higher operand.
+    /// Rows of the operand with more rows.
     pub(super) rows: usize,
     merge: Network,
     sort: Network,
@@ -54,8 +56,8 @@ type Mask<S, T> = <<T as super::super::real::Wide>::Lanes<S> as SimdBase<S>>::Ma
 
 /// A block of columns.
 struct Block<S: Simd, T: Real> {
-    /// Starts of pieces: those of the first operand, then those of the second; later all of them, sorted by the order of the
-    /// network. Rows of +inf make whole groups of them.
+    /// Starts of pieces: those of the first operand, then those of the second; after the merge all of them,
+    /// in the order of the network. Padded with rows of +inf to a multiple of [`GROUP`].
     starts: Vec<Row<S, T>>,
     /// Ends of pieces, likewise.
     ends: Vec<Row<S, T>>,

@@ -13,7 +13,7 @@ use super::block::{self, Plan};
 use super::rule::{self, Rule};
 use super::watch::Watch;
 
-/// The greatest number of rows of an operand that is combined here.
+/// Maximum number of rows of an operand for this method.
 pub(super) const ROWS: usize = 8;
 
 /// Up to this number of rows all pairs of entries are compared, which also resolves equal times; the number of comparisons grows
@@ -129,7 +129,7 @@ fn rest<S: Simd, T: Real, const H: usize>(
     watch
 }
 
-/// Combines columns, whose number is a multiple of that of the lanes.
+/// Combines columns whose number is a multiple of the number of lanes.
 fn chunk<S: Simd, T: Real, const H: usize>(
     simd: S,
     operation: Operation,
@@ -241,7 +241,8 @@ fn store_all<S: Simd, T: Real, const H: usize>(
     });
 }
 
-/// Sorted starts and ends, those that no piece has made +inf. The compiler knows the rule.
+/// Sorted starts and ends, with +inf for those of pieces that do not exist. The rule is a constant for the
+/// compiler.
 #[inline(always)]
 fn keep<S: Simd, V: SimdFloat<S, Element: Real<Lanes<S> = V>>, const H: usize>(
     simd: S,
@@ -272,7 +273,7 @@ fn keep<S: Simd, V: SimdFloat<S, Element: Real<Lanes<S> = V>>, const H: usize>(
     [starts, ends]
 }
 
-/// Whether a piece exists: whether two pieces overlap of which it would come.
+/// Whether a piece exists: true if two pieces that would form it overlap.
 #[inline(always)]
 fn exists<S: Simd, T: Real, const H: usize>(
     simd: S,

@@ -3,8 +3,9 @@
 //! Lanes are independent, so the result does not depend on their number. The code branches on values only for signed zeros and
 //! for equal times in a block.
 
-/// Repeats its body for the numbers below `$n`, at most nine of them, each a constant: arrays of lanes then live in registers, and
-/// no bound is checked. No closures there: the compiler does not always compile them for the instructions that lanes need.
+/// Repeats its body for the numbers below `$n`, at most nine, each a constant: arrays of lanes then stay in
+/// registers, and bounds checks are removed. Do not use closures in the body: they are not always compiled
+/// with the required instruction set.
 macro_rules! unrolled {
     ($k:ident < $n:expr => $body:block) => {
         unrolled!(@ $k, $n, $body, 0 1 2 3 4 5 6 7 8)
@@ -34,7 +35,7 @@ pub use block::Plan;
 /// Below this number of columns the scalar loop is faster.
 const FEWEST_COLUMNS: usize = 8;
 
-/// The lanes of the widest register.
+/// The number of lanes of the widest register.
 const WIDEST: usize = 16;
 
 /// Whether the SIMD form is faster than the scalar loop for this number of columns and rows (of both operands together). Networks

@@ -1,6 +1,6 @@
 //! Sorting networks (Batcher's odd-even merge): sequences of compare-exchange steps that sort rows.
 
-/// Puts two rows in order: the lesser numbers go to the first, the greater to the second.
+/// A compare-exchange step: the lesser numbers go to the first row, the greater ones to the second.
 pub(super) type Exchange = (usize, usize);
 
 /// A comparator network over rows.
@@ -12,7 +12,7 @@ pub(super) struct Network {
     pub order: Vec<usize>,
 }
 
-/// Wires of a network: the row on each, or none where nothing but +inf would run.
+/// Wires of a network: the row on each, or `None` for a wire that carries +inf only.
 struct Wires {
     rows: Vec<Option<usize>>,
     exchanges: Vec<Exchange>,
@@ -23,7 +23,7 @@ impl Wires {
         Wires { rows, exchanges: Vec::new() }
     }
 
-    /// A comparator between two wires. +inf on one of them makes it a change of names, or nothing at all.
+    /// A comparator between two wires. If one of them carries +inf, it becomes a renaming or nothing.
     fn exchange(&mut self, low: usize, high: usize) {
         match (self.rows[low], self.rows[high]) {
             (Some(low), Some(high)) => self.exchanges.push((low, high)),
@@ -32,8 +32,8 @@ impl Wires {
         }
     }
 
-    /// Batcher's odd-even merge ("Sorting networks and their applications", 1968) of the sorted halves of `2 * half` wires from
-    /// `first` on; `half` is a power of two.
+    /// Batcher's odd-even merge ("Sorting networks and their applications", 1968) of the sorted halves of `2
+    /// * half` wires from `first` on; `half` is a power of two.
     fn merge(&mut self, first: usize, half: usize) {
         (first..first + half).for_each(|low| self.exchange(low, low + half));
         let mut step = half / 2;
@@ -50,7 +50,7 @@ impl Wires {
 }
 
 impl Network {
-    /// Merges rows 0 to `first`, which are sorted, with the `second` rows behind them, which are sorted, too.
+    /// Merges rows 0 to `first` with the `second` rows after them; both groups are sorted.
     pub fn merge(first: usize, second: usize) -> Self {
         let half = first.max(second).next_power_of_two();
         let wire = |count: usize, offset: usize, k: usize| (k < count).then_some(offset + k);
@@ -60,7 +60,7 @@ impl Network {
         wires.finish()
     }
 
-    /// Sorts so many rows, of which each `half` from the first on are sorted already; that is a power of two.
+    /// Sorts `count` rows that consist of sorted groups of `half` rows; `half` is a power of two.
     pub fn sort(count: usize, mut half: usize) -> Self {
         let wide = count.next_power_of_two();
         let mut wires = Wires::new((0..wide).map(|k| (k < count).then_some(k)).collect());
@@ -76,7 +76,8 @@ impl Network {
 mod tests {
     use super::*;
 
-    /// A network sorts everything if it sorts all zeros and ones (Knuth, TAOCP 5.3.4, theorem Z).
+    /// Applies a network. A network sorts everything if it sorts all zeros and ones (Knuth, TAOCP 5.3.4,
+    /// theorem Z).
     fn run(network: &Network, mut rows: Vec<u32>) -> Vec<u32> {
         for &(low, high) in &network.exchanges {
             (rows[low], rows[high]) = (rows[low].min(rows[high]), rows[low].max(rows[high]));
@@ -117,7 +118,7 @@ mod tests {
         for count in 0..40 {
             let network = Network::sort(count, 8);
             for bits in 0..9_usize.pow(count.div_ceil(8) as u32) {
-                // so many zeros in each group of eight
+                // the number of zeros in each group of eight
                 let zeros = |group: u32| bits / 9_usize.pow(group) % 9;
                 let rows: Vec<u32> = (0..count).map(|k| u32::from(k % 8 >= zeros(k as u32 / 8))).collect();
                 let ones = rows.iter().sum::<u32>() as usize;

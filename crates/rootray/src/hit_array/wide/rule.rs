@@ -1,14 +1,17 @@
 //! Selection rule of the sorting-network method: which pieces a boolean operation keeps.
 //!
-//! Every operation is an intersection, of the operands or of their complements: A - B = A & !B, and A | B is what !A & !B
-//! leaves. A ray is inside an operand on its *pieces*: from one entry to the next, the first and the last of a complement
-//! without end. Let the starts of all pieces of both operands be sorted, and their ends. Where piece i of the first and piece j of the
-//! second overlap they make piece i + j of the intersection, if pieces of no length and those that do not exist are
-//! counted, too: it goes from start i + j + 1 to end i + j. That is because i + j + 2 pieces have begun there and i + j are over.
-//! So one comparison says which of the sorted starts and ends are kept: piece k exists if start k + 1 comes before end k.
+//! Every operation is an intersection of the operands or of their complements: A - B = A & !B, and A | B is
+//! the complement of !A & !B. A ray is inside an operand on its *pieces*: each goes from one entry to the
+//! next; the first and the last piece of a complement are unbounded. Sort the starts of all pieces of both
+//! operands, and the ends. If piece i of the first operand and piece j of the second overlap, they make piece
+//! i + j of the intersection, counting pieces of no length and those that do not exist: it goes from start i
+//! + j + 1 to end i + j, because i + j + 2 pieces have started there and i + j have ended. One comparison
+//! therefore decides which of the sorted starts and ends are kept: piece k exists if start k + 1 comes before
+//! end k.
 //!
-//! Equal times come in the order of the merged entries, those of the first operand first; within an operand the order is that of
-//! the rows. Sorted starts and ends no longer tell; then piece k exists if any two pieces i and k - i overlap.
+//! Equal times come in the order of the merged entries, those of the first operand first; within an operand
+//! in the order of the rows. The sorted starts and ends do not decide these cases; then piece k exists if any
+//! two pieces i and k - i overlap.
 
 use super::super::Operation;
 
@@ -29,51 +32,52 @@ impl Rule {
         }
     }
 
-    /// Whether the result is what the intersection leaves: its entries are those of the intersection, each start an end.
+    /// Whether the result is the complement of the intersection: it has the same entries, with starts and
+    /// ends exchanged.
     #[inline(always)]
     pub const fn is_complement(self) -> bool {
         self.complement1 && self.complement2
     }
 
-    /// Starts at -inf, and as many ends at +inf, that are not entries.
+    /// The number of starts at -inf, and of ends at +inf, that are not entries.
     #[inline(always)]
     const fn without_end(self) -> usize {
         self.complement1 as usize + self.complement2 as usize
     }
 
-    /// The number of pieces to look at, for so many starts among the entries.
+    /// The number of possible pieces for `starts` starts among the entries.
     #[inline(always)]
     pub const fn pieces(self, starts: usize) -> usize {
         (starts + self.without_end()).saturating_sub(1)
     }
 
-    /// The piece that start number `start` among the sorted entries would begin.
+    /// The piece that would begin at start number `start` of the sorted entries.
     #[inline(always)]
     pub const fn piece_from(self, start: usize) -> Option<usize> {
         (start + self.without_end()).checked_sub(1)
     }
 
-    /// The number among the sorted entries of the start of a piece, none if it is at -inf.
+    /// The number among the sorted entries of the start of a piece; `None` if it is at -inf.
     #[inline(always)]
     pub const fn start_of(self, piece: usize) -> Option<usize> {
         (piece + 1).checked_sub(self.without_end())
     }
 }
 
-/// The row that piece number `piece` of an operand begins at, none if it has no beginning.
+/// The row at which a piece of an operand begins; `None` if it is unbounded.
 #[inline(always)]
 pub(super) const fn begin(complement: bool, piece: usize) -> Option<usize> {
     (2 * piece).checked_sub(complement as usize)
 }
 
-/// The row that piece number `piece` of an operand of so many rows ends at, none if it has no end.
+/// The row at which a piece of an operand with `rows` rows ends; `None` if it is unbounded.
 #[inline(always)]
 pub(super) const fn end(complement: bool, piece: usize, rows: usize) -> Option<usize> {
     let row = 2 * piece + 1 - complement as usize;
     if row < rows { Some(row) } else { None }
 }
 
-/// The number of pieces of an operand of so many rows.
+/// The number of pieces of an operand with `rows` rows.
 #[inline(always)]
 pub(super) const fn pieces_of(complement: bool, rows: usize) -> usize {
     rows / 2 + complement as usize

@@ -1,11 +1,11 @@
-//! Checks of entries while they are read: sorted columns, NaN, signed zeros, equal times.
+//! Checks of entries on reading: sorted columns, NaN, signed zeros, equal times.
 
 use fearless_simd::prelude::*;
 
 use super::super::Real;
 use super::load;
 
-/// Collected over entries, lane by lane.
+/// Flags collected over entries, lane by lane.
 #[derive(Clone, Copy)]
 pub(super) struct Watch<S: Simd, T: Real> {
     sorted: <T::Lanes<S> as SimdBase<S>>::Mask,
@@ -27,7 +27,8 @@ impl<S: Simd, T: Real> Watch<S, T> {
         }
     }
 
-    /// Reads rows of one operand one after the other: few long memory streams are faster than many short ones.
+    /// Checks the rows of one operand one after the other: few long memory streams are faster than many short
+    /// ones.
     #[inline(always)]
     pub fn rows<'a>(&mut self, simd: S, mut rows: impl Iterator<Item = &'a [T]>) {
         let len = T::Lanes::<S>::LEN;
@@ -48,19 +49,21 @@ impl<S: Simd, T: Real> Watch<S, T> {
         }
     }
 
-    /// Two entries of a column, one row apart. False for NaN, too.
+    /// Checks the order of two entries of a column, one row apart. NaN counts as unsorted.
     #[inline(always)]
     pub fn order(&mut self, above: T::Lanes<S>, below: T::Lanes<S>) {
         self.sorted &= above.simd_le(below);
     }
 
-    /// An entry. Where both signs of zero meet, their order is seen in the result; networks do not keep it.
+    /// Checks an entry for zero. Sorting networks do not preserve the order of zeros of different sign, which
+    /// is visible in the result.
     #[inline(always)]
     pub fn sign(&mut self, t: T::Lanes<S>) {
         self.zero |= t.simd_eq(self.zeros);
     }
 
-    /// Whether a start comes before an end, both sorted by their times alone. Equal times leave it open and are remembered.
+    /// Whether a start comes before an end, both sorted by time only. Equal times do not decide and set a
+    /// flag.
     #[inline(always)]
     pub fn is_before(&mut self, start: T::Lanes<S>, end: T::Lanes<S>) -> <T::Lanes<S> as SimdBase<S>>::Mask {
         self.tied |= start.simd_eq(end) & start.simd_lt(self.padding);

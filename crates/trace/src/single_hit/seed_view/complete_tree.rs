@@ -1,13 +1,13 @@
-//! Complete binary trees in level order: navigation by the bits of a node's number.
+//! Complete binary trees in level order, with navigation by the bits of a node's number.
 
 use super::Operator;
 use crate::single_hit::{Kind, Op, Tree};
 use std::ops::Range;
 
-/// Higher trees are refused by [`CompleteTree::view`]: 2^21 - 1 slots.
+/// Largest height that [`CompleteTree::view`] accepts: 2^21 - 1 slots.
 const MOST_HEIGHT: u32 = 20;
 
-/// What is at a place of the tree.
+/// The content of a slot of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Slot {
     /// Nothing: the tree is not perfect.
@@ -16,7 +16,7 @@ pub enum Slot {
     Leaf {
         /// Its number.
         leaf: u32,
-        /// True if its complement is meant.
+        /// True if it is complemented.
         complemented: bool,
     },
     /// An operator on its two children.
@@ -33,12 +33,12 @@ pub struct CompleteTree {
 }
 
 impl CompleteTree {
-    /// A leaf alone.
+    /// A tree of one leaf.
     pub fn leaf(leaf: u32, complemented: bool) -> CompleteTree {
         CompleteTree { height: 0, slots: vec![Slot::Leaf { leaf, complemented }] }
     }
 
-    /// Two trees below an operator. The number of slots doubles with every level: this is for small trees.
+    /// Joins two trees below an operator. The number of slots doubles with every level: for small trees only.
     pub fn join(operator: Operator, first: &CompleteTree, second: &CompleteTree) -> CompleteTree {
         let height = 1 + first.height.max(second.height);
         let mut slots = vec![Slot::Empty; (2usize << height) - 1];
@@ -56,8 +56,8 @@ impl CompleteTree {
     /// A tree of the evaluator in positive form: unions and intersections only, complements at the leaves (De
     /// Morgan).
     ///
-    /// `None` for what the original has no name for (symmetric differences, k of n, constants, several
-    /// regions), and for more than 20 levels.
+    /// Returns `None` for nodes that the original does not support (symmetric differences, k of n, constants,
+    /// several regions), and for more than 20 levels.
     pub fn view(tree: &Tree) -> Option<CompleteTree> {
         let complemented = pushed_down(tree);
         let mut done: Vec<CompleteTree> = Vec::new();
@@ -94,7 +94,7 @@ impl CompleteTree {
         &self.slots
     }
 
-    /// What is at node `i`; empty for any number that is not in the tree.
+    /// The content of node `i`; empty for any number that is not in the tree.
     pub fn get(&self, i: u32) -> Slot {
         (i as usize).checked_sub(1).and_then(|k| self.slots.get(k)).copied().unwrap_or(Slot::Empty)
     }
@@ -104,7 +104,7 @@ impl CompleteTree {
         self.height.saturating_sub(i.max(1).ilog2())
     }
 
-    /// The node with which the post-order begins: the leftmost of the lowest level.
+    /// The first node of the post-order: the leftmost of the lowest level.
     pub fn first(&self) -> u32 {
         1 << self.height
     }
@@ -119,17 +119,17 @@ impl CompleteTree {
     }
 
     /// The slice of the post-order that is the first sub-tree of an operator: from its first node to one past
-    /// its last, which is the first node of the other one; 0..0 for nodes without children.
+    /// its last, which is the first node of the second sub-tree; 0..0 for nodes without children.
     pub fn left_slice(&self, i: u32) -> Range<u32> {
         self.halves(i).map_or(0..0, |[first, second]| first..second)
     }
 
-    /// The slice that is the second sub-tree; the operator itself comes next.
+    /// The slice of the post-order that is the second sub-tree; the operator itself comes next.
     pub fn right_slice(&self, i: u32) -> Range<u32> {
         self.halves(i).map_or(0..0, |[_, second]| second..i)
     }
 
-    /// Where the sub-trees of a node begin; `None` on the lowest level and outside of the tree.
+    /// The first nodes of both sub-trees of a node; `None` on the lowest level and outside of the tree.
     fn halves(&self, i: u32) -> Option<[u32; 2]> {
         let inner = i > 0 && i < self.first();
         inner.then(|| [2 * i, 2 * i + 1].map(|child| child << self.elevation(child)))
@@ -141,7 +141,7 @@ impl CompleteTree {
     }
 }
 
-/// For each node whether its complement is meant once complements are pushed down to the leaves.
+/// For each node, whether it is complemented once complements are pushed down to the leaves.
 fn pushed_down(tree: &Tree) -> Vec<bool> {
     let nodes = tree.nodes();
     let mut complemented: Vec<bool> = nodes.iter().map(|node| node.complemented).collect();

@@ -1,9 +1,9 @@
-//! Evaluating a complete tree by tables, with stacks of any size.
+//! Evaluation of a complete tree by decision tables, with stacks of a given size.
 
 use super::{Action, CompleteTree, Operator, Slot, State, Tables};
 use crate::single_hit::{LeafAnswers, Next};
 
-/// How much room there is.
+/// Sizes of the stacks and of node numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Entries of the stack of slices.
@@ -15,29 +15,30 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Those of the original.
+    /// The limits of the original.
     pub const SEED: Limits = Limits { slices: 4, values: 15, index_bits: 8 };
 
-    /// What a tree of some height needs: height + 1 slices and values, and numbers below 2^(height + 1).
+    /// The limits that a tree of some height needs: height + 1 slices and values, and numbers below 2^(height
+    /// + 1).
     pub fn for_height(height: u32) -> Limits {
         Limits { slices: height as usize + 1, values: height as usize + 1, index_bits: height + 1 }
     }
 }
 
-/// Why there is no answer. The original answers a miss then.
+/// Failure of an evaluation. The original reports a miss instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
     /// The stack of slices is full.
     SlicesFull,
     /// The stack of values is full.
     ValuesFull,
-    /// An operator finds fewer than two values, or the end not one.
+    /// An operator finds fewer than two values, or the end does not find exactly one.
     ValuesMissing,
     /// The two values of an operator come from the same side.
     SameSide,
 }
 
-/// What the original makes of a fault: a miss, which nobody notices.
+/// Converts a fault to a miss, as the original does silently.
 pub fn silent(answer: Result<Next, Fault>) -> Next {
     answer.unwrap_or(Next::Outside)
 }
@@ -50,7 +51,7 @@ struct Slice {
     t_min: f64,
 }
 
-/// An answer and the side that it comes from: the parity of its node.
+/// The next change of an operand, and its side: the parity of its node.
 #[derive(Clone, Copy)]
 struct Value {
     answer: Next,
@@ -65,7 +66,7 @@ struct Machine<'a> {
     values: Vec<Value>,
 }
 
-/// What is next of the tree after `t_min`.
+/// The next change of the tree after `t_min`.
 ///
 /// # Errors
 /// A [`Fault`] if the limits are too narrow.
@@ -125,7 +126,7 @@ impl Machine<'_> {
         Ok(())
     }
 
-    /// Decides an operator; true if the slice was cut, because an operand has to be asked again.
+    /// Decides an operator. Returns true if the slice was split because an operand must be queried again.
     fn operate(&mut self, i: u32, operator: Operator, slice: Slice) -> Result<bool, Fault> {
         let (Some(x), Some(y)) = (self.values.pop(), self.values.pop()) else {
             return Err(Fault::ValuesMissing);
@@ -158,8 +159,8 @@ impl Machine<'_> {
         Ok(false)
     }
 
-    /// What the table says; two operands that never change again are a constant, about which it is not asked
-    /// (the original tells these by signs of zero).
+    /// Looks up the action. Two operands that never change again give a constant without the table (the
+    /// original encodes these by signs of zero).
     fn action(&self, operator: Operator, a: Next, b: Next) -> Result<Action, Next> {
         let first_closer = a.time() <= b.time();
         if a.time().min(b.time()) == f64::INFINITY {

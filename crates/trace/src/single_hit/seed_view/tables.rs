@@ -1,4 +1,4 @@
-//! Tables of decisions: from what two operands answer, and which of them is closer, to what to do.
+//! Decision tables: from the next changes of two operands, and which of them is closer, to an action.
 
 use crate::single_hit::{Next, Op, Step, Verdict, decide};
 
@@ -17,7 +17,7 @@ impl Operator {
     /// All of them, in the order of the tables.
     pub const ALL: [Operator; 3] = [Operator::Union, Operator::Intersection, Operator::Difference];
 
-    /// Whether the result is inside.
+    /// True if the result is inside, for the sides of the operands.
     pub fn of(self, first: bool, second: bool) -> bool {
         match self {
             Operator::Union => first || second,
@@ -27,14 +27,14 @@ impl Operator {
     }
 }
 
-/// What an operand answers; an exit at +inf is an exit.
+/// The next change of an operand; an exit at +inf is an exit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     /// It is entered.
     Enter,
     /// It is exited.
     Exit,
-    /// Neither: the ray is outside for ever.
+    /// Neither: the ray is outside forever.
     Miss,
 }
 
@@ -42,7 +42,7 @@ impl State {
     /// All of them, in the order of the tables.
     pub const ALL: [State; 3] = [State::Enter, State::Exit, State::Miss];
 
-    /// What a table sees of an answer.
+    /// The column of the tables for a next change.
     pub fn of(next: Next) -> State {
         match next {
             Next::Enter(_) => State::Enter,
@@ -51,7 +51,7 @@ impl State {
         }
     }
 
-    /// An answer that looks like this.
+    /// A next change with this state.
     fn sample(self, t: f64) -> Next {
         match self {
             State::Enter => Next::Enter(t),
@@ -61,21 +61,21 @@ impl State {
     }
 }
 
-/// What to do. The numbers are those of the packed tables.
+/// An action. The numbers are those of the packed tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Action {
-    /// Answer a miss.
+    /// Return a miss.
     Miss = 0,
-    /// Answer what the first operand answers.
+    /// Return the change of the first operand.
     First = 1,
-    /// Answer what the second operand answers.
+    /// Return the change of the second operand.
     Second = 2,
-    /// The same with enter and exit exchanged.
+    /// Return the change of the second operand with enter and exit exchanged.
     FlippedSecond = 3,
-    /// Ask the first operand again, after the time of its answer.
+    /// Query the first operand again, after the time of its change.
     LoopFirst = 4,
-    /// Ask the second operand again, after the time of its answer.
+    /// Query the second operand again, after the time of its change.
     LoopSecond = 5,
 }
 
@@ -96,7 +96,7 @@ impl Action {
 pub struct Tables([[u32; 3]; 2]);
 
 impl Tables {
-    /// The tables that follow from the rule, for operands that never answer the same time.
+    /// The tables that follow from the rule, for operands whose times are never equal.
     pub fn from_rule() -> Tables {
         Tables::pack(|operator, first_closer, first, second| {
             let (near, far) = (1.0, 2.0);
@@ -106,10 +106,10 @@ impl Tables {
         })
     }
 
-    /// The original ones.
+    /// The original tables.
     ///
-    /// Written as (what if the first is closer, what if the second is), for the answers of the two operands
-    /// in the order of [`State::ALL`].
+    /// Each entry is (action if the first is closer, action if the second is closer), for the states of the
+    /// two operands in the order of [`State::ALL`].
     pub fn original() -> Tables {
         use Action::{
             First as A, FlippedSecond as FlipB, LoopFirst as LoopA, LoopSecond as LoopB, Miss as Non,
@@ -145,7 +145,7 @@ impl Tables {
         Tables(packed)
     }
 
-    /// Everything that can be looked up: operator, "the first is closer", the two answers.
+    /// All keys of the tables: operator, "the first is closer", the two states.
     pub fn keys() -> impl Iterator<Item = (Operator, bool, State, State)> {
         let states = State::ALL.into_iter().flat_map(|a| State::ALL.into_iter().map(move |b| (a, b)));
         let closer = states.flat_map(|(a, b)| [true, false].into_iter().map(move |first| (first, a, b)));
@@ -153,7 +153,7 @@ impl Tables {
             .flat_map(|(first, a, b)| Operator::ALL.into_iter().map(move |operator| (operator, first, a, b)))
     }
 
-    /// What to do.
+    /// The action for a key.
     pub fn look_up(&self, operator: Operator, first_closer: bool, first: State, second: State) -> Action {
         let packed = u64::from(self.0[usize::from(!first_closer)][operator as usize]);
         let nibble = packed >> (4 * (3 * first as u32 + second as u32)) & 0xf;
@@ -167,7 +167,7 @@ impl Tables {
     }
 }
 
-/// What the rule says, in the words of the tables.
+/// The action that the rule yields.
 fn action_of(operator: Operator, a: Next, b: Next) -> Action {
     let flips = operator == Operator::Difference;
     let taken = if flips { b.complement() } else { b };
