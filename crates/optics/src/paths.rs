@@ -122,8 +122,8 @@ impl Paths {
         found
     }
 
-    /// The number of rays and the power on paths that are not in the list: those found after a
-    /// million distinct steps.
+    /// The number of rays and the power on paths that are not in the list: paths that appear after
+    /// 2^20 distinct steps.
     pub fn others(&self) -> (u64, f64) {
         self.others
     }

@@ -16,7 +16,8 @@ use rayweave_space::{CurveTrace, trace_curve_from};
 /// The number of steps after which light that has not left a medium is dropped.
 const MAX_STEPS: usize = 10_000;
 
-/// How often a step is shortened if its polynomial violates its bounds as a curve.
+/// The maximum number of times that a step is shortened if its polynomial violates its bounds as a
+/// curve.
 const MAX_TRIES: usize = 8;
 
 /// The start lists of a step: the surfaces of solids, and of sheets by their numbers, with the side of each.
