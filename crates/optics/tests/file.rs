@@ -51,8 +51,8 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-12, "{found} is not {expected}");
 }
 
-/// Light along z from z = -10, with a screen behind the origin and one before the source; each case
-/// adds its element at the origin.
+/// Light along z from z = -10, with two screens: `behind` the source at z = -20, for reflected light,
+/// and `before` it at z = 20, for transmitted light. Each case adds its element at the origin.
 const BENCH: &str = r#"
 [[optics.source]]
 beam = { circle = 2, rays = 50 }
@@ -75,7 +75,7 @@ fn plate(index: f64) -> String {
     format!("[solid.plate]\nbox = {{ size = [60, 60, 2] }}\n[medium.plate]\nindex = {index}\n")
 }
 
-/// The power that arrives behind a plate with a finish and before it, and the power absorbed in it.
+/// The power that a plate with a finish reflects, transmits and absorbs.
 fn with_finish(index: f64, finish: &str) -> [f64; 3] {
     let run = Run::new(&read(&format!(
         "{}[optics]\nbranches = 'both'\n[optics.face]\n'plate.z-' = {finish}\n{BENCH}",

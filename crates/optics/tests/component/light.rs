@@ -67,8 +67,8 @@ fn lenses_of_descartes() {
         let height = 0.74 * f64::from(k);
         let (point, direction) = last(&system, height * cos, height * sin);
         assert!(direction.cross(focus - point).length() < 1e-13 * 50.0);
-        // the light of the ellipsoid is refracted once; the point at which it leaves is beyond its
-        // focus
+        // inside the ellipsoid light is refracted once; it passes the focus before it leaves, so the
+        // segment inside is tested
         let height = 0.55 * f64::from(k);
         let light = Light::new([height * cos, height * sin, -500.0], [0.0, 0.0, 1.0], 587.6);
         let trace =
