@@ -1,4 +1,4 @@
-//! Regions of the plane as a Python class.
+//! Polygonal regions of the plane as a Python class.
 
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
