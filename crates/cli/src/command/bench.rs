@@ -1,4 +1,4 @@
-//! `rayweave bench`: exemplars beside peers and the ceilings of the machine.
+//! `rayweave bench`: benchmarks, compared with peers and the ceilings of the machine.
 
 use crate::arguments::GlobalArguments;
 use crate::failure::Failure;
