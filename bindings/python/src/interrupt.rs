@@ -25,7 +25,7 @@ pub fn interruptible<T: Send, X: Display + Send>(
             let (done, ended) = channel();
             let worker = scope.spawn(move || {
                 let result = work();
-                // the receiver is gone if a signal came first
+                // fails if a signal came first, because the receiver has been dropped
                 let _ = done.send(());
                 result
             });
