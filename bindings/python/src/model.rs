@@ -167,7 +167,8 @@ impl PyModel {
         self.solids.get_or_try_init(py, make)?.bind(py).copy()
     }
 
-    /// The regions in order: later ones win where they overlap. Region k of this list has the number k + 1.
+    /// The regions in order; where they overlap, the later one has priority. Region k of this list
+    /// has the number k + 1.
     #[getter]
     fn regions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();

@@ -124,7 +124,7 @@ impl PySheet {
         sheet.map(PySheet).map_err(bad_value)
     }
 
-    /// A sheet where the boundary of a solid lies within another one.
+    /// A sheet: the part of the boundary of a solid that lies within another one.
     #[staticmethod]
     #[pyo3(signature = (surface, trim))]
     fn from_solids(surface: PyRef<'_, PySolid>, trim: PyRef<'_, PySolid>) -> Self {

@@ -48,7 +48,7 @@ impl Part<'_> {
 /// A name, a solid or sheet, the name of a material, and the frame of a sheet.
 type Parts<'py> = (String, Bound<'py, PyAny>, String, Bound<'py, PyArray2<f64>>);
 
-/// An element as a model file says it: see `rayweave.optics.Element`.
+/// An element of a model file: see `rayweave.optics.Element`.
 #[pyclass(frozen, module = "rayweave.optics", name = "ReadElement")]
 pub struct PyElement(pub Element);
 

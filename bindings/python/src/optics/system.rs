@@ -97,7 +97,7 @@ impl PySystem {
         Ok((PyArray1::from_vec(py, found.s), PyArray1::from_vec(py, found.p)))
     }
 
-    /// Traces the light of sources in the background, in tables of at least so many rows.
+    /// Traces the light of sources in the background, in tables of at least `rows` rows.
     #[pyo3(signature = (sources, settings, rows, phases))]
     fn stream(
         &self,

@@ -25,7 +25,8 @@ enum Argument {
     Nothing,
 }
 
-/// A trajectory r(t) in R^d: what the classes `Line`, `Parabola`, `Arc`, `Helix` and `Spline` have in common. It never changes.
+/// A trajectory r(t) in R^d: the base class of `Line`, `Parabola`, `Arc`, `Helix` and `Spline`.
+/// Immutable.
 #[pyclass(frozen, subclass, module = "rayweave.space", name = "Curve")]
 pub struct PyCurve {
     any: AnyCurve,
@@ -83,7 +84,7 @@ impl PyCurve {
         self.any.dimension()
     }
 
-    /// The first and the last time at which the curve is defined; infinite where it never begins or ends.
+    /// The first and the last time at which the curve is defined; infinite if it is unbounded.
     #[getter]
     fn domain(&self) -> (f64, f64) {
         each!(AnyCurve, &self.any, curve => curve.domain())

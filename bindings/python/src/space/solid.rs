@@ -254,7 +254,8 @@ pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
     made.pop().ok_or_else(damaged)
 }
 
-/// A solid of R^d without operands: the functions of `rayweave.space` know what the numbers mean.
+/// A solid of R^d without operands. The functions of `rayweave.space` define the meaning of the
+/// numbers.
 #[pyfunction]
 #[pyo3(signature = (call, d, counts, numbers))]
 pub fn space_shape(

@@ -1,8 +1,8 @@
 //! Refraction of a ray bundle at a face (Snell's law in SIMD lanes).
 //!
-//! An [`IncidentBundle`] is eight rays where they hit a face, a [`TransmittedBundle`] the same rays
-//! behind it. The operations and their order are those of [`refract`](crate::interface::refract)
-//! and of the scalar loop, so that results agree to the bit.
+//! An [`IncidentBundle`] is eight rays at their hits with a face, a [`TransmittedBundle`] the same
+//! rays behind the face. The operations and their order are those of
+//! [`refract`](crate::interface::refract) and of the scalar loop, so that results agree to the bit.
 
 use crate::start_surfaces::{StartSurfaces, Tree};
 use fearless_simd::prelude::*;
@@ -29,7 +29,7 @@ struct LaneSurface {
     magnitude: f64,
 }
 
-/// Eight rays where they hit a face.
+/// Eight rays at their hits with a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IncidentBundle<S: Simd> {
     pub origin: Vec3Lanes<S>,
