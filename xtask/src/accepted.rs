@@ -42,11 +42,11 @@ pub fn run(repository: &Repository, accepted: &Accepted, mut arguments: lexopt::
         }
     }
     let mut cargo = Command::new("cargo");
-    // the release build runs these tests several times faster and must give the same bits
+    // the release build is several times faster and must give the same results, to the bit
     cargo.current_dir(&repository.root).args(["test", "--release", "--package", "rayweave"]);
     cargo.args(accepted.tests).env_remove(accepted.variable);
     if accept {
-        // the tests write to the same file, and print what they changed
+        // the tests write to the same file, and print the changes
         cargo.env(accepted.variable, "1").args(["--", "--nocapture", "--test-threads=1"]);
     }
     process::run(&mut cargo)?;

@@ -3,7 +3,7 @@
 /// One line of the list: `RULE PATH -- REASON`, or `RULE PATH::ITEM -- REASON` for one item of a file.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Exception {
-    /// The rule that may be broken.
+    /// The rule that the exception disables.
     pub rule: String,
     /// Place: a path, or a path, `::` and the name of an item.
     pub place: String,
@@ -11,9 +11,9 @@ pub struct Exception {
     pub line: usize,
 }
 
-/// Reads the list; empty lines and lines from `#` on are passed over.
+/// Reads the list; empty lines and comments from `#` on are ignored.
 ///
-/// The error is the number of the first line that is not an exception.
+/// The error is the number of the first invalid line.
 pub fn read(text: &str) -> Result<Vec<Exception>, usize> {
     let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
     lines
@@ -30,7 +30,7 @@ fn read_line(line: usize, text: &str) -> Option<Exception> {
 }
 
 impl Exception {
-    /// Whether it covers a violation of this rule in this file, at this item.
+    /// True if it covers a violation of this rule in this file, at this item.
     pub fn covers(&self, rule: &str, path: &str, item: &str) -> bool {
         let place = match self.place.split_once("::") {
             Some((file, name)) => file == path && name == item,

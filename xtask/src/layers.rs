@@ -1,4 +1,5 @@
-//! The crates' dependencies, compared with the table of layers in ARCHITECTURE.md, and import cycles between files.
+//! The check of layers: compares the dependencies of the crates with the table in ARCHITECTURE.md,
+//! and looks for import cycles between files.
 
 use std::process::Command;
 
@@ -24,7 +25,7 @@ struct Layer {
     line: usize,
 }
 
-/// A workspace member and those of its normal and build dependencies that are members too.
+/// A workspace member and its normal and build dependencies within the workspace.
 #[derive(Debug, PartialEq, Eq)]
 struct Member {
     name: String,
@@ -70,7 +71,7 @@ fn read_table(text: &str) -> Result<Vec<Layer>, String> {
     };
     let (open, close) = (marker(OPEN)?, marker(CLOSE)?);
     let rows = (open + 1..close).filter(|&index| !lines[index].trim().is_empty());
-    // the first two rows are the heading and the rule below it
+    // the first two rows are the heading and the separator
     rows.skip(2).map(|index| read_row(lines[index], index + 1)).collect()
 }
 
@@ -115,7 +116,7 @@ fn read_members(metadata: &Value) -> Result<Vec<Member>, String> {
         .collect())
 }
 
-/// Problems of the table itself: a row may name only crates of rows above it.
+/// Problems of the table itself: a row may name only crates of earlier rows.
 fn table_problems(layers: &[Layer]) -> Vec<String> {
     let mut problems = Vec::new();
     for (index, layer) in layers.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! The lean core: how many external crates the library needs without its optional features.
+//! The check of the dependency count: the number of external crates of the library without its
+//! optional features.
 
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -7,10 +8,11 @@ use crate::Outcome;
 use crate::process;
 use crate::repository::Repository;
 
-/// Most external crates of `rayweave` with `default-features = false`.
+/// The maximum number of external crates of `rayweave` with `default-features = false`.
 const MOST_CRATES: usize = 12;
 
-/// Counts the external crates of the library without its default features, and rejects more than the limit.
+/// Counts the external crates of the library without its default features, and fails above the
+/// limit.
 pub fn run(repository: &Repository) -> Outcome {
     let mut tree = Command::new("cargo");
     tree.current_dir(&repository.root).args(["tree", "--package", "rayweave", "--no-default-features"]);

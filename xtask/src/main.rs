@@ -1,4 +1,4 @@
-//! Chores of the repository: tests, tidy checks, layers, new primitives.
+//! Maintenance commands of the repository: tests, tidy checks, layers, new primitives.
 
 mod accepted;
 mod allow;
@@ -55,7 +55,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what the command line asks for. A command that has said all itself gives the exit code.
+/// Executes the command line. Commands that print their own report return the exit code.
 fn run() -> Result<ExitCode, String> {
     let mut arguments = lexopt::Parser::from_env();
     let command = match arguments.next().map_err(|error| error.to_string())? {
@@ -89,14 +89,14 @@ fn run() -> Result<ExitCode, String> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Takes the one value that is still expected, and nothing after it.
+/// Parses the one value that is still expected, and rejects further arguments.
 fn one_value(mut arguments: lexopt::Parser, name: &str) -> Result<String, String> {
     let value = arguments.value().map_err(|_| usage(&format!("{name} is missing")))?;
     finish(arguments)?;
     value.string().map_err(|error| error.to_string())
 }
 
-/// Makes sure that no argument is left.
+/// Rejects further arguments.
 fn finish(mut arguments: lexopt::Parser) -> Outcome {
     match arguments.next().map_err(|error| usage(&error.to_string()))? {
         None => Ok(()),

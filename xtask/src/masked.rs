@@ -1,6 +1,6 @@
-//! Rust text split into what is code and what is comment, line by line.
+//! Separation of Rust source into code and comments, line by line.
 
-/// Two copies of a Rust text in which every character that is not of the wanted kind is a space.
+/// Two copies of a Rust text in which all characters of other kinds are spaces.
 ///
 /// Both keep the line breaks, so line numbers are those of the original. The contents of string and
 /// character literals are in neither copy; their quotes are in `code`.
@@ -22,7 +22,7 @@ enum Kind {
 }
 
 impl Masked {
-    /// Splits a text. Text that is not valid Rust is split somehow, never refused.
+    /// Splits a text. Invalid Rust is split on a best-effort basis, without an error.
     pub fn new(text: &str) -> Masked {
         let characters: Vec<char> = text.chars().collect();
         let kinds = classify(&characters);
@@ -32,7 +32,7 @@ impl Masked {
         Masked { code, comments, test }
     }
 
-    /// The numbered lines of code outside tests; the first line is 1.
+    /// The lines of code outside tests, with their numbers from 1.
     pub fn library_code(&self) -> impl Iterator<Item = (usize, &str)> {
         let lines = self.code.iter().zip(&self.test).enumerate();
         lines.filter(|(_, (_, test))| !**test).map(|(index, (line, _))| (index + 1, line.as_str()))
@@ -55,7 +55,8 @@ fn classify(text: &[char]) -> Vec<Kind> {
     let mut at = 0;
     while at < text.len() {
         let (kind, end) = token(text, at);
-        // the quotes of a literal stay code, so that masked code still shows where a value stood
+        // the quotes of a literal remain code, so that masked code still shows the position of a
+        // value
         let quotes = usize::from(kind == Kind::Literal);
         let inner = (at + quotes).min(end)..end.saturating_sub(quotes).max((at + quotes).min(end));
         kinds[inner].fill(kind);
@@ -78,7 +79,7 @@ fn token(text: &[char], at: usize) -> (Kind, usize) {
     }
 }
 
-/// The next place of a character from here on, or the end of the text.
+/// The index of the next occurrence of a character from here on, or the length of the text.
 fn find(text: &[char], from: usize, wanted: char) -> usize {
     let found = text.get(from..).and_then(|rest| rest.iter().position(|&character| character == wanted));
     found.map_or(text.len(), |distance| from + distance)
@@ -100,7 +101,7 @@ fn end_of_block(text: &[char], start: usize) -> usize {
     text.len()
 }
 
-/// The place after the closing quote.
+/// The index after the closing quote.
 fn end_of_string(text: &[char], start: usize) -> usize {
     let mut at = start + 1;
     while at < text.len() && text[at] != '"' {
@@ -109,7 +110,7 @@ fn end_of_string(text: &[char], start: usize) -> usize {
     (at + 1).min(text.len())
 }
 
-/// A raw string from its `r`, or the single character `r`.
+/// A raw string that starts at its `r`, or the single character `r`.
 fn raw_string(text: &[char], start: usize) -> (Kind, usize) {
     let hashes = text[start + 1..].iter().take_while(|&&character| character == '#').count();
     if text.get(start + 1 + hashes) != Some(&'"') {
@@ -127,7 +128,7 @@ fn raw_string(text: &[char], start: usize) -> (Kind, usize) {
     }
 }
 
-/// Whether this character continues a word; the prefixes `b` and `c` of literals do not count.
+/// True if this character continues a word; the prefixes `b` and `c` of literals do not count.
 fn follows_word(text: &[char], at: usize) -> bool {
     let word = |index: usize| text[index].is_alphanumeric() || text[index] == '_';
     match at {
@@ -157,7 +158,8 @@ pub fn item_end(code: &[String], start: usize) -> usize {
             match character {
                 '(' | '[' => depth += 1,
                 ')' | ']' => depth -= 1,
-                // braces inside parentheses are const generics or arguments, not the item's body
+                // braces inside parentheses are const generics or arguments, not the body of the
+                // item
                 '{' if depth == 0 => braces += 1,
                 '}' if depth == 0 => {
                     braces -= 1;

@@ -1,7 +1,7 @@
 //! `cargo xtask new-primitive`: the first version of a primitive's file.
 //!
-//! It is the sphere under another name. So it compiles and passes its tests as it stands, and there is no
-//! template that could fall behind the real thing; the stage `primitive` of the tests proves it.
+//! The file is a copy of the sphere under another name, so it compiles and passes its tests, and
+//! there is no template that could become outdated. The stage `primitive` of the tests verifies it.
 
 use std::fs;
 
@@ -12,7 +12,7 @@ use crate::tidy::text::is_word;
 /// The folder of the primitives, from the root.
 pub const FOLDER: &str = "crates/shape/src/primitive";
 
-/// Words that cannot name a module.
+/// Keywords, which cannot name a module.
 const KEYWORDS: [&str; 50] = [
     "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "crate", "do", "dyn",
     "else", "enum", "extern", "false", "final", "fn", "for", "gen", "if", "impl", "in", "let", "loop",
@@ -21,7 +21,7 @@ const KEYWORDS: [&str; 50] = [
     "where", "while",
 ];
 
-/// Writes the file of a new primitive and prints how to register it.
+/// Writes the file of a new primitive and prints the instructions to register it.
 pub fn run(repository: &Repository, name: &str) -> Outcome {
     check_name(name)?;
     let path = format!("{FOLDER}/{name}.rs");
@@ -71,7 +71,8 @@ fn type_name(name: &str) -> String {
     name.split('_').filter(|word| !word.is_empty()).map(capital).collect()
 }
 
-/// The sphere's file for another name. Its page keeps the sphere's parameters, but for the first line.
+/// The sphere's file under another name. The manual page keeps the sphere's parameters; only its
+/// first line changes.
 fn derive(sphere: &str, name: &str) -> String {
     let type_name = type_name(name);
     let rest = sphere.split_once('\n').map_or("", |(_, rest)| rest);
@@ -83,7 +84,7 @@ fn derive(sphere: &str, name: &str) -> String {
     std::iter::once(first).chain(lines).map(|line| line + "\n").collect()
 }
 
-/// Replaces a word where it stands alone.
+/// Replaces whole occurrences of a word.
 fn replace_word(line: &str, word: &str, other: &str) -> String {
     let mut replaced = String::new();
     let mut from = 0;

@@ -1,9 +1,9 @@
-//! Results of chores, and messages about wrong arguments.
+//! Results of commands, and messages about invalid arguments.
 
-/// The result of a command: nothing, or one line about what went wrong.
+/// The result of a command: nothing, or one line about the error.
 pub type Outcome = Result<(), String>;
 
-/// A message about wrong arguments, with the way to the right ones.
+/// A message about invalid arguments that refers to the help.
 pub fn usage(problem: &str) -> String {
     format!("{problem} (see 'cargo xtask help')")
 }

@@ -1,4 +1,4 @@
-//! Starting other programs and judging how they ended.
+//! Child processes: start, output and exit status.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -7,22 +7,24 @@ use std::{env, io};
 
 use crate::outcome::Outcome;
 
-/// Runs a program to its end, its output going where ours goes; anything but exit code 0 is an error.
+/// Runs a program with inherited output and waits for it; any exit status except 0 is an error.
 pub fn run(command: &mut Command) -> Outcome {
     announce(command);
     let status = command.stdin(Stdio::null()).status().map_err(|error| cannot_start(command, &error))?;
     if status.success() { Ok(()) } else { Err(format!("{} ended with {status}", title(command))) }
 }
 
-/// Runs a program as [`run`] does and also hands each line of its standard output and standard error to `each_line`.
+/// Like [`run`], and also passes each line of the standard output and standard error to
+/// `each_line`.
 pub fn run_reading(command: &mut Command, mut each_line: impl FnMut(&str)) -> Outcome {
     announce(command);
-    // one pipe for both, so that the lines keep their order: cargo names test programs on standard error
+    // one pipe for both, so that the lines keep their order: cargo prints the names of test
+    // programs on standard error
     let (reader, writer) = io::pipe().map_err(|error| cannot_start(command, &error))?;
     let second = writer.try_clone().map_err(|error| cannot_start(command, &error))?;
     command.stdin(Stdio::null()).stdout(writer).stderr(second);
     let child = command.spawn();
-    // the command holds the ends for writing: without them the reader ends with the child
+    // the command holds the writing ends; after they are closed, the reader ends with the child
     command.stdout(Stdio::null()).stderr(Stdio::null());
     let mut child = child.map_err(|error| cannot_start(command, &error))?;
     for line in BufReader::new(reader).split(b'\n').map_while(Result::ok) {
@@ -44,13 +46,13 @@ pub fn output(command: &mut Command) -> Result<String, String> {
     Err(format!("{} ended with {}\n{}", title(command), output.status, complaint.trim_end()))
 }
 
-/// The first file of this name on the PATH.
+/// The first executable of this name on the PATH.
 pub fn on_path(name: &str) -> Option<PathBuf> {
     let folders = env::var_os("PATH")?;
     env::split_paths(&folders).map(|folder| folder.join(name)).find(|file| file.is_file())
 }
 
-/// The command as a person would type it, without the folders of the program.
+/// The command line, without the folder of the program.
 fn title(command: &Command) -> String {
     let program = Path::new(command.get_program()).file_name().unwrap_or(command.get_program());
     let mut words = vec![program.to_string_lossy().into_owned()];
@@ -60,7 +62,7 @@ fn title(command: &Command) -> String {
 
 fn announce(command: &Command) {
     println!("$ {}", title(command));
-    // what the child prints must not overtake this line
+    // the output of the child must come after this line
     let _ = io::stdout().flush();
 }
 

@@ -1,4 +1,5 @@
-//! The Python of the tests: an interpreter, a fresh virtual environment, the package built and installed in it.
+//! Python for the tests: an interpreter, a fresh virtual environment, and the package built and
+//! installed in it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,16 +8,16 @@ use std::process::Command;
 use crate::process;
 use crate::repository::Repository;
 
-/// The binding's folder, from the root.
+/// The folder of the bindings, relative to the root.
 pub const BINDING: &str = "bindings/python";
 
-/// Names under which an interpreter may stand on the PATH, the likeliest first.
+/// Names of interpreters on the PATH, in the order in which they are tried.
 const INTERPRETERS: [&str; 6] = ["python3", "python3.14", "python3.13", "python3.12", "python3.11", "python"];
 
-/// Says whether an interpreter will do: its version, and whether it can make a virtual environment.
+/// Script that checks an interpreter: its version, and whether it can create a virtual environment.
 const PROBE: &str = "import sys\nif sys.version_info < (3, 11): sys.exit('old')\nimport ensurepip, venv\n";
 
-/// A virtual environment that is made at the first use in a run, and anew in the next run.
+/// A virtual environment that is created at the first use in a run, and replaced in the next run.
 pub struct Python {
     root: PathBuf,
     target: PathBuf,
@@ -25,7 +26,7 @@ pub struct Python {
 }
 
 impl Python {
-    /// Nothing is made yet.
+    /// Creates the handle; the environment is created at the first use.
     pub fn new(repository: &Repository) -> Python {
         Python {
             root: repository.root.clone(),
@@ -40,7 +41,7 @@ impl Python {
         let folder = self.environment()?;
         let mut command = Command::new(folder.join("bin").join(name));
         command.current_dir(&self.root).env("VIRTUAL_ENV", &folder);
-        // environment variables of the caller's own Python must not change the tests
+        // environment variables of the user's Python must not affect the tests
         command.env_remove("PYTHONPATH").env_remove("PYTHONHOME").env_remove("CONDA_PREFIX");
         Ok(command)
     }
@@ -52,7 +53,7 @@ impl Python {
         process::run(&mut pip)
     }
 
-    /// The folder of the environment, made fresh at the first call.
+    /// The folder of the environment; the first call creates it.
     fn environment(&mut self) -> Result<PathBuf, String> {
         if self.environment.is_none() {
             self.environment = Some(make_environment(&self.target.join("venv")));
@@ -60,7 +61,7 @@ impl Python {
         self.environment.clone().unwrap_or_else(|| Err("no environment".to_owned()))
     }
 
-    /// Builds the wheel and installs it, once in a run.
+    /// Builds and installs the wheel, once per run.
     pub fn install_package(&mut self) -> Result<(), String> {
         if self.package.is_none() {
             let outcome = self.build_and_install();
@@ -87,7 +88,7 @@ impl Python {
     }
 }
 
-/// The first interpreter that is new enough and can make environments.
+/// The first interpreter that is new enough and can create virtual environments.
 fn interpreter(
     candidates: impl Iterator<Item = PathBuf>,
     probe: impl Fn(&Path) -> Result<String, String>,

@@ -1,4 +1,4 @@
-//! Counts of tests and times of stages, and how they are shown.
+//! Counts of tests and times of stages, and their table.
 
 use std::fmt;
 use std::iter::Sum;
@@ -8,11 +8,11 @@ use std::time::Duration;
 /// Numbers of tests by outcome.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// Tests that did what they should.
+    /// Tests that passed.
     pub passed: u64,
-    /// Tests that did not.
+    /// Tests that failed.
     pub failed: u64,
-    /// Tests that were left out: ignored, waiting for the long mode, or without what they need.
+    /// Tests that were not run: ignored, part of the long mode, or without their requirements.
     pub skipped: u64,
 }
 
@@ -24,7 +24,7 @@ pub struct Report {
     pub counts: Counts,
     /// Duration.
     pub time: Duration,
-    /// Why it failed, if it did.
+    /// The reason of a failure.
     pub failure: Option<String>,
 }
 
@@ -32,7 +32,7 @@ impl Counts {
     /// One test that passed.
     pub const ONE: Counts = Counts { passed: 1, failed: 0, skipped: 0 };
 
-    /// Adds what a line of `cargo test` counts, if it counts anything.
+    /// Adds the counts of a line of `cargo test`, if it has any.
     pub fn read_cargo_line(&mut self, line: &str) {
         if let Some((_, numbers)) =
             line.trim_start().strip_prefix("test result: ").and_then(|rest| rest.split_once(". "))
@@ -41,11 +41,11 @@ impl Counts {
             self.failed += number_before(numbers, "failed");
             self.skipped += number_before(numbers, "ignored");
         }
-        // what a test prints that cannot run on this machine
+        // printed by tests that cannot run on this machine
         self.skipped += u64::from(line.starts_with("SKIPPED: "));
     }
 
-    /// Adds what the closing line of pytest counts, if this is it.
+    /// Adds the counts of the summary line of pytest, if this is it.
     pub fn read_pytest_line(&mut self, line: &str) {
         let is_closing = line.contains(" in ") && line.trim_end_matches([' ', '=']).ends_with(['s', ')']);
         if is_closing {
@@ -60,7 +60,7 @@ impl Counts {
     }
 }
 
-/// The number that stands before this word, or zero.
+/// The number before this word, or zero.
 fn number_before(text: &str, word: &str) -> u64 {
     let words: Vec<&str> = text.split([' ', ',', ';', '=']).filter(|word| !word.is_empty()).collect();
     let pair = words.windows(2).find(|pair| pair[1] == word);
@@ -91,7 +91,7 @@ impl Sum for Counts {
 }
 
 impl Report {
-    /// Makes a report; a stage that failed without a failed test counts as one.
+    /// Creates a report; a stage that failed without a failed test counts as one failed test.
     pub fn new(name: &'static str, mut counts: Counts, time: Duration, failure: Option<String>) -> Report {
         if failure.is_some() && counts.failed == 0 {
             counts.failed = 1;

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use crate::process;
 
-/// The checkout that a chore works on.
+/// The checkout that a command works on.
 pub struct Repository {
     /// The folder of the workspace's Cargo.toml.
     pub root: PathBuf,
@@ -15,14 +15,14 @@ pub struct Repository {
 
 /// A text file of the repository.
 pub struct Source {
-    /// The path from the root, with `/` between its parts.
+    /// The path relative to the root, with `/` as separator.
     pub path: String,
     /// Contents of the file.
     pub text: String,
 }
 
 impl Repository {
-    /// Looks for the workspace upwards from the current folder.
+    /// Finds the workspace in the current folder or the nearest parent.
     pub fn find() -> Result<Repository, String> {
         let here = env::current_dir().map_err(|error| format!("no current folder: {error}."))?;
         here.ancestors()
@@ -39,7 +39,8 @@ impl Repository {
         }
     }
 
-    /// All files that git keeps or would keep, sorted: tracked ones, and new ones that are not ignored.
+    /// All files that git tracks or would track, sorted: tracked files, and new files that are not
+    /// ignored.
     pub fn files(&self) -> Result<Vec<String>, String> {
         let mut git = Command::new("git");
         git.current_dir(&self.root).args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"]);
@@ -64,13 +65,13 @@ impl Repository {
 }
 
 impl Source {
-    /// Whether the path ends with a dot and this extension.
+    /// True if the path ends with a dot and this extension.
     pub fn is(&self, extension: &str) -> bool {
         Path::new(&self.path).extension().is_some_and(|found| found == extension)
     }
 }
 
-/// Whether this folder's Cargo.toml opens a workspace.
+/// True if the Cargo.toml of this folder defines a workspace.
 fn is_workspace(folder: &Path) -> bool {
     fs::read_to_string(folder.join("Cargo.toml"))
         .is_ok_and(|text| text.lines().any(|line| line.trim() == "[workspace]"))

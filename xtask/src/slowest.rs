@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// Test programs that are listed.
+/// The number of test programs in the list.
 const LISTED: usize = 10;
 
 /// Test programs with the seconds that their tests took.

@@ -1,4 +1,4 @@
-//! The stages of `cargo xtask test`, in their order.
+//! The stages of `cargo xtask test`, in order.
 
 mod cargo;
 mod command;
@@ -13,17 +13,17 @@ use crate::{layers, lean, tidy};
 
 /// One stage.
 pub struct Stage {
-    /// What `--only` and `--skip` call it.
+    /// The name in `--only` and `--skip`.
     pub name: &'static str,
-    /// What it does, in a line.
+    /// A description in one line.
     pub what: &'static str,
-    /// Whether it waits for `--long`.
+    /// True if the stage runs only with `--long`.
     pub long: bool,
-    /// Does it. A stage that counts no tests of its own is one test.
+    /// The function that runs it. A stage without tests of its own counts as one test.
     pub run: fn(&mut Workshop<'_>, &mut Counts) -> Outcome,
 }
 
-/// All stages: what is cheap comes first, and what builds the same things stands together.
+/// All stages: cheap ones first, and stages that share build products next to each other.
 pub const STAGES: &[Stage] = &[
     stage("fmt", "the code is formatted", cargo::fmt),
     stage("tidy", "the text of all files", |workshop, _| tidy::run(workshop.repository)),
@@ -46,7 +46,7 @@ pub const STAGES: &[Stage] = &[
     stage("examples", "every example runs to its end", examples::run),
 ];
 
-/// A stage of the usual mode.
+/// A stage of the standard mode.
 const fn stage(
     name: &'static str,
     what: &'static str,

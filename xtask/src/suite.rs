@@ -24,7 +24,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Reads what follows `test` on the command line.
+    /// Parses the arguments after `test`.
     pub fn parse(mut arguments: lexopt::Parser) -> Result<Options, String> {
         let mut options = Options::default();
         while let Some(argument) = arguments.next().map_err(|error| usage(&error.to_string()))? {
@@ -40,7 +40,7 @@ impl Options {
         Ok(options)
     }
 
-    /// Whether a stage is to run.
+    /// True if a stage is selected.
     fn wants(&self, stage: &Stage) -> bool {
         let named = |names: &[String]| names.iter().any(|name| name == stage.name);
         let asked = named(&self.only) || (self.only.is_empty() && (self.long || !stage.long));

@@ -1,10 +1,10 @@
-//! What the stages of a run share.
+//! Shared state of the stages of a run.
 
 use crate::python::Python;
 use crate::repository::Repository;
 use crate::slowest::Slowest;
 
-/// What the stages share.
+/// Shared state of the stages of a run.
 pub struct Workshop<'a> {
     /// The checkout under test.
     pub repository: &'a Repository,

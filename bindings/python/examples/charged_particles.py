@@ -64,12 +64,12 @@ if len(sys.argv) > 1:
     with open(sys.argv[1], "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([header, *rows])
 
-# a circle of radius R through the axis meets the cylinder of radius r after an angle of 2 asin(r / 2R)
+# a circle of radius R through the axis intersects the cylinder of radius r after an angle of 2 asin(r / 2R)
 slow = particle(PION, 1, np.array([0.2, 0.0, 0.0]))
 first = detector.crossings_along(slow, 0.0, 10.0)
 radius = 0.2 / (1e-6 * LIGHT * FIELD)
 speed = np.linalg.norm(slow.velocity(0.0))
 assert np.isclose(first.t[0], 2 * radius * np.arcsin(LAYERS[0] / (2 * radius)) / speed, rtol=1e-12)
-# half of that momentum gives a circle 334 mm across, which comes back through three layers for ever
+# half of that momentum gives a circle 334 mm across, which crosses three layers again and again
 curl = detector.crossings_along(particle(PION, -1, np.array([0.1, 0.0, 0.0])), 0.0, 10.0)
 assert {found.surface_names[k].split(".")[0] for k in curl.surface} == {"layer1", "layer2", "layer3"}

@@ -11,7 +11,7 @@ heights = np.linspace(-20, 20, 9)
 origins = np.stack([heights, np.zeros(9), np.full(9, -10.0)], axis=1)
 direction = np.array([0.0, 0.0, 1.0])
 
-# hit arrays as PyRayT has them: a column for each ray, padded with inf
+# hit arrays in the form of PyRayT: a column for each ray, padded with inf
 lens = array_csg(front.hits(origins, direction), back.hits(origins, direction), Operation.INTERSECT)
 assert np.array_equal(lens[:2], (front & back).hits(origins, direction))
 print(lens[:2])

@@ -1,4 +1,4 @@
-//! Solids and models of space along curves.
+//! Crossings of solids and models along curves in space.
 
 use pyo3::prelude::*;
 use rayweave::space::trace_curve;

@@ -1,4 +1,4 @@
-//! The columns of an answer: places that threads fill, and the object that Python sees.
+//! Result columns of ray queries: buffers that threads fill, and the Python object that holds them.
 
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -10,7 +10,7 @@ use crate::arrays::{fresh, fresh_flags, fresh_table};
 use crate::engine::Engine;
 use crate::error::bad_value;
 
-/// Places for some rows of an answer.
+/// Buffers for some rows of a result.
 #[derive(Default)]
 pub struct Rows<'a> {
     pub t: &'a mut [f64],
@@ -18,9 +18,9 @@ pub struct Rows<'a> {
     pub normal: &'a mut [[f64; 3]],
     pub enters: &'a mut [bool],
     pub surface: &'a mut [i32],
-    /// Has no places where nothing is placed.
+    /// Empty if the program has no placements.
     pub placement: &'a mut [i32],
-    /// The regions before and after, and their media; for a solid alone they have no places.
+    /// The regions before and after, and their media; empty for a single solid.
     pub regions: [&'a mut [i32]; 2],
     pub media: [&'a mut [i32]; 2],
 }
@@ -31,7 +31,7 @@ impl<'a> Rows<'a> {
         self.t.len()
     }
 
-    /// The first `rows` rows, or all if there are fewer; removes them from the answer.
+    /// Splits off the first `count` rows, or all if there are fewer.
     pub fn take(&mut self, count: usize) -> Rows<'a> {
         let count = count.min(self.len());
         Rows {
@@ -46,7 +46,8 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// Writes the regions on both sides of every row, and their media, if there are places for them.
+    /// Writes the regions on both sides of every row, and their media, if the result has these
+    /// columns.
     pub fn put_regions(&mut self, engine: &Engine, regions: impl Iterator<Item = [u32; 2]>) {
         if engine.media.is_none() {
             return;
@@ -60,7 +61,7 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The first `count` entries of a column; none for an empty column.
+/// Splits off the first `count` entries of a column; nothing from an empty column.
 pub fn take<'a, T>(column: &mut &'a mut [T], count: usize) -> &'a mut [T] {
     column.split_off_mut(..count).unwrap_or_default()
 }
@@ -70,14 +71,14 @@ pub fn medium_of(engine: &Engine, region: u32) -> i32 {
     engine.program.medium_of(RegionId(region)) as i32
 }
 
-/// The arrays of an answer about rays.
+/// The arrays of the result of a ray query.
 pub struct Answer<'py> {
     t: Bound<'py, PyArray1<f64>>,
     vectors: [Bound<'py, PyArray2<f64>>; 2],
     enters: Bound<'py, PyArray1<bool>>,
     surface: Bound<'py, PyArray1<i32>>,
     placement: Option<Bound<'py, PyArray1<i32>>>,
-    /// Those before and after, and their media.
+    /// The regions before and after, and their media.
     regions: Option<[Bound<'py, PyArray1<i32>>; 4]>,
     start_inside: Bound<'py, PyArray1<bool>>,
 }
@@ -98,7 +99,8 @@ impl<'py> Answer<'py> {
         })
     }
 
-    /// Gives it another number of rows. They must have been more than [`MANY`], and nobody else may have seen them.
+    /// Changes the number of rows. The old number must exceed [`MANY`], and there must be no other
+    /// reference to the arrays.
     pub fn resize(&self, rows: usize) -> PyResult<()> {
         let py = self.t.py();
         let options = [("refcheck", false)].into_py_dict(py)?;
@@ -117,7 +119,7 @@ impl<'py> Answer<'py> {
         columns.into_iter().try_for_each(|column| resize(column).map(|_| ()))
     }
 
-    /// Calls a function that fills all rows, and says of every ray whether it starts inside.
+    /// Calls a function that fills all rows, and the flags by ray for a start inside.
     pub fn fill<R>(&self, fill: impl FnOnce(Rows<'_>, &mut [bool]) -> PyResult<R>) -> PyResult<R> {
         let (mut t, mut enters) = (self.t.readwrite(), self.enters.readwrite());
         let [mut point, mut normal] = self.vectors.each_ref().map(|array| array.readwrite());
@@ -146,7 +148,7 @@ impl<'py> Answer<'py> {
         fill(rows, start_inside.as_slice_mut().map_err(bad_value)?)
     }
 
-    /// The object that Python sees. Without offsets there is one row for every ray.
+    /// Creates the Python object. Without offsets there is one row for every ray.
     pub fn into_python(
         self,
         engine: &Engine,
@@ -157,7 +159,8 @@ impl<'py> Answer<'py> {
         let (class, name) =
             if engine.media.is_some() { (&CLASSES[1], "ModelCrossings") } else { (&CLASSES[0], "Crossings") };
         let class = class.import(py, "rayweave._answers", name)?;
-        // the fields are put where the constructor would put them, but for those that the class makes when asked
+        // sets the fields directly, without the constructor, except those that the class computes
+        // on demand
         let object = class.call_method1("__new__", (class,))?;
         let fields = object.getattr("__dict__")?.cast_into::<PyDict>()?;
         let [point, normal] = self.vectors;
@@ -183,7 +186,7 @@ impl<'py> Answer<'py> {
     }
 }
 
-/// Whole columns as arrays.
+/// Converts complete columns to arrays.
 pub fn column<T: Element>(py: Python<'_>, values: Vec<T>) -> Bound<'_, PyArray1<T>> {
     PyArray1::from_vec(py, values)
 }

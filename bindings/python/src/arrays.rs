@@ -1,4 +1,4 @@
-//! NumPy arrays on their way in: dtypes, layouts and shapes.
+//! Conversion of NumPy arguments: dtypes, memory layouts and shapes.
 
 use numpy::ndarray::Array2;
 use numpy::{
@@ -12,15 +12,15 @@ use pyo3::types::PyTuple;
 
 use crate::error::{bad_type, bad_value};
 
-/// A real array in one of the two types that are computed with; its layout can be read as it is.
+/// A real array of one of the two supported types, in a directly readable layout.
 pub enum RealArray<'py> {
     /// Given as float32.
     Single(Bound<'py, PyArrayDyn<f32>>),
-    /// Given as float64, or as anything else that became float64.
+    /// Given as float64, or converted to it.
     Double(Bound<'py, PyArrayDyn<f64>>),
 }
 
-/// The real array that an object is or can be made into: float32 and float64 arrays stay what they are, integers and other
+/// Converts an object to a real array: float32 and float64 arrays are kept, integers and other
 /// floating-point numbers become float64. Anything else is a `TypeError` that names the array.
 pub fn real_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<RealArray<'py>> {
     if let Ok(array) = object.cast::<PyArrayDyn<f64>>()
@@ -46,7 +46,7 @@ impl<'py> RealArray<'py> {
     }
 }
 
-/// As [`real_array`], but always float64.
+/// Like [`real_array`], but always float64.
 pub fn double_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     real_array(object, name)?.into_double()
 }
@@ -62,7 +62,8 @@ pub fn list(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     Ok(array.as_array().iter().copied().collect())
 }
 
-/// A one-dimensional array as a list of numbers: what functions written in Python check their arguments with.
+/// A one-dimensional array as a list of numbers, for argument checks of functions written in
+/// Python.
 #[pyfunction]
 #[pyo3(signature = (values, name))]
 pub fn number_list(values: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
@@ -80,7 +81,7 @@ pub fn shape_text(shape: &[usize]) -> String {
     }
 }
 
-/// Row after row without gaps: the array itself, or a copy if it is laid out in any other way.
+/// The array in row-major layout without gaps; a copy if it has another layout.
 pub fn contiguous<'py, T: Element>(array: Bound<'py, PyArrayDyn<T>>) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     if array.is_c_contiguous() {
         return Ok(array);
@@ -102,7 +103,7 @@ fn as_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, 
     }
 }
 
-/// The array with elements of type `T` in a plain layout, copied only if it is not so already.
+/// The array with elements of type `T` in a plain layout, copied only if necessary.
 fn converted<'py, T: Element>(array: &Bound<'py, PyUntypedArray>) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     if let Ok(array) = array.cast::<PyArrayDyn<T>>()
         && is_plain(array)
@@ -113,13 +114,14 @@ fn converted<'py, T: Element>(array: &Bound<'py, PyUntypedArray>) -> PyResult<Bo
     Ok(copy.cast_into()?)
 }
 
-/// True if the elements are aligned and whole elements apart: a field of a packed record array need not be.
+/// True if the elements are aligned and their strides are multiples of the element size, unlike
+/// some fields of packed record arrays.
 fn is_plain<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
     let whole = |stride: &isize| stride % size_of::<T>() as isize == 0;
     array.is_aligned() && array.strides().iter().all(whole) && array.len() > 0
 }
 
-/// An empty list with room for `len` entries, or a `MemoryError`.
+/// An empty list with capacity for `len` entries, or a `MemoryError`.
 pub fn room<T>(len: usize) -> PyResult<Vec<T>> {
     let mut list = Vec::new();
     match list.try_reserve_exact(len) {
@@ -130,10 +132,11 @@ pub fn room<T>(len: usize) -> PyResult<Vec<T>> {
     }
 }
 
-/// From this number of elements on NumPy allocates the array, because it uses large pages and does not fill them.
+/// The number of elements from which on NumPy allocates the array, because it uses large pages and
+/// leaves them uninitialised.
 pub const MANY: usize = 1 << 14;
 
-/// A new array of one dimension, to be written throughout.
+/// Creates a one-dimensional array. The caller must write all elements.
 pub fn fresh<T: Element + Copy + Default>(py: Python<'_>, len: usize) -> PyResult<Bound<'_, PyArray1<T>>> {
     if len >= MANY {
         return Ok(empty::<T>(py, &[len])?.cast_into()?);
@@ -141,7 +144,7 @@ pub fn fresh<T: Element + Copy + Default>(py: Python<'_>, len: usize) -> PyResul
     Ok(PyArray1::from_vec(py, vec![T::default(); len]))
 }
 
-/// A new array of two dimensions, to be written throughout.
+/// Creates a two-dimensional array. The caller must write all elements.
 pub fn fresh_table<T: Element + Copy + Default>(
     py: Python<'_>,
     [rows, columns]: [usize; 2],
@@ -152,12 +155,12 @@ pub fn fresh_table<T: Element + Copy + Default>(
     Ok(PyArray2::from_owned_array(py, Array2::from_elem((rows, columns), T::default())))
 }
 
-/// Whether what [`fresh_table`] has made is an array of NumPy's own, which can be resized.
+/// True if NumPy owns the memory of an array of [`fresh_table`], which can then be resized.
 pub fn is_from_numpy<T>(table: &Bound<'_, PyArray2<T>>) -> bool {
     table.len() >= MANY
 }
 
-/// A new array of truth values, all false.
+/// Creates an array of booleans, all false.
 pub fn fresh_flags(py: Python<'_>, len: usize) -> PyResult<Bound<'_, PyArray1<bool>>> {
     if len >= MANY {
         static ZEROS: PyOnceLock<Py<PyAny>> = PyOnceLock::new();

@@ -12,7 +12,8 @@ use crate::model::PyModel;
 use crate::section::PySection;
 use crate::subject::{bounds, scene};
 
-/// Kind, regions, text; size, volume with its half width, area; place; ray; whether it is proved; picture.
+/// Kind, regions, text; size, volume with its half width, area; place; ray; whether it is proved;
+/// picture.
 type Row = (
     (&'static str, Vec<String>, String),
     [f64; 4],

@@ -1,4 +1,4 @@
-//! Crossings: where, when and how rays pass from one medium into another, in columns.
+//! Crossings of rays as columns.
 
 use std::borrow::Cow;
 use std::iter::zip;
@@ -20,7 +20,7 @@ use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask as ask_rays, inside, sh
 use crate::error::bad_value;
 use crate::rays::{Columns, RayArrays, RayRows};
 
-/// A crossing with all of its attributes.
+/// A crossing with all its columns.
 struct Row {
     t: f64,
     point: [f64; 3],
@@ -32,14 +32,14 @@ struct Row {
     enters: bool,
 }
 
-/// Crossings of rays that follow each other.
+/// Crossings of consecutive rays.
 #[derive(Default)]
 pub struct Table {
     /// Number of crossings of each ray.
     counts: Vec<usize>,
     start_inside: Vec<bool>,
     start_region: Vec<u32>,
-    /// Row by row: what is put aside is written and read once.
+    /// Row by row: rows that are buffered are written and read once.
     rows: Vec<Row>,
 }
 
@@ -70,7 +70,7 @@ impl Table {
         self.start_region.push(region);
     }
 
-    /// Forgets the crossings and keeps the memory.
+    /// Removes the crossings and keeps the memory.
     fn clear(&mut self) {
         self.counts.clear();
         self.start_inside.clear();
@@ -78,9 +78,9 @@ impl Table {
         self.rows.clear();
     }
 
-    /// Writes the rows into their places.
+    /// Copies the rows to their buffers.
     fn put_rows(&self, engine: &Engine, to: &mut Rows<'_>) {
-        // column by column: few are written at a time
+        // column by column: this writes to few memory regions at a time
         put(&self.rows, to.t, |row| row.t);
         put(&self.rows, to.point, |row| row.point);
         put(&self.rows, to.normal, |row| row.normal);
@@ -90,7 +90,8 @@ impl Table {
         to.put_regions(engine, self.rows.iter().map(|row| [row.before, row.after]));
     }
 
-    /// Writes whether the rays start inside, and where the rows of each end; the first row has this number.
+    /// Writes whether the rays start inside, and the end of the rows of each; `first` is the number
+    /// of the first row.
     fn put_rays(&self, first: usize, start_inside: &mut [bool], ends: &mut [i64]) {
         start_inside.copy_from_slice(&self.start_inside);
         let mut end = first;
@@ -106,7 +107,8 @@ fn row(program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) -
     Row {
         t: crossing.t,
         point,
-        // the normal looks at regions: out of a region of the world's medium is not out of the solid
+        // the normal refers to regions, and a region may be of the world's medium: leaving it is
+        // not leaving the solid
         normal: if enters == crossing.enters() { normal } else { normal.map(|x| -x) },
         before: crossing.before.0,
         after: crossing.after.0,
@@ -120,7 +122,7 @@ fn put<T>(rows: &[Row], to: &mut [T], of: impl Fn(&Row) -> T) {
     zip(to, rows).for_each(|(to, row)| *to = of(row));
 }
 
-/// Rays with the options of the query.
+/// The arguments of the query.
 struct Asked<'a, 'py> {
     py: Python<'py>,
     evaluator: Cow<'a, AnyEvaluator>,
@@ -133,12 +135,13 @@ impl<'a, 'py> Asked<'a, 'py> {
     fn new(engine: &'a Engine, rays: [&Bound<'py, PyAny>; 2], how: &How) -> PyResult<Self> {
         let py = rays[0].py();
         let rays = RayArrays::new(rays)?;
-        // small tables stay in a near cache
+        // small tables stay in the L1 or L2 cache
         let (cut, evaluator) = (how.cut(rays.len()).small(), engine.chosen(py, how)?);
         Ok(Asked { py, evaluator, rays, window: how.window, cut })
     }
 
-    /// Puts the crossings of every chunk into a table that `table` gives, and takes the tables in order.
+    /// Computes the crossings of every chunk into a table from `table`, and passes the tables to
+    /// `take` in order.
     fn run(
         &self,
         table: impl Fn() -> Table + Send + Sync,
@@ -162,7 +165,7 @@ impl<'a, 'py> Asked<'a, 'py> {
         Ok(tables)
     }
 
-    /// More rows than all rays are likely to need, from what rays spread over them have.
+    /// An upper estimate of the number of rows, extrapolated from sample rays spread over all of them.
     fn guess(&self) -> usize {
         let step = (self.cut.len / SAMPLE).max(1);
         let (rays, count) = (self.rays.rows().every(step), self.cut.len.div_ceil(step));
@@ -175,12 +178,12 @@ impl<'a, 'py> Asked<'a, 'py> {
             table.map_or(0, |table| table.rows.len())
         });
         let likely = sampled as f64 / count as f64 * self.cut.len as f64;
-        // rows that are not written take no memory
+        // pages that are never written take no physical memory
         (1.25 * likely) as usize + MANY
     }
 }
 
-/// Adds the crossings of some rays to a table; `None` if one of the rays cannot be used.
+/// Appends the crossings of some rays to a table; `None` if one of the rays is invalid.
 fn look_at(
     worker: &mut Worker<'_, Columns>,
     rays: RayRows<'_>,
@@ -200,7 +203,7 @@ fn look_at(
 /// Number of rays that are traced first, to estimate the number of rows of all rays.
 const SAMPLE: usize = 1024;
 
-/// All crossings of every ray as the object that Python sees.
+/// All crossings of every ray as a Python object.
 pub fn crossings<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
@@ -213,11 +216,12 @@ pub fn crossings<'py>(
     }
 }
 
-/// From this number of chunks on it is faster to trace some rays twice, so that tables are moved to their places while they are in
-/// a near cache, and their memory is used again.
+/// The number of chunks from which on the arrays are allocated for an estimated number of rows.
+/// Tables are then copied to them while they are in cache, and their memory is reused; the cost is
+/// that sample rays are traced twice.
 const LONG: usize = 16;
 
-/// A table and its places.
+/// A table and its buffers.
 struct Job<'a> {
     table: Table,
     first: usize,
@@ -227,7 +231,7 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Writes the table into its places, and hands it back empty.
+    /// Copies the table to its buffers, and returns it empty.
     fn run(mut self, engine: &Engine) -> Table {
         self.table.put_rows(engine, &mut self.rows);
         self.table.put_rays(self.first, self.start_inside, self.ends);
@@ -241,19 +245,19 @@ fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
-/// The places that tables have not got yet.
+/// The buffers that are not assigned to a table yet.
 struct Places<'a> {
     rows: Rows<'a>,
     start_inside: &'a mut [bool],
     ends: &'a mut [i64],
     /// The rows of all tables so far.
     total: usize,
-    /// Tables for which there were no rows left, each with the number of its first.
+    /// Tables that exceed the buffers, each with the number of its first row.
     rest: Vec<(usize, Table)>,
 }
 
 impl<'a> Places<'a> {
-    /// The places of the next table, if there are rows left.
+    /// Assigns the next buffers to a table, if there are enough rows left.
     fn take(&mut self, table: Table) -> Option<Job<'a>> {
         let (first, count, rays) = (self.total, table.rows.len(), table.counts.len());
         self.total += count;
@@ -267,7 +271,7 @@ impl<'a> Places<'a> {
     }
 }
 
-/// Crossings in arrays that are made for a guessed number of rows.
+/// Crossings in arrays of an estimated number of rows.
 fn placed<'py>(engine: &Engine, asked: &Asked<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
     let answer = Answer::new(asked.py, engine, [asked.guess(), asked.cut.len])?;
     let offsets = fresh::<i64>(asked.py, asked.cut.len + 1)?;
@@ -289,7 +293,7 @@ fn placed<'py>(engine: &Engine, asked: &Asked<'_, 'py>) -> PyResult<Bound<'py, P
 
 fn fill_places<'a>(engine: &Engine, asked: &Asked<'_, '_>, places: &mut Places<'a>) -> PyResult<()> {
     let jobs = Mutex::new(Vec::<Job<'a>>::new());
-    // whoever wants a table brings another one to its places first, and is given that
+    // a thread that needs an empty table first copies a full one to its buffers, and reuses it
     let table = || {
         let job = lock(&jobs).pop();
         job.map_or_else(Table::default, |job| job.run(engine))
@@ -303,7 +307,7 @@ fn fill_places<'a>(engine: &Engine, asked: &Asked<'_, '_>, places: &mut Places<'
     Ok(())
 }
 
-/// The ends of the rows of each ray; the rows of the first begin at 0.
+/// The offsets of the rows of each ray, after the first offset, which is 0.
 fn begun<'a>(offsets: &'a mut PyReadwriteArray1<'_, i64>) -> PyResult<&'a mut [i64]> {
     match offsets.as_slice_mut().map_err(bad_value)? {
         [first, ends @ ..] => {
@@ -314,7 +318,7 @@ fn begun<'a>(offsets: &'a mut PyReadwriteArray1<'_, i64>) -> PyResult<&'a mut [i
     }
 }
 
-/// Crossings as the object that Python sees.
+/// Converts crossings to the Python object.
 pub fn into_python<'py>(
     py: Python<'py>,
     engine: &Engine,
@@ -340,7 +344,7 @@ pub fn into_python<'py>(
     answer.into_python(engine, Some(offsets))
 }
 
-/// Start of the rows of each ray, and the total number of rows at the end.
+/// The offset of the rows of each ray, and the total number of rows at the end.
 pub fn offsets(counts: &[usize]) -> PyResult<Vec<i64>> {
     let mut offsets = room(counts.len() + 1)?;
     let mut end = 0;
@@ -361,7 +365,7 @@ pub fn rows_of(counts: &[usize], rows: usize) -> PyResult<Vec<i64>> {
     Ok(rays)
 }
 
-/// The pieces of every ray between crossings as the object that Python sees.
+/// The segments of every ray between crossings as a Python object.
 pub fn partition<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
@@ -383,7 +387,7 @@ pub fn partition<'py>(
     CLASS.import(py, "rayweave._answers", "Partition")?.call((), Some(&fields))
 }
 
-/// Pieces of rays between crossings, in columns.
+/// Segments of rays between crossings, in columns.
 struct Pieces {
     ray: Vec<i64>,
     t_start: Vec<f64>,

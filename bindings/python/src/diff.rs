@@ -14,8 +14,8 @@ use crate::interrupt::interruptible;
 use crate::section::PySection;
 use crate::subject::{bounds, scene};
 
-/// The numbers of a pair: three volumes with their half widths, the thickness and the ends of the piece of a ray, the corners of
-/// the place.
+/// The number of values of a pair: three volumes with their half widths, the thickness and the ends
+/// of a segment of a ray, the corners of the place.
 const NUMBERS: usize = 19;
 
 /// Names; whether the pair is the same, proved, in A, in B, and the spot in A; numbers; whether all is the same, the unit, the

@@ -1,4 +1,4 @@
-//! Subjects of pictures, and drawing with the interpreter released.
+//! Subjects of pictures, and rendering without the GIL.
 
 use std::num::NonZeroUsize;
 
@@ -27,7 +27,8 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// A model that is compiled already; compiled anew without its invisible regions, if it has any.
+    /// The subject of a compiled model; compiled again without its invisible regions, if it has
+    /// any.
     pub fn of_model(whole: &Scene, (compiled, engine): &(Compiled, Engine)) -> PyResult<Subject> {
         let scene = whole.clone().seen();
         if scene.regions.len() < whole.regions.len() {
@@ -36,13 +37,13 @@ impl Subject {
         Ok(Subject { scene, compiled: compiled.clone(), evaluator: engine.evaluator().clone() })
     }
 
-    /// A solid that is compiled already.
+    /// The subject of a compiled solid.
     pub fn of_solid(solid: &Solid, engine: &Engine) -> Subject {
         let (scene, compiled) = (scene_of(solid), compiled_of(engine.program.clone()));
         Subject { scene, compiled, evaluator: engine.evaluator().clone() }
     }
 
-    /// A scene, compiled anew.
+    /// The subject of a scene, which is compiled.
     pub fn of_scene(scene: Scene) -> Result<Subject, rayweave::Error> {
         let compiled = Compiled::new(&scene)?;
         let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
@@ -50,7 +51,7 @@ impl Subject {
     }
 }
 
-/// Draws with the interpreter released; Ctrl-C stops it.
+/// Renders without the GIL; Ctrl-C cancels.
 pub fn released<T: Send>(
     py: Python<'_>,
     threads: Option<NonZeroUsize>,

@@ -1,4 +1,4 @@
-//! A compiled solid or model, and the way from its questions to its answers: threads, signals, evaluators.
+//! Query engine of a compiled solid or model: evaluators, threads and interrupts.
 
 use std::borrow::Cow;
 use std::num::NonZeroUsize;
@@ -17,45 +17,46 @@ use rayweave::{AnyEvaluator, AnyScratch, Compiled};
 
 use crate::error::{bad_type, bad_value};
 
-/// The least that a thread takes at a time: enough to make the bookkeeping cheap.
+/// The minimum number of rays per chunk: large enough to make the overhead negligible.
 const LEAST: usize = 1024;
 
-/// The most: Ctrl-C is noticed, and work shared out, between them.
+/// The maximum number of rays per chunk: Ctrl-C is checked, and work is balanced, between chunks.
 const MOST: usize = 8192;
 
-/// The pieces that each thread gets of a long question, so that none waits long for the last.
+/// The number of chunks per thread for large queries, so that threads finish at about the same
+/// time.
 const PIECES: usize = 8;
 
-/// Rays or points that are answered at a time: few enough for the nearest cache.
+/// The number of rays or points that an evaluator processes at a time: few enough for the L1 cache.
 pub const BLOCK: usize = 512;
 
-/// Longest delay of Ctrl-C.
+/// The maximum delay of Ctrl-C.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Something compiled, with what every question about it needs.
+/// A compiled program with the shared state of all queries.
 pub struct Engine {
     /// The program.
     pub program: Arc<Program>,
-    /// The names of the media by their numbers; none for a solid alone.
+    /// The names of the media by number; `None` for a single solid.
     pub media: Option<Arc<[String]>>,
     evaluator: AnyEvaluator,
-    /// Every region is of another medium than the world.
+    /// True if no region is of the world's medium.
     is_plain: bool,
     leaves: PyOnceLock<Py<PyArray1<i32>>>,
     surface_names: PyOnceLock<Py<PyTuple>>,
     medium_names: PyOnceLock<Py<PyTuple>>,
     region_names: PyOnceLock<Py<PyTuple>>,
-    /// The rows that the hits of a short question needed last: a guess for the next one.
+    /// The number of rows of hits of the last small query: an estimate for the next one.
     pub rows: AtomicUsize,
 }
 
 impl Engine {
-    /// Evaluator of a solid.
+    /// Creates the engine of a solid.
     pub fn of_solid(program: Program) -> PyResult<Self> {
         Engine::new(Arc::new(program), None)
     }
 
-    /// Evaluator of a model.
+    /// Creates the engine of a model.
     pub fn of_model(compiled: &Compiled) -> PyResult<Self> {
         Engine::new(compiled.program.clone(), Some(compiled.media.clone()))
     }
@@ -74,29 +75,29 @@ impl Engine {
         })
     }
 
-    /// The evaluator for daily use.
+    /// The default evaluator.
     pub fn evaluator(&self) -> &AnyEvaluator {
         &self.evaluator
     }
 
-    /// The evaluator that is to answer a question.
+    /// The evaluator that the arguments select.
     pub fn chosen(&self, py: Python<'_>, how: &How) -> PyResult<Cow<'_, AnyEvaluator>> {
         let Some(name) = &how.evaluator else { return Ok(Cow::Borrowed(&self.evaluator)) };
         let made = py.detach(|| AnyEvaluator::new(Some(name), self.program.clone()));
         Ok(Cow::Owned(made.map_err(bad_value)?))
     }
 
-    /// Whether every region is of another medium than the world.
+    /// True if no region is of the world's medium.
     pub fn is_plain(&self) -> bool {
         self.is_plain
     }
 
-    /// Whether solids are placed in it, so that a face is in more than one place.
+    /// True if solids are placed, so that a face may be at several positions.
     pub fn has_placements(&self) -> bool {
         self.program.prototypes().iter().any(|group| group.placements > 1)
     }
 
-    /// Whether each region is of another medium than the world.
+    /// Writes for each region whether it is of another medium than the world.
     pub fn put_inside(&self, regions: &[u32], flags: &mut [bool]) {
         let pairs = flags.iter_mut().zip(regions);
         match self.is_plain {
@@ -105,7 +106,7 @@ impl Engine {
         }
     }
 
-    /// The leaves that the faces belong to, by the numbers of the faces, and -1 for face -1 at the end.
+    /// The leaf of each face, by face number, with -1 for face -1 at the end.
     pub fn leaves<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
         let leaves = || {
             let mut leaves = vec![-1; self.program.facets().len() + 1];
@@ -119,14 +120,14 @@ impl Engine {
         self.leaves.get_or_init(py, leaves).bind(py).clone()
     }
 
-    /// The names of all faces, by their numbers.
+    /// The names of all faces, by number.
     pub fn surface_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let names =
             || Ok::<_, PyErr>(PyTuple::new(py, self.program.face_names().collect::<Vec<_>>())?.unbind());
         Ok(self.surface_names.get_or_try_init(py, names)?.bind(py).clone())
     }
 
-    /// The names of the media by their numbers.
+    /// The names of the media, by number.
     pub fn medium_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let names = || {
             let names: Vec<_> = self.media.iter().flat_map(|media| media.iter()).collect();
@@ -135,7 +136,7 @@ impl Engine {
         Ok(self.medium_names.get_or_try_init(py, names)?.bind(py).clone())
     }
 
-    /// The names of the regions by their numbers; number 0 is the world.
+    /// The names of the regions, by number; 0 is the world.
     pub fn region_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let names = || {
             let regions = self.program.regions().iter().map(|region| region.name.as_str());
@@ -150,13 +151,13 @@ impl Engine {
 pub struct How {
     /// The time window.
     pub window: Window,
-    /// None for the one for daily use, which is kept ready.
+    /// `None` for the default, which is cached.
     evaluator: Option<String>,
     threads: Option<NonZeroUsize>,
 }
 
 impl How {
-    /// From the arguments that all questions share.
+    /// Parses the arguments that all queries share.
     pub fn new(
         t_min: f64,
         t_max: f64,
@@ -174,7 +175,7 @@ impl How {
     }
 }
 
-/// A number of threads.
+/// Parses a number of threads.
 pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
     let number: i64 = threads
         .extract()
@@ -188,7 +189,7 @@ pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
 /// Division of rays or points into chunks for threads.
 #[derive(Clone, Copy)]
 pub struct Cut {
-    /// The number of them.
+    /// The number of rays or points.
     pub len: usize,
     /// Chunk size, at least 1.
     pub chunk: usize,
@@ -196,19 +197,19 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The chunks by the numbers of their first and last.
+    /// The ranges of the chunks.
     pub fn ranges(self) -> impl Iterator<Item = Range<usize>> + Send {
         (0..self.len).step_by(self.chunk).map(move |start| start..self.len.min(start + self.chunk))
     }
 }
 
 impl Cut {
-    /// All in one.
+    /// A single chunk.
     pub fn whole(len: usize) -> Self {
         Cut { len, chunk: len.max(1), threads: NonZeroUsize::MIN }
     }
 
-    /// As many chunks as are worth the bookkeeping.
+    /// The same with smaller chunks, as small as the overhead permits.
     pub fn small(self) -> Self {
         Cut { chunk: LEAST, ..self }
     }
@@ -220,9 +221,9 @@ impl Cut {
 }
 
 impl How {
-    /// Division of `count` rays or points into chunks.
+    /// Division of `len` rays or points into chunks.
     pub fn cut(&self, len: usize) -> Cut {
-        // looking up the number of threads takes longer than many a question
+        // querying the number of threads takes longer than many small queries
         if len <= LEAST {
             return Cut { len, chunk: LEAST, threads: NonZeroUsize::MIN };
         }
@@ -236,18 +237,18 @@ impl How {
     }
 }
 
-/// A thread that answers a question.
+/// The state of a thread that processes a query.
 pub struct Worker<'e, S> {
     /// Evaluator.
     pub evaluator: &'e AnyEvaluator,
-    /// The evaluator's own memory.
+    /// The scratch memory of the evaluator.
     pub memory: AnyScratch,
     /// Additional state of the query.
     pub scratch: S,
 }
 
-/// Asks a question chunk by chunk with the interpreter released; `merge` takes the answers in order. `work` answers one chunk,
-/// or `None` if a ray or point in it cannot be used: then the answer here is false.
+/// Processes a query chunk by chunk without the GIL; `merge` receives the results in order. `work`
+/// returns `None` if a ray or point of the chunk is invalid; the result is then false.
 pub fn ask<C: Send, A: Send, S: Default>(
     py: Python<'_>,
     evaluator: &AnyEvaluator,
@@ -261,7 +262,7 @@ pub fn ask<C: Send, A: Send, S: Default>(
     py.detach(|| run(cut.threads, chunks, worker, work, merge))
 }
 
-/// Works on chunks that cannot be refused, with the interpreter released.
+/// Processes chunks that are always valid, without the GIL.
 pub fn share<C: Send>(
     py: Python<'_>,
     cut: Cut,
@@ -272,9 +273,9 @@ pub fn share<C: Send>(
     Ok(())
 }
 
-/// Why work ends before its end.
+/// The reason why a query ends early.
 enum Halt {
-    /// A ray or point cannot be used.
+    /// A ray or point is invalid.
     Refused,
     /// An exception for Python.
     Raised(PyErr),
@@ -286,8 +287,8 @@ impl From<PyErr> for Halt {
     }
 }
 
-/// Processes items by index, `step` at a time, on several threads; `merge` receives the results in order. To be called
-/// with the interpreter released; Ctrl-C is noticed between chunks.
+/// Processes items by index, `step` at a time, on several threads; `merge` receives the results in
+/// order. The caller must have released the GIL; Ctrl-C is checked between chunks.
 pub fn in_chunks<A: Send, M>(
     len: usize,
     chunk: usize,
@@ -302,7 +303,7 @@ pub fn in_chunks<A: Send, M>(
     Ok(())
 }
 
-/// Works on chunks on several threads; false if one was refused. Ctrl-C is noticed between chunks.
+/// Processes chunks on several threads; false if one was invalid. Ctrl-C is checked between chunks.
 fn run<C: Send, A: Send, M>(
     threads: NonZeroUsize,
     chunks: impl Iterator<Item = C> + Send,
@@ -327,12 +328,12 @@ fn run<C: Send, A: Send, M>(
     }
 }
 
-/// Whether a region is made of anything but the medium of the world.
+/// True if the medium of a region is not that of the world.
 pub fn inside(program: &Program, region: RegionId) -> bool {
     program.medium_of(region) != 0
 }
 
-/// The number of the face that a crossing belongs to.
+/// The number of the face of a crossing.
 pub fn surface(program: &Program, crossing: &Crossing) -> i32 {
     program.face_number(crossing.face.leaf, crossing.face.facet) as i32
 }

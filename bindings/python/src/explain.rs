@@ -1,4 +1,4 @@
-//! Explanation of an answer, as a Python class.
+//! Explanation of a query result, as a Python class.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use rayweave::trace::single_hit::{
 use crate::error::bad_value;
 use crate::vectors::{direction, vector};
 
-/// An instance of a class of `rayweave._explain`.
+/// Creates an instance of a class of `rayweave._explain`.
 macro_rules! record {
     ($py:expr, $class:literal, $fields:expr) => {{
         static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();

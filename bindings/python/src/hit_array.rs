@@ -38,7 +38,7 @@ impl<'py, T: Real + Element> Pair<'py, T> {
         Ok(Pair { array1: borrow(array1)?, array2: borrow(array2)?, shape })
     }
 
-    /// Both arrays as the algebra reads them.
+    /// Both arrays in the form that the algebra takes.
     fn views(&self) -> PyResult<(HitArray<'_, T>, HitArray<'_, T>)> {
         Ok((view(&self.array1)?, view(&self.array2)?))
     }
@@ -59,7 +59,7 @@ fn view<'a, T: Real + Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult
     HitArray::new(array.as_slice().map_err(bad_value)?, array.shape()[0], columns).map_err(bad_value)
 }
 
-/// Query about two arrays of any element type.
+/// An operation on two arrays of any element type.
 struct Request<'a, 'py> {
     operation: Operation,
     sort_output: bool,
@@ -79,7 +79,7 @@ impl<'py> Request<'_, 'py> {
             Regularize::Exact => Regularize::Exact,
             Regularize::Weld(min_sep) => Regularize::Weld(narrow(min_sep)),
         };
-        // querying the number of cores takes longer than a small array
+        // querying the number of cores takes longer than processing a small array
         let threads = match hit_array::most_threads(pair.array1.len() + pair.array2.len()) {
             NonZeroUsize::MIN => NonZeroUsize::MIN,
             most => thread_count(self.threads).min(most),
@@ -111,7 +111,8 @@ impl<'py> Request<'_, 'py> {
         out: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let array = output::<T>(out, &pair.shape)?;
-        // not so if it shares memory with an operand, which must then be read to its end first
+        // written directly, unless it shares memory with an operand, which must be read completely
+        // first
         if array.is_c_contiguous()
             && array.is_aligned()
             && let Ok(mut borrowed) = array.try_readwrite()

@@ -1,4 +1,4 @@
-//! Hits: when rays enter and leave a solid, as hit arrays.
+//! Entry and exit times of rays, as hit arrays.
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -16,16 +16,16 @@ use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask};
 use crate::error::{bad_type, bad_value};
 use crate::rays::{Columns, RayArrays, RayRows};
 
-/// Places for the hits of rays that follow each other: one piece of each row.
+/// Buffers for the hits of consecutive rays: a slice of each row.
 #[derive(Default)]
 struct Places<'a> {
     times: Vec<&'a mut [f64]>,
-    /// As many as there are times, or none.
+    /// As many as there are rows of times, or none.
     faces: Vec<&'a mut [i32]>,
 }
 
 impl<'a> Places<'a> {
-    /// The rows of arrays; `None` if they have gaps.
+    /// The rows of arrays; `None` if they are not contiguous.
     fn new(
         times: &'a mut ArrayViewMut2<'_, f64>,
         faces: Option<&'a mut ArrayViewMut2<'_, i32>>,
@@ -35,7 +35,7 @@ impl<'a> Places<'a> {
         Some(Places { times, faces: faces.map(|row| row.into_slice()).collect::<Option<_>>()? })
     }
 
-    /// The rows of the first `count` rays, or of all if there are fewer; removes them from the answer.
+    /// Splits off the columns of the first `count` rays, or of all if there are fewer.
     fn take(&mut self, count: usize) -> Self {
         let count = count.min(self.len());
         Places { times: take(&mut self.times, count), faces: take(&mut self.faces, count) }
@@ -50,17 +50,17 @@ fn take<'a, T>(rows: &mut [&'a mut [T]], count: usize) -> Vec<&'a mut [T]> {
     rows.iter_mut().filter_map(|row| row.split_off_mut(..count)).collect()
 }
 
-/// Entries and exits of rays.
+/// Query for the entries and exits of rays.
 struct HitsQuestion<'a> {
     rays: RayRows<'a>,
     window: Window,
-    /// Whether rays with more entries than there are rows are kept aside, or only counted.
+    /// Whether rays with more entries than there are rows are buffered, or only counted.
     keeps: bool,
     /// The largest known number of entries of a ray.
     most: AtomicUsize,
 }
 
-/// The hits of rays from the first on, for which there were too few rows.
+/// The hits of consecutive rays that had too few rows.
 struct Aside {
     first: usize,
     times: Array2<f64>,
@@ -73,7 +73,8 @@ type Table = (Array2<f64>, Option<Array2<i32>>);
 type HitsWorker<'e> = Worker<'e, Columns>;
 
 impl HitsQuestion<'_> {
-    /// Answers for the rays from one on, as far as there are places; `None` if one of them cannot be used.
+    /// Processes the rays from `first` on, as many as there are buffers; `None` if one of them is
+    /// invalid.
     fn answer(
         &self,
         worker: &mut HitsWorker<'_>,
@@ -94,7 +95,7 @@ impl HitsQuestion<'_> {
         Some(Ok(asides))
     }
 
-    /// Answers for one block, into its places or aside.
+    /// Processes one block, into its buffers or aside.
     fn block(
         &self,
         asked: &mut (&AnyEvaluator, &mut AnyScratch),
@@ -121,7 +122,7 @@ impl HitsQuestion<'_> {
         }
     }
 
-    /// Asks for the hits of a block; the most entries that a ray has.
+    /// Computes the hits of a block; returns the maximum number of entries of a ray.
     fn write(
         &self,
         (evaluator, memory): &mut (&AnyEvaluator, &mut AnyScratch),
@@ -135,7 +136,7 @@ impl HitsQuestion<'_> {
     }
 }
 
-/// The least even number of rows, at least 2, for this number of entries.
+/// The smallest even number of rows, at least 2, for this number of entries.
 fn even(entries: usize) -> usize {
     entries.next_multiple_of(2).max(2)
 }
@@ -148,7 +149,7 @@ fn filled<T: Clone>(rows: usize, columns: usize, value: T) -> PyResult<Array2<T>
     Array2::from_shape_vec((rows, columns), data).map_err(bad_value)
 }
 
-/// Rays with the options of the query.
+/// The arguments of the query.
 struct Asked<'a, 'py> {
     py: Python<'py>,
     engine: &'a Engine,
@@ -162,7 +163,8 @@ struct Asked<'a, 'py> {
 type Tables<'py> = (Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyArray2<i32>>>);
 
 impl<'py> Asked<'_, 'py> {
-    /// Writes the hits of all rays into places; the most entries that a ray has, and what was kept aside.
+    /// Writes the hits of all rays to buffers; returns the maximum number of entries of a ray, and
+    /// the hits that exceeded the rows.
     fn write(&self, mut places: Places<'_>, keeps: bool) -> PyResult<(usize, Vec<Aside>)> {
         let mut asides = Vec::new();
         let rays = self.rays.rows();
@@ -201,7 +203,7 @@ impl<'py> Asked<'_, 'py> {
         if last <= 2 * sampled { last.max(sampled) } else { sampled }
     }
 
-    /// The hits in new arrays, with just enough rows.
+    /// The hits in new arrays, with the smallest number of rows.
     fn fresh(&self, surfaces: bool) -> PyResult<Tables<'py>> {
         let shape = [self.guess(), self.cut.len];
         let times = fresh_table(self.py, shape)?;
@@ -225,7 +227,7 @@ impl<'py> Asked<'_, 'py> {
         Ok((times, faces))
     }
 
-    /// Writes the hits into arrays of the caller's.
+    /// Writes the hits to arrays of the caller.
     fn given(&self, tables: &Tables<'py>, names: [&str; 2]) -> PyResult<()> {
         self.check_shape(tables.0.shape(), names[0], 2)?;
         if self.cut.len == 0 {
@@ -256,13 +258,14 @@ impl<'py> Asked<'_, 'py> {
     }
 }
 
-/// Sampling interval: one ray of this many is traced first, to estimate the number of rows of all rays,
+/// Sampling interval: one ray of this many is traced first, to estimate the number of rows of all
+/// rays.
 const SHARE: usize = 500;
 
-/// up to this number of rays.
+/// The maximum number of sample rays.
 const SAMPLE: usize = 4096;
 
-/// Calls a function with the places in arrays, or with none if their rows have gaps.
+/// Calls a function with the buffers in arrays, or with `None` if their rows are not contiguous.
 fn with_places<R>(
     (times, faces): &Tables<'_>,
     names: [&str; 2],
@@ -274,7 +277,7 @@ fn with_places<R>(
     call(Places::new(&mut times, faces.as_mut()))
 }
 
-/// The array, to be written.
+/// Borrows the array for writing.
 fn writable<'py, T: Element>(
     array: &Bound<'py, PyArray2<T>>,
     name: &str,
@@ -285,7 +288,7 @@ fn writable<'py, T: Element>(
         return Err(bad_value(format!("{name} {problem}")));
     }
     let array = array.try_readwrite().map_err(|error| bad_value(format!("{name}: {error}")))?;
-    // from one element to the next along an axis, and from its first to beyond its last
+    // the distance between elements along an axis, and from the first to beyond the last
     let spans = std::iter::zip(strides, array.shape()).filter(|&(_, &len)| len > 1);
     let mut spans: Vec<_> = spans.map(|(s, len)| (s.unsigned_abs(), s.unsigned_abs() * len)).collect();
     spans.sort_unstable();
@@ -295,7 +298,7 @@ fn writable<'py, T: Element>(
     Ok(array)
 }
 
-/// The array, which nobody else has seen, with another number of rows, new ones filled with a value.
+/// Resizes an array that has no other references, and fills new rows with a value.
 fn resized<'py, T: Element + Copy>(
     array: Bound<'py, PyArray2<T>>,
     rows: usize,
@@ -311,7 +314,7 @@ fn resized<'py, T: Element + Copy>(
         table.slice_mut(s![..kept, ..]).assign(&array.readonly().as_array().slice(s![..kept, ..]));
         return Ok(PyArray2::from_owned_array(array.py(), table));
     }
-    // the memory is given back, or grows without a copy
+    // the memory is released, or grows without a copy
     let options = [("refcheck", false)].into_py_dict(array.py())?;
     array.call_method("resize", ((rows, columns),), Some(&options))?;
     if rows > before {
@@ -320,14 +323,14 @@ fn resized<'py, T: Element + Copy>(
     Ok(array)
 }
 
-/// Puts a table, which may have fewer rows, to the columns from one on.
+/// Copies a table, which may have fewer rows, to the columns from `first` on.
 fn put<T: Element + Copy>(to: &Bound<'_, PyArray2<T>>, first: usize, table: &Array2<T>) -> PyResult<()> {
     let mut to = writable(to, "the answer")?;
     to.as_array_mut().slice_mut(s![..table.nrows(), first..first + table.ncols()]).assign(table);
     Ok(())
 }
 
-/// Copies a table into one that may have more rows, filled with a value.
+/// Copies a table to one that may have more rows, which are filled with a value.
 fn copy<T: Element + Copy>(
     from: &Bound<'_, PyArray2<T>>,
     to: &Bound<'_, PyArray2<T>>,
@@ -367,7 +370,8 @@ pub fn hits<'py>(
     }
 }
 
-/// The arrays that a caller gave: one for the times, or a pair with that for the surfaces; and what they are called.
+/// The output arrays of the caller, one for the times or a pair with one for the surfaces, and
+/// their names in messages.
 fn given_tables<'py>(out: &Bound<'py, PyAny>, surfaces: bool) -> PyResult<(Tables<'py>, [&'static str; 2])> {
     let table = |array: &Bound<'py, PyAny>, name: &str| match array.cast::<PyArray2<f64>>() {
         Ok(array) => Ok(array.clone()),

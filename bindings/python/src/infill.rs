@@ -1,4 +1,4 @@
-//! The traces of a tool, as columns.
+//! Tool traces of infill, as columns.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::model::PyModel;
 use crate::polygons::PyPolygons;
 use crate::solid::PySolid;
 
-/// Whole numbers: layer, scanline, component.
+/// Integers: layer, scanline, component.
 type Whole<'py> = Bound<'py, PyArray1<i64>>;
 
 /// The columns in the order of the table.
@@ -91,7 +91,7 @@ fn evaluator_of(program: &Arc<Program>, name: Option<&str>) -> PyResult<AnyEvalu
     AnyEvaluator::new(name, program.clone()).map_err(bad_value)
 }
 
-/// The columns while they grow.
+/// Builder of the columns.
 #[derive(Default)]
 struct Table {
     /// `layer`, `scanline`, `component`.
@@ -100,7 +100,7 @@ struct Table {
     numbers: [Vec<f64>; 5],
 }
 
-/// Why a run ended early.
+/// The reason why a run ended early.
 struct Stopped(PyErr);
 
 impl From<InfillError> for Stopped {

@@ -1,4 +1,4 @@
-//! Long questions that Ctrl-C ends.
+//! Long computations that Ctrl-C cancels.
 
 use std::fmt::Display;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -13,7 +13,8 @@ use crate::error::bad_value;
 /// Interval between checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Runs work on a thread of its own, without the interpreter, and cancels it when Python has a signal to handle.
+/// Runs work on a separate thread, without the GIL, and cancels it when Python has a pending
+/// signal.
 pub fn interruptible<T: Send, X: Display + Send>(
     py: Python<'_>,
     cancel: &Cancel,
@@ -24,7 +25,7 @@ pub fn interruptible<T: Send, X: Display + Send>(
             let (done, ended) = channel();
             let worker = scope.spawn(move || {
                 let result = work();
-                // nobody waits any more if a signal came first
+                // fails if a signal came first, because the receiver has been dropped
                 let _ = done.send(());
                 result
             });

@@ -1,5 +1,5 @@
-//! Between rows of vectors, as NumPy has them, and columns of components, as evaluators do; compiled for every level of the
-//! processor.
+//! Transposition between rows of vectors, as in NumPy, and columns of components, as in the
+//! evaluators; compiled for every SIMD level.
 
 use fearless_simd::{Level, dispatch};
 
@@ -10,7 +10,7 @@ pub fn separate(rows: &[[f64; 3]], columns: [&mut [f64]; 3], accepts: impl Fn([f
 
 #[inline(always)]
 fn separate_here(rows: &[[f64; 3]], [x, y, z]: [&mut [f64]; 3], accepts: impl Fn([f64; 3]) -> bool) -> bool {
-    // as wide as the components, or lanes would have to be converted
+    // as wide as the components, which avoids conversions of lanes
     let mut refused = 0_u64;
     for (((row, x), y), z) in rows.iter().zip(x).zip(y).zip(z) {
         [*x, *y, *z] = *row;
@@ -40,7 +40,7 @@ fn points_here([ox, oy, oz]: [&[f64]; 3], [dx, dy, dz]: [&[f64]; 3], times: &[f6
     for (((point, &t), ((ox, oy), oz)), ((dx, dy), dz)) in
         points.iter_mut().zip(times).zip(origins).zip(directions)
     {
-        // the product with a finite time is the same, that with an infinite one no number
+        // finite times are unchanged; an infinite time becomes NaN
         let t = if t < f64::INFINITY { t } else { f64::NAN };
         *point = [ox + t * dx, oy + t * dy, oz + t * dz];
     }

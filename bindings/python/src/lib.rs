@@ -1,6 +1,7 @@
-//! The Python package `rayweave`: NumPy arrays in, exact answers out.
+//! The extension module of the Python package `rayweave`: exact ray queries on NumPy arrays.
 //!
-//! This is the compiled half, `rayweave._core`; the half in Python beside it holds what needs no speed.
+//! This is the compiled part, `rayweave._core`; the part written in Python contains the code that
+//! is not performance-critical.
 
 mod along;
 mod answer;
@@ -116,7 +117,7 @@ mod _core {
     #[pymodule_export]
     use crate::timeline::{ray_timeline_svg, timeline_svg};
 
-    /// The class that is `Solid` in another module, under a name of its own.
+    /// Registers the class `Solid` of another module under a different name.
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
         module.add("SpaceSolid", module.py().get_type::<PySpaceSolid>())

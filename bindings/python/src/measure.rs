@@ -21,10 +21,10 @@ type Columns<'py> = (
     [Bound<'py, PyArray2<f64>>; 2],
 );
 
-/// The numbers of a region.
+/// The number of values of a region.
 const NUMBERS: usize = 16;
 
-/// What is measured of the regions of a solid or a model: see `rayweave.measure`.
+/// Volume, area, mass and moments of the regions of a solid or a model: see `rayweave.measure`.
 #[pyfunction]
 #[pyo3(signature = (subject, precision, confidence, most_rays, within, seed, evaluator, threads))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]

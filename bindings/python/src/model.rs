@@ -1,4 +1,4 @@
-//! The model as a Python class: regions of media, read from a file or made of solids.
+//! The model as a Python class: regions of media, read from a file or built from solids.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
@@ -30,9 +30,9 @@ pub struct PyModel {
     /// The document of the file, if it has more contents than the scene.
     stated: Option<Document>,
     scene: Scene,
-    /// True if some parameters have other values than the document says.
+    /// True if the values of some parameters differ from the document.
     overridden: bool,
-    /// Compiled at the first question.
+    /// Compiled at the first query.
     compiled: OnceLock<(Compiled, Engine)>,
     solids: PyOnceLock<Py<PyDict>>,
 }
@@ -61,7 +61,7 @@ impl PyModel {
                 let engine = Engine::of_model(&compiled)?;
                 Ok::<_, PyErr>((compiled, engine))
             })?;
-            // another thread may have been faster
+            // another thread may have compiled it first
             let _ = self.compiled.set(both);
         }
         self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
@@ -72,12 +72,12 @@ impl PyModel {
         Ok(&self.compiled(py)?.1)
     }
 
-    /// The document that says what the model is now.
+    /// The document of the current state of the model.
     fn current_document(&self) -> Document {
         self.current_statement().cloned().unwrap_or_else(|| Document::from_scene(&self.scene))
     }
 
-    /// The document that the file says, if that still is what the model is.
+    /// The document of the file, if the model still has the same state.
     fn current_statement(&self) -> Option<&Document> {
         self.stated.as_ref().filter(|_| !self.overridden)
     }
@@ -131,7 +131,7 @@ pub fn loads(py: Python<'_>, text: &str, parameters: Option<&Bound<'_, PyDict>>)
     PyModel::new(read.map(|(document, scene)| (Some(document), scene)), !overrides.is_empty())
 }
 
-/// Values of parameters as the readers of model files take them.
+/// Converts overrides of parameters for the readers of model files.
 pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String, String)>> {
     let text = |name: &str, value: &Bound<'_, PyAny>| match value.cast::<PyString>() {
         Ok(text) => Ok(text.to_str()?.to_owned()),
@@ -163,11 +163,12 @@ impl PyModel {
             }
             Ok(solids.unbind())
         };
-        // a copy, so that the model stays what it is
+        // a copy, so that the model cannot be changed
         self.solids.get_or_try_init(py, make)?.bind(py).copy()
     }
 
-    /// The regions in order: later ones win where they overlap. Region k of this list has the number k + 1.
+    /// The regions in order; where they overlap, the later one has priority. Region k of this list
+    /// has the number k + 1.
     #[getter]
     fn regions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
@@ -411,7 +412,8 @@ impl PyModel {
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
         let text = py.detach(|| {
-            // the document itself where that is enough: it keeps the parameters, but not the files it names
+            // the document itself if it is sufficient: it keeps the parameters, but not the
+            // contents of external files
             let kept = self.current_document().to_toml();
             let is_enough = parse_with(&kept, &[]).is_ok_and(|(_, scene)| scene == self.scene);
             if is_enough { kept } else { Document::from_scene(&self.scene).to_toml() }

@@ -1,4 +1,4 @@
-//! The first crossing of each ray, in columns.
+//! The first crossing of each ray, as columns.
 
 use std::iter::zip;
 
@@ -19,7 +19,7 @@ struct Scratch {
     normal: [Vec<f64>; 3],
 }
 
-/// Places for the answers about the rays from the first on.
+/// Buffers for the results of consecutive rays.
 struct Places<'a> {
     first: usize,
     rows: Rows<'a>,
@@ -56,7 +56,7 @@ struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// Answers as far as there are places; `None` if a ray cannot be used.
+    /// Processes as many rays as there are buffers; `None` if a ray is invalid.
     fn answer(&self, worker: &mut Worker<'_, Scratch>, mut places: Places<'_>) -> Option<()> {
         while places.rows.len() > 0 {
             let rows = places.rows.take(BLOCK);
@@ -93,7 +93,7 @@ impl Question<'_> {
         self.engine.put_inside(before, start_inside);
         self.engine.put_inside(after, rows.enters);
         self.turn_normals(after, &mut rows);
-        // of a ray that starts inside and crosses nothing, what follows is inside, too
+        // if a ray starts inside and crosses nothing, the region behind is inside, too
         zip(&mut *rows.enters, &*rows.t).for_each(|(enters, &t)| *enters &= t < f64::INFINITY);
         for ((to, &placement), &face) in zip(&mut *rows.placement, &*placement).zip(&*rows.surface) {
             *to = if face < 0 { -1 } else { placement as i32 };
@@ -102,8 +102,9 @@ impl Question<'_> {
         Some(())
     }
 
-    /// Makes normals outward of the solid: those of the evaluator look at regions, and out of a region of the world's medium
-    /// is not out of the solid. `enters` states whether the ray enters a region there.
+    /// Orients normals outward of the solid. The evaluator's normals refer to regions, and a region
+    /// may be of the world's medium: leaving it is not leaving the solid. `enters` states whether
+    /// the ray enters a region there.
     fn turn_normals(&self, after: &[u32], rows: &mut Rows<'_>) {
         if self.engine.is_plain() {
             return;

@@ -1,4 +1,5 @@
-//! Solids as bytes, for pickling, and their hash: loops over nodes, operands first, each shared node once.
+//! Serialisation of solids for pickling, and their hash, by loops over nodes: operands first, each
+//! shared node once.
 
 use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -11,7 +12,8 @@ use rayweave::shape::primitive::{Primitive, Value, build};
 /// Header of the bytes; the number is the version of the format.
 const MAGIC: &[u8] = b"rayweave solid 1\n";
 
-/// The nodes of a solid, operands before what uses them, shared ones once, with the numbers of their operands.
+/// The nodes of a solid, operands before the nodes that use them, shared ones once, with the
+/// numbers of their operands.
 struct Order<'a> {
     nodes: Vec<&'a Node>,
     number: HashMap<*const Node, usize>,
@@ -41,7 +43,7 @@ impl<'a> Order<'a> {
     }
 }
 
-/// A hash of how a solid is built: equal for equal solids, whatever they share.
+/// A structural hash of a solid: equal for equal solids, however they share nodes.
 pub fn hash(solid: &Solid) -> u64 {
     let order = Order::new(solid);
     let mut hashes: Vec<u64> = Vec::with_capacity(order.nodes.len());
@@ -85,20 +87,20 @@ fn numbers_of(map: &Affine) -> [f64; 12] {
     std::array::from_fn(|k| if k < 9 { linear[k] } else { translation[k - 9] })
 }
 
-/// The solid as bytes.
+/// Serialises a solid.
 pub fn encode(solid: &Solid) -> Vec<u8> {
     let order = Order::new(solid);
     let mut out = Writer(MAGIC.to_vec());
     out.count(order.nodes.len());
     for (number, &node) in order.nodes.iter().enumerate() {
         out.node(node);
-        // counted backwards: small numbers, whatever the size of the solid
+        // relative to the node: small numbers, whatever the size of the solid
         order.operands(node).for_each(|operand| out.count(number - operand));
     }
     out.0
 }
 
-/// The solid that [`encode`] was given, or why there is none.
+/// Deserialises the bytes of [`encode`]; the error is the reason why they are invalid.
 pub fn decode(bytes: &[u8]) -> Result<Solid, String> {
     let bytes = bytes.strip_prefix(MAGIC).ok_or("these bytes are no solid: of this version.")?;
     let mut reader = Reader(bytes);
@@ -118,7 +120,7 @@ fn cut() -> String {
 struct Writer(Vec<u8>);
 
 impl Writer {
-    /// A whole number in groups of seven bits, the lowest first.
+    /// Writes an integer in groups of seven bits, the lowest first.
     fn count(&mut self, mut count: usize) {
         while count >= 0x80 {
             self.0.push(count as u8 | 0x80);
@@ -136,7 +138,7 @@ impl Writer {
         self.0.extend(text.as_bytes());
     }
 
-    /// The node without its operands.
+    /// Writes the node without its operands.
     fn node(&mut self, node: &Node) {
         match node {
             Node::Empty => self.0.push(b'0'),

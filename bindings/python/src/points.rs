@@ -1,4 +1,4 @@
-//! Whether points are inside.
+//! Point membership queries.
 
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -33,7 +33,7 @@ pub fn contains<'py>(
     Ok(answer)
 }
 
-/// Answers for the points from one on.
+/// Writes the results of the points from `first` on.
 fn write(worker: &mut PointWorker<'_>, points: Rows<'_>, (first, flags): (usize, &mut [bool])) -> Option<()> {
     let (evaluator, (columns, regions)) = (worker.evaluator, &mut worker.scratch);
     for (k, flags) in flags.chunks_mut(BLOCK).enumerate() {

@@ -1,4 +1,4 @@
-//! Regions of the plane as a Python class.
+//! Polygonal regions of the plane as a Python class.
 
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -86,7 +86,8 @@ impl PyPolygons {
         self.0.area()
     }
 
-    /// The contours of which something remains, without vertices that are no corners: arrays of shape (N, 2).
+    /// The contours after simplification, without vertices that are not corners: arrays of shape
+    /// (N, 2).
     #[getter]
     fn contours<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let array = |corners: &[[f64; 2]]| {
@@ -104,7 +105,8 @@ impl PyPolygons {
         Ok(PyRootRay::from_root_ray(plain))
     }
 
-    /// Whether points (N, 2) or (2,) are inside: bool (N,). A point on the boundary is where the line along +x is just after it.
+    /// Whether points (N, 2) or (2,) are inside: bool (N,). A point on the boundary has the side
+    /// that the line along +x has just after it.
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let py = points.py();
         let rows = table::points::<2>(points, "points")?;

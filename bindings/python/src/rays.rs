@@ -1,4 +1,4 @@
-//! Rays and points on their way in, and the cutting of them into chunks.
+//! Conversion and validation of arrays of rays and points, and access to blocks of them.
 
 use std::ops::Range;
 
@@ -15,24 +15,24 @@ use crate::layout::separate;
 /// Requirements on the components of vectors.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    /// Components are finite and not too large.
+    /// The components are finite and not too large.
     Point,
-    /// And that they do not all vanish.
+    /// In addition, the components are not all zero.
     Direction,
 }
 
 impl Kind {
-    /// Whether a vector can be used. NaN is in no range.
+    /// True if a vector is valid. NaN is in no range.
     #[inline(always)]
     fn accepts(self, [x, y, z]: [f64; 3]) -> bool {
         let (x, y, z) = (x.abs(), y.abs(), z.abs());
-        // free of branches, because it runs for millions of numbers in a row
+        // no branches, because it runs for millions of consecutive numbers
         let small = (x <= Ray::MOST) & (y <= Ray::MOST) & (z <= Ray::MOST);
         small & ((self == Kind::Point) | (x >= Ray::LEAST) | (y >= Ray::LEAST) | (z >= Ray::LEAST))
     }
 }
 
-/// Vectors (N, 3), or one vector (3,) that stands for as many as are needed.
+/// Vectors (N, 3), or one vector (3,) that is broadcast.
 ///
 /// Their components are checked as they are read: see [`Columns`].
 pub struct Vectors<'py> {
@@ -44,12 +44,12 @@ pub struct Vectors<'py> {
 }
 
 impl<'py> Vectors<'py> {
-    /// The points in an object; `name` is the array's name in messages.
+    /// Converts an object to points; `name` is the array's name in messages.
     pub fn points(object: &Bound<'py, PyAny>, name: &'static str) -> PyResult<Self> {
         Vectors::new(object, name, Kind::Point)
     }
 
-    /// The vectors in an object, none of which may be of length zero.
+    /// Converts an object to vectors of non-zero length.
     pub fn directions(object: &Bound<'py, PyAny>, name: &'static str) -> PyResult<Self> {
         Vectors::new(object, name, Kind::Direction)
     }
@@ -68,7 +68,7 @@ impl<'py> Vectors<'py> {
         Ok(Vectors { rows: rows.try_readonly().map_err(bad_value)?, single, name, kind })
     }
 
-    /// The rows, to be read from any thread.
+    /// The rows, readable from any thread.
     pub fn rows(&self) -> Rows<'_> {
         let view = self.rows.as_array();
         // one vector broadcast by NumPy: all rows are the same memory
@@ -112,25 +112,25 @@ pub fn refusal(arrays: &[&Vectors<'_>]) -> PyErr {
     problem.unwrap_or_else(|| bad_value("an array was changed while it was read: by another thread."))
 }
 
-/// Rows of three components in whatever layout they came.
+/// Rows of three components in any layout.
 #[derive(Clone, Copy)]
 pub struct Rows<'a> {
     view: ArrayView2<'a, f64>,
-    /// The row, if all are the same.
+    /// The row, if all rows are the same.
     one: Option<[f64; 3]>,
-    /// The rows, if there are no gaps.
+    /// The rows, if they are contiguous.
     packed: Option<&'a [[f64; 3]]>,
     kind: Kind,
 }
 
 impl Rows<'_> {
-    /// The first row of every block of `block` rows.
+    /// Every `step`-th row.
     fn every(self, step: usize) -> Self {
         Rows { view: self.view.slice_move(s![..;step as isize, ..]), packed: None, ..self }
     }
 }
 
-/// The arrays of a question about rays.
+/// The arrays of a ray query.
 pub struct RayArrays<'py> {
     origins: Vectors<'py>,
     directions: Vectors<'py>,
@@ -152,7 +152,7 @@ impl<'py> RayArrays<'py> {
                 )));
             }
         };
-        // without rays nothing is read that could be refused
+        // without rays no vector is read, and so none is rejected
         match (len == 0).then(|| origins.problem().or_else(|| directions.problem())).flatten() {
             Some(problem) => Err(problem),
             None => Ok(RayArrays { origins, directions, len }),
@@ -164,12 +164,12 @@ impl<'py> RayArrays<'py> {
         self.len
     }
 
-    /// The rays, to be read from any thread.
+    /// The rays, readable from any thread.
     pub fn rows(&self) -> RayRows<'_> {
         RayRows { origins: self.origins.rows(), directions: self.directions.rows() }
     }
 
-    /// The problem of the rays, some of which were rejected.
+    /// The error for rays of which some were rejected.
     pub fn refusal(&self) -> PyErr {
         refusal(&[&self.origins, &self.directions])
     }
@@ -183,13 +183,13 @@ pub struct RayRows<'a> {
 }
 
 impl RayRows<'_> {
-    /// The first ray of every block of `block` rays.
+    /// Every `step`-th ray.
     pub fn every(self, step: usize) -> Self {
         RayRows { origins: self.origins.every(step), directions: self.directions.every(step) }
     }
 }
 
-/// Rays or points of one block, component by component, checked; kept by each thread, for one question.
+/// Validated rays or points of one block as columns; each thread reuses them during a query.
 #[derive(Default)]
 pub struct Columns {
     origins: Three,
@@ -197,30 +197,30 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// The rays of a block; `None` if any of them cannot be used.
+    /// The rays of a block; `None` if one of them is invalid.
     pub fn rays(&mut self, rays: RayRows<'_>, block: Range<usize>) -> Option<Rays<'_>> {
         let origins = self.origins.fill(rays.origins, block.clone())?;
         Some(Rays { origins, directions: self.directions.fill(rays.directions, block)? })
     }
 
-    /// The points of a block; `None` if any of them cannot be used.
+    /// The points of a block; `None` if one of them is invalid.
     pub fn points(&mut self, points: Rows<'_>, block: Range<usize>) -> Option<[&[f64]; 3]> {
         self.origins.fill(points, block)
     }
 }
 
-/// Vectors component by component.
+/// Columns of vectors.
 #[derive(Default)]
 struct Three {
     columns: [Vec<f64>; 3],
 }
 
 impl Three {
-    /// Copies rows of vectors into the columns; the columns, if all rows can be used.
+    /// Copies rows of vectors to the columns; `None` if a row is invalid.
     fn fill(&mut self, rows: Rows<'_>, block: Range<usize>) -> Option<[&[f64]; 3]> {
         let len = block.len();
         if self.columns[0].len() < len {
-            // what the columns hold of a single vector stays there
+            // columns that hold a broadcast vector are kept
             let vector = rows.one.unwrap_or_default();
             self.columns.iter_mut().zip(vector).for_each(|(column, value)| column.resize(len, value));
         }
@@ -241,9 +241,9 @@ impl Three {
     }
 }
 
-/// Copies rows into columns; true if all can be used.
+/// Copies rows to columns; true if all are valid.
 fn separated(kind: Kind, rows: &[[f64; 3]], columns: [&mut [f64]; 3]) -> bool {
-    // a loop for each kind
+    // a specialised loop for each kind
     match kind {
         Kind::Point => separate(rows, columns, |row| Kind::Point.accepts(row)),
         Kind::Direction => separate(rows, columns, |row| Kind::Direction.accepts(row)),

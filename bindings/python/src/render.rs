@@ -20,7 +20,7 @@ use crate::solid::PySolid;
 use crate::subject::scene;
 use crate::vectors::vector;
 
-/// How a picture is drawn: the keyword arguments of `rayweave.render`.
+/// The keyword arguments of `rayweave.render`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Asked<'py> {
@@ -41,7 +41,7 @@ pub struct Asked<'py> {
 }
 
 impl Asked<'_> {
-    /// What is drawn, changed as is asked for and then compiled anew.
+    /// The subject with the requested changes, compiled again if there are any.
     fn subject(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
         let mut subject = match self.opacity.is_empty() && self.cut.is_none() && self.explode.is_none() {
             true => subject_of(object)?,
@@ -186,7 +186,7 @@ fn subject_of(object: &Bound<'_, PyAny>) -> PyResult<Subject> {
     if let Ok(model) = object.cast::<PyModel>() {
         return Subject::of_model(model.get().scene(), model.get().compiled(py)?);
     }
-    // of any other type, this is the error
+    // for any other type this returns the error
     scene(object)?;
     let solid = object.cast::<PySolid>()?.get();
     Ok(Subject::of_solid(solid.solid(), solid.engine(py)?))

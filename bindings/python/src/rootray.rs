@@ -153,7 +153,7 @@ impl PyRootRay {
 }
 
 impl PyRootRay {
-    /// A root-ray that was made elsewhere.
+    /// Wraps a root-ray.
     pub fn from_root_ray(ray: RootRay) -> Self {
         PyRootRay(ray)
     }
@@ -169,7 +169,7 @@ impl PyRootRay {
     }
 }
 
-/// The start side: the sign of the seed or a word. A bool would read both ways and is refused.
+/// The start side: the sign of the seed, or a word. A bool is ambiguous and is rejected.
 fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
     if let Ok(word) = start.cast::<PyString>() {
         return match word.to_str()? {

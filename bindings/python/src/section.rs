@@ -37,7 +37,7 @@ impl PySection {
 
 #[pymethods]
 impl PySection {
-    /// The names of what the plane meets, media or regions, in their order.
+    /// The names of the media or regions that the plane intersects, in their order.
     #[getter]
     fn names(&self) -> Vec<&str> {
         self.section.parts.iter().map(|part| part.name.as_str()).collect()

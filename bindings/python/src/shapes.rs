@@ -1,4 +1,4 @@
-//! The shapes: their manual pages, and solids made from their names and parameters.
+//! Shapes: their manual pages, and solids from their names and parameters.
 
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -33,7 +33,7 @@ fn parameter<'py>(py: Python<'py>, parameter: &Parameter) -> PyResult<Bound<'py,
     dict.set_item("unit", parameter.unit.to_string())?;
     dict.set_item("range", parameter.range.to_string())?;
     match parameter.kind {
-        // a list that is not given is empty
+        // a list is empty by default
         ParameterKind::Numbers => dict.set_item("default", PyTuple::empty(py))?,
         _ => dict.set_item("default", parameter.default)?,
     }
@@ -41,7 +41,8 @@ fn parameter<'py>(py: Python<'py>, parameter: &Parameter) -> PyResult<Bound<'py,
     Ok(dict)
 }
 
-/// The shape of this name; the values are those of all its parameters, in the manual's order.
+/// The shape of this name; `values` are those of all its parameters, in the order of the manual
+/// page.
 #[pyfunction]
 #[pyo3(signature = (name, values))]
 pub fn shape(name: &str, values: Vec<Bound<'_, PyAny>>) -> PyResult<PySolid> {
@@ -53,7 +54,7 @@ pub fn shape(name: &str, values: Vec<Bound<'_, PyAny>>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(primitive.into()))
 }
 
-/// A value as its parameter needs it.
+/// Converts a value to the type of its parameter.
 fn value(shape: &str, parameter: &Parameter, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     let wrong = || {
         let (name, kind) = (parameter.name, parameter.kind);

@@ -33,12 +33,12 @@ use crate::{along, crossings, hits, nearest, pickle, points};
 #[pyclass(frozen, module = "rayweave", name = "Solid")]
 pub struct PySolid {
     solid: Solid,
-    /// Compiled at the first question.
+    /// Compiled at the first query.
     engine: OnceLock<Engine>,
 }
 
 impl PySolid {
-    /// The solid with nothing compiled yet.
+    /// Wraps a solid, without compiling it.
     pub fn from_solid(solid: Solid) -> Self {
         PySolid { solid, engine: OnceLock::new() }
     }
@@ -53,7 +53,7 @@ impl PySolid {
         if self.engine.get().is_none() {
             let compile = || Engine::of_solid(Program::compile(&self.solid).map_err(bad_value)?);
             let engine = py.detach(compile)?;
-            // another thread may have been faster
+            // another thread may have compiled it first
             let _ = self.engine.set(engine);
         }
         self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
@@ -235,7 +235,8 @@ impl PySolid {
         explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
     }
 
-    /// Whether points (N, 3) or (3,) are inside: bool (N,). Of a point on the surface, the side of a ray that lies in it.
+    /// Whether points (N, 3) or (3,) are inside: bool (N,). A point on the surface has the side of
+    /// a ray that lies in the surface.
     #[pyo3(signature = (points, *, evaluator = None, threads = None))]
     fn contains<'py>(
         &self,
@@ -247,8 +248,9 @@ impl PySolid {
         points::contains(self.engine(points.py())?, points, &how)
     }
 
-    /// A box that holds the solid: float64 (2, 3), the least and the greatest coordinates. Of the empty solid, (+inf, -inf). It may
-    /// be larger than need be.
+    /// A box that holds the solid: float64 (2, 3), the least and the greatest coordinates. The box
+    /// of the empty solid is (+inf, -inf). The box is conservative and may be larger than the
+    /// solid.
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
     }
@@ -317,7 +319,7 @@ pub fn bounds_array<'py>(py: Python<'py>, bounds: &Bounds) -> Bound<'py, PyArray
     PyArray2::from_owned_array(py, arr2(&[bounds.lo.to_array(), bounds.hi.to_array()]))
 }
 
-/// A solid as text, cut where it gets long.
+/// A solid as text, truncated to a maximum length.
 pub fn short_text(solid: &Solid) -> String {
     let mut text = Cut(String::new());
     match write!(text, "{solid}") {
@@ -326,7 +328,7 @@ pub fn short_text(solid: &Solid) -> String {
     }
 }
 
-/// Takes so many characters and no more, so that writing a deep tree into it ends soon.
+/// A writer that fails beyond a number of characters, so that formatting a deep tree ends early.
 struct Cut(String);
 
 impl Write for Cut {
@@ -338,14 +340,14 @@ impl Write for Cut {
     }
 }
 
-/// A solid from what pickling wrote.
+/// A solid from its pickled bytes.
 #[pyfunction]
 #[pyo3(signature = (data))]
 pub fn solid_from_bytes(data: &[u8]) -> PyResult<PySolid> {
     pickle::decode(data).map(PySolid::from_solid).map_err(bad_value)
 }
 
-/// Nothing: the neutral element of union.
+/// The empty solid: the neutral element of union.
 #[pyfunction]
 pub fn empty() -> PySolid {
     PySolid::from_solid(Solid::empty())
@@ -357,14 +359,14 @@ pub fn universe() -> PySolid {
     PySolid::from_solid(Solid::universe())
 }
 
-/// Inside any of the solids; of none, `empty()`.
+/// The union of the solids; `empty()` if there are none.
 #[pyfunction]
 #[pyo3(signature = (solids))]
 pub fn union(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(Solid::union(operands(solids)?)))
 }
 
-/// Inside all of the solids; of none, `universe()`.
+/// The intersection of the solids; `universe()` if there are none.
 #[pyfunction]
 #[pyo3(signature = (solids))]
 pub fn intersection(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {

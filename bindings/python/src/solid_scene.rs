@@ -11,7 +11,7 @@ pub fn compiled_of(program: Arc<Program>) -> Compiled {
     Compiled { program, media: ["world".to_owned(), "solid".to_owned()].into() }
 }
 
-/// The scene of one solid and nothing else.
+/// The scene of a single solid.
 pub fn scene_of(solid: &Solid) -> Scene {
     let name = "solid".to_owned();
     let medium = |name: &str| Medium { name: name.to_owned(), ..Medium::default() };

@@ -1,4 +1,4 @@
-//! Subjects of questions: a solid or a model as a scene, a box by its corners.
+//! Subjects of queries: a solid or a model as a scene, and boxes by their corners.
 
 use pyo3::prelude::*;
 use rayweave::scene::Scene;

@@ -1,4 +1,4 @@
-//! Path lengths through media, pixel by pixel.
+//! Path lengths through media, for each pixel.
 
 use numpy::ndarray::{Array2, Array3};
 use numpy::{PyArray2, PyArray3};

@@ -1,4 +1,4 @@
-//! Time lines as drawings.
+//! Timelines of rays as SVG.
 
 use pyo3::prelude::*;
 use rayweave::draw::{Timeline, ray_timeline};

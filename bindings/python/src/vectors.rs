@@ -1,4 +1,4 @@
-//! Vectors, points and matrices on their way in and out.
+//! Conversion of vectors, points and matrices from and to Python.
 
 use numpy::ndarray::{Array2, ArrayView1, Ix2};
 use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -21,7 +21,7 @@ pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
     Ok(Vec3::new(x, y, z))
 }
 
-/// A vector that says a direction.
+/// A vector of non-zero length.
 pub fn direction(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
     let vector = vector(object, name)?;
     if vector == Vec3::ZERO {

@@ -10,10 +10,10 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-# the clock that is asked for
+# the requested clock
 _clock = process_time if os.environ.get("RAYWEAVE_BENCH_CLOCK") == "processor" else perf_counter
 
-# whatever a system prints itself goes to where errors go
+# redirect the output of the system itself to standard error
 _OUT = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)
 
@@ -60,11 +60,11 @@ def serve(name, version, tasks):
             prepare, work, answer = tasks[task]
             key = (task, file, count)
             if key not in prepared:
-                # one input at a time: some are large
+                # keep one input at a time, because some are large
                 prepared.clear()
                 prepared[key] = prepare(np.load(file + ".npy"), int(count))
             if verb == "run":
-                # the processor times of many threads add up: what passes is asked for
+                # wall-clock time, because processor times of threads add up
                 clock = perf_counter if task.endswith("/all") else _clock
                 say(f"seconds {seconds(work, prepared[key], clock)!r}")
             else:

@@ -4,10 +4,10 @@ import importlib.metadata
 import os
 import sys
 
-# before the others: what they print goes elsewhere from here on
+# imported first: it redirects the output of the other modules
 from driver import padded, serve, units
 
-# the module asks whether it shall fetch data that solids do not need: no
+# answer "no" to the prompt of the module to download data, which solids do not need
 _orders = os.dup(0)
 _read, _write = os.pipe()
 os.write(_write, b"n\n" * 8)
@@ -15,7 +15,7 @@ os.close(_write)
 os.dup2(_read, 0)
 import geant4_pybind as g4  # noqa: E402
 
-# answers that were read and not needed are left behind in the old one
+# a new object, because the buffer of the old one may contain unused answers to the prompt
 sys.stdin = os.fdopen(_orders)
 
 

@@ -38,7 +38,7 @@ def with_room(solid):
 
     def prepare(array, count):
         origins, directions = rays(array, count)
-        # as many rows as are needed: the answer itself tells
+        # a first call determines the number of rows
         return origins, directions, solid.hits(origins, directions, return_surfaces=True, threads=1)
 
     return prepare
@@ -107,7 +107,7 @@ def one_by_one(solid):
         return pairs, work, answer
 
     def wide(lists):
-        # as many rows as any ray needs
+        # padded to the number of rows that suffices for every ray
         return np.concatenate([lists, np.full((12 - len(lists), 1), np.inf)])
 
     return {

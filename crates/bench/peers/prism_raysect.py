@@ -45,10 +45,10 @@ def main():
     world = World()
     _, inner = prism(world)
     witness = Witness()
-    # light starts inside of the ball and ends on it
+    # light starts inside the ball and ends on it
     Sphere(150, world, material=witness, transform=translate(0, 0, 0))
     for incidence in INCIDENCES:
-        # by the face towards +x, on the side away from the face that is left, which looks along 120 degrees
+        # enters by the face towards +x, inclined away from the exit face, whose normal is at 120 degrees
         direction = Vector3D(-cos(radians(incidence)), sin(radians(incidence)), 0)
         origin = Point3D(inner, 0, 0) - direction * 40
         for wavelength in WAVELENGTHS_NM:

@@ -1,13 +1,13 @@
-//! Answers as lists of times, and how well those of two contenders agree.
+//! Results of contenders as lists of times, and comparison of the results of two contenders.
 
 use rayweave::Evaluator;
 use rayweave::model::{FirstHits, HitRows, Rays};
 use rayweave::{Error, Window};
 
-/// For every ray the times of its crossings, or of the first.
+/// For every ray the times of its crossings, or only of the first.
 pub type Lists = Vec<Vec<f64>>;
 
-/// The first crossing after t = 0.
+/// The window t > 0, for the first crossing after t = 0.
 pub fn ahead() -> Result<Window, Error> {
     Window::new(0.0, f64::INFINITY).map_err(Error::from)
 }
@@ -18,7 +18,7 @@ pub fn columns(rows: &[&[f64]], count: usize) -> Lists {
     (0..count).map(column).collect()
 }
 
-/// The memory of a hit array with faces.
+/// Buffers of a hit array with faces.
 pub struct HitTable {
     times: Vec<f64>,
     faces: Vec<i32>,
@@ -31,7 +31,7 @@ impl HitTable {
         HitTable { times: vec![0.0; rows * columns], faces: vec![0; rows * columns], columns }
     }
 
-    /// Without room for faces.
+    /// Buffers without faces.
     pub fn of_times(rows: usize, columns: usize) -> HitTable {
         HitTable { faces: Vec::new(), ..HitTable::new(rows, columns) }
     }
@@ -42,14 +42,14 @@ impl HitTable {
         (self.times.chunks_mut(columns).collect(), self.faces.chunks_mut(columns).collect())
     }
 
-    /// Its columns.
+    /// Converts the columns to lists.
     pub fn lists(&self) -> Lists {
         let rows: Vec<&[f64]> = self.times.chunks(self.columns.max(1)).collect();
         columns(&rows, self.columns)
     }
 }
 
-/// The memory for first hits with normals.
+/// Buffers of first hits with normals.
 #[derive(Default)]
 pub struct FirstTable {
     t: Vec<f64>,
@@ -77,13 +77,13 @@ impl FirstTable {
         FirstHits { t: &mut self.t, face: &mut self.face, placement, before, after, normal: Some([x, y, z]) }
     }
 
-    /// A list for each ray: the time, or nothing.
+    /// A list for each ray with the time of its hit, empty for a miss.
     pub fn lists(&self) -> Lists {
         columns(&[&self.t], self.t.len())
     }
 }
 
-/// The full lists of an evaluator.
+/// All crossings by an evaluator.
 pub fn full_lists<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Lists {
     let mut most = 2;
     loop {
@@ -98,28 +98,30 @@ pub fn full_lists<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Lists {
     }
 }
 
-/// The first hits of an evaluator.
+/// The first hits by an evaluator.
 pub fn first_lists<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Result<Lists, Error> {
     let mut table = FirstTable::new(rays.len());
     evaluator.nearest(rays, ahead()?, &mut evaluator.scratch(), &mut table.hits());
     Ok(table.lists())
 }
 
-/// The degree to which two contenders agree.
+/// The agreement of the results of two contenders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
-    /// The rays that were compared.
+    /// The number of rays compared.
     pub rays: usize,
-    /// Those whose lists differ in length.
+    /// The number of rays whose lists differ in length.
     pub other_count: usize,
-    /// Those of the rest on which some time is off by more than one millionth of itself, or of one.
+    /// The number of other rays with a time that differs by more than 1e-6, relative to the time or
+    /// to 1, whichever is larger.
     pub other_time: usize,
-    /// The greatest difference of two times in lists of equal length, in parts of the time, or of one if that is more.
+    /// The largest difference of two times in lists of equal length, relative to the time or to 1,
+    /// whichever is larger.
     pub worst: f64,
 }
 
 impl Agreement {
-    /// Compares two answers.
+    /// Compares two results.
     pub fn of(ours: &Lists, theirs: &Lists) -> Agreement {
         let rays = ours.len().min(theirs.len());
         let mut agreement =

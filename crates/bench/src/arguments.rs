@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// The options of the benchmark.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Arguments {
-    /// Run only the exemplars whose names begin so. May be repeated
+    /// Run only exemplars whose names begin with this text. May be repeated
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
 
@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(long)]
     pub list: bool,
 
-    /// Take seconds: to see that everything works, not for figures
+    /// Run for some seconds only: a smoke test, whose times are not meaningful
     #[arg(long)]
     pub quick: bool,
 
@@ -43,20 +43,20 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     pub peers: Option<PathBuf>,
 
-    /// The widest level of the processor that kernels by hand and ceilings use
+    /// The widest SIMD level of hand-written kernels and ceilings
     #[arg(long, value_name = "LEVEL", value_parser = level::NAMES)]
     pub level: Option<String>,
 
-    /// Count the instructions of contenders, too, with valgrind
+    /// Also count the instructions of contenders, with valgrind
     #[arg(long)]
     pub instructions: bool,
 
-    /// Measure the time that work on one thread has a processor, not the time that passes: for machines that others use,
-    /// too
+    /// Measure processor time instead of wall-clock time for work on one thread: for shared
+    /// machines
     #[arg(long)]
     pub processor_time: bool,
 
-    /// Run one contender of the exemplar once: what is done under a tool that counts instructions
+    /// Run one contender of the exemplar once, under a tool that counts instructions
     #[arg(long, value_name = "CONTENDER", hide = true)]
     pub once: Option<String>,
 
@@ -66,7 +66,7 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Duration of each measurement.
+    /// The effort of each measurement.
     pub(crate) fn effort(&self) -> Effort {
         match (&self.once, self.quick) {
             (Some(contender), _) => Effort::Once { contender: contender.clone() },
@@ -75,7 +75,7 @@ impl Arguments {
         }
     }
 
-    /// Selection of exemplars.
+    /// The clock of the measurements.
     pub(crate) fn clock(&self) -> Clock {
         if self.processor_time { Clock::Processor } else { Clock::Wall }
     }
@@ -85,12 +85,12 @@ impl Arguments {
         self.only.is_empty() || self.only.iter().any(|start| name.starts_with(start.as_str()))
     }
 
-    /// The number of threads of those who use many.
+    /// The number of threads of multi-threaded contenders.
     pub(crate) fn thread_count(&self) -> usize {
         thread_count(self.threads).get()
     }
 
-    /// The path of the plot: the one given, or beside the page.
+    /// The path of the plot: the given one, or beside the page.
     pub(crate) fn plot(&self) -> Option<PathBuf> {
         let beside = || self.markdown.as_ref().map(|page| page.with_extension("svg"));
         self.plot.clone().or_else(beside)

@@ -1,4 +1,4 @@
-//! The rays of the exemplars, the same on every platform.
+//! Ray batches of the exemplars, the same on every platform.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -6,7 +6,7 @@ use rayweave::model::RayBatch;
 use rayweave::render::{Camera, Size};
 use rayweave::{Error, Ray, Vec3};
 
-/// Random numbers for the exemplar of this name.
+/// A random number generator with this seed.
 pub fn random(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
@@ -16,7 +16,8 @@ fn in_cube(random: &mut ChaCha8Rng) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| random.random_range(-1.0..1.0)))
 }
 
-/// A point on the unit sphere: that of a point in the ball (von Neumann's rejection).
+/// A uniform random point on the unit sphere, by projection of a point in the ball (von Neumann's
+/// rejection).
 fn on_sphere(random: &mut ChaCha8Rng) -> Vec3 {
     loop {
         let point = in_cube(random);
@@ -27,8 +28,8 @@ fn on_sphere(random: &mut ChaCha8Rng) -> Vec3 {
     }
 }
 
-/// Rays without coherence: from anywhere on the sphere of radius 5 to anywhere in the cube between (-1, -1, -1) and
-/// (1, 1, 1), which is reached at t = 1.
+/// Incoherent rays: from random points on the sphere of radius 5 to random points in the cube
+/// between (-1, -1, -1) and (1, 1, 1), at t = 1.
 pub fn incoherent(count: usize, seed: u64) -> RayBatch {
     let mut random = random(seed);
     let one = |_| {
@@ -38,8 +39,8 @@ pub fn incoherent(count: usize, seed: u64) -> RayBatch {
     (0..count).map(one).collect()
 }
 
-/// Rays for a lens of aperture 20 about the origin: from anywhere on the sphere of radius 100 to anywhere in a box a little
-/// wider than the lens, so that some miss.
+/// Rays for a lens of aperture 20 about the origin: from random points on the sphere of radius 100
+/// to random points in a box slightly wider than the lens, so that some miss.
 pub fn lens_rays(count: usize, seed: u64) -> RayBatch {
     let mut random = random(seed);
     let one = |_| {
@@ -49,12 +50,13 @@ pub fn lens_rays(count: usize, seed: u64) -> RayBatch {
     (0..count).map(one).collect()
 }
 
-/// The camera of the coherent rays: it sees the cube fill most of a square picture.
+/// The camera of the coherent rays: the cube fills most of a square picture.
 pub fn camera() -> Result<Camera, Error> {
     Ok(Camera::perspective([4.0, -5.0, 3.2], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 24.0)?)
 }
 
-/// Coherent rays: those of the pixels of a square picture, row by row; as many as make whole rows, at most `count`.
+/// Coherent rays: those of the pixels of a square picture, row by row; as many whole rows as
+/// `count` rays permit.
 pub fn coherent(count: usize) -> Result<RayBatch, Error> {
     let (camera, side) = (camera()?, count.isqrt().max(8) / 8 * 8);
     let size = Size::new(side as u32, side as u32)?;

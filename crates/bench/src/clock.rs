@@ -1,20 +1,20 @@
-//! Clocks: the time of day, or the time that a thread had a processor.
+//! Clocks: wall-clock time and processor time of a thread.
 
 use std::time::{Duration, Instant};
 
-/// Kind of time that is measured.
+/// The kind of time that is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clock {
-    /// The time that passes.
+    /// Wall-clock time.
     #[default]
     Wall,
-    /// The time that the thread has a processor: nearly the same on a machine of one's own, and still of use on one that
-    /// others use, too. Where the system does not tell it: the time that passes.
+    /// Processor time of the thread: nearly the same on an idle machine, and still meaningful on a
+    /// shared one. Falls back to wall-clock time if the system does not report it.
     Processor,
 }
 
 impl Clock {
-    /// Seconds that some work took.
+    /// The duration of some work, in seconds.
     pub fn time(self, work: impl FnOnce()) -> f64 {
         match (self, processor_time()) {
             (Clock::Processor, Some(before)) => {
@@ -35,7 +35,7 @@ impl Clock {
     }
 }
 
-/// The time that this thread has had a processor.
+/// The processor time of this thread so far.
 #[cfg(unix)]
 fn processor_time() -> Option<Duration> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);

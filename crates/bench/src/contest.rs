@@ -1,10 +1,11 @@
-//! Contenders that do the same work, in turn, round by round, so that none has the machine at a better time.
+//! Interleaved measurement: contenders do the same work in turn, round by round, so that changes of
+//! the machine's speed affect all of them.
 
 use crate::clock::Clock;
 use crate::statistics::Statistics;
 use std::hint::black_box;
 
-/// On whose behalf a contender runs.
+/// The role of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// This project.
@@ -16,7 +17,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// As the results name it.
+    /// The name in results.
     pub fn name(self) -> &'static str {
         match self {
             Role::Ours => "ours",
@@ -26,7 +27,7 @@ impl Role {
     }
 }
 
-/// Duration of the measurements.
+/// The effort of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effort {
     /// Rounds, in each of which every contender runs for about `seconds` seconds.
@@ -37,7 +38,7 @@ pub enum Effort {
         seconds: f64,
         /// Models and batches are smaller by this factor.
         shrink: usize,
-        /// Kind of measurement.
+        /// The clock.
         clock: Clock,
     },
     /// One contender runs once, for a tool that counts instructions: see [`counted`].
@@ -48,9 +49,9 @@ pub enum Effort {
 }
 
 impl Effort {
-    /// For figures that are kept.
+    /// For published figures.
     pub const FULL: Effort = Effort::Rounds { rounds: 11, seconds: 0.1, shrink: 1, clock: Clock::Wall };
-    /// To see that everything works.
+    /// For a smoke test.
     pub const QUICK: Effort = Effort::Rounds { rounds: 3, seconds: 0.005, shrink: 16, clock: Clock::Wall };
 
     /// The size of a batch that is `full` at full effort: a multiple of 64.
@@ -62,7 +63,7 @@ impl Effort {
         (full / shrink / 64).max(1) * 64
     }
 
-    /// The same by another clock.
+    /// The same effort with another clock.
     pub fn by(self, clock: Clock) -> Effort {
         match self {
             Effort::Rounds { rounds, seconds, shrink, .. } => {
@@ -73,31 +74,32 @@ impl Effort {
     }
 }
 
-/// Somebody who does some work again and again.
+/// A contender: a repeatable piece of work.
 pub struct Contender<'a> {
     /// Name in tables.
     pub name: String,
-    /// On whose behalf it runs.
+    /// Its role.
     pub role: Role,
     /// The number of threads.
     pub threads: usize,
-    /// Rays, or whatever else the work consists of, in one run.
+    /// The number of items, such as rays, in one run.
     items: f64,
-    /// The least number of them.
+    /// The minimum number of items in one run.
     least: f64,
     work: Work<'a>,
 }
 
 /// The work of a contender.
 enum Work<'a> {
-    /// Runs and times the work in this process, `n` times in a row.
+    /// Runs and times the work in this process, `repeats` times in a row.
     Here { repeats: usize, run: Box<dyn FnMut() + 'a> },
-    /// Runs elsewhere and reports the seconds for `n` items.
+    /// Runs elsewhere, and returns the seconds for a number of items.
     Elsewhere(Box<dyn FnMut(f64) -> Result<f64, String> + 'a>),
 }
 
 impl<'a> Contender<'a> {
-    /// One whose work is a function of this process; `items` is what one call does.
+    /// A contender whose work is a function of this process; `items` is the number of items of one
+    /// call.
     pub fn here(name: impl Into<String>, role: Role, items: usize, run: impl FnMut() + 'a) -> Contender<'a> {
         let work = Work::Here { repeats: 1, run: Box::new(run) };
         let items = items as f64;
@@ -115,22 +117,22 @@ impl<'a> Contender<'a> {
         Contender { name: name.into(), role: Role::Peer, threads: 1, items, least: 1.0, work }
     }
 
-    /// The same on several threads.
+    /// Sets the number of threads.
     pub fn threads(self, threads: usize) -> Contender<'a> {
         Contender { threads, ..self }
     }
 
-    /// The same on somebody's behalf.
+    /// Sets the role.
     pub fn role(self, role: Role) -> Contender<'a> {
         Contender { role, ..self }
     }
 
-    /// The same, which is always given all of its items.
+    /// Makes every run process all items.
     pub fn whole(self) -> Contender<'a> {
         Contender { least: self.items, ..self }
     }
 
-    /// Warms up and finds out how much makes a run of about `seconds`.
+    /// Warms up, and determines the number of repetitions or items for a run of about `seconds`.
     fn prepare(&mut self, seconds: f64, clock: Clock) -> Result<(), String> {
         let items = self.items;
         let clock = clock.on(self.threads);
@@ -149,7 +151,7 @@ impl<'a> Contender<'a> {
         Ok(())
     }
 
-    /// One run: nanoseconds per item.
+    /// Executes one run; returns nanoseconds per item.
     fn run(&mut self, clock: Clock) -> Result<f64, String> {
         let items = self.items;
         let clock = clock.on(self.threads);
@@ -164,7 +166,7 @@ impl<'a> Contender<'a> {
     }
 }
 
-/// Runs something once. Tools that count instructions count only inside this function.
+/// Runs a function once. Tools that count instructions collect only inside this function.
 #[inline(never)]
 pub fn counted(run: &mut dyn FnMut()) {
     run();
@@ -177,15 +179,15 @@ pub fn counted(run: &mut dyn FnMut()) {
 pub struct Outcome {
     /// Its name.
     pub name: String,
-    /// On whose behalf it ran.
+    /// Its role.
     pub role: Role,
     /// The number of threads.
     pub threads: usize,
-    /// Nanoseconds per item, or why there are none.
+    /// Nanoseconds per item, or the reason why there are none.
     pub times: Result<Statistics, String>,
 }
 
-/// Lets the contenders run in turn.
+/// Measures the contenders in turn.
 pub fn contest(mut contenders: Vec<Contender<'_>>, effort: &Effort) -> Vec<Outcome> {
     let (rounds, seconds, clock) = match effort {
         Effort::Rounds { rounds, seconds, clock, .. } => (*rounds, *seconds, *clock),
@@ -197,7 +199,7 @@ pub fn contest(mut contenders: Vec<Contender<'_>>, effort: &Effort) -> Vec<Outco
     let prepare = |contender: &mut Contender<'_>| contender.prepare(seconds, clock).map(|()| Vec::new());
     let mut states: Vec<Result<Vec<f64>, String>> = contenders.iter_mut().map(prepare).collect();
     for round in 0..rounds {
-        // everybody follows somebody else in the next round
+        // rotate the order, so that each contender follows a different one in the next round
         let count = contenders.len();
         for i in (0..count).map(|i| (i + round) % count) {
             if let Ok(times) = &mut states[i] {
@@ -218,13 +220,14 @@ fn outcome(contender: Contender<'_>, state: Result<Vec<f64>, String>) -> Outcome
     Outcome { name, role, threads, times }
 }
 
-/// Runs the contender of this name once, if it is one of this process, and prints the items.
+/// Runs the contender of this name once, if it runs in this process, and prints the number of
+/// items.
 fn count(contenders: &mut [Contender<'_>], name: &str) {
     for contender in contenders {
         if let Work::Here { run, .. } = &mut contender.work
             && contender.name == name
         {
-            // what is found out or allocated the first time is not counted
+            // a first call for lazy initialisation and allocation, which is not counted
             run();
             counted(run);
             println!("items {}", contender.items);

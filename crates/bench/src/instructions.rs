@@ -1,10 +1,10 @@
-//! Instructions of contenders, counted by callgrind: figures that do not depend on what else the machine does.
+//! Instruction counts of contenders by callgrind, which do not depend on the load of the machine.
 
 use std::process::Command;
 
-/// Instructions per item of a contender of an exemplar: this program is run again under valgrind, which collects within
-/// [`counted`](crate::contest::counted) alone. `None` if there is no such contender there: the processor that valgrind
-/// makes believe has no AVX-512.
+/// Instructions per item of a contender of an exemplar: this program runs again under valgrind,
+/// which collects inside [`counted`](crate::contest::counted) only. `None` if the contender does
+/// not exist there: the processor that valgrind emulates has no AVX-512.
 pub fn count(exemplar: &str, contender: &str) -> Result<Option<f64>, String> {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut command = Command::new("valgrind");
@@ -25,7 +25,7 @@ pub fn count(exemplar: &str, contender: &str) -> Result<Option<f64>, String> {
     Ok(Some(collected / items))
 }
 
-/// The number that follows the last such word.
+/// The number after the last occurrence of a word.
 fn number_after(text: &str, word: &str) -> Option<f64> {
     let (_, rest) = text.rsplit_once(word)?;
     rest.split_whitespace().next()?.parse().ok()

@@ -1,4 +1,4 @@
-//! The levels of the processor, by name.
+//! SIMD levels of the processor, by name.
 
 use fearless_simd::Level;
 

@@ -4,11 +4,12 @@
 //! cargo run --release -p rayweave-bench -- --peers DIR --markdown docs/performance.md
 //! ```
 //!
-//! The way of a run: `ceiling` measures what the machine can do at most; each `exemplar` sets contenders to the same
-//! work, evaluators of this project, `peers` and kernels by `kernel` hand, and `contest` lets them run in turn;
-//! `answer` compares what they answer, so that a ratio of times is one for the same work; `report` writes it down.
+//! A run has these steps: `ceiling` measures the limits of the machine. Each `exemplar` gives the
+//! same work to several contenders: evaluators of this project, `peers` and the hand-written
+//! kernels of `kernel`. `contest` runs them in turn, and `answer` compares their results, so that a
+//! ratio of times refers to the same work. `report` writes the results.
 //!
-//! Nothing in the tests is timed: they check that statistics, tables and kernels are right.
+//! The tests time nothing: they verify statistics, tables and kernels.
 
 mod answer;
 mod arguments;

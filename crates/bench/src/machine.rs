@@ -17,7 +17,7 @@ pub fn description() -> Vec<(&'static str, String)> {
     facts.into_iter().filter_map(|(name, text)| Some((name, text?))).collect()
 }
 
-/// The day, as YYYY-MM-DD, in universal time.
+/// Today's date as YYYY-MM-DD, in UTC.
 pub fn today() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
     let [year, month, day] = civil((seconds / 86400) as i64);
@@ -76,7 +76,7 @@ fn system() -> Option<String> {
     Some(format!("{} on {}", release.trim(), std::env::consts::ARCH))
 }
 
-/// Load average of the last minute.
+/// The load average of the last minute.
 fn load() -> Option<String> {
     Some(read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.to_owned())
 }
@@ -89,13 +89,13 @@ mod tests {
     fn days_have_their_dates() {
         assert_eq!(civil(0), [1970, 1, 1]);
         assert_eq!(civil(-1), [1969, 12, 31]);
-        // 30 years of which 7 are leap years
+        // 30 years, of which 7 are leap years
         let turn = 30 * 365 + 7;
         assert_eq!(civil(turn), [2000, 1, 1]);
         assert_eq!(civil(turn + 31 + 28), [2000, 2, 29]);
         assert_eq!(civil(turn + 31 + 29), [2000, 3, 1]);
         assert_eq!(civil(turn + 365), [2000, 12, 31]);
-        // 2100 is no leap year
+        // 2100 is not a leap year
         assert_eq!(civil(turn + 100 * 365 + 25 + 31 + 28), [2100, 3, 1]);
     }
 

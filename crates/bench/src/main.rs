@@ -1,4 +1,4 @@
-//! The command `rayweave-bench`.
+//! The command line program `rayweave-bench`.
 
 use clap::Parser;
 use mimalloc::MiMalloc;

@@ -1,11 +1,12 @@
 //! Peers: other systems, each behind a small program that reads commands line by line and reports its own times.
 //!
-//! A driver is started in a folder with the inputs and prints `peer NAME VERSION TASK TASK ...`. Then it answers each line:
-//! `run TASK FILE N` with `seconds S`, the time that the first N rays of FILE.npy took it; `answer TASK FILE N OUT` with
-//! `done` when OUT.npy holds the times, float64 of shape (H, N), +inf where there is none. Whatever goes wrong is
-//! `error TEXT`. It ends with its input. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it reports processor times.
-//! A task `NAME/all` is NAME on as many threads as the variable `RAYWEAVE_THREADS` says; its times are those that pass.
-//! Missing peers are reported and skipped.
+//! A driver is started in a folder with the inputs and prints `peer NAME VERSION TASK TASK ...`.
+//! Then it answers each line: `run TASK FILE N` with `seconds S`, the time that the first N rays of
+//! FILE.npy took it; `answer TASK FILE N OUT` with `done` when OUT.npy holds the times, float64 of
+//! shape (H, N), +inf where there is none. Any failure is `error TEXT`. The driver ends at the end
+//! of its input. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it reports processor times.
+//! A task `NAME/all` is NAME on the number of threads in the variable `RAYWEAVE_THREADS`; its times
+//! are wall-clock times. Missing peers are reported and skipped.
 
 use crate::answer::Lists;
 use crate::clock::Clock;
@@ -23,16 +24,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 struct Known {
     name: &'static str,
     role: Role,
-    /// The interpreter or program, from the folder where peers are installed.
+    /// The interpreter or program, relative to the folder where peers are installed.
     program: &'static str,
     /// The driver, if the program is an interpreter: its name and text.
     script: Option<(&'static str, &'static str)>,
 }
 
-/// The scripts share what is in `driver.py`.
+/// The module that all scripts import.
 const DRIVER: (&str, &str) = ("driver.py", include_str!("../peers/driver.py"));
 
-/// The name of this project's own driver in Python.
+/// The name of the driver of this project's Python package.
 pub const FROM_PYTHON: &str = "Rayweave from Python";
 
 const KNOWN: &[Known] = &[
@@ -75,17 +76,17 @@ const KNOWN: &[Known] = &[
     },
 ];
 
-/// The peers that could be started, and why others could not.
+/// The peers that were started, and the reasons why others were not.
 #[derive(Default)]
 pub struct Peers {
     running: Vec<Rc<RefCell<Peer>>>,
     /// Names of peers that are missing, each with the reason.
     pub missing: Vec<(String, String)>,
-    /// Folder for inputs and answers, removed at the end.
+    /// Folder for inputs and results, removed at the end.
     folder: Option<Folder>,
 }
 
-/// A peer that waits for orders.
+/// A running peer that waits for commands.
 struct Peer {
     name: String,
     role: Role,
@@ -102,14 +103,14 @@ struct Folder(PathBuf);
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // nothing can be done about what cannot be removed
+        // a failure to remove the folder is ignored
         let _ = fs::remove_dir_all(&self.0);
     }
 }
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // it may have ended by itself
+        // the process may have ended
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -145,14 +146,14 @@ impl Peers {
         self.running.iter().map(one).collect()
     }
 
-    /// Puts rays into a file for the peers.
+    /// Writes rays to a file for the peers.
     pub fn give_rays(&self, file: &str, rays: Rays<'_>) -> io::Result<()> {
         let columns = rays.origins.into_iter().chain(rays.directions);
         let rows = columns.flat_map(|column| column.iter().copied());
         self.give(file, &[6, rays.len()], rows)
     }
 
-    /// Puts an array into a file for the peers.
+    /// Writes an array to a file for the peers.
     pub fn give<T: npyz::Serialize + npyz::AutoSerialize>(
         &self,
         file: &str,
@@ -180,7 +181,7 @@ impl Peers {
         able.map(contender).collect()
     }
 
-    /// Answers of the peers about the first `count` rays of a file, each with the peer's name.
+    /// Results of the peers for the first `count` rays of a file, each with the name of the peer.
     pub fn answers(&self, task: &str, file: &str, count: usize) -> Vec<(String, Result<Lists, String>)> {
         let able = self.running.iter().filter(|peer| peer.borrow().can(task));
         let answer = |peer: &Rc<RefCell<Peer>>| {
@@ -229,7 +230,7 @@ impl Peer {
         Ok(peer)
     }
 
-    /// Reads the line with which a driver begins.
+    /// Reads the first line of a driver.
     fn introduce(&mut self) -> Result<(), String> {
         let line = self.line()?;
         let mut words = line.split_whitespace().map(str::to_owned);
@@ -245,7 +246,7 @@ impl Peer {
         self.tasks.iter().any(|known| known == task)
     }
 
-    /// The next line that is meant for us: systems print what they like to when they are loaded.
+    /// The next line of the protocol; systems print other lines when they are loaded.
     fn line(&mut self) -> Result<String, String> {
         loop {
             let mut line = String::new();
@@ -284,13 +285,13 @@ impl Peer {
     }
 }
 
-/// A name that nobody else uses.
+/// A unique name.
 fn unique(beginning: &str) -> String {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     format!("{beginning}-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// The columns of a two-dimensional array, without what is not finite.
+/// The columns of a two-dimensional array, without entries that are not finite.
 fn read(bytes: &[u8]) -> io::Result<Lists> {
     let file = npyz::NpyFile::new(bytes)?;
     let (shape, order) = (file.shape().to_vec(), file.order());

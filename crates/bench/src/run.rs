@@ -1,4 +1,4 @@
-//! A run of the benchmark, from its options to its files.
+//! A run of the benchmark, from its options to its output files.
 
 use crate::arguments::Arguments;
 use crate::ceiling::Ceilings;
@@ -10,10 +10,10 @@ use crate::{instructions, level, machine};
 use std::fs;
 use std::path::Path;
 
-/// Runs the benchmark; tables go to standard output as they are made.
+/// Runs the benchmark. Tables go to standard output as soon as they are complete.
 ///
 /// # Errors
-/// Nothing is to be run, a file cannot be written.
+/// No exemplar is selected, or a file cannot be written.
 pub fn run(arguments: &Arguments) -> Result<(), String> {
     let exemplars = exemplar::all(arguments.large);
     let wanted: Vec<&dyn Exemplar> =
@@ -31,7 +31,7 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
     }
 }
 
-/// Under a tool that counts: no ceilings, no peers, no tables.
+/// A run under a tool that counts instructions: without ceilings, peers and tables.
 fn once(exemplar: &dyn Exemplar, arguments: &Arguments) -> Result<(), String> {
     let bench = Bench::new(arguments, None, Peers::default());
     exemplar.measure(&bench).map(|_| ())
@@ -61,7 +61,7 @@ fn measure(wanted: &[&dyn Exemplar], arguments: &Arguments) -> Result<(), String
     write(arguments, &Report { date, command, machine, ceilings, peers: running, missing, sections })
 }
 
-/// The sections of an exemplar; one that says why, if it cannot be run.
+/// The sections of an exemplar; if it fails, a section with the reason.
 fn exemplar_sections(exemplar: &dyn Exemplar, bench: &Bench, arguments: &Arguments) -> Vec<Section> {
     let mut sections = exemplar.measure(bench).unwrap_or_else(|problem| {
         let mut section = Section::new(exemplar.name(), "ray", exemplar.about());
@@ -69,14 +69,15 @@ fn exemplar_sections(exemplar: &dyn Exemplar, bench: &Bench, arguments: &Argumen
         vec![section]
     });
     if arguments.instructions {
-        // an exemplar of several sections, as a model that grows, would be built anew for each contender
+        // an exemplar with several sections, such as a growing model, would be built again for each
+        // contender
         let alone = sections.iter_mut().filter(|section| section.name == exemplar.name());
         alone.for_each(|section| count_instructions(section, &bench.peers));
     }
     sections
 }
 
-/// Counts the instructions of all who run in this process on one thread.
+/// Counts the instructions of all contenders that run in this process on one thread.
 fn count_instructions(section: &mut Section, peers: &Peers) {
     let elsewhere: Vec<String> = peers.running().into_iter().map(|(name, _)| name).collect();
     let is_here = |figure: &&mut Figure| figure.threads == 1 && !elsewhere.contains(&figure.name);
@@ -88,7 +89,7 @@ fn count_instructions(section: &mut Section, peers: &Peers) {
     }
 }
 
-/// The command line without the folders of whoever gave it.
+/// The command line without the folder of the program.
 fn command() -> String {
     let word = |word: String| match Path::new(&word) {
         path if path.is_absolute() => {
@@ -115,7 +116,7 @@ fn write(arguments: &Arguments, report: &Report) -> Result<(), String> {
     Ok(())
 }
 
-/// Writes a file that is complete or not there.
+/// Writes a file atomically.
 fn save(path: &Path, text: &str) -> Result<(), String> {
     let beside = path.with_extension("unfinished");
     let written = fs::write(&beside, text).and_then(|()| fs::rename(&beside, path));

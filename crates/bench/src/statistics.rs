@@ -1,20 +1,20 @@
-//! The middle and the spread of repeated measurements.
+//! Median and quartiles of repeated measurements.
 
-/// The middle and the spread of some numbers.
+/// Median, quartiles and range of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
-    /// Half of the numbers are below, half above.
+    /// The median.
     pub median: f64,
-    /// A quarter of the numbers are below the first, a quarter above the second.
+    /// The lower and the upper quartile.
     pub quartiles: [f64; 2],
-    /// The least and the greatest.
+    /// The minimum and the maximum.
     pub range: [f64; 2],
     /// Number of samples.
     pub count: usize,
 }
 
 impl Statistics {
-    /// Those of a sample; `None` if it is empty or holds NaN.
+    /// The statistics of a sample; `None` if it is empty or contains NaN.
     pub fn of(sample: &[f64]) -> Option<Statistics> {
         let mut sorted = sample.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -28,7 +28,7 @@ impl Statistics {
         })
     }
 
-    /// The distance of the quartiles in parts of the median.
+    /// The distance of the quartiles relative to the median.
     pub fn spread(&self) -> f64 {
         (self.quartiles[1] - self.quartiles[0]) / self.median
     }
@@ -48,8 +48,8 @@ impl Statistics {
     }
 }
 
-/// The number below which the part `p` of a sorted sample lies, linear between neighbours: definition 7 of Hyndman and
-/// Fan, Sample Quantiles in Statistical Packages (The American Statistician 50, 1996).
+/// The `p`-quantile of a sorted sample, linear between neighbours: definition 7 of Hyndman and Fan,
+/// Sample Quantiles in Statistical Packages (The American Statistician 50, 1996).
 fn quantile(sorted: &[f64], p: f64) -> f64 {
     let place = p * (sorted.len() - 1) as f64;
     let (below, part) = (place.floor() as usize, place.fract());

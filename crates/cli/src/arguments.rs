@@ -38,15 +38,16 @@ pub struct ModelArguments {
     #[arg(long = "font", value_name = "PATH")]
     pub fonts: Vec<PathBuf>,
 
-    /// Repair meshes that are not solids as far as that is safe, and report the changes
+    /// Repair meshes that are not solids, as far as this is safe, and report the changes
     #[arg(long)]
     pub repair: bool,
 
-    /// Take the lengths of a file that says no unit (meshes, OpenSCAD) in this one [default: mm]
+    /// Unit of lengths of files without a unit (meshes, OpenSCAD) [default: mm]
     #[arg(long, value_name = "UNIT", value_parser = Unit::ALL.map(|(_, symbol, _)| symbol))]
     pub unit: Option<String>,
 
-    /// Set a parameter of the model; the value may be arithmetic over others. May be repeated
+    /// Set a parameter of the model; the value may be an arithmetic expression of other parameters.
+    /// May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
     pub definitions: Vec<(String, String)>,
 }
@@ -57,12 +58,13 @@ impl ModelArguments {
         self.import().map(|imported| imported.scene)
     }
 
-    /// Reads the model file, with what was lost on the way. Warnings go to standard error.
+    /// Reads the model file, and records the losses of the import. Warnings go to standard error.
     pub fn import(&self) -> Result<Imported, Failure> {
         self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions)
     }
 
-    /// Reads a second model by the same options, but for its format and unit; it keeps the values of its own parameters.
+    /// Reads a second model by the same options, except format and unit; its parameters keep their
+    /// own values.
     pub fn load_other(
         &self,
         path: &Path,
@@ -91,7 +93,7 @@ impl ModelArguments {
         Ok(imported)
     }
 
-    /// Reads the model file and keeps what it says, for those who read tables of their own in it.
+    /// Reads the model file and keeps its document, for commands that read additional tables.
     pub fn load_document(&self) -> Result<(Document, Scene), Failure> {
         let imported = self.import()?;
         Ok((imported.document(), imported.scene))
@@ -103,10 +105,10 @@ impl ModelArguments {
     }
 }
 
-/// The part of the model and the evaluator.
+/// The subject of a command, and the evaluator.
 #[derive(Args)]
 pub struct SubjectArguments {
-    /// Take this solid alone instead of all regions
+    /// Use this solid instead of all regions
     #[arg(long, value_name = "NAME")]
     pub solid: Option<String>,
 
@@ -118,11 +120,11 @@ pub struct SubjectArguments {
 /// Accuracy of measured volumes.
 #[derive(Args)]
 pub struct SamplingArguments {
-    /// Stop when half the width of the interval is this part of the volume
+    /// Stop when the half-width of the interval is at most this fraction of the volume
     #[arg(long, value_name = "P", default_value_t = 1e-3)]
     pub precision: f64,
 
-    /// The level of confidence of the intervals
+    /// Confidence level of the intervals
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     pub confidence: f64,
 
@@ -130,15 +132,15 @@ pub struct SamplingArguments {
     #[arg(long, value_name = "N", default_value_t = 1 << 24)]
     pub rays: u64,
 
-    /// Chooses the random numbers
+    /// Seed of random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
 }
 
-/// A part of space.
+/// A box that limits a query.
 #[derive(Args)]
 pub struct WithinArguments {
-    /// Ask only about what lies within a box: its lower and its upper corner
+    /// Consider only the part within a box, given by its lower and its upper corner
     #[arg(long, num_args = 2, value_names = ["LO", "HI"], value_parser = point, allow_hyphen_values = true)]
     pub within: Option<Vec<[f64; 3]>>,
 }
@@ -153,7 +155,7 @@ impl WithinArguments {
     }
 }
 
-/// `NAME=VALUE`.
+/// Parses `NAME=VALUE`.
 fn definition(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
@@ -163,7 +165,7 @@ fn definition(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// Three finite numbers, as `1,-2.5,1e3`.
+/// Parses three finite numbers, such as `1,-2.5,1e3`.
 pub fn point(text: &str) -> Result<[f64; 3], String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let [x, y, z] = parts[..] else {
@@ -181,7 +183,7 @@ fn number(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A time, which may be infinite but not NaN.
+/// Parses a time, which may be infinite but not NaN.
 pub fn time(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(t) if !t.is_nan() => Ok(t),

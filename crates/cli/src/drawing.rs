@@ -1,4 +1,4 @@
-//! Drawings as files: SVG as it is, PNG by way of it.
+//! Output of drawings to files: SVG directly, PNG by rasterisation.
 
 use crate::failure::Failure;
 use crate::terminal;
@@ -9,15 +9,15 @@ use resvg::usvg::{Options, Tree};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Whether a name is that of a drawing, and not of something else.
+/// True if a file name has the extension of a drawing.
 pub fn is_drawing(path: &Path) -> bool {
     kind(path).is_some()
 }
 
-/// Pixels of a PNG for each of the drawing, on a side.
+/// The scale of PNG files: pixels per unit of the drawing.
 const ZOOM: f32 = 2.0;
 
-/// The kind of a file.
+/// The kind of an output file.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Svg,
@@ -33,7 +33,7 @@ fn kind(path: &Path) -> Option<Kind> {
     }
 }
 
-/// Whether a drawing can be written to a file of this name, before any work is done.
+/// Checks the extension of an output file before any work is done.
 pub fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
@@ -42,7 +42,8 @@ pub fn check(path: &Path) -> Result<(), Failure> {
     kind(path).map(|_| ()).ok_or_else(problem)
 }
 
-/// Writes a drawing, as SVG or, two pixels for each of the drawing, as PNG; `-` is SVG to standard output.
+/// Writes a drawing as SVG, or as PNG with two pixels per unit of the drawing; `-` is SVG to
+/// standard output.
 pub fn save(path: &Path, svg: &str) -> Result<(), Failure> {
     match kind(path) {
         Some(Kind::Png) => terminal::save(path, &png(svg).map_err(Failure::Run)?),
@@ -50,7 +51,7 @@ pub fn save(path: &Path, svg: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes a sheet, as SVG or, pixel for pixel, as PNG; `-` is SVG to standard output.
+/// Writes a sheet as SVG, or as PNG with one pixel per unit; `-` is SVG to standard output.
 pub fn save_sheet(path: &Path, sheet: &Sheet, title: &str) -> Result<(), Failure> {
     if kind(path) != Some(Kind::Png) {
         return terminal::save(path, sheet.to_svg(title).as_bytes());
@@ -62,7 +63,7 @@ pub fn save_sheet(path: &Path, sheet: &Sheet, title: &str) -> Result<(), Failure
     terminal::save(path, &encoded(&pixels).map_err(Failure::Run)?)
 }
 
-/// Lays a picture over others.
+/// Draws a picture over another one.
 fn put(pixels: &mut Pixmap, [x, y]: [usize; 2], image: &Image) {
     let size = IntSize::from_wh(image.width() as u32, image.height() as u32);
     let premultiplied = |&[r, g, b, a]: &[u8; 4]| ColorU8::from_rgba(r, g, b, a).premultiply();

@@ -3,28 +3,28 @@
 use rayweave::{Error, ErrorKind};
 use std::io;
 
-/// Why a run ended early.
+/// The reason why a run ended early.
 pub enum Failure {
-    /// The library says so.
+    /// An error of the library.
     Library(Error),
     /// The command line is invalid.
     Usage(String),
-    /// The question does not apply to the model.
+    /// The command does not apply to the model.
     Input(String),
     /// The run failed.
     Run(String),
-    /// The answer was given, and is no: exit code 1, without a word more.
+    /// The result is negative: exit code 1, without a message.
     Answer,
-    /// Whatever it is, the exit code is 2, as that of diff(1).
+    /// Any failure, with the exit code 2 as for diff(1).
     Trouble(Box<Failure>),
-    /// Whoever read our output has gone: nothing to complain about.
+    /// The reader of the output has closed it; this is not an error.
     BrokenPipe,
     /// Ctrl-C.
     Cancelled,
 }
 
 impl Failure {
-    /// The exit code, as the help text lists them.
+    /// The exit code, as listed in the help text.
     pub fn code(&self) -> u8 {
         match self {
             Failure::Library(error) => match error.kind() {
@@ -59,7 +59,7 @@ impl<E: Into<Error>> From<E> for Failure {
     }
 }
 
-/// A failure to write to standard output.
+/// Converts an error of writing to standard output.
 pub fn stdout_failure(error: &io::Error) -> Failure {
     match error.kind() {
         io::ErrorKind::BrokenPipe => Failure::BrokenPipe,

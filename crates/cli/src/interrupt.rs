@@ -1,4 +1,4 @@
-//! Ctrl-C: cancels runs, so that they can remove their unfinished files.
+//! Ctrl-C: cancels runs, so that they remove their unfinished files.
 
 use crate::failure::Failure;
 use rayweave::model::drive::Cancel;
@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-/// A token that Ctrl-C, or a request to terminate, uses.
+/// A token that Ctrl-C and termination signals cancel.
 pub fn token() -> Result<Cancel, Failure> {
     let cancel = Cancel::new();
     let own = cancel.clone();
@@ -16,8 +16,8 @@ pub fn token() -> Result<Cancel, Failure> {
     Ok(cancel)
 }
 
-/// Bytes of a source that may keep its reader waiting for ever, a pipe for instance, read on a thread of their own, so that
-/// a waiting reader can be cancelled.
+/// A reader of a source that may block for ever, such as a pipe. A separate thread reads the
+/// source, so that a waiting reader can be cancelled.
 pub struct Interruptible {
     blocks: Receiver<io::Result<Vec<u8>>>,
     block: Vec<u8>,
@@ -29,13 +29,13 @@ pub struct Interruptible {
 const LOOK: Duration = Duration::from_millis(50);
 
 impl Interruptible {
-    /// Opens the source and reads it.
+    /// Opens the source and starts the thread.
     pub fn new<R: Read>(
         open: impl FnOnce() -> io::Result<R> + Send + 'static,
         cancel: Cancel,
     ) -> Interruptible {
         let (sender, blocks) = sync_channel(4);
-        // not joined: it may be waiting for ever
+        // not joined, because it may block for ever
         thread::spawn(move || {
             let mut source = match open() {
                 Ok(source) => source,

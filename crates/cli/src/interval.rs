@@ -1,31 +1,32 @@
-//! Numbers with confidence intervals, for people and for programs.
+//! Formatting of values with confidence intervals, as text and JSON.
 
 use crate::terminal;
 use rayweave::measure::Estimate;
 use serde_json::Value;
 
-/// The value and half the width of its interval.
+/// The value and the half-width of its interval.
 pub fn json(estimate: &Estimate) -> Value {
     serde_json::json!({ "value": estimate.value, "half_width": estimate.half_width })
 }
 
-/// A value with its half width, as `12.34 ± 0.05`; the width has two digits at most, and the value ends where it does.
+/// A value with its half-width, such as `12.34 ± 0.05`. The half-width has at most two digits, and
+/// the value as many decimals.
 pub fn text(estimate: &Estimate) -> String {
     let (value, width) = rounded(estimate);
     format!("{value} \u{b1} {width}")
 }
 
-/// The value and the half width, as far as a reader wants to know them.
+/// The value and the half-width, rounded to two digits of the half-width.
 pub fn rounded(estimate: &Estimate) -> (String, String) {
     let width = estimate.half_width;
     if !width.is_finite() {
         return (terminal::short(estimate.value), terminal::short(width));
     }
-    // below ten digits of the value the width says nothing to a reader
+    // a half-width below 1e-10 of the value is not meaningful
     if width <= 1e-10 * estimate.value.abs() {
         return (terminal::short(estimate.value), "0".to_owned());
     }
-    // the place of the second digit: one after the power of ten of the first
+    // the position of the second digit: one after the power of ten of the first
     let first = format!("{width:e}").split_once('e').and_then(|(_, power)| power.parse::<i32>().ok());
     let place = 1 - first.unwrap_or_default();
     if (0..=12).contains(&place) {

@@ -1,4 +1,5 @@
-//! Lens files as models of the command: a sequential prescription as solids, with light of its fields.
+//! Lens files as models of the command: a sequential prescription converted to solids, with the
+//! light of its fields.
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
@@ -11,10 +12,11 @@ use rayweave::optics::{Beam, Settings};
 use rayweave::scene::Unit;
 use std::path::Path;
 
-/// Rings of rays in the pupil: 331 rays for each field and wavelength.
+/// The number of rings of rays in the pupil: 331 rays for each field and wavelength.
 const RINGS: usize = 10;
 
-/// Ghosts are followed down to this part of the power of a ray: in lenses that reflect at every face there is no end of them.
+/// The fraction of the power of a ray down to which ghosts are traced: a lens that reflects at
+/// every face has infinitely many ghosts.
 const FAINTEST: f64 = 1e-6;
 
 /// A system with its light.
@@ -22,16 +24,16 @@ pub struct Bench {
     pub optics: OpticalScene,
     /// The symbol of its unit of lengths.
     pub unit: &'static str,
-    /// The name of the sheet at the image, if it is a lens file's.
+    /// The name of the sheet at the image, if the model is a lens file.
     pub image: Option<&'static str>,
 }
 
-/// Whether a name is that of a lens file.
+/// True if a file name is that of a lens file.
 pub fn is_one(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zmx"))
 }
 
-/// Reads a lens file; what of it was passed over goes to standard error.
+/// Reads a lens file; ignored entries are reported on standard error.
 pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let path = &model.model;
     if let Some((name, _)) = model.definitions.first() {
@@ -62,7 +64,7 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     Ok(Bench { optics, unit, image: Some(IMAGE) })
 }
 
-/// The light of a field, of power 1 in all: each wavelength by its weight.
+/// The light of a field, with a total power of 1, divided among the wavelengths by weight.
 fn source(lens: &Prescription, field: usize) -> Result<Source, Box<dyn std::error::Error>> {
     let pupil = hexapolar(RINGS);
     let (mut origins, mut directions) = (Vec::new(), Vec::new());

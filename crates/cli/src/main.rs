@@ -1,4 +1,5 @@
-//! The command `rayweave`: pictures, probes, traces and facts of solid models.
+//! The command line program `rayweave`: rendering, measurement, ray and light tracing of solid
+//! models.
 
 mod arguments;
 mod cli;
@@ -15,7 +16,7 @@ use cli::Cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // a number below 0 is the value of the option before it, which says what is wrong with it
+    // a negative number is parsed as the value of the option before it, which validates it
     let command = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
     let cli = match Cli::from_arg_matches(&command.get_matches()) {
         Ok(cli) => cli,

@@ -25,7 +25,7 @@ pub fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     written.map_err(|error| stdout_failure(&error))
 }
 
-/// Writes a file, which appears when it is complete; `-` is standard output.
+/// Writes a file atomically; `-` is standard output.
 pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     if path == Path::new("-") {
         return print_bytes(bytes);
@@ -37,7 +37,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether messages may have colours: on a terminal, unless `NO_COLOR` is set (no-color.org).
+/// True if messages may have colours: on a terminal, unless `NO_COLOR` is set (no-color.org).
 fn has_colour() -> bool {
     let forbidden = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
     io::stderr().is_terminal() && !forbidden
@@ -48,12 +48,12 @@ fn tell(text: &str) {
     let _ = writeln!(io::stderr(), "{text}");
 }
 
-/// Something to know, on standard error.
+/// Writes a note to standard error.
 pub fn note(text: &str) {
     tell(text);
 }
 
-/// An error without a place in a model file.
+/// Writes an error without a position in a model file.
 pub fn complain(text: &str) {
     match has_colour() {
         true => tell(&format!("{RED}error{PLAIN}{BOLD}:{PLAIN} {text}")),
@@ -61,24 +61,24 @@ pub fn complain(text: &str) {
     }
 }
 
-/// A note about ignored input without a place in a model.
+/// Writes a warning about ignored input, without a position in a model file.
 pub fn caution(text: &str) {
     tell(&format!("warning: {text}"));
 }
 
-/// The problems of a model file, each with its place.
+/// Writes the problems of a model file, each with its position.
 pub fn diagnose(diagnostics: &Diagnostics) {
     tell(&diagnostics.render(has_colour()));
 }
 
-/// The warnings about a model file, if there are any.
+/// Writes the warnings about a model file, if there are any.
 pub fn warn(warnings: &Diagnostics) {
     if !warnings.is_empty() {
         diagnose(warnings);
     }
 }
 
-/// Reports a failure on standard error; its exit code.
+/// Reports a failure on standard error; returns its exit code.
 pub fn report(failure: &Failure) -> ExitCode {
     match failure {
         Failure::Library(error) => match error.diagnostics() {
@@ -95,7 +95,7 @@ pub fn report(failure: &Failure) -> ExitCode {
     ExitCode::from(failure.code())
 }
 
-/// A bar on standard error, shown on a terminal only. Without a total it is a counter.
+/// A progress bar on standard error, visible only on a terminal. Without a total it is a counter.
 pub fn progress_bar(total: Option<u64>, unit: Unit, quiet: bool) -> ProgressBar {
     let target = match quiet {
         true => ProgressDrawTarget::hidden(),
@@ -107,7 +107,7 @@ pub fn progress_bar(total: Option<u64>, unit: Unit, quiet: bool) -> ProgressBar 
         (Unit::Bytes, None) => "{spinner} {bytes} {bytes_per_sec}",
         (Unit::Percent, _) => "{bar:40} {percent} % {eta} left",
     };
-    // the templates are ours and right: a default style is shown should they not be
+    // the templates are constants and valid; otherwise the default style is used
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
@@ -115,7 +115,7 @@ pub fn progress_bar(total: Option<u64>, unit: Unit, quiet: bool) -> ProgressBar 
     bar
 }
 
-/// A count of something whose end is not known, on standard error, shown on a terminal only.
+/// A counter without a total on standard error, visible only on a terminal.
 pub fn counter(what: &str, quiet: bool) -> ProgressBar {
     let bar = progress_bar(None, Unit::Percent, quiet);
     if let Ok(style) = ProgressStyle::with_template(&format!("{{spinner}} {{human_pos}} {what}")) {
@@ -133,7 +133,7 @@ pub enum Unit {
     Percent,
 }
 
-/// A number to three digits, for what is an estimate.
+/// Formats an estimate with three significant digits.
 pub fn short3(x: f64) -> String {
     short(rounded(x, 3))
 }
@@ -164,7 +164,7 @@ pub fn table(header: &[&str], rows: &[Vec<String>], is_number: &[bool]) -> Strin
     text
 }
 
-/// A number with at most ten significant digits, for people to read; `-0` is `0`.
+/// Formats a number with at most ten significant digits; `-0` becomes `0`.
 pub fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.9e}").parse().unwrap_or(value);
     let plain = rounded == 0.0 || (1e-4..1e10).contains(&rounded.abs()) || !rounded.is_finite();
@@ -175,7 +175,7 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// A point for people to read.
+/// Formats a point for messages.
 pub fn short_point(p: [f64; 3]) -> String {
     format!("({})", p.map(short).join(", "))
 }

@@ -15,7 +15,7 @@ pub struct Beam {
     wavelength_nm: Vec<f64>,
     power: Vec<f64>,
     source: Vec<u32>,
-    /// Empty beyond the last polarised ray.
+    /// Polarisation by ray, up to the last polarised ray; the rays after it are unpolarised.
     stokes: Vec<Option<Stokes>>,
 }
 
@@ -105,7 +105,7 @@ impl Beam {
         self.rays().check()?;
         let bad = |column, ray, value, range| OpticsError::BadLight { column, ray, value, range };
         let first = |column: &[f64], is_good: fn(f64) -> bool| {
-            // no branch for each ray, unless one is invalid
+            // a fold without branches; the position is searched only if a value is invalid
             let all = column.iter().fold(true, |all, &value| all & is_good(value));
             if all { None } else { column.iter().position(|&value| !is_good(value)) }
         };

@@ -140,7 +140,7 @@ impl Medium {
         }
     }
 
-    /// The range of wavelengths for which the index is known, in nanometres.
+    /// The wavelengths for which the index is defined, shortest and longest, in nanometres.
     pub fn range_nm(&self) -> [f64; 2] {
         match &self.index {
             Law::Constant(_) => [0.0, f64::INFINITY],

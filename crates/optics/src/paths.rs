@@ -122,8 +122,8 @@ impl Paths {
         found
     }
 
-    /// The number of rays and the power on paths that are not in the list: those found after a
-    /// million distinct steps.
+    /// The number of rays and the power on paths that are not in the list: paths that appear after
+    /// 2^20 distinct steps.
     pub fn others(&self) -> (u64, f64) {
         self.others
     }
@@ -141,9 +141,9 @@ impl Paths {
     }
 }
 
-/// Whether a segment begins with a reflection. Of the two rays after a split that is the one that
-/// stays in its medium and changes direction; within a gradient, where the index varies, it is not
-/// detected.
+/// True if a segment begins with a reflection. After a split, the reflected ray is the one that
+/// stays in its medium and changes direction. Reflections within a gradient, where the index
+/// varies, are not detected.
 fn is_reflected(segments: &Segments, parent: usize, row: usize) -> bool {
     let direction = |row: usize| {
         let [x, y, z] = segments.direction.each_ref();

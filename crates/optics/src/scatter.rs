@@ -24,12 +24,12 @@ pub(crate) struct Incident {
     pub stokes: Option<Stokes>,
     /// The refractive index of the medium before the interface.
     pub index: f64,
-    /// The key of its random numbers.
+    /// The key of the random numbers of this ray.
     pub stream: u64,
 }
 
-/// The most facets of a rough face that are drawn until one is neither masked nor shadowed; at a
-/// grazing angle one in 15 of the visible facets is accepted.
+/// The maximum number of facets of a rough face that are drawn to find one that is neither masked
+/// nor shadowed. At a grazing angle one in 15 of the visible facets is accepted.
 const MAX_FACETS: usize = 1024;
 
 /// A ray that leaves an event.
@@ -283,7 +283,7 @@ impl Incident {
         random.next_u64();
         let (u, v) = self.normal.any_orthonormal_pair();
         let cosine = -self.direction.dot(self.normal);
-        // slopes beyond six times their spread, one in 10^9, do not count for more
+        // slopes beyond six standard deviations, one in 10^9, do not increase the bound
         let most = cosine + 6.0 * slope * (1.0 - cosine * cosine).max(0.0).sqrt();
         for _ in 0..MAX_FACETS {
             let (a, b): (f64, f64) = (1.0 - random.random::<f64>(), random.random());
@@ -376,10 +376,10 @@ impl Incident {
 /// Slopes change by the height over the focal length. The added path length makes all paths from an
 /// object point to its image equal to the path through the centre of the lens. One ray does not
 /// determine its object point: it is taken at the distance `h^2 / (h . p)` before the lens, with
-/// the height h as a vector and the slope p, where a meridional ray crosses the axis. So the paths
-/// from every point of the axis to its image are equal, in both directions, and those from points
-/// off the axis are equal up to terms of fourth order: no lens images all of space with equal paths
-/// (Born & Wolf, *Principles of Optics*, 7th edition, section 4.2.3).
+/// the height h as a vector and the slope p, where a meridional ray crosses the axis. Paths from
+/// every point of the axis to its image are then equal, in both directions; paths from points off
+/// the axis are equal up to terms of fourth order, because no lens images all of space with equal
+/// paths (Born & Wolf, *Principles of Optics*, 7th edition, section 4.2.3).
 fn thin_lens(direction: Vec3, point: Vec3, focal_length: f64) -> (Vec3, f64) {
     let across = |v: Vec3| Vec3::new(v.x, v.y, 0.0);
     let height = across(point);

@@ -106,9 +106,10 @@ impl StartSurfaces {
         starts: &mut Vec<Start>,
     ) {
         let point = ray.at(t);
-        // the taxicab norm bounds the length and needs no square root
+        // the 1-norm bounds the length and needs no square root
         let lengths = ray.origin.abs().element_sum() + t.abs() * ray.direction.abs().element_sum();
-        // a margin beyond any tolerance: surfaces whose boxes do not contain the point are out of reach
+        // far above every tolerance: a surface whose grown box does not contain the point is out of
+        // reach
         let margin = 1e3 * delta_of(lengths);
         let is_around = |bounds: &Bounds| bounds.grown(margin).contains(point);
         let mut add = |entry: &PlacedSurface| {
@@ -131,7 +132,8 @@ impl StartSurfaces {
 }
 
 impl PlacedSurface {
-    /// True if the surface is certainly out of reach: a rough form of the test in [`PlacedSurface::side`].
+    /// True if the surface is certainly out of reach: a conservative form of the test in
+    /// [`PlacedSurface::side`].
     fn is_far(&self, program: &Program, point: Vec3, lengths: f64) -> bool {
         let entry = program.surface(self.surface);
         let (value, gradient) = entry.surface.value_and_gradient(point);

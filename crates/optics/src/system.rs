@@ -227,7 +227,7 @@ impl CompiledSheet {
         let program = Program::compile_regions(&regions)
             .map_err(|problem| OpticsError::Geometry { element: element.name.clone(), problem })?;
         let start_surfaces = StartSurfaces::new(&program);
-        // with several surfaces, one that is hit before the predicted one could be overlooked
+        // the prediction does not detect that another surface of the same sheet is hit first
         let is_one = Program::compile(&sheet.surface).is_ok_and(|alone| alone.surfaces().len() == 1);
         let predictor = Predictor::new(&program).filter(|_| is_one);
         let bounds = program.bounds();
@@ -266,7 +266,8 @@ impl Solids {
     fn add(&mut self, number: usize, element: &Element) -> Result<(), OpticsError> {
         let Body::Solid { solid, material, finish, faces } = &element.body else { return Ok(()) };
         let named = with_prefix(solid, &element.name);
-        // compiled alone first, so that errors and unknown faces are reported with the name of the element
+        // each solid is compiled on its own first, so that errors and unknown faces carry the name
+        // of the element
         let alone = Program::compile(&named)
             .map_err(|problem| OpticsError::Geometry { element: element.name.clone(), problem })?;
         let face_names: Vec<String> = alone.face_names().collect();
@@ -290,8 +291,8 @@ impl Solids {
         Ok(())
     }
 
-    /// The number of the medium. Polished solids of the same glass share it: where they touch,
-    /// there is no interface.
+    /// The number of the medium. Polished solids of the same glass share one number, so that there
+    /// is no interface where they touch.
     fn medium(&mut self, material: &Material, is_plain: bool) -> u32 {
         let substance = match material {
             Material::Transparent(medium) => Substance::Transparent(medium.clone()),
@@ -348,9 +349,9 @@ fn faces(program: &Program) -> Vec<Face> {
     faces
 }
 
-/// The finishes of an element for all faces of a program: of its own faces by their names, and of
-/// faces of other elements that lie in the same surface, since a face that two elements share has
-/// the name of one of them.
+/// The finishes of an element by face of the program. It covers the element's own faces by their
+/// names, and faces of other elements that lie in the same surface, because a face that two
+/// elements share has the name of one of them.
 fn by_face(program: &Program, names: &[String], element: &str, faces: &[(String, Finish)]) -> Vec<u16> {
     let is_own = |name: &str| name.strip_prefix(element).is_some_and(|rest| rest.starts_with('.'));
     let called = |name: &str| faces.iter().rposition(|(face, _)| matches_face(name, face));
@@ -367,7 +368,7 @@ fn by_face(program: &Program, names: &[String], element: &str, faces: &[(String,
     found
 }
 
-/// True if a face name, or some of its parts between dots, is `wanted`.
+/// True if a face name, or a part of it between dots, is `wanted`.
 fn matches_face(name: &str, wanted: &str) -> bool {
     format!(".{name}.").contains(&format!(".{wanted}."))
 }

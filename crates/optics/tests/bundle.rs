@@ -1,5 +1,5 @@
-//! Light in ray bundles with hit prediction gets the bits that each ray gets alone: on ordinary systems, and where SIMD lanes
-//! are most easily wrong.
+//! Light in ray bundles with hit prediction has the same results, to the bit, as each ray traced
+//! alone: on ordinary systems, and in cases in which SIMD lanes are prone to errors.
 
 mod common;
 
@@ -27,8 +27,8 @@ fn flat_screen(name: &str, z: f64, size: f64) -> Element {
     screen(name, surface, trim)
 }
 
-/// The rows of each ray of a beam, as text that shows every bit, and the sums of the power that elements and media absorbed
-/// and that was dropped.
+/// The rows of each ray of a beam, as text that shows every bit, and the power sums: absorbed by
+/// elements, absorbed in media, dropped.
 fn rows_by_ray<E: Evaluator>(
     tracer: &Tracer<'_, E>,
     lights: &[Light],
@@ -51,7 +51,8 @@ fn rows_by_ray<E: Evaluator>(
     (rows, [balance.absorbed.iter().sum(), balance.absorbed_in_media, balance.dropped])
 }
 
-/// Traces light together, and ray by ray with an evaluator without SIMD lanes.
+/// Traces light together, and ray by ray with an evaluator without SIMD lanes, and compares the
+/// results.
 fn assert_same_alone(what: &str, system: &System, lights: &[Light]) {
     let (packets, reference) = (Tracer::new(system, Packets::new), Tracer::new(system, Reference::new));
     for options in [(Keep::All, 0.0), (Keep::Ends, 0.0), (Keep::All, 0.8)] {
@@ -68,7 +69,7 @@ fn assert_same_alone(what: &str, system: &System, lights: &[Light]) {
     }
 }
 
-/// Ordinary light, from which hits are predicted, before and after each of some hostile bundles.
+/// Ordinary light, from which hits are predicted, before and after each hostile bundle.
 fn between_ordinary(hostile: impl Iterator<Item = [Light; 8]>) -> Vec<Light> {
     let ordinary = || disk(16, 4.0).map(|[x, y]| along_z(x, y));
     ordinary().chain(hostile.flat_map(|eight| eight.into_iter().chain(ordinary()))).collect()

@@ -1,4 +1,5 @@
-//! The `[optics]` tables of model files: what they mean, against closed forms, and what is said of wrong ones.
+//! The `[optics]` tables of model files: results against closed forms, and messages for invalid
+//! tables.
 
 use rayweave_math::Vec3;
 use rayweave_optics::file::{OpticalScene, optics_of};
@@ -50,7 +51,8 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-12, "{found} is not {expected}");
 }
 
-/// Light along z from z = -10, a screen behind it and one before it; what is about the origin is left to the case.
+/// Light along z from z = -10, with two screens: `behind` the source at z = -20, for reflected light,
+/// and `before` it at z = 20, for transmitted light. Each case adds its element at the origin.
 const BENCH: &str = r#"
 [[optics.source]]
 beam = { circle = 2, rays = 50 }
@@ -73,7 +75,7 @@ fn plate(index: f64) -> String {
     format!("[solid.plate]\nbox = {{ size = [60, 60, 2] }}\n[medium.plate]\nindex = {index}\n")
 }
 
-/// What arrives behind and before a plate with a finish, and what stays in it.
+/// The power that a plate with a finish reflects, transmits and absorbs.
 fn with_finish(index: f64, finish: &str) -> [f64; 3] {
     let run = Run::new(&read(&format!(
         "{}[optics]\nbranches = 'both'\n[optics.face]\n'plate.z-' = {finish}\n{BENCH}",
@@ -95,7 +97,8 @@ fn finishes() {
     check(1.0, "{ mirror = 0.9 }", [0.9, 0.0, 0.1]);
     check(1.0, "{ splitter = 0.3 }", [0.3, 0.7, 0.0]);
     check(1.0, "{ rough = 0 }", [0.0, 1.0, 0.0]);
-    // a quarter of a wave of the geometric mean lets all light into the glass; 0.04 comes back from behind it
+    // a quarter wave of the geometric mean transmits all light into the glass; 0.04 is reflected at
+    // its back
     check(1.5, "{ coated = [['sqrt(1.5)', 0, '550 / 4 / sqrt(1.5)']] }", [0.04, 0.96, 0.0]);
     let [_, before, plate] = with_finish(1.0, "{ diffuse = 0.8 }");
     close(before, 0.0);
@@ -111,7 +114,7 @@ fn longer_names_of_faces_say_more() {
     close(run.absorbed("plate"), 1.0);
 }
 
-/// What a sheet about the origin makes of the light.
+/// The results of a sheet at the origin with an action.
 fn with_action(optics: &str, action: &str) -> Run {
     let sheet = format!("[[optics.sheet]]\nname = 'sheet'\nellipse = [30, 40]\naction = {action}\n");
     Run::new(&read(&format!("{optics}{sheet}{BENCH}")))
@@ -159,7 +162,8 @@ fn gratings_and_the_unit_of_the_document() {
     }
 }
 
-/// Malus's law, and a half-wave plate that turns the light into the second polariser.
+/// Malus's law, and a half-wave plate that rotates the polarisation to the axis of the second
+/// polariser.
 #[test]
 fn polarising_sheets() {
     let sheet = |name: &str, z: f64, action: &str| {
@@ -170,7 +174,7 @@ fn polarising_sheets() {
     let passed = |sheets: &str| {
         let said =
             Run::new(&read(&format!("[optics]\npolarised = true\n{sheets}{BENCH}"))).absorbed("before");
-        // where a sheet polarises, polarisation is followed without a word
+        // polarisation is traced by default if a sheet polarises
         close(Run::new(&read(&format!("{sheets}{BENCH}"))).absorbed("before"), said);
         said
     };
@@ -211,7 +215,8 @@ fn media() {
     close(with("plate = 'mirror'")[0], 1.0);
     // a metal reflects |(n - 1) / (n + 1)|^2 with n = 0.2 + 3 i
     close(with("plate = { n = 0.2, k = 3 }")[0], (0.64 + 9.0) / (1.44 + 9.0));
-    // and a faint dye absorbs by Beer and Lambert: 2 mm of it let exp(-4 pi k d / wavelength) through
+    // and a faint dye absorbs by the Beer-Lambert law: 2 mm of it transmit exp(-4 pi k d /
+    // wavelength)
     let [_, before, _] = with("plate = { n = 1.7, k = 1e-5 }\nworld = 1.7");
     let through = (-4.0 * std::f64::consts::PI * 1e-5 * 2e6 / 550.0_f64).exp();
     assert!((before - through).abs() < 1e-4, "{before} {through}");
@@ -250,7 +255,7 @@ fn sources() {
     let sources: Vec<_> = optics.sources.sources().iter().map(|source| source.rays(0..u64::MAX)).collect();
     assert_eq!(sources.iter().map(|rays| rays.len()).collect::<Vec<_>>(), [40; 8]);
     for (number, rays) in sources.iter().enumerate() {
-        // of a lamp, whose rays differ, in the mean
+        // for a lamp, whose rays differ, the mean
         let (power, error) = ([2.0, 1.0][number.min(1)], if number == 4 { 0.3 } else { 1e-12 });
         assert!((rays.power.iter().sum::<f64>() - power).abs() < error, "{number}");
     }
@@ -292,7 +297,8 @@ fn settings() {
     assert_eq!(read("[optics]\n").settings.branches, Branches::Ideal);
 }
 
-/// A parabola sends light along its axis through its focus, a stop lets the middle of the beam through only.
+/// A parabola reflects light along its axis through its focus, a stop transmits only the middle of
+/// the beam.
 #[test]
 fn a_parabola_has_its_focus_where_the_file_says() {
     let text = "
@@ -326,7 +332,8 @@ fn a_parabola_has_its_focus_where_the_file_says() {
         let hits = run.at("focus");
         let focus = Vec3::new(0.0, 0.0, f.parse().unwrap());
         let reflected: Vec<_> = hits.iter().filter(|segment| segment.generation == 1).collect();
-        // the parts of the areas of circles of 16, and of the little sheet in the way, in one of 20
+        // the fractions of the area of a circle of 20: of the circle of 16, and of the small sheet
+        // in the way
         assert!((reflected.len() as f64 / 4000.0 - 0.64).abs() < 2e-3, "{}", reflected.len());
         assert!((run.absorbed("stop") - 0.36).abs() < 1e-3);
         reflected
@@ -335,7 +342,7 @@ fn a_parabola_has_its_focus_where_the_file_says() {
     }
 }
 
-/// Line, column and message of each problem, one a line.
+/// Line, column and message of each problem, one per line.
 fn problems(text: &str) -> String {
     let problems = read_with(text, &[]).map(|_| ()).unwrap_err();
     let line = |problem: &rayweave_scene::Diagnostic| {
@@ -412,14 +419,14 @@ wavelength_nm = { band = [700, 400] }
     assert_eq!(problems(text), expected);
 }
 
-/// What has no outline is no sheet, whatever else is said of it.
+/// A sheet needs an outline, whatever its other keys are.
 #[test]
 fn outlines_and_values_that_are_missing() {
     let sheet = |rest: &str| problems(&format!("{BENCH}[[optics.sheet]]\nname = 'a'\n{rest}\n"));
     let no_outline = "`optics.sheet` has no `circle` or `rectangle` or `ellipse`: it is needed.";
     assert!(sheet("action = 'absorb'").contains(no_outline));
     assert!(sheet("action = 'absorb'\nopening = { circle = 1 }").contains(no_outline));
-    // a slip is reported once
+    // a misspelt key is reported once
     let slip = sheet("action = 'absorb'\ncircel = 3");
     assert!(slip.contains("circle`?") && slip.lines().count() == 1, "{slip}");
     let disc = problems("[optics]\n[[optics.source]]\ndisc = { angle = 10, rays = 5 }\n");
@@ -468,7 +475,7 @@ fn media_without_an_index() {
     );
 }
 
-/// A rod of a quarter pitch brings parallel light to a point on its far end.
+/// A rod of a quarter pitch focuses parallel light on its far end.
 #[test]
 fn gradients_of_media() {
     let text = |medium: &str| {
@@ -513,7 +520,7 @@ transform = [{{ rotate_x = -90 }}, {{ translate = [0, -20, 0] }}]
     }
 }
 
-/// As many rays as a grid or rings have; a spiral and chance have any number.
+/// A grid or rings have their own number of rays; a spiral and random points have any number.
 #[test]
 fn ways_of_sampling() {
     let count = |way: &str| {
@@ -535,7 +542,8 @@ fn ways_of_sampling() {
     assert!(problems(unknown).contains("Did you mean `grid`?"), "{}", problems(unknown));
 }
 
-/// Malus: light that swings along x goes through a polariser at an angle by the square of its cosine.
+/// Malus's law: a polariser at an angle transmits the square of its cosine of light polarised along
+/// x.
 #[test]
 fn polarised_sources() {
     let through = |stokes: &str, degrees: f64| {
@@ -599,7 +607,8 @@ fn curved_sheets() {
     assert!(bad("radius = 10").starts_with("3:1 the aperture of the sheet extends 15 "), "{}", bad("radius = 10"));
 }
 
-/// Lambert's law: half of the power is within 45 degrees; evenly, 1 - cos 45 degrees of a half space.
+/// Lambert's law: half of the power is within 45 degrees; with isotropic emission it is 1 - cos 45
+/// degrees.
 #[test]
 fn light_from_an_outline() {
     let within = |emission: &str| {

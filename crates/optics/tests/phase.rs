@@ -37,8 +37,9 @@ fn amplitude(segments: &Segments, phases: &[f64], along: Vec3) -> Complex64 {
     leaves.map(|(row, phase)| Complex64::from_polar(row.intensity.sqrt(), phase.to_radians())).sum()
 }
 
-/// A plate in air: what comes through it in all beams together is Airy's function of its thickness, and the rest goes back (Born
-/// & Wolf, *Principles of Optics*, 7th edition, section 7.6.1, equations 11 to 15).
+/// A plate in air: the sum of all transmitted beams is Airy's function of its thickness, and the
+/// rest is reflected (Born & Wolf, *Principles of Optics*, 7th edition, section 7.6.1, equations 11
+/// to 15).
 #[test]
 fn beams_of_an_etalon_add_up_to_airys_formula() {
     let (n, thickness) = (1.8, 0.5);
@@ -58,7 +59,7 @@ fn beams_of_an_etalon_add_up_to_airys_formula() {
     }
 }
 
-/// What a row has jumped more than the one before it.
+/// The phase jump between a row and its parent, in degrees.
 fn jump(segments: &Segments, phases: &[f64], child: usize) -> f64 {
     let parent = segments.parent[child] as usize;
     let own =
@@ -103,8 +104,8 @@ fn total_reflection_delays_s_and_p_apart() {
     }
 }
 
-/// Half a wave where the light comes from the thinner medium, none where it comes from the denser one; p turns over at
-/// Brewster's angle, and refracted light never jumps (Born & Wolf, section 1.5.3).
+/// A jump of half a wave for light from the thinner medium, none for light from the denser one; p
+/// changes sign at Brewster's angle, and refracted light has no jump (Born & Wolf, section 1.5.3).
 #[test]
 fn reflection_from_a_denser_medium_reverses() {
     let n = 1.5;

@@ -20,7 +20,7 @@ fn one(system: &System, light: Light, settings: &Settings) -> Vec<Segment> {
     trace(system, &Beam::from_iter([light]), settings).segments.iter().collect()
 }
 
-/// Equal but for the end points of what has no end.
+/// True if the traces are equal; end points of light that escapes are NaN and are not compared.
 fn is_same(a: &Trace, b: &Trace) -> bool {
     let open = |trace: &Trace| {
         let rows = trace.segments.iter().map(|row| match row.event {
@@ -69,7 +69,7 @@ fn lenses_agree_with_a_sequential_trace() {
         // angles against the axis: at the first surface and at the second one
         let (z1, i1) = (r - thickness / 2.0 - (r * r - h * h).sqrt(), (h / r).asin());
         let u = -(i1 - (h / r / n).asin());
-        // meet the second sphere: its centre is at z = thickness / 2 - r
+        // intersect the second sphere: its centre is at z = thickness / 2 - r
         let (oz, oh) = (z1 - (thickness / 2.0 - r), h);
         let b = oz * u.cos() + oh * u.sin();
         let t = -b + (b * b - oz * oz - oh * oh + r * r).sqrt();
@@ -108,7 +108,7 @@ fn a_prism_deviates_least_when_passed_symmetrically() {
 
 #[test]
 fn parabolas_and_ellipsoids_focus_perfectly() {
-    // x^2 + y^2 < 4 f z carved out of a block: light along -z meets at z = f
+    // x^2 + y^2 < 4 f z removed from a block: light along -z converges at z = f
     let dish = rod(20.0, 40.0) - solid(Paraboloid::new(25.0, f64::INFINITY).unwrap());
     let screen = Element::sheet("focus", plane(25.0, 2.0), Action::Absorb);
     let system = Assembly::new().add(Element::mirror("dish", dish)).add(screen).compile().unwrap();
@@ -172,7 +172,7 @@ fn nothing_is_seen_between_cemented_lenses() {
     for (ray, indices) in indices.iter().enumerate() {
         assert_eq!(*indices, [1.333, 1.5168, 1.62, 1.333], "ray {ray}");
     }
-    // the very same from the evaluator that is the truth
+    // the same from the reference evaluator
     let truth = Tracer::new(&system, Reference::new).trace(&beam, &Settings::default()).unwrap();
     assert!(is_same(&truth, &found));
 }
@@ -337,7 +337,8 @@ fn gratings_obey_their_equation() {
     assert_eq!(rows[0].event, Event::Reflected);
 }
 
-/// A grating stretched twice has half the lines, in directions and in paths; one that is sheared along its normal keeps them.
+/// A grating stretched by two has half the lines, in directions and in paths; one sheared along its
+/// normal keeps them.
 #[test]
 fn stretched_gratings_have_fewer_lines() {
     let (light, order) = (Light::new(Vec3::new(1.0, 2.0, -9.0), Vec3::Z, 500.0), 1);
@@ -365,7 +366,8 @@ fn stretched_gratings_have_fewer_lines() {
     }
 }
 
-/// All rays of a beam go the same length through an ideal lens to its focus: a wavefront that converges to a point.
+/// All rays of a beam have the same path length through an ideal lens to its focus: the wavefront
+/// converges to a point.
 #[test]
 fn thin_lenses_make_spheres_of_plane_wavefronts() {
     let system = Assembly::new()
@@ -379,7 +381,8 @@ fn thin_lenses_make_spheres_of_plane_wavefronts() {
     }
 }
 
-/// Order m adds m wavelengths for each period from the middle: the wavefronts behind a grating are across the rays.
+/// Order m adds m wavelengths for each period from the middle: the wavefronts behind a grating are
+/// perpendicular to the rays.
 #[test]
 fn gratings_tilt_wavefronts() {
     let (lines, order) = (0.1 * Vec3::new(6000.0, -2000.0, 0.0), 2);
@@ -390,11 +393,11 @@ fn gratings_tilt_wavefronts() {
         let d = Vec3::new(0.1, 0.05, 1.0).normalize();
         let phase = |x: f64, y: f64| {
             let foot = Vec3::new(x, y, 0.0);
-            // from a plane across the ray, so that all have come as far
+            // from a plane perpendicular to the ray, so that all have the same path
             let rows =
                 one(&system, Light::new(foot - (50.0 + foot.dot(d)) * d, d, 500.0), &Settings::default());
             let last = rows[1];
-            // back to the plane through the origin across the ray that leaves
+            // back to the plane through the origin, perpendicular to the ray that leaves
             last.path - last.start.dot(last.direction)
         };
         for [x, y] in disk(20, 15.0) {
@@ -403,7 +406,8 @@ fn gratings_tilt_wavefronts() {
     }
 }
 
-/// However rough and at whatever angle: what is reflected stays on its side of the mean face, what goes on goes beyond.
+/// At any roughness and angle, reflected light stays on its side of the mean face, and transmitted
+/// light leaves on the other.
 #[test]
 fn rough_faces_send_light_to_the_right_side() {
     let slab = block(1e4, 1e4, 1.0).translate(Vec3::Z * 0.5);
@@ -427,8 +431,9 @@ fn rough_faces_send_light_to_the_right_side() {
     }
 }
 
-/// What light sees of facets with the spread s of slopes: their slope towards it, at the angle a, is s^2 tan(a) in the mean
-/// (Walter et al. 2007, the distribution of visible normals, here of slopes).
+/// The mean slope of the visible facets of a rough face with the spread s of slopes: towards light
+/// at the angle a it is s^2 tan(a) (Walter et al. 2007, the distribution of visible normals, here
+/// of slopes).
 #[test]
 fn light_sees_the_facets_that_are_turned_to_it() {
     let half = solid(HalfSpace::new(Vec3::Z, 0.0).unwrap());
@@ -485,7 +490,7 @@ fn corner_cubes_send_light_back() {
 
 #[test]
 fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
-    // the silvered spot of a lens: the mirror begins in the very face in which the lens would end
+    // the silvered spot of a lens: the mirror begins in the same face in which the lens would end
     let centre = Vec3::Z * -25.0;
     let round = (
         ball(30.0).translate(centre) - below(-5.0),
@@ -501,7 +506,7 @@ fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
             .unwrap();
         let rows = one(&system, along_z(1.0, 0.5), &Settings::default());
         assert_eq!(rows[1].event, Event::Reflected, "{rows:?}");
-        // beside the spot light goes on, whatever the leaves are called
+        // light beside the spot is transmitted, whatever the names of the leaves
         let beside = one(&system, along_z(5.0, 0.5), &Settings::default());
         assert_eq!(beside[1].event, Event::Transmitted, "{beside:?}");
     }

@@ -1,4 +1,4 @@
-//! Numbers as text: `"2 * R + 1"`.
+//! Arithmetic expressions in model files, such as `"2 * R + 1"`.
 //!
 //! Operators, from weak to strong: `+ -`, `* /`, signs, `^` (or `**`, from right to left, so that
 //! `-2 ^ 2` is -4). Functions: see [`FUNCTIONS`]; angles are in degrees, as everywhere in a model file.
@@ -12,11 +12,11 @@ use crate::suggestion::did_you_mean;
 use crate::syntax::{Associativity, Grammar, ItemKind, parse};
 use std::f64::consts::{PI, TAU};
 
-/// A function of arithmetic text.
+/// A function of arithmetic expressions.
 pub struct Function {
     /// Its name.
     pub name: &'static str,
-    /// The least and the greatest number of arguments.
+    /// The minimum and the maximum number of arguments.
     pub arity: (usize, usize),
     /// Value of the function.
     pub summary: &'static str,
@@ -34,7 +34,7 @@ const fn function(
     Function { name, arity, summary, apply }
 }
 
-/// The functions of arithmetic text.
+/// The functions of arithmetic expressions.
 pub static FUNCTIONS: &[Function] = &[
     function("sqrt", (1, 1), "the square root", |x| x[0].sqrt()),
     function("sin", (1, 1), "the sine of an angle in degrees", |x| rayweave_math::sin_cos_degrees(x[0]).0),
@@ -58,7 +58,7 @@ pub static FUNCTIONS: &[Function] = &[
     function("hypot", (2, 2), "the length of the hypotenuse", |x| libm::hypot(x[0], x[1])),
 ];
 
-/// The constants of arithmetic text.
+/// The constants of arithmetic expressions.
 pub static CONSTANTS: &[(&str, f64)] = &[("pi", PI), ("tau", TAU), ("inf", f64::INFINITY)];
 
 fn tan_degrees(degrees: f64) -> f64 {
@@ -94,14 +94,15 @@ enum Operation {
     Call(usize, usize),
 }
 
-/// Arithmetic text, ready to be evaluated.
+/// A parsed arithmetic expression.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Arithmetic {
     operations: Vec<(Operation, Span)>,
 }
 
 impl Arithmetic {
-    /// Reads a text; reports all unknown functions and wrong numbers of arguments at once.
+    /// Parses an expression. All unknown functions and wrong numbers of arguments are reported at
+    /// once.
     pub fn parse(text: &str) -> Result<Arithmetic, Vec<Fault>> {
         let items = parse(text, &GRAMMAR).map_err(|fault| vec![fault])?;
         let (mut operations, mut faults) = (Vec::with_capacity(items.len()), Vec::new());
@@ -114,7 +115,7 @@ impl Arithmetic {
         if faults.is_empty() { Ok(Arithmetic { operations }) } else { Err(faults) }
     }
 
-    /// The parameters that occur, each as often as it does.
+    /// The parameters in the expression, once per occurrence.
     pub fn names(&self) -> impl Iterator<Item = (&str, Span)> {
         self.operations.iter().filter_map(|(operation, span)| match operation {
             Operation::Parameter(name) => Some((name.as_str(), *span)),
@@ -122,8 +123,8 @@ impl Arithmetic {
         })
     }
 
-    /// The value, given those of the parameters. Dividing by zero, a result that is not a number, and an
-    /// infinite result of finite numbers are faults.
+    /// Evaluates the expression with the given values of its parameters. Division by zero, a NaN
+    /// result, and an infinite result of finite numbers are faults.
     pub fn evaluate(&self, parameter: impl Fn(&str) -> f64) -> Result<f64, Fault> {
         let mut stack = Vec::new();
         for (operation, span) in &self.operations {

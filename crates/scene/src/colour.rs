@@ -1,8 +1,8 @@
-//! Colours.
+//! sRGB colours, and the default palette of regions.
 
 use std::fmt;
 
-/// A colour as screens take it: sRGB, 8 bits a channel, with opacity (255 is opaque).
+/// An sRGB colour with 8 bits per channel and an opacity (255 is opaque).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Colour {
     /// Red.
@@ -19,8 +19,9 @@ impl Colour {
     /// White.
     pub const WHITE: Colour = Colour::new(255, 255, 255);
 
-    /// The colours that regions without one get in turn: those of Okabe and Ito, which people with any kind
-    /// of colour vision can tell apart ("Color Universal Design", 2008), without black.
+    /// Default colours of regions, assigned in turn: the palette of Okabe and Ito, which remains
+    /// distinguishable with colour vision deficiency ("Color Universal Design", 2008), without
+    /// black.
     pub const PALETTE: [Colour; 7] = [
         Colour::new(86, 180, 233),
         Colour::new(230, 159, 0),
@@ -31,8 +32,8 @@ impl Colour {
         Colour::new(213, 94, 0),
     ];
 
-    /// The colour of something without one: those of [`Colour::PALETTE`] in turn, then the same lighter, darker and darkest, until
-    /// they begin anew.
+    /// The default colour of region number `number`: those of [`Colour::PALETTE`] in turn, then
+    /// lighter, darker and darkest versions, then again from the start.
     pub fn numbered(number: usize) -> Colour {
         let count = Colour::PALETTE.len();
         let (colour, round) = (Colour::PALETTE[number % count], number / count % 4);
@@ -55,7 +56,7 @@ impl Colour {
         Colour { red, green, blue, alpha }
     }
 
-    /// From `#rgb`, `#rrggbb` or `#rrggbbaa`.
+    /// Parses `#rgb`, `#rrggbb` or `#rrggbbaa`.
     pub fn parse(text: &str) -> Option<Colour> {
         let digits = text.strip_prefix('#')?.as_bytes();
         let nibbles: Vec<u8> =
@@ -70,7 +71,7 @@ impl Colour {
     }
 }
 
-/// `#rrggbb`, or `#rrggbbaa` if it is not opaque.
+/// Formats as `#rrggbb`, or `#rrggbbaa` if not opaque.
 impl fmt::Display for Colour {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "#{:02x}{:02x}{:02x}", self.red, self.green, self.blue)?;

@@ -1,4 +1,4 @@
-//! A compiled scene.
+//! A compiled scene: the program with the names of its media.
 
 use crate::{Colour, Medium, Scene, SceneError, SceneRegion};
 use rayweave_error::Message;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 pub struct Compiled {
     /// The model.
     pub program: Arc<Program>,
-    /// The names of the media: number 0 is that of the world.
+    /// The names of the media by number; 0 is the medium of the world.
     pub media: Arc<[String]>,
 }
 
@@ -19,14 +19,14 @@ impl Compiled {
     ///
     /// # Errors
     ///
-    /// [`SceneError::Compile`], for a singular transform for instance.
+    /// [`SceneError::Compile`], for example for a singular transform.
     pub fn new(scene: &Scene) -> Result<Compiled, SceneError> {
         let program = Program::compile_regions(&scene.model_regions())?;
         let media = scene.medium_names().into_iter().map(str::to_owned).collect();
         Ok(Compiled { program: Arc::new(program), media })
     }
 
-    /// Compiles one solid of a scene as the only region, as [`Scene::alone`] gives it.
+    /// Compiles one solid of a scene as the only region: see [`Scene::alone`].
     ///
     /// # Errors
     ///
@@ -53,7 +53,7 @@ impl Compiled {
         Some(&self.program.regions().get(index)?.name)
     }
 
-    /// The name of the medium of a region, that of the world for region 0.
+    /// The name of the medium of a region; region 0 is the world.
     pub fn medium_name(&self, region: RegionId) -> &str {
         let medium = self.program.medium_of(region) as usize;
         self.media.get(medium).map_or("", String::as_str)
@@ -65,14 +65,14 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`SceneError::UnknownName`] with the name that was probably meant.
+    /// [`SceneError::UnknownName`], which suggests the most similar name.
     pub fn find_solid(&self, name: &str) -> Result<&Solid, SceneError> {
         let known = self.solids.iter().map(|(own, _)| own.as_str());
         self.solid(name).ok_or_else(|| SceneError::UnknownName(Message::unknown("solid", name, known)))
     }
 
-    /// The scene with one of its solids as the only region. Its medium is that of the last region made of the solid; without
-    /// such a region it is a new one, named like the solid.
+    /// The scene with one of its solids as the only region. Its medium is that of the last region
+    /// made of the solid; without such a region, a new medium with the name of the solid.
     ///
     /// # Errors
     ///

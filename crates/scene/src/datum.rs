@@ -1,4 +1,4 @@
-//! Values of a file, whatever they mean.
+//! Untyped values of a model file: numbers, texts, lists and tables with their source spans.
 
 use crate::diagnostic::Diagnostic;
 use crate::number::written;
@@ -6,7 +6,7 @@ use crate::source::{Source, Span, Spanned};
 use std::sync::Arc;
 use toml::de::{DeInteger, DeTable, DeValue};
 
-/// A value as it stands in a file.
+/// An untyped value of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Datum {
     /// A number; whole numbers beyond 2^53 are rounded.
@@ -44,8 +44,8 @@ impl Datum {
     }
 }
 
-/// Takes a table of the syntax tree over. Tables nest no deeper than the parser of the syntax allows, which
-/// is less than 300 levels.
+/// Converts a table of the syntax tree. The TOML parser limits the nesting of tables to fewer than
+/// 300 levels.
 pub(crate) fn from_toml(table: &DeTable, source: &Arc<Source>, problems: &mut Vec<Diagnostic>) -> Table {
     let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<_>)| {
         let key: &toml::Spanned<toml::de::DeString> = key;

@@ -1,4 +1,5 @@
-//! From solids that a program has built to a document that says the same.
+//! Conversion of solids and scenes built by a program to documents, which can be written as model
+//! files.
 
 use crate::colour::Colour;
 use crate::datum::Datum;
@@ -13,14 +14,14 @@ use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{HashMap, HashSet};
 
 impl Document {
-    /// A document that holds a solid under a name. Read back it gives the solid itself if that has a name
-    /// already (which may be another one), and `solid.named(name)` if it has none. Parts that are shared become
-    /// solids of their own; their names begin with `_` if they have none.
+    /// A document that contains a solid under a name. Reading it back gives `solid.named(name)`, or
+    /// the solid itself if it has a name already (which may be another one). Shared parts become
+    /// solids of their own; parts without a name get names that begin with `_`.
     pub fn from_solid(name: &str, solid: &Solid) -> Document {
         Document::from_solids([(name, solid)])
     }
 
-    /// The same for many solids, whose names differ.
+    /// Like [`Document::from_solid`] for several solids with distinct names.
     pub fn from_solids<'a>(solids: impl IntoIterator<Item = (&'a str, &'a Solid)>) -> Document {
         let roots: Vec<(&str, &Solid)> = solids.into_iter().collect();
         Document {
@@ -30,7 +31,7 @@ impl Document {
         }
     }
 
-    /// A document equal to the scene; values replace parameters.
+    /// A document equal to the scene, with values in place of parameters.
     pub fn from_scene(scene: &Scene) -> Document {
         let mut roots: Vec<(String, &Solid)> =
             scene.solids.iter().map(|(name, solid)| (name.clone(), solid)).collect();
@@ -61,7 +62,7 @@ impl Document {
     }
 }
 
-/// The name of a region's solid, which is added if it is none of the scene's.
+/// The name of a region's solid; a solid that is not in the scene is added.
 fn name_of_region<'a>(roots: &mut Vec<(String, &'a Solid)>, region: &'a SceneRegion) -> String {
     if let Some((name, _)) = roots.iter().find(|(_, solid)| solid.is_same(&region.solid)) {
         return name.clone();
@@ -72,7 +73,7 @@ fn name_of_region<'a>(roots: &mut Vec<(String, &'a Solid)>, region: &'a SceneReg
     name
 }
 
-/// The name itself, or the first of name2, name3, .. that is free.
+/// The name itself, or the first of name2, name3, .. that is not taken.
 fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let numbered = (2..).map(|k| format!("{name}{k}"));
     let mut names = std::iter::once(name.to_owned()).chain(numbered);
@@ -131,18 +132,18 @@ fn vector(v: Vec3) -> Vector {
     v.to_array().map(Spanned::<Number>::from)
 }
 
-/// Which node of the solids becomes which entry.
+/// Splits a graph of solids into entries with names.
 struct Decomposer<'s> {
     /// Number of references to each node.
     references: HashMap<usize, usize>,
     names: HashMap<usize, String>,
     taken: HashSet<String>,
-    /// Entries that have a name and are still to be written.
+    /// Entries with a name that are not written yet.
     waiting: Vec<&'s Solid>,
     counter: usize,
 }
 
-/// The identity of a node, by which shared parts are recognised.
+/// The identity of a node, by which shared parts are detected.
 fn address(solid: &Solid) -> usize {
     std::ptr::from_ref(solid.node()).addr()
 }
@@ -174,7 +175,7 @@ impl<'s> Decomposer<'s> {
         }
     }
 
-    /// All entries: parts before the solids that are made from them.
+    /// All entries; parts come before the solids that refer to them.
     fn entries(mut self, roots: &[(&str, &'s Solid)]) -> Vec<SolidEntry> {
         let named: Vec<SolidEntry> = roots.iter().map(|(name, solid)| self.root(name, solid)).collect();
         let mut parts = Vec::new();
@@ -188,7 +189,7 @@ impl<'s> Decomposer<'s> {
     }
 
     fn root(&mut self, name: &str, solid: &'s Solid) -> SolidEntry {
-        // a second name for a solid that is written down already
+        // a second name for a solid that has an entry already
         if self.names[&address(solid)] != name {
             return SolidEntry {
                 name: name.into(),
@@ -215,7 +216,8 @@ impl<'s> Decomposer<'s> {
         SolidEntry { name: name.into(), label: label.map(|label| label.to_string().into()), body, transform }
     }
 
-    /// The transforms around a solid, in the order in which they are applied, and what is inside them.
+    /// The transforms around a solid, in the order in which they are applied, and the solid inside
+    /// them.
     fn peel(&self, own: &'s Solid, content: &'s Solid) -> (Vec<Spanned<Step>>, &'s Solid) {
         let (mut steps, mut inner) = (Vec::new(), content);
         while address(inner) == address(own) || !self.stands_alone(inner) {
@@ -229,7 +231,7 @@ impl<'s> Decomposer<'s> {
         (steps, inner)
     }
 
-    /// True if the node must be an entry of its own wherever it stands.
+    /// True if the node needs its own entry wherever it occurs.
     fn stands_alone(&self, solid: &Solid) -> bool {
         match solid.node() {
             Node::Named(..) => true,
@@ -239,14 +241,14 @@ impl<'s> Decomposer<'s> {
         }
     }
 
-    /// The text that stands for an entry in an expression.
+    /// The expression that refers to an entry.
     fn reference(&mut self, solid: &'s Solid) -> String {
         let mut expression = Expression::default();
         expression.push(Term::Name(self.name(solid)), Span::default());
         expression.to_string()
     }
 
-    /// The name of an entry; a new one is remembered to be written.
+    /// The name of an entry; a new name is queued for writing.
     fn name(&mut self, solid: &'s Solid) -> String {
         if let Some(name) = self.names.get(&address(solid)) {
             return name.clone();
@@ -285,7 +287,7 @@ impl<'s> Decomposer<'s> {
         }
     }
 
-    /// The boolean expression from a node down to the next entries, in postfix order.
+    /// The boolean expression from a node down to other entries, in postfix order.
     fn expression(&mut self, root: &'s Solid) -> Expression {
         let mut expression = Expression::default();
         let mut waiting = vec![(root, false)];
@@ -341,7 +343,7 @@ fn shape(primitive: &Primitive) -> Body {
     Body::Shape(primitive.name().into(), arguments.collect())
 }
 
-/// The map in the plainest words that give the same numbers.
+/// The simplest step that has exactly the same numbers.
 fn step(map: &Affine) -> Step {
     let diagonal = Vec3::new(map.linear.x_axis.x, map.linear.y_axis.y, map.linear.z_axis.z);
     if *map == Affine::translate(map.translation) {

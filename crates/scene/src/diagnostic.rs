@@ -1,4 +1,4 @@
-//! Diagnostics of files: problem, reason, suggestion, and the place in the source.
+//! Diagnostics of files: problem, reason, suggestion and source span.
 
 use crate::source::{Source, Span};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -12,11 +12,11 @@ use std::sync::Arc;
 pub enum Severity {
     /// The file cannot be used.
     Error,
-    /// The file can be used, but perhaps does not say what was meant.
+    /// The file can be used, but may not have the intended meaning.
     Warning,
 }
 
-/// One problem: what, why, where, and what may help.
+/// One problem, with its reason, source span and suggestion.
 #[derive(Clone, Debug)]
 pub struct Diagnostic {
     severity: Severity,
@@ -60,19 +60,19 @@ impl Diagnostic {
         self
     }
 
-    /// Says where in a text the problem is.
+    /// Sets the span in a text at which the problem is.
     pub fn at(mut self, source: &Arc<Source>, span: Span) -> Diagnostic {
         self.place = Some((source.clone(), Some(span)));
         self
     }
 
-    /// Says which file the problem is with, as a whole.
+    /// Sets the file that has the problem as a whole.
     pub fn in_file(mut self, source: &Arc<Source>) -> Diagnostic {
         self.place = Some((source.clone(), None));
         self
     }
 
-    /// Points at another place of the same text that has to do with it.
+    /// Adds a note at a related place of the same text.
     pub fn note(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.notes.push((span, text.into()));
         self
@@ -105,7 +105,7 @@ impl Diagnostic {
         span.map(|span| source.line_column(span.start))
     }
 
-    /// Other places that have to do with it: line, column, what is there.
+    /// Related places: line, column and note.
     pub fn notes(&self) -> impl Iterator<Item = (usize, usize, &str)> {
         let source = self.place.as_ref().map(|(source, _)| source.clone());
         self.notes.iter().filter_map(move |(span, text)| {
@@ -134,8 +134,8 @@ impl Diagnostic {
     }
 }
 
-/// The lines that a range touches, with the range underlined. Only these lines are given to the renderer, so
-/// that a thousand problems in a long file do not cost a thousand passes over it.
+/// The lines that a range overlaps, with the range underlined. The renderer receives only these
+/// lines, so that the time per problem does not depend on the length of the file.
 fn snippet<'a>(
     source: &'a Source,
     span: Span,
@@ -162,7 +162,7 @@ impl Classified for Diagnostics {
 }
 
 impl Diagnostics {
-    /// Sorted by place; problems of the file as a whole come first.
+    /// Creates a list sorted by position; problems of the file as a whole come first.
     pub fn new(mut list: Vec<Diagnostic>) -> Diagnostics {
         list.sort_by_key(|diagnostic| diagnostic.span());
         Diagnostics { list }
@@ -188,8 +188,8 @@ impl Diagnostics {
         self.list.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
-    /// As text for people: each problem with its file, line and column and the source line underlined, in
-    /// colours if the reader's terminal shows them.
+    /// Renders as text: each problem with its file, line and column and the source line underlined,
+    /// optionally with terminal colours.
     pub fn render(&self, colour: bool) -> String {
         let renderer = if colour { Renderer::styled() } else { Renderer::plain() };
         let blocks: Vec<String> = self.list.iter().map(|diagnostic| diagnostic.render(&renderer)).collect();

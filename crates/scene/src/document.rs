@@ -7,12 +7,13 @@ use crate::source::{Source, Spanned};
 use crate::unit::Unit;
 use std::sync::Arc;
 
-/// A document: names, numbers and texts with their places, nothing evaluated. Every importer makes one.
+/// The syntax tree of a model file: names, numbers and texts with their source spans, unevaluated.
+/// Every importer creates one.
 ///
-/// Two documents are equal if they say the same, wherever they say it.
+/// Equality ignores the spans.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
-    /// The text that the places refer to.
+    /// The text that the spans refer to.
     pub source: Arc<Source>,
     /// The comment at the head of the file, without the `#`.
     pub heading: Vec<String>,
@@ -22,17 +23,17 @@ pub struct Document {
     pub parameters: Vec<Parameter>,
     /// Named solids, in the order of the file.
     pub solids: Vec<SolidEntry>,
-    /// Regions; later ones win where they overlap.
+    /// Regions; where they overlap, the later one has priority.
     pub regions: Vec<RegionEntry>,
     /// Media, in the order of the file.
     pub media: Vec<MediumEntry>,
-    /// From where the picture is taken.
+    /// The camera of pictures.
     pub camera: Option<Spanned<CameraEntry>>,
     /// Lights.
     pub lights: Vec<LightEntry>,
     /// Options of pictures.
     pub render: Option<RenderEntry>,
-    /// Tables that belong to others.
+    /// Tables of other programs.
     pub foreign: Vec<Foreign>,
 }
 
@@ -57,7 +58,7 @@ impl Document {
         self.solids.iter().find(|solid| solid.name.value == name)
     }
 
-    /// A table that belongs to somebody else, by its name.
+    /// A table of another program, by its name.
     pub fn foreign(&self, name: &str) -> Option<&Foreign> {
         self.foreign.iter().find(|table| table.name.value == name)
     }
@@ -83,11 +84,11 @@ pub type Matrix = [[Spanned<Number>; 4]; 4];
 pub struct SolidEntry {
     /// The name by which others refer to it.
     pub name: Spanned<String>,
-    /// The name that its faces are called by, if that is another one; empty for none.
+    /// The name in the names of its faces, if it differs; empty for none.
     pub label: Option<Spanned<String>>,
     /// Definition.
     pub body: Body,
-    /// The maps that are applied to it, in order.
+    /// The transforms that are applied to it, in order.
     pub transform: Vec<Spanned<Step>>,
 }
 
@@ -102,7 +103,7 @@ pub enum Body {
     Place(Box<Place>),
 }
 
-/// One map.
+/// An affine transform.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     /// Move by a vector.
@@ -128,7 +129,7 @@ pub enum Step {
 /// A solid placed many times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// Which solid.
+    /// The name of the solid.
     pub solid: Spanned<String>,
     /// Position.
     pub layout: Layout,
@@ -145,14 +146,14 @@ pub enum Layout {
         count: Spanned<Number>,
         /// The distance from the axis.
         radius: Spanned<Number>,
-        /// The angle of the first; 0, if it is not given.
+        /// The angle of the first copy; 0 by default.
         start: Option<Spanned<Number>>,
     },
     /// Copies moved by vectors.
     At(Vec<Vector>),
-    /// Copies under maps.
+    /// Copies under matrices.
     Matrices(Vec<Matrix>),
-    /// Vectors or maps from an NPY file beside the model file: float64, (N, 3) or (N, 4, 4).
+    /// Vectors or matrices from an NPY file beside the model file: float64, (N, 3) or (N, 4, 4).
     File(Spanned<String>),
 }
 
@@ -161,7 +162,7 @@ pub enum Layout {
 pub struct Grid {
     /// Numbers of copies along x, y and z.
     pub count: Vector,
-    /// The distances from one to the next.
+    /// The distances between neighbouring copies along x, y and z.
     pub step: Vector,
     /// Position of the first copy; the origin by default.
     pub origin: Option<Vector>,
@@ -170,9 +171,9 @@ pub struct Grid {
 /// A solid made of a medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionEntry {
-    /// Which solid.
+    /// The name of the solid.
     pub solid: Spanned<String>,
-    /// Which medium; one of its own, if it is not given.
+    /// The name of the medium; by default the region has its own.
     pub medium: Option<Spanned<String>>,
     /// Its colour in pictures.
     pub colour: Option<Spanned<Colour>>,
@@ -193,16 +194,16 @@ pub struct MediumEntry {
     pub others: Table,
 }
 
-/// From where the picture is taken.
+/// The camera of pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraEntry {
     /// Projection.
     pub projection: ProjectionEntry,
     /// Position of the camera.
     pub position: Vector,
-    /// The point in the middle of the picture; the origin, if it is not given.
+    /// The point in the middle of the picture; the origin by default.
     pub target: Option<Vector>,
-    /// The direction that is up in the picture; +z, if it is not given.
+    /// The direction that is up in the picture; +z by default.
     pub up: Option<Vector>,
     /// Width and height of the picture in pixels.
     pub size: Option<[Spanned<Number>; 2]>,
@@ -211,9 +212,9 @@ pub struct CameraEntry {
 /// Projection of space onto the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProjectionEntry {
-    /// As the eye sees it: the vertical field of view in degrees, 35 if it is not given.
+    /// Perspective projection: the vertical field of view in degrees, 35 by default.
     Perspective(Option<Spanned<Number>>),
-    /// Without foreshortening: the height of the picture in lengths of the model.
+    /// Orthographic projection: the height of the picture in the unit of the model.
     Orthographic(Spanned<Number>),
 }
 
@@ -224,7 +225,7 @@ pub struct LightEntry {
     pub kind: LightKind<Vector>,
     /// Intensity; 1 by default.
     pub intensity: Option<Spanned<Number>>,
-    /// Its colour; white, if it is not given.
+    /// Its colour; white by default.
     pub colour: Option<Spanned<Colour>>,
 }
 
@@ -233,14 +234,14 @@ pub struct LightEntry {
 pub enum LightKind<V> {
     /// Parallel light that travels along this vector.
     Direction(V),
-    /// Light from this point, equally strong at every distance.
+    /// Light from this point, without attenuation by distance.
     Position(V),
 }
 
 /// Options of pictures; the renderer supplies missing ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderEntry {
-    /// The colour where there is nothing.
+    /// The colour of the background.
     pub background: Option<Spanned<Colour>>,
     /// Shading style.
     pub shading: Option<Spanned<Shading>>,
@@ -272,19 +273,19 @@ impl Shading {
     }
 }
 
-/// A table that belongs to somebody else, kept as it is.
+/// A table of another program, kept verbatim.
 #[derive(Clone, Debug)]
 pub struct Foreign {
     /// Its name.
     pub name: Spanned<String>,
     /// Contents with their spans.
     pub value: Spanned<Datum>,
-    /// The text that says so: its headers with everything up to the next table of another name.
+    /// The source text of the table: its sections, each up to the next header of another table.
     pub text: String,
 }
 
 impl Foreign {
-    /// A table that was never in a file: one line for each of its keys.
+    /// A table that is not from a file, with one line for each of its keys.
     pub fn new(name: &str, table: Table) -> Foreign {
         let mut text = format!("[{}]\n", key(name));
         for (name, value) in &table {

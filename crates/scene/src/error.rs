@@ -1,9 +1,9 @@
-//! Why a scene cannot be compiled.
+//! Errors of the compilation of a scene.
 
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::CompileError;
 
-/// A scene that cannot be compiled, or a name that is not in it.
+/// Error of a scene that cannot be compiled, or of an unknown name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {

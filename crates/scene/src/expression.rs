@@ -1,10 +1,11 @@
-//! Boolean expressions as text over the names of solids: `"slab - (hole1 | hole2)"`.
+//! Parser and printer of boolean expressions over the names of solids: `"slab - (hole1 | hole2)"`.
 //!
-//! Operators with Python's precedence, from weak to strong: `|` union, `^` symmetric difference, `&`
-//! intersection, `-` difference, `~` complement. A row of equal `|`, `^` or `&` is one operation with many
-//! operands; parentheses are kept, so that reading what was printed gives the same tree. `union(a, b, ..)`,
-//! `intersection(..)` and `symmetric_difference(..)` take any number of operands. `empty` is nothing, `universe`
-//! all of space. Names that are not made of letters, digits and `_` stand in quotation marks: `'front lens'`.
+//! Operators with Python's precedence, from weak to strong: `|` union, `^` symmetric difference,
+//! `&` intersection, `-` difference, `~` complement. A chain of equal `|`, `^` or `&` is one
+//! operation with many operands. Parentheses are preserved, so that a printed expression reads back
+//! as the same tree. `union(a, b, ..)`, `intersection(..)` and `symmetric_difference(..)` take any
+//! number of operands. `empty` is the empty solid, `universe` all of space. Names with characters
+//! other than letters, digits and `_` are quoted: `'front lens'`.
 
 use crate::fault::Fault;
 use crate::source::Span;
@@ -30,15 +31,15 @@ static GRAMMAR: Grammar = Grammar {
 /// A boolean operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
-    /// Inside any; any number of operands.
+    /// Union: inside any operand; any number of operands.
     Union,
-    /// Inside an odd number; any number of operands.
+    /// Inside an odd number of operands; any number of operands.
     SymmetricDifference,
-    /// Inside all; any number of operands.
+    /// Inside all operands; any number of operands.
     Intersection,
-    /// Inside the first and not the second; two operands.
+    /// Inside the first operand and not the second.
     Difference,
-    /// Outside; one operand.
+    /// Outside the operand.
     Complement,
 }
 
@@ -75,7 +76,7 @@ impl Operator {
 
 const FUNCTIONS: [Operator; 3] = [Operator::Union, Operator::Intersection, Operator::SymmetricDifference];
 
-/// A name that has a meaning of its own in expressions, so that no solid may have it.
+/// True for a word of the grammar of expressions, which is not allowed as the name of a solid.
 pub(crate) fn is_reserved(name: &str) -> bool {
     matches!(name, "empty" | "universe")
 }
@@ -85,7 +86,7 @@ pub(crate) fn is_reserved(name: &str) -> bool {
 pub enum Term {
     /// A solid by its name.
     Name(String),
-    /// Nothing.
+    /// The empty solid.
     Empty,
     /// All of space.
     Universe,
@@ -105,7 +106,7 @@ impl Term {
 
 /// A boolean expression over names, in postfix order.
 ///
-/// Equal expressions are built from equal terms; where they stood does not count.
+/// Equality compares the terms and ignores their spans.
 #[derive(Clone, Debug, Default)]
 pub struct Expression {
     terms: Vec<Term>,
@@ -119,7 +120,7 @@ impl PartialEq for Expression {
 }
 
 impl Expression {
-    /// Reads a text; reports all unknown functions at once.
+    /// Parses an expression. All unknown functions are reported at once.
     pub(crate) fn parse(text: &str) -> Result<Expression, Vec<Fault>> {
         let items = parse(text, &GRAMMAR).map_err(|fault| vec![fault])?;
         let mut expression = Expression::default();
@@ -133,18 +134,18 @@ impl Expression {
         if faults.is_empty() { Ok(expression) } else { Err(faults) }
     }
 
-    /// Adds a term; the operands of an operation must stand before it.
+    /// Appends a term; the operands of an operation must precede it.
     pub(crate) fn push(&mut self, term: Term, span: Span) {
         self.terms.push(term);
         self.spans.push(span);
     }
 
-    /// The terms in postfix order, with their places in the text.
+    /// The terms in postfix order, with their spans in the text.
     pub fn terms(&self) -> impl Iterator<Item = (&Term, Span)> {
         self.terms.iter().zip(self.spans.iter().copied())
     }
 
-    /// The names that occur, each as often as it does.
+    /// The names in the expression, once per occurrence.
     pub fn names(&self) -> impl Iterator<Item = (&str, Span)> {
         self.terms().filter_map(|(term, span)| match term {
             Term::Name(name) => Some((name.as_str(), span)),
@@ -164,7 +165,7 @@ impl Expression {
     }
 }
 
-/// The text with as few parentheses as keep the tree as it is.
+/// Prints with the fewest parentheses that preserve the tree.
 impl std::fmt::Display for Expression {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.terms.is_empty() {
@@ -192,7 +193,7 @@ impl std::fmt::Display for Expression {
 /// Terms that remain to be printed.
 enum Piece {
     Text(&'static str),
-    /// A term in a place where operators must bind more strongly than this.
+    /// A term in a context that requires operators of a higher precedence than this.
     Term(usize, u8),
 }
 
@@ -245,7 +246,7 @@ fn term(kind: ItemKind, text: &str, span: Span) -> Result<Term, Fault> {
             let suggestion = Some("Did you mean 'name-1'?".to_owned());
             return Err(Fault::new(span, problem, reason).suggest(suggestion));
         }
-        // in quotation marks they would be names
+        // quoted, it is a name
         ItemKind::Name(_) if &text[span.range()] == "empty" => Term::Empty,
         ItemKind::Name(_) if &text[span.range()] == "universe" => Term::Universe,
         ItemKind::Name(name) => Term::Name(name.into_owned()),
@@ -273,7 +274,7 @@ fn call(name: &str, count: usize, span: Span) -> Result<Term, Fault> {
 mod tests {
     use super::*;
 
-    /// The tree with all its parentheses: an independent, plainly recursive printer.
+    /// The tree with all its parentheses, by an independent recursive printer.
     fn tree(expression: &Expression) -> String {
         let mut stack: Vec<String> = Vec::new();
         for (term, _) in expression.terms() {

@@ -1,4 +1,4 @@
-//! A problem in a piece of text that does not know yet where in a file it stands.
+//! Errors in a piece of text whose position in the file is not yet known.
 
 use crate::diagnostic::Diagnostic;
 use crate::source::{Source, Span};
@@ -23,7 +23,7 @@ impl Fault {
         self
     }
 
-    /// The diagnostic, where the piece of text was written as the value at `span`.
+    /// The diagnostic of a fault in a text that is the value at `span` of a source.
     pub fn located(self, source: &Arc<Source>, text: &str, span: Span) -> Diagnostic {
         Diagnostic::error(self.problem)
             .why(self.reason)
@@ -32,8 +32,7 @@ impl Fault {
     }
 }
 
-/// Span of a part of a string value in the file: exact if the file has the string as it is, the whole
-/// value if it is written with escapes.
+/// The span in the file of a part of a string value; the whole value if it is written with escapes.
 pub(crate) fn place_in(source: &Source, text: &str, value: Span, part: Span) -> Span {
     match source.slice(value).find(text) {
         Some(at) if !text.is_empty() => part.shifted(value.start + at),

@@ -1,4 +1,4 @@
-//! Model files on disk and as text.
+//! Reading and writing of model files.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::document::Document;
@@ -11,10 +11,10 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The largest model file in bytes: a text of this size says that it is no model.
+/// The maximum size of a model file in bytes.
 const LARGEST_FILE: u64 = 256 << 20;
 
-/// Reads a model file, with other values for some of its parameters (name, arithmetic text).
+/// Reads a model file, with overrides of some of its parameters (name, arithmetic expression).
 ///
 /// # Errors
 ///
@@ -35,7 +35,7 @@ pub fn parse(text: &str) -> Result<(Document, Scene), Diagnostics> {
     parse_with(text, &[])
 }
 
-/// Reads a model from text, with other values for some of its parameters (name, arithmetic text).
+/// Reads a model from text, with overrides of some of its parameters (name, arithmetic expression).
 ///
 /// # Errors
 ///
@@ -58,7 +58,7 @@ impl Source {
     ///
     /// # Errors
     ///
-    /// One problem: the file cannot be read, is too large, or is no text.
+    /// One problem: the file cannot be read, is too large, or is not UTF-8 text.
     pub fn read(path: &Path) -> Result<Source, Diagnostics> {
         let source = |text: String| Source::new(Some(path.to_owned()), text);
         let problem = |reason: &str| {
@@ -69,7 +69,8 @@ impl Source {
         match String::from_utf8(bytes) {
             Ok(text) => Ok(source(text)),
             Err(error) => {
-                // the text before it is kept as it is, so that the place is the same in the text that is shown
+                // the valid text before the error is kept unchanged, so that positions in the
+                // displayed text are right
                 let at = error.utf8_error().valid_up_to();
                 let source = Arc::new(source(String::from_utf8_lossy(error.as_bytes()).into_owned()));
                 let problem = Diagnostic::error("the file is not a text in UTF-8");
@@ -94,7 +95,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let mut is_too_large = metadata.len() > LARGEST_FILE;
     if !is_too_large {
-        // the size of a pipe is not known before
+        // the size of a pipe is not known in advance
         let mut limited = file.take(LARGEST_FILE + 1);
         let count = limited.read_to_end(&mut bytes);
         is_too_large = count.map_err(|error| reason(&error))? as u64 > LARGEST_FILE;
@@ -106,7 +107,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
 }
 
 impl Document {
-    /// Computes what the document means, with other values for some of its parameters.
+    /// Evaluates the document, with overrides of some of its parameters.
     ///
     /// # Errors
     ///
@@ -115,16 +116,18 @@ impl Document {
         resolve(self, overrides, &Default::default(), Vec::new())
     }
 
-    /// The document as a model file. Comments are kept at its head and in the tables of others.
+    /// Formats the document as a model file. Comments are kept at the head and in the tables of
+    /// other programs.
     pub fn to_toml(&self) -> String {
         native::write(self)
     }
 
-    /// Writes the model file beside its final place and renames it when it is complete.
+    /// Saves the document atomically: writes a new file in the same folder and renames it when it
+    /// is complete.
     ///
     /// # Errors
     ///
-    /// Those of the operating system; the file then is as it was before.
+    /// Errors of the operating system; an existing file is then unchanged.
     pub fn save(&self, path: impl AsRef<Path>) -> io::Result<()> {
         let path = path.as_ref();
         let (draft, file) = create_beside(path)?;
@@ -137,7 +140,7 @@ impl Document {
     }
 }
 
-/// A new file in the same folder, so that renaming it cannot become copying it.
+/// Creates a new file in the same folder, so that the rename never has to copy.
 fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
     let name = path
         .file_name()

@@ -1,7 +1,8 @@
-//! Reading the tables that belong to others, with the means by which a model file itself is read.
+//! Reader of the tables of other programs in a model file, such as `[optics]`.
 //!
-//! The owner of a table finds it by [`Document::foreign`] and takes it apart with a [`Reader`]: numbers may be arithmetic over
-//! the parameters, maps are written as those of solids, every problem has its place, and all are reported at once.
+//! A program gets its table by [`Document::foreign`] and reads it with a [`Reader`]. Numbers may be
+//! arithmetic expressions of the parameters, transforms have the syntax of those of solids, every
+//! problem has a source span, and all problems are reported at once.
 //!
 //! ```
 //! use rayweave_scene::foreign::Reader;
@@ -63,7 +64,7 @@ impl<'d> Reader<'d> {
         self.problems.push(problem, span);
     }
 
-    /// Reports a name that nothing has: `what`, as in "unknown medium", and the names that there are.
+    /// Reports an unknown name: `what`, as in "unknown medium", and the known names.
     pub fn unknown(&mut self, what: &str, name: &Spanned<String>, known: &[&str]) {
         let problem = Diagnostic::error(format!("unknown {what} `{}`", name.value));
         let suggestion = did_you_mean(&name.value, known.iter().copied());
@@ -92,7 +93,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// The tables of a list, as `[[name]]` writes it.
+    /// The tables of an array of tables, `[[name]]`.
     pub fn tables(&mut self, name: &str, datum: Spanned<Datum>) -> Vec<Keys> {
         match datum.value {
             Datum::List(list) => list.into_iter().filter_map(|item| self.keys(name, item)).collect(),
@@ -103,7 +104,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// A value that must be there.
+    /// Takes a required value.
     pub fn need(&mut self, keys: &mut Keys, key: &'static str) -> Option<Spanned<Datum>> {
         let datum = keys.take(key);
         if datum.is_none() {
@@ -112,7 +113,7 @@ impl<'d> Reader<'d> {
         datum
     }
 
-    /// The one of several values that is there, with its key.
+    /// Takes the one of several values that is present, with its key.
     pub fn one_of(
         &mut self,
         keys: &mut Keys,
@@ -136,18 +137,18 @@ impl<'d> Reader<'d> {
         found.pop()
     }
 
-    /// Reports every key that nobody asked for.
+    /// Reports every key that has not been taken.
     pub fn refuse_the_rest(&mut self, keys: Keys) {
         keys.unknown().into_iter().for_each(|(problem, span)| self.report(problem, span));
     }
 
-    /// A number, or arithmetic text over the parameters.
+    /// A number, or an arithmetic expression of the parameters.
     pub fn number(&mut self, what: &str, datum: Spanned<Datum>) -> Option<f64> {
         let number = self.problems.number(what, datum)?;
         self.within(|context, numbers| numbers.number(context, &number))
     }
 
-    /// A number that meets a condition, as "finite and greater than 0".
+    /// A number that satisfies a condition, such as "finite and greater than 0".
     pub fn checked(
         &mut self,
         what: &str,
@@ -172,7 +173,7 @@ impl<'d> Reader<'d> {
         self.checked(what, datum, &condition, holds).map(|value| value as u64)
     }
 
-    /// So many numbers.
+    /// `N` numbers.
     pub fn numbers<const N: usize>(&mut self, what: &str, datum: Spanned<Datum>) -> Option<[f64; N]> {
         let list: [Spanned<Number>; N] = self.problems.numbers(what, datum)?;
         let values = list.map(|number| self.within(|context, numbers| numbers.number(context, &number)));
@@ -185,7 +186,7 @@ impl<'d> Reader<'d> {
         self.problems.text(what, datum)
     }
 
-    /// True or false.
+    /// A boolean.
     pub fn truth(&mut self, what: &str, datum: Spanned<Datum>) -> Option<bool> {
         self.problems.truth(what, datum).map(|truth| truth.value)
     }
@@ -195,7 +196,7 @@ impl<'d> Reader<'d> {
         self.problems.choice(what, datum, choices).map(|choice| choice.value)
     }
 
-    /// The product of a list of maps, written as the `transform` of a solid.
+    /// The product of a list of transforms, in the syntax of the `transform` of a solid.
     pub fn transform(&mut self, datum: Spanned<Datum>) -> Option<Affine> {
         let before = self.problems.list.len();
         let steps = transform(&mut self.problems, datum);
@@ -203,7 +204,7 @@ impl<'d> Reader<'d> {
         maps.filter(|_| self.problems.list.len() == before)
     }
 
-    /// True if a text is arithmetic over the parameters of the document.
+    /// True if a text is an arithmetic expression of the parameters of the document.
     pub fn is_arithmetic(&self, text: &str) -> bool {
         let is_known =
             |name: &str| self.document.parameters.iter().any(|parameter| parameter.name.value == name);

@@ -1,18 +1,18 @@
-//! Tables taken apart key by key.
+//! Keys of a table, taken one by one, so that unknown keys are detected.
 
 use crate::datum::{Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 
-/// A table that is being taken apart, so that what nobody asked for is noticed.
+/// The remaining keys of a table. After all known keys have been taken, the rest is unknown.
 #[derive(Clone, Debug)]
 pub struct Keys {
     /// The table's name, for messages.
     pub(crate) name: String,
-    /// Where the table stands.
+    /// The span of the table.
     pub(crate) span: Span,
-    /// What has not been taken.
+    /// The entries that have not been taken.
     pub(crate) rest: Table,
     asked: Vec<&'static str>,
 }
@@ -22,29 +22,29 @@ impl Keys {
         Keys { name: name.to_owned(), span, rest, asked: Vec::new() }
     }
 
-    /// Where the table stands.
+    /// The span of the table.
     pub fn span(&self) -> Span {
         self.span
     }
 
-    /// Takes a value out.
+    /// Removes and returns a value.
     pub fn take(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
         self.take_entry(key).map(|(_, datum)| datum)
     }
 
-    /// Takes a value out, with its key.
+    /// Removes and returns a value with its key.
     pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
         self.asked.push(key);
         let at = self.rest.iter().position(|(name, _)| name.value == key)?;
         Some(self.rest.remove(at))
     }
 
-    /// That a value is missing.
+    /// The diagnostic of a missing value.
     pub(crate) fn missing(&self, what: &str) -> Diagnostic {
         Diagnostic::error(format!("`{}` has no `{what}`", self.name)).why("it is needed")
     }
 
-    /// Everything that nobody asked for.
+    /// The diagnostics of all keys that have not been taken.
     pub(crate) fn unknown(self) -> Vec<(Diagnostic, Span)> {
         let reason = format!("the keys are {}", self.asked.join(", "));
         let problem = |key: Spanned<String>| {

@@ -1,10 +1,10 @@
 //! Model files: documents, diagnostics with source spans, the native TOML format.
 //!
-//! - [`load`] and [`parse`] read a model: a [`Document`] (what the file says, with the place of every word)
-//!   and a [`Scene`] (what it means: solids, regions, media, camera, lights, with all numbers known).
+//! - [`load`] and [`parse`] read a model: a [`Document`] (the syntax tree, with the span of every
+//!   word) and a [`Scene`] (the evaluated solids, regions, media, camera and lights).
 //! - [`Diagnostics`] are all problems of a file at once.
-//! - [`arithmetic`] and [`Expression`] are the two languages inside texts: numbers and boolean expressions.
-//! - [`foreign`] reads the tables that belong to others.
+//! - [`arithmetic`] and [`Expression`] are the two expression languages: numbers, and solids.
+//! - [`foreign`] reads the tables of other programs.
 //! - [`schema()`] describes the format for editors.
 //!
 //! ```

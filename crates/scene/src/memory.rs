@@ -2,13 +2,14 @@
 
 use std::fs::read_to_string;
 
-/// The bytes that this process may still take: what the machine has free, and what limits of the process and of its control
-/// group leave. `None` where the operating system does not tell, which only Linux does.
+/// The number of bytes that this process may still allocate: the minimum of the free memory, the
+/// limits of the process, and those of its control group. `None` on operating systems other than
+/// Linux.
 pub fn available() -> Option<u64> {
     [free(), address_space(), control_group()].into_iter().flatten().min()
 }
 
-/// The number behind a name in a table of the system, in kB.
+/// The value of a name in a table of the system, converted from kB to bytes.
 fn kilobytes(table: &str, name: &str) -> Option<u64> {
     let line = table.lines().find_map(|line| line.strip_prefix(name))?;
     Some(1024 * line.split_whitespace().next()?.parse::<u64>().ok()?)
@@ -18,7 +19,7 @@ fn free() -> Option<u64> {
     kilobytes(&read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
 }
 
-/// The limit of `ulimit -v`.
+/// The rest of the limit of `ulimit -v`.
 fn address_space() -> Option<u64> {
     let limits = read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
@@ -27,7 +28,7 @@ fn address_space() -> Option<u64> {
     Some(limit.saturating_sub(used))
 }
 
-/// The limit of control groups, version 2 or 1.
+/// The rest of the limit of the control group, version 2 or 1.
 fn control_group() -> Option<u64> {
     let groups = read_to_string("/proc/self/cgroup").ok()?;
     let left = |line: &str| {
@@ -40,7 +41,7 @@ fn control_group() -> Option<u64> {
             }
             _ => return None,
         };
-        // within a container the group is the root of what is seen
+        // within a container, the group is the root of the visible hierarchy
         let number = |folder: &str, name: &str| {
             read_to_string(format!("{root}{folder}/{name}")).ok()?.trim().parse::<u64>().ok()
         };

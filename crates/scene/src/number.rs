@@ -1,13 +1,13 @@
-//! Numbers as they are written.
+//! Numbers of documents, as literals or expressions, and their shortest text.
 
 use crate::source::Spanned;
 
-/// A number of a document: given, or arithmetic text over parameters.
+/// A number of a document: a literal, or an arithmetic expression of parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Number {
-    /// The number itself.
+    /// A literal.
     Value(f64),
-    /// Arithmetic text; see [`crate::arithmetic`].
+    /// An arithmetic expression; see [`crate::arithmetic`].
     Text(String),
 }
 
@@ -29,7 +29,7 @@ impl From<f64> for Spanned<Number> {
     }
 }
 
-/// The shortest text that reads back as the same bits, in TOML: `5`, `0.1`, `1e300`, `-inf`.
+/// The shortest TOML text that reads back as the same bits: `5`, `0.1`, `1e300`, `-inf`.
 pub(crate) fn written(value: f64) -> String {
     // debug formatting is the shortest that round-trips, with an exponent where that is shorter to read
     let text = match value.is_nan() {

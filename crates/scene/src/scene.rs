@@ -16,11 +16,11 @@ pub struct Scene {
     pub parameters: Vec<(String, f64)>,
     /// The solids with their names, in the order of the file.
     pub solids: Vec<(String, Solid)>,
-    /// The regions in order: later ones win where they overlap.
+    /// The regions in order; where they overlap, the later one has priority.
     pub regions: Vec<SceneRegion>,
-    /// The media; the first, number 0, is that of the world.
+    /// The media by number; 0 is the medium of the world.
     pub media: Vec<Medium>,
-    /// From where the picture is taken.
+    /// The camera of pictures.
     pub camera: Option<Camera>,
     /// Lights.
     pub lights: Vec<Light>,
@@ -30,7 +30,7 @@ pub struct Scene {
     pub warnings: Diagnostics,
 }
 
-/// Warnings do not count.
+/// Equality ignores warnings.
 impl PartialEq for Scene {
     fn eq(&self, other: &Scene) -> bool {
         self.unit == other.unit
@@ -50,7 +50,8 @@ impl Scene {
         self.solids.iter().find(|(own, _)| own == name).map(|(_, solid)| solid)
     }
 
-    /// The scene as pictures show it: without the regions whose colour is wholly clear, unless all are. What is in them shows.
+    /// The scene without the regions of opacity 0, so that pictures show their contents; unchanged
+    /// if all regions have opacity 0.
     pub fn seen(mut self) -> Scene {
         let is_seen = |region: &SceneRegion| region.colour.alpha > 0;
         if self.regions.iter().any(is_seen) {
@@ -59,7 +60,7 @@ impl Scene {
         self
     }
 
-    /// The regions as they are compiled.
+    /// The regions in the form that the compiler takes.
     pub fn model_regions(&self) -> Vec<Region> {
         let region = |region: &SceneRegion| Region {
             name: region.name.clone(),
@@ -80,7 +81,7 @@ impl Scene {
 pub struct SceneRegion {
     /// Name.
     pub name: String,
-    /// The space that it takes, except where a later region takes it.
+    /// Its solid; the part that later regions overlap belongs to them.
     pub solid: Solid,
     /// The number of its medium.
     pub medium: u32,
@@ -101,16 +102,16 @@ pub struct Medium {
     pub numbers: Vec<(String, f64)>,
 }
 
-/// From where a picture is taken.
+/// The camera of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Projection.
     pub projection: Projection,
     /// Position of the camera.
     pub position: Vec3,
-    /// The point in the middle of the picture; not the position.
+    /// The point in the middle of the picture; must differ from the position.
     pub target: Vec3,
-    /// The direction that is up in the picture; not the direction of view.
+    /// The direction that is up in the picture; must not be parallel to the direction of view.
     pub up: Vec3,
     /// Width and height of the picture in pixels.
     pub size: Option<(u32, u32)>,
@@ -119,14 +120,14 @@ pub struct Camera {
 /// Projection of space onto the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// As the eye sees it.
+    /// Perspective projection.
     Perspective {
         /// The vertical field of view in degrees, between 0 and 180.
         fov: f64,
     },
-    /// Without foreshortening.
+    /// Orthographic projection.
     Orthographic {
-        /// The height of the picture in lengths of the model, > 0.
+        /// The height of the picture in the unit of the model, > 0.
         height: f64,
     },
 }
@@ -145,7 +146,7 @@ pub struct Light {
 /// Options of pictures; the renderer supplies those that are `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderSettings {
-    /// The colour where there is nothing.
+    /// The colour of the background.
     pub background: Option<Colour>,
     /// Shading style.
     pub shading: Option<Shading>,

@@ -1,4 +1,4 @@
-//! Texts and places in them.
+//! Source texts and spans in them.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -18,17 +18,17 @@ impl Span {
         Span { start, end }
     }
 
-    /// The same range as the standard library writes it.
+    /// The range of bytes.
     pub fn range(self) -> Range<usize> {
         self.start..self.end
     }
 
-    /// The range that holds both.
+    /// The smallest span that contains both.
     pub fn to(self, other: Span) -> Span {
         Span::new(self.start.min(other.start), self.end.max(other.end))
     }
 
-    /// This range, counted from a place further on.
+    /// The span, offset by a number of bytes.
     pub(crate) fn shifted(self, by: usize) -> Span {
         Span::new(self.start + by, self.end + by)
     }
@@ -40,17 +40,17 @@ impl From<Range<usize>> for Span {
     }
 }
 
-/// A value and where it was written. Two are equal if their values are, wherever they stand.
+/// A value with its source span. Equality ignores the span.
 #[derive(Clone, Debug, Default)]
 pub struct Spanned<T> {
     /// The value.
     pub value: T,
-    /// Span in the file; empty for objects that are not from a file.
+    /// Span in the file; empty for values that are not from a file.
     pub span: Span,
 }
 
 impl<T> Spanned<T> {
-    /// A value that stands at a place.
+    /// Creates a value with a span.
     pub fn new(value: T, span: impl Into<Span>) -> Spanned<T> {
         let span = span.into();
         Spanned { value, span }
@@ -91,7 +91,7 @@ impl Default for Source {
 }
 
 impl Source {
-    /// A text, and the file that it was read from or another name for it.
+    /// Creates a source from a text, and the file that it was read from or another name for it.
     pub fn new(path: Option<PathBuf>, text: String) -> Source {
         let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
         let line_starts = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
@@ -126,7 +126,8 @@ impl Source {
         (line + 1, before.chars().count() + 1)
     }
 
-    /// The whole lines that a range touches, without the last line end, and the range counted from their start.
+    /// The whole lines that a range overlaps, without the last line end, and the range relative to
+    /// their start.
     pub(crate) fn lines_of(&self, span: Span) -> (usize, &str, Span) {
         let first = self.line_index(span.start);
         let last = self.line_index(span.end.max(span.start));

@@ -1,8 +1,8 @@
-//! Infix text, read without recursion: what arithmetic and boolean expressions have in common.
+//! Non-recursive parser of infix expressions, shared by arithmetic and boolean expressions.
 //!
-//! The text is turned into postfix order by operator precedence (Dijkstra's shunting yard; E. W. Dijkstra,
-//! "Algol 60 translation", MR 34/61, Mathematisch Centrum, 1961), with a stack of its own: the depth of
-//! parentheses costs memory, not call stack, and time is linear.
+//! The parser converts the text to postfix order by operator precedence (Dijkstra's shunting yard;
+//! E. W. Dijkstra, "Algol 60 translation", MR 34/61, Mathematisch Centrum, 1961), with an explicit
+//! stack: nesting takes heap memory instead of call stack, and time is linear.
 
 use crate::fault::Fault;
 use crate::source::Span;
@@ -25,7 +25,7 @@ pub(crate) struct Grammar {
     pub infix: fn(&str) -> Option<(u8, Associativity)>,
     /// Binding power of a prefix operator.
     pub prefix: fn(&str) -> Option<u8>,
-    /// Kinds of operands.
+    /// The kinds of operands, for messages.
     pub operand: &'static str,
     /// The operators, for messages.
     pub operators: &'static str,
@@ -41,9 +41,9 @@ pub(crate) struct Item<'a> {
 /// Effect of an item on the stack of values.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ItemKind<'a> {
-    /// Puts a number onto it.
+    /// Pushes a number.
     Number(f64),
-    /// Puts the value of a name onto it.
+    /// Pushes the value of a name.
     Name(Cow<'a, str>),
     /// Replaces the last value.
     Prefix(&'a str),
@@ -53,7 +53,7 @@ pub(crate) enum ItemKind<'a> {
     Call(&'a str, usize),
 }
 
-/// Reads a whole text.
+/// Parses a whole text.
 pub(crate) fn parse<'a>(text: &'a str, grammar: &Grammar) -> Result<Vec<Item<'a>>, Fault> {
     let mut yard = Yard { grammar, output: Vec::new(), waiting: Vec::new(), want_operand: true };
     let mut lexer = Lexer { text, at: 0 };
@@ -63,7 +63,7 @@ pub(crate) fn parse<'a>(text: &'a str, grammar: &Grammar) -> Result<Vec<Item<'a>
     yard.finish(Span::new(text.len(), text.len()))
 }
 
-/// True for text that is a name without quotation marks.
+/// True for a name that needs no quotation marks.
 pub(crate) fn is_plain_name(text: &str) -> bool {
     let mut chars = text.chars();
     chars.next().is_some_and(starts_name) && chars.all(continues_name)
@@ -160,7 +160,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// A name in quotation marks, inside which two of them stand for one.
+    /// A quoted name; two quotation marks inside it stand for one.
     fn quoted(&mut self) -> Result<Token<'a>, Fault> {
         let start = self.at;
         self.at += 1;
@@ -208,7 +208,7 @@ fn bad_number(text: &str, span: Span) -> Fault {
     Fault::new(span, format!("`{text}` is not a number"), reason)
 }
 
-/// Operators that wait for their last operand.
+/// Operators whose last operand is not complete.
 enum Waiting<'a> {
     Prefix(&'a str, u8, Span),
     Infix(&'a str, u8, Associativity, usize, Span),

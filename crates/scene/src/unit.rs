@@ -37,7 +37,7 @@ impl Unit {
         (Unit::Foot, "ft", 0.3048),
     ];
 
-    /// From its symbol.
+    /// The unit of a symbol.
     pub fn parse(symbol: &str) -> Option<Unit> {
         Unit::ALL.iter().find(|(_, own, _)| *own == symbol).map(|(unit, _, _)| *unit)
     }

@@ -1,4 +1,4 @@
-//! Depth costs memory, not call stack, and time in proportion.
+//! Deeply nested files take heap memory instead of call stack, and linear time.
 
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 const DEPTH: usize = 100_000;
 
-/// Runs on a stack of 256 KiB.
+/// Runs a test on a stack of 256 KiB.
 fn on_a_small_stack(work: impl FnOnce() + Send + 'static) {
     let thread = std::thread::Builder::new().stack_size(256 * 1024).spawn(work);
     thread.unwrap().join().unwrap();
@@ -41,7 +41,7 @@ fn long_chains_of_solids_and_parameters_are_resolved() {
             writeln!(text, "p{k} = 'p{} + 1'", k + 1).unwrap();
         }
         writeln!(text, "p{n} = 0\n[solid.s{n}]\nsphere = {{ radius = 'p0' }}").unwrap();
-        // each is made from the next, so that the first needs all others
+        // each is made from the next, so that the first depends on all others
         for k in 0..n {
             writeln!(text, "[solid.s{k}]\nexpr = '~s{}'", k + 1).unwrap();
         }

@@ -13,7 +13,7 @@ fn problems(text: &str) -> Diagnostics {
     }
 }
 
-/// Line, column and message of each problem, one a line.
+/// Line, column and message of each problem, one per line.
 fn listed(problems: &Diagnostics) -> String {
     let line = |problem: &rayweave_scene::Diagnostic| {
         let (line, column) = problem.line_column().unwrap_or_default();
@@ -78,7 +78,7 @@ fn syntax() {
     );
     check("[solid.a]\nsphere = { radius = 1 }\n[solid.a]\n", "4:8 duplicate key: the text is not TOML here.");
     check("[parameters]\nR = 1\nR = 2\n", "4:1 duplicate key: the text is not TOML here.");
-    // an error of syntax does not hide what is wrong elsewhere
+    // a syntax error does not hide problems elsewhere
     let both = listed(&problems("unti = 'mm'\nx = [1\n"));
     assert!(both.starts_with("2:1 unknown key `unti`"), "{both}");
     assert!(both.contains("unclosed array"), "{both}");
@@ -157,7 +157,7 @@ fn parameters() {
         "[parameters]\nx = '''\n1 +\n 2 2'''\n",
         "5:4 an operator is missing before this: the operators are + - * / ^.",
     );
-    // where the text is written with escapes, the whole of it is meant
+    // a text with escapes is reported as a whole
     check(
         "[parameters]\nx = \"1 \\u002b\"\n",
         "3:5 the text ends too early: a number or a parameter is missing.",

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 const MODEL: &str = "rayweave = 1\n[solid.s]\nsphere = { radius = 1 }\n\
     [solid.p]\nplace = { solid = 's', file = 'maps.npy' }\n";
 
-/// A folder of its own for each test, removed at the end.
+/// A temporary folder for each test, removed at the end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -113,7 +113,7 @@ fn meshes_stand_in_files_beside_the_model() {
     let corners: Vec<Vec<f64>> = corners.collect();
     let arguments = scene.regions[0].solid.to_string();
     assert!(corners.iter().all(|corner| arguments.contains(&format!("{corner:?}"))), "{arguments}");
-    // a face is missing, and a point is nowhere
+    // a face is missing; then a face refers to a vertex that does not exist
     let open = mesh_problems("open", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
     assert!(open.contains("the mesh in `part.off` is no solid: the mesh is not closed: 4 edges"), "{open}");
     assert!(open.contains("holes: 1 (the first: (1, 0.5, 0.5), 4 edges)"), "{open}");

@@ -1,4 +1,4 @@
-//! Files that are slightly or badly wrong give diagnostics, never a panic, and each diagnostic has its place.
+//! Fuzzing: mutated files give diagnostics with positions, never a panic.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -13,7 +13,7 @@ fn models() -> Vec<String> {
     files.iter().map(|path| std::fs::read_to_string(path).unwrap()).collect()
 }
 
-/// Characters that mean something in one of the languages of a file.
+/// Characters with a meaning in one of the languages of a file.
 const CHARACTERS: &[char] = &[
     '"',
     '\'',

@@ -1,4 +1,5 @@
-//! Scenes for POV-Ray, read back by a small reader of what is written and compared, point by point, with the solids.
+//! POV-Ray export: a small parser reads the text back, and random points are compared with the
+//! solids.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::{Affine, Mat3, Vec3};
@@ -8,7 +9,7 @@ use rayweave_shape::primitive::Primitive;
 use rayweave_trace::Weave;
 use std::sync::Arc;
 
-/// An object as POV-Ray understands it: whether it holds a point.
+/// An object of POV-Ray, as a membership test.
 #[derive(Debug)]
 enum Object {
     Sphere(Vec3, f64),
@@ -108,7 +109,7 @@ impl<'a> Reader<'a> {
         Vec3::new(self.number(), self.number(), self.number())
     }
 
-    /// The object that begins here.
+    /// Parses the object at the current position.
     fn object(&mut self) -> Object {
         let kind = self.next();
         assert_eq!(self.next(), "{");
@@ -155,7 +156,7 @@ impl<'a> Reader<'a> {
         all
     }
 
-    /// Modifiers up to the closing brace.
+    /// Parses modifiers up to the closing brace.
     fn modified(&mut self, mut own: Object) -> Object {
         loop {
             own = match self.next() {
@@ -182,7 +183,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The objects of a scene, those between the last line that declares a texture and the end.
+/// The objects of a scene: those after the last line that declares a texture.
 fn read(text: &str) -> Vec<Object> {
     let start = text.rfind("};\n").unwrap() + 3;
     let mut reader = Reader::new(&text[start..]);
@@ -202,7 +203,7 @@ fn written(solid: &Solid) -> String {
     scene_of(solid.clone()).to_povray().unwrap().text
 }
 
-/// Compares at random points; points within rounding of a surface are too rare to occur.
+/// Compares membership at random points; points within rounding of a surface are too rare to occur.
 fn check(solid: &Solid, rng: &mut ChaCha8Rng) {
     let text = written(solid);
     let objects = read(&text);
@@ -226,7 +227,7 @@ fn random_map(rng: &mut ChaCha8Rng) -> Affine {
     }
 }
 
-/// An example of each shape that POV-Ray can show; the others are refused by name.
+/// An example of each shape that POV-Ray supports; others are rejected by name.
 fn examples() -> Vec<Primitive> {
     let (shown, others): (Vec<Primitive>, Vec<Primitive>) =
         Primitive::examples().into_iter().partition(|one| scene_of(one.clone().into()).to_povray().is_ok());

@@ -1,4 +1,4 @@
-//! Written files are read back unchanged.
+//! Round trips: written files read back unchanged.
 
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
@@ -140,7 +140,7 @@ fn solids_are_what_operators_make_of_them() {
     let offsets = [[1.0, 2.0, 3.0], [101.0, 2.0, 3.0], [1.0, 2.0, 103.0], [101.0, 2.0, 103.0]];
     let maps: Vec<Affine> = offsets.map(|p| Affine::translate(Vec3::from_array(p))).to_vec();
     assert_eq!(scene.solid("grid"), Some(&ball.place(maps).named("grid")));
-    // names with `_` stay in the file
+    // names with `_` are private to the file
     let helper = scene.solid("_helper").unwrap();
     let rebuilt = Solid::from(half_space()).mirror(Vec3::X).rotate_y(10.0).rotate_z(20.0);
     assert_eq!(*helper, rebuilt);
@@ -249,7 +249,7 @@ fn solids_survive() {
 
 #[test]
 fn a_graph_stays_a_graph() {
-    // as a tree it would have 2^60 leaves
+    // expanded to a tree it would have 2^60 leaves
     let mut solid = build("sphere", &[("radius", 1.0)]);
     for _ in 0..60 {
         solid = &solid | &solid;

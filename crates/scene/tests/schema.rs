@@ -1,11 +1,12 @@
-//! The schema accepts the models and refuses what is wrong, by a validator of the few words that it uses.
+//! The schema accepts the models and rejects invalid files, by a validator of the few keywords that
+//! it uses.
 
 use rayweave_scene::schema;
 use serde_json::{Value, json};
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
 
-/// Why a value does not fit, or nothing.
+/// The first reason why a value does not conform to the schema; `None` if it conforms.
 fn problem(root: &Value, rule: &Value, value: &Value) -> Option<String> {
     let rule = rule.as_object()?;
     rule.iter().find_map(|(word, rule_value)| {
@@ -170,7 +171,7 @@ fn what_is_wrong_does_not_fit() {
     }
 }
 
-/// The owners of these tables report their problems, not this crate.
+/// The programs that own these tables report their problems, not this crate.
 #[test]
 fn what_is_wrong_with_light_does_not_fit() {
     for text in [

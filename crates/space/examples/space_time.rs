@@ -31,7 +31,7 @@ fn moving_ball(radius: f64, centre: [f64; 3], velocity: [f64; 3]) -> Result<Soli
     Solid::cylinder(3, radius)?.affine(shear, [x, y, z, 0.0])
 }
 
-/// All that the particle can meet.
+/// All obstacles of the particles.
 fn scene() -> Result<Solid<4>, SpaceError> {
     let a = moving_ball(1.0, [4.0, -2.0, 0.0], [0.0, 1.0, 0.0])?.named("ball A");
     let b = moving_ball(1.0, [5.0, 2.5, 0.0], [0.0, -1.0, 0.0])?.named("ball B");
@@ -42,7 +42,8 @@ fn scene() -> Result<Solid<4>, SpaceError> {
     Ok(a | b | (plate - (hole & open)))
 }
 
-/// When a particle launched at `launch` is in a ball: `|relative position| < 1` by the quadratic formula.
+/// The times at which a particle launched at `launch` enters and leaves a ball: `|relative
+/// position| < 1` by the quadratic formula.
 fn in_ball(launch: f64, x: f64, y: f64, vy: f64) -> Option<(f64, f64)> {
     // relative to the ball: (2 (t - launch) - x, -(y + vy t))
     let (a, half_b) = (SPEED * SPEED + vy * vy, vy * y - SPEED * (SPEED * launch + x));
@@ -54,7 +55,7 @@ fn in_ball(launch: f64, x: f64, y: f64, vy: f64) -> Option<(f64, f64)> {
     })
 }
 
-/// The intervals of time in which the particle is in something, by hand.
+/// The intervals of time in which the particle is inside the scene, by hand.
 fn by_hand(launch: f64) -> Vec<(f64, f64)> {
     let balls = [in_ball(launch, 4.0, -2.0, 1.0), in_ball(launch, 5.0, 2.5, -1.0)];
     let mut spans: Vec<(f64, f64)> = balls.into_iter().flatten().collect();
@@ -63,7 +64,7 @@ fn by_hand(launch: f64) -> Vec<(f64, f64)> {
     spans.extend([(enters, leaves.min(3.9)), (enters.max(4.3), leaves)]);
     spans.retain(|(from, to)| from < to);
     spans.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // what overlaps is one interval
+    // joins overlapping intervals
     let mut joined: Vec<(f64, f64)> = Vec::new();
     for (from, to) in spans {
         match joined.last_mut() {
@@ -79,7 +80,7 @@ fn main() -> Result<(), SpaceError> {
     let program = tracer.program().clone();
     println!("{:>6}  {:>8}  {:<7} {:<8} {:>8} {:>8}", "launch", "time", "", "face of", "x", "v normal");
     for launch in [0.0, 0.25, 0.5] {
-        // t = 0 and t = 1 of the line are the times 0 and 1, wherever the particle would have been then
+        // t = 0 and t = 1 of the line are the times 0 and 1, regardless of the time of launch
         let at = |time: f64| -> Event { [SPEED * (time - launch), 0.0, 0.0, time] };
         let ray = tracer.trace(at(0.0), at(1.0))?.clip(launch, 10.0)?;
         for (root, side) in ray.crossings() {

@@ -1,10 +1,12 @@
 //! Tracing of curves through compiled models, by the same rules as for rays.
 //!
-//! [`isolate`](crate::isolate()) finds the sign changes of every surface that the curve can cross. The rest is as for rays: leaves
-//! are intersections of facets, placed solids are leaves of the enclosing group, boundary events run through the boolean
-//! network of the group, and one weld along the curve merges crossings between which the curve stays within delta of both
-//! surfaces. A placed solid is traced in its own frame, with the curve transformed by the composed map. A surface shared by several
-//! leaves is isolated once, so that equal surfaces give equal bits.
+//! [`isolate`](crate::isolate()) finds the sign changes of every surface that the curve can cross.
+//! The remaining steps are the same as for rays: leaves are intersections of facets, placed solids
+//! are leaves of the enclosing group, boundary events run through the boolean network of the group,
+//! and one weld along the curve merges crossings between which the curve stays within delta of both
+//! surfaces. A placed solid is traced in its own frame, with the curve transformed by the composed
+//! map. A surface shared by several leaves is isolated once, so that equal surfaces give equal
+//! bits.
 //!
 //! *Cost*: each surface of each leaf whose box the curve may cross is isolated over the whole window; see
 //! [`isolate`](crate::isolate) for the cost of one surface. Other leaves cost a few box tests each. For long curves through large
@@ -150,7 +152,7 @@ struct Frame<'a> {
     view: View<'a>,
     /// The leaf of the enclosing group that this group represents.
     parent_leaf: u32,
-    /// The box in which each leaf can matter.
+    /// The box outside of which each leaf has no effect.
     matters: Vec<Bounds>,
     next: u32,
     /// The isolated sign changes, by surface.

@@ -132,7 +132,7 @@ impl<const D: usize> Tracer<D> {
         t0: f64,
         t1: f64,
     ) -> Result<RootRay<Face<D>>, SpaceError> {
-        // isolation checks it too, but a solid without faces does not get there
+        // isolation checks it too, but is not called for a solid without faces
         check_window(curve, t0, t1)?;
         let events: Result<Vec<RootRay>, _> =
             self.program.faces.iter().map(|entry| isolate(entry, curve, t0, t1)).collect();

@@ -1,4 +1,5 @@
-//! Sign changes along curves: against exact polynomials, planted roots, curves in surfaces, and curves that lie.
+//! Sign changes along curves: against exact polynomials, planted roots, curves in surfaces, and
+//! curves that violate their contract.
 
 mod curves_support;
 
@@ -15,8 +16,8 @@ fn times(ray: &RootRay) -> Vec<f64> {
     ray.times().collect()
 }
 
-/// Exactly the sign changes of a polynomial: as many as Sturm's theorem says, each where the exact sign changes within
-/// `within`.
+/// Checks that the roots are exactly the sign changes of a polynomial: as many as by Sturm's
+/// theorem, each within `within` of an exact sign change.
 fn expect_exact(p: &Polynomial, got: &RootRay, (t0, t1): (f64, f64), within: f64, what: &str) {
     let times = times(got);
     assert_eq!(times.len(), p.count_roots(t0, t1), "{what}: {times:?}");
@@ -63,8 +64,8 @@ fn projectiles_against_exact_polynomials() {
     assert!(roots > 1000, "{roots}");
 }
 
-/// Two roots a gap apart near the vertex of a parabola, anywhere and at any scale: found down to where the curve is
-/// within delta of the plane between them.
+/// Two roots a gap apart near the vertex of a parabola, at random positions and scales: found down
+/// to gaps at which the curve is within delta of the plane between them.
 #[test]
 fn near_double_roots() {
     let mut rng = Random::new(2);
@@ -75,7 +76,7 @@ fn near_double_roots() {
         let gap = libm::pow(10.0, -3.0 - 9.0 * (f64::from(round) / 400.0));
         let sag = 0.25 * gap * gap;
         let (middle, side) = (rng.between(-0.5, 0.5), if rng.chance(0.5) { 1.0 } else { -1.0 });
-        // z = side ((t - middle)^2 - sag), seen along a line in the plane z = 0
+        // z = side ((t - middle)^2 - sag), above a line in the plane z = 0
         let z = Parabola::new(
             [-middle, 0.3, side * (middle * middle - sag)],
             [1.0, 0.0, -2.0 * side * middle],
@@ -92,7 +93,7 @@ fn near_double_roots() {
             assert!((got[0] - (middle - 0.5 * gap)).abs() < off, "{got:?} {middle} {gap:e}");
             assert!((got[1] - (middle + 0.5 * gap)).abs() < off, "{got:?} {middle} {gap:e}");
         }
-        // and with the vertex on the other side of the plane there is nothing to find
+        // with the vertex on the other side of the plane there is no root
         let above =
             Mapped::new(Parabola::new([0.0, 0.3, side * sag], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0 * side]), map);
         if sag * scale > 2.0 * delta {
@@ -110,7 +111,8 @@ fn wave(amplitude: f64, rate: f64, height: f64) -> impl Curve<3> {
     }
 }
 
-/// Zeros at multiples of powers of two, where halving looks, and hills just reaching through: all are found.
+/// Zeros at multiples of powers of two, which are the points of subdivision, and crests that just
+/// exceed the plane: all are found.
 #[test]
 fn waves_with_roots_where_halving_looks() {
     let plane = Surface::plane(Vec3::Y, 0.0);
@@ -124,14 +126,14 @@ fn waves_with_roots_where_halving_looks() {
             assert!((t - exact).abs() < 1e-13 / (amplitude * rate) + 1e-15, "{t} {exact}");
         }
     }
-    // only the tops of the hills: 2 acos(1 - depth) wide
+    // only the crests: 2 acos(1 - depth) wide
     for depth in [1e-2, 1e-6, 1e-10] {
         let got = isolate(&plane, &wave(1.0, 100.0, -(1.0 - depth)), 0.0, TAU).unwrap();
         assert_eq!((got.start(), got.roots().len()), (Side::Inside, 200), "{depth}");
     }
 }
 
-/// A third-order contact on a curve of a user: one crossing, however flat.
+/// A third-order contact of a user-defined curve: one crossing, however flat.
 #[test]
 fn a_flat_crossing_is_one() {
     let plane = Surface::plane(Vec3::Y, 0.0);
@@ -145,7 +147,7 @@ fn a_flat_crossing_is_one() {
         let got = isolate(&plane, &curve, -0.7, 1.1).unwrap();
         assert_eq!(got.roots().len(), 1, "{power}: {got}");
         assert_eq!(got.start(), Side::Inside);
-        // within delta of the plane all along
+        // within delta of the plane over the whole window
         assert!(libm::pow(times(&got)[0], n).abs() < 1e-14);
     }
 }
@@ -237,7 +239,7 @@ fn splines_against_exact_polynomials() {
     assert!(roots > 100, "{roots}");
 }
 
-/// Curves that lie in a surface have no root, and the side into which w points, all along.
+/// Curves that lie in a surface have no root; their side is that into which w points.
 #[test]
 fn curves_in_surfaces() {
     let mut rng = Random::new(6);
@@ -276,7 +278,7 @@ fn curves_in_surfaces() {
     }
 }
 
-/// In the plane and in space-time as in space.
+/// Circles in the plane and in space-time, as in space.
 #[test]
 fn circles_of_other_dimensions() {
     let at = |inside: bool, want: &[f64], got: RootRay| {
@@ -285,7 +287,7 @@ fn circles_of_other_dimensions() {
         assert!(times(&got).iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-14), "{got}");
     };
     let flat = Arc::new([0.5, 0.0], [[1.0, 0.0], [0.0, 1.0]], 2.0).unwrap();
-    // unit circles half a unit apart meet where cos 2t = -1/4
+    // unit circles half a unit apart intersect where cos 2t = -1/4
     let half = 0.5 * libm::acos(-0.25);
     at(
         false,
@@ -303,7 +305,7 @@ fn circles_of_other_dimensions() {
     at(false, &[-half, half], isolate(&beside, &great, -3.0, 3.0).unwrap());
 }
 
-/// Touching is no crossing, from either side.
+/// A tangent contact is not a crossing, from either side.
 #[test]
 fn tangent_curves() {
     let circle = Arc::new([0.0; 3], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], 1.0).unwrap();
@@ -320,7 +322,7 @@ fn tangent_curves() {
     }
 }
 
-/// A curve may start or end on a surface, and come back to it.
+/// A curve may start or end on a surface, and return to it.
 #[test]
 fn windows_that_end_on_the_surface() {
     let plane = Surface::plane(Vec3::Z, 0.0);
@@ -341,13 +343,13 @@ fn circle_with_bound(bound: impl Fn(f64, f64) -> f64) -> impl Curve<3> {
     }
 }
 
-/// Every way in which a curve can break its promise is an error with its times, and never a panic.
+/// Every violation of the contract of a curve is an error with its times, and never a panic.
 #[test]
 fn curves_that_lie() {
     let sphere = Surface::sphere(Vec3::new(0.5, 0.5, 0.2), 0.7);
     let of = |curve: &dyn Curve<3>| isolate(&sphere, curve, 0.0, 5.0);
     assert_eq!(of(&circle_with_bound(|_, _| 1.0)).unwrap().roots().len(), 2);
-    // a bound that is far too large only costs
+    // a bound that is far too large only costs time
     let (plain, costly) =
         (times(&of(&circle_with_bound(|_, _| 1.0)).unwrap()), of(&circle_with_bound(|_, _| 1e4)));
     assert!(plain.iter().zip(times(&costly.unwrap())).all(|(a, b)| (a - b).abs() < 1e-15));
@@ -393,7 +395,7 @@ fn windows_that_are_refused() {
     assert_eq!(error, CurveError::OutsideDomain { t0: 0.0, t1: 1.5, first: 0.0, last: 1.0 });
 }
 
-/// Curves that run beside a surface for long, at any distance: no crossing, and no end of work.
+/// Curves that run beside a surface for long, at any distance: no crossing, and bounded work.
 #[test]
 fn curves_beside_surfaces() {
     let mut rng = Random::new(9);
@@ -420,7 +422,8 @@ fn curves_beside_surfaces() {
     }
 }
 
-/// Crests where halving looks, and roots between: a wave that only seems to run beside the plane.
+/// Crests at the points of subdivision, and roots between them: a wave that only appears to run
+/// beside the plane.
 #[test]
 fn waves_with_crests_where_halving_looks() {
     let plane = Surface::plane(Vec3::Y, 0.0);

@@ -1,4 +1,5 @@
-//! A straight curve through a compiled model meets what the reference evaluator finds on the ray.
+//! A straight curve through a compiled model has the crossings that the reference evaluator finds
+//! on the ray.
 
 use rayweave_conformance::rays::rays;
 use rayweave_conformance::{Model, Random, Style};
@@ -19,8 +20,8 @@ use rayweave_trace::Reference;
 struct Count {
     lines: usize,
     crossings: usize,
-    /// Lines that keep between a quarter of delta and four delta beside a surface, or are within delta of one between
-    /// two crossings or about a root of it: where both answers are right.
+    /// Lines at a distance between delta / 4 and 4 delta from a surface, or within delta of one
+    /// between two crossings or around one of its roots; both results are valid.
     borderline: usize,
     differ: Vec<String>,
 }
@@ -33,7 +34,8 @@ fn deltas(program: &Program, ray: &Ray, placement: PlacementId, surface: Surface
     value.abs() / gradient.length() / delta(entry.magnitude + magnitude, &local, t)
 }
 
-/// True if the ray is near the border of lying in some surface of the model, all along or at the ends of the window.
+/// True if the ray is close to the threshold of lying in some surface of the model, over the whole
+/// window or at its ends.
 fn is_borderline(program: &Program, ray: &Ray, times: [f64; 3]) -> bool {
     let placements = program.prototype(PrototypeId(0)).placements;
     (0..placements).map(PlacementId).any(|placement| {

@@ -33,7 +33,7 @@ fn expect(solid: &Solid, curve: &dyn Curve<3>, (t0, t1): (f64, f64), inside: boo
     }
 }
 
-/// Checks a case as it is, and moved, rotated and scaled together with the curve.
+/// Checks a case as given, and translated, rotated and scaled together with the curve.
 fn expect_anywhere(
     solid: &Solid,
     curve: &dyn Curve<3>,
@@ -104,7 +104,7 @@ fn arcs_against_sphere_box_and_torus() {
     let want: Vec<f64> =
         (0..4).flat_map(|k| [a + 0.25 * TAU * f64::from(k), b + 0.25 * TAU * f64::from(k)]).collect();
     expect_anywhere(&cube, &circle([0.0; 3], 1.0), (0.0, TAU - 0.1), false, &want, "arc in box");
-    // a circle in a plane through the axis, around the middle of the tube and beside it
+    // a circle in a plane through the axis, around the middle of the tube and off it
     let torus = shape("torus", &[("major", 2.0), ("minor", 0.5)]);
     let upright = |x: f64, r: f64| Arc::new([x, 0.0, 0.0], [[r, 0.0, 0.0], [0.0, 0.0, r]], 1.0).unwrap();
     expect_anywhere(&torus, &upright(2.0, 0.4), (0.0, 10.0), true, &[], "arc within the tube");
@@ -128,7 +128,7 @@ fn projectile_and_floor() {
     assert!((curve_point(&throw, &crossing)[0] - 2.0 * down).abs() < 1e-14);
 }
 
-/// A circle in shared faces: neither overlap nor gap.
+/// A circle in shared faces: no overlap and no gap.
 #[test]
 fn circles_in_shared_faces() {
     let mut rng = Random::new(3);
@@ -349,8 +349,9 @@ fn long_dense_samples_find_nothing_else() {
     assert!(crossings > 20_000, "{crossings}");
 }
 
-/// A curve split at the times of its crossings, with the sides of surfaces carried over: each crossing is reported once, by the piece
-/// before or after it. Without the sides, rounding of the ends would lose crossings.
+/// A curve split at the times of its crossings, with the sides of surfaces carried over: each
+/// crossing is reported exactly once, by the piece before or after it. Without the sides, rounding
+/// of the ends would lose crossings.
 #[test]
 fn pieces_that_end_on_faces() {
     let solid = block(Vec3::new(-1.0, -0.7, -0.5), Vec3::new(1.1, 0.8, 3.0))

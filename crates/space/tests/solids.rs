@@ -222,7 +222,7 @@ fn curves_through_solids_of_the_plane_have_their_closed_forms() {
     let on_line = trace(p, q, &wall).unwrap().clip(-9.0, 9.0).unwrap();
     close(&times(&trace_along(&line, -9.0, 9.0, &wall).unwrap()), &times(&on_line), 1e-14);
     assert_eq!(line.position(1.0), q);
-    // a circle about a corner of the wall is inside for a quarter of the way
+    // a circle about a corner of the wall is inside for a quarter of its length
     let circle = Arc::new([0.5, 0.0], [[0.25, 0.0], [0.0, 0.25]], 1.0).unwrap();
     let ray = trace_along(&circle, -0.5, 6.0, &wall).unwrap();
     close(&times(&ray), &[0.0, std::f64::consts::FRAC_PI_2], 1e-14);

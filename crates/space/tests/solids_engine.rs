@@ -1,4 +1,4 @@
-//! Solids in R^3 against the engine for space, on equal trees and lines.
+//! Solids in R^3, compared with the engine for three dimensions on equal trees and lines.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::{Affine as SpaceMap, Mat3, Vec3};

@@ -369,7 +369,8 @@ fn a_tracer_is_reusable() {
     }
 }
 
-/// Checks that the line through p and q has the crossings of the line moved by 1e-7 w, for times below 100.
+/// Checks that the line through p and q has the crossings of the line translated by 1e-7 w, for
+/// times below 100.
 fn lies_like_its_neighbour<const D: usize>(solid: &Solid<D>, p: Point<D>, q: Point<D>) -> Vec<f64> {
     let w = rayweave_math::perturbation_direction::<D>();
     let perturbation = |p: Point<D>| std::array::from_fn(|k| p[k] + 1e-7 * w[k]);
@@ -383,7 +384,7 @@ fn lies_like_its_neighbour<const D: usize>(solid: &Solid<D>, p: Point<D>, q: Poi
 
 #[test]
 fn a_line_in_a_surface_agrees_with_the_perturbed_line() {
-    // two crossing lines: a line moved off one of them crosses the other
+    // two crossing lines: a line translated off one of them crosses the other
     let wedge = Solid::<2>::quadric(2, 1, 0.0).unwrap();
     assert_eq!(lies_like_its_neighbour(&wedge, [1.0, 1.0], [2.0, 2.0]), [-1.0]);
     // independent of other parts of the model

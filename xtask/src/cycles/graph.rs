@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The groups of nodes that reach each other, each sorted; nodes that reach only others are in none.
+/// The strongly connected components that contain a cycle, each sorted.
 pub fn cycles<'a>(edges: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> Vec<Vec<&'a str>> {
     let reach: BTreeMap<&str, BTreeSet<&str>> =
         edges.keys().map(|&node| (node, reachable(edges, node))).collect();
@@ -16,7 +16,7 @@ pub fn cycles<'a>(edges: &BTreeMap<&'a str, BTreeSet<&'a str>>) -> Vec<Vec<&'a s
     found.into_iter().collect()
 }
 
-/// The nodes at the ends of all ways from a node.
+/// The nodes that are reachable from a node.
 fn reachable<'a>(edges: &BTreeMap<&'a str, BTreeSet<&'a str>>, from: &'a str) -> BTreeSet<&'a str> {
     let mut found = BTreeSet::new();
     let mut open = vec![from];

@@ -1,4 +1,5 @@
-//! Import cycles between the files of a crate: there are none, but for those that ARCHITECTURE.md gives a reason for.
+//! Detection of import cycles between the files of a crate. Each permitted cycle has a reason in
+//! ARCHITECTURE.md.
 
 mod graph;
 mod module;
@@ -16,14 +17,15 @@ use resolve::{Crate, Uses};
 const OPEN: &str = "<!-- cycles -->";
 const CLOSE: &str = "<!-- /cycles -->";
 
-/// A cycle that may stay: files of a folder, and the line of the table.
+/// A permitted cycle: the files of a folder, and the line of the table.
 #[derive(Debug, PartialEq, Eq)]
 struct Exception {
     folder: String,
     line: usize,
 }
 
-/// All import cycles that the table of exceptions in `text`, that of `file`, does not name, and all exceptions without one.
+/// All import cycles that the table of exceptions does not list, and all exceptions without a
+/// cycle. `text` is the text of `file`, which contains the table.
 pub fn problems(repository: &Repository, file: &str, text: &str) -> Result<Vec<String>, String> {
     let exceptions = exceptions(text).map_err(|problem| format!("{file}:{problem}"))?;
     let mut used = vec![false; exceptions.len()];
@@ -49,7 +51,9 @@ pub fn problems(repository: &Repository, file: &str, text: &str) -> Result<Vec<S
     Ok(problems)
 }
 
-/// The rows `| folder or file | reason |` of the table of exceptions; there need be no table.
+/// The rows `| folder or file
+///
+/// reason |` of the table of exceptions; the table is optional.
 fn exceptions(text: &str) -> Result<Vec<Exception>, String> {
     let rows = text.lines().enumerate().skip_while(|(_, line)| line.trim() != OPEN);
     // the marker, the heading and the rule below it
@@ -82,7 +86,7 @@ fn crates(repository: &Repository) -> Result<BTreeMap<String, BTreeMap<String, S
 }
 
 impl Crate {
-    /// Reads all modules that are declared from `lib.rs` or `main.rs` on, outside tests.
+    /// Reads all modules declared in `lib.rs`, `main.rs` and their descendants, except tests.
     fn read(files: &BTreeMap<String, String>) -> Crate {
         let mut modules = BTreeMap::new();
         for root in ["main.rs", "lib.rs"] {
@@ -112,7 +116,7 @@ fn file_of(files: &BTreeMap<String, String>, path: &[String]) -> Option<String> 
     [format!("{base}.rs"), format!("{base}/mod.rs")].into_iter().find(|name| files.contains_key(name))
 }
 
-/// The groups of files that use each other's definitions.
+/// The groups of files that use each other's definitions, directly or indirectly.
 fn cycles(uses: &Uses) -> Vec<Vec<&str>> {
     let edges: BTreeMap<&str, BTreeSet<&str>> =
         uses.iter().map(|(file, used)| (file.as_str(), used.keys().map(String::as_str).collect())).collect();
@@ -166,7 +170,7 @@ mod tests {
             ("a/c.rs", "pub struct C;"),
         ];
         assert!(found(&files).is_empty());
-        // the parent's own code uses B, and B what the parent defines
+        // the parent's own code uses B, and B uses a definition of the parent
         let own = format!("{parent}\npub struct D;\nfn f(b: B) {{}}");
         let files = [
             files[0],

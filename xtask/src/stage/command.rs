@@ -1,4 +1,4 @@
-//! The stage that builds the command for release and uses it as a person would.
+//! The stage that builds the command line program for release and runs it like a user.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 const PANICKED: i32 = 101;
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
-    // as the README says it: cargo has to know which program is meant
+    // as in the README: cargo has to select the right program
     process::run(cargo(workshop).args(["run", "--release", "--", "--version"]))?;
     let scratch = workshop.repository.target().join("command");
     fs::create_dir_all(&scratch)
@@ -51,7 +51,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     }
 }
 
-/// The models of the repository, which must have some.
+/// The models of the repository; there must be at least one.
 fn models(workshop: &Workshop<'_>) -> Result<Vec<String>, String> {
     let files = workshop.repository.files()?;
     let models: Vec<String> =
@@ -63,7 +63,7 @@ fn models(workshop: &Workshop<'_>) -> Result<Vec<String>, String> {
     }
 }
 
-/// Somebody at the root of the repository who uses the command.
+/// A user of the command at the root of the repository.
 struct User<'a> {
     root: &'a Path,
     program: PathBuf,
@@ -76,7 +76,7 @@ impl User<'_> {
         command
     }
 
-    /// The command ends well and says something.
+    /// Checks that the command succeeds and prints something.
     fn succeeds(&self, arguments: &[&str]) -> Outcome {
         let output = process::output(&mut self.command(arguments))?;
         if output.trim().is_empty() {
@@ -86,7 +86,7 @@ impl User<'_> {
         }
     }
 
-    /// The command fails without a panic, and its message names the culprit.
+    /// Checks that the command fails without a panic, and that its message names the culprit.
     fn complains(&self, arguments: &[&str], culprit: &str) -> Outcome {
         let words = arguments.join(" ");
         let output =
@@ -102,7 +102,7 @@ impl User<'_> {
         }
     }
 
-    /// The command writes a picture of a model.
+    /// Checks that the command writes a picture of a model.
     fn renders(&self, model: &str, scratch: &Path) -> Outcome {
         let picture = scratch.join(Path::new(model).with_extension("png").file_name().unwrap_or_default());
         let _ = fs::remove_file(&picture);

@@ -19,7 +19,8 @@ struct Example {
 }
 
 impl Example {
-    /// Runs what is built, or builds what needs features of its own.
+    /// The command that runs the example: its binary, or a call of cargo if it needs its own
+    /// features.
     fn command(&self, workshop: &Workshop<'_>) -> Command {
         if self.features.is_empty() {
             let mut command =
@@ -44,7 +45,8 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
             scripts.len()
         ));
     }
-    // as the tests were built: one by one, each package would have dependencies with other features, built again
+    // the same call as for the tests: separate calls for each package would unify the features of
+    // dependencies differently and build them again
     let mut all = cargo(workshop);
     process::run(all.args(["build", "--quiet", "--examples"]).args(NOT_BY_CARGO))?;
     let failures = examples.iter().map(|example| example.command(workshop));

@@ -6,10 +6,10 @@ use crate::python::BINDING;
 use crate::report::Counts;
 use crate::workshop::Workshop;
 
-/// A file that uses the whole typed interface, from the root.
+/// A file that uses the whole typed interface, relative to the root.
 const TYPED_SAMPLE: &str = "bindings/python/tests/typed_sample.py";
 
-/// Names that stubtest may find different, if there are any.
+/// Names that stubtest is allowed to find different; the file is optional.
 const STUBTEST_ALLOWLIST: &str = "bindings/python/stubtest-allowlist.txt";
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
@@ -45,7 +45,7 @@ fn stubs(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     if allowlist.is_file() {
         python.arg("--allowlist").arg(allowlist);
     }
-    // away from the sources, so that the installed package is the one that is found
+    // run away from the sources, so that the installed package is imported
     one(process::run(python.current_dir(workshop.repository.target())), counts)
 }
 

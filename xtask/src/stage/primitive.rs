@@ -17,7 +17,7 @@ const NAME: &str = "bead";
 /// Files of the copy: the shapes and their dependencies.
 const COPIED: [&str; 5] = ["Cargo.toml", "Cargo.lock", "crates/math/", "crates/mesh/", "crates/shape/"];
 
-/// The new primitive's own tests, and those that hold for all primitives and name none.
+/// The tests of the new primitive, and those that run on all primitives without naming one.
 const TESTS: [&str; 4] = ["primitive::bead", "pages_tell", "arguments_build", "bounds_hold"];
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
@@ -26,7 +26,8 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let copy = Repository { root };
     new_primitive::run(&copy, NAME)?;
     register(&copy)?;
-    // a folder of its own: cargo would take the copy's crates for the workspace's, whose tests then were stale
+    // a separate target folder: cargo would mistake the crates of the copy for those of the
+    // workspace, and the tests of the workspace would be out of date
     let built = workshop.repository.target().join("new-primitive-target");
     let mut cargo = Command::new("cargo");
     cargo.current_dir(&copy.root).env("CARGO_TARGET_DIR", built);
@@ -40,7 +41,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     }
 }
 
-/// Makes a workspace of the shapes alone, without an earlier run's files.
+/// Creates a workspace of the shape crates only, without the files of an earlier run.
 fn copy(repository: &Repository, root: &Path) -> Result<(), String> {
     let text = |error: std::io::Error| error.to_string();
     if root.exists() {
@@ -57,7 +58,7 @@ fn copy(repository: &Repository, root: &Path) -> Result<(), String> {
     fs::write(&manifest, alone(&whole)).map_err(text)
 }
 
-/// The workspace's manifest with no other members than the copied crates.
+/// The workspace's manifest with only the copied crates as members.
 fn alone(manifest: &str) -> String {
     let members = |line: &str| match line.split('=').next().unwrap_or_default().trim() {
         "members" => "members = [\"crates/*\"]\n".to_owned(),
@@ -67,7 +68,7 @@ fn alone(manifest: &str) -> String {
     manifest.lines().map(members).collect()
 }
 
-/// Puts the two lines in where the sphere's lines are.
+/// Inserts the two lines after the lines of the sphere.
 fn register(repository: &Repository) -> Outcome {
     let path = repository.root.join(FOLDER).join("mod.rs");
     let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;

@@ -1,4 +1,4 @@
-//! Checks of wording: retired words, and counts of phrasings that readers have to read twice.
+//! Checks of wording: retired words, and limits on the number of phrasings that are hard to read.
 
 use std::fmt;
 
@@ -9,9 +9,9 @@ use crate::repository::Source;
 
 static RETIRED_WORD: Rule = Rule { name: "retired-word", why: "the field has a standard term" };
 
-/// Words that the project no longer uses, in code and in text, each with the standard term.
+/// Retired words in code and text, each with the standard term that replaces it.
 ///
-/// Written in two parts, so that this file does not break its own rule.
+/// Written in two parts, so that this file does not violate its own rule.
 const RETIRED: [(&str, &str); 8] = [
     (concat!("fore", "see"), "predict"),
     (concat!("fore", "sight"), "prediction"),
@@ -23,14 +23,14 @@ const RETIRED: [(&str, &str); 8] = [
     (concat!("Travel", "ler"), "RayState"),
 ];
 
-/// Files that must name retired words: the record of what was renamed.
+/// Files that may contain retired words, because they record the renamings.
 const RECORDS: [&str; 1] = ["CHANGELOG.md"];
 
-/// Most comment lines that may begin with What, That, Where, How or Who.
+/// The maximum number of comment lines that begin with What, That, Where, How or Who.
 const MOST_OPENINGS: usize = 500;
-/// Most comment lines with a passive such as "is asked".
+/// The maximum number of comment lines with a passive of the list of verbs below.
 const MOST_PASSIVES: usize = 220;
-/// Most comment lines that let a program tell something.
+/// The maximum number of comment lines with a form of the verb of telling.
 const MOST_TELLING: usize = 64;
 
 const OPENINGS: [&str; 5] = ["What", "That", "Where", "How", "Who"];
@@ -61,7 +61,7 @@ pub fn check(source: &Source) -> Vec<Violation> {
     violations
 }
 
-/// Numbers of comment lines in Rust files, in all and with each kind of phrasing.
+/// Counts of comment lines in Rust files: all, and those with each kind of phrasing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Phrasings {
     comments: usize,

@@ -1,4 +1,4 @@
-//! The check of the length of functions.
+//! The check of the lengths of functions.
 
 use super::rust::is_test_file;
 use super::violation::{Rule, Violation};
@@ -7,7 +7,7 @@ use crate::repository::Source;
 
 static FUNCTION_LENGTH: Rule = Rule { name: "function-length", why: "a function is read in one look" };
 
-/// The most lines from `fn` to the closing brace.
+/// The maximum number of lines from `fn` to the closing brace.
 const LONG_FUNCTION: usize = 80;
 
 pub fn check(source: &Source) -> Vec<Violation> {

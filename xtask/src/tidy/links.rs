@@ -25,7 +25,7 @@ pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     violations
 }
 
-/// Target of a link.
+/// The target of a link.
 enum Resolved {
     /// Another site, or a place in the same file.
     Elsewhere,
@@ -35,7 +35,7 @@ enum Resolved {
     Inside(String),
 }
 
-/// The targets of all links and pictures, with their lines; code is passed over.
+/// The targets of all links and pictures with their lines, outside code.
 fn targets(text: &str) -> Vec<(usize, &str)> {
     let mut targets = Vec::new();
     let mut in_code = false;
@@ -64,7 +64,7 @@ fn in_line(line: &str) -> Vec<&str> {
     targets
 }
 
-/// Turns the target of a link in a file of this folder into a path from the root.
+/// Resolves the target of a link in a file of this folder to a path relative to the root.
 fn resolve(folder: &str, target: &str) -> Resolved {
     let file = target.split('#').next().unwrap_or_default();
     if file.is_empty() || file.starts_with("mailto:") || file.contains("://") {

@@ -1,4 +1,5 @@
-//! Checks of Cargo.toml files: lints are inherited, and every dependency says why it is there.
+//! Checks of Cargo.toml files: lints are inherited, and every external dependency has a comment
+//! with its purpose.
 
 use super::violation::{Rule, Violation};
 use crate::repository::Source;
@@ -15,7 +16,7 @@ pub fn check(source: &Source) -> Vec<Violation> {
     violations
 }
 
-/// The lines of a manifest with the header of the table that each belongs to, such as `[lints]`.
+/// The lines of a manifest, each with the header of its table, such as `[lints]`.
 fn entries(text: &str) -> impl Iterator<Item = (usize, &str, &str)> {
     let mut table = "";
     text.lines().enumerate().filter_map(move |(index, line)| {
@@ -41,7 +42,7 @@ fn lints(source: &Source) -> Option<Violation> {
     })
 }
 
-/// Dependencies from outside that are given a version here but have no comment right above.
+/// External dependencies with a version in this file and no comment directly above.
 fn unexplained(source: &Source) -> Vec<Violation> {
     let lines: Vec<&str> = source.text.lines().collect();
     let explained = |index: usize| index > 0 && lines[index - 1].trim().starts_with('#');

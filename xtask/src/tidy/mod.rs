@@ -1,4 +1,4 @@
-//! Checks of the text of all files: what the compiler and the linter do not see.
+//! Checks of the text of all files, beyond those of the compiler and the linter.
 
 mod english;
 mod functions;
@@ -14,7 +14,7 @@ use crate::outcome::Outcome;
 use crate::repository::{Repository, Source};
 use violation::{Severity, Violation};
 
-/// The file of exceptions, from the root.
+/// The file of exceptions, relative to the root.
 const EXCEPTIONS: &str = "xtask/tidy-exceptions.txt";
 
 /// Checks all files and prints every violation.
@@ -49,7 +49,7 @@ pub fn run(repository: &Repository) -> Outcome {
     }
 }
 
-/// All violations in one file. `exists` returns whether a path from the root exists.
+/// All violations in one file. `exists` returns whether a path relative to the root exists.
 fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     let mut violations = text::check(source);
     violations.extend(rust::check(source));
@@ -68,7 +68,7 @@ fn read_exceptions(repository: &Repository) -> Result<Vec<Exception>, String> {
     })
 }
 
-/// Leaves out what an exception covers; an exception that covers nothing is an error.
+/// Removes the violations that an exception covers; an exception that covers nothing is an error.
 fn without_exceptions(
     violations: Vec<Violation>,
     exceptions: &[Exception],
@@ -88,7 +88,7 @@ fn without_exceptions(
         .collect())
 }
 
-/// The rules and lines of the violations of a snippet: what every check's tests compare.
+/// The rules and lines of the violations of a snippet, for the tests of the checks.
 #[cfg(test)]
 fn found(path: &str, text: &str) -> Vec<(&'static str, usize)> {
     let source = Source { path: path.to_owned(), text: text.to_owned() };

@@ -1,4 +1,4 @@
-//! Checks of Rust files: documentation on top, size, and calls that the project does without.
+//! Checks of Rust files: module documentation, length, and forbidden calls.
 
 use super::text::has_word;
 use super::violation::{Rule, Violation};
@@ -13,7 +13,7 @@ static TRANSCENDENTAL: Rule =
     Rule { name: "transcendental", why: "the standard library's bits differ between platforms" };
 static UNSAFE: Rule = Rule { name: "unsafe", why: "nothing here needs it" };
 
-/// The most lines that a file may have, and from how many on a warning is due.
+/// The maximum number of lines of a file, and the number above which there is a warning.
 const LONG_FILE: usize = 1000;
 const LONGISH_FILE: usize = 700;
 
@@ -24,7 +24,7 @@ const TRANSCENDENTAL_METHODS: [&str; 25] = [
     "cbrt",
 ];
 
-/// Macros that stand for work not done, or that are there while somebody looks for a fault.
+/// Macros of unfinished work and of debugging.
 const UNFINISHED_MACROS: [&str; 3] = ["todo", "unimplemented", "dbg"];
 
 pub fn check(source: &Source) -> Vec<Violation> {
@@ -41,7 +41,7 @@ pub fn check(source: &Source) -> Vec<Violation> {
     violations
 }
 
-/// Whether the file holds nothing but tests, benchmarks or examples.
+/// True if the file contains only tests, benchmarks or examples.
 pub fn is_test_file(path: &str) -> bool {
     ["/tests/", "/benches/", "/examples/"].iter().any(|folder| path.contains(folder))
         || path.ends_with("/tests.rs")
@@ -117,7 +117,7 @@ fn unsafe_code(source: &Source, masked: &Masked) -> Vec<Violation> {
         .collect()
 }
 
-/// Whether the line calls this method of a float, as `x.name(` or by its path, as `f64::name`.
+/// True if the line calls this method of a float, as `x.name(` or by its path, as `f64::name`.
 fn uses_method(line: &str, name: &str) -> bool {
     let by_path = ["f64::", "f32::"].iter().any(|prefix| {
         let path = format!("{prefix}{name}");
@@ -126,7 +126,7 @@ fn uses_method(line: &str, name: &str) -> bool {
     by_path || line.contains(&format!(".{name}("))
 }
 
-/// Name in libm of a method of the standard library.
+/// The name in libm of a method of the standard library.
 fn libm_name(method: &str) -> &str {
     match method {
         "powf" => "pow",

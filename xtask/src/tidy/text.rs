@@ -1,4 +1,4 @@
-//! Checks of any text: blanks, marks of unfinished work, paths of one machine.
+//! Checks of any text: white space, marks of unfinished work, paths of one machine.
 
 use super::violation::{Rule, Violation};
 use crate::masked::Masked;
@@ -8,7 +8,7 @@ static BLANKS: Rule = Rule { name: "blanks", why: "diffs should show changes onl
 static UNFINISHED: Rule = Rule { name: "unfinished", why: "what is in the tree is finished" };
 static MACHINE_PATH: Rule = Rule { name: "machine-path", why: "it exists on one machine only" };
 
-// in two parts each, so that this file does not break its own rules
+// in two parts each, so that this file does not violate its own rules
 const MARKS: [&str; 3] = [concat!("TO", "DO"), concat!("FIX", "ME"), concat!("X", "XX")];
 const MACHINE_PATHS: [&str; 4] =
     [concat!("/", "work"), concat!("/", "root"), concat!("/", "home"), concat!("/", "tmp")];
@@ -51,7 +51,7 @@ fn marks(source: &Source) -> Vec<Violation> {
         .collect()
 }
 
-/// The comments of each line; of a Markdown file, nothing.
+/// The comments of each line; none for a Markdown file.
 fn comments(source: &Source) -> Vec<String> {
     if source.is("rs") {
         return Masked::new(&source.text).comments;
@@ -82,18 +82,18 @@ fn violation(
     Violation::new(rule, source, index + 1, problem.to_owned(), suggestion)
 }
 
-/// Whether the word stands in the line with no word character on either side.
+/// True if the line contains the word, without a word character on either side.
 pub fn has_word(line: &str, word: &str) -> bool {
     line.match_indices(word).any(|(at, _)| is_word(line, at, word))
 }
 
-/// Whether the word that stands at this place has no word character on either side.
+/// True if the word at this index has no word character on either side.
 pub fn is_word(line: &str, at: usize, word: &str) -> bool {
     let continues = |character: char| character.is_alphanumeric() || character == '_';
     !line[..at].ends_with(continues) && !line[at + word.len()..].starts_with(continues)
 }
 
-/// Whether the line names this folder or something in it, from the root of the file system.
+/// True if the line contains an absolute path to this folder or something in it.
 fn has_path(line: &str, folder: &str) -> bool {
     let relative = |character: char| character.is_alphanumeric() || "_./~)}]>*-".contains(character);
     let longer = |character: char| character.is_alphanumeric() || "_-.".contains(character);

@@ -1,28 +1,28 @@
-//! Rules and the places where they are broken.
+//! Rules, and the places at which they are violated.
 
 use std::fmt;
 
 use crate::repository::Source;
 
-/// A rule: its name in the list of exceptions, and why it is there.
+/// A rule: its name in the list of exceptions, and its reason.
 pub struct Rule {
     pub name: &'static str,
     pub why: &'static str,
 }
 
-/// One place where a rule is broken.
+/// A violation of a rule.
 pub struct Violation {
     pub rule: &'static Rule,
     pub path: String,
     pub line: usize,
-    /// The function or other item, where the rule is about one; else empty.
+    /// The function or other item of the violation; empty for the file as a whole.
     pub item: String,
     pub problem: String,
     pub suggestion: String,
     pub severity: Severity,
 }
 
-/// Whether a violation fails the check.
+/// The severity of a violation: an error fails the check.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Severity {
     Warning,
@@ -30,7 +30,7 @@ pub enum Severity {
 }
 
 impl Violation {
-    /// An error at a line of a file, the first line being 1.
+    /// Creates an error at a line of a file, counted from 1.
     pub fn new(
         rule: &'static Rule,
         source: &Source,
@@ -42,13 +42,13 @@ impl Violation {
         Violation { rule, path, line, item, problem, suggestion, severity: Severity::Error }
     }
 
-    /// The same about one item of the file.
+    /// Sets the item.
     pub fn about(mut self, item: &str) -> Violation {
         item.clone_into(&mut self.item);
         self
     }
 
-    /// The same, but only a warning.
+    /// Makes it a warning.
     pub fn mild(mut self) -> Violation {
         self.severity = Severity::Warning;
         self

@@ -62,7 +62,7 @@ def _ray(rows: Crossings) -> NDArray[np.int64]:
     return np.repeat(rays, np.diff(rows.offsets)) if "offsets" in rows.__dict__ else rays
 
 
-# `_leaves` holds the leaves of all faces, with -1 at the end for face -1
+# `_leaves` has the leaf of each face, and -1 at the end for face -1
 _MADE: dict[str, Callable[[Any], NDArray[Any]]] = {
     "ray": _ray,
     "offsets": lambda rows: np.arange(len(rows.start_inside) + 1, dtype=np.int64),

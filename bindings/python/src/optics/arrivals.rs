@@ -1,4 +1,4 @@
-//! Rays that come to the image.
+//! Rays that arrive at the image.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -9,7 +9,7 @@ use rayweave::lens::analysis::{
 
 use crate::error::bad_value;
 
-/// A number of a thing.
+/// A function that returns a number of a `T`.
 pub(super) type Of<T> = fn(&T) -> f64;
 
 /// Rays on the image: see `rayweave.optics.Rays`.

@@ -9,8 +9,8 @@ use crate::optics::outline::Outline;
 use crate::solid::PySolid;
 use crate::vectors::matrix;
 
-/// The solids of a component, most often one: `numbers` are the parameters of the function of that name in their order, but
-/// for the apertures.
+/// The solids of a component, usually one: `numbers` are the parameters of the function of that
+/// name in their order, without the apertures.
 #[pyfunction]
 #[pyo3(signature = (kind, numbers, outline=None, off_axis=(0.0, 0.0), terms=Vec::new()))]
 pub fn optical_component(
@@ -22,7 +22,7 @@ pub fn optical_component(
 ) -> PyResult<Vec<PySolid>> {
     let aperture = outline.as_ref().map_or_else(|| Ok(Aperture::circle(f64::NAN)), Outline::aperture)?;
     let blank = |thickness: f64| Blank::new(aperture, thickness).off_axis(off_axis.0, off_axis.1);
-    // the face of the number k with its terms
+    // face number k with its terms
     let face = |k: usize, radius: f64, conic: f64| asphere(terms.get(k), radius, conic);
     let one = |solid: Result<Solid, ComponentError>| solid.map(|solid| vec![solid]);
     let solids = match (kind, numbers.as_slice()) {
@@ -86,7 +86,7 @@ fn asphere(given: Option<&(Vec<f64>, Vec<f64>)>, radius: f64, conic: f64) -> PyR
     Ok(Asphere { even: terms("even", even)?, odd: terms("odd", odd)?, ..plain })
 }
 
-/// Eight coefficients; those that are not given are 0.
+/// Eight coefficients; missing ones are 0.
 pub fn terms(name: &str, given: &[f64]) -> PyResult<[f64; 8]> {
     let mut terms = [0.0; 8];
     let places = terms.get_mut(..given.len());
@@ -124,7 +124,7 @@ impl PySheet {
         sheet.map(PySheet).map_err(bad_value)
     }
 
-    /// A sheet where the boundary of a solid lies within another one.
+    /// A sheet: the part of the boundary of a solid that lies within another one.
     #[staticmethod]
     #[pyo3(signature = (surface, trim))]
     fn from_solids(surface: PyRef<'_, PySolid>, trim: PyRef<'_, PySolid>) -> Self {

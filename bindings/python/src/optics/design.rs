@@ -1,4 +1,4 @@
-//! Tolerancing and searches.
+//! Tolerancing and optimisation.
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -38,7 +38,7 @@ const MERITS: [(&str, Merit); 5] = [
     ("image shift", Merit::ImageShift),
 ];
 
-/// Something by its name, or an error that lists what there is.
+/// Looks up a name; an unknown name is an error that lists the known ones.
 fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
     let found = known.iter().find(|(known, _)| *known == name);
     let names = || known.iter().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
@@ -47,7 +47,7 @@ fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
         .ok_or_else(|| bad_value(format!("{what} is {name:?}: it can be {}.", names())))
 }
 
-/// The merits of trials with their deviations, and what each parameter does alone.
+/// The merits of trials with their deviations, and the effect of each parameter alone.
 #[pyfunction]
 #[pyo3(signature = (lens, errors, merit, trials, *, refocus, vignette, rings, seed, threads))]
 #[allow(clippy::too_many_arguments)] // those of the function in Python
@@ -147,7 +147,8 @@ impl GoalOf {
     }
 }
 
-/// The prescription that a search finds, the values of the parameters, and how it went.
+/// The prescription that an optimisation finds, the values of the parameters, and the course of the
+/// optimisation.
 #[pyfunction]
 #[pyo3(signature = (lens, parameters, goals, *, rings, patience))]
 pub fn optimise<'py>(

@@ -1,4 +1,4 @@
-//! Elements of optical systems: on their way in, and as model files describe them.
+//! Elements of optical systems: conversion from Python, and elements of model files.
 
 use numpy::PyArray2;
 use pyo3::prelude::*;
@@ -12,12 +12,13 @@ use crate::optics::spec::{Spec, unknown};
 use crate::solid::PySolid;
 use crate::vectors::matrix;
 
-/// An element as Python describes it: a solid with its material ("transparent", "opaque" or "metal"), or a sheet.
+/// An element as given by Python: a solid with its material ("transparent", "opaque" or "metal"),
+/// or a sheet.
 #[derive(FromPyObject)]
 pub enum Part<'py> {
     Solid(String, PyRef<'py, PySolid>, String, Option<Substance<'py>>, Spec, Vec<(String, Spec)>),
     Sheet(String, PyRef<'py, PySheet>, Spec),
-    /// As a model file says it.
+    /// An element of a model file.
     Read(String, PyRef<'py, PyElement>),
 }
 
@@ -47,7 +48,7 @@ impl Part<'_> {
 /// A name, a solid or sheet, the name of a material, and the frame of a sheet.
 type Parts<'py> = (String, Bound<'py, PyAny>, String, Bound<'py, PyArray2<f64>>);
 
-/// An element as a model file says it: see `rayweave.optics.Element`.
+/// An element of a model file: see `rayweave.optics.Element`.
 #[pyclass(frozen, module = "rayweave.optics", name = "ReadElement")]
 pub struct PyElement(pub Element);
 

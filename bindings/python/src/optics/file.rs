@@ -1,4 +1,4 @@
-//! The `[optics]` tables of model files.
+//! Reader of the `[optics]` tables of model files.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -60,7 +60,7 @@ fn read<'py>(
     Ok((PySystem { system: Arc::new(system) }, elements, sources, settings, unit, warnings))
 }
 
-/// The settings by the names that `System.trace` has for them.
+/// The settings under the argument names of `System.trace`.
 fn settings<'py>(py: Python<'py>, optics: &OpticalScene) -> PyResult<Bound<'py, PyDict>> {
     let branches = match optics.settings.branches {
         Branches::Ideal => "ideal",

@@ -1,4 +1,4 @@
-//! Light and settings of traces on their way in.
+//! Conversion of light and of trace settings from Python.
 
 use pyo3::prelude::*;
 use rayweave::Ray;
@@ -11,7 +11,7 @@ use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::vectors::vectors;
 
-/// Settings as Python has them.
+/// Settings as given by Python.
 #[derive(FromPyObject)]
 pub struct LightOptions<'py> {
     #[pyo3(item)]
@@ -57,7 +57,7 @@ fn branches_named(name: &str) -> PyResult<Branches> {
     }
 }
 
-/// The light in arrays of one length: rays (N, 3), everything else (N,).
+/// The light in arrays of equal length: rays (N, 3), everything else (N,).
 pub fn beam(
     rays: [&Bound<'_, PyAny>; 2],
     light: [&Bound<'_, PyAny>; 2],
@@ -88,7 +88,7 @@ pub fn beam(
     Ok((0..count).map(light).collect())
 }
 
-/// The four parameters and the axis.
+/// Polarisation from the four parameters and the axis.
 fn polarisation(&[i, q, u, v, x, y, z]: &[f64; 7]) -> Stokes {
     Stokes { parameters: [i, q, u, v], axis: Vec3::new(x, y, z) }
 }

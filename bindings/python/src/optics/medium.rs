@@ -1,4 +1,4 @@
-//! Media: glasses, constant indices, and indices that change from place to place.
+//! Media: glasses, constant indices, and gradient indices.
 
 use pyo3::prelude::*;
 use rayweave::optics::gradient::Gradient;

@@ -1,4 +1,4 @@
-//! Optics: glasses, components, systems and traces, prescriptions and what they do.
+//! Optics: glasses, components, systems and traces, prescriptions and their analysis.
 
 pub mod arrivals;
 pub mod component;

@@ -1,4 +1,5 @@
-//! Parts of systems on their way out, as `rayweave.optics.Element` is made of them.
+//! Conversion of the parts of systems to Python, in the form of the arguments of
+//! `rayweave.optics.Element`.
 
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;

@@ -34,7 +34,7 @@ pub fn columns(py: Python<'_>, segments: Segments) -> PyResult<Bound<'_, PyDict>
     Ok(table)
 }
 
-/// Segments from columns by name, as [`columns`] gives them.
+/// Segments from columns by name, in the form of [`columns`].
 pub fn rows_of(table: &Bound<'_, PyDict>) -> PyResult<Segments> {
     let vectors = [["x0", "y0", "z0"], ["x1", "y1", "z1"], ["x_tilt", "y_tilt", "z_tilt"]];
     let [start, end, direction] = vectors.map(|names| -> PyResult<[Vec<f64>; 3]> {

@@ -48,7 +48,7 @@ impl PySource {
         source.map(|source| PySource(source.seed(seed))).map_err(bad_value)
     }
 
-    /// Rays given one by one, with wavelengths and powers of their own if wanted.
+    /// Rays given one by one, optionally with their own wavelengths and powers.
     #[staticmethod]
     #[pyo3(signature = (origins, directions, wavelength_nm=None, power=None))]
     fn listed(

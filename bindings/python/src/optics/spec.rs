@@ -1,4 +1,4 @@
-//! Kinds with their numbers: finishes, actions, laws and figures as Python states them.
+//! Kinds with their numbers: finishes, actions, laws and figures in the form that Python uses.
 
 use pyo3::prelude::*;
 use rayweave::math::Vec3;
@@ -7,7 +7,7 @@ use rayweave::optics::{Action, Finish};
 
 use crate::error::bad_value;
 
-/// A kind with its numbers on its way out.
+/// A kind with its numbers, in the form that is returned to Python.
 pub type SpecOut = (&'static str, Vec<f64>);
 
 /// A kind with its numbers.
@@ -15,7 +15,7 @@ pub type SpecOut = (&'static str, Vec<f64>);
 pub struct Spec(String, Vec<f64>);
 
 impl Spec {
-    /// What it is.
+    /// The kind.
     pub fn kind(&self) -> &str {
         &self.0
     }
@@ -64,7 +64,7 @@ impl Spec {
     }
 }
 
-/// The error for a kind that does not exist, or not with so many numbers.
+/// The error for an unknown kind, or a wrong number of numbers.
 pub fn unknown(what: &str, kind: &str, numbers: &[f64]) -> PyErr {
     bad_value(format!("there is no {what} {kind:?} with {} numbers", numbers.len()))
 }

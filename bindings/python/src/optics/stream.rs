@@ -16,10 +16,10 @@ use rayweave::optics::{Balance, OpticsError, Phases, Segments, Settings, System,
 use crate::error::bad_value;
 use crate::optics::segments::{accounts, columns};
 
-/// Interval at which a waiting reader checks for signals of Python.
+/// The interval at which a waiting reader checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Chunks of a few thousand rays that may wait to be taken.
+/// The maximum number of chunks, of a few thousand rays each, that wait for the reader.
 const WAITING: usize = 8;
 
 enum Message {
@@ -40,7 +40,7 @@ pub struct PyStream {
 /// Contents of a table.
 #[derive(Clone, Copy)]
 pub struct Batch {
-    /// Least number of rows, except for the last table.
+    /// The minimum number of rows, except for the last table.
     pub rows: usize,
     /// Whether it has columns of phases.
     pub phases: bool,
@@ -48,15 +48,15 @@ pub struct Batch {
 
 #[derive(Default)]
 struct State {
-    /// Rows that have been given away.
+    /// The number of rows that have been returned.
     before: i64,
-    /// Rays that have been traced.
+    /// The number of rays that have been traced.
     rays: u64,
     balance: Option<Balance>,
 }
 
 impl PyStream {
-    /// Begins the run on threads of its own.
+    /// Starts the run on threads of its own.
     pub fn start(system: Arc<System>, light: Sources, settings: Settings, batch: Batch) -> PyStream {
         let traced = system.clone();
         let cancel = settings.cancel.clone();
@@ -73,7 +73,7 @@ impl PyStream {
         PyStream { messages: Mutex::new(messages), cancel, system, batch, state: Mutex::default() }
     }
 
-    /// The next message; none if Python is to look at its signals first.
+    /// The next message; `None` if Python has to check its signals first.
     fn receive(&self) -> Option<Message> {
         let messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
         match messages.recv_timeout(LOOK) {
@@ -83,7 +83,7 @@ impl PyStream {
         }
     }
 
-    /// Rows for a table; none at the end.
+    /// The rows of the next table; empty at the end.
     fn gather(&self, py: Python<'_>) -> PyResult<Segments> {
         let mut gathered = Segments::default();
         while gathered.len() < self.batch.rows {

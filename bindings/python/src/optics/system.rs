@@ -1,4 +1,4 @@
-//! Optical systems and light through them.
+//! Optical systems, and tracing of light through them.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -97,7 +97,7 @@ impl PySystem {
         Ok((PyArray1::from_vec(py, found.s), PyArray1::from_vec(py, found.p)))
     }
 
-    /// Traces the light of sources in the background, in tables of at least so many rows.
+    /// Traces the light of sources in the background, in tables of at least `rows` rows.
     #[pyo3(signature = (sources, settings, rows, phases))]
     fn stream(
         &self,
@@ -153,7 +153,7 @@ impl PySystem {
         Ok((segments, balance))
     }
 
-    /// The table of segments as a file; after an interrupt there is none.
+    /// Writes the table of segments to a file; after an interrupt there is no file.
     fn write(
         &self,
         out: SegmentFile<'_>,

@@ -8,23 +8,24 @@ use rayweave::optics::{Emitter, OpticsError, Segments};
 
 use crate::error::bad_value;
 
-/// Reports the progress of a run to Python, and checks its signals.
+/// Reports the progress of a run to Python, and checks for signals.
 pub struct Watch {
     progress: Option<Py<PyAny>>,
     total: usize,
     last: Instant,
 }
 
-/// The least time between two reports.
+/// The minimum time between two reports.
 const TELL: Duration = Duration::from_millis(100);
 
 impl Watch {
-    /// The watch over a run, which calls `progress` with the numbers of rays done and to do.
+    /// Creates the watch of a run. `progress` is called with the number of finished rays and the
+    /// total.
     pub fn new(light: &impl Emitter, progress: Option<Py<PyAny>>) -> Watch {
         Watch { progress, total: light.count(), last: Instant::now() }
     }
 
-    /// Called chunk by chunk.
+    /// Checks for signals after a chunk, and reports the progress if the last report is old enough.
     pub fn look(&mut self, part: &Segments) -> PyResult<()> {
         let done = part.id.iter().max().map_or(0, |&last| last + 1);
         Python::attach(|py| {
@@ -39,14 +40,14 @@ impl Watch {
         })
     }
 
-    /// All is done.
+    /// Reports the end of the run.
     pub fn end(&self) -> PyResult<()> {
         let Some(progress) = &self.progress else { return Ok(()) };
         Python::attach(|py| progress.call1(py, (self.total, self.total)).map(|_| ()))
     }
 }
 
-/// Why a run ends early.
+/// The reason why a run ends early.
 pub enum Halt {
     /// The trace itself failed or was cancelled.
     Refused(OpticsError),

@@ -43,7 +43,7 @@ pub fn zernike_values<'py>(
     Ok(PyArray1::from_vec(pupil.py(), values))
 }
 
-/// The coefficients of the least-squares fit, and the RMS of what is left.
+/// The coefficients of the least-squares fit, and the RMS of the residual.
 #[pyfunction]
 #[pyo3(signature = (pupil, values, terms))]
 pub fn zernike_fit<'py>(

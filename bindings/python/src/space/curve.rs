@@ -1,4 +1,4 @@
-//! Curves as Python classes: one base, and a class for each kind.
+//! Curves as Python classes: a base class, and a class for each kind.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -25,12 +25,13 @@ enum Argument {
     Nothing,
 }
 
-/// A trajectory r(t) in R^d: what the classes `Line`, `Parabola`, `Arc`, `Helix` and `Spline` have in common. It never changes.
+/// A trajectory r(t) in R^d: the base class of `Line`, `Parabola`, `Arc`, `Helix` and `Spline`.
+/// Immutable.
 #[pyclass(frozen, subclass, module = "rayweave.space", name = "Curve")]
 pub struct PyCurve {
     any: AnyCurve,
     class: &'static str,
-    /// The method of the class that made it; none for the class itself.
+    /// The class method that created it; `None` for the constructor.
     maker: Option<&'static str>,
     arguments: Vec<(&'static str, Argument)>,
 }
@@ -53,7 +54,7 @@ impl PyCurve {
         PyCurve { any: AnyCurve::hold(shared), class, maker: None, arguments }
     }
 
-    /// At one time, or at each of many: an array (d,) or (N, d).
+    /// Evaluates at one time, or at each of many: an array (d,) or (N, d).
     fn at<'py>(&self, t: &Bound<'py, PyAny>, velocity: bool) -> PyResult<Bound<'py, PyAny>> {
         let (py, times) = (t.py(), double_array(t, "t")?);
         let one = times.ndim() == 0;
@@ -83,7 +84,7 @@ impl PyCurve {
         self.any.dimension()
     }
 
-    /// The first and the last time at which the curve is defined; infinite where it never begins or ends.
+    /// The first and the last time at which the curve is defined; infinite if it is unbounded.
     #[getter]
     fn domain(&self) -> (f64, f64) {
         each!(AnyCurve, &self.any, curve => curve.domain())
@@ -354,7 +355,7 @@ impl PyHelix {
         let vectors = [in_space(centre, NAMES[0])?, in_space(axis, NAMES[1])?, in_space(start, NAMES[2])?];
         let [centre, axis, start] = fixed::<3, 3>(&vectors);
         let turning = Helix::about(centre, axis, start, pitch).map_err(bad_value)?;
-        // the same path, at a degree per unit of t in place of a radian
+        // the same path, with t in degrees instead of radians
         let velocity = turning.velocity(0.0).map(|x| DEGREE * x);
         let curve = Helix::new(start, velocity, axis, DEGREE * turning.frequency()).map_err(bad_value)?;
         let curve = helix(curve, Some("about"), NAMES, &vectors, ("pitch", pitch));
@@ -433,7 +434,7 @@ fn spline_ends<const D: usize>(ends: &str, velocities: Option<&[Vec<f64>]>) -> P
     }
 }
 
-/// The error of a speed, which Python calls by another name.
+/// The error of a speed, under its name in Python.
 fn in_degrees(error: CurveError) -> PyErr {
     match error {
         CurveError::InvalidArgument { what: "angular_speed", why } => {
@@ -452,7 +453,7 @@ fn finite(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     }
 }
 
-/// A vector of space.
+/// A vector of three-dimensional space.
 fn in_space(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let numbers = finite(object, name)?;
     match numbers.len() {
@@ -472,7 +473,7 @@ fn rows(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec<f64>>> {
     Ok(array.as_array().rows().into_iter().map(|row| row.to_vec()).collect())
 }
 
-/// The dimension of vectors that must be of one space.
+/// The common length of vectors; an error if they differ.
 fn same_length(names: &[&str], vectors: &[Vec<f64>]) -> PyResult<usize> {
     let d = vectors[0].len();
     match vectors.iter().position(|vector| vector.len() != d) {

@@ -1,4 +1,4 @@
-//! From the curves that Python gives to the answers along them: one or many, of ours or a user's own.
+//! Traces along the curves of a query: one or many, built-in or user-defined.
 
 use std::num::NonZeroUsize;
 
@@ -14,29 +14,29 @@ use crate::engine::in_chunks;
 use crate::error::{bad_type, bad_value};
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 
-/// Curves that a thread takes at a time: each is a good deal of work.
+/// Curves per chunk of a thread; a curve is expensive.
 const CHUNK: usize = 16;
 
-/// A curve as it was given.
+/// A curve of the arguments.
 enum Given<'py, const D: usize> {
-    /// One of ours, which needs no interpreter.
+    /// A built-in curve, which needs no GIL.
     Ours(Shared<D>),
-    /// A user's own.
+    /// A user-defined curve.
     Own(OwnCurve<'py, D>),
 }
 
-/// All curves of a question.
+/// All curves of a query.
 struct Curves<'py, const D: usize> {
     curves: Vec<Given<'py, D>>,
-    /// Given as a list, so that messages say which one.
+    /// True if given as a list; messages then contain the index.
     many: bool,
 }
 
-/// Traces the curves that an object holds, one or a list of them, strictly between two times; `merge` takes the answers in
-/// order.
+/// Traces the curves of an object, one or a list of them, strictly between two times; `merge`
+/// receives the results in order.
 ///
-/// Curves of ours run on several threads, with the interpreter released; as soon as one is a user's own, they run here, one
-/// after the other. An exception of a user's functions is passed on as it is.
+/// Built-in curves run on several threads without the GIL. If one of the curves is user-defined,
+/// all run on this thread, one after the other. Exceptions of user functions propagate unchanged.
 pub fn follow<const D: usize, M, A: Send>(
     curves: &Bound<'_, PyAny>,
     window: [&Bound<'_, PyAny>; 2],
@@ -147,14 +147,14 @@ fn times(object: &Bound<'_, PyAny>, name: &str, count: usize) -> PyResult<Vec<f6
     Ok(array.try_readonly().map_err(bad_value)?.as_array().iter().copied().collect())
 }
 
-/// The exception with a note that says which curve it came from.
+/// Adds a note with the index of the curve to the exception.
 fn noted(py: Python<'_>, error: PyErr, k: usize) -> PyErr {
     // an exception that cannot be annotated is passed on without the note
     let _ = error.value(py).call_method1("add_note", (format!("while tracing curves[{k}]"),));
     error
 }
 
-/// The same error with the index of the curve in front.
+/// Prefixes the error with the index of the curve.
 fn indexed(py: Python<'_>, error: PyErr, k: usize) -> PyErr {
     let text = format!("curves[{k}]: {}", error.value(py));
     if error.is_instance_of::<crate::error::RayweaveError>(py) {

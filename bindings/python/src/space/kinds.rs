@@ -1,4 +1,4 @@
-//! The calls that make solids in R^d, by name: the one way in, for constructors and for pickles alike.
+//! Constructors of solids in R^d by name, shared by the Python functions and by unpickling.
 
 use pyo3::prelude::*;
 use rayweave::polygon::from_polygons;
@@ -83,7 +83,7 @@ fn image<const D: usize>(call: &str, numbers: &[f64], part: &Solid<D>) -> PyResu
     .map_err(bad_value)
 }
 
-/// The solid in a space of more dimensions.
+/// The solid extruded to a space of more dimensions.
 fn extruded(dimension: usize, operands: &[&AnySolid]) -> PyResult<AnySolid> {
     let &[part] = operands else {
         return Err(damaged());
@@ -93,7 +93,8 @@ fn extruded(dimension: usize, operands: &[&AnySolid]) -> PyResult<AnySolid> {
     })
 }
 
-/// A region written as numbers: the sign of the outside, the number of contours, their lengths, their points.
+/// A region as numbers: the sign of the outside, the number of contours, their lengths, their
+/// points.
 pub fn polygon_numbers(outside: Side, contours: &[&[Point<2>]]) -> Vec<f64> {
     let sign = if outside.is_inside() { -1.0 } else { 1.0 };
     let lengths = contours.iter().map(|contour| contour.len() as f64);

@@ -15,11 +15,11 @@ use std::sync::Arc;
 /// A solid in a space of one of the dimensions that Python supports.
 #[derive(Clone)]
 pub enum AnySolid {
-    /// Of the plane.
+    /// In the plane.
     Two(Solid<2>),
-    /// Of space.
+    /// In space.
     Three(Solid<3>),
-    /// Of space-time, for instance.
+    /// In four dimensions, such as space-time.
     Four(Solid<4>),
 }
 
@@ -32,13 +32,13 @@ pub enum AnyCurve {
     Two(Shared<2>),
     /// In space.
     Three(Shared<3>),
-    /// In space-time, for instance.
+    /// In four dimensions, such as space-time.
     Four(Shared<4>),
 }
 
-/// Something of any dimension that may hold a `T` of one dimension.
+/// A type for any dimension that may hold a `T` of one dimension.
 pub trait Holds<T>: Sized {
-    /// It, with a `T` in it.
+    /// Wraps a `T`.
     fn hold(inner: T) -> Self;
 
     /// The `T`, if it is of that dimension.
@@ -71,7 +71,7 @@ holds! {
     AnyCurve::Four(Shared<4>),
 }
 
-/// The same expression for whatever an `AnySolid` or an `AnyCurve` holds.
+/// Evaluates an expression for the variant of an `AnySolid` or an `AnyCurve`.
 macro_rules! each {
     ($kind:ident, $any:expr, $inner:ident => $body:expr) => {
         match $any {
@@ -82,7 +82,8 @@ macro_rules! each {
     };
 }
 
-/// The same expression with a constant `D` for each dimension that there is; an error for any other.
+/// Evaluates an expression with a constant `D` for each supported dimension; an error for any
+/// other.
 macro_rules! in_dimension {
     ($dimension:expr, $d:ident => $body:expr) => {
         match $dimension {
@@ -127,7 +128,7 @@ impl AnyCurve {
     }
 }
 
-/// The error for a space that is not offered.
+/// The error for an unsupported dimension.
 fn no_such_dimension(dimension: usize) -> pyo3::PyErr {
     crate::error::bad_value(format!(
         "the dimension is {dimension}: spaces of 2, 3 and 4 dimensions can be asked."

@@ -1,4 +1,5 @@
-//! A user's own curve: any Python object with `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`.
+//! User-defined curves: any Python object with `position(t)`, `velocity(t)` and
+//! `acceleration_bound(t0, t1)`.
 
 use std::cell::RefCell;
 
@@ -11,12 +12,13 @@ use crate::error::{bad_type, bad_value};
 /// Methods that an object must have to be a curve.
 const METHODS: [&str; 3] = ["position", "velocity", "acceleration_bound"];
 
-/// True if an object looks like a curve, rather than a list of curves.
+/// True if an object has a method of a curve, so that it is not a list of curves.
 pub fn is_curve(object: &Bound<'_, PyAny>) -> PyResult<bool> {
     object.hasattr(METHODS[0])
 }
 
-/// A Python object as a curve in R^d. A curve cannot fail, so the first exception is kept, and NaN goes on in its place.
+/// A Python object as a curve in R^d. The trait has no errors, so the first exception is stored,
+/// and NaN is returned in its place.
 pub struct OwnCurve<'py, const D: usize> {
     object: Bound<'py, PyAny>,
     domain: (f64, f64),
@@ -26,7 +28,7 @@ pub struct OwnCurve<'py, const D: usize> {
 #[derive(Default)]
 struct Memory<const D: usize> {
     failed: Option<PyErr>,
-    /// Cache of the last call: isolation evaluates the same argument several times.
+    /// Cache of the last call: root isolation evaluates the same argument several times.
     position: Option<(f64, Point<D>)>,
     velocity: Option<(f64, Point<D>)>,
 }

@@ -1,20 +1,20 @@
-//! Recipe of a solid in R^d: used by Python to compare, print, hash and pickle.
+//! Recipe of a solid in R^d, by which Python compares, prints, hashes and pickles it.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A call that makes a solid, with the calls that made its operands. Shared, and never deeper than the heap allows: no walk
-/// uses the call stack for depth.
+/// A call that makes a solid, with the calls that made its operands. Recipes are shared. No
+/// traversal recurses, so that the depth is limited only by memory.
 pub struct Recipe {
     /// The name of the call: one of [`CALLS`].
     pub call: &'static str,
-    /// The dimension of what it makes.
+    /// The dimension of the result.
     pub dimension: usize,
     /// Its numbers, one after the other; zeros are positive.
     pub numbers: Vec<f64>,
-    /// A name, for the call that gives one.
+    /// The name, for the call `named`.
     pub name: Option<Arc<str>>,
-    /// The solids that it works on.
+    /// The operands.
     pub operands: Vec<Arc<Recipe>>,
 }
 
@@ -50,7 +50,7 @@ pub fn call_named(name: &str) -> Option<&'static str> {
     CALLS.into_iter().chain(OPERATORS).find(|&call| call == name)
 }
 
-/// One call of a recipe written as a list, where operands are numbers of earlier steps.
+/// One call of a recipe written as a list; operands are indices of earlier steps.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Step {
     pub call: &'static str,
@@ -62,7 +62,8 @@ pub struct Step {
 }
 
 impl Recipe {
-    /// The calls in order, equal ones once: so recipes are equal if and only if their lists are, whatever they share.
+    /// The calls in order, equal ones once. Recipes are equal if and only if their lists are equal,
+    /// however they share parts.
     pub fn steps(&self) -> Vec<Step> {
         let (mut steps, mut number_of, mut done) = (Vec::new(), HashMap::new(), HashMap::new());
         let mut waiting = vec![(self, false)];
@@ -92,7 +93,7 @@ impl Recipe {
         steps
     }
 
-    /// The recipe as text, cut where it gets long.
+    /// The recipe as text, truncated to a maximum length.
     pub fn text(&self) -> String {
         let mut texts: Vec<String> = Vec::new();
         for step in self.steps() {

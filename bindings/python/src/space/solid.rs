@@ -40,7 +40,7 @@ impl PySpaceSolid {
         name: Option<&str>,
         operands: &[&PySpaceSolid],
     ) -> PyResult<Self> {
-        // adding zero makes the two zeros, which are equal, one
+        // adding zero turns -0 into 0, which is equal to it
         let numbers: Vec<f64> = numbers.into_iter().map(|x| x + 0.0).collect();
         let parts: Vec<&AnySolid> = operands.iter().map(|solid| &solid.any).collect();
         let any = make(call, dimension, &numbers, name, &parts)?;
@@ -193,7 +193,8 @@ impl PySpaceSolid {
         each!(AnySolid, &self.any, solid => PointTable::of_curves(solid, curves, [t_min, t_max], threads))
     }
 
-    /// Whether points (N, d) or (d,) are inside: bool (N,). Of a point on the surface, the side of a ray that lies in it.
+    /// Whether points (N, d) or (d,) are inside: bool (N,). A point on the surface has the side of
+    /// a ray that lies in the surface.
     #[pyo3(signature = (points))]
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         each!(AnySolid, &self.any, solid => contains(solid, points))
@@ -237,7 +238,7 @@ impl PySpaceSolid {
 /// One step of a pickle: call, dimension, numbers, name, operands.
 type Pickled = (String, usize, Vec<f64>, Option<String>, Vec<usize>);
 
-/// A solid of R^d from what pickling wrote.
+/// A solid of R^d from its pickled steps.
 #[pyfunction]
 #[pyo3(signature = (steps))]
 pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
@@ -253,7 +254,8 @@ pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
     made.pop().ok_or_else(damaged)
 }
 
-/// A solid of R^d without operands: the functions of `rayweave.space` know what the numbers mean.
+/// A solid of R^d without operands. The functions of `rayweave.space` define the meaning of the
+/// numbers.
 #[pyfunction]
 #[pyo3(signature = (call, d, counts, numbers))]
 pub fn space_shape(
@@ -271,7 +273,8 @@ pub fn space_shape(
     PySpaceSolid::make(call, count(d, "d")? as usize, all, None, &[])
 }
 
-/// Inside any of the solids, or inside all of them; there must be at least one, to say of which space they are.
+/// The union or the intersection of the solids. There must be at least one, because it determines
+/// the dimension.
 #[pyfunction]
 #[pyo3(signature = (call, solids))]
 pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSolid> {
@@ -379,7 +382,7 @@ fn contains<'py, const D: usize>(
     Ok(PyArray1::from_vec(py, answers))
 }
 
-/// A whole number that is not negative, as all numbers of a recipe are kept.
+/// A non-negative integer, stored as f64 like all numbers of a recipe.
 fn count(object: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
     let wrong = || bad_type(format!("{name} is {}: a whole number is needed.", object.get_type()));
     if object.is_instance_of::<pyo3::types::PyBool>() {

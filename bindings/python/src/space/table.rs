@@ -1,4 +1,4 @@
-//! Crossings in R^d, in columns.
+//! Crossings in R^d, as columns.
 
 use std::num::NonZeroUsize;
 
@@ -16,7 +16,7 @@ use crate::crossings::{offsets, rows_of};
 use crate::engine::in_chunks;
 use crate::error::bad_value;
 
-/// Lines that a thread takes at a time.
+/// Lines per chunk of a thread.
 const CHUNK: usize = 256;
 
 /// Crossings of lines or curves, row by row.
@@ -154,11 +154,11 @@ impl PointTable {
     }
 }
 
-/// Points of R^d on their way in; what their numbers are is checked where they are used.
+/// Points of R^d as given by Python; their values are checked where they are used.
 pub struct Points<const D: usize> {
     /// The points; one, if a single one was given.
     pub rows: Vec<Point<D>>,
-    /// Given as (d,), and good for as many as are needed.
+    /// Given as (d,), and broadcast.
     single: bool,
     name: &'static str,
 }
@@ -169,7 +169,7 @@ impl<const D: usize> Points<D> {
         self.rows[if self.rows.len() == 1 { 0 } else { k }]
     }
 
-    /// Name of point k in messages.
+    /// The name of point k in messages.
     pub fn place(&self, k: usize) -> String {
         if self.single { self.name.to_owned() } else { format!("{}[{k}]", self.name) }
     }
@@ -189,7 +189,7 @@ pub fn points<const D: usize>(object: &Bound<'_, PyAny>, name: &'static str) -> 
     let view = array.try_readonly().map_err(bad_value)?;
     let mut rows = room(if single { 1 } else { array.shape()[0] })?;
     let mut numbers = view.as_array().into_iter().copied();
-    // the shape says that nothing is left over
+    // the shape guarantees that no number is left over
     while let Some(first) = numbers.next() {
         let mut row = [first; D];
         row[1..].iter_mut().zip(&mut numbers).for_each(|(entry, value)| *entry = value);

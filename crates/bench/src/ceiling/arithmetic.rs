@@ -1,18 +1,19 @@
-//! The rate of arithmetic.
+//! Peak rates of arithmetic.
 
 use super::{Rates, ceiling, measure_rates};
 use crate::contest::Effort;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch};
 use std::hint::black_box;
 
-/// Chains of operations that do not wait for each other. Twelve hide a latency of four at three results in a cycle; with
-/// two constants they fit into sixteen registers.
+/// The number of independent chains of operations. Twelve hide a latency of four cycles at three
+/// results per cycle; with two constants they fit into sixteen registers.
 const CHAINS: usize = 12;
 
-/// Times that each chain is prolonged in one call.
+/// The number of operations of each chain in one call.
 const STEPS: usize = 1000;
 
-/// Numbers that are divided or rooted in one call: 4 KiB, well within the nearest cache.
+/// The number of operands of divisions and square roots in one call: 4 KiB, well within the L1
+/// cache.
 const LENGTH: usize = 512;
 
 /// The rates of one level on one thread.
@@ -37,7 +38,7 @@ fn lanes<S: Simd>(_: S) -> usize {
     <S::f64s as SimdBase<S>>::LEN
 }
 
-/// Prolongs all chains. What the numbers are does not matter to the processor, as long as they stay ordinary.
+/// Executes all chains. The values do not affect the speed, as long as they stay normal numbers.
 #[inline(always)]
 fn chains<S: Simd>(simd: S, step: impl Fn(usize, S::f64s) -> S::f64s) {
     let mut chains = [S::f64s::splat(simd, black_box(1.0)); CHAINS];
@@ -87,7 +88,8 @@ fn divide<S: Simd>(simd: S, values: &mut [f64]) {
     }
 }
 
-/// Roots of numbers between 1 and 2 that do not tend to 1.
+/// Square roots of numbers between 1 and 2. The results are not fed back, because they would
+/// converge to 1.
 #[inline(always)]
 fn root<S: Simd>(simd: S, values: &[f64]) {
     let mut out = [0.0; LENGTH];

@@ -1,10 +1,10 @@
-//! The bandwidth of memory.
+//! Memory bandwidth.
 
 use super::{ceiling, measure_rates};
 use crate::contest::Effort;
 use crate::statistics::Statistics;
 
-/// The length of each of the two arrays: 128 MiB, some times larger than the caches of today.
+/// The length of each of the two arrays: 128 MiB, several times larger than current caches.
 const LENGTH: usize = 1 << 24;
 
 /// Bytes read plus bytes written per nanosecond, by one thread and by `threads` threads.
@@ -18,7 +18,7 @@ pub fn measure(threads: usize, effort: &Effort) -> Result<[Statistics; 2], Strin
     measure_rates(vec![one, all], effort)
 }
 
-/// Copies an array in as many pieces as there are threads.
+/// Copies an array in one piece per thread.
 fn copy(source: &[f64], out: &mut [f64], threads: usize) {
     let piece = source.len().div_ceil(threads);
     std::thread::scope(|scope| {

@@ -1,4 +1,5 @@
-//! Ceilings of the machine: bytes copied and arithmetic per second, measured before anything else.
+//! Ceilings of the machine: memory bandwidth and arithmetic throughput, measured before the
+//! contests.
 
 mod arithmetic;
 mod copy;
@@ -8,26 +9,27 @@ use crate::level;
 use crate::statistics::Statistics;
 use fearless_simd::Level;
 
-/// The ceilings that were measured.
+/// The measured ceilings.
 #[derive(Clone, Debug)]
 pub struct Ceilings {
-    /// Bytes read plus bytes written in a nanosecond while arrays larger than all caches are copied: by one thread and by
-    /// all.
+    /// Bytes read plus bytes written per nanosecond in a copy of arrays larger than all caches: by
+    /// one thread and by all.
     pub copy: [Statistics; 2],
-    /// Arithmetic in registers and in the nearest cache, level by level.
+    /// Arithmetic in registers and in the L1 cache, by SIMD level.
     pub levels: Vec<Rates>,
-    /// The number of threads of the second copy.
+    /// The number of threads of the multi-threaded copy.
     pub threads: usize,
 }
 
-/// Operations on numbers of 64 bits in a nanosecond, on one thread.
+/// Operations on 64-bit numbers per nanosecond, on one thread.
 #[derive(Clone, Debug)]
 pub struct Rates {
     /// The level.
     pub level: Level,
-    /// Fused products with a sum, two operations each. (No kernel uses them: their rounding is another.)
+    /// Fused multiply-adds, counted as two operations each. (No kernel uses them, because their
+    /// rounding differs.)
     pub fused: Statistics,
-    /// Sums and products, half of each.
+    /// Additions and multiplications, half of each.
     pub simple: Statistics,
     /// Minima and maxima.
     pub extremes: Statistics,
@@ -37,44 +39,44 @@ pub struct Rates {
     pub roots: Statistics,
 }
 
-/// The least that one item costs.
+/// A lower bound of the cost of one item.
 #[derive(Clone, Copy, Debug)]
 pub enum Need {
-    /// Bytes from memory or to it.
+    /// Bytes read from or written to memory.
     Bytes(f64),
-    /// Operations on numbers of 64 bits.
+    /// Operations on 64-bit numbers.
     Operations {
-        /// Sums, products and the like.
+        /// Additions, multiplications and similar operations.
         simple: f64,
         /// Divisions.
         divisions: f64,
         /// Square roots.
         roots: f64,
-        /// The level that they are done at; the widest, if none is given.
+        /// The SIMD level of the operations; the widest by default.
         level: Option<Level>,
     },
-    /// The time of a kernel by hand for the same work on one thread, in nanoseconds.
+    /// The time of a hand-written kernel for the same work on one thread, in nanoseconds.
     Kernel(f64),
 }
 
-/// The least time, and what sets it.
+/// The minimum time, and the resource that limits it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Floor {
-    /// The resource that sets the limit.
+    /// The limiting resource.
     pub what: &'static str,
     /// Nanoseconds per item.
     pub time: f64,
 }
 
 impl Ceilings {
-    /// Measures them.
+    /// Measures the ceilings.
     pub fn measure(levels: &[Level], threads: usize, effort: &Effort) -> Result<Ceilings, String> {
         let [one, all] = copy::measure(threads, effort)?;
         let levels = levels.iter().map(|&level| arithmetic::measure(level, effort));
         Ok(Ceilings { copy: [one, all], levels: levels.collect::<Result<_, _>>()?, threads })
     }
 
-    /// The longest of the minimum times of one item's resources, on `threads` threads.
+    /// The maximum of the minimum times of the resources of one item, on `threads` threads.
     pub fn floor(&self, needs: &[Need], threads: usize) -> Option<Floor> {
         let floors = needs.iter().filter_map(|need| self.floor_of(*need, threads));
         floors.max_by(|a, b| a.time.total_cmp(&b.time))
@@ -128,7 +130,7 @@ impl Ceilings {
     }
 }
 
-/// The rates of contenders, in the order given: items in a nanosecond.
+/// The rates of contenders, in the given order: items per nanosecond.
 fn rates<const N: usize>(outcomes: Vec<Outcome>) -> Result<[Statistics; N], String> {
     let rates: Result<Vec<Statistics>, String> =
         outcomes.into_iter().map(|outcome| Ok(outcome.times?.map(|time| 1.0 / time))).collect();
@@ -140,7 +142,7 @@ fn ceiling<'a>(name: &str, items: usize, run: impl FnMut() + 'a) -> crate::conte
     crate::contest::Contender::here(name, Role::Ceiling, items, run)
 }
 
-/// Lets contenders for ceilings run.
+/// Measures contenders for ceilings.
 fn measure_rates<const N: usize>(
     contenders: Vec<crate::contest::Contender<'_>>,
     effort: &Effort,

@@ -1,4 +1,4 @@
-//! Boolean operations on hit arrays, beside the same in NumPy.
+//! Boolean operations on hit arrays, compared with NumPy.
 
 use super::{Bench, Exemplar, text};
 use crate::answer::{Agreement, columns};
@@ -10,10 +10,10 @@ use rand::RngExt;
 use rayweave::rootray::hit_array::{CsgOptions, HitArray, Operation, Real, array_csg_into};
 use std::num::NonZeroUsize;
 
-/// Columns of the arrays.
+/// The number of columns of the arrays.
 const COLUMNS: usize = 1 << 20;
 
-/// Columns that are compared.
+/// The number of columns whose results are compared.
 const COMPARED: usize = 1000;
 
 /// The union of two arrays of `rows` entries each.
@@ -109,7 +109,7 @@ fn unite<T: Real>(
     array_csg_into(view(a)?, view(b)?, Operation::Union, options, out).map_err(text)
 }
 
-/// Columns of increasing times at random distances.
+/// Columns of increasing times with random differences.
 fn array<T: Real>(rows: usize, columns: usize, seed: u64, number: impl Fn(f64) -> T) -> Vec<T> {
     let mut random = random(seed);
     let mut times = vec![0.0; columns];

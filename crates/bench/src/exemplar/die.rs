@@ -1,4 +1,5 @@
-//! The die of five leaves: every crossing and the first one, of rays with and without coherence, and one ray alone.
+//! The die of five leaves: all crossings and first crossings, for coherent and incoherent rays, and
+//! for a single ray.
 
 use super::{Bench, Exemplar, question, text};
 use crate::answer::{Agreement, Lists, first_lists, full_lists};
@@ -17,13 +18,13 @@ use std::sync::Arc;
 
 pub use crate::kernel::die::ROWS;
 
-/// Rays of a batch: inputs and answers fit into the last cache, but into none that is nearer.
+/// Rays per batch: inputs and results fit into the last-level cache, but not into the others.
 const RAYS: usize = 1 << 17;
 
-/// Rays whose answers are compared.
+/// The number of rays whose results are compared.
 const COMPARED: usize = 4096;
 
-/// The die: a box with rounded corners, bored along the three axes.
+/// The die: a box with rounded corners and bores along the three axes.
 pub fn solid() -> Result<Solid, Error> {
     let core = box_([2.0 * HALF; 3])? & sphere(SPHERE)?;
     let bore = cylinder(BORE, f64::INFINITY)?;
@@ -35,14 +36,14 @@ pub fn program() -> Result<Program, Error> {
     Ok(Program::compile(&solid()?)?)
 }
 
-/// The question.
+/// The kind of query.
 #[derive(Clone, Copy, PartialEq)]
 enum Asked {
     Full,
     First,
 }
 
-/// One question about rays of one kind.
+/// One kind of query on one kind of rays.
 struct Die {
     name: &'static str,
     about: &'static str,
@@ -50,7 +51,7 @@ struct Die {
     is_coherent: bool,
 }
 
-/// The questions about the die.
+/// All queries on the die.
 pub fn all() -> Vec<Box<dyn Exemplar>> {
     let of = |name, asked, is_coherent, about: &'static str| -> Box<dyn Exemplar> {
         Box::new(Die { name, about, asked, is_coherent })
@@ -85,7 +86,7 @@ pub fn all() -> Vec<Box<dyn Exemplar>> {
     ]
 }
 
-/// The evaluators of the program, all that there are.
+/// All evaluators of the program.
 pub fn evaluators(program: &Arc<Program>) -> Result<Vec<AnyEvaluator>, String> {
     let one = |name: &&str| AnyEvaluator::new(Some(name), program.clone()).map_err(text);
     AnyEvaluator::NAMES.iter().map(one).collect()
@@ -148,7 +149,8 @@ impl Die {
         }
     }
 
-    /// Resources per ray: kernels need their operations (a batch stays within the last-level cache), all others one kernel.
+    /// Resources per ray: kernels need their operations (a batch stays within the last-level
+    /// cache), all others the time of a kernel.
     fn needs(&self, bench: &Bench, outcome: &Outcome, best: Option<f64>) -> Option<Need> {
         match outcome.role {
             Role::Ceiling => {
@@ -188,14 +190,14 @@ impl Die {
     }
 }
 
-/// The time of the fastest kernel by hand.
+/// The time of the fastest hand-written kernel.
 fn best_kernel(outcomes: &[Outcome]) -> Option<f64> {
     let kernels = outcomes.iter().filter(|outcome| outcome.role == Role::Ceiling);
     let times = kernels.filter_map(|outcome| Some(outcome.times.as_ref().ok()?.median));
     times.min_by(f64::total_cmp)
 }
 
-/// The operations of the kernel on one ray: it is run with numbers that count.
+/// The operations of the kernel per ray, by running it with lanes that count.
 fn operations(asked: Asked, level: Option<Level>) -> Need {
     let (tally, count) = (Tally::default(), 64);
     let batch = incoherent(count, 1);
@@ -213,7 +215,7 @@ fn operations(asked: Asked, level: Option<Level>) -> Need {
     Need::Operations { simple: each(simple), divisions: each(divisions), roots: each(roots), level }
 }
 
-/// Memory for the kernel's full lists.
+/// Buffers for the full lists of the kernel.
 struct Rows {
     times: Vec<f64>,
     faces: Vec<i32>,
@@ -233,7 +235,7 @@ impl Rows {
     }
 }
 
-/// Memory for the kernel's first hits.
+/// Buffers for the first hits of the kernel.
 struct Columns {
     t: Vec<f64>,
     face: Vec<i32>,
@@ -271,10 +273,10 @@ fn kernel_name(level: Level) -> String {
     format!("by hand, {}", level::name(level))
 }
 
-/// One ray alone.
+/// Queries of a single ray.
 struct Single;
 
-/// Rays that take turns, so that no branch is learnt by heart.
+/// The number of different rays, so that branch predictors cannot learn them.
 const TURNS: usize = 1024;
 
 impl Exemplar for Single {
@@ -323,7 +325,7 @@ fn step_by_step<'a>(level: Level, batches: &'a [RayBatch]) -> Contender<'a> {
     })
 }
 
-/// Rays in a step of the kernel.
+/// Rays per step of the kernel.
 fn level_lanes(level: Level) -> usize {
     use crate::kernel::lanes::{Lanes, Native};
     fn count<L: Lanes>(_: L) -> usize {
@@ -344,7 +346,7 @@ mod tests {
         let mean = lists.iter().map(Vec::len).sum::<usize>() as f64 / 4096.0;
         assert!((mean - 2.7346).abs() < 0.06, "{mean}");
         assert!(lists.iter().all(|list| list.len() <= ROWS));
-        // no ray starts inside, and the die lies ahead of all
+        // no ray starts inside, and the die is ahead of all rays
         let first = first_lists(&weave, batch.rays()).unwrap();
         assert!(first.iter().zip(&lists).all(|(first, all)| first.first() == all.first()));
     }

@@ -11,14 +11,15 @@ use rayweave::shapes::{cylinder, sphere};
 use rayweave::{AnyEvaluator, Error, Program, Reference, Solid};
 use std::sync::Arc;
 
-/// The lens is convex: two crossings at most.
+/// The lens is convex: at most two crossings.
 const ROWS: usize = 2;
 
-/// Rays whose answers are compared.
+/// The number of rays whose results are compared.
 const COMPARED: usize = 4096;
 
-/// Least resources per ray: six numbers read, a root and a division for each of three quadrics. Sums and products: 13
-/// for each sphere about a point of the axis, 8 for the cylinder, 4 for the roots of each, 6 to join and to choose.
+/// Minimum operations per ray: a square root and a division for each of three quadrics. Additions
+/// and multiplications: 13 for each sphere about a point of the axis, 8 for the cylinder, 4 for the
+/// roots of each, 6 to combine and select.
 const OPERATIONS: Need = Need::Operations { simple: 52.0, divisions: 3.0, roots: 3.0, level: None };
 
 /// A biconvex lens of radius 50 and aperture 20.
@@ -28,7 +29,7 @@ fn solid() -> Result<Solid, Error> {
     Ok(front & back & cylinder(10.0, f64::INFINITY)?)
 }
 
-/// One question about `count` rays.
+/// One kind of query on `count` rays.
 struct Lens {
     name: &'static str,
     about: &'static str,
@@ -36,7 +37,7 @@ struct Lens {
     is_first: bool,
 }
 
-/// The questions about the lens.
+/// All queries on the lens.
 pub fn all() -> Vec<Box<dyn Exemplar>> {
     let first = Lens {
         name: "lens/first",
@@ -103,7 +104,8 @@ impl Lens {
         Ok(bench.on_threads(|threads| question::full_on_threads(name, evaluator, rays, ROWS, threads)))
     }
 
-    /// Besides the operations: a ray read, and a time, three ids, a face and a normal written, or two entries.
+    /// In addition to the operations, memory traffic: a ray read; a time, three ids, a face and a
+    /// normal written, or two entries.
     fn needs(&self) -> [Need; 2] {
         let written = if self.is_first { 8 + 3 * 4 + 4 + 24 } else { ROWS * 12 };
         [OPERATIONS, Need::Bytes((48 + written) as f64)]

@@ -1,4 +1,4 @@
-//! The exemplars: work with a name that contenders are set to.
+//! The exemplars: named workloads that contenders process.
 
 mod array_csg;
 pub mod die;
@@ -17,48 +17,47 @@ use crate::peers::Peers;
 use crate::report::Section;
 use fearless_simd::Level;
 
-/// Some work with a name.
+/// A named workload.
 pub trait Exemplar {
-    /// Its name, a path.
+    /// Its name, a path with `/`.
     fn name(&self) -> &str;
 
-    /// Description of the work in a sentence or two.
+    /// A description of the work in one or two sentences.
     fn about(&self) -> &str;
 
-    /// Lets the contenders run.
+    /// Measures the contenders.
     ///
-    /// # Errors
-    /// The work cannot be set up.
+    /// # Errors The work cannot be set up.
     fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String>;
 }
 
 /// Shared context of all exemplars.
 pub struct Bench {
-    /// Duration of the measurements.
+    /// The effort of the measurements.
     pub effort: Effort,
-    /// Ceilings of the machine; unknown if nothing is timed.
+    /// Ceilings of the machine; `None` if nothing is timed.
     pub ceilings: Option<Ceilings>,
     /// Installed peers.
     pub peers: Peers,
-    /// The levels of kernels by hand.
+    /// The SIMD levels of hand-written kernels.
     pub levels: Vec<Level>,
-    /// The threads of those who use all cores.
+    /// The number of threads of multi-threaded contenders.
     pub threads: usize,
 }
 
 impl Bench {
-    /// Exemplars selected by the options.
+    /// The context for the given options.
     pub fn new(arguments: &Arguments, ceilings: Option<Ceilings>, peers: Peers) -> Bench {
         let levels = level::available(arguments.level.as_deref());
         Bench { effort: arguments.effort(), ceilings, peers, levels, threads: arguments.thread_count() }
     }
 
-    /// The least time of one item.
+    /// The minimum time of one item.
     fn floor(&self, needs: &[Need], threads: usize) -> Option<Floor> {
         self.ceilings.as_ref()?.floor(needs, threads)
     }
 
-    /// The contenders on one thread, and on all if there is more than one.
+    /// The contenders on one thread and, if there are several, on all threads.
     fn on_threads<'a>(&self, contender: impl Fn(usize) -> Contender<'a>) -> Vec<Contender<'a>> {
         match self.threads {
             1 => vec![contender(1)],

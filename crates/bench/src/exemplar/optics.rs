@@ -1,4 +1,4 @@
-//! Light through a lens onto a screen: three segments a ray.
+//! Light through a lens onto a screen: three segments per ray.
 
 use super::{Bench, Exemplar, text};
 use crate::answer::{Agreement, Lists};
@@ -16,20 +16,20 @@ use rayweave::shapes::{box_from_corners, half_space};
 use rayweave::{Packets, Ray, Vec3};
 use std::num::NonZeroUsize;
 
-/// Rays at full effort.
+/// The number of rays at full effort.
 const RAYS: usize = 100_000;
 
-/// Rays whose end points are compared.
+/// The number of rays whose end points are compared.
 const COMPARED: usize = 4096;
 
-/// Rows that a run keeps.
+/// The exemplar, by the rows that a run keeps.
 struct Optics {
     name: &'static str,
     about: &'static str,
     keep: Keep,
 }
 
-/// The whole table, and the end points.
+/// With the whole table, and with the end points only.
 pub fn all() -> Vec<Box<dyn Exemplar>> {
     vec![
         Box::new(Optics {
@@ -60,7 +60,7 @@ fn system() -> Result<System, String> {
     parts.compile().map_err(text)
 }
 
-/// Rays along z from z = -20, anywhere in a square that fits into the aperture.
+/// Rays along z from z = -20, at random points of a square within the aperture.
 fn rays(count: usize) -> RayBatch {
     let mut random = random(11);
     let mut across = || random.random_range(-7.0..7.0);

@@ -1,4 +1,4 @@
-//! The die as a picture of numbers: depth, normals and ids.
+//! Geometry buffers of a picture of the die: depth, normals and ids.
 
 use super::{Bench, Exemplar, die, text};
 use crate::batch::camera;
@@ -45,7 +45,7 @@ impl Exemplar for Picture {
 
 fn draw(evaluator: &AnyEvaluator, camera: &Camera, size: Size, threads: usize) {
     let mut run = Run { threads: NonZeroUsize::new(threads), ..Run::default() };
-    // a run that nobody cancels does not fail
+    // cannot fail: the run is never cancelled
     let _ = geometry(evaluator, camera, size, IdKind::default(), &mut run);
 }
 

@@ -9,10 +9,10 @@ use std::convert::Infallible;
 use std::iter::repeat_with;
 use std::num::NonZeroUsize;
 
-/// Rays that a thread takes at a time.
+/// Rays per chunk of a thread.
 pub const CHUNK: usize = 1 << 14;
 
-/// Every crossing, with its face, into hit arrays of `rows` rows.
+/// All crossings, with their faces, as hit arrays of `rows` rows.
 pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: usize) -> Contender<'a> {
     let mut table = HitTable::new(rows, rays.len());
     let mut scratch = evaluator.scratch();
@@ -32,7 +32,7 @@ pub fn first<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>) -> Res
     }))
 }
 
-/// [`full`] on threads.
+/// [`full`] on several threads.
 pub fn full_on_threads<'a>(
     name: &str,
     evaluator: &'a AnyEvaluator,
@@ -43,7 +43,7 @@ pub fn full_on_threads<'a>(
     into_table_on_threads(name, evaluator, rays, HitTable::new(rows, rays.len()), threads)
 }
 
-/// Every crossing, with its face if the table has room for them, on threads.
+/// All crossings on several threads, with their faces if the table has buffers for them.
 pub fn into_table_on_threads<'a>(
     name: &str,
     evaluator: &'a AnyEvaluator,
@@ -63,7 +63,7 @@ pub fn into_table_on_threads<'a>(
     Contender::here(name, Role::Ours, rays.len(), run).threads(threads)
 }
 
-/// [`first`] on threads.
+/// [`first`] on several threads.
 pub fn first_on_threads<'a>(
     name: &str,
     evaluator: &'a AnyEvaluator,
@@ -81,7 +81,7 @@ pub fn first_on_threads<'a>(
     Ok(Contender::here(name, Role::Ours, rays.len(), run).threads(threads))
 }
 
-/// Runs the work on every chunk, each thread with a scratch of its own; what it makes of them, in order.
+/// Processes all chunks, with a scratch memory per thread; returns the results in order.
 pub fn on_threads<I: Send, O: Send>(
     evaluator: &AnyEvaluator,
     threads: usize,
@@ -94,7 +94,7 @@ pub fn on_threads<I: Send, O: Send>(
         made.push(one);
         Ok::<(), Infallible>(())
     };
-    // nobody cancels, and nothing can fail
+    // cannot fail: the run is never cancelled
     let _ = drive(threads, &Cancel::new(), chunks, || evaluator.scratch(), work, merge);
     made
 }
@@ -110,7 +110,7 @@ pub fn pieces(rays: Rays<'_>) -> impl Iterator<Item = Rays<'_>> + Send {
     })
 }
 
-/// The rows of a table cut into those of its chunks.
+/// Splits the rows of a table into the columns of its chunks.
 fn columns<T>(rows: Vec<&mut [T]>) -> Vec<Vec<&mut [T]>> {
     let count = rows.first().map_or(0, |row| row.len().div_ceil(CHUNK));
     let mut chunks: Vec<Vec<&mut [T]>> = (0..count).map(|_| Vec::new()).collect();
@@ -120,7 +120,7 @@ fn columns<T>(rows: Vec<&mut [T]>) -> Vec<Vec<&mut [T]>> {
     chunks
 }
 
-/// First hits cut into those of the chunks.
+/// Splits first hits into those of the chunks.
 pub fn hits(hits: FirstHits<'_>) -> impl Iterator<Item = FirstHits<'_>> + Send {
     let FirstHits { t, face, placement, before, after, normal } = hits;
     let [x, y, z] = normal.unwrap_or_default();
@@ -137,7 +137,7 @@ pub fn hits(hits: FirstHits<'_>) -> impl Iterator<Item = FirstHits<'_>> + Send {
     })
 }
 
-/// Columns of components cut into those of the chunks.
+/// Splits columns of components into those of the chunks.
 pub fn components([x, y, z]: [&mut [f64]; 3]) -> impl Iterator<Item = [&mut [f64]; 3]> + Send {
     let parts = x.chunks_mut(CHUNK).zip(y.chunks_mut(CHUNK)).zip(z.chunks_mut(CHUNK));
     parts.map(|((x, y), z)| [x, y, z])
@@ -152,7 +152,7 @@ mod tests {
     use crate::exemplar::die;
     use std::sync::Arc;
 
-    /// Contenders give the evaluator's answers for any number of threads; compared through the tables.
+    /// Contenders return the evaluator's results for any number of threads.
     #[test]
     fn chunks_put_together_are_the_whole() {
         let program = Arc::new(die::program().unwrap());

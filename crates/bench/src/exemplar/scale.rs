@@ -1,4 +1,4 @@
-//! Models of many leaves: what a ray costs as they grow.
+//! Models of many leaves: time per ray as the model grows.
 
 use super::{Bench, Exemplar, question, text};
 use crate::answer::{Agreement, first_lists, full_lists};
@@ -13,13 +13,13 @@ use rayweave_conformance::scale;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Rays of a batch for those who are fast.
+/// Rays per batch of fast contenders.
 const RAYS: usize = 1 << 14;
 
-/// Rays of the first attempt, and those whose answers are compared.
+/// Rays of the trial run, and rays whose results are compared.
 const FEW: usize = 64;
 
-/// Seconds after which an evaluator is given up.
+/// The time limit of the trial run of an evaluator, in seconds.
 const PATIENCE: f64 = 2.0;
 
 /// A family of models.
@@ -40,7 +40,7 @@ struct Scale {
     leaves: usize,
 }
 
-/// The models: a thousand, ten thousand and a hundred thousand leaves, and a million on request.
+/// The models: 10^3, 10^4 and 10^5 leaves, and 10^6 on request.
 pub fn all(large: bool) -> Vec<Box<dyn Exemplar>> {
     let sizes = [("1e3", 1000), ("1e4", 10_000), ("1e5", 100_000), ("1e6", 1_000_000)];
     let count = if large { 4 } else { 3 };
@@ -105,7 +105,7 @@ impl Exemplar for Scale {
 }
 
 impl Scale {
-    /// Compiling is done once: it takes long, and is not repeated in earnest either.
+    /// Compilation runs once: it takes long, and is not repeated in practice either.
     fn compiling(&self, bench: &Bench, seconds: f64) -> Section {
         let mut section = Section::new(format!("{}/compile", self.name), "leaf", &*self.about);
         let times = Statistics::of(&[1e9 * seconds / self.leaves as f64]).ok_or_else(String::new);
@@ -114,7 +114,7 @@ impl Scale {
         section
     }
 
-    /// The evaluators that take a model of this size.
+    /// The evaluators that support a model of this size.
     fn evaluators(&self, program: &Arc<Program>, section: &mut Section) -> Vec<AnyEvaluator> {
         let mut evaluators = Vec::new();
         for name in AnyEvaluator::NAMES {
@@ -127,7 +127,8 @@ impl Scale {
     }
 }
 
-/// The rows of the batch, and the number of rays that an evaluator can answer in reasonable time.
+/// The number of rows of hits, and the number of rays that an evaluator can process in reasonable
+/// time.
 fn rows(evaluator: &AnyEvaluator, batch: &RayBatch) -> Result<(usize, usize), String> {
     let longest = |lists: Vec<Vec<f64>>| lists.iter().map(Vec::len).max().unwrap_or(0);
     let mut most = 0;
@@ -141,7 +142,8 @@ fn rows(evaluator: &AnyEvaluator, batch: &RayBatch) -> Result<(usize, usize), St
     Ok((most.max(2).next_multiple_of(2), count))
 }
 
-/// The number of rays that take about a tenth of a second, judged by a few; an error if even they take too long.
+/// The number of rays that take about a tenth of a second, extrapolated from a few rays; an error
+/// if even these take too long.
 fn patient_count(
     evaluator: &AnyEvaluator,
     batch: &RayBatch,
@@ -162,13 +164,14 @@ fn beginning(batch: &RayBatch, count: usize) -> RayBatch {
     (0..count.min(batch.rays().len())).map(|i| batch.rays().get(i)).collect()
 }
 
-/// A ray is read, and what it meets is written; what lies between depends on the model.
+/// The minimum cost is to read a ray and to write its hits; the rest depends on the model.
 fn take(section: &mut Section, bench: &Bench, contenders: Vec<Contender<'_>>) {
     let outcomes = contest(contenders, &bench.effort);
     section.take(outcomes, |outcome| bench.floor(&[Need::Bytes(96.0)], outcome.threads));
 }
 
-/// Compares the first evaluator with the others that are patient enough: `reference`, where it is.
+/// Compares all measured evaluators with `reference` or, if that was too slow, with the first of
+/// them.
 fn compare(
     full: &mut Section,
     first: &mut Section,

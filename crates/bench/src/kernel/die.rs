@@ -1,12 +1,16 @@
-//! The die (box & sphere) - three cylinders, by hand: no program, no sweep, no branch.
+//! Hand-written kernel of the die, (box & sphere) - three cylinders: no program, no sweep, no
+//! branch.
 //!
-//! Each leaf is an interval. Each of its two ends is a crossing of the die if the boolean of the *other* leaves'
-//! memberships at that time makes it a change: compares and masks. A sorting network puts the ends in order; those that
-//! are no crossings lie at infinity. For the first crossing the least of them is taken instead.
+//! Each leaf is an interval. Each of its two ends is a crossing of the die if the boolean
+//! expression changes there, given the memberships of the *other* leaves at that time; this takes
+//! comparisons and masks. A sorting network sorts the ends; those that are not crossings are set to
+//! infinity. The first crossing is the minimum of the ends instead.
 //!
-//! Nothing here is a closure: one that is not inlined would be compiled without the instructions of the level.
+//! There are no closures: one that is not inlined would be compiled without the SIMD target
+//! features.
 //!
-//! For rays in general position only: ends at equal times are not looked after, nor rays parallel to a face.
+//! Only for rays in general position: ends at equal times and rays parallel to a face are not
+//! handled.
 
 use super::lanes::{Lanes, Native};
 use super::network::{End, sort};
@@ -20,7 +24,8 @@ pub const SPHERE: f64 = 1.35;
 /// The radius of the cylinders, which are unbounded, about the x, y and z axes.
 pub const BORE: f64 = 0.5;
 
-/// The most crossings on a ray: a convex core less three convex bores is four pieces at most.
+/// The maximum number of crossings of a ray: a convex core minus three convex bores has at most
+/// four spans.
 pub const ROWS: usize = 8;
 
 /// Faces in the order of the leaves and of their facets: x-, x+, y-, y+, z-, z+ of the box, the sphere, the cylinders.
@@ -32,21 +37,21 @@ struct Leaf<L: Lanes> {
 }
 
 impl<L: Lanes> Leaf<L> {
-    /// Mask of t between the ends.
+    /// Mask of t inside the interval.
     #[inline(always)]
     fn holds(&self, t: L) -> L::Mask {
         self.ends[0].0.below(t) & t.below(self.ends[1].0)
     }
 }
 
-/// A ray of each lane.
+/// One ray per lane.
 struct Ray<L> {
     origin: [L; 3],
     direction: [L; 3],
 }
 
-/// All crossings of the die on each ray, in order of time: the times, +inf after the last, and the faces, whose numbers mean
-/// nothing there.
+/// All crossings of the die on each ray, in order of time: the times, +inf after the last, and the
+/// faces, with undefined numbers after the last.
 ///
 /// # Panics
 /// If there are fewer than 16 rays, or rows shorter than the batch.
@@ -59,7 +64,7 @@ pub fn crossings(
     dispatch!(level, simd => all(Native::zero(simd), rays, times, faces));
 }
 
-/// [`crossings`] with one kind of lanes.
+/// [`crossings`] for one type of lanes.
 #[inline(always)]
 pub fn all<L: Lanes>(
     zero: L,
@@ -85,7 +90,7 @@ pub fn all<L: Lanes>(
 
 /// First hit of each ray after t = 0.
 pub struct First<'a> {
-    /// When; +inf for a miss, for which the rest means nothing.
+    /// The time; +inf for a miss, for which the other fields are undefined.
     pub t: &'a mut [f64],
     /// The number of the face.
     pub face: &'a mut [i32],
@@ -101,10 +106,10 @@ pub fn first(level: Level, rays: &Rays<'_>, out: &mut First<'_>) {
     dispatch!(level, simd => first_of_all(Native::zero(simd), rays, out));
 }
 
-/// [`first`] with one kind of lanes.
+/// [`first`] for one type of lanes.
 #[inline(always)]
 pub fn first_of_all<L: Lanes>(zero: L, rays: &Rays<'_>, out: &mut First<'_>) {
-    // two steps at a time, since whole numbers are stored in pairs
+    // two steps at a time, because integers are stored in pairs
     let (step, last) = (2 * L::COUNT, rays.len() - 2 * L::COUNT);
     for at in (0..rays.len()).step_by(step).map(|at| at.min(last)) {
         let faces = [nearest(zero, rays, at, out), nearest(zero, rays, at + L::COUNT, out)];
@@ -113,7 +118,7 @@ pub fn first_of_all<L: Lanes>(zero: L, rays: &Rays<'_>, out: &mut First<'_>) {
     }
 }
 
-/// One step: writes time and normal, and gives the face.
+/// One step: writes time and normal, and returns the face.
 #[inline(always)]
 fn nearest<L: Lanes>(zero: L, rays: &Rays<'_>, at: usize, out: &mut First<'_>) -> L::Numbers {
     let ray = load(zero, rays, at);
@@ -131,7 +136,7 @@ fn nearest<L: Lanes>(zero: L, rays: &Rays<'_>, at: usize, out: &mut First<'_>) -
     face
 }
 
-/// The first of two ends after t = 0.
+/// The earlier of two ends after t = 0.
 #[inline(always)]
 fn sooner<L: Lanes>([a, b]: [End<L>; 2]) -> End<L> {
     earlier(ahead(a), ahead(b))
@@ -151,7 +156,7 @@ fn normal<L: Lanes>(ray: &Ray<L>, t: L, on: [L::Mask; 5]) -> [L; 3] {
     for axis in 0..3 {
         let x = ray.origin[axis] + t * ray.direction[axis];
         let of_ball = x * x.like(1.0 / SPHERE);
-        // a bore is left where the die is entered
+        // the die is entered where a bore is left
         let of_bore = x * x.like(-1.0 / BORE);
         let near = slab(ray, axis).ends;
         let on_slab = !(near[0].0.below(t) & t.below(near[1].0));
@@ -176,7 +181,7 @@ fn load_three<L: Lanes>(zero: L, columns: &[&[f64]; 3], at: usize) -> [L; 3] {
     [zero.load(&x[span.clone()]), zero.load(&y[span.clone()]), zero.load(&z[span])]
 }
 
-/// The ends of the leaves; those that are no crossings of the die at infinity, last.
+/// The sorted ends of the leaves; ends that are not crossings of the die are at infinity, last.
 #[inline(always)]
 fn sorted_ends<L: Lanes>(ray: &Ray<L>) -> [End<L>; 10] {
     let [[t0, t1], [t2, t3], [t4, t5], [t6, t7], [t8, t9]] = kept(&leaves(ray));
@@ -191,7 +196,7 @@ fn leaves<L: Lanes>(ray: &Ray<L>) -> [Leaf<L>; 5] {
     [block(ray), ball(ray), bore(ray, 0), bore(ray, 1), bore(ray, 2)]
 }
 
-/// The ends of each leaf; those that are no crossings of the die at infinity.
+/// The ends of each leaf; ends that are not crossings of the die are at infinity.
 #[inline(always)]
 fn kept<L: Lanes>([block, ball, a, b, c]: &[Leaf<L>; 5]) -> [[End<L>; 2]; 5] {
     [
@@ -203,7 +208,8 @@ fn kept<L: Lanes>([block, ball, a, b, c]: &[Leaf<L>; 5]) -> [[End<L>; 2]; 5] {
     ]
 }
 
-/// The ends of a leaf, at infinity if they are not within those leaves and outside of these.
+/// The ends of a leaf that are inside the first and outside the second set of leaves; others are at
+/// infinity.
 #[inline(always)]
 fn crossings_of<L: Lanes, const IN: usize, const OUT: usize>(
     leaf: &Leaf<L>,
@@ -214,7 +220,7 @@ fn crossings_of<L: Lanes, const IN: usize, const OUT: usize>(
     [keep(first, within, outside), keep(second, within, outside)]
 }
 
-/// One of them.
+/// One of these ends.
 #[inline(always)]
 fn keep<L: Lanes, const IN: usize, const OUT: usize>(
     (t, face): End<L>,
@@ -231,8 +237,8 @@ fn keep<L: Lanes, const IN: usize, const OUT: usize>(
     (L::choose(kept, t, t.like(f64::INFINITY)), face)
 }
 
-/// The box: between the last of the planes entered and the first left. A ray that misses leaves before it enters; its ends
-/// are crossings no more than those of the empty interval.
+/// The interval in the box, between the last plane entered and the first one left. For a ray that
+/// misses, it is left before it is entered; the ends of an empty interval are not crossings.
 #[inline(always)]
 fn block<L: Lanes>(ray: &Ray<L>) -> Leaf<L> {
     let slabs = [slab(ray, 0), slab(ray, 1), slab(ray, 2)];
@@ -261,7 +267,7 @@ fn earlier<L: Lanes>(a: End<L>, b: End<L>) -> End<L> {
     pick(b.0.below(a.0), b, a)
 }
 
-/// Between two planes of the box.
+/// The interval between two planes of the box.
 #[inline(always)]
 fn slab<L: Lanes>(ray: &Ray<L>, axis: usize) -> Leaf<L> {
     let (o, d) = (ray.origin[axis], ray.direction[axis]);
@@ -277,7 +283,7 @@ fn slab<L: Lanes>(ray: &Ray<L>, axis: usize) -> Leaf<L> {
     }
 }
 
-/// The sphere.
+/// The interval in the sphere.
 #[inline(always)]
 fn ball<L: Lanes>(ray: &Ray<L>) -> Leaf<L> {
     let [[x, y, z], [u, v, w]] = [ray.origin, ray.direction];
@@ -287,7 +293,7 @@ fn ball<L: Lanes>(ray: &Ray<L>) -> Leaf<L> {
     quadric(a, b, c, SPHERE_FACE)
 }
 
-/// The cylinder along an axis.
+/// The interval in the cylinder along an axis.
 #[inline(always)]
 fn bore<L: Lanes>(ray: &Ray<L>, axis: usize) -> Leaf<L> {
     let (k, l) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -298,7 +304,8 @@ fn bore<L: Lanes>(ray: &Ray<L>, axis: usize) -> Leaf<L> {
     quadric(a, b, c, SPHERE_FACE + 1 + axis as i64)
 }
 
-/// Between the roots of a t^2 + 2 b t + c, a > 0: (-b -+ sqrt(b^2 - a c)) / a; NaN if there are none.
+/// The interval between the roots of a t^2 + 2 b t + c, a > 0: (-b -+ sqrt(b^2 - a c)) / a; NaN if
+/// there are none.
 #[inline(always)]
 fn quadric<L: Lanes>(a: L, b: L, c: L, face: i64) -> Leaf<L> {
     let root = (b * b - a * c).root();
@@ -321,7 +328,7 @@ mod tests {
 
     const COUNT: usize = 4096;
 
-    /// The full lists by hand: times and faces, row by row.
+    /// All crossings by the kernel: times and faces, row by row.
     fn by_hand(
         batch: &RayBatch,
         run: impl Fn(&mut [&mut [f64]; ROWS], &mut [&mut [i32]; ROWS]),
@@ -411,7 +418,7 @@ mod tests {
         assert!(tally.simple() > 64 * 29 * 3, "the network alone has 29 comparators");
     }
 
-    /// A batch that is no multiple of a step is finished by a step that overlaps the one before.
+    /// A batch that is not a multiple of a step ends with a step that overlaps the previous one.
     #[test]
     fn the_last_step_may_overlap() {
         let (batch, fewer) = (incoherent(40, 3), incoherent(37, 3));

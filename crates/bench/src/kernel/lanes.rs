@@ -1,29 +1,29 @@
-//! The numbers that kernels are written in: as many lanes as a register holds, or one lane that counts what it does.
+//! The number types of kernels: SIMD lanes of one register, or one lane that counts operations.
 
 use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat, SimdNarrow};
 use std::cell::Cell;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// One or more numbers of 64 bits that are computed with together.
+/// One or more 64-bit numbers that are processed together.
 pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// A truth value for each lane.
+    /// A boolean for each lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
 
-    /// A whole number for each lane.
+    /// An integer for each lane.
     type Numbers: Copy;
 
     /// The number of lanes.
     const COUNT: usize;
 
-    /// The same number in all lanes, of the same kind as `self`.
+    /// The same number in all lanes, of the same type as `self`.
     fn like(self, value: f64) -> Self;
 
-    /// The numbers of a slice of [`Lanes::COUNT`], of the same kind as `self`.
+    /// Loads [`Lanes::COUNT`] numbers, of the same type as `self`.
     fn load(self, values: &[f64]) -> Self;
 
-    /// The same whole number in all lanes.
+    /// The same integer in all lanes.
     fn number(self, value: i64) -> Self::Numbers;
 
     /// The square root; NaN below zero.
@@ -38,16 +38,16 @@ pub trait Lanes:
     /// Mask of `self < other`; false for NaN.
     fn below(self, other: Self) -> Self::Mask;
 
-    /// `yes` where the mask holds, `no` elsewhere.
+    /// Selects `yes` where the mask holds, `no` elsewhere.
     fn choose(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// The same for whole numbers.
+    /// The same selection for integers.
     fn choose_number(mask: Self::Mask, yes: Self::Numbers, no: Self::Numbers) -> Self::Numbers;
 
-    /// Writes the lanes into a slice of [`Lanes::COUNT`].
+    /// Stores the lanes to a slice of [`Lanes::COUNT`].
     fn store(self, out: &mut [f64]);
 
-    /// Writes two rows of whole numbers.
+    /// Stores two rows of integers.
     fn store_numbers(numbers: [Self::Numbers; 2], out: [&mut [i32]; 2]);
 }
 
@@ -155,7 +155,7 @@ impl<S: Simd> Lanes for Native<S> {
     }
 }
 
-/// Number of operations of each kind that a kernel executed.
+/// The number of operations of each kind that a kernel has executed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     simple: Cell<u64>,
@@ -164,7 +164,7 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Sums, differences, products, extremes, comparisons and choices between numbers.
+    /// Additions, subtractions, multiplications, minima and maxima, comparisons and selections.
     pub fn simple(&self) -> u64 {
         self.simple.get()
     }
@@ -200,8 +200,8 @@ impl Tally {
     }
 }
 
-/// One number that counts the operations that it takes part in. Masks, which have units of their own or cost next to
-/// nothing, are not counted.
+/// One number that counts its operations. Operations on masks, which have their own execution units
+/// or are nearly free, are not counted.
 #[derive(Clone, Copy, Debug)]
 pub struct Counted<'t> {
     value: f64,
@@ -209,7 +209,7 @@ pub struct Counted<'t> {
 }
 
 impl<'t> Counted<'t> {
-    /// Zero, counting into the tally.
+    /// Zero, with operations counted in the tally.
     pub fn zero(tally: &'t Tally) -> Counted<'t> {
         Counted { value: 0.0, tally }
     }

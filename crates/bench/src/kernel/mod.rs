@@ -1,4 +1,4 @@
-//! Kernels by hand for one tree each: what a processor can do at most.
+//! Hand-written kernels, each for one solid: an upper bound of the achievable speed.
 
 pub mod die;
 pub mod lanes;

@@ -1,11 +1,11 @@
-//! A sorting network for ten.
+//! A sorting network for ten elements.
 
 use super::lanes::Lanes;
 
-/// A time and the number of the face met there.
+/// A time and the number of the face hit at that time.
 pub type End<L> = (L, <L as Lanes>::Numbers);
 
-/// Puts two ends in order.
+/// Sorts two ends.
 #[inline(always)]
 pub fn order<L: Lanes>(ends: &mut [End<L>; 10], i: usize, k: usize) {
     let ((t, face), (t2, face2)) = (ends[i], ends[k]);
@@ -14,8 +14,8 @@ pub fn order<L: Lanes>(ends: &mut [End<L>; 10], i: usize, k: usize) {
     ends[k] = (L::choose(swap, t, t2), L::choose_number(swap, face, face2));
 }
 
-/// Sorts ten ends by time: the network of 29 comparators by Waksman (Knuth, The Art of Computer Programming 3, 5.3.4, figure
-/// 49), written out so that everything stays in registers.
+/// Sorts ten ends by time: the network of 29 comparators by Waksman (Knuth, The Art of Computer
+/// Programming 3, 5.3.4, figure 49), unrolled so that everything stays in registers.
 #[inline(always)]
 pub fn sort<L: Lanes>(e: &mut [End<L>; 10]) {
     macro_rules! comparators {
@@ -36,7 +36,8 @@ mod tests {
     use super::super::lanes::{Counted, Tally};
     use super::*;
 
-    /// A network sorts everything if it sorts all arrangements of zeros and ones (Knuth, 5.3.4, theorem Z).
+    /// Zero-one principle: a network sorts everything if it sorts all sequences of zeros and ones
+    /// (Knuth, 5.3.4, theorem Z).
     #[test]
     fn sorts_all_zeros_and_ones() {
         let tally = Tally::default();

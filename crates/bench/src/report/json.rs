@@ -1,4 +1,4 @@
-//! The results for machines.
+//! The results as JSON.
 
 use super::{Figure, Report, Section};
 use crate::level;

@@ -1,4 +1,4 @@
-//! The results as a page.
+//! The results as a Markdown page.
 
 use super::{Report, Section, text};
 use crate::contest::Role;
@@ -11,7 +11,7 @@ Written by the benchmark itself: figures, tables and the plot are those of one r
 
 const FOOT: &str = include_str!("page.md");
 
-/// The report as a page; `plot` is the path of the picture from the page.
+/// Formats the report as a page; `plot` is the path of the picture relative to the page.
 pub fn markdown(report: &Report, plot: Option<&str>) -> String {
     let mut page = HEAD.to_owned();
     page += &format!("\nMeasured on {} with `{}`.\n\n", report.date, report.command);
@@ -33,7 +33,7 @@ fn exemplar(section: &Section) -> String {
     format!("\n### {}\n\n{}\n\n{}", section.name, section.about, text::section(section))
 }
 
-/// Growth of the time per ray with the size of the model: the fastest of our evaluators, family by family.
+/// Time per ray by size of the model, for the fastest evaluator of this project, by family.
 fn growth(report: &Report) -> String {
     let mut rows: Vec<(String, Vec<String>)> = Vec::new();
     for section in &report.sections {

@@ -20,28 +20,28 @@ pub use text::{ceilings, section};
 pub struct Report {
     /// The day, YYYY-MM-DD.
     pub date: String,
-    /// The command that was given.
+    /// The command line.
     pub command: String,
     /// Facts about the machine.
     pub machine: Vec<(&'static str, String)>,
     /// Ceilings of the machine.
     pub ceilings: Ceilings,
-    /// The peers that took part, with their versions.
+    /// The peers that were measured, with their versions.
     pub peers: Vec<(String, String)>,
-    /// Those that did not, and why.
+    /// The missing peers, with the reasons.
     pub missing: Vec<(String, String)>,
     /// The results of the exemplars.
     pub sections: Vec<Section>,
 }
 
-/// The result of one question about one exemplar.
+/// The results of one kind of query of an exemplar.
 #[derive(Default)]
 pub struct Section {
     /// Its name, a path.
     pub name: String,
-    /// Description of the work in a sentence or two.
+    /// A description of the work in one or two sentences.
     pub about: String,
-    /// Unit of the work, mostly rays.
+    /// Unit of the work, usually rays.
     pub item: &'static str,
     /// Measurements.
     pub figures: Vec<Figure>,
@@ -53,27 +53,27 @@ pub struct Section {
 pub struct Figure {
     /// Its name.
     pub name: String,
-    /// On whose behalf it ran.
+    /// Its role.
     pub role: Role,
     /// The number of threads.
     pub threads: usize,
     /// Nanoseconds per item.
     pub time: Statistics,
-    /// The least time, and what sets it.
+    /// The minimum time, and the resource that limits it.
     pub floor: Option<Floor>,
-    /// Agreement of its answers with the reference.
+    /// The agreement of its results with the reference.
     pub agreement: Option<Agreement>,
     /// Instructions per item.
     pub instructions: Option<f64>,
 }
 
 impl Section {
-    /// A section without figures.
+    /// Creates a section without figures.
     pub fn new(name: impl Into<String>, item: &'static str, about: impl Into<String>) -> Section {
         Section { name: name.into(), about: about.into(), item, ..Section::default() }
     }
 
-    /// Adds the results of a contest; `floor` returns the least time of a contender.
+    /// Adds the results of a contest; `floor` returns the minimum time of a contender.
     pub fn take(&mut self, outcomes: Vec<Outcome>, floor: impl Fn(&Outcome) -> Option<Floor>) {
         for outcome in outcomes {
             let floor = floor(&outcome);
@@ -104,14 +104,14 @@ impl Section {
         }
     }
 
-    /// The median time of the fastest contender of a role.
+    /// The contender of a role with the smallest median time.
     pub fn fastest(&self, role: Role) -> Option<&Figure> {
         let figures = self.figures.iter().filter(|figure| figure.role == role);
         figures.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
     }
 
-    /// The time of a call from Python in parts of that of the same call from Rust, which is the first of ours on as many
-    /// threads; nothing for others.
+    /// The time of a call from Python relative to the same call from Rust, which is the first of
+    /// this project's contenders with as many threads; `None` for others.
     pub fn over_rust(&self, figure: &Figure) -> Option<f64> {
         let is_python = |figure: &Figure| figure.name == FROM_PYTHON;
         let mut figures = self.figures.iter().filter(|other| other.threads == figure.threads);
@@ -121,12 +121,12 @@ impl Section {
 }
 
 impl Figure {
-    /// Items in a second.
+    /// Items per second.
     pub fn rate(&self) -> f64 {
         1e9 / self.time.median
     }
 
-    /// The part of what can be done at most that is done.
+    /// The fraction of the limit that is achieved.
     pub fn fraction(&self) -> Option<f64> {
         Some(self.floor.as_ref()?.time / self.time.median)
     }
@@ -138,7 +138,7 @@ pub mod tests {
     use crate::ceiling::Rates;
     use fearless_simd::Level;
 
-    /// A report with something of everything.
+    /// A report with an example of every part.
     pub fn example() -> Report {
         let statistics = |sample: &[f64]| Statistics::of(sample).unwrap();
         let outcome = |name: &str, role, times| Outcome { name: name.to_owned(), role, threads: 1, times };

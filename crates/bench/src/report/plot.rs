@@ -1,11 +1,11 @@
-//! The results as a picture: bars on a scale of powers of ten.
+//! The results as a bar chart with a logarithmic scale.
 
 use super::{Figure, Report, Section};
 use crate::contest::Role;
 use crate::report::text::rate;
 use rayweave::draw::svg::{self, Anchor};
 
-/// A drawing whose texts show nothing else under the pointer.
+/// A drawing without tooltips.
 #[derive(Default)]
 struct Drawing(svg::Svg);
 
@@ -19,7 +19,7 @@ impl Drawing {
     }
 }
 
-/// Lengths in pixels.
+/// Lengths, in pixels.
 const WIDTH: f64 = 860.0;
 const LEFT: f64 = 250.0;
 const RIGHT: f64 = 110.0;
@@ -33,7 +33,7 @@ const STYLE: &str = "\
 .ceiling { fill: none; stroke: #d9822b; stroke-width: 1.5 }
 ";
 
-/// The rates of all contenders of those sections that are plotted, as an SVG document.
+/// The rates of all contenders of the plotted sections, as an SVG document.
 pub fn plot(report: &Report) -> String {
     let sections: Vec<&Section> = report.sections.iter().filter(|section| is_plotted(section)).collect();
     let rates = sections.iter().flat_map(|section| &section.figures).map(Figure::rate);
@@ -54,14 +54,14 @@ pub fn plot(report: &Report) -> String {
     svg.0.finish([WIDTH, height], "Work done in a second", &description, STYLE)
 }
 
-/// Families of models that grow have a table of their own.
+/// False for families of models of different sizes, which have a table of their own.
 fn is_plotted(section: &Section) -> bool {
     !section.figures.is_empty() && !section.name.starts_with("scale/")
 }
 
 /// Positions of rates on the plot: logarithmic, equal lengths for equal ratios.
 struct Scale {
-    /// The powers of ten at its ends.
+    /// The exponents of ten at its ends.
     ends: [f64; 2],
 }
 
@@ -69,7 +69,7 @@ impl Scale {
     fn of(rates: impl Iterator<Item = f64>) -> Scale {
         let (low, high) =
             rates.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), rate| (low.min(rate), high.max(rate)));
-        // the nearest whole powers, without a logarithm: rates are written with their exponent
+        // the nearest powers of ten, from the exponential notation of the rates
         let exponent = |value: f64| {
             let text = format!("{value:e}");
             text.split_once('e').and_then(|(_, power)| power.parse::<f64>().ok()).unwrap_or(0.0)
@@ -84,7 +84,7 @@ impl Scale {
         self.ends[0] as i32..=self.ends[1] as i32
     }
 
-    /// The place of a rate. Within a power of ten the logarithm is found by halving: squares have twice the logarithm.
+    /// The position of a rate. Within a decade the logarithm is found by repeated squaring.
     fn x(&self, rate: f64) -> f64 {
         let [low, high] = self.ends;
         let part = (logarithm(rate) - low) / (high - low);
@@ -92,7 +92,7 @@ impl Scale {
     }
 }
 
-/// The decimal logarithm of a positive number, to three binary places of a thousandth: good enough for a pixel.
+/// The decimal logarithm of a positive number, accurate to 2^-13, which is sufficient for a pixel.
 fn logarithm(mut value: f64) -> f64 {
     let mut whole = 0.0;
     while value >= 10.0 {
@@ -171,7 +171,7 @@ mod tests {
     #[test]
     fn every_figure_has_its_bar() {
         let text = plot(&example());
-        // three in the legend and one for each figure
+        // three in the legend, and one for each figure
         assert_eq!(text.matches("<rect class=\"ours\"").count(), 2);
         assert_eq!(text.matches("<rect class=\"peer\"").count(), 2);
         assert_eq!(text.matches("<rect class=\"ceiling\"").count(), 2);

@@ -1,4 +1,4 @@
-//! Tables, which read as Markdown and on a terminal.
+//! Tables that are readable both as Markdown and on a terminal.
 
 use super::{Figure, Section};
 use crate::ceiling::Ceilings;
@@ -13,7 +13,7 @@ pub fn ceilings(ceilings: &Ceilings) -> String {
     table(&["ceiling", "rate", "spread"], rows)
 }
 
-/// A table of the figures of a section, and who failed.
+/// A table of the figures of a section, and the contenders that failed.
 pub fn section(section: &Section) -> String {
     let item = section.item;
     let heads = [
@@ -67,7 +67,7 @@ fn row(section: &Section, figure: &Figure) -> Vec<String> {
     ]
 }
 
-/// A table with aligned columns; those without any content are left out.
+/// A table with aligned columns; empty columns are omitted.
 fn table(heads: &[&str], rows: Vec<Vec<String>>) -> String {
     let columns: Vec<usize> =
         (0..heads.len()).filter(|&k| rows.iter().any(|row| !row[k].is_empty())).collect();
@@ -92,7 +92,7 @@ fn table(heads: &[&str], rows: Vec<Vec<String>>) -> String {
     text
 }
 
-/// Three digits.
+/// Formats a number with three digits.
 pub fn short(value: f64) -> String {
     match value.abs() {
         v if v >= 99.95 || v == 0.0 => format!("{value:.0}"),
@@ -102,7 +102,7 @@ pub fn short(value: f64) -> String {
     }
 }
 
-/// A number in a second, with a prefix.
+/// Formats a rate per second with an SI prefix.
 pub fn rate(value: f64) -> String {
     match value {
         v if v >= 999.5e6 => format!("{} G", short(v / 1e9)),

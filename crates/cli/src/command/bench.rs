@@ -1,4 +1,4 @@
-//! `rayweave bench`: exemplars beside peers and the ceilings of the machine.
+//! `rayweave bench`: benchmarks, compared with peers and the ceilings of the machine.
 
 use crate::arguments::GlobalArguments;
 use crate::failure::Failure;
@@ -7,8 +7,9 @@ use rayweave_bench::{Arguments, run};
 
 /// Measure exemplars beside peers and the ceilings of this machine
 ///
-/// The machine is measured first: how fast it copies and computes. Then each exemplar sets the evaluators, kernels
-/// written by hand, and those peers that are installed to the same work, in turn. Tables go to standard output.
+/// First the bandwidth and the arithmetic throughput of the machine are measured. Then the
+/// evaluators, hand-written kernels and the installed peers run each exemplar in turn. Tables go to
+/// standard output.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

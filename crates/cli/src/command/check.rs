@@ -1,4 +1,4 @@
-//! `rayweave check`: what of a model may not be what was meant.
+//! `rayweave check`: probable mistakes of a model.
 
 use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
 use crate::failure::Failure;

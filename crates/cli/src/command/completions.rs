@@ -1,4 +1,4 @@
-//! `rayweave completions`: what a shell completes.
+//! `rayweave completions`: completion scripts for shells.
 
 use crate::failure::Failure;
 use crate::terminal;

@@ -1,4 +1,4 @@
-//! `rayweave convert`: a model in another format.
+//! `rayweave convert`: conversion of a model to another format.
 
 use crate::arguments::{GlobalArguments, ModelArguments};
 use crate::failure::Failure;

@@ -1,4 +1,4 @@
-//! `rayweave diff`: are two models the same solid, and if not, where do they differ?
+//! `rayweave diff`: comparison of two models.
 
 use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
 use crate::failure::Failure;

@@ -1,4 +1,4 @@
-//! `rayweave export`: a model in the language of another program.
+//! `rayweave export`: export of a model to another program.
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
@@ -50,7 +50,7 @@ impl Export {
     }
 }
 
-/// Camera in the form of scenes.
+/// Converts a camera to the form of scenes.
 fn exported(camera: &Camera, size: (u32, u32)) -> scene::Camera {
     let (position, up): (Vec3, Vec3) = (camera.position(), camera.up());
     scene::Camera {

@@ -1,4 +1,4 @@
-//! `rayweave infill`: the traces of a tool that fill the layers of a solid, or a region of the plane.
+//! `rayweave infill`: tool traces that fill the layers of a solid, or a region of the plane.
 
 use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments};
 use crate::failure::Failure;
@@ -191,7 +191,7 @@ fn empty_layers(lost: &[(usize, f64)], bounds: &Bounds) -> String {
     format!("layer {layer} at z = {}{others} has no traces: {reason}\n", short(z))
 }
 
-/// A number; the option that uses it checks its range.
+/// Parses a number; the option that uses it checks its range.
 fn number(text: &str) -> Result<f64, String> {
     text.trim().parse().map_err(|_| format!("`{text}` is not a number"))
 }

@@ -1,4 +1,4 @@
-//! `rayweave info`: what a model holds.
+//! `rayweave info`: the contents of a model.
 
 use crate::arguments::ModelArguments;
 use crate::command::tree;
@@ -107,7 +107,7 @@ impl Info {
     }
 }
 
-/// Roots of the tree: the solids of the regions, each once.
+/// The roots of the tree: the distinct solids of the regions.
 fn roots(scene: &Scene) -> Vec<rayweave::Solid> {
     let mut roots: Vec<rayweave::Solid> = Vec::new();
     for region in &scene.regions {
@@ -125,7 +125,7 @@ fn counts(scene: &Scene) -> String {
     };
     let regions = count(scene.regions.len(), "region", "regions");
     let solids = count(scene.solids.len(), "solid", "solids");
-    // the world is a medium, too
+    // the list includes the medium of the world
     let media = count(scene.media.len() - 1, "medium", "media");
     format!("{regions}, {solids}, {media}")
 }
@@ -146,7 +146,7 @@ fn medium(medium: &rayweave::scene::Medium) -> String {
     }
 }
 
-/// Limits of the printed tree.
+/// Counts of the compiled program, by name.
 fn statistics(program: &Program) -> [(&'static str, usize); 7] {
     let gates = program.prototypes().iter();
     let placements = program.prototypes().first().map_or(1, |p| p.placements);
@@ -161,7 +161,7 @@ fn statistics(program: &Program) -> [(&'static str, usize); 7] {
     ]
 }
 
-/// Surfaces shared by several faces.
+/// The number of surfaces that several faces share.
 fn shared_surfaces(program: &Program) -> usize {
     let mut faces = vec![0u32; program.surfaces().len()];
     for facet in program.facets() {
@@ -180,7 +180,7 @@ fn bounds_text(bounds: &Bounds) -> String {
     }
 }
 
-/// Corners; `null` stands for infinity, which JSON lacks.
+/// The corners; `null` stands for infinity, which JSON lacks.
 fn bounds_json(bounds: &Bounds) -> Value {
     match bounds.is_empty() {
         true => Value::Null,

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Write the manual pages of the command and of its sub-commands
 #[derive(Args)]
 pub struct Man {
-    /// The folder to write them to; it is made if there is none
+    /// Output folder; created if necessary
     #[arg(short, long, value_name = "DIR")]
     out: PathBuf,
 }

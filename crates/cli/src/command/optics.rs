@@ -164,7 +164,7 @@ impl Optics {
         }
     }
 
-    /// The optical system of a model or lens file.
+    /// Reads the optical system of a model or lens file.
     fn bench(&self) -> Result<Bench, Failure> {
         if self.model.format.is_none() && lens_file::is_one(&self.model.model) {
             return lens_file::load(&self.model);
@@ -190,7 +190,7 @@ impl Optics {
         }
     }
 
-    /// The scene with the settings of the command line.
+    /// Applies the settings of the command line to the scene.
     fn settled(&self, global: &GlobalArguments, mut optics: OpticalScene) -> Result<OpticalScene, Failure> {
         let settings = &mut optics.settings;
         settings.branches = self.branches.map_or(settings.branches, Branches::from);
@@ -295,7 +295,7 @@ fn no_source(document: &Document) -> rayweave::Error {
     Diagnostics::from(problem).into()
 }
 
-/// What there is to tell.
+/// The results of a run, for the summary.
 struct Told<'a> {
     name: String,
     unit: &'static str,
@@ -314,7 +314,7 @@ impl Told<'_> {
         rows.push(("absorbed in media".to_owned(), balance.absorbed_in_media));
         rows.push(("escaped".to_owned(), balance.escaped));
         rows.push(("dropped".to_owned(), balance.dropped));
-        // what is left of rounding says nothing about light
+        // rounding errors are removed: they have no physical meaning
         let told = |power: f64| short((power / balance.emitted * 1e12).round() * 1e-12 * balance.emitted);
         let mut rows: Vec<Vec<String>> =
             rows.into_iter().map(|(what, power)| vec![what, told(power)]).collect();

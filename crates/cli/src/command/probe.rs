@@ -1,4 +1,4 @@
-//! `rayweave probe`: what one ray meets.
+//! `rayweave probe`: crossings and media along one ray.
 
 use crate::arguments::{ModelArguments, SubjectArguments, point};
 use crate::failure::Failure;
@@ -145,7 +145,7 @@ impl Probe {
     }
 }
 
-/// A number of lines from 1, or "all".
+/// Parses a number of lines from 1, or "all".
 fn lines(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(0) | Err(_) if text != "all" => {

@@ -88,7 +88,7 @@ pub struct Render {
     samples: Option<u32>,
 }
 
-/// Views that consist of several pictures.
+/// The value of `--view` for a sheet of several views.
 const SHEET: &str = "sheet";
 
 /// The picture.
@@ -211,7 +211,7 @@ impl Render {
     }
 }
 
-/// `640x480`.
+/// Parses a size such as `640x480`.
 pub fn size(text: &str) -> Result<Size, String> {
     let numbers = text.split_once(['x', 'X']).map(|(w, h)| (w.trim().parse(), h.trim().parse()));
     match numbers {

@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
 
-/// Print the JSON schema of model files, by which editors complete and check them
+/// Print the JSON schema of model files, for completion and validation in editors
 #[derive(Args)]
 pub struct Schema {}
 

@@ -1,4 +1,4 @@
-//! `rayweave section`: what a plane, or a stack of planes, cuts out of a model.
+//! `rayweave section`: cross-sections of a model by a plane or a stack of planes.
 
 use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments, WithinArguments, point};
 use crate::failure::Failure;
@@ -78,7 +78,7 @@ pub struct Section {
     json: bool,
 }
 
-/// Plane given by arguments.
+/// Parses a plane.
 pub fn plane(text: &str) -> Result<SectionPlane, String> {
     text.parse::<SectionPlane>().map_err(|error| error.to_string())
 }
@@ -123,7 +123,7 @@ impl Section {
             return Err(Failure::Usage(format!("{problem} {remedy}")));
         }
         let evenly = (to - from) / f64::from(self.count.unwrap_or(10) - 1);
-        // a stack without height is one plane
+        // a stack of height 0 is one plane
         let step = self.step.unwrap_or(if to == from { 1.0 } else { evenly });
         Ok(plane.stack(from, to, step)?)
     }
@@ -167,7 +167,7 @@ impl Section {
             format!("{model}: contours within {tolerance} {unit} of the truth, lengths in {unit}\n\n");
         let rows = found.iter().flat_map(|section| {
             section.parts.iter().map(|part| {
-                // as many digits as the tolerance can vouch for
+                // as many digits as the tolerance guarantees
                 let digits = |value: f64, error: f64| rayweave::draw::axis::format_number(value, error);
                 let area = digits(part.area, section.tolerance * part.perimeter);
                 let perimeter = digits(part.perimeter, 1e-3 * part.perimeter);
@@ -218,7 +218,7 @@ fn is_dxf(path: &Path) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case("dxf"))
 }
 
-/// Whether a file of this name can be written, before any work is done.
+/// Checks the extension of an output file before any work is done.
 fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();

@@ -1,4 +1,4 @@
-//! `rayweave thickness`: how far rays go through each medium, as a picture or a table.
+//! `rayweave thickness`: path lengths through each medium, as a picture or a table.
 
 use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments};
 use crate::command::render::size;

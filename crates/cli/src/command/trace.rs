@@ -1,4 +1,4 @@
-//! `rayweave trace`: a file of rays in, a table of crossings out.
+//! `rayweave trace`: a table of the crossings of a file of rays.
 
 use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments, time};
 use crate::failure::Failure;
@@ -84,7 +84,7 @@ impl Trace {
     }
 }
 
-/// Opens the rays so that waiting for a pipe can be interrupted.
+/// Opens the ray file so that reading from a pipe can be cancelled.
 fn open(path: &Path, cancel: &Cancel) -> Result<RayReader, TableError> {
     if path == Path::new("-") {
         let stdin = Interruptible::new(|| Ok(io::stdin()), cancel.clone());

@@ -3,23 +3,24 @@
 use rayweave::Solid;
 use rayweave::model::Node;
 
-/// The longest description of a node, in characters; the middle of a longer one is left out.
+/// The maximum length of the description of a node, in characters; longer ones are shortened in the
+/// middle.
 const LONGEST: usize = 100;
 
-/// The most transforms that are written on one line.
+/// The maximum number of transforms on one line.
 const MOST_TRANSFORMS: usize = 8;
 
-/// One line to come: a solid and how deep it stands.
+/// A line to be printed: a solid and its depth.
 struct Branch {
     solid: Solid,
-    /// Text before the line's own branch.
+    /// Text before the branch of the line.
     stem: String,
     depth: usize,
     is_last: bool,
 }
 
-/// Draws the trees of solids, at most `depth` levels and `lines` lines of them. A named solid is shown in full where it
-/// occurs first. Takes no call stack, whatever the depth.
+/// Prints the trees of solids, at most `depth` levels and `lines` lines of them. A named solid is
+/// printed in full at its first occurrence. Does not recurse.
 pub fn draw(roots: &[Solid], depth: usize, lines: usize) -> String {
     let mut waiting: Vec<Branch> = roots.iter().rev().map(root).collect();
     let mut shown: Vec<Solid> = Vec::new();
@@ -54,7 +55,7 @@ fn root(solid: &Solid) -> Branch {
     Branch { solid: solid.clone(), stem: String::new(), depth: 0, is_last: true }
 }
 
-/// Puts the operands of a node on the stack, the last one first.
+/// Pushes the operands of a node, the last one first.
 fn grow(waiting: &mut Vec<Branch>, operands: Vec<Solid>, parent: &Branch, below: &str) {
     let count = operands.len();
     for (k, solid) in operands.into_iter().enumerate().rev() {
@@ -78,7 +79,7 @@ impl Branch {
     }
 }
 
-/// A node with the name and the transforms around it.
+/// A node with its name and the transforms around it.
 struct Head {
     text: String,
     is_named: bool,
@@ -86,7 +87,8 @@ struct Head {
 }
 
 impl Head {
-    /// The name, if the solid has one, and what it is called by it: up to the next name.
+    /// Collects the name, if the solid has one, and the named content: everything up to the next
+    /// name.
     fn of(solid: &Solid) -> Head {
         let (mut inner, name) = match solid.node() {
             Node::Named(name, inner) => (inner.clone(), format!("{name} = ")),
@@ -108,7 +110,7 @@ impl Head {
     }
 }
 
-/// Whether a transform may be written right behind what the node is.
+/// True if a transform can be appended to the description without parentheses.
 fn is_word(node: &Node) -> bool {
     matches!(
         node,
@@ -116,7 +118,7 @@ fn is_word(node: &Node) -> bool {
     )
 }
 
-/// The node itself in a word or two.
+/// A short description of the node itself.
 fn what(solid: &Solid) -> String {
     match solid.node() {
         Node::Empty | Node::Universe | Node::Primitive(_) => solid.to_string(),
@@ -139,7 +141,7 @@ fn operands(solid: &Solid) -> Vec<Solid> {
     }
 }
 
-/// Texts of bounded length: a convex polyhedron may have thousands of planes.
+/// Limits the length of a text: a convex polyhedron may have thousands of planes.
 fn shortened(text: String) -> String {
     let count = text.chars().count();
     if count <= LONGEST {

@@ -1,4 +1,4 @@
-//! `rayweave volume`: how large and how heavy the regions of a model are.
+//! `rayweave volume`: volume, mass, inertia and surface area of the regions of a model.
 
 use crate::arguments::{
     GlobalArguments, ModelArguments, SamplingArguments, SubjectArguments, WithinArguments,

@@ -1,4 +1,4 @@
-//! A folder with models in which the command is run.
+//! Test fixture: a temporary folder with models, in which the command runs.
 
 use serde_json::Value;
 use std::fs;
@@ -57,12 +57,12 @@ medium = "flint"
 [medium.flint]
 "#;
 
-/// A folder of its own, removed at the end.
+/// A temporary folder, removed at the end.
 pub struct Bench {
     folder: PathBuf,
 }
 
-/// Outcome of a run.
+/// The outcome of a run.
 pub struct Done {
     pub code: i32,
     pub out: String,
@@ -129,26 +129,26 @@ impl Bench {
     /// Runs the command with this text on its standard input.
     pub fn run_with_input(&self, arguments: &[&str], input: &str) -> Done {
         let mut child = self.command(arguments).stdin(Stdio::piped()).spawn().unwrap();
-        // the texts are shorter than what a pipe holds, so that this does not wait for the command's output
+        // the texts are shorter than the buffer of a pipe, so that this does not block
         let written = child.stdin.take().unwrap().write_all(input.as_bytes());
         let done = done(child.wait_with_output().unwrap());
         assert!(written.is_ok() || done.code != 0, "{}", done.err);
         done
     }
 
-    /// Runs the command, which must end well, and gives its output.
+    /// Runs the command, which must succeed, and returns its output.
     pub fn says(&self, arguments: &[&str]) -> String {
         let done = self.run(arguments);
         assert_eq!((done.code, done.err.as_str()), (0, ""), "{arguments:?}");
         done.out
     }
 
-    /// Runs the command, which must end well and print JSON.
+    /// Runs the command, which must succeed and print JSON.
     pub fn json(&self, arguments: &[&str]) -> Value {
         serde_json::from_str(&self.says(arguments)).unwrap()
     }
 
-    /// Runs the command, which must end with this code, and gives its message.
+    /// Runs the command, which must fail with this exit code, and returns its message.
     pub fn fails(&self, code: i32, arguments: &[&str]) -> String {
         let done = self.run(arguments);
         assert_eq!(done.code, code, "{arguments:?}: {}", done.err);
@@ -185,7 +185,7 @@ pub fn number(field: &str) -> f64 {
 /// The header of files of rays.
 pub const RAYS: &str = "ox,oy,oz,dx,dy,dz\n";
 
-/// True if the folder holds a file whose name contains `part`.
+/// True if the folder contains a file whose name contains `part`.
 pub fn holds(folder: &Path, part: &str) -> bool {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).any(|name| name.contains(part))

@@ -37,7 +37,7 @@ fn exit_codes_and_json() {
     assert!(json["scope"]["rays"].as_u64().unwrap() > 6000 && json["scope"]["pairs"] == 1, "{json}");
     bench.says(&["check", "plates.toml", "--cells", "16", "--fail-on", "thin,gap"]);
     assert_eq!(bench.run(&["check", "plates.toml", "--cells", "16", "--fail-on", "all"]).code, 1);
-    // touching is no fault: the two glasses of a doublet
+    // contact is not a fault: the two glasses of a doublet
     let said = bench.says(&["check", "cemented.toml", "--cells", "16", "--fail-on", "all"]);
     assert!(said.contains("touch: left and right touch"), "{said}");
     assert_eq!(bench.run(&["check", "cemented.toml", "--cells", "16", "--fail-on", "touch"]).code, 1);

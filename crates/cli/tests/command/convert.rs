@@ -5,7 +5,7 @@ use crate::bench::Bench;
 const PART: &str = "rayweave = 1\n[solid.plate]\nbox = { size = [4, 4, 2] }\n[solid.bore]\ncylinder = { radius = 1 }\n\
     [solid.part]\nexpr = 'plate - bore'\n";
 
-/// The times of a probe across the part.
+/// The number of crossings of a probe through the part.
 fn crossings(bench: &Bench, file: &str) -> usize {
     let told = bench.says(&["probe", file, "--from", "-9,0.1,0.2", "--to", "9,0.1,0.2"]);
     told.matches("> world\n").count() + told.matches("  world > ").count()
@@ -28,7 +28,7 @@ fn every_format_is_written_and_read() {
         );
         assert_eq!(crossings(&bench, &out), 4, "{ending}");
     }
-    // by name, to standard output
+    // format by name, to standard output
     let text = bench.says(&["convert", "part.toml", "-", "--to", "openscad", "--quiet"]);
     assert!(text.contains("difference() {") && text.contains("cylinder("), "{text}");
 }
@@ -68,7 +68,7 @@ fn open_meshes_are_refused_with_place_and_count_or_repaired() {
 #[cfg(target_os = "linux")]
 fn a_mesh_too_large_for_memory_is_refused_before_it_is_read() {
     let bench = Bench::new();
-    // ten million triangles, as far as the file says: a hole on the disk
+    // ten million triangles according to the header, in a sparse file
     let file = std::fs::File::create(bench.path("huge.stl")).unwrap();
     file.set_len(84 + 50 * 10_000_000).unwrap();
     let mut head = vec![b' '; 80];

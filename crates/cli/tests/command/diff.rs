@@ -2,7 +2,7 @@
 
 use crate::bench::{BALL, Bench, CEMENTED};
 
-/// The ball of glass in inches, in another order of words.
+/// The ball of glass in inches, defined in a different way.
 const IN_INCHES: &str = "rayweave = 1\nunit = \"in\"\n[solid.bead]\nellipsoid = { radii = [0.0787401574803149606, 0.03937007874015748, 0.03937007874015748] }\n\
     transform = [{ scale = [0.5, 1, 1] }]\n[[region]]\nsolid = \"bead\"";
 
@@ -36,7 +36,7 @@ fn a_difference_is_1_and_is_told() {
     assert!(pair["a_only"]["value"] == 0.0 && pair["spot"]["only_in"] == "B", "{pair}");
     let svg = bench.read("d.svg");
     assert!(svg.contains(">B only<") && svg.contains(">both<") && !svg.contains(">A only<"), "{svg}");
-    // as far as matters they are the same
+    // equal within the given distance
     bench.says(&["diff", "ball.toml", "large.toml", "--cells", "32", "--distance", "1.1"]);
     let run = bench.run(&["diff", "cemented.toml", "ball.toml", "--by", "region", "--cells", "16"]);
     assert_eq!(run.code, 1);

@@ -13,7 +13,7 @@ fn openscad_by_ending_and_by_option() {
         let info = bench.says(arguments);
         assert!(info.contains("1 region") && info.contains("sphere"), "{info}");
     }
-    // truly round: 1 away from the middle; a facet's apothem with --facets
+    // exactly round: 1 from the centre; with --facets the apothem of a facet
     let probe = ["probe", "part.csg", "--from", "-4,0.1,0.1", "--to", "4,0.1,0.1"];
     let round = bench.says(&probe);
     let faceted = bench.says(&[&probe[..], &["--facets"]].concat());

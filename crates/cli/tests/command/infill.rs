@@ -4,7 +4,7 @@ use crate::bench::{Bench, number, rows};
 
 const HEADER: &str = "layer,z,scanline,component,x0,y0,x1,y1";
 
-/// A plate with a square window and an isle in it; a bar that never ends; nothing; two towers.
+/// A plate with a square window and an island in it; an unbounded bar; an empty solid; two towers.
 const SHOP: &str = r#"
 rayweave = 1
 unit = "mm"

@@ -1,4 +1,4 @@
-//! `info`: what a model holds.
+//! `info`: the contents of a model.
 
 use crate::bench::Bench;
 use serde_json::json;
@@ -10,7 +10,7 @@ fn a_model_in_numbers() {
     assert_eq!(facts["unit"], "cm");
     assert_eq!(facts["bounds"], json!([[-10.0, -10.0, -10.0], [10.0, 10.0, 10.0]]));
     let statistics = &facts["statistics"];
-    // one sphere and two boxes, of which four sides lie in common planes and one is shared between them
+    // one sphere and two boxes, of which four sides lie in common planes and one is shared
     assert_eq!(statistics["leaves"], 3);
     assert_eq!(statistics["faces"], 13);
     assert_eq!(statistics["surfaces"], 8);
@@ -85,7 +85,7 @@ fn solids_without_bounds_and_without_anything() {
     assert!(none.contains("0 regions, 0 solids, 0 media") && none.contains("nothing"), "{none}");
 }
 
-/// A plate with a hole in it and one beside it, and two parts that have nothing in common.
+/// A plate with a hole inside and one outside it, and two disjoint parts.
 const PLATE: &str = r#"
 rayweave = 1
 [solid.plate]

@@ -12,7 +12,8 @@ fn interrupt(child: &Child) {
     assert!(status.success());
 }
 
-/// Whether the process has a handler for SIGINT, signal 2, which is bit 1 of the mask (proc_pid_status(5)).
+/// True if the process has a handler for SIGINT, signal 2, which is bit 1 of the mask
+/// (proc_pid_status(5)).
 fn listens(child: &Child) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap();
@@ -44,7 +45,7 @@ fn a_busy_trace_leaves_nothing() {
     let bench = Bench::new();
     let mut child = trace(&bench);
     let mut stdin = child.stdin.take().unwrap();
-    // rays without end, until the command closes its input
+    // endless rays, until the command closes its input
     let feeder = std::thread::spawn(move || {
         let block = "-5,0.5,0,1,0,0\n".repeat(1000);
         let _ = stdin.write_all(RAYS.as_bytes());
@@ -52,7 +53,7 @@ fn a_busy_trace_leaves_nothing() {
     });
     let folder = bench.path("");
     wait_until(|| holds(&folder, ".hits.csv."));
-    // let it write for a while
+    // the command writes for a while
     std::thread::sleep(Duration::from_millis(300));
     interrupt(&child);
     assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
@@ -92,13 +93,13 @@ fn a_picture_leaves_nothing() {
         ["render", "ball.toml", "--size", "2000x2000", "--samples", "16", "--evaluator", "reference"];
     let child = bench.command(&arguments).spawn().unwrap();
     wait_until(|| listens(&child));
-    // let it draw for a while: it needs some seconds
+    // the command draws for a while: it needs some seconds
     std::thread::sleep(Duration::from_millis(100));
     interrupt(&child);
     assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
 }
 
-/// A ball lens with more light than anybody waits for.
+/// A ball lens with a run that takes far longer than the test.
 const LIGHT: &str = "rayweave = 1
 [solid.ball]
 sphere = { radius = 10 }

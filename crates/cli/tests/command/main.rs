@@ -1,4 +1,4 @@
-//! The command as people use it: its own process, real files, exit codes, messages.
+//! The command line program as a separate process, with real files: output, exit codes, messages.
 
 mod bench;
 mod check;

@@ -1,4 +1,4 @@
-//! Memory that does not grow with the number of rays.
+//! The memory of a trace does not grow with the number of rays.
 #![cfg(target_os = "linux")]
 
 use crate::bench::{Bench, RAYS, done};
@@ -14,7 +14,7 @@ fn write_rays(bench: &Bench, bytes: usize) -> usize {
     let mut written = RAYS.len();
     let mut count = 0;
     while written < bytes {
-        // digits that differ from ray to ray, and hit or miss
+        // the digits differ from ray to ray; some rays hit, some miss
         let y = (count % 30_011) as f64 / 20_000.0;
         let line = format!("-5.0000000000001,{y:.12},0.0000000000001,1.0000000000001,0,0\n");
         file.write_all(line.as_bytes()).unwrap();
@@ -25,7 +25,7 @@ fn write_rays(bench: &Bench, bytes: usize) -> usize {
     count
 }
 
-/// The most memory that the process has held so far, in MiB; `None` once it has ended.
+/// The peak memory of the process so far, in MiB; `None` after it has ended.
 fn peak(child: &Child) -> Option<f64> {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
@@ -33,7 +33,7 @@ fn peak(child: &Child) -> Option<f64> {
     Some(kib / 1024.0)
 }
 
-/// Traces a file of rays of this size and returns the peak of memory in MiB.
+/// Traces a file of rays of this size and returns the peak memory in MiB.
 fn peak_of_trace(bytes: usize) -> f64 {
     let bench = Bench::new();
     let rays = write_rays(&bench, bytes);

@@ -62,7 +62,8 @@ fn a_summary_for_people() {
     assert!(said.contains("centroid / mm") && said.contains("RMS radius / mm"), "{said}");
 }
 
-/// The focus in the coordinates of the screen, which is turned; and a disc, whose RMS radius is R / sqrt(2).
+/// The focus in the coordinates of the screen, which is rotated; and a disc, whose RMS radius is R
+/// / sqrt(2).
 #[test]
 fn spots_by_closed_forms() {
     let found = bench().json(&["optics", "plate.toml", "--json"]);
@@ -74,7 +75,7 @@ fn spots_by_closed_forms() {
     let close = |value: &serde_json::Value, expected: f64, error: f64| {
         assert!((value.as_f64().unwrap() - expected).abs() < error, "{value} is not {expected}");
     };
-    // x of the screen is y of the world, y of it -x
+    // x of the screen is y of the world, y is -x
     close(&sheet(1)["centroid"][0], -4.0, 1e-12);
     close(&sheet(1)["centroid"][1], 3.0, 1e-12);
     close(&sheet(1)["rms_radius"], 0.0, 1e-12);
@@ -83,7 +84,7 @@ fn spots_by_closed_forms() {
     close(&found["error"], 0.0, 1e-12);
 }
 
-/// A layout, a spot and a map; as SVG and as PNG.
+/// A layout, a spot diagram and an irradiance map, as SVG and as PNG.
 #[test]
 fn drawings() {
     let bench = bench();
@@ -129,7 +130,8 @@ fn drawings_of_what_is_asked_for() {
     assert!(!bench.path("a.svg").exists());
 }
 
-/// The ways through a plate whose faces reflect the part r: straight, and with a pair of reflections more each time.
+/// The paths through a plate whose faces reflect the fraction r: straight, and with each additional
+/// pair of reflections.
 #[test]
 fn ghosts() {
     let bench = bench();
@@ -149,14 +151,14 @@ fn ghosts() {
         assert!((number(row[4]) / through(reflections) - 1.0).abs() < 1e-9, "{row:?}");
         assert!((number(row[5]) / number(row[4]) - 0.5).abs() < 1e-12, "{row:?}");
     }
-    // the first face sends light back, which escapes
+    // the first face reflects light, which escapes
     let back = rows.iter().find(|row| row[0] == "plate* -").unwrap();
     assert_eq!(back[1..4], ["1", "", "5000"]);
     assert!((number(back[4]) - 2.0 * r).abs() < 1e-12);
     assert!(rows.windows(2).all(|pair| number(pair[0][4]) >= number(pair[1][4])));
 }
 
-/// Two faces of reflectance r let (1 - r) / (1 + r) through.
+/// Two faces of reflectance r transmit (1 - r) / (1 + r).
 #[test]
 fn options_win_over_the_file() {
     let bench = bench();
@@ -173,7 +175,7 @@ fn options_win_over_the_file() {
     assert!((through(&["--branches", "both", "--polarised"]) - expected(1.5)).abs() < 1e-9);
     assert!((through(&["--branches", "both", "-D", "n=2"]) - expected(2.0)).abs() < 1e-9);
     let random = ["1", "2"].map(|seed| through(&["--branches", "random", "--seed", seed]));
-    // 5000 rays that pass with p = 0.92: four standard deviations are 0.031 of 2
+    // 5000 rays, each transmitted with p = 0.92: four standard deviations are 0.031 of 2
     random.iter().for_each(|power| assert!((power - expected(1.5)).abs() < 0.031, "{power}"));
     assert_ne!(random[0], random[1]);
 }
@@ -197,7 +199,7 @@ fn the_table_of_segments() {
             continue;
         }
         let before = &rows[usize::try_from(parent).unwrap()];
-        // of the same ray, one event later, from where that one ended
+        // same ray, one event later, from the end of the previous segment
         assert_eq!((row[0], whole(row[2])), (before[0], whole(before[2]) + 1));
         assert_eq!(row[7..10], before[10..13]);
         let inside = number(row[9]).abs() <= 1.0 && number(row[12]).abs() <= 1.0;
@@ -260,7 +262,8 @@ fn what_can_be_wrong() {
     );
 }
 
-/// The model of the guide runs, says what the page says, and its quarter-wave films do what the closed form promises.
+/// The model of the guide runs and prints the output shown on the page, and its quarter-wave films
+/// agree with the closed form.
 #[test]
 fn the_guide() {
     let page = include_str!("../../../../docs/guides/optics-files.md");
@@ -284,7 +287,8 @@ fn the_guide() {
     assert!((power - (1.0 - r) / (1.0 + r)).abs() < 1e-4, "{power}");
 }
 
-/// 360 degrees a wavelength of the path: 9 mm to the plate, 12 mm to its far side; no jumps where light goes on.
+/// 360 degrees a wavelength of the path: 9 mm to the plate, 12 mm to its far side; no jumps at
+/// transmission.
 #[test]
 fn phases_are_columns_on_request() {
     let bench = bench();
@@ -323,7 +327,7 @@ fn a_lens_file() {
     // half the field of a degree, by the focal length of 96.75 mm: 50 / 0.5168
     let height: f64 = image[3].trim_end_matches(')').parse().unwrap();
     assert!((height - 0.5 * 96.75 * 1f64.to_radians().tan()).abs() < 2e-3, "{said}");
-    // ghosts have an end
+    // the number of ghosts is bounded
     let ghosts = bench.says(&["optics", "lens.ZMX", "--branches", "both", "--paths", "-"]);
     assert!(ghosts.contains("lens 1-2 lens 1-2* lens 1-2* lens 1-2 image"), "{ghosts}");
     bench.write("bad.zmx", "SURF x\n");

@@ -26,7 +26,7 @@ const COMMANDS: [&str; 17] = [
 fn help_and_version() {
     let bench = Bench::new();
     let help = bench.says(&["--help"]);
-    // a feature that is off by default
+    // a feature that is disabled by default
     let bench_command = cfg!(feature = "bench").then_some("bench");
     for command in COMMANDS.into_iter().chain(bench_command) {
         assert!(help.contains(&format!("\n  {command} ")), "{command}: {help}");

@@ -190,7 +190,8 @@ fn the_story_of_the_chain() {
         "        s1 is entered at 0.0375, through s1.side.",
         "      s1 | s2 is entered at 0.0375: s1 is entered, and the ray is outside s2 until 0.145833. (rule 3)",
         "  So the ray is in the world until t = 0.0375, then in chain.",
-        // what a table of nine entries gets wrong: both are left, but the later exit is not yet the answer
+        // a table of nine entries gets this wrong: both are left, but the later exit is not yet the
+        // answer
         "      s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is asked again. (rule 4)",
         "    s1 | s2 | s3 | s4 stays inside at 0.3125: s1 | s2 is left, but the ray is inside s3 | s4 until 0.529167. So s1 | s2 is asked again. (rule 4)",
         "  (s1 ... s4) | (s5 ... s8) stays inside at 0.529167: s1 | s2 | s3 | s4 is left, but the ray is inside s5 | s6 | s7 | s8 until 0.9625. So s1 | s2 | s3 | s4 is asked again. (rule 4)",
@@ -201,7 +202,7 @@ fn the_story_of_the_chain() {
     ] {
         assert!(text.lines().any(|found| found == line), "{line}\n{text}");
     }
-    // every sphere overlaps the next: no other crossing, and no line is left out
+    // every sphere overlaps the next: there is no other crossing, and no line is omitted
     assert_eq!(text.matches("  So the ray is in").count(), 3);
     assert!(!text.contains("left out"), "{text}");
 }

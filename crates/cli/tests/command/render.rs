@@ -40,7 +40,7 @@ fn a_ball_fills_the_middle_of_its_picture() {
     let [middle, corner] = [(30, 20), (0, 0)].map(|(x, y)| *image.get(x, y).unwrap());
     assert_eq!(corner, [255; 4]);
     assert_ne!(middle, corner);
-    // all of the ball in one colour: its disc has the margin of the view, 4 % of the height, around it
+    // the ball in one colour: the margin of the view around its disc is 4 % of the height
     let inside = image.values().iter().filter(|&&pixel| pixel != corner).count() as f64;
     let radius = 0.5 * (1.0 - 2.0 * 0.04) * 40.0;
     let disc = std::f64::consts::PI * radius * radius;
@@ -89,8 +89,9 @@ fn a_picture_goes_through_a_pipe() {
     assert!(output.status.success() && output.stderr.is_empty());
 }
 
-/// The ball of radius 1 seen from the front fills 0.92 of the height of its picture; without three quarters of its width it
-/// is the segment of a circle with a sagitta of 1/2, on the same scale.
+/// The ball of radius 1 seen from the front fills 0.92 of the height of its picture; with three
+/// quarters of its width cut away it is the segment of a circle with a sagitta of 1/2, on the same
+/// scale.
 #[test]
 fn a_cut_takes_away_a_part() {
     let bench = Bench::new();
@@ -115,7 +116,8 @@ fn a_cut_takes_away_a_part() {
     assert!((inside - segment).abs() < 0.04 * segment, "{inside} for {segment}");
 }
 
-/// Two boxes that touch, 2 and 3 long; apart by half of the largest side, 5, they are seen with a gap of 2.5.
+/// Two boxes in contact, 2 and 3 long; exploded by half of the largest side, 5, they have a gap of
+/// 2.5.
 #[test]
 fn regions_are_drawn_apart() {
     let bench = Bench::new();

@@ -47,7 +47,7 @@ fn drawings_of_a_stack() {
     let dxf = bench.read("b.dxf");
     assert_eq!(dxf.matches("\nPOLYLINE\n").count(), 7);
     assert!(dxf.contains("\nLAYER\n2\nGLASS\n") && dxf.ends_with("0\nEOF\n"), "{dxf}");
-    // nothing but the drawing goes to standard output
+    // standard output contains only the drawing
     assert!(bench.says(&["section", "ball.toml", "-o", "-"]).starts_with("<svg "));
 }
 

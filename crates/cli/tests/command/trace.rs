@@ -14,7 +14,7 @@ fn fan(count: usize) -> String {
 #[test]
 fn csv_to_csv_by_closed_forms() {
     let bench = Bench::new();
-    // more rays than one task holds
+    // more rays than one chunk
     let count = 5000;
     bench.write("rays.csv", fan(count));
     let said = bench.says(&["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.csv"]);
@@ -69,7 +69,7 @@ fn any_number_of_threads_and_any_evaluator_write_the_same_bytes() {
 #[test]
 fn nearest_and_windows() {
     let bench = Bench::new();
-    // from inside, from before, from behind
+    // from the inside, from in front, from behind
     bench.write("rays.csv", format!("{RAYS}0,0,0,1,0,0\n-5,0,0,1,0,0\n5,0,0,1,0,0\n"));
     let times = |options: &[&str]| {
         let files = ["trace", "ball.toml", "--rays", "rays.csv", "-o", "-"];

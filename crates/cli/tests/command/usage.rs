@@ -1,4 +1,4 @@
-//! Wrong command lines and wrong models.
+//! Invalid command lines and invalid models.
 
 use crate::bench::{Bench, done};
 

@@ -4,7 +4,7 @@ use crate::bench::Bench;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-/// A block of glass with a bubble in it, in centimetres; a rod that never ends.
+/// A block of glass with a bubble, in centimetres; an unbounded rod.
 const BLOCK: &str = r#"
 rayweave = 1
 unit = "cm"
@@ -70,7 +70,7 @@ fn text_for_people() {
     let mut lines = said.lines();
     assert!(lines.next().unwrap().starts_with("block.toml: 99 % intervals from "), "{said}");
     let row = lines.nth(2).unwrap();
-    // the formula stands beside what was measured
+    // the value by formula is printed beside the measurement
     assert!(row.starts_with("bubble  air") && row.contains("4.188790205"), "{said}");
 }
 
@@ -101,6 +101,6 @@ fn refusals() {
     bench.write("part.scad", "cube(1);");
     let failed = bench.fails(3, &["volume", "part.scad"]);
     assert!(failed.contains("`openscad -o model.csg model.scad` writes one"), "{failed}");
-    // more threads than any machine has take no longer than those there are
+    // more threads than cores take no longer
     bench.says(&["volume", "block.toml", "--precision", "0.1", "--threads", "1000000"]);
 }

@@ -3,7 +3,7 @@
 use crate::trace::OpticalConstants;
 use rayweave_shape::lanes::LANES;
 
-/// What eight rays lose to absorption over some lengths.
+/// Absorption of eight rays over given lengths.
 pub(super) struct Attenuation {
     /// The sum of the absorbed powers.
     pub absorbed: f64,
@@ -25,7 +25,7 @@ impl Attenuation {
         attenuation
     }
 
-    /// Whether all rays remain above the threshold of the settings.
+    /// True if all rays remain above the threshold of the settings.
     pub fn exceeds(&self, threshold: f64) -> bool {
         self.power.iter().all(|&power| power >= threshold && power > 0.0)
     }

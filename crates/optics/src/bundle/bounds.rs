@@ -18,7 +18,7 @@ pub(crate) struct LaneBounds {
     level: Level,
 }
 
-/// The margin around the box, relative to all lengths at hand: far more than any tolerance.
+/// The margin around the box, relative to the lengths involved; far above every tolerance.
 const MARGIN: f64 = 1e-9;
 
 impl LaneBounds {
@@ -27,8 +27,8 @@ impl LaneBounds {
         LaneBounds { lo, hi, size: bounds.size().length(), level: Level::new() }
     }
 
-    /// Those of rays `at..at + 8` that may hit the box between t = 0 and their ends, a bit each:
-    /// those that do not lie on one side of it along any axis. `None` if there are fewer than eight
+    /// Bit mask of the rays `at..at + 8` that may hit the box between t = 0 and their ends: those
+    /// that do not stay on one side of it along any axis. `None` if there are fewer than eight
     /// rays.
     pub fn may_hit(&self, rays: Rays<'_>, at: usize, end: &[f64]) -> Option<u64> {
         dispatch!(self.level, simd => self.may_hit_at(simd, rays, at, end))
@@ -51,7 +51,7 @@ impl LaneBounds {
         end: Lanes<S>,
     ) -> u64 {
         let (is_finite, zero) = (end.simd_lt(f64::INFINITY), splat(simd, 0.0));
-        // a ray without an end stays on one side if it starts there and its direction does not lead back
+        // an infinite ray stays on one side if it starts there and its direction does not lead back
         let last = origin.plus(direction.times(is_finite.select(end, zero)));
         let margin = (origin.taxicab() + last.taxicab() + self.size) * MARGIN;
         let mut may_hit = !Mask::splat(simd, false);

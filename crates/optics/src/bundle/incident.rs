@@ -1,8 +1,8 @@
 //! Refraction of a ray bundle at a face (Snell's law in SIMD lanes).
 //!
-//! An [`IncidentBundle`] is eight rays where they hit a face, a [`TransmittedBundle`] the same rays
-//! behind it. The operations are those of [`refract`](crate::interface::refract) and of the scalar
-//! loop in their order, so that the bits are the same.
+//! An [`IncidentBundle`] is eight rays at their hits with a face, a [`TransmittedBundle`] the same
+//! rays behind the face. The operations and their order are those of
+//! [`refract`](crate::interface::refract) and of the scalar loop, so that results agree to the bit.
 
 use crate::start_surfaces::{StartSurfaces, Tree};
 use fearless_simd::prelude::*;
@@ -17,7 +17,7 @@ use std::ops::ControlFlow;
 #[derive(Clone, Debug)]
 pub(crate) struct Refractor {
     surfaces: Vec<LaneSurface>,
-    /// For each surface of the program its number among these.
+    /// Index into `surfaces` by surface of the program; `None` for surfaces that no region uses.
     slots: Vec<Option<usize>>,
     tree: Tree,
     level: Level,
@@ -29,7 +29,7 @@ struct LaneSurface {
     magnitude: f64,
 }
 
-/// Eight rays where they hit a face.
+/// Eight rays at their hits with a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IncidentBundle<S: Simd> {
     pub origin: Vec3Lanes<S>,
@@ -43,19 +43,20 @@ pub(super) struct IncidentBundle<S: Simd> {
     pub slope: (Lanes<S>, Vec3Lanes<S>),
     pub path: Lanes<S>,
     pub surface: SurfaceId,
-    /// True if no other surface is near.
+    /// True if no other surface is within the tolerance of a hit. Conservative: false is not
+    /// definite.
     pub is_alone: bool,
 }
 
 /// Eight rays behind the face that they were refracted at.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TransmittedBundle<S: Simd> {
-    /// The points of the hits, put onto the face.
+    /// The points of the hits, projected onto the face.
     pub origin: Vec3Lanes<S>,
     pub direction: Vec3Lanes<S>,
     /// The optical paths up to the hits.
     pub path: Lanes<S>,
-    /// A bit for each ray that is where f < 0 behind the face.
+    /// Bit mask of the rays that are where f < 0 behind the face.
     pub inside: u64,
 }
 
@@ -94,7 +95,7 @@ impl Refractor {
     }
 
     /// Refracts rays `at..at + 8` that hit a surface at times `t`, with normals of either sense;
-    /// `None` if a ray has to be treated alone: see [`Refractor::refract_lanes`].
+    /// `None` if the bundle needs the scalar path: see [`Refractor::refract_lanes`].
     pub fn refract(
         &self,
         (rays, at): (Rays<'_>, usize),
@@ -123,8 +124,8 @@ impl Refractor {
     }
 
     /// Refracts a bundle at a face between media of the indices `before` and `behind`; `None` if a
-    /// ray has to be treated alone: it undergoes total internal reflection, or another surface may
-    /// be within the tolerance.
+    /// ray needs the scalar path: it undergoes total internal reflection, or another surface may be
+    /// within the tolerance.
     #[inline(always)]
     pub(super) fn refract_lanes<S: Simd>(
         &self,
@@ -159,13 +160,13 @@ impl Refractor {
         Some(TransmittedBundle { origin, direction: bent, path: incident.path + before * t, inside })
     }
 
-    /// True if a surface other than `own` may be within the tolerance of a point: the rough test of
-    /// [`StartSurfaces::append_others`].
+    /// True if a surface other than `own` may be within the tolerance of a point: the conservative
+    /// test of [`StartSurfaces::append_others`].
     #[inline(always)]
     fn are_others_near<S: Simd>(&self, simd: S, own: usize, at: Vec3Lanes<S>, lengths: Lanes<S>) -> bool {
         let margin = lengths * (1e3 * delta_of(1.0));
         let is_near = self.tree.visit(
-            // closures that are not inlined would be compiled for other instructions
+            // closures that are not inlined are compiled without the SIMD target features
             #[inline(always)]
             |bounds| contains_any(bounds, at, margin),
             #[inline(always)]

@@ -12,11 +12,11 @@
 //! the last bundle, fall back to the evaluator: they become [`Pending`] rays of the generation that
 //! they have reached. A wrong prediction costs time, never an answer.
 //!
-//! Where the evaluator has found the hits of a generation, eight neighbouring rays that cross the
-//! same face are refracted in lanes as well: [`Propagator::transmit_bundle`].
+//! After the evaluator has computed the hits of a generation, eight neighbouring rays that cross
+//! the same face are refracted in lanes as well: [`Propagator::transmit_bundle`].
 //!
-//! All operations are those of the scalar loop in their order, so that every ray gets the bits that
-//! it would get alone.
+//! All operations and their order are those of the scalar loop, so that every ray has the same
+//! result, to the bit, as if it were traced alone.
 
 mod attenuation;
 mod bounds;
@@ -48,7 +48,7 @@ pub(crate) type Evaluate<'a> = &'a mut dyn FnMut(&Generation) -> Option<Predicte
 ///
 /// `first` is the number of the first ray of the beam. Rays whose prediction cannot be verified,
 /// and the remainder of the last bundle, fall back to the evaluator: they are appended to
-/// `pending`. All rays of a system or of settings for which hits cannot be predicted do.
+/// `pending`. If the system or the settings do not support prediction, all rays fall back.
 pub(crate) fn trace(
     light: &mut Propagator<'_>,
     (beam, first): (&Beam, u64),
@@ -275,7 +275,7 @@ impl BundleTracer<'_, '_> {
     }
 
     /// The refractive index of a region for each ray, and the optical constants if the medium
-    /// absorbs; `None` where light does not go straight.
+    /// absorbs; `None` in a medium with a gradient index.
     #[inline(always)]
     fn index<S: Simd>(
         &mut self,
@@ -334,8 +334,8 @@ impl BundleTracer<'_, '_> {
         });
     }
 
-    /// Replaces the prediction for the start of a bundle by the hit that the evaluator finds; false
-    /// if that is nothing new.
+    /// Replaces the prediction for the start of a bundle by the hit that the evaluator returns;
+    /// false if there is no new prediction.
     fn update_prediction<S: Simd>(
         &mut self,
         bundle: &Bundle<S>,
@@ -364,8 +364,8 @@ fn polished_face(system: &System, crossing: &FaceCrossing) -> Option<(usize, usi
     }
 }
 
-/// Whether any ray of a bundle may hit a sheet other than `except` up to some times. Conservative:
-/// false is definite.
+/// True if a ray of a bundle may hit a sheet other than `except` before the times `t`.
+/// Conservative: false is definite, true is not.
 #[inline(always)]
 fn may_hit_sheets<S: Simd>(
     simd: S,
@@ -374,7 +374,7 @@ fn may_hit_sheets<S: Simd>(
     t: Lanes<S>,
     except: usize,
 ) -> bool {
-    // a loop: the closures of iterators would be compiled for other instructions
+    // not an iterator: its closures are compiled without the SIMD target features
     for (k, sheet) in system.sheets.iter().enumerate() {
         if k != except && sheet.lane_bounds.may_hit_lanes(simd, rays.origin, rays.direction, t) != 0 {
             return true;

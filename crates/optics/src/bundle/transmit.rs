@@ -1,4 +1,5 @@
-//! Refraction of eight neighbouring rays of a generation whose hits the evaluator has found.
+//! Refraction of eight neighbouring rays of a generation in SIMD lanes, after the evaluator has
+//! computed their hits.
 
 use super::attenuation::Attenuation;
 use super::polished_face;
@@ -10,7 +11,7 @@ use rayweave_shape::lanes::LANES;
 
 impl Propagator<'_> {
     /// Refracts rays `at..at + 8` of a generation if all of them cross the same polished face
-    /// between uniform media; `None`, with nothing done, otherwise.
+    /// between uniform media; otherwise returns `None` and changes nothing.
     pub(crate) fn transmit_bundle(&mut self, now: &Generation, hits: &Hits, at: usize) -> Option<()> {
         let system = self.system;
         let (refractor, crossing) = (system.refractor.as_ref()?, hits.common_crossing(at)?);

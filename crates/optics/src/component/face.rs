@@ -38,8 +38,8 @@ pub struct Asphere {
     /// -15. That of r^2 adds to the curvature.
     pub even: [f64; 8],
     /// The coefficients of r, r^3, ..., r^15 in the unit of lengths to the power 0, -2, ..., -14.
-    /// That of r makes a cone around the vertex, an axicon. None of them contributes to first-order
-    /// data.
+    /// The coefficient of r makes a cone around the vertex, an axicon. None of them contributes to
+    /// first-order data.
     pub odd: [f64; 8],
 }
 

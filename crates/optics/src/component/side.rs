@@ -15,7 +15,7 @@ pub(super) trait Side {
     fn beyond(&self, until: f64) -> Result<Solid, ComponentError>;
     /// The points on the side of -z, exact where z > `from` and below [`Side::ceiling`].
     fn before(&self, from: f64) -> Result<Solid, ComponentError>;
-    /// The lower end of a column in which [`Side::beyond`] is exact, near the wanted one.
+    /// The lower end of a column in which [`Side::beyond`] is exact, close to `wanted`.
     fn floor(&self, wanted: f64) -> f64;
     /// The upper end of a column in which [`Side::before`] is exact.
     fn ceiling(&self, wanted: f64) -> f64;

@@ -8,9 +8,9 @@ const FIRST: usize = 1024;
 
 /// Bins the power of rays that arrive at a detector, in bounded memory.
 ///
-/// Two grids grow with the points that they have to hold: where light arrives outside of a grid, each two by two of its cells
-/// are merged. One grid holds all light. The other one grows only if more than 2 % of the light falls outside of it, so that
-/// faint distant ghosts do not hide a bright spot.
+/// Two grids grow on demand: when light arrives outside a grid, its cells are merged two by two.
+/// One grid holds all light. The other one grows only if more than 2 % of the light falls outside
+/// of it, so that faint distant ghosts do not hide a bright spot.
 ///
 /// ```
 /// use rayweave_optics::detector::IrradianceBins;
@@ -65,7 +65,8 @@ pub struct IrradianceMap {
 }
 
 impl IrradianceBins {
-    /// Adds the power of a ray that arrives at a point. Points that are not finite and powers that are not positive are ignored.
+    /// Adds the power of a ray that arrives at a point. Points that are not finite and powers that
+    /// are not positive are ignored.
     pub fn add(&mut self, point: [f64; 2], power: f64) {
         if !(power > 0.0 && point.iter().all(|x| x.is_finite())) {
             return;
@@ -101,8 +102,8 @@ impl IrradianceBins {
         first.into_iter().for_each(|(point, power)| self.bin(point, power));
     }
 
-    /// The map of the lit part, without distant ghosts of less than 2 % of the power, with at most `most` cells along each
-    /// side; one dark cell if there was no light.
+    /// The map of the lit part, without distant ghosts of less than 2 % of the power, with at most
+    /// `most` cells along each side. Without light the map is one dark cell.
     pub fn finish(mut self, most: usize) -> IrradianceMap {
         if self.grids.is_none() && !self.first.is_empty() {
             self.choose_cells();
@@ -111,7 +112,7 @@ impl IrradianceBins {
         match &self.grids {
             Some([bright, all]) => {
                 let holds = bright.power.iter().sum::<f64>() >= (1.0 - 2.0 * FAINT) * self.total;
-                // with cells of about the same size, leaving light out gains nothing
+                // at a similar cell size, nothing is gained by leaving light out
                 let is_finer = all.cell >= 4.0 * bright.cell;
                 if holds && is_finer { bright.map(most) } else { all.map(most) }
             }
@@ -168,7 +169,7 @@ impl Grid {
         is_in
     }
 
-    /// Merges each two by two cells; the old grid becomes the middle of the new one.
+    /// Merges the cells two by two; the old grid becomes the middle of the new one.
     fn merge(&mut self) {
         let old = std::mem::replace(&mut self.power, vec![0.0; (CELLS * CELLS) as usize]);
         let begin = self.begin;

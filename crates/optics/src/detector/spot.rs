@@ -18,7 +18,7 @@
 pub struct SpotDiagram {
     /// A subset of the points, evenly chosen.
     points: Vec<SpotPoint>,
-    /// One of this number of points is kept.
+    /// One point in `every` is kept.
     every: u64,
     count: u64,
     power: f64,
@@ -45,7 +45,7 @@ impl Default for SpotDiagram {
 }
 
 impl SpotDiagram {
-    /// The most points that are kept.
+    /// The maximum number of points that are kept.
     pub const MOST: usize = 8192;
 
     /// Adds the point at which a ray arrives, with its wavelength in nanometres and its power.
@@ -87,7 +87,8 @@ impl SpotDiagram {
         self.power = sum;
     }
 
-    /// The points that are kept: all, or, of more than [`SpotDiagram::MOST`], an evenly chosen subset.
+    /// The points that are kept: all of them up to [`SpotDiagram::MOST`], beyond that an evenly
+    /// chosen subset.
     pub fn points(&self) -> &[SpotPoint] {
         &self.points
     }

@@ -53,7 +53,8 @@ fn source(reader: &mut Reader, mut keys: Keys, folder: &Path) -> Option<ReadSour
     Some(ReadSource { source, range_nm, span: spectrum_at })
 }
 
-/// The Stokes parameters and their span, if there are any; `None` if they are invalid.
+/// The Stokes parameters and their span: `Some(None)` if they are absent, `None` if they are
+/// invalid.
 fn stokes(reader: &mut Reader, keys: &mut Keys) -> Option<Option<([f64; 4], Span)>> {
     let Some(datum) = keys.take("stokes") else { return Some(None) };
     let span = datum.span;

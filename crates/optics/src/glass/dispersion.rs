@@ -301,8 +301,8 @@ fn wrong_count(catalogue: &str, number: u32, coefficients: &[f64], takes: &'stat
     DispersionError::Coefficients { formula, given: coefficients.len(), takes }
 }
 
-/// Of strengths and resonances in turn; terms without strength are left out, for in catalogues they
-/// have no resonance.
+/// A Sellmeier formula from alternating strengths and resonances. Terms of strength 0 are omitted,
+/// because their resonances are undefined in catalogues.
 fn sellmeier_of_pairs(offset: f64, coefficients: &[f64]) -> Dispersion {
     let pairs = coefficients.chunks_exact(2).filter(|pair| pair[0] != 0.0);
     let terms = pairs.map(|pair| SellmeierTerm { strength: pair[0], resonance_um2: pair[1] }).collect();

@@ -49,8 +49,8 @@ impl Tables {
             let unit: Vec<Vec3> =
                 (0..POINTS).map(|k| Vec3::X * ((k as f64 + 0.5) * weights[of] * legendre[of][k])).collect();
             let mut once = integral(&unit);
-            // without the polynomial whose roots are the nodes, the method is the Gauss method for
-            // positions and velocities together, which is symplectic
+            // the polynomial whose roots are the nodes is dropped: the method is then the Gauss
+            // method for positions and velocities together, which is symplectic
             once.truncate(POINTS);
             let series = integral(&once);
             for to in 0..POINTS {

@@ -16,7 +16,8 @@ use rayweave_space::{CurveTrace, trace_curve_from};
 /// The number of steps after which light that has not left a medium is dropped.
 const MAX_STEPS: usize = 10_000;
 
-/// How often a step is shortened if its polynomial violates its bounds as a curve.
+/// The maximum number of times that a step is shortened if its polynomial violates its bounds as a
+/// curve.
 const MAX_TRIES: usize = 8;
 
 /// The start lists of a step: the surfaces of solids, and of sheets by their numbers, with the side of each.
@@ -85,7 +86,7 @@ impl Propagator<'_> {
         self.balance.dropped += light.payload.power;
     }
 
-    /// Removes the row of the piece before where only ends are kept.
+    /// Removes the row of the previous piece if only ends are kept.
     fn drop_piece_before_next(&mut self, steps: usize) {
         if steps > 0 {
             self.drop_row_before_next();
@@ -258,7 +259,7 @@ fn first_duration(field: &LocalField<'_>, ray: &Ray, bounds: &Bounds) -> f64 {
     let here = field.at(from).force;
     let change = |along: Vec3| (field.at(from + near * along).force - here).length() / near;
     let square = [ray.direction, u, v].into_iter().map(change).fold(0.0, f64::max);
-    // where the force does not change this is infinite, or NaN where there is none
+    // infinite if the force does not change, NaN if there is none
     (0.5 / square.sqrt()).min(length / field.index_at(from))
 }
 

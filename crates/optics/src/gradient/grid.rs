@@ -169,7 +169,7 @@ mod tests {
         IndexGrid::new([5, 6, 4], origin, spacing, &values).unwrap()
     }
 
-    /// A natural spline keeps what is linear in each direction.
+    /// A natural spline reproduces functions that are linear in each direction.
     #[test]
     fn trilinear_functions_are_kept() {
         let f = |p: Vec3| 20.0 + p.x * p.y - 2.0 * p.z + 0.5 * p.x * p.y * p.z;

@@ -1,11 +1,11 @@
-//! Counter-based random numbers of rays: the same for any range of a source that is generated.
+//! Counter-based random numbers of rays, independent of the range of a source that is generated.
 //!
 //! ChaCha is a counter-based generator: block number k of a stream, 64 bytes, is computed from key
 //! and counter alone. Ray k gets block k, eight numbers with 53 bits each. This is faster than a
 //! stream for each ray: consecutive rays are consecutive blocks, which the generator computes four
 //! at a time, and a range starts with one jump. Each source has its own stream, so that sources
-//! with equal seeds do not share their numbers. Eight rounds suffice for more than statistics
-//! (J.-P. Aumasson, *Too much crypto*, 2019).
+//! with equal seeds do not share their numbers. Eight rounds are far more than statistical tests
+//! need (J.-P. Aumasson, *Too much crypto*, 2019).
 
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};

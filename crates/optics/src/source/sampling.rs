@@ -185,7 +185,7 @@ mod tests {
         assert!(far.in_disc(first - 1, &[0.0; 8]).turn > 0.999);
     }
 
-    /// The concentric map keeps areas: moments of a fine grid are those of the disc.
+    /// The concentric map preserves areas: moments of a fine grid are those of the disc.
     #[test]
     fn discs_are_covered_evenly() {
         for (sampling, error) in [

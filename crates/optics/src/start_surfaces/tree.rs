@@ -1,21 +1,21 @@
-//! Boxes in a tree, so that those around a point are found without a look at all of them.
+//! Bounding volume hierarchy (BVH) over a list of boxes, for point queries.
 
 use rayweave_math::Bounds;
 use std::ops::{ControlFlow, Range};
 
-/// A box around some boxes that stand one after the other in a list, or one of these.
+/// A node: a box of the list (a leaf), or the bounding box of consecutive boxes of the list.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Bounds,
-    /// The node to go on with where this one is not entered.
+    /// Skip pointer: the index of the next node if this one is not entered.
     next: u32,
-    /// The number of the box, if it is one of the list.
+    /// The index of the box in the list, for leaves.
     leaf: Option<u32>,
 }
 
-/// A binary tree over a list of boxes in the order of the list: what stands near in the list stands
-/// near in space most often, and the boxes are found in their order. Nodes stand before what is
-/// below them, so that walking needs no stack.
+/// A binary BVH over a list of boxes in the order of the list, without sorting: neighbours in the
+/// list are usually neighbours in space. Queries return the boxes in list order. Nodes are stored
+/// in depth-first order, so that the traversal needs no stack.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tree {
     nodes: Vec<Node>,
@@ -30,7 +30,7 @@ impl Tree {
         tree
     }
 
-    /// Adds the node of a range: as deep as the logarithm of its length.
+    /// Appends the subtree of a range; the depth of the recursion is the logarithm of its length.
     fn grow(&mut self, boxes: &[Bounds], range: Range<usize>) -> Bounds {
         let (at, middle) = (self.nodes.len(), range.start + range.len() / 2);
         let leaf = (range.len() == 1).then_some(range.start as u32);
@@ -43,8 +43,8 @@ impl Tree {
         self.nodes[at].bounds
     }
 
-    /// Visits the boxes that are touched, in their order; `is_touched` holds for a box around
-    /// others if it does for one of them.
+    /// Visits the boxes that satisfy `is_touched`, in list order. `is_touched` must hold for a
+    /// bounding box if it holds for a box inside it.
     #[inline(always)]
     pub fn visit(
         &self,

@@ -61,8 +61,9 @@ impl SegmentTable {
         &self.schema
     }
 
-    /// Segments as rows; their parents, which count from 0, are moved by the number of rows before.
-    /// `phases` finds what the table has columns for, and is not called otherwise.
+    /// Converts segments to rows. Their parents, which count from 0, are offset by the number of
+    /// rows before. `phases` computes the columns of phases; it is called only if the table has
+    /// them.
     ///
     /// # Errors
     ///
@@ -102,11 +103,12 @@ pub struct SegmentFile<'a> {
     pub path: &'a Path,
     /// The unit of lengths.
     pub unit: &'a str,
-    /// Whether it has the columns of phases, which compute each event again, on one thread.
+    /// Whether the table has the columns of phases. They take a second evaluation of each event, on
+    /// one thread.
     pub phases: bool,
 }
 
-/// Numbers of names; negative ones stand for no name.
+/// Indices into a list of names; negative ones stand for no name.
 fn names(numbers: Vec<i32>) -> Values {
     let name = |number: i32| u32::try_from(number).unwrap_or(NO_NAME);
     numbers.into_iter().map(name).collect::<Vec<u32>>().into()

@@ -66,12 +66,12 @@ pub(crate) struct SheetStart {
     pub start: Start,
 }
 
-/// The rays whose next hits the evaluator computes together.
+/// The rays of one generation, whose next hits the evaluator computes together.
 #[derive(Debug)]
 pub(crate) struct Generation {
     pub rays: RayBatch,
     pub payloads: Payloads,
-    /// One for each ray, or none if polarisation is not followed.
+    /// One for each ray; empty if polarisation is not traced.
     stokes: Vec<Stokes>,
     first: Vec<u32>,
     /// The surfaces of solids on which the rays start; those of a ray are appended before the ray.

@@ -34,7 +34,7 @@ pub(crate) struct Hits {
 }
 
 impl Hits {
-    /// Resizes the columns for a number of rays and removes all crossings of sheets.
+    /// Resizes the columns for a number of rays, and removes all crossings of sheets.
     pub fn reset(&mut self, count: usize) {
         let ids = [&mut self.placement, &mut self.before, &mut self.after];
         ids.into_iter().for_each(|column| column.resize(count, 0));
@@ -90,8 +90,9 @@ impl Hits {
         Some(Crossing { t: self.t[i], face, left: face, entered: face, before, after })
     }
 
-    /// The crossing of rays `at..at + 8`, if all of them cross one face between the same regions
-    /// that is the face of both sides.
+    /// The crossing of rays `at..at + 8`, if all of them cross the same face between the same
+    /// regions, and it is both the face that is left and the face that is entered; `None`
+    /// otherwise.
     pub fn common_crossing(&self, at: usize) -> Option<FaceCrossing> {
         let here = at..at + LANES;
         let (face, before, after) = (*self.face.get(at)?, self.before[at], self.after[at]);
@@ -146,7 +147,8 @@ impl SheetCandidates {
         self.first.push(self.starts.len() as u32);
     }
 
-    /// Collects the rays whose segment up to the nearest hit may touch the bounding box of a sheet.
+    /// Collects the rays whose segment up to the nearest hit may intersect the bounding box of a
+    /// sheet.
     pub fn gather(&mut self, now: &Generation, hits: &Hits, sheet: usize, bounds: &LaneBounds) {
         self.clear();
         let rays = now.rays.rays();

@@ -34,7 +34,8 @@ use rows::{Pool, Rows};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rays per chunk: enough for batches to pay, few enough to stay in cache with all their segments.
+/// Rays per chunk: large enough to amortise a batch, small enough for all its segments to stay in
+/// cache.
 const CHUNK: usize = 2048;
 
 /// A system with evaluators for its programs, ready to trace light.
@@ -94,7 +95,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         segments.clear();
         trace.balance = self.run_with(light, settings, |rows| {
             if segments.is_empty() {
-                // all chunks come to about as many rows
+                // assumes about as many rows in every chunk
                 segments.reserve(rows.len() * light.count().div_ceil(CHUNK));
             }
             rows.append_to(segments, settings.keep);
@@ -107,7 +108,8 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     /// so that a run of any length takes bounded memory. Parents are row numbers within the chunk.
     ///
     /// # Errors
-    /// [`OpticsError`] for light that cannot be traced, if the run is cancelled, and what `sink` returns.
+    /// [`OpticsError`] for light that cannot be traced, if the run is cancelled, and any error of
+    /// `sink`.
     pub fn run<X: From<OpticsError>>(
         &self,
         light: &impl Emitter,
@@ -210,7 +212,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     }
 }
 
-/// Counts the rays of an error from the beginning of the source.
+/// Converts the ray number of an error from the chunk to the source.
 fn moved(error: OpticsError, by: usize) -> OpticsError {
     match error {
         OpticsError::Ray(mut bad) => {

@@ -17,8 +17,8 @@ use rayweave_shape::Ray;
 use rayweave_shape::lanes::LANES;
 use rayweave_shape::surface::delta;
 
-/// Applies events to rays, once their hits are known: appends rows, books power, and gathers the
-/// rays of the next generation.
+/// Applies events to rays whose hits have been computed: appends rows to the table, adds power to
+/// the balance, and collects the rays of the next generation.
 ///
 /// It is independent of the evaluator.
 pub(crate) struct Propagator<'t> {
@@ -43,7 +43,7 @@ impl<'t> Propagator<'t> {
         }
     }
 
-    /// Applies one event to every ray, or several where it passes sheets.
+    /// Applies one event to every ray, and several to rays that pass sheets.
     pub(super) fn propagate_generation(&mut self, now: &Generation, hits: &Hits) {
         self.rows.rounds.push(self.rows.single.len());
         let is_simple = self.settings.is_simple();
@@ -68,8 +68,8 @@ impl<'t> Propagator<'t> {
         }
     }
 
-    /// Refracts a ray at a polished face between uniform media, the most frequent event. False,
-    /// with nothing done, for any other event.
+    /// Refracts a ray at a polished face between uniform media, the most frequent event. Returns
+    /// false and changes nothing for any other event.
     fn transmit(&mut self, now: &Generation, hits: &Hits, i: usize) -> bool {
         let system = self.system;
         let (before, after) = (RegionId(hits.before[i]), RegionId(hits.after[i]));
@@ -121,7 +121,7 @@ impl<'t> Propagator<'t> {
         true
     }
 
-    /// Propagates a ray to its next event, straight through the sheets that let it pass.
+    /// Propagates a ray to its next event, straight through the sheets that transmit it unchanged.
     fn propagate(&mut self, mut light: RayState, hits: &Hits, i: usize, sheets: &[SheetHit]) {
         let region = RegionId(hits.before[i]);
         let solid = hits.crossing(self.system, i);
@@ -148,8 +148,8 @@ impl<'t> Propagator<'t> {
         }
     }
 
-    /// Applies a sheet to a ray that has travelled to it, at time `t`; false if the light does not
-    /// pass straight on.
+    /// Applies a sheet to a ray that has travelled to it, at time `t`; false unless the ray
+    /// continues straight.
     pub(crate) fn hit_sheet(
         &mut self,
         light: &mut RayState,
@@ -213,7 +213,7 @@ impl<'t> Propagator<'t> {
         scattered: &Scattered,
     ) -> (Ray, Option<(usize, Start)>) {
         let system = self.system;
-        // faces of solids within the tolerance are not crossed yet
+        // faces of solids within the tolerance are crossed later
         let starts = &mut self.next.starts;
         system.start_surfaces.append(&system.program, (ray, t), None, ExitSide::Incident, starts);
         let mut on = Vec::new();
@@ -238,7 +238,7 @@ impl<'t> Propagator<'t> {
         light.stokes = light.stokes.map(|stokes| stokes.with_power(light.payload.power));
     }
 
-    /// Books and returns the power that a length of a medium absorbs.
+    /// Adds the power that a length of a medium absorbs to the balance, and returns it.
     fn absorb_in_medium(&mut self, medium: OpticalConstants, power: f64, length: f64) -> f64 {
         let absorbed = medium.absorbed_power(power, length);
         self.balance.absorbed_in_media += absorbed;
@@ -265,7 +265,7 @@ impl<'t> Propagator<'t> {
         }
     }
 
-    /// Removes the last row where only ends are kept: its ray is not at its end.
+    /// Removes the last row if only ends are kept, because the ray continues.
     pub(crate) fn drop_row_before_next(&mut self) {
         if self.settings.keep == Keep::Ends {
             self.rows.single.pop();
@@ -288,7 +288,7 @@ impl<'t> Propagator<'t> {
         }
     }
 
-    /// True, with the power booked as dropped, if a ray is not traced any further.
+    /// True if a ray is not traced any further; its power is then added to the dropped power.
     fn is_terminated(&mut self, generation: u32, power: f64) -> bool {
         let is_terminated =
             generation >= self.settings.generation_limit || power < self.settings.threshold || power == 0.0;
@@ -334,7 +334,7 @@ impl<'t> Propagator<'t> {
     }
 }
 
-/// The start of a ray behind a face of the model itself: the hit, put onto the face like
+/// The start of a ray behind a face of an unplaced solid: the hit, projected onto the face like
 /// [`project`], and whether the ray is where f < 0 behind the face.
 fn departure(program: &Program, ray: &Ray, t: f64, face: Face, normal: Vec3) -> (Vec3, bool) {
     let point = ray.at(t);
@@ -352,7 +352,8 @@ fn incident(light: &RayState, normal: Vec3, index: f64) -> Incident {
         power: light.payload.power,
         stokes: light.stokes,
         index,
-        // not a sum or the like: ray 3 in generation 5 must not draw what ray 5 draws in generation 3
+        // a hash, not a sum: ray 3 in generation 5 must not draw the same numbers as ray 5 in
+        // generation 3
         stream: splitmix64(light.payload.stream ^ u64::from(light.payload.generation)),
     }
 }

@@ -5,8 +5,8 @@ use crate::settings::Keep;
 use std::ops::Range;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The bit of parents that are rows of bundles; below it are the number of the event and, in the
-/// lower half, the number of the row.
+/// Marks parent numbers that refer to rows of bundles; the bits below hold the number of the event
+/// and, in the lower half, the number of the row.
 const BUNDLE: i64 = 1 << 62;
 
 /// The rows of a chunk in the order of their computation.
@@ -67,7 +67,7 @@ impl RowNumbers {
 }
 
 impl Rows {
-    /// The parent number of the next row that will be appended for the bundles of an event.
+    /// The parent number that stands for the next row appended to the bundles of an event.
     pub fn bundle_parent(&self, event: u32) -> i64 {
         let row = self.bundles.get(event as usize).map_or(0, Segments::len);
         BUNDLE | i64::from(event) << 32 | row as i64
@@ -94,8 +94,8 @@ impl Rows {
         self.bundles.iter_mut().for_each(Segments::clear);
     }
 
-    /// Appends all rows to a table, generation by generation, in each by the numbers of the rays:
-    /// the order of rays traced one by one.
+    /// Appends all rows to a table, by generation and then by ray number: the order of rays that
+    /// are traced one by one.
     pub fn append_to(&self, table: &mut Segments, keep: Keep) {
         let (first, mut numbers) = (table.len(), RowNumbers::default());
         for round in 0..self.rounds.len().max(self.bundles.len()) {
@@ -136,7 +136,7 @@ impl Rows {
     }
 }
 
-/// Buffers of rows that return from the merge to the threads.
+/// Pool of row buffers: the merge returns them to the threads.
 #[derive(Debug, Default)]
 pub(crate) struct Pool(Mutex<Vec<Rows>>);
 
@@ -217,7 +217,7 @@ mod tests {
         rows.rounds.push(0);
         let alone: Vec<i64> = (8..16).map(|id| add_single(&mut rows, id, 0, -1)).collect();
         rows.rounds.push(rows.single.len());
-        // ray 9 is split; rays 0 to 7 go on alone after two events, those of 16 to 23 after one
+        // ray 9 is split; rays 0 to 7 leave their bundle after two events, rays 16 to 23 after one
         let nine = [add_single(&mut rows, 9, 1, alone[1]), add_single(&mut rows, 9, 1, alone[1])];
         let first = rows.bundle_parent(0) - 8;
         (0..8).for_each(|lane| _ = add_single(&mut rows, 16 + lane, 1, first + lane));

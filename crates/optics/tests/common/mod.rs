@@ -1,4 +1,4 @@
-//! What many tests of light are made of.
+//! Shared parts of the tests of light: solids, sheets and sampling points.
 #![allow(dead_code, reason = "every test uses a part of it")]
 
 use rayweave_math::{Affine, Vec3};

@@ -36,7 +36,7 @@ fn fresnel_rings() {
     assert!(message(0.0, 4.0).starts_with("pitch of the Fresnel lens is 0:"));
 }
 
-/// Light that goes through many lenslets sees no wall between them.
+/// Light through many lenslets is not affected by the walls between them.
 #[test]
 fn lenslets() {
     let probe = Probe::new(&lenslet_array(4.0, 1.5, 2.0, 5, 4).unwrap());

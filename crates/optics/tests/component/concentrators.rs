@@ -30,7 +30,7 @@ fn tapered_pipes() {
     );
 }
 
-/// Straight pipes keep angles: a ray leaves with the slope that it came with.
+/// Straight pipes preserve angles: a ray leaves with the slope with which it entered.
 #[test]
 fn straight_pipes() {
     let probe = Probe::new(&light_pipe(50.0, Aperture::rectangle(2.0, 3.0)).unwrap());
@@ -63,7 +63,8 @@ fn the_profile_of_the_concentrator() {
     }
 }
 
-/// The promised distance holds and is reached: the profile half-way between joints, found by Newton on the equation above.
+/// The documented error is a bound and is attained: the profile half-way between joints is found by
+/// Newton's method on the equation above.
 #[test]
 fn the_error_of_the_polyline() {
     let (exit, degrees) = (1.0, 30.0f64);
@@ -95,7 +96,8 @@ fn the_error_of_the_polyline() {
     assert!(most > 0.8 * cpc.error, "{most:e} {:e}", cpc.error);
 }
 
-/// Meridional light within the acceptance angle comes out of the exit, light beyond it goes back (the edge-ray principle).
+/// Meridional light within the acceptance angle leaves through the exit; light beyond it is
+/// reflected back (the edge-ray principle).
 #[test]
 fn acceptance() {
     let cpc = Cpc::new(1.0, 30.0, 1e-5).unwrap();
@@ -139,7 +141,8 @@ fn refusals() {
     assert!(Cpc::new(1.0, 90.0, 1e-3).is_err() && Cpc::new(-1.0, 20.0, 1e-3).is_err());
 }
 
-/// The share of light at an angle that comes out of the exit, for rays spread evenly over the entrance.
+/// The fraction of the light at an angle that leaves through the exit, for rays spread evenly over
+/// the entrance.
 fn transmission(cpc: &Cpc, probe: &Probe, degrees: f64, rays: u32) -> f64 {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let passes = |k: &u32| {
@@ -161,10 +164,11 @@ fn transmission(cpc: &Cpc, probe: &Probe, degrees: f64, rays: u32) -> f64 {
     (0..rays).filter(passes).count() as f64 / f64::from(rays)
 }
 
-/// The concentrator of revolution passes nearly all light within the acceptance angle and nearly none beyond it; between, over a
-/// few degrees, skew rays are turned back within the angle and let through beyond it (W. T. Welford and R. Winston, *High
-/// Collection Nonimaging Optics*, 1989, section 4.4). Of light from everywhere no more can pass than etendue allows, where
-/// all within the angle would: `pi a^2 sin^2 = pi a'^2`.
+/// The concentrator of revolution passes nearly all light within the acceptance angle and nearly
+/// none beyond it; between, over a few degrees, skew rays are turned back within the angle and let
+/// through beyond it (W. T. Welford and R. Winston, *High Collection Nonimaging Optics*, 1989,
+/// section 4.4). Etendue limits the flux of isotropic light to that of an ideal concentrator, which
+/// transmits all light within the angle: `pi a^2 sin^2 = pi a'^2`.
 #[test]
 fn flux() {
     let acceptance = 30.0_f64;
@@ -186,7 +190,8 @@ fn flux() {
             _ => {}
         }
     }
-    // of light of equal radiance from everywhere: the integral of T(theta) sin(2 theta), which etendue bounds by sin^2 of the angle
+    // isotropic light of equal radiance: the integral of T(theta) sin(2 theta), which etendue
+    // bounds by sin^2 of the angle
     let flux: f64 = curve
         .iter()
         .map(|(degrees, share)| share * (2.0 * degrees.to_radians()).sin() * 2f64.to_radians())

@@ -1,4 +1,4 @@
-//! Lenses: volumes, hits, membership, shared surfaces, refusals.
+//! Lenses: volumes, hits, membership, shared surfaces, errors.
 
 use crate::probe::{Probe, assert_close, numbers};
 use rayweave_math::Vec3;
@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 
 const INF: f64 = f64::INFINITY;
 
-/// Between the vertex plane of a sphere and the sphere, out to a radius: the cap h^2 (3 R - h) pi / 3 (Archimedes) and
-/// the cylinder around it.
+/// The volume between the vertex plane of a sphere and the sphere, up to a radius: the cylinder
+/// minus the cap h^2 (3 R - h) pi / 3 (Archimedes).
 fn below_sphere(radius: f64, reach: f64) -> f64 {
     if radius.is_infinite() {
         return 0.0;
@@ -38,7 +38,8 @@ fn volumes() {
     }
 }
 
-/// A ray parallel to the axis meets a sphere at `c - sign R sqrt(R^2 - h^2)`, its normal along the radius.
+/// A ray parallel to the axis hits a sphere at `c - sign R sqrt(R^2 - h^2)`, with its normal along
+/// the radius.
 #[test]
 fn hits_on_spheres() {
     let probe = Probe::new(&lens(30.0, -45.0, 7.0, Aperture::circle(20.0)).unwrap());
@@ -59,7 +60,7 @@ fn hits_on_spheres() {
     }
 }
 
-/// The rim is met from the side and belongs to `edge`; nothing else is there, far and near.
+/// Rays from the side hit the rim, which belongs to `edge`; there is nothing else, near or far.
 #[test]
 fn rims() {
     let probe = Probe::new(&lens(-20.0, 20.0, 2.0, Aperture::circle(30.0)).unwrap());
@@ -67,10 +68,10 @@ fn rims() {
         let hits = probe.hits(Vec3::new(-50.0, 0.0, z), Vec3::X);
         assert_eq!((hits[0].face.as_str(), hits[0].point.x), ("edge.side", -15.0), "{z}");
         assert_eq!(hits.last().unwrap().point.x, 15.0);
-        // where the dish is open its surface is met in between
+        // in the open part of the dish, the ray also hits its surface
         assert_eq!(hits.len(), if z.abs() < 1.0 { 2 } else { 4 });
     }
-    // the far halves of the spheres are no part of it
+    // the far halves of the spheres are not part of it
     for z in [-41.5, -30.0, -7.8, 7.8, 30.0, 41.5] {
         assert!(probe.crossings(Vec3::new(-50.0, 0.3, z), Vec3::X).is_empty(), "{z}");
     }
@@ -80,7 +81,8 @@ fn rims() {
     assert_eq!(plate.program.bounds().hi, Vec3::new(3.0, 2.0, 1.0));
 }
 
-/// A root of the conic's equation `h^2 + (1 + k) z^2 = 2 R z` by the quadratic formula, not by that for sags.
+/// A root of the conic's equation `h^2 + (1 + k) z^2 = 2 R z` by the quadratic formula, independent
+/// of the formula for the sag.
 fn conic_height(radius: f64, conic: f64, height: f64) -> f64 {
     match (radius.is_infinite(), conic == -1.0) {
         (true, _) => 0.0,
@@ -216,7 +218,7 @@ fn refusals() {
     let difference = (10.0 - (100.0 - height * height).sqrt()) - (50.0 - (2500.0 - height * height).sqrt());
     assert_close(difference, 1.0, 1e-12);
     assert!(crossing.contains("surfaces front and back of the lens cross inside the aperture"), "{crossing}");
-    // a sharp edge is no crossing
+    // a sharp edge is not a crossing
     let sharp = (50.0f64 * 50.0 - 49.0 * 49.0).sqrt();
     assert!(lens(50.0, -50.0, 2.0, Aperture::circle(2.0 * sharp)).is_ok());
     assert!(message(50.0, -50.0, 2.0, 2.0 * sharp + 1e-9).contains("cross"));
@@ -243,7 +245,8 @@ fn conics_that_cross_in_the_middle_only() {
     assert!(make(-least - 1e-4).unwrap_err().to_string().contains("cross"));
 }
 
-/// Nearly plane surfaces, whose centres are far away: heights err by no more than a few roundings of the radius.
+/// Nearly plane surfaces, whose centres are far away: the error of heights is a few roundings of
+/// the radius.
 #[test]
 fn weak_curvatures() {
     for radius in [1e3, 1e5, 1e6, 1e8] {

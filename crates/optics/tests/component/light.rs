@@ -1,4 +1,5 @@
-//! Components and sources together, with light: foci, deviations, and parts of the power by closed forms.
+//! Components and sources together, with light: foci, deviations, and fractions of the power
+//! against closed forms.
 
 use crate::probe::assert_close;
 use rayweave_math::{Affine, Vec3};
@@ -19,7 +20,7 @@ fn of_glass(solids: &[Solid], index: f64) -> System {
     solids.iter().enumerate().fold(Assembly::new(), add).compile().unwrap()
 }
 
-/// Where light goes at last that starts at (x, y, -500) along z: a point and a direction.
+/// The last position and direction of light that starts at (x, y, -500) along z.
 fn last(system: &System, x: f64, y: f64) -> (Vec3, Vec3) {
     let light = Light::new([x, y, -500.0], [0.0, 0.0, 1.0], 587.6);
     let trace =
@@ -66,7 +67,8 @@ fn lenses_of_descartes() {
         let height = 0.74 * f64::from(k);
         let (point, direction) = last(&system, height * cos, height * sin);
         assert!(direction.cross(focus - point).length() < 1e-13 * 50.0);
-        // the ellipsoid's light is bent once: perturbation from where it leaves it has passed its focus
+        // inside the ellipsoid light is refracted once; it passes the focus before it leaves, so the
+        // segment inside is tested
         let height = 0.55 * f64::from(k);
         let light = Light::new([height * cos, height * sin, -500.0], [0.0, 0.0, 1.0], 587.6);
         let trace =
@@ -76,7 +78,7 @@ fn lenses_of_descartes() {
     }
 }
 
-/// A cone bends all light by the same angle, a wedge too: asin(n sin a) - a (Snell).
+/// A cone deviates all light by the same angle, as does a wedge: asin(n sin a) - a (Snell).
 #[test]
 fn axicons_and_wedges_bend_by_one_angle() {
     let (index, degrees) = (1.5, 12.0);
@@ -94,8 +96,8 @@ fn axicons_and_wedges_bend_by_one_angle() {
     }
 }
 
-/// Each lenslet, a placement of one solid, has its focus r / (n - 1) behind its vertex; a ring of a Fresnel lens bends light
-/// as the whole surface does at that height.
+/// Each lenslet, a placement of one solid, has its focus r / (n - 1) behind its vertex; a ring of a
+/// Fresnel lens deviates light like the whole surface at that height.
 #[test]
 fn lenses_made_of_many() {
     let (index, radius) = (1.5, 20.0);
@@ -109,7 +111,8 @@ fn lenses_made_of_many() {
     let whole = of_glass(&[plano_convex(radius, 9.0, Aperture::circle(30.0)).unwrap()], index);
     let rings = of_glass(&[fresnel_lens(radius, 0.0, 1.0, 2.0, 30.0).unwrap()], index);
     for k in 0..13 {
-        // in the outer part of a ring, where light towards the axis meets no step; beyond 13.3 it is reflected
+        // in the outer part of a ring, where light towards the axis hits no step; beyond 13.3 it is
+        // reflected
         let height = f64::from(k) + 0.55;
         let (_, direction) = last(&rings, 0.0, height);
         assert!((direction - last(&whole, 0.0, height).1).length() < 1e-13, "{height}");
@@ -133,7 +136,7 @@ fn toric_lenses_have_two_foci() {
     }
 }
 
-/// The part of the power that a sheet records.
+/// The fraction of the power that a sheet records.
 fn recorded(sheet: Sheet, source: &impl Emitter) -> f64 {
     let system = Assembly::new().add(Element::sheet("sheet", sheet, Action::Absorb)).compile().unwrap();
     let trace = Tracer::new(&system, Packets::new).trace(source, &Settings::default()).unwrap();
@@ -141,9 +144,10 @@ fn recorded(sheet: Sheet, source: &impl Emitter) -> f64 {
     rows.map(|row| row.intensity).sum()
 }
 
-/// From a Lambertian disc of radius a to a disc of radius b at the distance h on the same axis goes the part
-/// `(x - sqrt(x^2 - 4 b^2/a^2)) / 2` with `x = 1 + (h^2 + b^2) / a^2` (the view factor of parallel discs, e.g. J. R. Howell,
-/// *A Catalog of Radiation Heat Transfer Configuration Factors*, C-41). PyRayT's lamp obeys the same law.
+/// The fraction of the light of a Lambertian disc of radius a that reaches a disc of radius b at
+/// the distance h on the same axis is `(x - sqrt(x^2 - 4 b^2/a^2)) / 2` with `x = 1 + (h^2 + b^2) /
+/// a^2` (the view factor of parallel discs, e.g. J. R. Howell, *A Catalog of Radiation Heat
+/// Transfer Configuration Factors*, C-41). PyRayT's lamp obeys the same law.
 #[test]
 fn view_factors() {
     let (a, b, h, count) = (3.0f64, 2.0f64, 4.0f64, 200_000);
@@ -164,8 +168,8 @@ fn view_factors() {
     assert_close(found, b * b / (b * b + h * h), 5.0 * deviation * 2.0);
 }
 
-/// All light of a point within its cone meets the curved sheet about it; from the centre of a sphere the part within the
-/// sheet is its part of the cone's solid angle.
+/// All light of a point within its cone hits the curved sheet about it; for a point at the centre
+/// of the sphere, the fraction within the sheet is its fraction of the cone's solid angle.
 #[test]
 fn spherical_sheets_about_a_point() {
     let sheet = || Sheet::spherical(-10.0, Aperture::circle(12.0)).unwrap();
@@ -175,13 +179,13 @@ fn spherical_sheets_about_a_point() {
         let source = Source::new(Pattern::Point { half_angle_degrees, sampling }).unwrap();
         source.power(Power::Total(1.0)).unwrap()
     };
-    // the sheet reaches to the angle with sine 0.6 and cosine 0.8
+    // the sheet extends to the angle with sine 0.6 and cosine 0.8
     assert_close(recorded(sheet().apply(&at).unwrap(), &point(36.8)), 1.0, 1e-9);
     assert_close(recorded(sheet().apply(&at).unwrap(), &point(90.0)), 0.2, 1e-4);
     assert_close(recorded(sheet().apply(&at).unwrap(), &point(180.0)), 0.1, 1e-4);
 }
 
-/// An iris of radius a lets `1 - exp(-2 a^2 / w^2)` of a Gaussian beam pass.
+/// An iris of radius a transmits `1 - exp(-2 a^2 / w^2)` of a Gaussian beam.
 #[test]
 fn gaussian_beams_through_an_iris() {
     let (a, w) = (1.2f64, 2.0f64);

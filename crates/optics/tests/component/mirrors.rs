@@ -10,7 +10,7 @@ fn target(blank: &Blank, k: usize) -> [f64; 2] {
     [blank.off_axis[0] + 0.7 * width * (u - 0.5), blank.off_axis[1] + 0.7 * height * (v - 0.5)]
 }
 
-/// How far the reflected ray passes from a point.
+/// The distance of the reflected ray from a point.
 fn miss(probe: &Probe, origin: Vec3, direction: Vec3, focus: Vec3) -> f64 {
     let hit = probe.next(origin, direction, 0.0).unwrap();
     assert_eq!(hit.face, "front.side");
@@ -27,7 +27,7 @@ fn blanks() -> [Blank; 4] {
     ]
 }
 
-/// A parabola focuses every ray parallel to its axis.
+/// A parabola reflects every ray parallel to its axis through its focus.
 #[test]
 fn paraboloids() {
     for blank in blanks() {
@@ -43,7 +43,8 @@ fn paraboloids() {
     }
 }
 
-/// An ellipsoid leads from focus to focus, a hyperboloid from the focus behind to that in front.
+/// An ellipsoid images one focus to the other, a hyperboloid the focus behind it to the one in
+/// front.
 #[test]
 fn two_foci() {
     for blank in blanks() {

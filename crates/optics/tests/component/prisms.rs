@@ -1,10 +1,11 @@
-//! Prisms: the ways of light through them, volumes, refusals.
+//! Prisms: light paths, volumes, errors.
 
 use crate::probe::{Path, Probe, assert_close, gauss_legendre, numbers};
 use rayweave_math::Vec3;
 use rayweave_optics::component::*;
 
-/// Light along +z into the clear square of a prism, reflected so often.
+/// The path of light along +z that enters the clear square of a prism and is reflected `times`
+/// times.
 fn through(probe: &Probe, side: f64, k: usize, times: usize) -> ([f64; 2], Path) {
     let [u, v, ..] = numbers(k);
     let (x, y) = (0.99 * side * (u - 0.5), 0.99 * side * (v - 0.5));
@@ -25,7 +26,8 @@ fn right_angles() {
     }
 }
 
-/// Turned by 90 degrees after (2 + sqrt 2) sides, even if the prism is tilted in the plane of the drawing.
+/// Deviation by 90 degrees after a path of (2 + sqrt 2) sides, even if the prism is tilted in the
+/// plane of the drawing.
 #[test]
 fn penta_prisms() {
     let solid = penta_prism(4.0, 4.0).unwrap();
@@ -58,7 +60,7 @@ fn amici_prisms() {
     }
 }
 
-/// Every ray into the inscribed circle comes back antiparallel, whatever its direction.
+/// Every ray into the inscribed circle leaves antiparallel, whatever its direction.
 #[test]
 fn corner_cubes() {
     let depth = 3.0;
@@ -100,7 +102,7 @@ fn dispersing_prisms() {
     assert!(dispersing_prism(180.0, 2.0, 1.0).is_err());
 }
 
-/// With the length of [`dove_length`] the whole height comes out of the back, upside down.
+/// With the length of [`dove_length`] the beam of full height leaves by the back, inverted.
 #[test]
 fn dove_prisms() {
     for index in [1.4, 1.5168, 1.9] {

@@ -1,4 +1,5 @@
-//! What the tests ask of a component: chords, hits, volumes, and paths with perfect reflection inside.
+//! Queries on a component for tests: chords, hits, volumes, and paths with perfect internal
+//! reflection.
 
 use rayweave_math::Vec3;
 use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Window, attributes};
@@ -12,7 +13,7 @@ pub struct Probe {
     weave: Weave,
 }
 
-/// Where a ray meets a face.
+/// A hit of a ray with a face.
 #[derive(Debug)]
 pub struct Hit {
     pub t: f64,
@@ -26,7 +27,7 @@ impl Probe {
         Probe::of(Program::compile(solid).unwrap())
     }
 
-    /// Each solid of a medium of its own, from 1.
+    /// A component of several solids, each of a medium of its own, numbered from 1.
     pub fn regions(solids: &[Solid]) -> Probe {
         let region = |(k, solid): (usize, &Solid)| Region {
             name: k.to_string(),
@@ -89,7 +90,8 @@ impl Probe {
         })
     }
 
-    /// The faces by which light goes that is reflected at all but the last, the whole path and the last direction.
+    /// The faces that light hits if every face but the last reflects it, with the whole path and
+    /// the last direction.
     pub fn reflect(&self, origin: Vec3, direction: Vec3, times: usize) -> Path {
         let mut path = Path { faces: Vec::new(), length: 0.0, point: origin, direction };
         for k in 0..=times {
@@ -105,7 +107,7 @@ impl Probe {
     }
 }
 
-/// The way of a ray inside a component.
+/// The path of a ray inside a component.
 #[derive(Debug)]
 pub struct Path {
     pub faces: Vec<String>,

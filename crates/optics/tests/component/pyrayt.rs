@@ -5,7 +5,8 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_optics::component::*;
 
-/// A ray from (x, y) at a height through (x, y) in the plane z = 0, and the distances at which PyRayT meets the component.
+/// A ray from (x, y) at a height through (x, y) in the plane z = 0, and the distances at which
+/// PyRayT hits the component.
 type Row = ([f64; 2], [f64; 2], &'static [f64]);
 
 #[track_caller]

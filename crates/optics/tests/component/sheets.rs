@@ -1,10 +1,10 @@
-//! Sheets: where their surface is, what the trim leaves of it.
+//! Sheets: the position of the surface, and the piece inside the trim.
 
 use crate::probe::{Probe, assert_close, numbers};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::component::*;
 
-/// The points where a line meets the sheet: crossings of the surface inside the trim.
+/// The points at which a line hits the sheet: crossings of the surface inside the trim.
 fn met(sheet: &Sheet, origin: Vec3, direction: Vec3) -> Vec<Vec3> {
     let trim = Probe::new(&sheet.trim);
     let hits = Probe::new(&sheet.surface).hits(origin, direction);
@@ -34,7 +34,7 @@ fn stops_have_openings() {
     assert!(error.ends_with("Are the two exchanged?"), "{error}");
 }
 
-/// Only the near half of the sphere, in all four ways to bend it.
+/// Only the near half of the sphere, for all four directions of curvature.
 #[test]
 fn curved_sheets() {
     for radius in [10.0, -10.0] {

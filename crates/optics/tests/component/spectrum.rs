@@ -1,4 +1,4 @@
-//! The spectrum of a prism beside Raysect's, and beside Snell's law.
+//! The spectrum of a prism, compared with Raysect and with Snell's law.
 
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
@@ -8,8 +8,8 @@ use rayweave_optics::{Assembly, Beam, Element, Event, Light, Medium, Settings, T
 use rayweave_shape::primitive::{Primitive, Prism};
 use rayweave_trace::Packets;
 
-/// What `crates/bench/peers/prism_raysect.py` printed with Raysect 0.9.1 on 2026-11-22: wavelength in nm, incidence in degrees, and x
-/// and y of the direction in which light leaves.
+/// Output of `crates/bench/peers/prism_raysect.py` with Raysect 0.9.1 on 2026-11-22: wavelength in
+/// nm, incidence in degrees, and x and y of the direction in which light leaves.
 const RAYSECT: [(f64, f64, f64, f64); 21] = [
     (404.6561, 45.0, -0.996_573_533_427_485_7, 0.082_711_501_448_445_86),
     (435.8343, 45.0, -0.996_053_340_381_249_7, 0.088_756_651_104_887_84),
@@ -38,7 +38,7 @@ const RAYSECT: [(f64, f64, f64, f64); 21] = [
 const INNER: f64 = 8.660_254_037_844_387;
 
 fn bk7() -> Glass {
-    // Schott's coefficients, as the script has them
+    // Schott's coefficients, as in the script
     let terms = [(1.03961212, 0.00600069867), (0.231792344, 0.0200179144), (1.01046945, 103.560653)];
     Glass::new("N-BK7", Dispersion::sellmeier(&terms))
 }
@@ -65,14 +65,15 @@ fn a_prism_spreads_colours_as_raysect_and_snell_say() {
     }
 }
 
-/// A square pipe of glass keeps the angles against its walls, and so all of what goes in: etendue in flux.
+/// A square pipe of glass preserves the angles to its walls, and so transmits all incident light:
+/// conservation of etendue in the flux.
 #[test]
 fn light_pipes_keep_etendue() {
     let pipe = light_pipe(30.0, Aperture::rectangle(2.0, 3.0)).unwrap();
     let glass = Medium::constant("glass", 1.5, 0.0).unwrap();
     let system = Assembly::new().add(Element::transparent("pipe", pipe, &glass)).compile().unwrap();
     let tracer = Tracer::new(&system, Packets::new);
-    // over the face and all of a half space; an index above sqrt 2 holds all of it
+    // over the face and the whole half space; an index above sqrt 2 guides all of it
     let light = |k: usize| {
         let part = |step: f64| (0.5 + step * k as f64).fract();
         let (s, c) = (std::f64::consts::TAU * part(0.819_172_513_396_164_4)).sin_cos();

@@ -6,7 +6,8 @@ use rayweave_optics::component::*;
 
 const INF: f64 = f64::INFINITY;
 
-/// A root of the torus' equation: the circle of the smaller radius turned about an axis at the greater one.
+/// A root of the equation of a torus: the circle of the smaller radius, rotated about an axis at
+/// the greater one.
 fn height([rx, ry]: [f64; 2], [x, y]: [f64; 2]) -> f64 {
     let ((r, p), (turn, q)) = if rx.abs() <= ry.abs() { ((rx, x), (ry, y)) } else { ((ry, y), (rx, x)) };
     if r.is_infinite() {
@@ -70,7 +71,7 @@ fn hits() {
     }
 }
 
-/// What a sphere or a cylinder is made in another way is the same lens.
+/// A toric lens that is a sphere or a cylinder is the same as a lens of that form.
 #[test]
 fn simple_torics() {
     let aperture = Aperture::circle(10.0);

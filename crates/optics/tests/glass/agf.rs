@@ -48,7 +48,7 @@ fn what_a_file_says_is_what_a_glass_has() {
     assert_eq!(bk7.published(), Some(Published { n_d: 1.5168, v_d: 64.17 }));
     assert_eq!(bk7.range_nm(), [300.0, 2500.0]);
     assert_eq!(bk7.index(500.0), glass("N-BK7").unwrap().index(500.0));
-    // -ln 0.971 = 0.029 tells more than -ln 0.988 = 0.012
+    // the optical depth -ln 0.971 = 0.029 is more accurate than -ln 0.988 = 0.012
     assert!((bk7.internal_transmittance(365.0, 25.0).unwrap() - 0.971).abs() < 1e-14);
     let amtir = &glasses[1];
     assert_eq!(amtir.published(), None, "an index of 1 and an Abbe number of 0 mean that there is none");

@@ -10,8 +10,9 @@ fn index(air: Air, wavelength_nm: f64) -> f64 {
     air.glass().unwrap().extrapolated().index(wavelength_nm).unwrap()
 }
 
-/// Ciddor 1996, table 1 (dry) and table 3 (moist): (n - 1) 10⁸ at 633 nm with 450 ppm of CO₂. The tables' 40 °C, 80 kPa, 75 % is
-/// printed as 19 996.5, but with a difference that makes it 19 896.5.
+/// Ciddor 1996, table 1 (dry) and table 3 (moist): (n - 1) 10⁸ at 633 nm with 450 ppm of CO₂. The
+/// entry for 40 °C, 80 kPa, 75 % is printed as 19 996.5, but the printed difference makes it 19
+/// 896.5.
 #[test]
 fn ciddors_tables_are_met() {
     let table = [
@@ -36,8 +37,9 @@ fn ciddors_tables_are_met() {
     }
 }
 
-/// J. A. Stone and J. H. Zimmerman, Engineering Metrology Toolbox (NIST), "Documentation", table of test values; its vapour
-/// pressure is another, which shows in the eighth place.
+/// J. A. Stone and J. H. Zimmerman, Engineering Metrology Toolbox (NIST), "Documentation", table of
+/// test values; its formula for the vapour pressure is another, with an effect in the eighth
+/// decimal.
 #[test]
 fn nists_test_values_are_met() {
     let table = [

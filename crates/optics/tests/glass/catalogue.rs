@@ -1,10 +1,11 @@
-//! The built-in materials against what their makers print, against papers and against other programs.
+//! The built-in materials, compared with data sheets of their makers, with papers and with other
+//! programs.
 
 use rayweave_optics::glass::{Catalogue, Dispersion, Glass, glass, glasses, line_nm};
 
 use super::rows;
 
-/// `reference/makers.csv`: the spreadsheets are another way than that of the coefficients.
+/// `reference/makers.csv`: the makers' spreadsheets are independent of their coefficients.
 #[test]
 fn glasses_have_the_indices_and_abbe_numbers_of_their_makers_sheets() {
     const LINES: [&str; 12] = ["i", "h", "g", "F'", "F", "e", "d", "C'", "C", "r", "s", "t"];
@@ -12,13 +13,13 @@ fn glasses_have_the_indices_and_abbe_numbers_of_their_makers_sheets() {
     for row in rows(include_str!("reference/makers.csv")) {
         let glass = glass(&format!("{} {}", row[0], row[1])).unwrap();
         assert_eq!([glass.maker(), glass.name()], [row[0], row[1]]);
-        // CDGM's sheet is of 2018, its coefficients of 2022
+        // CDGM's sheet is from 2018, its coefficients from 2022
         let slack = if row[0] == "CDGM" { 0.06 } else { 0.02 };
         let v_d: f64 = row[2].parse().unwrap();
         assert!((glass.abbe_number().unwrap() - v_d).abs() < slack, "{} {}", row[0], row[1]);
         for (line, cell) in LINES.iter().zip(&row[3..]).filter(|(_, cell)| !cell.is_empty()) {
             let wavelength_nm = line_nm(line).unwrap();
-            // sheets print lines at which the maker's own range does not let the formula be used
+            // sheets list lines outside the range that the same maker states for the formula
             let index = glass.extrapolated().index(wavelength_nm).unwrap();
             let printed: f64 = cell.parse().unwrap();
             assert!((index - printed).abs() < 1.1e-5, "{} at {line}: {index} for {printed}", row[1]);
@@ -113,8 +114,8 @@ fn metals_reflect_as_metals_do() {
     }
 }
 
-/// `reference/transmittances.csv`. At the edge of a band Schott's numbers here come from samples of 25 mm, where little is left to
-/// be printed.
+/// `reference/transmittances.csv`. At the edge of a band Schott's values here are of samples of 25
+/// mm, whose small transmittance is printed with few digits.
 #[test]
 fn transmittances_are_those_of_the_makers_sheets() {
     let mut count = 0;
@@ -155,7 +156,7 @@ fn names_are_found_however_they_are_written() {
     {
         assert_eq!(glass(name).unwrap().name(), found);
     }
-    // three makers have an F2: Schott's is the one that everybody means
+    // three makers have an F2; the common one is Schott's
     assert_eq!(glass("F2").unwrap().maker(), "Schott");
     assert_eq!(glass("CDGM F2").unwrap().maker(), "CDGM");
 }

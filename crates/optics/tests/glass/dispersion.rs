@@ -9,7 +9,7 @@ fn assert_close(actual: Option<f64>, expected: f64) {
     assert!((actual - expected).abs() < 1e-14 * expected.abs().max(1.0), "{actual} is not {expected}");
 }
 
-/// Compares at three wavelengths; the formula takes micrometres.
+/// Compares indices at three wavelengths; the formula takes micrometres.
 fn assert_formula(dispersion: &Dispersion, index: impl Fn(f64) -> f64) {
     for wavelength_nm in NM {
         assert_close(dispersion.index(wavelength_nm), index(wavelength_nm / 1000.0));

@@ -83,7 +83,7 @@ fn transmittances_come_back_at_their_thickness() {
         assert!((back - row.transmittance).abs() < 1e-14);
     }
     assert_eq!(glass.extinction(450.0), Ok(0.0));
-    // of 25 mm and 1 mm the one nearest to 1/e counts; 0 is 1e-5
+    // of 25 mm and 1 mm, the transmittance nearest to 1/e counts; 0 counts as 1e-5
     let thick_and_thin = [measured(500.0, 0.0, 25.0), measured(500.0, 0.4, 1.0), measured(600.0, 0.0, 25.0)];
     let glass = plain().with_transmittances(&thick_and_thin).unwrap();
     assert!((glass.internal_transmittance(500.0, 1.0).unwrap() - 0.4).abs() < 1e-14);
@@ -117,7 +117,7 @@ fn a_table_of_indices_holds_from_its_first_to_its_last() {
     assert_eq!(glass.extrapolated().index(801.0), Ok(1.4));
 }
 
-/// The errors that the manual of `Dispersion::from_abbe` states.
+/// The errors stated in the documentation of `Dispersion::from_abbe`.
 #[test]
 fn glasses_from_their_numbers_are_as_near_to_the_real_ones_as_stated() {
     let mut worst: Vec<f64> = Vec::new();

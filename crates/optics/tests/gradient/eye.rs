@@ -6,7 +6,7 @@ use rayweave_optics::component::{Aperture, conic_lens};
 use rayweave_optics::gradient::Gradient;
 use rayweave_optics::{Assembly, Beam, Element, Event, Light, Medium, Segment, Settings, System};
 
-/// The length of the eye, at which light is looked at.
+/// The length of the eye; light is evaluated at this distance.
 const LENGTH: f64 = 23.95;
 
 fn constant(n: f64) -> Medium {
@@ -19,7 +19,8 @@ fn graded(vertex: f64, radial: &[f64], axial: &[f64]) -> Medium {
     constant(1.0).graded(gradient.placed(&Affine::translate(Vec3::Z * vertex)).unwrap())
 }
 
-/// The eye of the paper, in millimetres, at 555 nm: vertex, radius and conic constant of each surface, and what is behind it.
+/// The eye of the paper, in millimetres, at 555 nm: vertex, radius and conic constant of each
+/// surface, and the medium behind it.
 fn eye() -> System {
     let surfaces = [
         (0.0, 7.77, -0.18),
@@ -65,8 +66,9 @@ fn the_eye_of_liou_and_brennan_has_its_published_power() {
     near(LENGTH - row.end.y / slope, LENGTH, 1e-3);
 }
 
-/// The same rays by an integrator that shares nothing with ours: DOP853 of SciPy 1.17.1 with a tolerance of 1e-13, steps of at
-/// most 0.05 and Snell's law at the surfaces: x, y, direction and optical path at the retina.
+/// The same rays by an independent integrator: DOP853 of SciPy 1.17.1 with a tolerance of 1e-13,
+/// steps of at most 0.05 and Snell's law at the surfaces: x, y, direction and optical path at the
+/// retina.
 #[test]
 fn an_independent_integrator_agrees() {
     let rays = [

@@ -1,4 +1,4 @@
-//! What holds for light in every gradient.
+//! Conservation laws and invariants of light in every gradient.
 
 use crate::{D_NM, ball, block, close, directions, graded, near, one, plane, rod, trace};
 use rayweave_math::{Affine, Vec3};
@@ -41,7 +41,7 @@ fn light_finds_its_way_back() {
     }
 }
 
-/// A step through a curve is no element that is met.
+/// A step along a curve does not count as an element of a path.
 #[test]
 fn paths_name_what_light_meets() {
     let rod = Element::transparent("rod", rod(2.0, 30.0), &graded(1.6, Gradient::selfoc(0.1).unwrap()));
@@ -59,10 +59,11 @@ fn paths_name_what_light_meets() {
     assert_eq!(told, ["rod rod screen"]);
 }
 
-/// Liouville: the determinant of the map of position and n times direction is 1, on every way through.
+/// Liouville's theorem: the determinant of the map of position and n times direction is 1 for every
+/// path.
 #[test]
 fn etendue_is_kept() {
-    // without gradients it is the same law
+    // the same law without gradients
     let lens = ball(20.0).translate(Vec3::Z * 18.0) & ball(15.0).translate(Vec3::Z * -12.0);
     let glass = Medium::glass("N-SF11").unwrap();
     let lens = Assembly::new().add(Element::transparent("lens", lens, &glass)).compile().unwrap();
@@ -111,8 +112,9 @@ fn determinant(mut m: [[f64; 4]; 4]) -> f64 {
     product
 }
 
-/// Random rays through a ball whose index falls to its rim, and rises to it: none is lost, and each leaves with the invariant
-/// of Bouguer that it came with, whatever total reflections it has gone through.
+/// Random rays through balls whose index falls or rises towards the rim: no ray is lost, and each
+/// leaves with the invariant of Bouguer with which it entered, whatever total reflections it has
+/// undergone.
 #[test]
 fn no_ray_is_lost() {
     none_is_lost(5000);
@@ -127,7 +129,7 @@ fn long_no_ray_of_many_is_lost() {
 fn none_is_lost(count: usize) {
     for gradient in [Gradient::luneburg(3.0).unwrap(), Gradient::squared(&[1.0, 0.05]).unwrap()] {
         let medium = graded(1.6, gradient);
-        // the rod is about the axis, and a ball of it keeps the moment about that axis alone
+        // the rod is about the axis; a ball of it conserves the moment about that axis only
         let system = Assembly::new().add(Element::transparent("ball", ball(2.0), &medium)).compile().unwrap();
         let all: Vec<Vec3> = directions(count).collect();
         let lights = all.iter().enumerate().map(|(k, &d)| {
@@ -147,7 +149,7 @@ fn none_is_lost(count: usize) {
     }
 }
 
-/// A wall far thinner than any step is met by every ray.
+/// Every ray hits a wall far thinner than any step.
 #[test]
 fn no_wall_is_missed() {
     let medium = graded(1.6, Gradient::selfoc(0.25).unwrap());
@@ -188,7 +190,8 @@ fn power_is_neither_made_nor_lost() {
     }
 }
 
-/// Beer and Lambert along a path whose length is known: on the axis it is that of the rod, off it that of the path.
+/// The Beer-Lambert law along a path of known length: the length of the slab on the axis, the arc
+/// length off it.
 #[test]
 fn absorption_counts_the_length_of_the_path() {
     let k = 1e-6;
@@ -200,13 +203,13 @@ fn absorption_counts_the_length_of_the_path() {
     near(rows[rows.len() - 1].intensity, (-coefficient * 5.0).exp(), 1e-14);
 }
 
-/// The polarisation is carried along without turning about the ray (Rytov): on a helix the plane has turned after a period by
-/// the solid angle that the tangent has gone around, 2 pi (1 - cos).
+/// Polarisation undergoes parallel transport (Rytov): after one period of a helix the plane has
+/// rotated by the solid angle that the tangent encloses, 2 pi (1 - cos).
 #[test]
 fn polarisation_turns_on_helices() {
     let (n0, g, r) = (1.6, 0.25, 1.0);
     let medium = graded(n0, Gradient::selfoc(g).unwrap());
-    // on a circle the speed across is n0 g r; the rest goes forwards
+    // on a circle the transverse speed is n0 g r; the rest is along the axis
     let w = n0 * g;
     let index = n0 * (1.0 - g * g * r * r).sqrt();
     let forwards = (index * index - w * w * r * r).sqrt();
@@ -229,7 +232,7 @@ fn polarisation_turns_on_helices() {
     near(rows[met + 1].intensity, turned.cos().powi(2), 1e-7);
 }
 
-/// Light that is split inside of a gradient by a sheet, and bent there by a thin lens, goes on in it.
+/// Light that a sheet splits, or a thin lens deflects, inside a gradient continues in the gradient.
 #[test]
 fn sheets_work_inside_of_gradients() {
     let (n0, g) = (1.5, 0.2);
@@ -259,7 +262,8 @@ fn sheets_work_inside_of_gradients() {
     assert_eq!(rows.iter().filter(|row| row.event == Event::Bent).count(), 1);
 }
 
-/// A hot road: the index of the air rises with the height, and a flat ray turns before it comes down (a mirage).
+/// A mirage: the index of the air rises with the height, and a flat ray turns upwards before it
+/// reaches the ground.
 #[test]
 fn the_world_may_have_a_gradient() {
     // n = 1 + 1e-3 z: z as x turns by cosh; u = n cos at the start is kept
@@ -275,7 +279,7 @@ fn the_world_may_have_a_gradient() {
     let n = u * (1e-3 * (60.0 - x0) / u).cosh();
     assert_eq!(last.event, Event::Absorbed);
     close(last.end, Vec3::new(60.0, 0.0, (n - 1.0) / 1e-3), 1e-9);
-    // upwards it leaves for ever
+    // upwards it never returns
     let rows = one(&system, Light::new(Vec3::ZERO, Vec3::new(-1.0, 0.0, 1.0), D_NM));
     assert_eq!(rows[rows.len() - 1].event, Event::Escaped);
 }

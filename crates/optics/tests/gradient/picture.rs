@@ -1,6 +1,6 @@
 //! The picture of `docs/guides/gradient-index.md`, drawn from traces and compared with the file of the page.
 //!
-//! `cargo xtask golden --accept` writes it anew: look at it before it is committed.
+//! `cargo xtask golden --accept` writes it again: inspect it before committing.
 
 use crate::{D_NM, ball, graded, plane, rod, trace};
 use rayweave_math::Vec3;
@@ -28,7 +28,7 @@ impl Panel {
         format!("{:.1} {:.1}", x + 0.0, y + 0.0)
     }
 
-    /// The pieces of one ray: a curved one is a cubic with the directions at its ends.
+    /// The pieces of one ray: a curved piece is a cubic with the directions at its ends.
     fn ray(&self, light: &Light, rows: &[Segment], beyond: f64) -> String {
         let mut before = None;
         let mut path = format!("M{}", self.place(light.ray.origin));
@@ -38,7 +38,8 @@ impl Panel {
             let is_bent = row.end.is_finite() && row.direction.cross(end - row.start).length() > 1e-9 * chord;
             if is_bent {
                 let before = before.unwrap_or_else(|| begins(row));
-                // an arc of that angle is approximated best so (tangents of 4/3 tan of a quarter of it)
+                // the best cubic approximation of an arc of that angle (tangents of 4/3 tan of a
+                // quarter of it)
                 let quarter = 0.25 * before.angle_between(row.direction);
                 let pull = chord * 4.0 / 3.0 * quarter.tan() / (2.0 * (2.0 * quarter).sin());
                 let handles = [row.start + pull * before, end - pull * row.direction, end];
@@ -47,7 +48,7 @@ impl Panel {
             } else {
                 let _ = write!(path, "L{}", self.place(end));
             }
-            // at a face light is bent, and the piece behind it begins as an arc would
+            // a face refracts light; the piece behind it begins like an arc
             before = (row.event == Event::Curved).then_some(row.direction);
         }
         format!("<path class=\"ray\" d=\"{path}\"/>\n")

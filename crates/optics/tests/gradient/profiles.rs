@@ -24,8 +24,8 @@ fn oscillation(x0: f64, u0: f64, w: f64, t: f64) -> [f64; 3] {
     [x0 * c + u0 / w * s, u0 * c - w * x0 * s, square]
 }
 
-/// Light through the flat ends of a rod: `x'' = -(n0 g)^2 x` in tau, and z moves evenly. The part of n times the direction along
-/// a flat face is kept by refraction.
+/// Light through the flat ends of a rod: `x'' = -(n0 g)^2 x` in tau, and z moves evenly. Refraction
+/// conserves the component of n times the direction along a flat face.
 #[test]
 fn selfoc_rods_follow_sines() {
     let length = 17.0;
@@ -46,7 +46,7 @@ fn selfoc_rods_follow_sines() {
     }
 }
 
-/// Rays near the axis meet in it a quarter of a pitch, pi / 2 g, from the flat end.
+/// Rays near the axis cross it a quarter of a pitch, pi / 2 g, from the flat end.
 #[test]
 fn a_quarter_pitch_focuses() {
     let quarter = std::f64::consts::FRAC_PI_2 / G;
@@ -76,14 +76,15 @@ fn fish_eyes_image_every_point() {
     let steep = directions(400).filter(|d| d.z.abs() > 0.5);
     let mut count = 0;
     for d in steep {
-        // light goes around in circles for ever
+        // light circulates for ever
         let settings = Settings { generation_limit: 4, ..Settings::default() };
         let found = trace(&system, &Beam::from_iter([Light::new(source, d, D_NM)]), &settings);
         let rows: Vec<Segment> = found.segments.iter().collect();
         let met = rows.iter().find(|row| row.event == Event::Passed && row.path > 1.0).unwrap();
         close(met.end, image, 3e-12);
         near(met.path, std::f64::consts::PI * index, 3e-12);
-        // the centre of the circle through both is where all points of it are as far as the source
+        // the centre of the circle through both: all points of the circle are as far from it as the
+        // source
         let across = d.cross(image - source).normalize();
         let normal = across.cross(d);
         let centre = source + normal * (0.5 * (image - source).length_squared() / normal.dot(image - source));
@@ -95,7 +96,8 @@ fn fish_eyes_image_every_point() {
     assert!(count > 150);
 }
 
-/// Luneburg, section 29: parallel light meets on the far side; from the plane before the lens all paths are a (1 + pi / 2).
+/// Luneburg, section 29: parallel light converges on the far side; from the plane before the lens
+/// all paths are a (1 + pi / 2).
 #[test]
 fn luneburg_lenses_focus_parallel_light() {
     let a = 4.0;
@@ -110,8 +112,8 @@ fn luneburg_lenses_focus_parallel_light() {
     }
 }
 
-/// In n = c0 + c1 z the part u of n times the direction across z is kept, and x grows by the integral of
-/// u / sqrt(n^2 - u^2), which is u / c1 arcosh(n / u).
+/// In n = c0 + c1 z the component u of n times the direction across z is conserved, and x grows by
+/// the integral of u / sqrt(n^2 - u^2), which is u / c1 arcosh(n / u).
 #[test]
 fn axial_gradients_keep_the_invariant_of_snell() {
     let (c0, c1, thickness) = (1.5, 0.04, 6.0);
@@ -133,7 +135,8 @@ fn axial_gradients_keep_the_invariant_of_snell() {
     }
 }
 
-/// Bouguer's theorem: n r sin(phi) is kept in every field of spherical symmetry (Born & Wolf, section 3.2.1, equation 7).
+/// Bouguer's theorem: n r sin(phi) is conserved in every field of spherical symmetry (Born & Wolf,
+/// section 3.2.1, equation 7).
 #[test]
 fn spherical_gradients_keep_the_invariant_of_bouguer() {
     #[derive(Debug)]
@@ -160,8 +163,8 @@ fn spherical_gradients_keep_the_invariant_of_bouguer() {
     }
 }
 
-/// The same fish-eye by its formula and by values on finer and finer grids: the error of a direction falls as that of
-/// slopes, with the third power of the spacing.
+/// The same fish-eye by its formula and by values on finer and finer grids: the error of a
+/// direction falls like that of the slopes, with the third power of the spacing.
 #[test]
 fn grids_come_near_what_they_sample() {
     let formula = Gradient::fish_eye(3.0).unwrap();

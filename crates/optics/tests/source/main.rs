@@ -1,4 +1,5 @@
-//! Sources against closed forms: places, directions, powers, wavelengths, and pieces against the whole.
+//! Sources against closed forms: positions, directions, powers, wavelengths; and ranges of rays
+//! against the whole source.
 
 mod patterns;
 mod pieces;

@@ -1,4 +1,4 @@
-//! The patterns of PyRayT, listed rays, placement and refusals.
+//! The patterns of PyRayT, listed rays, placement and errors.
 
 use crate::{assert_close, mean, ray};
 use rayweave_math::{Affine, Vec3};
@@ -58,7 +58,7 @@ fn lamps() {
         let plain = |value: &dyn Fn(Vec3, Vec3) -> f64| {
             (0..rays.len()).map(|k| value(ray(&rays, k).0, ray(&rays, k).1)).sum::<f64>() / count as f64
         };
-        // five standard deviations of a mean of numbers within 1 are at most this
+        // an upper bound of five standard deviations of a mean of numbers within 1
         let error = 5.0 * 0.5 / (count as f64).sqrt();
         assert_close(plain(&|_, d| d.z), 0.5 * (1.0 + edge), error);
         assert_close(plain(&|_, d| d.z * d.z), (1.0 + edge + edge * edge) / 3.0, error);
@@ -142,7 +142,7 @@ fn total_power() {
         let source = source(pattern).power(Power::Total(3.0)).unwrap();
         assert_close(source.rays(0..source.count()).power.iter().sum(), 3.0, 1e-12);
     }
-    // of a lamp in the mean: the deviation of a cosine uniform in [0, 1] is 1 / sqrt(12)
+    // the mean of a lamp: the standard deviation of a cosine uniform in [0, 1] is 1 / sqrt(12)
     let lamp = Pattern::Lamp { width: 1.0, height: 1.0, half_angle_degrees: 90.0, count: 100_000 };
     let lamp = source(lamp).power(Power::Total(3.0)).unwrap();
     assert_close(lamp.rays(0..100_000).power.iter().sum(), 3.0, 5.0 * 6.0 / 12e5f64.sqrt());

@@ -1,4 +1,4 @@
-//! Any piece of a source, made alone, is that piece of the whole, to the bit.
+//! Any range of a source, generated alone, equals that range of the whole, to the bit.
 
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::component::Aperture;
@@ -46,7 +46,7 @@ fn pieces_make_the_whole() {
         for first in (0..sources.count()).step_by(step) {
             sources.append(first..first + step as u64, &mut pieces);
         }
-        // past the end a piece is shorter
+        // past the end a range is shorter
         assert_eq!(pieces, whole, "{step}");
     }
     assert!(whole.id.iter().enumerate().all(|(k, &id)| id == k as i64));
@@ -75,7 +75,8 @@ fn seeds_and_sources_differ() {
     assert_ne!(two.origins[0][..50], two.origins[0][50..]);
 }
 
-/// Light that leans from x towards y does so in a mirror, too: from the image of x towards that of y.
+/// Light polarised from x towards y stays so in a mirrored source: from the image of x towards that
+/// of y.
 #[test]
 fn mirrored_sources_send_mirrored_light() {
     let line = || Source::new(Pattern::Line { length: 1.0, count: 3 }).unwrap();

@@ -1,4 +1,4 @@
-//! How rays are spread over apertures and directions: moments against closed forms.
+//! The distribution of rays over apertures and directions: moments against closed forms.
 
 use crate::{assert_close, mean, ray};
 use rayweave_math::Vec3;
@@ -7,7 +7,8 @@ use rayweave_optics::source::*;
 
 const COUNT: u64 = 90_000;
 
-/// Ways to spread rays with the error of a mean over them of a number between 0 and 1: five standard deviations at random.
+/// Samplings, each with the error of a mean over its rays of a number between 0 and 1: five
+/// standard deviations for random points.
 fn samplings() -> [(Sampling, f64); 4] {
     [
         (Sampling::Grid { columns: 300, rows: 300 }, 1e-4),
@@ -52,7 +53,7 @@ fn top_hats() {
 #[test]
 fn gaussian_beams() {
     for (sampling, error) in samplings() {
-        // where rays lie on rings the fraction steps by a whole ring; a bent grid has 150 of them
+        // rays on rings: the fraction changes by a whole ring; a mapped grid has 150 rings
         let on_rings = matches!(sampling, Sampling::Hexapolar { .. } | Sampling::Grid { .. });
         let coarse = if on_rings { 0.01 } else { error };
         let beam = |diameter, radius| {
@@ -75,7 +76,8 @@ fn gaussian_beams() {
     }
 }
 
-/// Cosines uniform: the mean of cos is (1 + c)/2, of its square (1 + c + c^2)/3; all azimuths alike.
+/// Uniform cosines: the mean of cos is (1 + c)/2, of its square (1 + c + c^2)/3; all azimuths are
+/// equally likely.
 #[test]
 fn points_shine_evenly_in_solid_angle() {
     for (sampling, error) in samplings() {

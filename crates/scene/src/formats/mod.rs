@@ -1,4 +1,4 @@
-//! File formats, one folder each.
+//! File formats of scenes, one folder each.
 
 pub mod native;
 pub mod povray;

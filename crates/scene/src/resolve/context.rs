@@ -1,15 +1,15 @@
-//! A document while it is resolved.
+//! The state of the evaluation of a document.
 
 use crate::diagnostic::Diagnostic;
 use crate::document::Document;
 use crate::source::Span;
 use std::collections::HashSet;
 
-/// The document, and where problems are collected.
+/// The document, and the list of problems.
 pub(crate) struct Context<'d> {
     pub document: &'d Document,
     pub problems: Vec<Diagnostic>,
-    /// Names that stand in the file but could not be read.
+    /// Names in the file whose definitions are invalid.
     pub unreadable: &'d HashSet<String>,
 }
 
@@ -19,7 +19,7 @@ impl Context<'_> {
         self.problems.push(problem.at(&self.document.source, span));
     }
 
-    /// True for a name that stands in the file but could not be read.
+    /// True for a name in the file whose definition is invalid.
     pub fn is_unreadable(&self, name: &str) -> bool {
         self.unreadable.contains(name)
     }

@@ -1,4 +1,4 @@
-//! Placements from NPY files.
+//! Files that a model refers to: placements in NPY files, and meshes.
 
 use super::context::Context;
 use crate::diagnostic::Diagnostic;
@@ -13,7 +13,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// The most numbers in a file of placements.
+/// The maximum number of values in a file of placements.
 const MOST_NUMBERS: u64 = 1 << 26;
 
 /// Reads the maps of a file beside the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
@@ -52,7 +52,8 @@ fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
     Ok((numbers.map_err(|error| reason(&error))?, shape))
 }
 
-/// The solid of a mesh in a file beside the model file; questionable meshes cause warnings.
+/// The solid of a mesh in a file beside the model file. Defects of the mesh are reported as
+/// warnings.
 pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) -> Option<Mesh> {
     let path = beside(context, file);
     let limits = memory::available().map_or_else(ReadOptions::default, ReadOptions::for_memory);
@@ -107,13 +108,13 @@ fn diagnosed(
     }
 }
 
-/// The path of a file that is named in the model file.
+/// The path of a file that the model file names, relative to the folder of the model file.
 fn beside(context: &Context, file: &Spanned<String>) -> PathBuf {
     let folder = context.document.source.path().and_then(|path| path.parent().map(Path::to_owned));
     folder.unwrap_or_default().join(&file.value)
 }
 
-/// An error of the operating system in words that do not differ between systems.
+/// An error of the operating system in words that are the same on all systems.
 pub fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),

@@ -1,4 +1,4 @@
-//! From what a document says to what it means.
+//! Evaluation of a document: from names and expressions to solids, regions, media and numbers.
 
 mod context;
 mod files;
@@ -16,9 +16,10 @@ pub(crate) use numbers::Numbers;
 pub(crate) use solids::product;
 use std::collections::HashSet;
 
-/// Computes everything; every problem that does not follow from another one is reported.
+/// Evaluates a document. Problems that are consequences of other problems are not reported.
 ///
-/// `unreadable` are names that stand in the file but could not be read: using them is not a new problem.
+/// `unreadable` are names in the file whose definitions are invalid: a reference to them is not a
+/// new problem.
 pub(crate) fn resolve(
     document: &Document,
     overrides: &[(String, String)],
@@ -33,7 +34,7 @@ pub(crate) fn resolve(
     if context.problems.iter().any(|problem| problem.severity() == Severity::Error) {
         return Err(Diagnostics::new(context.problems));
     }
-    // only now is it known that nothing was passed over
+    // only after all expressions have been evaluated
     numbers.warn_unused(&mut context);
     let names = document.solids.iter().map(|entry| &entry.name.value);
     let built = names.zip(solids.built).filter_map(|(name, solid)| Some((name.clone(), solid?)));

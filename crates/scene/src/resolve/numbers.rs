@@ -1,4 +1,4 @@
-//! Parameters, and numbers given as text.
+//! Evaluation of parameters and of arithmetic expressions.
 
 use super::context::Context;
 use crate::arithmetic::{Arithmetic, CONSTANTS, FUNCTIONS};
@@ -15,12 +15,12 @@ use std::sync::Arc;
 
 /// The values of all parameters.
 pub(crate) struct Numbers {
-    /// `None` where there was a problem, which has been reported.
+    /// `None` for an invalid parameter, whose problem has been reported.
     values: HashMap<String, Option<f64>>,
     used: RefCell<HashSet<String>>,
 }
 
-/// A parameter's value as it was given.
+/// The value of a parameter, as given.
 struct Given {
     source: Arc<Source>,
     span: Span,
@@ -29,13 +29,13 @@ struct Given {
 }
 
 impl Numbers {
-    /// Parameters that have been computed already.
+    /// Creates the table from parameters with known values.
     pub fn known(parameters: &[(String, f64)]) -> Numbers {
         let values = parameters.iter().map(|(name, value)| (name.clone(), Some(*value)));
         Numbers { values: values.collect(), used: RefCell::default() }
     }
 
-    /// Computes the parameters, with other values for some of them.
+    /// Evaluates the parameters, with overrides of some of them.
     pub fn new(context: &mut Context, overrides: &[(String, String)]) -> Numbers {
         let mut numbers = Numbers { values: HashMap::new(), used: RefCell::new(HashSet::new()) };
         let overrides = numbers.known_overrides(context, overrides);
@@ -60,7 +60,7 @@ impl Numbers {
         numbers
     }
 
-    /// The overrides of parameters that exist; the others are reported.
+    /// The overrides of parameters that exist; others are reported as unknown.
     fn known_overrides<'o>(
         &self,
         context: &mut Context,
@@ -95,7 +95,7 @@ impl Numbers {
         }
     }
 
-    /// Computes a parameter, and first those that it needs, without recursion.
+    /// Evaluates a parameter after its dependencies, without recursion.
     fn settle(&mut self, context: &mut Context, given: &HashMap<&str, Given>, name: &str) {
         let mut path: Vec<&str> = Vec::new();
         let mut on_path: HashSet<&str> = HashSet::new();
@@ -147,7 +147,7 @@ impl Numbers {
         self.evaluate(context, &given.source, given.arithmetic.as_ref()?, &given.text, given.span)
     }
 
-    /// The value of arithmetic; all unknown names are reported.
+    /// The value of an arithmetic expression; all unknown names are reported.
     fn evaluate(
         &self,
         context: &mut Context,
@@ -198,14 +198,14 @@ impl Numbers {
         }
     }
 
-    /// The value of arithmetic text.
+    /// The value of an arithmetic expression.
     pub fn text(&self, context: &mut Context, text: &str, span: Span) -> Option<f64> {
         let source = context.document.source.clone();
         let arithmetic = parsed(context, &source, text, span)?;
         self.evaluate(context, &source, &arithmetic, text, span)
     }
 
-    /// The values of a vector, finite ones.
+    /// The values of a vector, which must be finite.
     pub fn vector(&self, context: &mut Context, vector: &Vector) -> Option<Vec3> {
         let [x, y, z] = vector.each_ref().map(|number| self.finite(context, number));
         Some(Vec3::new(x?, y?, z?))
@@ -216,7 +216,7 @@ impl Numbers {
         self.checked(context, number, "finite", f64::is_finite)
     }
 
-    /// A number that meets a condition.
+    /// A number that satisfies a condition.
     pub fn checked(
         &self,
         context: &mut Context,
@@ -261,12 +261,13 @@ impl Numbers {
         complete.then_some(values)
     }
 
-    /// Warns of parameters that nothing uses.
+    /// Warns about unused parameters.
     pub fn warn_unused(&self, context: &mut Context) {
         let used = self.used.borrow();
         for parameter in &context.document.parameters {
             let name = &parameter.name;
-            // how others read their tables is not known here
+            // the syntax of the tables of other programs is unknown here, so any occurrence of the
+            // name counts
             let foreign = context.document.foreign.iter().any(|table| table.text.contains(&name.value));
             if !used.contains(&name.value) && !foreign {
                 let problem = Diagnostic::warning(format!("the parameter `{}` is not used", name.value));
@@ -305,7 +306,7 @@ fn parsed(context: &mut Context, source: &Arc<Source>, text: &str, span: Span) -
     }
 }
 
-/// `a -> b -> a`; of a long cycle the beginning and the end.
+/// A cycle as `a -> b -> a`; of a long one only the beginning and the end.
 pub(super) fn cycle_text(names: &[&str]) -> String {
     const MOST: usize = 10;
     let mut shown: Vec<&str> = match names.len() {

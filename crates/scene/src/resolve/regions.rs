@@ -1,4 +1,4 @@
-//! Regions and media.
+//! Evaluation of regions and media.
 
 use super::context::Context;
 use super::numbers::Numbers;
@@ -74,7 +74,8 @@ fn region<'d>(
     })
 }
 
-/// Without regions, each solid that no other uses is one, of a medium of its own.
+/// The regions of a document without `[[region]]`: each solid that no other solid uses, with a
+/// medium of its own.
 fn implied<'d>(context: &Context<'d>, solids: &Solids<'d>, media: &mut Media) -> Vec<SceneRegion> {
     let document = context.document;
     let unused = document.solids.iter().zip(&solids.built).zip(&solids.used).filter(|(_, used)| !**used);

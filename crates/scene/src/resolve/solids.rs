@@ -1,4 +1,4 @@
-//! Named solids: each built once, those that it is made from first.
+//! Evaluation of named solids, each once and after its parts.
 
 use super::context::Context;
 use super::files;
@@ -15,14 +15,14 @@ use rayweave_model::Solid;
 use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape};
 use std::collections::HashMap;
 
-/// The most copies of one placement.
+/// The maximum number of copies of one placement.
 const MOST_COPIES: u32 = 1 << 22;
 
 /// All solids.
 pub(super) struct Solids<'d> {
     /// The number of each name.
     pub index: HashMap<&'d str, usize>,
-    /// In the order of the document; `None` where there was a problem, which has been reported.
+    /// In the order of the document; `None` for an invalid solid, whose problem has been reported.
     pub built: Vec<Option<Solid>>,
     /// Whether another solid is made from it.
     pub used: Vec<bool>,
@@ -121,7 +121,7 @@ impl<'d> Builder<'d> {
         }
     }
 
-    /// Depth-first with a stack of its own.
+    /// Resolves all solids by a depth-first traversal with an explicit stack.
     fn settle_all(&mut self, context: &mut Context<'d>, numbers: &mut Numbers) {
         let mut states = vec![State::New; self.parts.len()];
         for root in 0..self.parts.len() {
@@ -217,7 +217,7 @@ fn operate(operator: Operator, operands: Vec<Solid>) -> Option<Solid> {
     })
 }
 
-/// A solid under its name. Names that begin with `_` serve the file alone.
+/// A solid under its name. Names that begin with `_` are private to the file.
 fn named(entry: &SolidEntry, solid: Solid) -> Solid {
     let name = match &entry.label {
         Some(label) => &label.value,
@@ -248,7 +248,7 @@ fn shape(
     }
     match build_shape(&keyword.value, &values) {
         Ok(primitive) => complete.then(|| primitive.into()),
-        // what is missing is there, but wrong
+        // the missing parameter is given, but invalid
         Err(ShapeError::MissingParameter { .. }) if !complete => None,
         Err(error) => {
             let span = place_of(&error, keyword, arguments);
@@ -258,7 +258,7 @@ fn shape(
     }
 }
 
-/// A mesh from a file, which is named instead of all parameters.
+/// A mesh from a file, which replaces all parameters.
 fn mesh(
     context: &mut Context,
     keyword: &Spanned<String>,
@@ -284,7 +284,7 @@ fn mesh(
         .map(|mesh| Primitive::from(mesh).into())
 }
 
-/// Span of the argument, or of the part of it, that an error refers to.
+/// The span of the argument, or of a part of it, that an error refers to.
 fn place_of(error: &ShapeError, keyword: &Spanned<String>, arguments: &Table) -> Span {
     let named = |name: &str| arguments.iter().find(|(own, _)| own.value == name);
     let Some((name, datum)) = error.parameter().and_then(named) else {
@@ -343,7 +343,7 @@ fn wrong_type<T>(context: &mut Context, name: &str, found: &Datum, wanted: &str,
     None
 }
 
-/// The maps in order, each of them and their product invertible.
+/// The transforms in order; each of them, and their product, must be invertible.
 fn steps(context: &mut Context, numbers: &Numbers, steps: &[Spanned<Step>]) -> Option<Vec<Affine>> {
     let mut maps = Vec::with_capacity(steps.len());
     let (mut product, mut complete) = (Affine::IDENTITY, true);
@@ -364,7 +364,7 @@ fn steps(context: &mut Context, numbers: &Numbers, steps: &[Spanned<Step>]) -> O
     complete.then_some(maps)
 }
 
-/// The product of maps, the first applied first.
+/// The product of transforms; the first is applied first.
 pub(crate) fn product(context: &mut Context, numbers: &Numbers, list: &[Spanned<Step>]) -> Option<Affine> {
     let maps = steps(context, numbers, list)?;
     Some(maps.iter().fold(Affine::IDENTITY, |product, map| product.then(map)))

@@ -1,4 +1,4 @@
-//! Camera, lights, and how the picture is drawn.
+//! Evaluation of camera, lights and rendering options.
 
 use super::context::Context;
 use super::numbers::Numbers;
@@ -10,10 +10,10 @@ use crate::scene::{Camera, Light, Projection, RenderSettings};
 use crate::source::{Span, Spanned};
 use rayweave_math::Vec3;
 
-/// The vertical field of view if none is given, in degrees.
+/// The default vertical field of view, in degrees.
 const FOV: f64 = 35.0;
 
-/// The most pixels along one side of a picture.
+/// The maximum number of pixels along one side of a picture.
 const MOST_PIXELS: u32 = 32_768;
 
 pub(super) fn build(
@@ -44,15 +44,15 @@ fn camera(context: &mut Context, numbers: &Numbers, entry: &Spanned<CameraEntry>
     Some(Camera { projection: projection?, position, target, up, size })
 }
 
-/// The direction that is up, if the camera looks somewhere and not along it. Where +z was not asked for and
-/// the camera looks along it, +y is up.
+/// Validates the up direction: the camera must have a direction of view that is not parallel to it.
+/// If the default +z is parallel, +y replaces it.
 fn sensible_up(context: &mut Context, view: Vec3, up: Vec3, stated: bool, span: Span) -> Option<Vec3> {
     if view == Vec3::ZERO {
         let problem = Diagnostic::error("the camera looks nowhere");
         context.push(problem.why("its position is its target"), span);
         return None;
     }
-    // 1e-9 rad: beyond that the direction to the side has no correct digits worth the name
+    // 1e-9 rad: below that the direction to the side has no significant digits
     let parallel = view.normalize().cross(up.normalize()).length() < 1e-9;
     if parallel && stated {
         let problem = Diagnostic::error("the camera looks along `up`");

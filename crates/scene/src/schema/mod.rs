@@ -1,4 +1,4 @@
-//! The JSON schema of the model file, so that editors complete and check it.
+//! The JSON schema of the model file, for completion and validation in editors.
 
 mod optics;
 mod parts;
@@ -10,7 +10,8 @@ use parts::{list, reference, table, text};
 use rayweave_shape::primitive::{MANUALS, Manual, Parameter, ParameterKind};
 use serde_json::{Map, Value, json};
 
-/// The JSON schema (draft 2020-12) of the native model file. The shapes in it come from their manual pages.
+/// The JSON schema (draft 2020-12) of the native model file. The schemas of the shapes are
+/// generated from their manual pages.
 pub fn schema() -> Value {
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -44,7 +45,7 @@ pub fn schema() -> Value {
             "render": render(),
             "optics": optics::optics(),
         },
-        // tables of other names are kept for others
+        // tables of other names belong to other programs
         "additionalProperties": { "type": ["object", "array"] },
         "$defs": definitions(),
     })
@@ -104,7 +105,7 @@ fn shape(manual: &Manual) -> Value {
     }
 }
 
-/// A mesh stands in the model file, or beside it in a file of its own.
+/// A mesh, given in the model file or as a file beside it.
 fn mesh(summary: &str, mut properties: Map<String, Value>, needed: &[&str]) -> Value {
     properties.insert("file".into(), text("A file beside the model: STL, OBJ, PLY, OFF, 3MF or glTF."));
     let repair = "Whether a mesh in a file is mended as far as that is safe.";

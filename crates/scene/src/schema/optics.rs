@@ -1,4 +1,4 @@
-//! The `[optics]` tables, which `rayweave-optics` reads.
+//! Schema of the `[optics]` tables, which `rayweave-optics` reads.
 
 use super::parts::{list, reference, table, text};
 use serde_json::{Value, json};
@@ -29,7 +29,7 @@ pub(super) fn optics() -> Value {
     )
 }
 
-/// One of some words, or a table of one of some keys.
+/// One of several words, or a table with one of several keys.
 fn word_or_table(words: &[&str], keys: Value) -> Value {
     let mut one = table("One of these.", keys, &[]);
     one["minProperties"] = 1.into();
@@ -104,7 +104,7 @@ fn outline() -> Value {
     })
 }
 
-/// A table with keys of its own, and exactly one of others.
+/// A table with its own keys, and exactly one of several others.
 fn with_one_of(description: &str, mut own: Value, others: &Value, required: &[&str]) -> Value {
     let others: Vec<_> = others.as_object().into_iter().flatten().collect();
     for (key, rule) in &others {

@@ -1,13 +1,13 @@
-//! Parts of schemas.
+//! Building blocks of schemas.
 
 use serde_json::{Value, json};
 
-/// A schema by its name among the definitions.
+/// A reference to a definition by its name.
 pub fn reference(name: &str) -> Value {
     json!({ "$ref": format!("#/$defs/{name}") })
 }
 
-/// An object that has no other keys than these.
+/// An object with no other keys than these.
 pub fn table(description: &str, properties: Value, required: &[&str]) -> Value {
     json!({
         "description": description,
@@ -23,7 +23,7 @@ pub fn text(description: &str) -> Value {
     json!({ "type": "string", "description": description })
 }
 
-/// A list of so many items.
+/// A list of `length` items.
 pub fn list(of: &str, length: usize) -> Value {
     json!({ "type": "array", "items": reference(of), "minItems": length, "maxItems": length })
 }

@@ -14,7 +14,8 @@ use crate::curve::vector::{self, Direction};
 use crate::point::{along, length};
 use crate::{Curve, CurveError, Point};
 
-/// A helix as a motion. A particle of positive frequency turns clockwise as seen against the field.
+/// The helical motion of a charged particle. A particle of positive frequency turns clockwise as
+/// seen against the field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Helix {
     position: Point<3>,

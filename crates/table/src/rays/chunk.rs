@@ -11,7 +11,7 @@ pub struct RayChunk {
     pub origin: [Vec<f64>; 3],
     /// x, y and z of the directions: finite, nonzero, of any length.
     pub direction: [Vec<f64>; 3],
-    /// Empty wavelengths in nanometres, greater than 0; empty if the file has none.
+    /// Vacuum wavelengths in nanometres, greater than 0; empty if the file has none.
     pub wavelength_nm: Vec<f64>,
     /// Powers, nonnegative; empty if the file has none.
     pub power: Vec<f64>,

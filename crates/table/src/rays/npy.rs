@@ -220,7 +220,8 @@ fn check_shape(shape: &[u64], content: Content, problems: &mut ProblemList) -> O
     None
 }
 
-/// Compares the length of the array in the header with the length of the file, if that is known.
+/// Compares the length of the array in the header with `size`, the length of the file, if there is
+/// one.
 fn check_length(header: &NpyHeader, row_size: usize, rows: u64, size: Option<u64>) -> Option<String> {
     let expected = rows.checked_mul(row_size as u64);
     let Some(expected) = expected.filter(|&bytes| bytes <= i64::MAX as u64) else {

@@ -105,7 +105,7 @@ def tolerance(
         whole(trials, "trials", least=1),
         refocus=flag(refocus, "refocus"),
         vignette=flag(vignette, "vignette"),
-        # without rings there is the ray in the middle: it has no radius, but a place
+        # without rings there is only the ray in the middle, which has a position but no spot radius
         rings=whole(rings, "rings", least=1 if is_of_rays else 0, bits=31),
         seed=whole(seed, "seed"),
         threads=threads,

@@ -69,9 +69,10 @@ def _lines(
     lengths = np.linalg.norm(chords, axis=1)
     chords /= np.where(lengths > 0, lengths, 1.0)[:, None]
     bent = np.linalg.norm(np.cross(chords, tilts), axis=1) > _STRAIGHT
-    # the direction at the start: that at the end of the piece before or, where the curve begins, that of a parabola
+    # the start direction: the end direction of the previous piece or, at the start of the curve,
+    # that of a parabola
     parents = trace["parent"][chosen]
-    # of a part of a trace the rows before are not there
+    # in a part of a trace the previous rows may be missing
     known = (parents >= 0) & (parents < trace.rows)
     parents = np.where(known, parents, 0)
     meets = np.stack([trace[f"{k}1"] for k in "xyz"], axis=1)[parents] == starts

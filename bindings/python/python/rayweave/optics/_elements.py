@@ -108,7 +108,7 @@ class Element(Placed):
     read: _core.ReadElement | None = None
 
     def __post_init__(self) -> None:
-        # what is wrong is told where it is given
+        # report invalid arguments here, where they are given
         text(self.name, "name")
         if not isinstance(self.body, Solid | Sheet):
             kind = type(self.body).__name__
@@ -183,7 +183,7 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
     medium = _medium(material)
     if isinstance(medium, GradedMedium):
         return "transparent", medium, finish
-    # where hardly any light goes through a wavelength of it, it is a metal
+    # a metal absorbs nearly all light within a wavelength
     index, extinction = _yellow(medium) if isinstance(medium, Glass) else medium
     return "metal" if extinction > 0.1 * index else "transparent", medium, finish
 

@@ -242,7 +242,7 @@ def pupil_grid(
     many points across, or as many points along one axis."""
     if kind not in _PUPILS:
         unknown("grid of a pupil", kind, _PUPILS)
-    # a grid of no rings is the middle alone
+    # a grid without rings is the centre only
     return _core.pupil_points(kind, whole(count, "count", least=0 if kind == "hexapolar" else 1, bits=31))
 
 
@@ -554,7 +554,7 @@ class Prescription:
         The rays are a square grid, `across` of them over the pupil."""
         rays, cutoff = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed), self._cutoff()
         if frequencies is None:
-            # where the modulation by the smallest spot has gone
+            # the frequency at which the modulation of the smallest spot vanishes
             least = min(image.spot().rms for image in rays)
             frequencies = np.linspace(0.0, min(cutoff, 0.3 / least) if least > 0.0 else cutoff, 51)
         return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit)
@@ -610,7 +610,7 @@ class Prescription:
         pupil = pupil_grid("fan_y", whole(rays, "rays", least=1, bits=31))
         bundles = [self.rays(field, pupil=pupil) for field in range(len(self.fields))]
         origins, directions = (np.concatenate(parts) for parts in zip(*bundles, strict=True))
-        # a far object would leave little of the lens
+        # with a distant object the lens would be tiny in the drawing
         if self.object_distance > 2.0 * sum(abs(surface.thickness) for surface in self.surfaces):
             origins = _drawn_in(elements, origins, directions)
         trace = self.system().trace_rays(

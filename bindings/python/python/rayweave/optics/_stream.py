@@ -126,7 +126,7 @@ def write(
 ) -> Balance:
     whole(rows, "rows", least=1)
     if path.suffix.lower() != ".parquet":
-        # by the writer that the command uses, in the same columns
+        # same writer and columns as the command line program
         tell = reporter(progress) if progress else None
         compiled = [source.compiled for source in sources]
         return system._balance(system._compiled.trace_to(path, system.unit, compiled, settings, phases, tell))
@@ -137,7 +137,7 @@ def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
     parquet = package("pyarrow.parquet", "Parquet files")
     if not path.absolute().parent.is_dir():
         raise _core.RayweaveError(f"cannot create {path}: the folder {path.parent} does not exist. Create it first.")
-    # beside its target, and renamed when complete
+    # written beside the target and renamed when complete
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.part")
     writer = None
     try:

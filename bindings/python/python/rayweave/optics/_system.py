@@ -462,7 +462,7 @@ def _stokes(rows: NDArray[np.float64], ways: NDArray[np.float64]) -> NDArray[np.
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         across = axes - (axes * along).sum(axis=1, keepdims=True) * along
         length = np.linalg.norm(across, axis=1, keepdims=True)
-        # nearer to the ray than this, rounding alone would give the direction; rays that are none are told later
+        # rounding dominates a shorter component across the ray; invalid rays are reported later
         has_axis = (length > 1e-9) | ~np.isfinite(along).all(axis=1, keepdims=True)
     if not has_axis.all():
         k = int(np.argmin(has_axis))

@@ -1,4 +1,4 @@
-//! Prescriptions, their first-order data and studies of their images.
+//! Prescriptions, their first-order data and their image analysis.
 
 mod frame;
 mod row;
@@ -23,7 +23,7 @@ use frame::{Frame, frame_table, framed};
 use row::{Row, RowOut, row_of};
 use table::{first_order_table, ray_arrays, seidel_table};
 
-/// A prescription, compiled when it is first asked for what solids do: see `rayweave.optics.Prescription`.
+/// A prescription, with a system that is compiled on demand: see `rayweave.optics.Prescription`.
 #[pyclass(frozen, module = "rayweave.optics", name = "CompiledPrescription")]
 pub struct PyPrescription {
     lens: Prescription,
@@ -43,12 +43,12 @@ impl PyPrescription {
     fn new(rows: Vec<Row<'_>>, frame: Frame) -> PyResult<Self> {
         let surfaces = rows.iter().map(Row::surface).collect::<PyResult<_>>()?;
         let lens = framed(Prescription::new(surfaces), frame)?;
-        // what is wrong is said at once
+        // reject invalid prescriptions in the constructor
         lens.first_order(lens.primary_nm()).map_err(bad_value)?;
         Ok(PyPrescription::from(lens))
     }
 
-    /// The prescription in the bytes of a Zemax file, and notes on what was passed over.
+    /// The prescription in the bytes of a Zemax file, and notes on ignored entries.
     #[staticmethod]
     #[pyo3(signature = (file))]
     fn read_zmx(file: &[u8]) -> PyResult<(Self, Vec<String>)> {
@@ -66,7 +66,7 @@ impl PyPrescription {
         self.lens.surfaces.iter().map(|surface| row_of(py, surface)).collect()
     }
 
-    /// What is not said of single surfaces, as the constructor takes it.
+    /// The numbers that belong to no single surface, in the form that the constructor takes.
     fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         frame_table(py, &self.lens)
     }
@@ -178,7 +178,8 @@ impl PyPrescription {
         })
     }
 
-    /// Where the ray of the first field, the axis, through a height in the pupil crosses the axis.
+    /// The intersection with the axis of the ray of the first field, on the axis, through a height
+    /// in the pupil.
     #[pyo3(signature = (wavelength_nm, height))]
     fn axial_focus(&self, py: Python<'_>, wavelength_nm: f64, height: f64) -> PyResult<f64> {
         self.study(py, false, |study| study.axial_focus(wavelength_nm, height))
@@ -192,7 +193,7 @@ impl PyPrescription {
 }
 
 impl PyPrescription {
-    /// The prescription itself.
+    /// The prescription.
     pub fn lens(&self) -> &Prescription {
         &self.lens
     }

@@ -11,7 +11,8 @@ use crate::optics::component::terms;
 use crate::optics::glass::PyGlass;
 use crate::optics::spec::{Spec, SpecOut};
 
-/// What lies behind a surface: "air", "mirror" or the name of a glass; an index, n_d and V_d, or a glass.
+/// The material behind a surface: "air", "mirror" or the name of a glass; an index, n_d and V_d, or
+/// a glass.
 #[derive(FromPyObject)]
 enum Substance<'py> {
     Glass(PyRef<'py, PyGlass>),
@@ -116,7 +117,7 @@ fn given(terms: &[f64; 8]) -> Vec<f64> {
     terms[..count].to_vec()
 }
 
-/// The same on its way out.
+/// The row in the form that is returned to Python.
 pub type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>, SpecOut);
 
 /// The row of a surface.

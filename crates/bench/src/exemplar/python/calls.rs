@@ -1,4 +1,5 @@
-//! The calls in Rust that answer what the calls from Python do, into memory of the same kind: given, or new.
+//! Rust calls that are equivalent to the calls from Python, with results in the same kind of
+//! memory: given or new.
 
 use super::{Asked, text};
 use crate::answer::{FirstTable, HitTable, ahead};
@@ -14,7 +15,7 @@ use std::hint::black_box;
 /// The name of the contenders.
 const NAME: &str = "Rust";
 
-/// One call about all rays.
+/// One call for all rays.
 pub fn many<'a>(
     asked: Asked,
     evaluator: &'a AnyEvaluator,
@@ -66,7 +67,7 @@ struct Columns {
     enters: Vec<bool>,
     /// Face, leaf, placement.
     ids: [Vec<u32>; 3],
-    /// End of the rows of each ray.
+    /// The end of the rows of each ray.
     ends: Vec<usize>,
     start_inside: Vec<bool>,
 }
@@ -132,7 +133,7 @@ fn contains(evaluator: &AnyEvaluator, points: [&[f64]; 3], threads: usize) {
     black_box(flags);
 }
 
-/// A call for each ray, with memory that is kept.
+/// One call per ray, with reused memory.
 pub fn one_by_one<'a>(
     asked: Asked,
     evaluator: &'a AnyEvaluator,

@@ -1,4 +1,5 @@
-//! Overhead of calls from Python over the same calls from Rust: the die, question by question, for a million rays and for one.
+//! Overhead of calls from Python compared with the same calls from Rust, for the die: each query
+//! for a million rays and for one.
 
 mod calls;
 
@@ -11,13 +12,13 @@ use rayweave::model::{RayBatch, Rays, RegionId};
 use rayweave::{AnyEvaluator, Evaluator, Ray, Reference};
 use std::sync::Arc;
 
-/// Rays whose answers are compared.
+/// The number of rays whose results are compared.
 const COMPARED: usize = 4096;
 
 /// Rays of the single-ray measurement: many different ones, so that branch predictors cannot learn them.
 const TURNS: usize = 1024;
 
-/// A question that both languages can ask.
+/// A query that is available in both languages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Asked {
     Hits,
@@ -46,7 +47,7 @@ impl Asked {
         }
     }
 
-    /// Answer of the die's own evaluator, or of the reference.
+    /// The result of the default evaluator, or of the reference.
     fn lists<E: Evaluator>(self, evaluator: &E, rays: Rays<'_>) -> Result<Lists, String> {
         match self {
             Asked::Hits | Asked::Surfaces | Asked::Crossings => Ok(full_lists(evaluator, rays)),
@@ -56,14 +57,14 @@ impl Asked {
     }
 }
 
-/// A list with one entry for each point that is inside, an empty one for others.
+/// A list with one entry for each point that is inside, and an empty list for other points.
 fn insides<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Lists {
     let mut regions = vec![RegionId(0); rays.len()];
     evaluator.regions_at(rays.origins, &mut evaluator.scratch(), &mut regions);
     regions.into_iter().map(|region| Vec::from_iter((region.0 != 0).then_some(1.0))).collect()
 }
 
-/// One question about `batch` rays at a time.
+/// One kind of query on `batch` rays at a time.
 struct FromPython {
     name: String,
     /// The task of the driver in Python.
@@ -73,7 +74,7 @@ struct FromPython {
     one_by_one: bool,
 }
 
-/// The questions: of many rays at a time, and of one.
+/// All queries: on many rays at a time, and on one.
 pub fn all() -> Vec<Box<dyn Exemplar>> {
     let of = |(asked, name): (Asked, &str), one_by_one: bool| -> Box<dyn Exemplar> {
         let (size, kind) = if one_by_one { ("one", "one") } else { ("1e6", "many") };
@@ -120,7 +121,7 @@ impl Exemplar for FromPython {
 }
 
 impl FromPython {
-    /// Rays from a sphere to the die; of points, from the cube around it.
+    /// Rays from a sphere to the die, or points in the cube around it.
     fn batch(&self, bench: &Bench) -> RayBatch {
         let count = if self.one_by_one { TURNS } else { bench.effort.size(1_000_000) };
         let batch = incoherent(count, 3);

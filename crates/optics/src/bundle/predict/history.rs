@@ -1,4 +1,4 @@
-//! Predicted hits by the start of the rays.
+//! Table of predicted hits, keyed by the start of the rays.
 
 /// The next hit of a ray bundle, predicted from the hits of earlier rays that started on the same
 /// side of the same surface.
@@ -18,7 +18,7 @@ pub(crate) enum PredictedHit {
     },
 }
 
-/// How often the evaluator is called in a chunk for the hit of rays from the same start.
+/// The maximum number of calls of the evaluator per chunk for rays from the same start.
 ///
 /// The table is kept for one chunk only: predictions that depended on other chunks would make the
 /// order of sums depend on threads.
@@ -32,7 +32,7 @@ pub(crate) struct Prediction {
 }
 
 impl Prediction {
-    /// Whether the evaluator may be called once more; counts the call.
+    /// True if the evaluator may be called once more; counts the call.
     pub fn may_evaluate(&mut self) -> bool {
         let may = self.evaluations < MAX_EVALUATIONS;
         self.evaluations += u32::from(may);
@@ -40,7 +40,8 @@ impl Prediction {
     }
 }
 
-/// Predicted hits by the start of the rays: a surface and the side to which they leave it, or neither.
+/// Predicted hits, keyed by the surface on which the rays start and the side to which they leave
+/// it, or by no surface.
 #[derive(Debug, Default)]
 pub(crate) struct PredictionTable(Vec<Prediction>);
 

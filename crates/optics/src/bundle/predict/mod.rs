@@ -8,8 +8,8 @@
 //! kernel.
 //!
 //! A side counts as known only beyond a [margin](MARGIN) far above every tolerance, so that no
-//! decision within a tolerance (welding, rays in a surface) takes part. What cannot be verified
-//! falls back to the evaluator.
+//! decision within a tolerance (welding, rays in a surface) takes part. Bundles whose prediction
+//! cannot be verified fall back to the evaluator.
 
 mod history;
 mod regions;
@@ -26,7 +26,7 @@ use rayweave_shape::lanes::{
 use rayweave_shape::surface::Surface;
 use regions::{MAX_BITS, Regions};
 
-/// The distance from a surface, relative to all lengths at hand, within which the side of a point
+/// The distance from a surface, relative to the lengths involved, within which the side of a point
 /// counts as unknown.
 const MARGIN: f64 = 1e-9;
 
@@ -44,12 +44,13 @@ pub(crate) struct Predictor {
     pub level: Level,
 }
 
-/// Eight rays and the known sides of surfaces at their origins.
+/// Eight rays, with the known sides of surfaces at their origins.
 #[derive(Clone, Copy)]
 pub(crate) struct BundleRays<S: Simd> {
     pub origin: Vec3Lanes<S>,
     pub direction: Vec3Lanes<S>,
-    /// The surface on which all rays start, if they start on one, and whether they leave it to where f < 0.
+    /// The surface on which all rays start, and whether they leave it to the side f < 0; `None` if
+    /// they start on no surface.
     pub start: Option<(usize, bool)>,
     /// The sides of other surfaces at their origins.
     pub sides: Sides,
@@ -66,7 +67,7 @@ pub(crate) struct VerifiedHit<S: Simd> {
     pub crossing: FaceCrossing,
     /// The sides of all other surfaces at the hit.
     pub sides: Sides,
-    /// True if no other surface is near.
+    /// True if no other surface is within the tolerance of a hit.
     pub is_alone: bool,
 }
 
@@ -90,12 +91,13 @@ impl Predictor {
         Some(Predictor { surfaces, slots, regions, limits: limits(program), level: Level::new() })
     }
 
-    /// The number of a surface here.
+    /// The index of a surface in this predictor.
     pub fn slot(&self, surface: SurfaceId) -> Option<usize> {
         self.slots.get(surface.index()).copied().flatten()
     }
 
-    /// The crossing of a surface by a bundle, if that is verified to be its next hit.
+    /// Verifies that the next hit of a bundle is on a surface, and returns the crossing; `None` if
+    /// the proof fails.
     #[inline(always)]
     pub fn verify<S: Simd>(&self, simd: S, rays: &BundleRays<S>, surface: usize) -> Option<VerifiedHit<S>> {
         let (t, inward) = self.time(simd, rays, surface, rays.sides)?;
@@ -113,8 +115,8 @@ impl Predictor {
         crosses.all_true().then_some(VerifiedHit { t, point, slope, normal, crossing, sides, is_alone })
     }
 
-    /// The first crossing of a surface by a bundle that starts on none of these surfaces, whatever
-    /// it crosses before: the times, and the regions before and behind it.
+    /// The first crossing of a surface by a bundle that starts on none of these surfaces,
+    /// regardless of what it crosses before: the times, and the regions before and behind it.
     #[inline(always)]
     pub fn verify_first<S: Simd>(
         &self,
@@ -133,14 +135,16 @@ impl Predictor {
         is_within_range.then_some((t, [region(!inward)?, region(inward)?]))
     }
 
-    /// The region of a bundle from its start up to some times, if it is known and the same for all rays.
+    /// The region of a bundle from its start up to times `t`; `None` if it is unknown or differs
+    /// between rays.
     #[inline(always)]
     pub fn region_up_to<S: Simd>(&self, simd: S, rays: &BundleRays<S>, t: Lanes<S>) -> Option<RegionId> {
         let (between, _) = self.sides_up_to(simd, rays, t, None)?;
         self.regions.containing(between).map(Regions::owner)
     }
 
-    /// The times of the first crossing of a surface, and whether it is inward, from the sides at the origins.
+    /// The times of the first crossing of a surface, and whether it is inward; the sides at the
+    /// origins determine both.
     #[inline(always)]
     fn time<S: Simd>(
         &self,
@@ -181,7 +185,7 @@ impl Predictor {
         (is_ahead & !doubt.always & !doubt.grazes).all_true().then_some((t, inward))
     }
 
-    /// The sides on which a bundle stays up to some times, except for a surface that it crosses
+    /// The sides on which a bundle stays up to given times, except for a surface that it crosses
     /// there, and the sides at those times.
     #[inline(always)]
     fn sides_up_to<S: Simd>(
@@ -250,7 +254,8 @@ impl Predictor {
         (gradient.dot(direction), gradient.taxicab())
     }
 
-    /// The known sides of all surfaces at eight points that were reached over some lengths.
+    /// The known sides of all surfaces at eight points; `lengths` are the magnitudes of the origins
+    /// plus the distances travelled, which scale the margin.
     #[inline(always)]
     pub fn sides<S: Simd>(&self, simd: S, point: Vec3Lanes<S>, lengths: Lanes<S>) -> Sides {
         let lengths = lengths + self.limits.magnitude;
@@ -299,7 +304,7 @@ fn convex(program: &Program, id: SurfaceId) -> Option<Facet> {
     Some(Facet { kernel: Kernel::of(surface)?, inside: true, face, surfaces, gap, is_one_piece: false })
 }
 
-/// The limits of rays that lanes can answer, for surfaces of degree 2 at most.
+/// The limits within which lane kernels are valid, for surfaces of degree 2 at most.
 fn limits(program: &Program) -> LaneLimits {
     let ball = program.prototype(PrototypeId(0)).ball;
     let radius = |surface: &Surface| match surface {

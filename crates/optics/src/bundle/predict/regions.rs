@@ -7,8 +7,8 @@ use std::collections::{HashMap, HashSet};
 /// The greatest number of surfaces, and of regions: each has a bit.
 pub(super) const MAX_BITS: usize = 64;
 
-/// The known sides of surfaces, the same for all rays of a bundle: a bit for each surface, none
-/// where the side is unknown.
+/// The known sides of surfaces, the same for all rays of a bundle. Bit k of a mask is surface k; a
+/// surface of unknown side is in neither mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Sides {
     /// f < 0.
@@ -37,18 +37,18 @@ impl Sides {
         Sides { inside: self.inside & other.inside, outside: self.outside & other.outside }
     }
 
-    /// The surfaces whose side is known.
+    /// Bit mask of the surfaces of known side.
     pub fn known(self) -> u64 {
         self.inside | self.outside
     }
 }
 
-/// A disjunction: it holds on any of its sides.
+/// A disjunction of sides.
 #[derive(Clone, Copy, Debug, Default)]
 struct Clause(Sides);
 
 impl Clause {
-    /// Whether it holds, if the known sides determine that.
+    /// The truth value; `None` if the known sides do not determine it.
     fn holds(self, sides: Sides) -> Option<bool> {
         let Clause(Sides { inside, outside }) = self;
         match () {
@@ -59,16 +59,16 @@ impl Clause {
     }
 }
 
-/// A face of a region, in one of the surfaces.
+/// A face of a region.
 #[derive(Clone, Copy, Debug)]
 struct RegionFace {
     surface: usize,
     leaf: LeafId,
-    /// The number of the face among all.
+    /// The number of the face in the program.
     number: usize,
 }
 
-/// A region in conjunctive normal form: it is where all clauses hold.
+/// A region in conjunctive normal form: the set of points at which all clauses hold.
 #[derive(Clone, Debug, Default)]
 struct RegionClauses {
     clauses: Vec<Clause>,
@@ -133,8 +133,8 @@ impl Regions {
         Some(Regions { regions, media, are_disjoint })
     }
 
-    /// The regions that contain points with some known sides, a bit each; `None` if the sides do
-    /// not determine them.
+    /// Bit mask of the regions that contain points with these sides; `None` if the sides do not
+    /// determine it.
     pub fn containing(&self, sides: Sides) -> Option<u64> {
         let mut containing = 0;
         for (k, region) in self.regions.iter().enumerate() {
@@ -155,8 +155,8 @@ impl Regions {
     /// The crossing of a surface alone, from some regions into others; `None` if the medium stays
     /// the same, if no single face makes the difference, or if regions share leaves.
     ///
-    /// Same rule as [`rayweave_model::weld::attribute`]: a crossing belongs to the lowest leaf of
-    /// those whose own change makes a difference, from the one state or the other. A region changes
+    /// Same rule as [`rayweave_model::weld::attribute`]: a crossing belongs to the lowest leaf
+    /// whose own change makes a difference, in the state before or in that behind. A region changes
     /// with its one leaf in the surface.
     pub fn crossing(&self, surface: usize, before: u64, after: u64) -> Option<FaceCrossing> {
         let (left, entered) = (Regions::owner(before), Regions::owner(after));

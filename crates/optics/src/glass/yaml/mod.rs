@@ -31,11 +31,11 @@ use crate::glass::{Dispersion, Glass, Published, Table};
 /// Reads the materials of a file of refractiveindex.info; `name` is that of a document that has no
 /// key `NAME`, as is usual.
 ///
-/// Of several formulas or tables for the index, the first counts, and so of several for the
+/// If there are several formulas or tables for the index, the first counts; likewise for the
 /// extinction coefficient.
 ///
 /// # Errors
-/// All problems of the file at once, each with its line; of a file that is no YAML the first.
+/// All problems of the file at once, each with its line; only the first if the file is not YAML.
 /// Documents without problems remain available: [`into_readable`](ReadError::into_readable).
 ///
 /// ```

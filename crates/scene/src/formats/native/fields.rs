@@ -1,4 +1,4 @@
-//! Taking a table apart, key by key, so that what nobody asked for is noticed.
+//! Reading of a table key by key, with a report of unknown keys.
 
 use crate::colour::Colour;
 use crate::datum::Datum;
@@ -127,14 +127,14 @@ impl Problems {
     }
 }
 
-/// A table that is being taken apart, with where problems are collected.
+/// A table of which keys are taken one by one, with the list of problems.
 pub(super) struct Fields<'p> {
     pub problems: &'p mut Problems,
     pub keys: Keys,
 }
 
 impl<'p> Fields<'p> {
-    /// Nothing, and a problem, if the value is not a table.
+    /// Creates the reader of a table; `None`, with a problem reported, if the value is not a table.
     pub fn new(problems: &'p mut Problems, name: &str, datum: Spanned<Datum>) -> Option<Fields<'p>> {
         match datum.value {
             Datum::Table(rest) => Some(Fields { problems, keys: Keys::new(name, datum.span, rest) }),
@@ -145,17 +145,17 @@ impl<'p> Fields<'p> {
         }
     }
 
-    /// Takes a value out.
+    /// Removes and returns a value.
     pub fn take(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
         self.keys.take(key)
     }
 
-    /// Takes a value out, with its key.
+    /// Removes and returns a value with its key.
     pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
         self.keys.take_entry(key)
     }
 
-    /// Takes a value out that must be there.
+    /// Removes and returns a required value.
     pub fn need(&mut self, key: &'static str) -> Option<Spanned<Datum>> {
         let datum = self.take(key);
         if datum.is_none() {
@@ -164,7 +164,7 @@ impl<'p> Fields<'p> {
         datum
     }
 
-    /// Says that a value is missing.
+    /// Reports that a value is missing.
     pub fn missing(&mut self, what: &str) {
         self.problems.push(self.keys.missing(what), self.keys.span);
     }
@@ -199,7 +199,7 @@ impl<'p> Fields<'p> {
         self.keys.rest.is_empty()
     }
 
-    /// Reports everything that nobody asked for.
+    /// Reports every key that has not been taken.
     pub fn finish(self) {
         for (problem, span) in self.keys.unknown() {
             self.problems.push(problem, span);

@@ -1,4 +1,4 @@
-//! The text of tables that belong to others.
+//! Source text of the tables of other programs.
 
 use crate::datum::{Datum, Table, from_toml, key, to_toml};
 use crate::source::{Source, Span, Spanned};
@@ -26,8 +26,7 @@ impl<'a> Sections<'a> {
         Sections { source, starts }
     }
 
-    /// The text of one table of the top level: that of all its sections, if it stands in such, or
-    /// `name = { .. }`.
+    /// The text of a top-level table: that of all its sections, or `name = { .. }` if it has none.
     pub fn text(&self, entry: &(Spanned<String>, Spanned<Datum>)) -> String {
         let (name, value) = entry;
         let ends = self.starts.iter().skip(1).map(|(start, _)| *start).chain([self.source.text().len()]);
@@ -37,7 +36,7 @@ impl<'a> Sections<'a> {
             "" => self.source.slice(name.span.to(value.span)),
             text => text,
         };
-        // dotted keys may stand anywhere: then the text is not all there is
+        // dotted keys may be anywhere; the text of the sections is then incomplete
         match says(text, entry) {
             true => format!("{text}\n"),
             false => format!("{} = {}\n", key(&name.value), to_toml(&value.value)),
@@ -45,14 +44,14 @@ impl<'a> Sections<'a> {
     }
 }
 
-/// True if a text says what the entry says and nothing else.
+/// True if a text is exactly equivalent to an entry.
 fn says(text: &str, entry: &(Spanned<String>, Spanned<Datum>)) -> bool {
     let source = Arc::new(Source::default());
     let table = DeTable::parse(text).map(|table| from_toml(table.get_ref(), &source, &mut Vec::new()));
     table.is_ok_and(|table| table.as_slice() == std::slice::from_ref(entry))
 }
 
-/// The places of all headers (`[a.b]`, `[[a.b]]`) below a value.
+/// Collects the positions of all headers (`[a.b]`, `[[a.b]]`) below a value.
 fn collect_headers<'a>(
     source: &Source,
     value: &Spanned<Datum>,
@@ -66,7 +65,7 @@ fn collect_headers<'a>(
             }
             table.iter().for_each(|(_, value)| collect_headers(source, value, name, starts));
         }
-        // an array of tables has the place of its first header; its items have their own
+        // the position of an array of tables is that of its first header; its items have their own
         Datum::List(list) => list.iter().for_each(|value| collect_headers(source, value, name, starts)),
         _ => {}
     }

@@ -1,4 +1,4 @@
-//! The native model file: TOML, written by people.
+//! The native model file, in TOML.
 
 mod fields;
 mod foreign;

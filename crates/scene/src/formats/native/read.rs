@@ -1,4 +1,4 @@
-//! From text to a document.
+//! Parser of the native model file.
 
 use super::VERSION;
 use super::fields::{Fields, Problems};
@@ -20,16 +20,17 @@ use toml::de::DeTable;
 pub(crate) struct Reading {
     pub document: Document,
     pub problems: Vec<Diagnostic>,
-    /// The text is not TOML: what was not found may stand in a part that could not be read.
+    /// True if the text is not valid TOML; missing names may then be in the part that could not be
+    /// read.
     pub broken: bool,
-    /// Names of solids and parameters that stand in the file but could not be read, or not wholly.
+    /// Names of solids and parameters in the file whose definitions are invalid.
     pub unreadable: HashSet<String>,
 }
 
-/// The tables of the top level.
+/// The top-level tables.
 const TABLES: [&str; 7] = ["parameters", "solid", "region", "medium", "camera", "light", "render"];
 
-/// Reads as much as there is, with all problems.
+/// Reads as much as possible, and collects all problems.
 pub(crate) fn read(source: Arc<Source>) -> Reading {
     let (table, errors) = DeTable::parse_recoverable(source.text());
     let mut problems = Problems { source: source.clone(), list: Vec::new() };
@@ -66,7 +67,8 @@ struct Reader {
 }
 
 impl Reader {
-    /// Adds the errors of syntax and removes what else was found on their lines, which is their consequence.
+    /// Adds the syntax errors and removes other problems on the same lines, which are consequences
+    /// of them.
     fn add_syntax_errors(&mut self, errors: &[toml::de::Error]) {
         let source = self.problems.source.clone();
         let span = |error: &toml::de::Error| error.span().map(Span::from).unwrap_or_default();
@@ -337,7 +339,7 @@ fn projection(fields: &mut Fields) -> Option<ProjectionEntry> {
 fn solid(mut fields: Fields, name: Spanned<String>) -> SolidEntry {
     let label = fields.text("name");
     let transform = fields.take("transform").map(|datum| transform(fields.problems, datum));
-    // what could not be read is replaced, so that the rest can be checked too
+    // an invalid body is replaced, so that the rest is checked too
     let body = body(fields).unwrap_or_else(|| Body::Expression("empty".into()));
     SolidEntry { name, label, body, transform: transform.unwrap_or_default() }
 }
@@ -364,7 +366,7 @@ fn body(mut fields: Fields) -> Option<Body> {
     body
 }
 
-/// The solid has no keyword that means something.
+/// Reports a solid without a known keyword.
 fn nothing_known(fields: Fields) -> Option<Body> {
     if fields.is_exhausted() {
         let problem = Diagnostic::error("the solid has no shape").why("it needs a shape, `expr` or `place`");
@@ -396,11 +398,11 @@ fn arguments(problems: &mut Problems, keyword: &Spanned<String>, datum: Spanned<
     }
 }
 
-/// The steps that can be read.
+/// The valid steps of a transform.
 pub(crate) fn transform(problems: &mut Problems, datum: Spanned<Datum>) -> Vec<Spanned<Step>> {
     match datum.value {
         Datum::List(list) => list.into_iter().filter_map(|item| step(problems, item)).collect(),
-        // one step needs no brackets
+        // a single step needs no brackets
         Datum::Table(_) => step(problems, datum).into_iter().collect(),
         _ => {
             problems.wrong_type("transform", &datum, "a list of steps, as [{ rotate_x = 90 }]");

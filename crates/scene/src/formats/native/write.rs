@@ -1,4 +1,4 @@
-//! From a document to text.
+//! Printer of the native model file.
 
 use super::VERSION;
 use crate::datum::{key, quoted, to_toml};
@@ -7,7 +7,7 @@ use crate::number::{Number, written};
 use crate::source::Spanned;
 use std::fmt::Write;
 
-/// The whole file. Comments are kept at its head and in the tables of others.
+/// Formats the whole file. Comments are kept at the head and in the tables of other programs.
 pub(crate) fn write(document: &Document) -> String {
     let mut text = String::new();
     for line in &document.heading {

@@ -1,4 +1,5 @@
-//! Scenes for POV-Ray 3.7, written only: its dialect, and what gets lost, are in the README beside this file.
+//! Export of scenes to POV-Ray 3.7. The README beside this file lists the supported features and
+//! the losses.
 //!
 //! Language: "POV-Ray 3.7.0 Reference Documentation", Persistence of Vision Raytracer Pty. Ltd., 2013.
 
@@ -10,10 +11,11 @@ pub use write::{PovRay, PovRayError};
 use crate::scene::Scene;
 
 impl Scene {
-    /// The scene in the language of POV-Ray 3.7; the README of `formats/povray` says what becomes of what.
+    /// Converts the scene to the language of POV-Ray 3.7; the README of `formats/povray` documents
+    /// the conversion.
     ///
     /// # Errors
-    /// [`PovRayError`]: a singular transform, or a scene so full of copies that the text would not end.
+    /// [`PovRayError`]: a singular transform, or a scene whose text would be too large.
     pub fn to_povray(&self) -> Result<PovRay, PovRayError> {
         write::write(self)
     }

@@ -1,4 +1,4 @@
-//! One primitive, as objects of POV-Ray.
+//! Conversion of primitives to objects of POV-Ray.
 
 use crate::number::written;
 use rayweave_math::{Affine, Bounds, Mat3, PERTURBATION_DIRECTION, Transform, Vec3};
@@ -6,13 +6,14 @@ use rayweave_mesh::Polyhedron;
 use rayweave_shape::primitive::{Facet, Primitive, Value};
 use rayweave_shape::surface::{Quadric, Surface, Torus};
 
-/// Nothing: two spheres that do not meet.
+/// The empty solid: two disjoint spheres.
 pub(super) const NOTHING: &str = "intersection { sphere { <0, 0, 0>, 1 } sphere { <4, 0, 0>, 1 } }";
 
-/// A primitive under a map; `None` if the map is singular, or a face of a kind that POV-Ray has no object for.
+/// A primitive under a map; `None` if the map is singular, or if POV-Ray has no object for one of
+/// the faces.
 ///
-/// Spheres, boxes, cylinders, cones and tori have objects of their own, which POV-Ray is fastest with. Anything else is
-/// written as what it is made of: an intersection of sides of planes and quadrics.
+/// Spheres, boxes, cylinders, cones and tori become objects of their own, which are the fastest in
+/// POV-Ray. Any other primitive becomes an intersection of half-spaces and quadrics.
 pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
     let transform = Transform::from_affine(*place).ok()?;
     let arguments = if matches!(primitive, Primitive::Mesh(_)) { Vec::new() } else { primitive.arguments() };
@@ -42,7 +43,8 @@ pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
     }
 }
 
-/// A mesh. POV-Ray decides inside by the parity of crossings, as here, along a direction that has to be named.
+/// A mesh. POV-Ray determines its inside by the parity of crossings along a direction that the file
+/// must specify.
 fn triangles(solid: &Polyhedron) -> String {
     let mesh = solid.to_mesh();
     let points: Vec<String> = mesh.vertices().iter().map(|point| vector(*point)).collect();
@@ -78,7 +80,8 @@ fn cuboid(bounds: &Bounds) -> String {
     format!("box {{ {}, {} }}", vector(bounds.lo), vector(bounds.hi))
 }
 
-/// An object under a map. A translation is named as such, because POV-Ray then keeps its short ways for boxes along the axes.
+/// An object under a map. A translation is written as such, because POV-Ray keeps its optimisations
+/// for axis-parallel boxes then.
 fn placed(object: String, place: &Affine) -> String {
     let modifier = match place {
         _ if *place == Affine::IDENTITY => return object,
@@ -88,7 +91,8 @@ fn placed(object: String, place: &Affine) -> String {
     with(object, &modifier)
 }
 
-/// The modifier for a map; POV-Ray multiplies rows from the left, so the images of the axes stand in rows.
+/// The modifier for a map. POV-Ray multiplies row vectors from the left, so the images of the axes
+/// are rows.
 fn matrix(place: &Affine) -> String {
     let Affine { linear, translation } = place;
     let rows = [linear.x_axis, linear.y_axis, linear.z_axis, *translation];
@@ -119,7 +123,7 @@ fn faces(primitive: &Primitive, place: &Transform) -> Option<String> {
         false => both,
     };
     let bounds = lowered.bounds.transformed(&place.world_from_local);
-    // planes and quadrics have no size of their own, by which POV-Ray could bound them
+    // planes and quadrics are infinite, so POV-Ray needs an explicit bound
     if bounds.is_finite() && sides.len() > 1 && !lowered.complement {
         let bounds = bounds.grown(LOOSE * bounds.size().max_element());
         return Some(with(both, &format!("bounded_by {{ {} }}", cuboid(&bounds))));
@@ -127,7 +131,7 @@ fn faces(primitive: &Primitive, place: &Transform) -> Option<String> {
     Some(both)
 }
 
-/// Boxes that bound are larger by this part, so that they touch nothing.
+/// The relative margin of bounding boxes, so that their faces touch nothing.
 const LOOSE: f64 = 1e-3;
 
 fn side(facet: &Facet, place: &Transform) -> Option<String> {

@@ -1,4 +1,4 @@
-//! A whole scene as text.
+//! Conversion of a scene to the text of POV-Ray.
 
 use super::shape::{self, NOTHING, vector, with};
 use crate::colour::Colour;
@@ -20,25 +20,25 @@ pub struct PovRay {
     pub losses: Vec<String>,
 }
 
-/// Why a scene cannot be written for POV-Ray.
+/// Error of a scene that POV-Ray cannot represent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PovRayError {
     /// A map has no inverse.
     Singular {
-        /// The region that it was found in.
+        /// The region with the map.
         region: String,
     },
-    /// A shape has a face that POV-Ray has no object for.
+    /// POV-Ray has no object for a face of a shape.
     NoForm {
-        /// The region that it was found in.
+        /// The region with the shape.
         region: String,
         /// The name of the shape.
         shape: &'static str,
     },
     /// The text would be too long.
     TooLarge {
-        /// The region that it was found in.
+        /// The region that is too large.
         region: String,
     },
 }
@@ -66,11 +66,11 @@ impl fmt::Display for PovRayError {
 
 impl std::error::Error for PovRayError {}
 
-/// The most shapes and operators of one region.
+/// The maximum number of shapes and operators of one region.
 const MOST: usize = 1_000_000;
 
-/// The parts of light that a matt surface gives back: everywhere, and times the cosine of the angle to the light. These are
-/// those of this project's headlight shading.
+/// Ambient and diffuse reflection of a matt surface, the latter times the cosine of the angle to
+/// the light: the values of the headlight shading of this project.
 const AMBIENT: f64 = 0.18;
 const DIFFUSE: f64 = 0.82;
 
@@ -169,7 +169,7 @@ fn texture(k: usize, colour: Colour) -> String {
     format!("#declare Region{k} = texture {{ pigment {{ {}{transmit} }} {finish} }};\n", rgb(colour, 1.0))
 }
 
-/// A colour as amounts of light (the transfer function of IEC 61966-2-1:1999).
+/// A colour as linear light (the transfer function of IEC 61966-2-1:1999).
 fn rgb(colour: Colour, intensity: f64) -> String {
     let light = |level: u8| {
         let level = f64::from(level) / 255.0;
@@ -180,7 +180,7 @@ fn rgb(colour: Colour, intensity: f64) -> String {
     format!("rgb {}", vector(amounts))
 }
 
-/// Nodes that remain to be written.
+/// Nodes that are not written yet.
 enum Task<'a> {
     Text(&'static str),
     Solid(&'a Solid, Affine),
@@ -194,8 +194,8 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// A solid as separate objects, one for each operand of its outermost unions: POV-Ray keeps the objects of a scene in a
-    /// hierarchy, but tests the parts of a union one by one.
+    /// A solid as separate objects, one for each operand of its outermost unions: POV-Ray has a
+    /// bounding hierarchy of the objects of a scene, but tests the parts of a union one by one.
     fn objects(&mut self, solid: &Solid, text: &mut String) -> Result<(), PovRayError> {
         let mut waiting = vec![(solid, Affine::IDENTITY)];
         while let Some((solid, place)) = waiting.pop() {
@@ -232,8 +232,7 @@ impl Writer<'_> {
         Ok(text)
     }
 
-    /// Writes the beginning of a node and leaves the rest to do, last part first.
-    /// Why there is no object for a primitive.
+    /// The error for a primitive that POV-Ray has no object for.
     fn no_object(&self, primitive: &Primitive) -> PovRayError {
         let region = self.region.to_owned();
         let is_object = |facet: &Facet| matches!(facet.surface, Surface::Object(_));
@@ -243,6 +242,7 @@ impl Writer<'_> {
         }
     }
 
+    /// Writes the beginning of a node and pushes the rest as tasks, last part first.
     fn expand<'s>(
         &mut self,
         solid: &'s Solid,
@@ -288,7 +288,7 @@ impl Writer<'_> {
         text: &mut String,
         tasks: &mut Vec<Task<'s>>,
     ) -> Result<(), PovRayError> {
-        // every combination of an odd number of operands that are inside
+        // every combination of an odd number of operands that contain the point
         let combinations = 1usize.checked_shl(all.len() as u32).unwrap_or(usize::MAX);
         self.limit(combinations.saturating_mul(all.len().max(1)))?;
         let odd: Vec<usize> = (0..combinations).filter(|inside| inside.count_ones() % 2 == 1).collect();
@@ -327,7 +327,7 @@ impl Writer<'_> {
     }
 }
 
-/// An operator over some solids; over one of them it is that one, over none of them nothing.
+/// An operator over some solids; a single solid is returned as it is, no solids as the empty solid.
 fn group<'s>(
     keyword: &'static str,
     operands: Vec<(&'s Solid, Affine)>,
