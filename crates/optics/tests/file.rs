@@ -604,7 +604,11 @@ fn curved_sheets() {
         bad("radius = 40\nopening = { circle = 2 }"),
         "8:11 a curved sheet has no opening: only plane stops are supported.\n"
     );
-    assert!(bad("radius = 10").starts_with("3:1 the aperture of the sheet extends 15 "), "{}", bad("radius = 10"));
+    assert!(
+        bad("radius = 10").starts_with("3:1 the aperture of the sheet extends 15 "),
+        "{}",
+        bad("radius = 10")
+    );
 }
 
 /// Lambert's law: half of the power is within 45 degrees; with isotropic emission it is 1 - cos 45

@@ -284,9 +284,9 @@ pub use rayweave_model::{Crossing, Evaluator, Program, Query, Region, Solid, Win
 #[cfg(feature = "scene")]
 pub use rayweave_scene::Compiled;
 pub use rayweave_shape::Ray;
-pub use rayweave_trace::single_hit::explain;
 #[cfg(feature = "spans")]
 pub use rayweave_trace::Spans;
+pub use rayweave_trace::single_hit::explain;
 pub use rayweave_trace::{AnyEvaluator, AnyScratch, Packets, Reference, SingleHit, Weave};
 
 /// The Rust code of the README, compiled and run with the documentation tests.

@@ -1,8 +1,8 @@
 //! An evaluator chosen by name at run time.
 
-use crate::single_hit::TooLarge;
 #[cfg(feature = "spans")]
 use crate::Spans;
+use crate::single_hit::TooLarge;
 use crate::{Packets, Reference, SingleHit, Weave};
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{Crossing, Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};

@@ -69,7 +69,9 @@ impl Volume {
         }
         if !vague.is_empty() {
             let (names, most) = (vague.join(", "), self.sampling.rays);
-            terminal::note(&format!("note: {names}: the requested precision is not reached after {most} rays. See --rays."));
+            terminal::note(&format!(
+                "note: {names}: the requested precision is not reached after {most} rays. See --rays."
+            ));
         }
         Ok(())
     }
