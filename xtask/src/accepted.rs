@@ -1,4 +1,4 @@
-//! `cargo xtask golden` and `cargo xtask answers`: tests that compare results with accepted ones, or accept new ones.
+//! `cargo xtask golden`, `answers` and `generated`: tests that compare results with accepted ones, or accept new ones.
 
 use std::process::Command;
 
@@ -30,6 +30,13 @@ pub const ANSWERS: Accepted = Accepted {
     tests: &["--test", "answers"],
     variable: "RAYWEAVE_ACCEPT_ANSWERS",
     next: "explain every line that 'git diff tests/answers.txt' shows in the commit message",
+};
+
+/// Sources and pages that are generated from the registry of primitives.
+pub const GENERATED: Accepted = Accepted {
+    tests: &["--test", "generated"],
+    variable: "RAYWEAVE_ACCEPT_GENERATED",
+    next: "review 'git diff'",
 };
 
 /// Runs the tests; with `--accept` they write their files and print what changed.

@@ -35,6 +35,7 @@ Commands:
   new-primitive NAME   write the first version of a primitive's file
   golden [--accept]    compare the pictures of all models with those accepted, or accept them
   answers [--accept]   compare the hashes of answers with those recorded, or record them
+  generated [--accept] compare the sources generated from the registry of primitives, or write them
   help                 print this text
 
 Options of test:
@@ -74,6 +75,7 @@ fn run() -> Result<ExitCode, String> {
         }
         "golden" => accepted::run(&Repository::find()?, &accepted::GOLDEN, arguments)?,
         "answers" => accepted::run(&Repository::find()?, &accepted::ANSWERS, arguments)?,
+        "generated" => accepted::run(&Repository::find()?, &accepted::GENERATED, arguments)?,
         "tidy" => {
             finish(arguments)?;
             tidy::run(&Repository::find()?)?;

@@ -217,7 +217,21 @@ impl Writer<'_, '_> {
                 let (r, h) = (number("radius")?, number("height")?);
                 ("eltube", lengths([("dx", s.x * r), ("dy", s.y * r), ("dz", 0.5 * s.z * h)]))
             }
-            _ => {
+            Primitive::Cylinder(_)
+            | Primitive::Cone(_)
+            | Primitive::HalfSpace(_)
+            | Primitive::Slab(_)
+            | Primitive::Torus(_)
+            | Primitive::Paraboloid(_)
+            | Primitive::Quadric(_)
+            | Primitive::Tube(_)
+            | Primitive::Wedge(_)
+            | Primitive::Prism(_)
+            | Primitive::Convex(_)
+            | Primitive::Mesh(_)
+            | Primitive::Asphere(_)
+            | Primitive::Biconic(_)
+            | Primitive::Freeform(_) => {
                 // a solid of revolution about z, scaled afterwards
                 let own = if is_round { s } else { Vec3::ONE };
                 scaled = (!is_round).then_some(s);
@@ -270,7 +284,21 @@ impl Writer<'_, '_> {
                 let sizes = [("rlo", 0.0), ("rhi", rim), ("dz", 0.5 * s.z * height)];
                 ("paraboloid", lengths(sizes), 0.5 * height)
             }
-            _ => return None,
+            Primitive::Sphere(_)
+            | Primitive::Ellipsoid(_)
+            | Primitive::CentredBox(_)
+            | Primitive::BoxFromCorners(_)
+            | Primitive::HalfSpace(_)
+            | Primitive::Slab(_)
+            | Primitive::Torus(_)
+            | Primitive::Quadric(_)
+            | Primitive::Wedge(_)
+            | Primitive::Prism(_)
+            | Primitive::Convex(_)
+            | Primitive::Mesh(_)
+            | Primitive::Asphere(_)
+            | Primitive::Biconic(_)
+            | Primitive::Freeform(_) => return None,
         })
     }
 

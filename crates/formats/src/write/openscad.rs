@@ -161,7 +161,18 @@ impl Writer<'_, '_> {
                     "rotate_extrude(angle = 360, convexity = 2, {around}) {{ multmatrix({moved}) {{ circle({across}, r = {minor:?}); }} }}"
                 )
             }
-            _ => return None,
+            Primitive::HalfSpace(_)
+            | Primitive::Slab(_)
+            | Primitive::Torus(_)
+            | Primitive::Paraboloid(_)
+            | Primitive::Quadric(_)
+            | Primitive::Wedge(_)
+            | Primitive::Prism(_)
+            | Primitive::Convex(_)
+            | Primitive::Mesh(_)
+            | Primitive::Asphere(_)
+            | Primitive::Biconic(_)
+            | Primitive::Freeform(_) => return None,
         })
     }
 

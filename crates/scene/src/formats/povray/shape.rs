@@ -35,7 +35,19 @@ pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
             Some(format!("cone {{ {lo}, {bottom}, {hi}, {top} }}"))
         }),
         Primitive::Mesh(mesh) => Some(triangles(mesh.solid())),
-        _ => None,
+        Primitive::Ellipsoid(_)
+            | Primitive::HalfSpace(_)
+            | Primitive::Slab(_)
+            | Primitive::Torus(_)
+            | Primitive::Paraboloid(_)
+            | Primitive::Quadric(_)
+            | Primitive::Tube(_)
+            | Primitive::Wedge(_)
+            | Primitive::Prism(_)
+            | Primitive::Convex(_)
+            | Primitive::Asphere(_)
+            | Primitive::Biconic(_)
+            | Primitive::Freeform(_) => None,
     };
     match own {
         Some(own) => Some(placed(own, place)),
