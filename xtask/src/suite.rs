@@ -43,8 +43,8 @@ impl Options {
     /// True if a stage is selected.
     fn wants(&self, stage: &Stage) -> bool {
         let named = |names: &[String]| names.iter().any(|name| name == stage.name);
-        let asked = named(&self.only) || (self.only.is_empty() && (self.long || !stage.long));
-        asked && !named(&self.skip)
+        let selected = named(&self.only) || (self.only.is_empty() && (self.long || !stage.long));
+        selected && !named(&self.skip)
     }
 }
 

@@ -1,4 +1,4 @@
-"""A die, asked along a few rays: times, faces, normals, a picture."""
+"""A die, traced along a few rays: times, faces, normals, a picture."""
 
 import numpy as np
 

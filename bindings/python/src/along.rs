@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use rayweave::space::trace_curve;
 
 use crate::crossings::{Table, into_python};
-use crate::engine::{Cut, Engine, thread_argument};
+use crate::engine::{Chunking, Engine, thread_argument};
 use crate::space::follow::follow;
 
 /// All crossings of one curve, or of each in a list of them.
@@ -31,6 +31,6 @@ pub fn crossings_along<'py>(
             Ok(())
         },
     )?;
-    let cut = Cut::whole(tables.len());
-    into_python(curves.py(), engine, tables, cut)
+    let chunking = Chunking::whole(tables.len());
+    into_python(curves.py(), engine, tables, chunking)
 }

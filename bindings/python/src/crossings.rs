@@ -16,7 +16,7 @@ use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
 use crate::answer::{Answer, Rows, column, medium_of, take};
 use crate::arrays::{MANY, fresh, room};
-use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask as ask_rays, inside, share, surface};
+use crate::engine::{BLOCK, Chunking, Engine, QueryOptions, Worker, inside, run_query, share, surface};
 use crate::error::bad_value;
 use crate::rays::{Columns, RayArrays, RayRows};
 
@@ -123,21 +123,21 @@ fn put<T>(rows: &[Row], to: &mut [T], of: impl Fn(&Row) -> T) {
 }
 
 /// The arguments of the query.
-struct Asked<'a, 'py> {
+struct QueryArguments<'a, 'py> {
     py: Python<'py>,
     evaluator: Cow<'a, AnyEvaluator>,
     rays: RayArrays<'py>,
     window: Window,
-    cut: Cut,
+    chunking: Chunking,
 }
 
-impl<'a, 'py> Asked<'a, 'py> {
-    fn new(engine: &'a Engine, rays: [&Bound<'py, PyAny>; 2], how: &How) -> PyResult<Self> {
+impl<'a, 'py> QueryArguments<'a, 'py> {
+    fn new(engine: &'a Engine, rays: [&Bound<'py, PyAny>; 2], options: &QueryOptions) -> PyResult<Self> {
         let py = rays[0].py();
         let rays = RayArrays::new(rays)?;
         // small tables stay in the L1 or L2 cache
-        let (cut, evaluator) = (how.cut(rays.len()).small(), engine.chosen(py, how)?);
-        Ok(Asked { py, evaluator, rays, window: how.window, cut })
+        let (chunking, evaluator) = (options.chunking(rays.len()).small(), engine.chosen(py, options)?);
+        Ok(QueryArguments { py, evaluator, rays, window: options.window, chunking })
     }
 
     /// Computes the crossings of every chunk into a table from `table`, and passes the tables to
@@ -148,8 +148,9 @@ impl<'a, 'py> Asked<'a, 'py> {
         merge: impl FnMut(Table) -> PyResult<()> + Send,
     ) -> PyResult<()> {
         let (rays, window) = (self.rays.rows(), self.window);
-        let work = |worker: &mut Worker<'_, Columns>, range| look_at(worker, rays, range, window, table());
-        if ask_rays(self.py, &self.evaluator, self.cut, self.cut.ranges(), work, merge)? {
+        let work =
+            |worker: &mut Worker<'_, Columns>, range| append_crossings(worker, rays, range, window, table());
+        if run_query(self.py, &self.evaluator, self.chunking, self.chunking.ranges(), work, merge)? {
             Ok(())
         } else {
             Err(self.rays.refusal())
@@ -157,7 +158,7 @@ impl<'a, 'py> Asked<'a, 'py> {
     }
 
     fn tables(&self) -> PyResult<Vec<Table>> {
-        let mut tables = room(self.cut.chunks())?;
+        let mut tables = room(self.chunking.chunks())?;
         self.run(Table::default, |table| {
             tables.push(table);
             Ok(())
@@ -167,24 +168,24 @@ impl<'a, 'py> Asked<'a, 'py> {
 
     /// An upper estimate of the number of rows, extrapolated from sample rays spread over all of them.
     fn guess(&self) -> usize {
-        let step = (self.cut.len / SAMPLE).max(1);
-        let (rays, count) = (self.rays.rows().every(step), self.cut.len.div_ceil(step));
+        let step = (self.chunking.len / SAMPLE).max(1);
+        let (rays, count) = (self.rays.rows().every(step), self.chunking.len.div_ceil(step));
         let (evaluator, window) = (&*self.evaluator, self.window);
         let sampled = self.py.detach(|| {
             let (memory, scratch) = (evaluator.scratch(), Columns::default());
             let mut worker = Worker { evaluator, memory, scratch };
-            let table = look_at(&mut worker, rays, 0..count, window, Table::default());
+            let table = append_crossings(&mut worker, rays, 0..count, window, Table::default());
             // invalid rays are reported when all rays are processed
             table.map_or(0, |table| table.rows.len())
         });
-        let likely = sampled as f64 / count as f64 * self.cut.len as f64;
+        let likely = sampled as f64 / count as f64 * self.chunking.len as f64;
         // pages that are never written take no physical memory
         (1.25 * likely) as usize + MANY
     }
 }
 
 /// Appends the crossings of some rays to a table; `None` if one of the rays is invalid.
-fn look_at(
+fn append_crossings(
     worker: &mut Worker<'_, Columns>,
     rays: RayRows<'_>,
     range: Range<usize>,
@@ -207,12 +208,12 @@ const SAMPLE: usize = 1024;
 pub fn crossings<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
-    how: &How,
+    options: &QueryOptions,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let asked = Asked::new(engine, rays, how)?;
-    match asked.cut.chunks() {
-        0..LONG => into_python(asked.py, engine, asked.tables()?, asked.cut),
-        _ => placed(engine, &asked),
+    let arguments = QueryArguments::new(engine, rays, options)?;
+    match arguments.chunking.chunks() {
+        0..LONG => into_python(arguments.py, engine, arguments.tables()?, arguments.chunking),
+        _ => placed(engine, &arguments),
     }
 }
 
@@ -272,14 +273,14 @@ impl<'a> Places<'a> {
 }
 
 /// Crossings in arrays of an estimated number of rows.
-fn placed<'py>(engine: &Engine, asked: &Asked<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
-    let answer = Answer::new(asked.py, engine, [asked.guess(), asked.cut.len])?;
-    let offsets = fresh::<i64>(asked.py, asked.cut.len + 1)?;
+fn placed<'py>(engine: &Engine, arguments: &QueryArguments<'_, 'py>) -> PyResult<Bound<'py, PyAny>> {
+    let answer = Answer::new(arguments.py, engine, [arguments.guess(), arguments.chunking.len])?;
+    let offsets = fresh::<i64>(arguments.py, arguments.chunking.len + 1)?;
     let (total, rest) = answer.fill(|rows, start_inside| {
         let mut offsets = offsets.readwrite();
         let ends = begun(&mut offsets)?;
         let mut places = Places { rows, start_inside, ends, total: 0, rest: Vec::new() };
-        fill_places(engine, asked, &mut places)?;
+        fill_places(engine, arguments, &mut places)?;
         Ok((places.total, places.rest))
     })?;
     answer.resize(total)?;
@@ -291,19 +292,23 @@ fn placed<'py>(engine: &Engine, asked: &Asked<'_, 'py>) -> PyResult<Bound<'py, P
     answer.into_python(engine, Some(offsets))
 }
 
-fn fill_places<'a>(engine: &Engine, asked: &Asked<'_, '_>, places: &mut Places<'a>) -> PyResult<()> {
+fn fill_places<'a>(
+    engine: &Engine,
+    arguments: &QueryArguments<'_, '_>,
+    places: &mut Places<'a>,
+) -> PyResult<()> {
     let jobs = Mutex::new(Vec::<Job<'a>>::new());
     // a thread that needs an empty table first copies a full one to its buffers, and reuses it
     let table = || {
         let job = lock(&jobs).pop();
         job.map_or_else(Table::default, |job| job.run(engine))
     };
-    asked.run(table, |table| {
+    arguments.run(table, |table| {
         lock(&jobs).extend(places.take(table));
         Ok(())
     })?;
     let left = std::mem::take(&mut *lock(&jobs));
-    asked.py.detach(|| left.into_iter().for_each(|job| _ = job.run(engine)));
+    arguments.py.detach(|| left.into_iter().for_each(|job| _ = job.run(engine)));
     Ok(())
 }
 
@@ -323,7 +328,7 @@ pub fn into_python<'py>(
     py: Python<'py>,
     engine: &Engine,
     tables: Vec<Table>,
-    cut: Cut,
+    chunking: Chunking,
 ) -> PyResult<Bound<'py, PyAny>> {
     let rows = tables.iter().map(|table| table.rows.len()).sum();
     let rays = tables.iter().map(|table| table.counts.len()).sum::<usize>();
@@ -339,7 +344,7 @@ pub fn into_python<'py>(
             let (start_inside, ends) = (take(&mut start_inside, rays), take(&mut ends, rays));
             Job { table, first, rows, start_inside, ends }
         });
-        share(py, cut, jobs, |job| _ = job.run(engine))
+        share(py, chunking, jobs, |job| _ = job.run(engine))
     })?;
     answer.into_python(engine, Some(offsets))
 }
@@ -369,10 +374,10 @@ pub fn rows_of(counts: &[usize], rows: usize) -> PyResult<Vec<i64>> {
 pub fn partition<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
-    how: &How,
+    options: &QueryOptions,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let (py, tables) = (rays[0].py(), Asked::new(engine, rays, how)?.tables()?);
-    let pieces = Pieces::new(&tables, how.window)?;
+    let (py, tables) = (rays[0].py(), QueryArguments::new(engine, rays, options)?.tables()?);
+    let pieces = Pieces::new(&tables, options.window)?;
     let fields = PyDict::new(py);
     let medium = pieces.region.iter().map(|&region| medium_of(engine, region as u32)).collect();
     fields.set_item("ray", column(py, pieces.ray))?;

@@ -81,8 +81,8 @@ impl Engine {
     }
 
     /// The evaluator that the arguments select.
-    pub fn chosen(&self, py: Python<'_>, how: &How) -> PyResult<Cow<'_, AnyEvaluator>> {
-        let Some(name) = &how.evaluator else { return Ok(Cow::Borrowed(&self.evaluator)) };
+    pub fn chosen(&self, py: Python<'_>, options: &QueryOptions) -> PyResult<Cow<'_, AnyEvaluator>> {
+        let Some(name) = &options.evaluator else { return Ok(Cow::Borrowed(&self.evaluator)) };
         let made = py.detach(|| AnyEvaluator::new(Some(name), self.program.clone()));
         Ok(Cow::Owned(made.map_err(bad_value)?))
     }
@@ -148,7 +148,7 @@ impl Engine {
 }
 
 /// Options of any query.
-pub struct How {
+pub struct QueryOptions {
     /// The time window.
     pub window: Window,
     /// `None` for the default, which is cached.
@@ -156,7 +156,7 @@ pub struct How {
     threads: Option<NonZeroUsize>,
 }
 
-impl How {
+impl QueryOptions {
     /// Parses the arguments that all queries share.
     pub fn new(
         t_min: f64,
@@ -171,7 +171,7 @@ impl How {
             return Err(bad_value(format!("evaluator is '{other}': it must be one of {names}.")));
         }
         let evaluator = evaluator.filter(|&name| name != AnyEvaluator::NAMES[0]).map(str::to_owned);
-        Ok(How { window, evaluator, threads: threads.map(thread_argument).transpose()? })
+        Ok(QueryOptions { window, evaluator, threads: threads.map(thread_argument).transpose()? })
     }
 }
 
@@ -188,7 +188,7 @@ pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
 
 /// Division of rays or points into chunks for threads.
 #[derive(Clone, Copy)]
-pub struct Cut {
+pub struct Chunking {
     /// The number of rays or points.
     pub len: usize,
     /// Chunk size, at least 1.
@@ -196,22 +196,22 @@ pub struct Cut {
     threads: NonZeroUsize,
 }
 
-impl Cut {
+impl Chunking {
     /// The ranges of the chunks.
     pub fn ranges(self) -> impl Iterator<Item = Range<usize>> + Send {
         (0..self.len).step_by(self.chunk).map(move |start| start..self.len.min(start + self.chunk))
     }
 }
 
-impl Cut {
+impl Chunking {
     /// A single chunk.
     pub fn whole(len: usize) -> Self {
-        Cut { len, chunk: len.max(1), threads: NonZeroUsize::MIN }
+        Chunking { len, chunk: len.max(1), threads: NonZeroUsize::MIN }
     }
 
     /// The same with smaller chunks, as small as the overhead permits.
     pub fn small(self) -> Self {
-        Cut { chunk: LEAST, ..self }
+        Chunking { chunk: LEAST, ..self }
     }
 
     /// The number of chunks.
@@ -220,16 +220,16 @@ impl Cut {
     }
 }
 
-impl How {
+impl QueryOptions {
     /// Division of `len` rays or points into chunks.
-    pub fn cut(&self, len: usize) -> Cut {
+    pub fn chunking(&self, len: usize) -> Chunking {
         // querying the number of threads takes longer than many small queries
         if len <= LEAST {
-            return Cut { len, chunk: LEAST, threads: NonZeroUsize::MIN };
+            return Chunking { len, chunk: LEAST, threads: NonZeroUsize::MIN };
         }
         let threads = thread_count(self.threads);
         let chunk = (len / (threads.get() * PIECES)).clamp(LEAST, MOST).next_multiple_of(BLOCK);
-        Cut {
+        Chunking {
             len,
             chunk,
             threads: NonZeroUsize::new(len.div_ceil(chunk)).map_or(threads, |n| threads.min(n)),
@@ -249,27 +249,27 @@ pub struct Worker<'e, S> {
 
 /// Processes a query chunk by chunk without the GIL; `merge` receives the results in order. `work`
 /// returns `None` if a ray or point of the chunk is invalid; the result is then false.
-pub fn ask<C: Send, A: Send, S: Default>(
+pub fn run_query<C: Send, A: Send, S: Default>(
     py: Python<'_>,
     evaluator: &AnyEvaluator,
-    cut: Cut,
+    chunking: Chunking,
     chunks: impl Iterator<Item = C> + Send,
     work: impl Fn(&mut Worker<'_, S>, C) -> Option<A> + Send + Sync,
     mut merge: impl FnMut(A) -> PyResult<()> + Send,
 ) -> PyResult<bool> {
     let worker = || Worker { evaluator, memory: evaluator.scratch(), scratch: S::default() };
     let merge = |answer: Option<A>| Ok(merge(answer.ok_or(Halt::Refused)?)?);
-    py.detach(|| run(cut.threads, chunks, worker, work, merge))
+    py.detach(|| run(chunking.threads, chunks, worker, work, merge))
 }
 
 /// Processes chunks that are always valid, without the GIL.
 pub fn share<C: Send>(
     py: Python<'_>,
-    cut: Cut,
+    chunking: Chunking,
     chunks: impl Iterator<Item = C> + Send,
     work: impl Fn(C) + Send + Sync,
 ) -> PyResult<()> {
-    py.detach(|| run(cut.threads, chunks, || (), |(), chunk| work(chunk), |()| Ok(())))?;
+    py.detach(|| run(chunking.threads, chunks, || (), |(), chunk| work(chunk), |()| Ok(())))?;
     Ok(())
 }
 
@@ -292,14 +292,14 @@ impl From<PyErr> for Halt {
 pub fn in_chunks<A: Send, M>(
     len: usize,
     chunk: usize,
-    asked: Option<NonZeroUsize>,
+    requested: Option<NonZeroUsize>,
     memory: impl Fn() -> M + Sync,
     work: impl Fn(&mut M, Range<usize>) -> A + Sync,
     mut merge: impl FnMut(A) -> PyResult<()>,
 ) -> PyResult<()> {
     let threads = NonZeroUsize::new(len.div_ceil(chunk)).unwrap_or(NonZeroUsize::MIN);
-    let threads = if threads.get() > 1 { thread_count(asked).min(threads) } else { threads };
-    run(threads, Cut { len, chunk, threads }.ranges(), memory, work, |answer| Ok(merge(answer)?))?;
+    let threads = if threads.get() > 1 { thread_count(requested).min(threads) } else { threads };
+    run(threads, Chunking { len, chunk, threads }.ranges(), memory, work, |answer| Ok(merge(answer)?))?;
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use rayweave::model::{Program, Window};
 use rayweave::shape::Ray;
 use rayweave::trace::single_hit::{
-    Entry, Explanation, Found, MOST_LINES, Operand, Question, Step, Story, Verdict, What,
+    Entry, Explanation, ExplanationText, Found, MOST_LINES, Operand, Question, Step, Verdict, What,
 };
 
 use crate::error::bad_value;
@@ -25,7 +25,7 @@ macro_rules! record {
 /// Explanation of the answer for one ray: printed as text, with the same contents as data in its attributes.
 #[pyclass(frozen, module = "rayweave", name = "Explanation")]
 pub struct PyExplanation {
-    told: Explanation,
+    explanation: Explanation,
     questions: PyOnceLock<Py<PyTuple>>,
 }
 
@@ -39,8 +39,8 @@ pub fn explain(
     let window = Window::new(t_min, t_max)
         .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
     let ray = Ray::new(vector(origin, "origin")?, direction(along, "direction")?);
-    let told = origin.py().detach(|| rayweave::explain(program, ray, window)).map_err(bad_value)?;
-    Ok(PyExplanation { told, questions: PyOnceLock::new() })
+    let explanation = origin.py().detach(|| rayweave::explain(program, ray, window)).map_err(bad_value)?;
+    Ok(PyExplanation { explanation, questions: PyOnceLock::new() })
 }
 
 #[pymethods]
@@ -48,15 +48,16 @@ impl PyExplanation {
     /// The name of the region just after t_min: "the world" where there is none.
     #[getter]
     fn start(&self) -> String {
-        self.region(self.told.start.0).to_string()
+        self.region(self.explanation.start.0).to_string()
     }
 
     /// Queries to the model, in order: see `Question`.
     #[getter]
     fn questions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let make = || -> PyResult<Py<PyTuple>> {
-            let story = self.told.story(usize::MAX);
-            let questions = self.told.questions.iter().map(|question| self.question(py, &story, question));
+            let text = self.explanation.text(usize::MAX);
+            let questions =
+                self.explanation.questions.iter().map(|question| self.question(py, &text, question));
             Ok(PyTuple::new(py, questions.collect::<PyResult<Vec<_>>>()?)?.unbind())
         };
         Ok(self.questions.get_or_try_init(py, make)?.bind(py).clone())
@@ -73,19 +74,19 @@ impl PyExplanation {
             fields.set_item("face", &**face)?;
             record!(py, "Passage", fields)
         };
-        PyTuple::new(py, self.told.crossings.iter().map(passage).collect::<PyResult<Vec<_>>>()?)
+        PyTuple::new(py, self.explanation.crossings.iter().map(passage).collect::<PyResult<Vec<_>>>()?)
     }
 
     /// Number of changes of medium that were welded with their neighbours, because the ray keeps to both surfaces between them.
     #[getter]
     fn welded(&self) -> usize {
-        self.told.welded
+        self.explanation.welded
     }
 
     /// Number of shapes queried and decisions made, over all queries.
     #[getter]
     fn steps(&self) -> usize {
-        self.told.steps()
+        self.explanation.steps()
     }
 
     /// The text with at most `lines` lines of decisions, None for all of them; omitted lines are counted.
@@ -93,32 +94,35 @@ impl PyExplanation {
     fn story(&self, py: Python<'_>, lines: Option<usize>) -> PyResult<String> {
         match lines {
             Some(0) => Err(bad_value("lines is 0: it must be at least 1.")),
-            lines => Ok(py.detach(|| self.told.story(lines.unwrap_or(usize::MAX)).to_string())),
+            lines => Ok(py.detach(|| self.explanation.text(lines.unwrap_or(usize::MAX)).to_string())),
         }
     }
 
     fn __str__(&self) -> String {
-        self.told.to_string()
+        self.explanation.to_string()
     }
 
     fn __repr__(&self) -> String {
-        let (questions, crossings) = (self.told.questions.len(), self.told.crossings.len());
-        format!("<Explanation: {questions} questions, {} steps, {crossings} crossings>", self.told.steps())
+        let (questions, crossings) = (self.explanation.questions.len(), self.explanation.crossings.len());
+        format!(
+            "<Explanation: {questions} questions, {} steps, {crossings} crossings>",
+            self.explanation.steps()
+        )
     }
 }
 
 impl PyExplanation {
     fn region(&self, number: u32) -> &Arc<str> {
-        &self.told.regions[number as usize]
+        &self.explanation.regions[number as usize]
     }
 
     fn question<'py>(
         &self,
         py: Python<'py>,
-        story: &Story<'_>,
+        text: &ExplanationText<'_>,
         question: &Question,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let entries = question.entries.iter().map(|entry| self::entry(py, story, entry));
+        let entries = question.entries.iter().map(|entry| self::entry(py, text, entry));
         let fields = PyDict::new(py);
         fields.set_item("t_min", question.t_min)?;
         fields.set_item("entries", PyTuple::new(py, entries.collect::<PyResult<Vec<_>>>()?)?)?;
@@ -131,7 +135,7 @@ impl PyExplanation {
     }
 }
 
-fn entry<'py>(py: Python<'py>, story: &Story<'_>, entry: &Entry) -> PyResult<Bound<'py, PyAny>> {
+fn entry<'py>(py: Python<'py>, text: &ExplanationText<'_>, entry: &Entry) -> PyResult<Bound<'py, PyAny>> {
     let fields = PyDict::new(py);
     fields.set_item("node", &*entry.name)?;
     fields.set_item("depth", entry.depth)?;
@@ -142,7 +146,7 @@ fn entry<'py>(py: Python<'py>, story: &Story<'_>, entry: &Entry) -> PyResult<Bou
             let (verdict, step) = match *verdict {
                 Verdict::Fixed(value) => ("settled", Step::constant(value)),
                 Verdict::Changes(step) => ("changes", step),
-                Verdict::AskAgain { t, .. } => ("ask again", Step { before: *value, after: *value, t }),
+                Verdict::QueryAgain { t, .. } => ("ask again", Step { before: *value, after: *value, t }),
             };
             (verdict, step, None, &operands[..])
         }
@@ -152,7 +156,7 @@ fn entry<'py>(py: Python<'py>, story: &Story<'_>, entry: &Entry) -> PyResult<Bou
     fields.set_item("face", face)?;
     let operands = operands.iter().map(|operand| self::operand(py, operand));
     fields.set_item("operands", PyTuple::new(py, operands.collect::<PyResult<Vec<_>>>()?)?)?;
-    fields.set_item("text", story.sentence(entry))?;
+    fields.set_item("text", text.sentence(entry))?;
     record!(py, "Entry", fields)
 }
 

@@ -12,7 +12,7 @@ use rayweave::model::{Evaluator, HitRows, Rays, Window};
 use rayweave::{AnyEvaluator, AnyScratch};
 
 use crate::arrays::{fresh_table, is_from_numpy, room, shape_text};
-use crate::engine::{BLOCK, Cut, Engine, How, Worker, ask};
+use crate::engine::{BLOCK, Chunking, Engine, QueryOptions, Worker, run_query};
 use crate::error::{bad_type, bad_value};
 use crate::rays::{Columns, RayArrays, RayRows};
 
@@ -85,8 +85,8 @@ impl HitsQuestion<'_> {
             let block = places.take(BLOCK);
             let len = block.len();
             let rays = worker.scratch.rays(self.rays, first..first + len)?;
-            let mut asked = (worker.evaluator, &mut worker.memory);
-            match self.block(&mut asked, rays, block) {
+            let mut tracer = (worker.evaluator, &mut worker.memory);
+            match self.block(&mut tracer, rays, block) {
                 Ok(aside) => asides.extend(aside.map(|(times, faces)| Aside { first, times, faces })),
                 Err(error) => return Some(Err(error)),
             }
@@ -98,13 +98,13 @@ impl HitsQuestion<'_> {
     /// Processes one block, into its buffers or aside.
     fn block(
         &self,
-        asked: &mut (&AnyEvaluator, &mut AnyScratch),
+        tracer: &mut (&AnyEvaluator, &mut AnyScratch),
         rays: Rays<'_>,
         places: Places<'_>,
     ) -> PyResult<Option<Table>> {
         let (rows, with_faces) = (places.times.len(), !places.faces.is_empty());
         if !self.keeps || self.most.load(Relaxed) <= rows {
-            let most = self.write(asked, rays, places);
+            let most = self.write(tracer, rays, places);
             if !self.keeps || most <= rows {
                 return Ok(None);
             }
@@ -116,7 +116,7 @@ impl HitsQuestion<'_> {
             let (mut times_view, mut faces_view) =
                 (times.view_mut(), faces.as_mut().map(|faces| faces.view_mut()));
             let places = Places::new(&mut times_view, faces_view.as_mut()).unwrap_or_default();
-            if self.write(asked, rays, places) <= rows {
+            if self.write(tracer, rays, places) <= rows {
                 return Ok(Some((times, faces)));
             }
         }
@@ -150,32 +150,32 @@ fn filled<T: Clone>(rows: usize, columns: usize, value: T) -> PyResult<Array2<T>
 }
 
 /// The arguments of the query.
-struct Asked<'a, 'py> {
+struct QueryArguments<'a, 'py> {
     py: Python<'py>,
     engine: &'a Engine,
     evaluator: Cow<'a, AnyEvaluator>,
     rays: RayArrays<'py>,
     window: Window,
-    cut: Cut,
+    chunking: Chunking,
 }
 
 /// Hit arrays of Python: the times, and the faces if requested.
 type Tables<'py> = (Bound<'py, PyArray2<f64>>, Option<Bound<'py, PyArray2<i32>>>);
 
-impl<'py> Asked<'_, 'py> {
+impl<'py> QueryArguments<'_, 'py> {
     /// Writes the hits of all rays to buffers; returns the maximum number of entries of a ray, and
     /// the hits that exceeded the rows.
     fn write(&self, mut places: Places<'_>, keeps: bool) -> PyResult<(usize, Vec<Aside>)> {
         let mut asides = Vec::new();
         let rays = self.rays.rows();
         let question = HitsQuestion { rays, window: self.window, keeps, most: AtomicUsize::new(0) };
-        let chunks = self.cut.ranges().map(move |range| (range.start, places.take(range.len())));
+        let chunks = self.chunking.ranges().map(move |range| (range.start, places.take(range.len())));
         let work = |worker: &mut HitsWorker<'_>, chunk| question.answer(worker, chunk);
         let merge = |chunk: PyResult<Vec<Aside>>| {
             asides.extend(chunk?);
             Ok(())
         };
-        if !ask(self.py, &self.evaluator, self.cut, chunks, work, merge)? {
+        if !run_query(self.py, &self.evaluator, self.chunking, chunks, work, merge)? {
             return Err(self.rays.refusal());
         }
         Ok((question.most.into_inner(), asides))
@@ -184,11 +184,11 @@ impl<'py> Asked<'_, 'py> {
     /// Estimated number of rows, from the last query and from sample rays.
     fn guess(&self) -> usize {
         let last = even(self.engine.rows.load(Relaxed));
-        let count = (self.cut.len / SHARE).min(SAMPLE);
+        let count = (self.chunking.len / SHARE).min(SAMPLE);
         if count == 0 {
             return last;
         }
-        let rays = self.rays.rows().every(self.cut.len / count);
+        let rays = self.rays.rows().every(self.chunking.len / count);
         let question = HitsQuestion { rays, window: self.window, keeps: false, most: AtomicUsize::new(0) };
         let evaluator = &*self.evaluator;
         self.py.detach(|| {
@@ -205,10 +205,10 @@ impl<'py> Asked<'_, 'py> {
 
     /// The hits in new arrays, with the smallest number of rows.
     fn fresh(&self, surfaces: bool) -> PyResult<Tables<'py>> {
-        let shape = [self.guess(), self.cut.len];
+        let shape = [self.guess(), self.chunking.len];
         let times = fresh_table(self.py, shape)?;
         let faces = surfaces.then(|| fresh_table(self.py, shape)).transpose()?;
-        if self.cut.len == 0 {
+        if self.chunking.len == 0 {
             return Ok((times, faces));
         }
         let tables = (times, faces);
@@ -230,7 +230,7 @@ impl<'py> Asked<'_, 'py> {
     /// Writes the hits to arrays of the caller.
     fn given(&self, tables: &Tables<'py>, names: [&str; 2]) -> PyResult<()> {
         self.check_shape(tables.0.shape(), names[0], 2)?;
-        if self.cut.len == 0 {
+        if self.chunking.len == 0 {
             return Ok(());
         }
         let most = with_places(tables, names, |places| match places {
@@ -247,13 +247,13 @@ impl<'py> Asked<'_, 'py> {
     }
 
     fn check_shape(&self, shape: &[usize], name: &str, least: usize) -> PyResult<()> {
-        if shape[0] >= least && shape[0].is_multiple_of(2) && shape[1] == self.cut.len {
+        if shape[0] >= least && shape[0].is_multiple_of(2) && shape[1] == self.chunking.len {
             return Ok(());
         }
         Err(bad_value(format!(
             "{name} has shape {}: the hits need {} columns and an even number of rows, at least {least}.",
             shape_text(shape),
-            self.cut.len,
+            self.chunking.len,
         )))
     }
 }
@@ -348,19 +348,19 @@ fn copy<T: Element + Copy>(
 pub fn hits<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
-    how: &How,
+    options: &QueryOptions,
     surfaces: bool,
     out: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = rays[0].py();
     let rays = RayArrays::new(rays)?;
-    let (evaluator, cut) = (engine.chosen(py, how)?, how.cut(rays.len()));
-    let asked = Asked { py, engine, evaluator, rays, window: how.window, cut };
+    let (evaluator, chunking) = (engine.chosen(py, options)?, options.chunking(rays.len()));
+    let arguments = QueryArguments { py, engine, evaluator, rays, window: options.window, chunking };
     let (times, faces) = match out {
-        None => asked.fresh(surfaces)?,
+        None => arguments.fresh(surfaces)?,
         Some(out) => {
             let (tables, names) = given_tables(out, surfaces)?;
-            asked.given(&tables, names)?;
+            arguments.given(&tables, names)?;
             tables
         }
     };

@@ -15,7 +15,7 @@ use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
 use rayweave::{Classified, Compiled, ErrorKind};
 
 use crate::drawing::{Subject, notebook_png};
-use crate::engine::{Engine, How};
+use crate::engine::{Engine, QueryOptions};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::solid::{PySolid, bounds_array};
@@ -235,8 +235,8 @@ impl PyModel {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let how = How::new(t_min, t_max, evaluator, threads)?;
-        hits::hits(self.engine(origins.py())?, [origins, directions], &how, return_surfaces, out)
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        hits::hits(self.engine(origins.py())?, [origins, directions], &options, return_surfaces, out)
     }
 
     /// All changes of the medium, sorted by ray, then t: see `ModelCrossings`.
@@ -250,8 +250,9 @@ impl PyModel {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        crossings::crossings(engine, [origins, directions], &how)
+        let (engine, options) =
+            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads)?);
+        crossings::crossings(engine, [origins, directions], &options)
     }
 
     /// All changes of the medium by one curve, or by each in a list of curves, strictly between two times: see `ModelCrossings`, where
@@ -280,8 +281,8 @@ impl PyModel {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let how = How::new(t_min, t_max, evaluator, threads)?;
-        nearest::nearest(self.engine(origins.py())?, [origins, directions], &how)
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        nearest::nearest(self.engine(origins.py())?, [origins, directions], &options)
     }
 
     /// The pieces of each ray in one medium, from t_min to t_max: see `Partition`.
@@ -295,8 +296,9 @@ impl PyModel {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        crossings::partition(engine, [origins, directions], &how)
+        let (engine, options) =
+            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads)?);
+        crossings::partition(engine, [origins, directions], &options)
     }
 
     /// Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,).
@@ -307,8 +309,8 @@ impl PyModel {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let how = How::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
-        points::contains(self.engine(points.py())?, points, &how)
+        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
+        points::contains(self.engine(points.py())?, points, &options)
     }
 
     /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use rayweave::model::{Evaluator, FirstHits, Window};
 
 use crate::answer::{Answer, Rows, take};
-use crate::engine::{BLOCK, Engine, How, Worker, ask};
+use crate::engine::{BLOCK, Engine, QueryOptions, Worker, run_query};
 use crate::layout::{join, points_at};
 use crate::rays::{Columns, RayArrays, RayRows};
 
@@ -30,21 +30,21 @@ struct Places<'a> {
 pub fn nearest<'py>(
     engine: &Engine,
     rays: [&Bound<'py, PyAny>; 2],
-    how: &How,
+    options: &QueryOptions,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = rays[0].py();
     let rays = RayArrays::new(rays)?;
-    let (cut, evaluator) = (how.cut(rays.len()), engine.chosen(py, how)?);
-    let question = Question { engine, rays: rays.rows(), window: how.window };
+    let (chunking, evaluator) = (options.chunking(rays.len()), engine.chosen(py, options)?);
+    let question = Question { engine, rays: rays.rows(), window: options.window };
     let answer = Answer::new(py, engine, [rays.len(); 2])?;
     let done = answer.fill(|mut rows, mut start_inside| {
-        let chunks = cut.ranges().map(move |range| Places {
+        let chunks = chunking.ranges().map(move |range| Places {
             first: range.start,
             rows: rows.take(range.len()),
             start_inside: take(&mut start_inside, range.len()),
         });
         let work = |worker: &mut Worker<'_, Scratch>, places: Places<'_>| question.answer(worker, places);
-        ask(py, &evaluator, cut, chunks, work, |()| Ok(()))
+        run_query(py, &evaluator, chunking, chunks, work, |()| Ok(()))
     })?;
     if done { answer.into_python(engine, None) } else { Err(rays.refusal()) }
 }

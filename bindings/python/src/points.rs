@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use rayweave::model::{Evaluator, RegionId};
 
 use crate::arrays::fresh_flags;
-use crate::engine::{BLOCK, Engine, How, Worker, ask, inside};
+use crate::engine::{BLOCK, Engine, QueryOptions, Worker, inside, run_query};
 use crate::error::bad_value;
 use crate::rays::{Columns, Rows, Vectors, refusal};
 
@@ -15,18 +15,20 @@ type PointWorker<'e> = Worker<'e, (Columns, Vec<RegionId>)>;
 pub fn contains<'py>(
     engine: &Engine,
     points: &Bound<'py, PyAny>,
-    how: &How,
+    options: &QueryOptions,
 ) -> PyResult<Bound<'py, PyArray1<bool>>> {
     let py = points.py();
     let vectors = Vectors::points(points, "points")?;
-    let (cut, evaluator, rows) = (how.cut(vectors.len()), engine.chosen(py, how)?, vectors.rows());
+    let (chunking, evaluator, rows) =
+        (options.chunking(vectors.len()), engine.chosen(py, options)?, vectors.rows());
     let answer = fresh_flags(py, vectors.len())?;
     let mut flags = answer.try_readwrite().map_err(bad_value)?;
     let mut rest = flags.as_slice_mut().map_err(bad_value)?;
-    let chunks =
-        cut.ranges().map(move |range| (range.start, rest.split_off_mut(..range.len()).unwrap_or_default()));
+    let chunks = chunking
+        .ranges()
+        .map(move |range| (range.start, rest.split_off_mut(..range.len()).unwrap_or_default()));
     let work = |worker: &mut PointWorker<'_>, chunk| write(worker, rows, chunk);
-    if !ask(py, &evaluator, cut, chunks, work, |()| Ok(()))? {
+    if !run_query(py, &evaluator, chunking, chunks, work, |()| Ok(()))? {
         return Err(refusal(&[&vectors]));
     }
     drop(flags);

@@ -23,7 +23,7 @@ use crate::vectors::vector;
 /// The keyword arguments of `rayweave.render`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Asked<'py> {
+pub struct RenderArguments<'py> {
     size: Option<(u32, u32)>,
     view: Option<String>,
     field_of_view: Option<f64>,
@@ -40,7 +40,7 @@ pub struct Asked<'py> {
     opacity: Vec<(Option<String>, f64)>,
 }
 
-impl Asked<'_> {
+impl RenderArguments<'_> {
     /// The subject with the requested changes, compiled again if there are any.
     fn subject(&self, object: &Bound<'_, PyAny>) -> PyResult<Subject> {
         let mut subject = match self.opacity.is_empty() && self.cut.is_none() && self.explode.is_none() {
@@ -118,32 +118,32 @@ fn style(name: &str) -> PyResult<Style> {
 
 /// A picture of a solid or a model: see `rayweave.render`.
 #[pyfunction]
-#[pyo3(name = "render", signature = (subject, kind, asked))]
+#[pyo3(name = "render", signature = (subject, kind, arguments))]
 pub fn render_array<'py>(
     subject: &Bound<'py, PyAny>,
     kind: &str,
-    asked: Asked<'py>,
+    arguments: RenderArguments<'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let py = subject.py();
-    let subject = asked.subject(subject)?;
+    let subject = arguments.subject(subject)?;
     let kind = kind.parse().map_err(bad_value)?;
-    to_array(py, draw(py, &subject, kind, &asked.options()?, asked.threads()?)?)
+    to_array(py, draw(py, &subject, kind, &arguments.options()?, arguments.threads()?)?)
 }
 
 /// A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`.
 #[pyfunction]
-#[pyo3(signature = (subject, title, is_one, asked))]
+#[pyo3(signature = (subject, title, is_one, arguments))]
 pub fn sheet_svg(
     subject: &Bound<'_, PyAny>,
     title: &str,
     is_one: bool,
-    asked: Asked<'_>,
+    arguments: RenderArguments<'_>,
 ) -> PyResult<String> {
     let py = subject.py();
-    let Subject { scene, compiled, evaluator } = &asked.subject(subject)?;
+    let Subject { scene, compiled, evaluator } = &arguments.subject(subject)?;
     let kind = if is_one { SheetKind::One } else { SheetKind::Views };
-    let options = asked.options()?;
-    released(py, asked.threads()?, |run| {
+    let options = arguments.options()?;
+    released(py, arguments.threads()?, |run| {
         let sheet = Sheet::draw(kind, scene, compiled, evaluator, &options, run)?;
         Ok(sheet.to_svg(title))
     })

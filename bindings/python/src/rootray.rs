@@ -11,7 +11,7 @@ use crate::error::{bad_type, bad_value};
 /// Which parts of one trajectory are inside one solid: the side on which it starts and the times at which it changes sides.
 ///
 /// `start` is +1 or "outside", -1 or "inside": the side as t goes to -inf. `roots` are the times of the crossings: finite and
-/// strictly increasing. The operators `| & - ^ ~` are exact: equal times flip together, nothing is compared with a tolerance.
+/// strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, nothing is compared with a tolerance.
 /// It unpacks and compares as the pair `(start, list of roots)`.
 #[pyclass(frozen, module = "rayweave", name = "RootRay", sequence)]
 pub struct PyRootRay(RootRay);

@@ -13,7 +13,7 @@ use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
 
 use crate::drawing::{Subject, notebook_png};
-use crate::engine::{Engine, How};
+use crate::engine::{Engine, QueryOptions};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
@@ -172,8 +172,8 @@ impl PySolid {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let how = How::new(t_min, t_max, evaluator, threads)?;
-        hits::hits(self.engine(origins.py())?, [origins, directions], &how, return_surfaces, out)
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        hits::hits(self.engine(origins.py())?, [origins, directions], &options, return_surfaces, out)
     }
 
     /// All crossings of the surface, sorted by ray, then t: see `Crossings`.
@@ -187,8 +187,9 @@ impl PySolid {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let (engine, how) = (self.engine(origins.py())?, How::new(t_min, t_max, evaluator, threads)?);
-        crossings::crossings(engine, [origins, directions], &how)
+        let (engine, options) =
+            (self.engine(origins.py())?, QueryOptions::new(t_min, t_max, evaluator, threads)?);
+        crossings::crossings(engine, [origins, directions], &options)
     }
 
     /// All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where
@@ -218,8 +219,8 @@ impl PySolid {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let how = How::new(t_min, t_max, evaluator, threads)?;
-        nearest::nearest(self.engine(origins.py())?, [origins, directions], &how)
+        let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
+        nearest::nearest(self.engine(origins.py())?, [origins, directions], &options)
     }
 
     /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read
@@ -244,8 +245,8 @@ impl PySolid {
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
-        let how = How::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
-        points::contains(self.engine(points.py())?, points, &how)
+        let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
+        points::contains(self.engine(points.py())?, points, &options)
     }
 
     /// A box that holds the solid: float64 (2, 3), the least and the greatest coordinates. The box

@@ -348,7 +348,7 @@ def test_many_rays_of_any_layout(rng, layout, threads):
 
 
 def test_leaves_and_placements_that_follow_from_faces(rng):
-    """They are made when asked for: of two balls side by side, and of one that is placed twice, by where the crossings are."""
+    """They are made when requested: of two balls side by side, and of one that is placed twice, by where the crossings are."""
     origins, directions = rays(rng, 3000)
     apart = sphere(0.5).translate([1, 0, 0]).named("right") | sphere(0.5).translate([-1, 0, 0]).named("left")
     twice = rayweave.place(sphere(0.5), [[1, 0, 0], [-1, 0, 0]])

@@ -41,9 +41,9 @@ def volume(path: Path) -> float:
 @pytest.mark.parametrize("ending", ["toml", "csg", "gdml", "stl", "obj", "ply", "off", "3mf"])
 def test_every_format(model: Path, tmp_path: Path, ending: str) -> None:
     target = tmp_path / f"out.{ending}"
-    told = rayweave.convert(model, target, tolerance=1e-3)
+    reported = rayweave.convert(model, target, tolerance=1e-3)
     assert volume(target) == pytest.approx(VOLUME, abs=0.02)
-    assert bool(told) == (ending != "toml")
+    assert bool(reported) == (ending != "toml")
     # and on from there
     last = tmp_path / "last.toml"
     rayweave.convert(target, last)
@@ -52,8 +52,8 @@ def test_every_format(model: Path, tmp_path: Path, ending: str) -> None:
 
 def test_save_tells_what_is_lost(model: Path, tmp_path: Path) -> None:
     part = rayweave.load(model)
-    told = part.save(tmp_path / "part", format="stl", tolerance=0.5)
-    assert any(line.startswith("approximated: curved faces, by triangles within 5") for line in told)
+    reported = part.save(tmp_path / "part", format="stl", tolerance=0.5)
+    assert any(line.startswith("approximated: curved faces, by triangles within 5") for line in reported)
     assert part.save(tmp_path / "again.toml") == []
     assert rayweave.load(tmp_path / "again.toml") == part
     with pytest.raises(rayweave.RayweaveError, match="no format is called"):

@@ -43,13 +43,13 @@ CURVES = [
 
 
 class Circle:
-    """A circle about z, with t in radians; counts what it is asked."""
+    """A circle about z, with t in radians; counts its calls."""
 
     def __init__(self, radius, dimension=3):
-        self.radius, self.rest, self.asked = radius, [0.0] * (dimension - 2), 0
+        self.radius, self.rest, self.calls = radius, [0.0] * (dimension - 2), 0
 
     def position(self, t):
-        self.asked += 1
+        self.calls += 1
         return [self.radius * math.cos(t), self.radius * math.sin(t), *self.rest]
 
     def velocity(self, t):
@@ -144,7 +144,7 @@ def test_a_users_circle():
     found = rw.half_space([1, 0, 0], 1).crossings_along(circle, 0, 6 * math.pi)
     np.testing.assert_allclose(found.t, times, rtol=1e-14)
     np.testing.assert_allclose(found.point[:, 0], 1, atol=1e-14)
-    assert 0 < circle.asked < 3000
+    assert 0 < circle.calls < 3000
     flat = rs.half_space(0, 2, offset=1)
     np.testing.assert_allclose(rs.trace_along(Circle(2.0, 2), flat, 0, 6 * math.pi).roots, times, rtol=1e-14)
     assert rs.trace_along(Circle(2.0, 2), rs.ball(1, 2), 0, 9).roots == []

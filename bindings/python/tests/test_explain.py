@@ -15,34 +15,34 @@ def chain() -> rayweave.Explanation:
     return model.explain([-60, 0, 0], [120, 0, 0])
 
 
-def test_the_story_of_the_chain() -> None:
-    told = chain()
-    text = str(told)
-    assert "s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is asked again. (rule 4)" in text
+def test_the_explanation_of_the_chain() -> None:
+    explanation = chain()
+    text = str(explanation)
+    assert "s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is queried again. (rule 4)" in text
     assert "At t = 0.9625 it passes from chain into the world, through s8.side.\n" in text
-    assert text == told.story() == told.story(None)
-    assert repr(told) == "<Explanation: 3 questions, 93 steps, 2 crossings>"
-    assert "more questions are left out" in told.story(2)
+    assert text == explanation.story() == explanation.story(None)
+    assert repr(explanation) == "<Explanation: 3 questions, 93 steps, 2 crossings>"
+    assert "more questions are left out" in explanation.story(2)
     with pytest.raises(rayweave.RayweaveError, match="lines is 0"):
-        told.story(0)
+        explanation.story(0)
 
 
 def test_records_of_the_chain() -> None:
-    told = chain()
-    assert told.start == "the world"
-    assert [(p.before, p.after, p.face) for p in told.crossings] == [
+    explanation = chain()
+    assert explanation.start == "the world"
+    assert [(p.before, p.after, p.face) for p in explanation.crossings] == [
         ("the world", "chain", "s1.side"),
         ("chain", "the world", "s8.side"),
     ]
-    np.testing.assert_allclose([p.t for p in told.crossings], [4.5 / 120, 115.5 / 120], rtol=1e-15)
-    first = told.questions[0]
-    assert (first.t_min, first.before, first.after, first.t) == (-np.inf, "the world", "chain", told.crossings[0].t)
+    np.testing.assert_allclose([p.t for p in explanation.crossings], [4.5 / 120, 115.5 / 120], rtol=1e-15)
+    first = explanation.questions[0]
+    assert (first.t_min, first.before, first.after, first.t) == (-np.inf, "the world", "chain", explanation.crossings[0].t)
     assert first.entries[0].node == "s1" and first.entries[0].verdict == "leaf"
     assert first.entries[0].rule is None and first.entries[0].face == "s1.side"
     assert first.entries[0].text == "s1 is entered at 0.0375, through s1.side."
-    assert sum(len(question.entries) + question.repeated for question in told.questions) == told.steps == 93
-    assert [question.left_out for question in told.questions] == [0, 0, 0]
-    assert told.questions is told.questions
+    assert sum(len(question.entries) + question.repeated for question in explanation.questions) == explanation.steps == 93
+    assert [question.left_out for question in explanation.questions] == [0, 0, 0]
+    assert explanation.questions is explanation.questions
 
 
 def test_decisions_follow_from_their_operands() -> None:
@@ -70,12 +70,12 @@ def test_decisions_follow_from_their_operands() -> None:
 
 def test_a_solid_and_its_window() -> None:
     shell = rayweave.sphere(2).named("ball") - rayweave.sphere(1).named("core")
-    told = shell.explain((-5, 0, 0), (1, 0, 0), 3.5, 6.5)
-    assert [p.t for p in told.crossings] == [4.0, 6.0]
-    assert told.start != "the world"
+    explanation = shell.explain((-5, 0, 0), (1, 0, 0), 3.5, 6.5)
+    assert [p.t for p in explanation.crossings] == [4.0, 6.0]
+    assert explanation.start != "the world"
     times = shell.crossings((-5, 0, 0), (1, 0, 0), 3.5, 6.5).t
-    np.testing.assert_array_equal([p.t for p in told.crossings], times)
-    operands = [operand for question in told.questions for entry in question.entries for operand in entry.operands]
+    np.testing.assert_array_equal([p.t for p in explanation.crossings], times)
+    operands = [operand for question in explanation.questions for entry in question.entries for operand in entry.operands]
     assert {(operand.node, operand.complemented) for operand in operands} == {("ball", False), ("core", True)}
 
 

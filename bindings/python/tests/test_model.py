@@ -131,7 +131,7 @@ def test_solids_save(tmp_path):
     assert np.array_equal(again.hits(rays + [1, 2, 3], X), solid.hits(rays + [1, 2, 3], X))
 
 
-def test_problems_are_told_with_their_places(tmp_path):
+def test_problems_are_reported_with_their_places(tmp_path):
     path = tmp_path / "bad.toml"
     path.write_text('rayweave = 1\n[solid.a]\nsphere = { radius = -1 }\n[solid.b]\nexpr = "a & c"\n')
     with pytest.raises(rw.RayweaveError) as caught:
@@ -178,7 +178,7 @@ def test_there_are_models():
     assert len(MODELS) >= 10
 
 
-def test_the_preparation_is_told():
+def test_the_preparation_is_reported():
     toml = """
 rayweave = 1
 [solid.plate]
@@ -219,7 +219,7 @@ def test_openscad_models_are_read_by_ending_or_by_name(tmp_path: Path) -> None:
         rw.load(dump, format="scad")
 
 
-def test_what_is_lost_of_other_formats_is_told(tmp_path: Path) -> None:
+def test_losses_of_other_formats_are_reported(tmp_path: Path) -> None:
     path = tmp_path / "part.csg"
     path.write_text(DUMP + 'import(file = "gone.stl");\n')
     (warning,) = rw.load(path).warnings

@@ -63,7 +63,7 @@ def faces(*parts: optics.Element) -> list[set[str]]:
     return [{name[1] for name in names if name[0] == part.name} - {"left", "right", "hull"} for part in parts]
 
 
-def test_faces_have_the_names_that_are_told() -> None:
+def test_faces_have_the_documented_names() -> None:
     lens, aperture = {"front", "back", "edge"}, 10.0
     parts = {
         "lens": optics.lens(50, -50, 5, aperture=aperture),

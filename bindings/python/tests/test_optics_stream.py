@@ -51,13 +51,13 @@ def test_batches_are_the_trace():
 def test_files_hold_the_trace(tmp_path, kind):
     system = bench()
     whole = system.trace(beams(2000), **SETTINGS)
-    told = []
+    reported = []
     path = tmp_path / f"light.{kind}"
     balance = system.trace_to(
-        path, beams(2000), rows=5000, progress=lambda done, total: told.append((done, total)), **SETTINGS
+        path, beams(2000), rows=5000, progress=lambda done, total: reported.append((done, total)), **SETTINGS
     )
     assert balance == whole.balance
-    assert told[-1] == (5000, 5000) and all(done <= total == 5000 for done, total in told)
+    assert reported[-1] == (5000, 5000) and all(done <= total == 5000 for done, total in reported)
     names = {"element": system.element_names, "surface": system.surface_names}
     if kind == "parquet":
         file = parquet.ParquetFile(path)

@@ -47,7 +47,7 @@ def rays(count: int, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDA
 
 def test_as_many_crossings_as_eigenvalues() -> None:
     rng = np.random.default_rng(20)
-    told = set_aside = crossings = 0
+    decided = set_aside = crossings = 0
     for c, k, even in ASPHERES:
         for _ in range(EFFORT):
             origins, directions = rays(4000, rng)
@@ -85,6 +85,6 @@ def test_as_many_crossings_as_eigenvalues() -> None:
                 expected = times[(sheet > 0) & (np.abs(times) < half)]
                 assert len(mine) == len(expected), (c, k, even, origins[ray], directions[ray], mine, expected)
                 assert np.abs(mine - expected).max(initial=0.0) < 1e-7
-                told, crossings = told + 1, crossings + len(mine)
-    print(f"{told} rays told with {crossings} crossings, {set_aside} set aside")
-    assert told > 50 * set_aside and 2 * crossings > told
+                decided, crossings = decided + 1, crossings + len(mine)
+    print(f"{decided} rays decided with {crossings} crossings, {set_aside} set aside")
+    assert decided > 50 * set_aside and 2 * crossings > decided

@@ -158,7 +158,7 @@ def test_damaged_pickles_are_refused():
 
 
 def test_deep_trees():
-    """A tree of 100,000 levels is built, compared, hashed, pickled, asked and dropped in linear time."""
+    """A tree of 100,000 levels is built, compared, hashed, pickled, queried and dropped in linear time."""
     balls = [sphere(1).translate([2.5 * k, 0, 0]) for k in range(100_000)]
     deep = functools.reduce(operator.or_, balls)
     twin = pickle.loads(pickle.dumps(deep))

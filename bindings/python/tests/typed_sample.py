@@ -109,12 +109,12 @@ def questions(solid: Solid) -> None:
     assert_type(solid.nearest(*ray).enters, NDArray[np.bool_])
     assert_type(solid.contains([0, 0, 0]), NDArray[np.bool_])
     assert_type(solid.bounds(), NDArray[np.float64])
-    told = solid.explain(*ray, 0.0)
-    assert_type(told, rayweave.Explanation)
-    assert_type(told.questions, tuple[rayweave.Question, ...])
-    assert_type(told.questions[0].entries[0].operands, tuple[rayweave.Operand, ...])
-    assert_type(told.crossings, tuple[rayweave.Passage, ...])
-    assert_type(told.story(lines=None), str)
+    explanation = solid.explain(*ray, 0.0)
+    assert_type(explanation, rayweave.Explanation)
+    assert_type(explanation.questions, tuple[rayweave.Question, ...])
+    assert_type(explanation.questions[0].entries[0].operands, tuple[rayweave.Operand, ...])
+    assert_type(explanation.crossings, tuple[rayweave.Passage, ...])
+    assert_type(explanation.story(lines=None), str)
 
 
 def models() -> None:

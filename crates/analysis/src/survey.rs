@@ -171,8 +171,8 @@ pub fn shortest_at<E: Evaluator>(
     let mut least: Option<Chord> = None;
     let rays = batch.rays();
     let mut sink = |answer: RayAnswer<'_>| {
-        let stretch = stretch_around(&answer, &is_in).filter(|ends| ends.iter().all(|end| end.is_finite()));
-        let chord = stretch.map(|ends| ends.map(|end| rays.get(answer.ray).at(end)));
+        let span = span_around(&answer, &is_in).filter(|ends| ends.iter().all(|end| end.is_finite()));
+        let chord = span.map(|ends| ends.map(|end| rays.get(answer.ray).at(end)));
         if let Some([from, to]) = chord {
             let chord = Chord { from, to };
             if least.is_none_or(|least| chord.length() < least.length()) {
@@ -185,7 +185,7 @@ pub fn shortest_at<E: Evaluator>(
 }
 
 /// The ends of the selected span around t = 0.
-fn stretch_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> Option<[f64; 2]> {
+fn span_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> Option<[f64; 2]> {
     let (mut inside, mut since) = (is_in(answer.start), f64::NEG_INFINITY);
     for crossing in answer.crossings.iter().filter(|crossing| is_in(crossing.before) != is_in(crossing.after))
     {

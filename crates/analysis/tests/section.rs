@@ -1,6 +1,6 @@
 //! Cross-sections compared with closed forms.
 
-use rayweave_analysis::section::{Cut, Look, Section, SectionError, section};
+use rayweave_analysis::section::{Cut, Section, SectionError, SectionWindow, section};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Program, Region, RegionId, Solid};
 use rayweave_shape::primitive::{CentredBox, Cylinder, HalfSpace, Primitive, Sphere};
@@ -24,17 +24,17 @@ fn rod(radius: f64, height: f64) -> Solid {
 }
 
 /// The section of regions by the plane x = 0, z to the right and y up.
-fn cut(solids: &[Solid], look: &Look) -> Section {
+fn cut(solids: &[Solid], window: &SectionWindow) -> Section {
     let region =
         |(k, solid): (u32, &Solid)| Region { name: format!("r{k}"), solid: solid.clone(), medium: k };
     let regions: Vec<Region> = (1..).zip(solids).map(region).collect();
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
     let plane = Cut::new(Vec3::ZERO, Vec3::Z, Vec3::Y).unwrap();
-    section(&Weave::new(program), &plane, look).unwrap()
+    section(&Weave::new(program), &plane, window).unwrap()
 }
 
-fn look() -> Look {
-    Look::new([-10.0, -10.0], [10.0, 10.0])
+fn window() -> SectionWindow {
+    SectionWindow::new([-10.0, -10.0], [10.0, 10.0])
 }
 
 /// The signed area of a contour.
@@ -45,7 +45,7 @@ fn area(contour: &[[f64; 2]]) -> f64 {
 
 #[test]
 fn a_shell_is_a_ring() {
-    let found = cut(&[ball(7.0) - ball(4.0)], &look());
+    let found = cut(&[ball(7.0) - ball(4.0)], &window());
     let mut contours = found.contours(ONE);
     contours.sort_by(|a, b| area(a).total_cmp(&area(b)));
     let [hole, outline] = &contours[..] else { panic!("{} contours", contours.len()) };
@@ -62,7 +62,7 @@ fn a_shell_is_a_ring() {
 #[test]
 fn corners_and_walls() {
     for degrees in [0.0, 1e-3, 30.0, 45.0, 89.99] {
-        let found = cut(&[cuboid([2.0, 6.0, 6.0]).rotate_x(degrees)], &look());
+        let found = cut(&[cuboid([2.0, 6.0, 6.0]).rotate_x(degrees)], &window());
         let contours = found.contours(ONE);
         let [square] = &contours[..] else { panic!("{} contours at {degrees}", contours.len()) };
         assert!((area(square) - 36.0).abs() < 2e-2, "{degrees}: {}", area(square));
@@ -85,7 +85,7 @@ fn corners_and_walls() {
 #[test]
 fn thin_plates() {
     let plate = cuboid([4.0, 8.0, 1e-2]).translate([0.0, 0.0, 1.2345]);
-    let found = cut(&[plate], &look());
+    let found = cut(&[plate], &window());
     assert!((found.area(ONE) - 8e-2).abs() < 1.6e-2, "{}", found.area(ONE));
 }
 
@@ -94,7 +94,7 @@ fn thin_plates() {
 fn cemented_parts_share_a_line() {
     let body = rod(5.0, 6.0);
     let back = &body & &ball(8.0).translate([0.0, 0.0, 8.0]);
-    let found = cut(&[body, back], &look());
+    let found = cut(&[body, back], &window());
     let lines = found.between(TWO, ONE);
     let [line] = &lines[..] else { panic!("{} lines", lines.len()) };
     let off = line.iter().map(|[z, y]| ((z - 8.0).hypot(*y) - 8.0).abs()).fold(0.0, f64::max);
@@ -114,7 +114,7 @@ fn cemented_parts_share_a_line() {
 fn a_lens_by_its_segments() {
     let (r, half) = (50.0_f64, 2.0);
     let face = |side: f64| ball(r).translate([0.0, 0.0, side * (r - half)]);
-    let found = cut(&[&face(1.0) & &face(-1.0)], &Look::new([-5.0, -20.0], [5.0, 20.0]));
+    let found = cut(&[&face(1.0) & &face(-1.0)], &SectionWindow::new([-5.0, -20.0], [5.0, 20.0]));
     let angle = 2.0 * ((r - half) / r).acos();
     let expected = r * r * (angle - angle.sin());
     assert!((found.area(ONE) / expected - 1.0).abs() < 1e-4, "{} {expected}", found.area(ONE));
@@ -124,11 +124,11 @@ fn a_lens_by_its_segments() {
 #[test]
 fn what_is_infinite_ends_at_the_window() {
     let below = Solid::from(Primitive::from(HalfSpace::new(Vec3::Y, 2.0).unwrap()));
-    let found = cut(&[below], &look());
+    let found = cut(&[below], &window());
     assert!((found.area(ONE) - 240.0).abs() < 1e-9);
     assert_eq!(found.contours(ONE).len(), 1);
-    assert!(cut(&[Solid::empty()], &look()).edges.is_empty());
-    let all = cut(&[!Solid::empty()], &look());
+    assert!(cut(&[Solid::empty()], &window()).edges.is_empty());
+    let all = cut(&[!Solid::empty()], &window());
     assert!((all.area(ONE) - 400.0).abs() < 1e-9);
 }
 
@@ -147,8 +147,8 @@ fn planes_windows_and_their_errors() {
     assert!(Cut::new(Vec3::NAN, Vec3::X, Vec3::Y).is_err());
     let weave = Weave::new(Arc::new(Program::compile(&ball(1.0)).unwrap()));
     let plane = Cut::new(Vec3::ZERO, Vec3::Z, Vec3::Y).unwrap();
-    let fails = |look: Look| section(&weave, &plane, &look).unwrap_err();
-    assert!(matches!(fails(Look::new([0.0; 2], [0.0, 1.0])), SectionError::Window { .. }));
-    assert!(matches!(fails(Look::new([f64::NAN; 2], [1.0; 2])), SectionError::Window { .. }));
-    assert!(matches!(fails(Look { tolerance: 0.0, ..look() }), SectionError::Tolerance { .. }));
+    let fails = |window: SectionWindow| section(&weave, &plane, &window).unwrap_err();
+    assert!(matches!(fails(SectionWindow::new([0.0; 2], [0.0, 1.0])), SectionError::Window { .. }));
+    assert!(matches!(fails(SectionWindow::new([f64::NAN; 2], [1.0; 2])), SectionError::Window { .. }));
+    assert!(matches!(fails(SectionWindow { tolerance: 0.0, ..window() }), SectionError::Tolerance { .. }));
 }

@@ -8,7 +8,7 @@
 # DIR/pyrayt    PyRayT 0.3.1 and the NumPy, pandas and SciPy that it knows; PyPI offers that version to Python 3.8 only
 # DIR/vecgeom   a program compiled against VecGeom (Debian: libvecgeom-dev veccore-dev vc-dev)
 #
-# What cannot be installed is told and left out: the benchmark reports it as missing. PYTHON and PYTHON38 choose the
+# What cannot be installed is printed and left out: the benchmark reports it as missing. PYTHON and PYTHON38 choose the
 # interpreters.
 set -u
 

@@ -1,4 +1,4 @@
-"""Volumes of booleans of meshes by manifold3d: the rows of the table in crates/trace/tests/meshes/judge.rs.
+"""Volumes of booleans of meshes by manifold3d: the rows of the table in crates/trace/tests/meshes/oracle.rs.
 
 The meshes are made by the formulas of crates/trace/tests/meshes/shapes.rs, number by number.
 

@@ -144,7 +144,7 @@ static void save(std::string const &file, std::vector<std::vector<double>> const
   out.write(reinterpret_cast<char const *>(table.data()), 8 * table.size());
 }
 
-// Seconds by the clock that is asked for.
+// Seconds by the clock that is requested.
 static double now()
 {
   static char const *const clock = std::getenv("RAYWEAVE_BENCH_CLOCK");

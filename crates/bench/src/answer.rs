@@ -1,4 +1,4 @@
-//! Results of contenders as lists of times, and comparison of the results of two contenders.
+//! Results of candidates as lists of times, and comparison of the results of two candidates.
 
 use rayweave::Evaluator;
 use rayweave::model::{FirstHits, HitRows, Rays};
@@ -105,7 +105,7 @@ pub fn first_lists<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Result<Lists,
     Ok(table.lists())
 }
 
-/// The agreement of the results of two contenders.
+/// The agreement of the results of two candidates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
     /// The number of rays compared.

@@ -1,7 +1,7 @@
 //! Command-line options of a benchmark run.
 
 use crate::clock::Clock;
-use crate::contest::Effort;
+use crate::interleaved::Effort;
 use crate::level;
 use clap::Args;
 use rayweave::model::drive::thread_count;
@@ -47,7 +47,7 @@ pub struct Arguments {
     #[arg(long, value_name = "LEVEL", value_parser = level::NAMES)]
     pub level: Option<String>,
 
-    /// Also count the instructions of contenders, with valgrind
+    /// Also count the instructions of candidates, with valgrind
     #[arg(long)]
     pub instructions: bool,
 
@@ -56,11 +56,11 @@ pub struct Arguments {
     #[arg(long)]
     pub processor_time: bool,
 
-    /// Run one contender of the exemplar once, under a tool that counts instructions
-    #[arg(long, value_name = "CONTENDER", hide = true)]
+    /// Run one candidate of the exemplar once, under a tool that counts instructions
+    #[arg(long, value_name = "CANDIDATE", hide = true)]
     pub once: Option<String>,
 
-    /// Threads of the contenders that use all cores
+    /// Threads of the candidates that use all cores
     #[arg(skip)]
     pub threads: Option<NonZeroUsize>,
 }
@@ -69,7 +69,7 @@ impl Arguments {
     /// The effort of each measurement.
     pub(crate) fn effort(&self) -> Effort {
         match (&self.once, self.quick) {
-            (Some(contender), _) => Effort::Once { contender: contender.clone() },
+            (Some(candidate), _) => Effort::Once { candidate: candidate.clone() },
             (None, true) => Effort::QUICK.by(self.clock()),
             (None, false) => Effort::FULL.by(self.clock()),
         }
@@ -85,7 +85,7 @@ impl Arguments {
         self.only.is_empty() || self.only.iter().any(|start| name.starts_with(start.as_str()))
     }
 
-    /// The number of threads of multi-threaded contenders.
+    /// The number of threads of multi-threaded candidates.
     pub(crate) fn thread_count(&self) -> usize {
         thread_count(self.threads).get()
     }

@@ -1,27 +1,27 @@
-//! Instruction counts of contenders by callgrind, which do not depend on the load of the machine.
+//! Instruction counts of candidates by callgrind, which do not depend on the load of the machine.
 
 use std::process::Command;
 
-/// Instructions per item of a contender of an exemplar: this program runs again under valgrind,
-/// which collects inside [`counted`](crate::contest::counted) only. `None` if the contender does
+/// Instructions per item of a candidate of an exemplar: this program runs again under valgrind,
+/// which collects inside [`counted`](crate::interleaved::counted) only. `None` if the candidate does
 /// not exist there: the processor that valgrind emulates has no AVX-512.
-pub fn count(exemplar: &str, contender: &str) -> Result<Option<f64>, String> {
+pub fn count(exemplar: &str, candidate: &str) -> Result<Option<f64>, String> {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut command = Command::new("valgrind");
     command.args(["--tool=callgrind", "--callgrind-out-file=/dev/null", "--collect-atstart=no"]);
-    command.arg("--toggle-collect=*contest*counted*").arg(program);
+    command.arg("--toggle-collect=*interleaved*counted*").arg(program);
     if std::env::args().nth(1).as_deref() == Some("bench") {
         command.arg("bench");
     }
-    command.args(["--only", exemplar, "--once", contender]);
+    command.args(["--only", exemplar, "--once", candidate]);
     let output = command.output().map_err(|error| format!("valgrind cannot be run: {error}"))?;
-    let [printed, told] =
+    let [printed, log] =
         [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
     if !output.status.success() {
-        return Err(format!("instructions were not counted: {}", told.lines().last().unwrap_or_default()));
+        return Err(format!("instructions were not counted: {}", log.lines().last().unwrap_or_default()));
     }
     let Some(items) = number_after(&printed, "items ") else { return Ok(None) };
-    let collected = number_after(&told, "Collected : ").ok_or("valgrind collected nothing")?;
+    let collected = number_after(&log, "Collected : ").ok_or("valgrind collected nothing")?;
     Ok(Some(collected / items))
 }
 

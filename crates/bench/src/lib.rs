@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A run has these steps: `ceiling` measures the limits of the machine. Each `exemplar` gives the
-//! same work to several contenders: evaluators of this project, `peers` and the hand-written
-//! kernels of `kernel`. `contest` runs them in turn, and `answer` compares their results, so that a
+//! same work to several candidates: evaluators of this project, `peers` and the hand-written
+//! kernels of `kernel`. `interleaved` runs them in turn, and `answer` compares their results, so that a
 //! ratio of times refers to the same work. `report` writes the results.
 //!
 //! The tests time nothing: they verify statistics, tables and kernels.
@@ -16,9 +16,9 @@ mod arguments;
 mod batch;
 mod ceiling;
 mod clock;
-mod contest;
 mod exemplar;
 mod instructions;
+mod interleaved;
 mod kernel;
 mod level;
 mod machine;

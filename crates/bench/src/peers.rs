@@ -10,7 +10,7 @@
 
 use crate::answer::Lists;
 use crate::clock::Clock;
-use crate::contest::{Contender, Role};
+use crate::interleaved::{Candidate, Role};
 use rayweave::model::Rays;
 use std::cell::RefCell;
 use std::fs;
@@ -169,16 +169,16 @@ impl Peers {
         writer.finish()
     }
 
-    /// Contenders for a task about the first rays of a file, at most `most`, one for each peer that supports the task.
-    pub fn contenders(&self, task: &str, file: &str, most: usize) -> Vec<Contender<'static>> {
+    /// Candidates for a task about the first rays of a file, at most `most`, one for each peer that supports the task.
+    pub fn candidates(&self, task: &str, file: &str, most: usize) -> Vec<Candidate<'static>> {
         let able = self.running.iter().filter(|peer| peer.borrow().can(task));
-        let contender = |peer: &Rc<RefCell<Peer>>| {
+        let candidate = |peer: &Rc<RefCell<Peer>>| {
             let (name, order) = (peer.borrow().name.clone(), format!("run {task} {file}"));
             let peer = Rc::clone(peer);
             let role = peer.borrow().role;
-            Contender::elsewhere(name, most, move |items| peer.borrow_mut().seconds(&order, items)).role(role)
+            Candidate::elsewhere(name, most, move |items| peer.borrow_mut().seconds(&order, items)).role(role)
         };
-        able.map(contender).collect()
+        able.map(candidate).collect()
     }
 
     /// Results of the peers for the first `count` rays of a file, each with the name of the peer.
@@ -316,7 +316,7 @@ mod tests {
     fn without_a_folder_all_are_missing() {
         let peers = Peers::start(None, Clock::Wall, 1).unwrap();
         assert_eq!(peers.missing.len(), KNOWN.len());
-        assert!(peers.contenders("die.full", "rays", 10).is_empty());
+        assert!(peers.candidates("die.full", "rays", 10).is_empty());
     }
 
     #[test]
@@ -341,8 +341,8 @@ mod tests {
 
         let peers = Peers::start(Some(&installed), Clock::Processor, 1).unwrap();
         assert_eq!(peers.running(), [("VecGeom".to_owned(), "9.9".to_owned())]);
-        assert!(peers.contenders("die.first", "rays", 10).is_empty());
-        assert_eq!(peers.contenders("die.full", "rays", 10).len(), 1);
+        assert!(peers.candidates("die.first", "rays", 10).is_empty());
+        assert_eq!(peers.candidates("die.full", "rays", 10).len(), 1);
         let mut peer = peers.running[0].borrow_mut();
         assert_eq!(peer.seconds("run die.full rays", 10.0), Ok(0.5));
         assert_eq!(peer.seconds("run die.full rays", 7.0), Err("seven".to_owned()));

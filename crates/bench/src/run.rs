@@ -2,8 +2,8 @@
 
 use crate::arguments::Arguments;
 use crate::ceiling::Ceilings;
-use crate::contest::Effort;
 use crate::exemplar::{self, Bench, Exemplar};
+use crate::interleaved::Effort;
 use crate::peers::Peers;
 use crate::report::{self, Figure, Report, Section};
 use crate::{instructions, level, machine};
@@ -70,14 +70,14 @@ fn exemplar_sections(exemplar: &dyn Exemplar, bench: &Bench, arguments: &Argumen
     });
     if arguments.instructions {
         // an exemplar with several sections, such as a growing model, would be built again for each
-        // contender
+        // candidate
         let alone = sections.iter_mut().filter(|section| section.name == exemplar.name());
         alone.for_each(|section| count_instructions(section, &bench.peers));
     }
     sections
 }
 
-/// Counts the instructions of all contenders that run in this process on one thread.
+/// Counts the instructions of all candidates that run in this process on one thread.
 fn count_instructions(section: &mut Section, peers: &Peers) {
     let elsewhere: Vec<String> = peers.running().into_iter().map(|(name, _)| name).collect();
     let is_here = |figure: &&mut Figure| figure.threads == 1 && !elsewhere.contains(&figure.name);

@@ -89,7 +89,7 @@ pub fn on_model<A: ApproximateEvaluator, E: Evaluator>(
     let window = Window::new(rng.between(-3.0, 0.0), rng.between(0.5, 4.0)).unwrap_or(Window::ALL);
     let mut verdict = Verdict::default();
     for query in [Query::default(), Query { window, ..Query::default() }, Query::nearest()] {
-        let mut one = judge(&ours, &theirs, rays.rays(), &query);
+        let mut one = check_bounds(&ours, &theirs, rays.rays(), &query);
         one.failures.values_mut().for_each(|failure| *failure = format!("seed {seed}, {query:?}, {failure}"));
         verdict.add(one);
     }
@@ -97,7 +97,7 @@ pub fn on_model<A: ApproximateEvaluator, E: Evaluator>(
 }
 
 /// Compares the answers to one query for one batch.
-pub fn judge<A: ApproximateEvaluator, E: Evaluator>(
+pub fn check_bounds<A: ApproximateEvaluator, E: Evaluator>(
     approximate: &A,
     exact: &E,
     rays: Rays<'_>,

@@ -105,7 +105,7 @@ pub fn forms<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
 /// Tests which points are inside; for a point on a boundary that is the side to which (1, 0.75, 0.57) points.
 pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     let cube = block(Vec3::ZERO, Vec3::ONE);
-    let ask = |solid: &Solid, point: [f64; 3]| {
+    let contains = |solid: &Solid, point: [f64; 3]| {
         let program = Program::compile(solid).unwrap_or_else(|e| panic!("{e}"));
         let evaluator = make(Arc::new(program));
         let mut region = [RegionId(7)];
@@ -113,16 +113,16 @@ pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
         assert_eq!(evaluator.contains(Vec3::from_array(point)), region[0] != RegionId(0));
         region[0] == RegionId(1)
     };
-    assert!(ask(&cube, [0.5, 0.5, 0.5]) && !ask(&cube, [1.5, 0.5, 0.5]));
-    assert!(ask(&cube, [0.0, 0.5, 0.5]) && !ask(&cube, [1.0, 0.5, 0.5]));
-    assert!(ask(&cube, [0.0, 0.0, 0.0]) && !ask(&cube, [0.0, 1.0, 0.0]));
-    assert!(!ask(&!&cube, [0.0, 0.5, 0.5]) && ask(&!&cube, [1.0, 0.5, 0.5]));
+    assert!(contains(&cube, [0.5, 0.5, 0.5]) && !contains(&cube, [1.5, 0.5, 0.5]));
+    assert!(contains(&cube, [0.0, 0.5, 0.5]) && !contains(&cube, [1.0, 0.5, 0.5]));
+    assert!(contains(&cube, [0.0, 0.0, 0.0]) && !contains(&cube, [0.0, 1.0, 0.0]));
+    assert!(!contains(&!&cube, [0.0, 0.5, 0.5]) && contains(&!&cube, [1.0, 0.5, 0.5]));
     // of two solids that share a face, one contains it, also if it is placed upside down
     let turned = Affine::rotation(Vec3::Z, 180.0).then(&Affine::translate(Vec3::new(2.0, 1.0, 0.0)));
     let far = turned.then(&Affine::translate(Vec3::splat(9.0)));
     for next in [cube.translate([1.0, 0.0, 0.0]), cube.apply(turned), cube.place([turned, far])] {
-        assert!(ask(&(&cube | &next), [1.0, 0.5, 0.5]));
-        assert!(!ask(&(&cube & &next), [1.0, 0.5, 0.5]));
-        assert!(ask(&(&cube ^ &next), [1.0, 0.5, 0.5]));
+        assert!(contains(&(&cube | &next), [1.0, 0.5, 0.5]));
+        assert!(!contains(&(&cube & &next), [1.0, 0.5, 0.5]));
+        assert!(contains(&(&cube ^ &next), [1.0, 0.5, 0.5]));
     }
 }

@@ -109,12 +109,12 @@ pub fn of_trees<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) 
         let rays = rays(&mut rng, style, &frame, 30);
         // every form has the same leaves, and therefore the same ball and shared surfaces
         let nothing = Solid::union(parts.iter().map(nothing_of));
-        let ask = |solid: &Solid| {
+        let trace = |solid: &Solid| {
             let program = compiled(Program::compile(&(solid | &nothing).apply(frame)));
             make(program).collect(batch(&rays).rays(), &Query::default()).unwrap_or_default()
         };
         for forms in forms(&mut rng, &parts) {
-            let lists: Vec<Collected> = forms.iter().map(|(_, solid)| ask(solid)).collect();
+            let lists: Vec<Collected> = forms.iter().map(|(_, solid)| trace(solid)).collect();
             for ((name, _), found) in forms.iter().zip(&lists).skip(1) {
                 for (i, ray) in rays.iter().enumerate() {
                     let same =

@@ -1,6 +1,6 @@
 //! Laws that hold for every model: boolean identities, motions, reversal of the ray, and others.
 
-use crate::lying::grid_ray;
+use crate::in_surface::grid_ray;
 use crate::models::{Model, compiled, motion, solid};
 use crate::rays::{batch, rays};
 use crate::{Effort, Random, Style, Tally, list};
@@ -64,13 +64,13 @@ pub fn of_booleans<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
         let rays = rays(&mut rng, style, &frame, 30);
         // both sides of every law have the same leaves, and therefore the same ball and shared surfaces
         let nothing = Solid::union(parts.iter().map(nothing_of));
-        let ask = |solid: Solid| {
+        let trace = |solid: Solid| {
             let program = compiled(Program::compile(&(solid | nothing.clone()).apply(frame)));
             make(program).collect(batch(&rays).rays(), &Query::default()).unwrap()
         };
         for (name, law) in BOOLEAN {
             let (left, right) = law(&parts);
-            let (l, r) = (ask(left), ask(right));
+            let (l, r) = (trace(left), trace(right));
             for (i, ray) in rays.iter().enumerate() {
                 let same = l.starts[i] == r.starts[i] && bits(l.of(i)) == bits(r.of(i));
                 tally.check(same, || {
@@ -106,9 +106,9 @@ pub fn of_scale<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) 
         let factor = rng.pick(&[0.125, 0.5, 2.0, 1024.0, 2f64.powi(40), 2f64.powi(-30)]);
         let map = Affine::scale(Vec3::splat(factor));
         let rays = rays(rng, style, &model.frame, 60);
-        let (plain, scaled) = (ask(&make, model, &rays), {
+        let (plain, scaled) = (trace(&make, model, &rays), {
             let rays: Vec<Ray> = rays.iter().map(|r| Ray::new(r.origin * factor, r.direction)).collect();
-            ask(&make, &moved(model, &map), &rays)
+            trace(&make, &moved(model, &map), &rays)
         });
         for i in 0..rays.len() {
             let expected: Vec<_> =
@@ -132,7 +132,7 @@ pub fn of_motion<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort)
         let map = if rng.chance(0.3) { Affine::mirror(rng.direction()) } else { motion(rng) };
         let rays = plain_rays(rng);
         let there: Vec<Ray> = rays.iter().map(|r| r.transformed(&map)).collect();
-        let (plain, moved) = (ask(&make, &model, &rays), ask(&make, &moved(&model, &map), &there));
+        let (plain, moved) = (trace(&make, &model, &rays), trace(&make, &moved(&model, &map), &there));
         for i in 0..rays.len() {
             let same = plain.starts[i] == moved.starts[i] && alike(plain.of(i), moved.of(i), 1e-5);
             tally.check(same, || {
@@ -163,7 +163,7 @@ pub fn of_reversal<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effor
     for_models(effort, 5_000_000, |rng, style, model| {
         let rays = if style == Style::Generic { plain_rays(rng) } else { rays(rng, style, &model.frame, 60) };
         let back: Vec<Ray> = rays.iter().map(|r| Ray::new(r.origin, -r.direction)).collect();
-        let (there, back) = (ask(&make, model, &rays), ask(&make, model, &back));
+        let (there, back) = (trace(&make, model, &rays), trace(&make, model, &back));
         for i in 0..rays.len() {
             let reversed: Vec<Crossing> = back.of(i).iter().rev().map(reverse).collect();
             // a change of region within one medium is not reported, so the ends are compared by medium
@@ -204,7 +204,7 @@ pub fn of_cuts<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Effort) {
         let mut rays = plain_rays(rng);
         rays.extend((0..20).map(|_| grid_ray(rng).transformed(&model.frame)));
         let evaluator = make(model.compiled());
-        let whole = ask(&make, model, &rays);
+        let whole = trace(&make, model, &rays);
         for (i, ray) in rays.iter().enumerate() {
             let cut = 0.5 * (rng.below(33) as f64 - 16.0) + rng.between(0.05, 0.2);
             let part = |t_min: f64, t_max: f64| {
@@ -286,9 +286,9 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         // infinity
         let window = Window::new(-1e6, 1e6).unwrap_or_default();
         let query = Query { window, ..Query::default() };
-        let ask =
+        let trace =
             |solid: Solid| make(Model::of(solid).compiled()).collect(batch(&rays).rays(), &query).unwrap();
-        let (placed, single) = (ask(placed - other.clone()), ask(single - other));
+        let (placed, single) = (trace(placed - other.clone()), trace(single - other));
         for i in 0..rays.len() {
             let (l, r) = (placed.of(i), single.of(i));
             let same = placed.starts[i] == single.starts[i] && alike(l, r, 1e-5);
@@ -306,7 +306,7 @@ fn moved(model: &Model, map: &Affine) -> Model {
     there
 }
 
-fn ask<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, model: &Model, rays: &[Ray]) -> Collected {
+fn trace<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, model: &Model, rays: &[Ray]) -> Collected {
     make(model.compiled()).collect(batch(rays).rays(), &Query::default()).unwrap()
 }
 

@@ -9,8 +9,8 @@
 //! - [`forms`]: trees of any shape and order, and their positive forms;
 //! - [`chords`]: mean chord lengths, by integral geometry;
 //! - [`touching`]: solids with common faces, made and placed in any way, hit at any angle;
-//! - [`lying`]: rays in faces and along edges;
-//! - [`respawn`]: a thousand bounces in mirrors (re-hit test);
+//! - [`in_surface`]: rays in faces and along edges;
+//! - [`rehit`]: a thousand bounces in mirrors (re-hit test);
 //! - [`deep`]: trees of 100,000 levels on a small stack.
 //!
 //! ```ignore
@@ -22,12 +22,12 @@
 //! [`approximate`] tests the second contract: answers with error bounds, or marked as uncertain.
 //!
 //! Every test has a long form, `cargo test -- --ignored long_`. Not part of the suite: [`exact`], the oracle
-//! without rounding, [`contest`], a differential test of several evaluators, and [`scale`], models of any
+//! without rounding, [`differential`], a differential test of several evaluators, and [`scale`], models of any
 //! size.
 
 use rayweave_model::{Crossing, Face};
 
-mod contender;
+mod evaluator_under_test;
 mod random;
 mod tally;
 
@@ -35,21 +35,21 @@ pub mod agree;
 pub mod approximate;
 pub mod chords;
 pub mod closed;
-pub mod contest;
 pub mod deep;
+pub mod differential;
 pub mod exact;
 pub mod forms;
+pub mod in_surface;
 pub mod laws;
-pub mod lying;
 pub mod models;
 pub mod oracle;
 pub mod rays;
-pub mod respawn;
+pub mod rehit;
 pub mod sampled;
 pub mod scale;
 pub mod touching;
 
-pub use contender::{Asked, Maker, contender};
+pub use evaluator_under_test::{EvaluatorUnderTest, Maker, maker};
 pub use models::{Model, Style};
 pub use random::Random;
 pub use tally::Tally;
@@ -126,10 +126,10 @@ macro_rules! conformance_tests {
             laws::of_regions, regions, long_regions;
             laws::of_placements, placements, long_placements;
             touching::at_any_angle, touching_faces, long_touching_faces;
-            lying::as_if_moved, rays_in_faces, long_rays_in_faces;
-            lying::in_shared_faces, rays_in_shared_faces, long_rays_in_shared_faces;
-            lying::along_shared_edges, rays_along_edges, long_rays_along_edges;
-            respawn::in_mirrors, mirrors, long_mirrors;
+            in_surface::as_if_moved, rays_in_faces, long_rays_in_faces;
+            in_surface::in_shared_faces, rays_in_shared_faces, long_rays_in_shared_faces;
+            in_surface::along_shared_edges, rays_along_edges, long_rays_along_edges;
+            rehit::in_mirrors, mirrors, long_mirrors;
         }
 
         #[test]

@@ -84,7 +84,7 @@ impl Map {
         Map { rows, shift: next.apply(self.shift) }
     }
 
-    fn stretch(&self) -> f64 {
+    fn norm(&self) -> f64 {
         self.rows.iter().flatten().map(|e| e * e).sum::<f64>().sqrt()
     }
 }
@@ -103,7 +103,7 @@ struct Placed {
     formula: Formula,
     local_from_world: Map,
     /// Upper bound of the factor by which the map lengthens a vector.
-    stretch: f64,
+    norm: f64,
     /// Upper bound of the factor by which a rounding error grows through the map and back.
     condition: f64,
     /// Sum of the lengths of the translations on the path.
@@ -113,7 +113,7 @@ struct Placed {
 impl Placed {
     fn side(&self, probe: Probe) -> Side {
         let p = self.local_from_world.apply(probe.point.to_array());
-        let world = (probe.origin + probe.point.length() + self.way) * self.stretch;
+        let world = (probe.origin + probe.point.length() + self.way) * self.norm;
         let local = p.iter().map(|x| x.abs()).sum::<f64>() + self.formula.size();
         self.formula.side(p, TOLERANCE * self.condition * (world + local))
     }
@@ -151,12 +151,12 @@ impl Oracle {
             Node::Empty => self.steps.push(Step::Constant(Side::Outside)),
             Node::Universe => self.steps.push(Step::Constant(Side::Inside)),
             Node::Primitive(primitive) => {
-                let stretch = map.stretch();
+                let norm = map.norm();
                 self.steps.push(Step::Shape(Box::new(Placed {
                     formula: Formula::new(primitive),
                     local_from_world: *map,
-                    stretch,
-                    condition: (stretch * world_norm).max(1.0),
+                    norm,
+                    condition: (norm * world_norm).max(1.0),
                     way,
                 })));
             }
@@ -181,8 +181,8 @@ impl Oracle {
         }
     }
 
-    fn add_all(&mut self, all: &[Solid], join: fn(usize) -> Step, map: &Map, stretch: f64, way: f64) {
-        all.iter().for_each(|a| self.add(a, map, stretch, way));
+    fn add_all(&mut self, all: &[Solid], join: fn(usize) -> Step, map: &Map, norm: f64, way: f64) {
+        all.iter().for_each(|a| self.add(a, map, norm, way));
         self.steps.push(join(all.len()));
     }
 

@@ -111,8 +111,8 @@ pub fn lattice(n: usize) -> Solid {
 pub fn lattice_affine(n: usize, seed: u64) -> Solid {
     let mut rng = Random::new(seed);
     let map = |at: Vec3| {
-        let stretch = Vec3::ONE - 0.25 * (rng.point(1.0) + Vec3::ONE);
-        Affine::scale(stretch)
+        let scaling = Vec3::ONE - 0.25 * (rng.point(1.0) + Vec3::ONE);
+        Affine::scale(scaling)
             .then(&Affine::rotation(rng.direction(), rng.between(0.0, 360.0)))
             .then(&Affine::translate(at))
     };
@@ -146,7 +146,7 @@ mod tests {
     use rayweave_model::Program;
 
     #[test]
-    fn families_have_as_many_leaves_as_asked_for_and_fit_the_cube() {
+    fn families_have_the_requested_number_of_leaves_and_fit_the_cube() {
         let in_cube = |solid: Solid, leaves: usize| {
             let program = Program::compile(&solid).unwrap();
             let group = program.prototypes()[0].leaves.len();

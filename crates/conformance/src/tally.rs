@@ -6,7 +6,7 @@ use std::fmt::Display;
 #[derive(Debug)]
 pub struct Tally {
     what: &'static str,
-    asked: u64,
+    checked: u64,
     failed: u64,
     first: Vec<String>,
 }
@@ -14,12 +14,12 @@ pub struct Tally {
 impl Tally {
     /// A tally without checks.
     pub fn new(what: &'static str) -> Tally {
-        Tally { what, asked: 0, failed: 0, first: Vec::new() }
+        Tally { what, checked: 0, failed: 0, first: Vec::new() }
     }
 
     /// Counts one check; the message is made for the first few failures only.
     pub fn check<M: Display>(&mut self, right: bool, message: impl FnOnce() -> M) {
-        self.asked += 1;
+        self.checked += 1;
         if !right {
             self.failed += 1;
             if self.first.len() < 3 {
@@ -29,16 +29,16 @@ impl Tally {
     }
 
     /// The number of checks.
-    pub fn asked(&self) -> u64 {
-        self.asked
+    pub fn checked(&self) -> u64 {
+        self.checked
     }
 
     /// Panics if there is any failure, with the rate and the first messages, or if there were fewer than
     /// `least` checks.
     pub fn finish(self, least: u64) {
-        let Tally { what, asked, failed, first } = self;
-        assert!(failed == 0, "{what}: {failed} of {asked} wrong\n{}", first.join("\n---\n"));
-        assert!(asked >= least, "{what}: only {asked} asked, {least} meant");
-        println!("{what}: 0 of {asked} wrong");
+        let Tally { what, checked, failed, first } = self;
+        assert!(failed == 0, "{what}: {failed} of {checked} wrong\n{}", first.join("\n---\n"));
+        assert!(checked >= least, "{what}: only {checked} checks, at least {least} expected");
+        println!("{what}: 0 of {checked} wrong");
     }
 }

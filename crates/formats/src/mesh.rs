@@ -150,7 +150,7 @@ impl<'a> Import<'a> {
         let diagnosis = mesh.diagnose();
         match Polyhedron::closed(&mesh, &diagnosis) {
             Ok(solid) => {
-                self.doubt(&what, &diagnosis);
+                self.warn(&what, &diagnosis);
                 Some(solid)
             }
             Err(error) => {
@@ -163,18 +163,18 @@ impl<'a> Import<'a> {
         }
     }
 
-    fn doubt(&mut self, what: &str, diagnosis: &Diagnosis) {
+    fn warn(&mut self, what: &str, diagnosis: &Diagnosis) {
         if !diagnosis.is_sound() {
-            let doubt = Diagnostic::warning(format!("{what} may not be what was meant: {diagnosis}"));
+            let warning = Diagnostic::warning(format!("{what} may not be what was meant: {diagnosis}"));
             let why = "inside is where a line from infinity has crossed it an odd number of times";
-            self.warnings.push(doubt.why(why).in_file(self.source));
+            self.warnings.push(warning.why(why).in_file(self.source));
         }
     }
 
     fn tell_repairs(&mut self, what: &str, done: &Repair) {
         for (count, repair) in done.summary() {
-            let told = Diagnostic::warning(format!("{what} was repaired: {count} {repair}"));
-            self.report.add(LossKind::Approximated, repair, told.in_file(self.source));
+            let warning = Diagnostic::warning(format!("{what} was repaired: {count} {repair}"));
+            self.report.add(LossKind::Approximated, repair, warning.in_file(self.source));
         }
     }
 }

@@ -89,7 +89,7 @@ fn every_format_of_meshes_is_a_model() {
 }
 
 #[test]
-fn units_are_the_files_or_as_asked() {
+fn units_are_the_files_or_as_requested() {
     let folder = Folder::new("units");
     let inch = Options { unit: Some(Unit::Inch), ..Options::default() };
     let text = obj(&[("a", &cuboid([0.0; 3], [1.0; 3]))]);
@@ -147,8 +147,8 @@ fn what_is_open_is_an_error_with_its_place_unless_it_is_repaired() {
         imported.report.iter().map(|loss| (loss.kind, loss.what.as_str())).collect();
     let expected = ["duplicate triangles removed", "plane holes filled", "triangles reversed"];
     assert_eq!(done, expected.map(|what| (LossKind::Approximated, what)));
-    let told = imported.scene.warnings.to_string();
-    assert!(told.contains("the mesh was repaired: 1 plane holes filled"), "{told}");
+    let warnings = imported.scene.warnings.to_string();
+    assert!(warnings.contains("the mesh was repaired: 1 plane holes filled"), "{warnings}");
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn threemf(folder: &Folder, unit: &str, objects: &str, build: &str) -> Imported 
 }
 
 #[test]
-fn units_of_3mf_are_known_or_told() {
+fn units_of_3mf_are_known_or_reported() {
     let folder = Folder::new("units-of-3mf");
     let read = |unit: &str| threemf(&folder, unit, &tetrahedron("id=\"1\""), "<item objectid=\"1\"/>").scene;
     let known = [
@@ -237,8 +237,8 @@ fn units_of_3mf_are_known_or_told() {
         assert_eq!((scene.unit, scene.warnings.len()), (unit, 0), "{text}");
     }
     let scene = read(" unit=\"parsec\"");
-    let told = scene.warnings.to_string();
-    assert!(told.contains("the unit `parsec` is unknown"), "{told}");
+    let warnings = scene.warnings.to_string();
+    assert!(warnings.contains("the unit `parsec` is unknown"), "{warnings}");
     assert_eq!(scene.unit, Unit::Millimetre);
 }
 
@@ -253,8 +253,8 @@ fn supports_of_3mf_are_left_out() {
         let build = "<item objectid=\"1\"/><item objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 1 5 0 0\"/>";
         let imported = threemf(&folder, "", &objects.concat(), build);
         assert_eq!((region(&imported, [0.1; 3]), region(&imported, [5.1, 0.1, 0.1])), (1, 0), "{kind}");
-        let told = imported.scene.warnings.to_string();
-        assert!(told.contains(&format!("object 2 `foot` was ignored: its type `{kind}`")), "{told}");
+        let warnings = imported.scene.warnings.to_string();
+        assert!(warnings.contains(&format!("object 2 `foot` was ignored: its type `{kind}`")), "{warnings}");
     }
 }
 

@@ -364,9 +364,9 @@ fn lengths_are_millimetres_where_a_format_says_no_unit() {
     for format in [Format::OpenScad, Format::Gdml].into_iter().chain(meshes) {
         // the tolerance is in the unit of the scene
         let file = written(&scene, format, Some(0.01));
-        let told: Vec<String> = file.remarks.iter().map(ToString::to_string).collect();
-        assert!(told.contains(&"changed: lengths in cm are in mm".to_owned()), "{format} {told:?}");
-        assert!(!told.iter().any(|line| line.contains("unit")), "{format} {told:?}");
+        let remarks: Vec<String> = file.remarks.iter().map(ToString::to_string).collect();
+        assert!(remarks.contains(&"changed: lengths in cm are in mm".to_owned()), "{format} {remarks:?}");
+        assert!(!remarks.iter().any(|line| line.contains("unit")), "{format} {remarks:?}");
         let back = back(&file, format).scene;
         assert_eq!(back.unit, Unit::Millimetre);
         let bounds = Program::compile(&whole(&back)).unwrap().bounds();

@@ -100,7 +100,7 @@ impl Polyhedron {
         let outward = Vec::new();
         let mut solid =
             Polyhedron { vertices, triangles, numbers, places, faces, outward, hierarchy, bounds };
-        solid.outward = solid.turns(&shells);
+        solid.outward = solid.orientations(&shells);
         Ok(solid)
     }
 
@@ -114,7 +114,7 @@ impl Polyhedron {
 
     /// Determines which triangles are counter-clockwise seen from outside, by one line through each shell.
     /// For shells that intersect others, or are one-sided, the result holds only for some of the triangles.
-    fn turns(&self, shells: &Shells) -> Vec<bool> {
+    fn orientations(&self, shells: &Shells) -> Vec<bool> {
         let mut outward: Vec<Option<bool>> = vec![None; shells.count()];
         let largest = shells.largest(|triangle| {
             triangle::cross(self.corners(self.places[triangle as usize] as usize)).length_squared()
@@ -229,7 +229,7 @@ impl Polyhedron {
                     found.push(Crossing { t, triangle: self.numbers[place] });
                 }
                 if query.delta >= 0.0 && is_edge_on(images, query.delta) {
-                    shift = longer(shift, self.way_out(place, query, chord, perturbation));
+                    shift = longer(shift, self.shift_out_of_face(place, query, chord, perturbation));
                 }
             }
         });
@@ -237,7 +237,13 @@ impl Polyhedron {
     }
 
     /// The shift that moves a line out of the plane of a triangle; 0 if it does not lie in that plane.
-    fn way_out(&self, place: usize, query: &Query, chord: (f64, f64), perturbation: &Perturbation) -> Vec3 {
+    fn shift_out_of_face(
+        &self,
+        place: usize,
+        query: &Query,
+        chord: (f64, f64),
+        perturbation: &Perturbation,
+    ) -> Vec3 {
         let [corner, ..] = self.corners(self.faces[place] as usize);
         let normal = self.face_normal(place);
         let lies = |t: f64| normal.dot(query.line.at(t) - corner).abs() <= query.delta;

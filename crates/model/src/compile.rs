@@ -6,7 +6,7 @@ use crate::label::Labels;
 use crate::leaf::LeafTable;
 use crate::lower::{Content, Group, lower};
 use crate::program::{Program, Prototype, RegionInfo, SurfaceEntry};
-use crate::simplify::Watch;
+use crate::simplify::Observer;
 use crate::tables::Tables;
 use crate::{CompileError, Region, Solid};
 
@@ -19,19 +19,19 @@ impl Program {
 
     /// Compiles an ordered list of regions: where they overlap, the later one has priority.
     pub fn compile_regions(regions: &[Region]) -> Result<Program, CompileError> {
-        compile_watched(regions, |_, _| ())
+        compile_observed(regions, |_, _| ())
     }
 }
 
-/// Compiles regions. For each group, in the order of compilation, `watch` makes the observer of its
+/// Compiles regions. For each group, in the order of compilation, `observer` makes the observer of its
 /// simplification.
-pub(crate) fn compile_watched<W: Watch>(
+pub(crate) fn compile_observed<W: Observer>(
     regions: &[Region],
-    watch: impl FnMut(usize, &Group) -> W,
+    observer: impl FnMut(usize, &Group) -> W,
 ) -> Result<Program, CompileError> {
     let solids: Vec<&Solid> = regions.iter().map(|region| &region.solid).collect();
     let infos = regions.iter().map(|r| RegionInfo { name: r.name.clone(), medium: r.medium }).collect();
-    compile(&solids, infos, watch)
+    compile(&solids, infos, observer)
 }
 
 fn solid_name(solid: &Solid) -> String {
@@ -41,10 +41,10 @@ fn solid_name(solid: &Solid) -> String {
     }
 }
 
-fn compile<W: Watch>(
+fn compile<W: Observer>(
     solids: &[&Solid],
     regions: Vec<RegionInfo>,
-    mut watch: impl FnMut(usize, &Group) -> W,
+    mut observer: impl FnMut(usize, &Group) -> W,
 ) -> Result<Program, CompileError> {
     let groups = lower(solids)?;
     let order = inner_first(&groups);
@@ -65,8 +65,8 @@ fn compile<W: Watch>(
         let Some(group) = groups[id].take() else {
             continue;
         };
-        let mut watch = watch(id, &group);
-        tables[id] = Some(compiler.group(id, group, firsts[id], &mut watch)?);
+        let mut observer = observer(id, &group);
+        tables[id] = Some(compiler.group(id, group, firsts[id], &mut observer)?);
     }
     Ok(compiler.assemble(tables, regions))
 }
@@ -119,12 +119,12 @@ impl Compiler {
         id: usize,
         group: Group,
         first_leaf: u32,
-        watch: &mut impl Watch,
+        observer: &mut impl Observer,
     ) -> Result<GroupTables, CompileError> {
         let inner = |prototype: crate::PrototypeId| self.done[prototype.index()].unwrap_or_default();
         let mut tables = Tables::of(&group, &mut self.labels, inner)?;
         tables.share(&group, &self.labels)?;
-        let prepared = tables.prepare(group, inner, watch);
+        let prepared = tables.prepare(group, inner, observer);
         self.done[id] = Some(prepared.extent);
         let Tables { leaves, surfaces, .. } = tables;
         let prototype = Prototype {

@@ -129,7 +129,7 @@ impl<'a> Query<'a> {
 }
 
 impl Query<'_> {
-    /// True if a flip at `t` comes before the window and therefore only changes the side on which the ray
+    /// True if an event at `t` comes before the window and therefore only changes the side on which the ray
     /// starts.
     ///
     /// For a ray with a start list the window includes t = 0: at that time a listed surface is crossed if its

@@ -17,14 +17,14 @@ pub struct Event {
     pub face: Face,
 }
 
-/// Boundary events of one leaf along a ray: its side at -inf and the flips in order of time. A reusable
+/// Boundary events of one leaf along a ray: its side at -inf and the times in order, each with its facet. A reusable
 /// buffer.
 #[derive(Clone, Debug, Default)]
 pub struct LeafEvents {
     /// True if the leaf is inside as t -> -inf.
     pub starts_inside: bool,
     /// `(t, facet)`, strictly increasing in t.
-    pub flips: Vec<(f64, u32)>,
+    pub list: Vec<(f64, u32)>,
     unsorted: Vec<(f64, u32)>,
     holds: Vec<bool>,
 }
@@ -120,18 +120,18 @@ impl<'a> GroupRay<'a> {
         self.starts.iter().find(|s| s.surface == facet.surface() && s.placement == self.placement)
     }
 
-    /// Like `crossings` for any number of crossings: passes them to `flip` and returns whether the ray starts
+    /// Like `crossings` for any number of crossings: passes them to `emit` and returns whether the ray starts
     /// inside the facet.
-    fn all_crossings(&self, program: &Program, facet: LeafFacet, flip: &mut dyn FnMut(f64)) -> bool {
+    fn all_crossings(&self, program: &Program, facet: LeafFacet, emit: &mut dyn FnMut(f64)) -> bool {
         let entry = program.surface(facet.surface());
         let inside = match self.start(facet) {
             Some(start) => {
-                entry.surface.all_crossings_from(&self.ray, start.inside, &self.chord.perturbation, flip);
+                entry.surface.all_crossings_from(&self.ray, start.inside, &self.chord.perturbation, emit);
                 start.inside
             }
             None => match self.chord.lies_in(&entry.surface, entry.magnitude + self.magnitude, &self.ray) {
                 Some(inside) => inside,
-                None => entry.surface.all_crossings_in(&self.ray, &self.chord.perturbation, flip),
+                None => entry.surface.all_crossings_in(&self.ray, &self.chord.perturbation, emit),
             },
         };
         inside == facet.inside()
@@ -139,10 +139,10 @@ impl<'a> GroupRay<'a> {
 }
 
 /// Boundary events of a leaf that is a conjunction of facets.
-/// If several facets flip at the same time, the event belongs to the one with the lowest number. All of them
+/// If several facets change at the same time, the event belongs to the one with the lowest number. All of them
 /// are candidates: undoing any one of them on entry, or doing any one alone on exit, puts the leaf outside.
 pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
-    events.flips.clear();
+    events.list.clear();
     events.starts_inside = false;
     let (mut enter, mut leave) = ((f64::NEG_INFINITY, 0u32), (f64::INFINITY, 0u32));
     for (k, &facet) in facets.iter().enumerate() {
@@ -166,7 +166,7 @@ pub fn leaf_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, even
         }
     }
     events.starts_inside = enter.0 == f64::NEG_INFINITY;
-    events.flips.extend([enter, leave].into_iter().filter(|(t, _)| t.is_finite()));
+    events.list.extend([enter, leave].into_iter().filter(|(t, _)| t.is_finite()));
 }
 
 fn later(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
@@ -179,21 +179,21 @@ fn earlier(a: (f64, u32), b: (f64, u32)) -> (f64, u32) {
 
 /// Like [`leaf_events`] if some facet is inside in more than one piece.
 fn general_events(program: &Program, facets: &[LeafFacet], ray: &GroupRay, events: &mut LeafEvents) {
-    events.conjunction(facets.len(), |k, flip| ray.all_crossings(program, facets[k], flip));
+    events.conjunction(facets.len(), |k, emit| ray.all_crossings(program, facets[k], emit));
 }
 
 impl LeafEvents {
     /// Boundary events of a conjunction of `count` facets with any number of crossings each: counts the
-    /// facets that do not hold, over all flips in order of time. `crossings(k, flip)` passes the times at
-    /// which facet `k` flips to `flip` and returns whether it holds at the start. Of facets that flip at the
+    /// facets that do not hold, over all events in order of time. `crossings(k, emit)` passes the times at
+    /// which facet `k` changes to `emit` and returns whether it holds at the start. Of facets that change at the
     /// same time the lowest number is reported.
     pub fn conjunction(
         &mut self,
         count: usize,
         mut crossings: impl FnMut(usize, &mut dyn FnMut(f64)) -> bool,
     ) {
-        let LeafEvents { flips, unsorted, holds, starts_inside } = self;
-        flips.clear();
+        let LeafEvents { list, unsorted, holds, starts_inside } = self;
+        list.clear();
         unsorted.clear();
         holds.clear();
         for k in 0..count {
@@ -213,7 +213,7 @@ impl LeafEvents {
             }
             if inside != (failing == 0) {
                 inside = !inside;
-                flips.push((t, first));
+                list.push((t, first));
             }
             rest = &rest[same..];
         }

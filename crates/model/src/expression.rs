@@ -198,7 +198,7 @@ impl Expression {
             };
             formula.join(op, operands);
         }
-        self.outputs.iter().for_each(|&output| formula.ask(output));
+        self.outputs.iter().for_each(|&output| formula.add_output(output));
         formula
     }
 

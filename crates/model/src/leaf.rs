@@ -98,8 +98,8 @@ impl<'p> Leaf<'p> {
     }
 
     /// False if simplification found that the leaf affects no output.
-    pub fn is_asked(&self) -> bool {
-        self.table.entries[self.number].of & UNASKED == 0
+    pub fn is_used(&self) -> bool {
+        self.table.entries[self.number].of & UNUSED == 0
     }
 
     /// True if the leaf is the complement of the solid that its facets bound.
@@ -171,7 +171,7 @@ struct Entry {
 /// Flag of an instance.
 const INSTANCE: u32 = 1 << 31;
 /// Flag of a leaf that affects no output.
-const UNASKED: u32 = 1 << 30;
+const UNUSED: u32 = 1 << 30;
 /// Flag of a shape that is the complement of the solid that its facets bound.
 const COMPLEMENT: u32 = 1 << 29;
 const NUMBER: u32 = COMPLEMENT - 1;
@@ -235,8 +235,8 @@ impl LeafTable {
     }
 
     /// Marks a leaf as one that affects no output.
-    pub fn unask(&mut self, number: usize) {
-        self.entries[number].of |= UNASKED;
+    pub fn mark_unused(&mut self, number: usize) {
+        self.entries[number].of |= UNUSED;
     }
 
     /// Appends the leaves of another table. `surfaces` is added to its surface numbers, and `label` maps its

@@ -52,4 +52,4 @@ pub use leaf::{Leaf, LeafFacet, LeafKind};
 pub use program::{MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
 pub use rays::{BadRay, RayBatch, Rays};
 pub use solid::{Node, Region, Solid};
-pub use sweep::{NetworkFlips, Sweep};
+pub use sweep::{NetworkLeafStates, Sweep};

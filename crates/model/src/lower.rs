@@ -41,17 +41,17 @@ impl Group<'_> {
         (world_from_local, way)
     }
 
-    /// The name of the compound around a leaf's own name, if it is at most [`NEAR`] levels up.
+    /// The name of the compound around a leaf's own name, if it is at most [`MAX_NAME_LEVELS`] levels up.
     pub fn outer_name(&self, part: &Part<'_>) -> Option<&str> {
         let above = |&context: &u32| (context != 0).then(|| self.contexts[context as usize].parent);
-        let contexts = std::iter::successors(Some(part.context), above).take(NEAR);
+        let contexts = std::iter::successors(Some(part.context), above).take(MAX_NAME_LEVELS);
         contexts.filter_map(|context| self.contexts[context as usize].name.as_deref()).nth(1)
     }
 }
 
 /// Number of maps and names searched for an outer name; it keeps naming all leaves of a deep tree linear in
 /// time.
-const NEAR: usize = 64;
+const MAX_NAME_LEVELS: usize = 64;
 
 /// A leaf, or the copies of a placed solid, before transformation into the group's frame.
 pub(crate) struct Part<'a> {
@@ -187,7 +187,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
                 Task::Close => self.close(),
             }
         }
-        self.operands.iter().for_each(|&output| self.formula.ask(output));
+        self.operands.iter().for_each(|&output| self.formula.add_output(output));
         let Lowering { formula, names, parts, leaf_count, contexts, .. } = self;
         Ok(Group { formula, names, parts, leaf_count, contexts })
     }

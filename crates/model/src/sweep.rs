@@ -1,25 +1,25 @@
-//! A sweep along one ray: flips leaves in the network of their group, in order of time.
+//! A sweep along one ray: toggles leaves in the network of their group, in order of time.
 
 use crate::gate::{Network, NetworkState};
-use crate::weld::{Change, Flips, attribute};
+use crate::weld::{Change, LeafStates, attribute};
 use crate::{Event, Face, State};
 
-/// A network with its state, as the [`Flips`] of a weld.
+/// A network with its state, as the [`LeafStates`] of a weld.
 #[derive(Debug)]
-pub struct NetworkFlips<'a> {
+pub struct NetworkLeafStates<'a> {
     network: &'a Network,
     state: &'a mut NetworkState,
 }
 
-impl Flips for NetworkFlips<'_> {
+impl LeafStates for NetworkLeafStates<'_> {
     #[inline]
-    fn flip(&mut self, leaf: u32) {
-        self.network.flip(self.state, leaf);
+    fn toggle(&mut self, leaf: u32) {
+        self.network.toggle(self.state, leaf);
     }
 
     #[inline]
-    fn winner(&mut self) -> u32 {
-        self.state.winner()
+    fn owner(&mut self) -> u32 {
+        self.state.owner()
     }
 
     #[inline]
@@ -32,7 +32,7 @@ impl Flips for NetworkFlips<'_> {
 #[derive(Debug)]
 pub struct Sweep<'a> {
     /// The network after the events so far.
-    pub flips: NetworkFlips<'a>,
+    pub leaves: NetworkLeafStates<'a>,
     events: &'a [Event],
     position: usize,
     t_max: f64,
@@ -52,7 +52,7 @@ impl<'a> Sweep<'a> {
         position: usize,
         t_max: f64,
     ) -> Self {
-        Sweep { flips: NetworkFlips { network, state }, events, position, t_max }
+        Sweep { leaves: NetworkLeafStates { network, state }, events, position, t_max }
     }
 
     /// The number of events so far.
@@ -72,7 +72,7 @@ impl<'a> Sweep<'a> {
         let t = self.next_time()?;
         let first = self.position;
         while let Some(event) = self.events.get(self.position).filter(|event| event.t == t) {
-            self.flips.flip(event.leaf);
+            self.leaves.toggle(event.leaf);
             self.position += 1;
         }
         Some((t, first))
@@ -84,7 +84,7 @@ impl<'a> Sweep<'a> {
     pub fn next_change(&mut self, now: &mut State, state: impl Fn(u32) -> State) -> Option<Change> {
         loop {
             let (t, first) = self.step()?;
-            let after = state(self.flips.winner());
+            let after = state(self.leaves.owner());
             let before = std::mem::replace(now, after);
             if before.region != after.region {
                 return Some(Change { t, first, end: self.position, before, after });
@@ -96,24 +96,24 @@ impl<'a> Sweep<'a> {
     /// time and the face to which the change belongs. This makes a placed solid one leaf of the group around
     /// it.
     #[inline]
-    pub fn next_flip(&mut self, inside: &mut bool) -> Option<(f64, Face)> {
+    pub fn next_event(&mut self, inside: &mut bool) -> Option<(f64, Face)> {
         loop {
             let (t, first) = self.step()?;
-            if self.flips.output(0) != *inside {
+            if self.leaves.output(0) != *inside {
                 *inside = !*inside;
                 let end = self.position;
-                let output = |flips: &mut NetworkFlips<'_>| u32::from(flips.output(0));
-                return Some((t, attribute(self.events, first..end, end, &mut self.flips, output)));
+                let output = |leaves: &mut NetworkLeafStates<'_>| u32::from(leaves.output(0));
+                return Some((t, attribute(self.events, first..end, end, &mut self.leaves, output)));
             }
         }
     }
 
-    /// Resets the leaves that may have changed to their state at rest, outside.
-    pub fn rest(self, touched: impl IntoIterator<Item = u32>) {
-        let NetworkFlips { network, state } = self.flips;
+    /// Resets the leaves that may have changed to their initial side, outside.
+    pub fn restore(self, touched: impl IntoIterator<Item = u32>) {
+        let NetworkLeafStates { network, state } = self.leaves;
         for leaf in touched {
             if state.leaf(leaf) {
-                network.flip(state, leaf);
+                network.toggle(state, leaf);
             }
         }
     }

@@ -7,7 +7,7 @@ use crate::label::Labels;
 use crate::leaf::{LeafFacet, LeafTable};
 use crate::lower::{Content, Group, Part};
 use crate::program::SurfaceEntry;
-use crate::simplify::{Watch, bounds, leaf_needs, output_bounds, prepare_watched};
+use crate::simplify::{Observer, bounds, leaf_needs, output_bounds, prepare_observed};
 use crate::{Ball, CompileError, CompileProblem, Expression, PrototypeId, SurfaceId};
 use rayweave_math::{Bounds, Transform};
 use rayweave_shape::Ray;
@@ -98,8 +98,8 @@ impl Tables {
         for facet in &lowered.facets {
             let surface = facet.surface.transformed(place);
             let magnitude = surface.magnitude() + place.path;
-            let is_in_reach = magnitude <= Ray::MOST;
-            if !is_in_reach || !surface.is_finite() {
+            let is_in_range = magnitude <= Ray::MOST;
+            if !is_in_range || !surface.is_finite() {
                 return Err(CompileProblem::NotFinite);
             }
             if facet.inside {
@@ -198,7 +198,7 @@ impl Tables {
         &mut self,
         group: Group<'_>,
         inner: impl Fn(PrototypeId) -> Extent,
-        watch: &mut impl Watch,
+        observer: &mut impl Observer,
     ) -> Prepared {
         let Group { mut formula, .. } = group;
         formula.complement_leaves(|leaf| self.leaves.leaf(leaf.index()).is_complement());
@@ -218,9 +218,9 @@ impl Tables {
             })
             .collect();
         let condition = (0..count).map(|leaf| boxes.condition(leaf)).fold(1.0, f64::max);
-        let prepared = prepare_watched(&formula, &sure, watch);
+        let prepared = prepare_observed(&formula, &sure, observer);
         let tight = output_bounds(&prepared, &bounds(&prepared, &exact));
-        watch.finish(&formula, &prepared, &exact, tight);
+        observer.finish(&formula, &prepared, &exact, tight);
         drop((exact, formula));
         let nodes = bounds(&prepared, &sure);
         let needs = leaf_needs(&prepared, &nodes, count);
@@ -228,7 +228,7 @@ impl Tables {
             .iter()
             .enumerate()
             .filter(|(_, here)| here.is_empty())
-            .for_each(|(leaf, _)| self.leaves.unask(leaf));
+            .for_each(|(leaf, _)| self.leaves.mark_unused(leaf));
         let placements =
             self.leaves.instances.iter().map(|run| run.placements_each * run.len() as u32).sum::<u32>();
         let extent = Extent {

@@ -11,12 +11,12 @@ use rayweave_shape::Ray;
 use rayweave_shape::surface::{coincides_along, separated_along};
 use std::ops::Range;
 
-/// The leaf states of a group during a sweep. A second flip of a leaf undoes the first.
-pub trait Flips {
-    /// Flips a leaf.
-    fn flip(&mut self, leaf: u32);
+/// The leaf states of a group during a sweep. Toggling a leaf twice has no effect.
+pub trait LeafStates {
+    /// Inverts the side of a leaf.
+    fn toggle(&mut self, leaf: u32);
     /// The number of the last output that is inside, counted from 1; 0 if none is.
-    fn winner(&mut self) -> u32;
+    fn owner(&mut self) -> u32;
     /// True if output `k`, counted from 0, is inside.
     fn output(&mut self, k: u32) -> bool;
 }
@@ -53,7 +53,7 @@ impl Trajectory for Ray {
 pub struct Change {
     /// The time.
     pub t: f64,
-    /// Index of the first event at that time: the flips are events `first..end`.
+    /// Index of the first event at that time: the events are `first..end`.
     pub first: usize,
     /// Index one past the last of them.
     pub end: usize,
@@ -125,15 +125,15 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         Paused(self.pending, self.quiet)
     }
 
-    /// Adds the next change of region; returns the crossing that this change completes, if any. `flips` must
-    /// be in the state just after the change, with events `..change.end` flipped.
-    pub fn change(&mut self, change: Change, flips: &mut impl Flips) -> Option<Crossing> {
+    /// Adds the next change of region; returns the crossing that this change completes, if any. `leaves` must
+    /// be in the state just after the change, with events `..change.end` applied.
+    pub fn change(&mut self, change: Change, leaves: &mut impl LeafStates) -> Option<Crossing> {
         if change.before.medium == change.after.medium {
-            self.quiet_change(change, flips);
+            self.quiet_change(change, leaves);
             return None;
         }
         let face =
-            attribute(self.events, change.first..change.end, change.end, flips, medium_state(self.program));
+            attribute(self.events, change.first..change.end, change.end, leaves, medium_state(self.program));
         let (t, here) = (change.t, (change.t, face));
         let quiet = self.quiet.take().filter(|quiet| self.welded(quiet.tail, here));
         if let Some(run) = self.pending.filter(|run| self.welded((run.t, run.face), here)) {
@@ -146,15 +146,15 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         let Change { end, after, .. } = change;
         let run = Run { first, end, before, after, t, face, single: quiet.is_none(), tail: here };
         let complete = self.pending.replace(run)?;
-        self.report(&complete, end, flips)
+        self.report(&complete, end, leaves)
     }
 
     /// Handles a change of region within one medium, which is not a crossing by itself. If it is next to a
     /// crossing and both lie in each other's surfaces, the region between them is a sliver: the region
     /// reported is the one before or after both.
-    fn quiet_change(&mut self, change: Change, flips: &mut impl Flips) {
-        let winner = |flips: &mut _| Flips::winner(flips);
-        let face = attribute(self.events, change.first..change.end, change.end, flips, winner);
+    fn quiet_change(&mut self, change: Change, leaves: &mut impl LeafStates) {
+        let owner = |leaves: &mut _| LeafStates::owner(leaves);
+        let face = attribute(self.events, change.first..change.end, change.end, leaves, owner);
         let here = (change.t, face);
         let touched = self.pending.filter(|run| run.after == change.before && self.welded(run.tail, here));
         if let Some(run) = touched {
@@ -166,16 +166,16 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         self.quiet = Some(chain.map_or(fresh, |quiet| Quiet { tail: here, ..quiet }));
     }
 
-    /// Returns the last crossing after the final change; `position` events are flipped in `flips`.
-    pub fn finish(&mut self, position: usize, flips: &mut impl Flips) -> Option<Crossing> {
+    /// Returns the last crossing after the final change; `position` events are applied to `leaves`.
+    pub fn finish(&mut self, position: usize, leaves: &mut impl LeafStates) -> Option<Crossing> {
         let run = self.pending.take()?;
-        self.report(&run, position, flips)
+        self.report(&run, position, leaves)
     }
 
     /// True if a crossing is pending and no change at a time in `ends` can be welded to it, so that
     /// [`Weld::finish`] returns the crossing that is reported in any case. All earlier changes must have been
     /// added.
-    pub fn is_settled(&self, ends: (f64, f64)) -> bool {
+    pub fn is_resolved(&self, ends: (f64, f64)) -> bool {
         let separated_along = |(a, face): (f64, Face)| self.path.separated_along(self.program, face, a, ends);
         self.pending.is_some_and(|run| {
             separated_along((run.t, run.face)) && (run.tail == (run.t, run.face) || separated_along(run.tail))
@@ -189,7 +189,7 @@ impl<'a, T: Trajectory> Weld<'a, T> {
     }
 
     /// The crossing of a complete run; `None` if the medium is the same before and after.
-    fn report(&self, run: &Run, position: usize, flips: &mut impl Flips) -> Option<Crossing> {
+    fn report(&self, run: &Run, position: usize, leaves: &mut impl LeafStates) -> Option<Crossing> {
         let Run { first, end, before, after, .. } = *run;
         if before.medium == after.medium {
             return None;
@@ -197,13 +197,13 @@ impl<'a, T: Trajectory> Weld<'a, T> {
         let alone = end - first == 1;
         let face = match alone || run.single {
             true => run.face,
-            false => attribute(self.events, first..end, position, flips, medium_state(self.program)),
+            false => attribute(self.events, first..end, position, leaves, medium_state(self.program)),
         };
         // a region that continues below the other one, or ended before, is left or entered at the same face
         let mut of_region = |region: RegionId| match alone || region == RegionId(0) {
             true => face,
             false => {
-                responsible(self.events, first..end, position, flips, region_state(region)).unwrap_or(face)
+                responsible(self.events, first..end, position, leaves, region_state(region)).unwrap_or(face)
             }
         };
         let (mut left, mut entered) = (of_region(before.region), of_region(after.region));
@@ -214,67 +214,67 @@ impl<'a, T: Trajectory> Weld<'a, T> {
     }
 }
 
-/// The face to which the flips `range` of `events` belong: the face of the lowest leaf whose flip alone
-/// changes the state before all of them, or whose flip undone changes the state after. If there is none, the
-/// lowest leaf whose flip changes the state when they are applied one after the other. (Some flip does,
+/// The face to which the events `range` belong: the face of the lowest leaf whose event alone
+/// changes the state before all of them, or whose event undone changes the state after. If there is none, the
+/// lowest leaf whose event changes the state when they are applied one after the other. (Some event does,
 /// because the states before and after differ. Leaves that cannot matter here never do, so the result is the
-/// same whether or not an evaluator includes them.) `flips` has `position` events flipped, at least those up
+/// same whether or not an evaluator includes them.) `leaves` has `position` events applied, at least those up
 /// to the end of the range, and is restored.
-pub fn attribute<F: Flips>(
+pub fn attribute<F: LeafStates>(
     events: &[Event],
     range: Range<usize>,
     position: usize,
-    flips: &mut F,
+    leaves: &mut F,
     state: impl Fn(&mut F) -> u32,
 ) -> Face {
     match &events[range.clone()] {
         [only] => only.face,
-        members => responsible(events, range, position, flips, state).unwrap_or(members[0].face),
+        members => responsible(events, range, position, leaves, state).unwrap_or(members[0].face),
     }
 }
 
-/// Like [`attribute`]; `None` if the flips together change nothing.
-fn responsible<F: Flips>(
+/// Like [`attribute`]; `None` if the events together change nothing.
+fn responsible<F: LeafStates>(
     events: &[Event],
     range: Range<usize>,
     position: usize,
-    flips: &mut F,
+    leaves: &mut F,
     state: impl Fn(&mut F) -> u32,
 ) -> Option<Face> {
     let members = &events[range.clone()];
-    let toggle = |flips: &mut F, range: Range<usize>| {
-        events[range].iter().for_each(|event| flips.flip(event.leaf));
+    let toggle = |leaves: &mut F, range: Range<usize>| {
+        events[range].iter().for_each(|event| leaves.toggle(event.leaf));
     };
     let mut best: Option<&Event> = None;
-    toggle(flips, range.end..position);
-    let after = test_each(members, flips, &state, &mut best);
-    toggle(flips, range.clone());
-    let before = test_each(members, flips, &state, &mut best);
+    toggle(leaves, range.end..position);
+    let after = test_each(members, leaves, &state, &mut best);
+    toggle(leaves, range.clone());
+    let before = test_each(members, leaves, &state, &mut best);
     if best.is_none() {
-        test_all(members, flips, &state, &mut best);
+        test_all(members, leaves, &state, &mut best);
     } else {
-        toggle(flips, range.clone());
+        toggle(leaves, range.clone());
     }
-    toggle(flips, range.end..position);
+    toggle(leaves, range.end..position);
     best.filter(|_| before != after).map(|event| event.face)
 }
 
-/// Flips each member alone and keeps in `best` the lowest leaf that changes the state; of several flips of
-/// one leaf the last. Returns the state without any flip.
-fn test_each<'e, F: Flips>(
+/// Toggles each member alone and keeps in `best` the lowest leaf that changes the state; of several events of
+/// one leaf the last. Returns the state without any of them.
+fn test_each<'e, F: LeafStates>(
     members: &'e [Event],
-    flips: &mut F,
+    leaves: &mut F,
     state: &impl Fn(&mut F) -> u32,
     best: &mut Option<&'e Event>,
 ) -> u32 {
-    let now = state(flips);
+    let now = state(leaves);
     for event in members {
         if best.is_some_and(|best| best.leaf < event.leaf) {
             continue;
         }
-        flips.flip(event.leaf);
-        let changed = state(flips) != now;
-        flips.flip(event.leaf);
+        leaves.toggle(event.leaf);
+        let changed = state(leaves) != now;
+        leaves.toggle(event.leaf);
         if changed {
             *best = Some(event);
         }
@@ -282,18 +282,18 @@ fn test_each<'e, F: Flips>(
     now
 }
 
-/// Flips the members one after the other and leaves them flipped; keeps the lowest leaf that changes the
+/// Toggles the members one after the other and leaves them toggled; keeps the lowest leaf that changes the
 /// state.
-fn test_all<'e, F: Flips>(
+fn test_all<'e, F: LeafStates>(
     members: &'e [Event],
-    flips: &mut F,
+    leaves: &mut F,
     state: &impl Fn(&mut F) -> u32,
     best: &mut Option<&'e Event>,
 ) {
-    let mut now = state(flips);
+    let mut now = state(leaves);
     for event in members {
-        flips.flip(event.leaf);
-        let next = state(flips);
+        leaves.toggle(event.leaf);
+        let next = state(leaves);
         if next != now && best.is_none_or(|best| best.leaf >= event.leaf) {
             *best = Some(event);
         }
@@ -301,12 +301,12 @@ fn test_all<'e, F: Flips>(
     }
 }
 
-fn medium_state<F: Flips>(program: &Program) -> impl Fn(&mut F) -> u32 {
-    |flips: &mut F| program.medium_of(RegionId(flips.winner()))
+fn medium_state<F: LeafStates>(program: &Program) -> impl Fn(&mut F) -> u32 {
+    |leaves: &mut F| program.medium_of(RegionId(leaves.owner()))
 }
 
-fn region_state<F: Flips>(region: RegionId) -> impl Fn(&mut F) -> u32 {
-    move |flips: &mut F| u32::from(flips.output(region.0 - 1))
+fn region_state<F: LeafStates>(region: RegionId) -> impl Fn(&mut F) -> u32 {
+    move |leaves: &mut F| u32::from(leaves.output(region.0 - 1))
 }
 
 /// A world ray in the frame of a placement, by the same steps as in evaluators, and the length to add to the

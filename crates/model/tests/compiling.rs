@@ -52,7 +52,7 @@ fn constants_vanish() {
 }
 
 #[test]
-fn what_bounds_show_not_to_matter_is_not_asked() {
+fn leaves_that_bounds_show_not_to_matter_are_unused() {
     let [a, b, c, d] = balls();
     // neighbours are in contact, which does not count as disjoint
     check(&(&a - &b - &c - &d), "all{0, ~1}");
@@ -63,7 +63,7 @@ fn what_bounds_show_not_to_matter_is_not_asked() {
     check(&((&a | &b | &c) & &d), "all{2, 3}");
     let program = Program::compile(&(&a - &c)).unwrap();
     assert_eq!(program.leaves().len(), 2);
-    assert!(!program.leaf(LeafId(1)).is_asked() && program.leaf(LeafId(0)).is_asked());
+    assert!(!program.leaf(LeafId(1)).is_used() && program.leaf(LeafId(0)).is_used());
     assert!(program.matters(program.prototype(PrototypeId(0)))[1].is_empty());
     assert_eq!(program.surfaces().len(), 2);
 }

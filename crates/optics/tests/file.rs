@@ -51,20 +51,20 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-12, "{found} is not {expected}");
 }
 
-/// Light along z from z = -10, with two screens: `behind` the source at z = -20, for reflected light,
-/// and `before` it at z = 20, for transmitted light. Each case adds its element at the origin.
+/// Light along z from z = -10, with two screens: `reflected` behind the source at z = -20, and `transmitted`
+/// before it at z = 20, for reflected and transmitted light. Each case adds its element at the origin.
 const BENCH: &str = r#"
 [[optics.source]]
 beam = { circle = 2, rays = 50 }
 wavelength_nm = 550
 transform = [{ translate = [0, 0, -10] }]
 [[optics.sheet]]
-name = "behind"
+name = "reflected"
 rectangle = [400, 400]
 action = "absorb"
 transform = [{ translate = [0, 0, -20] }]
 [[optics.sheet]]
-name = "before"
+name = "transmitted"
 circle = 400
 action = "absorb"
 transform = [{ translate = [0, 0, 20] }]
@@ -81,7 +81,7 @@ fn with_finish(index: f64, finish: &str) -> [f64; 3] {
         "{}[optics]\nbranches = 'both'\n[optics.face]\n'plate.z-' = {finish}\n{BENCH}",
         plate(index)
     )));
-    ["behind", "before", "plate"].map(|element| run.absorbed(element))
+    ["reflected", "transmitted", "plate"].map(|element| run.absorbed(element))
 }
 
 #[test]
@@ -100,8 +100,8 @@ fn finishes() {
     // a quarter wave of the geometric mean transmits all light into the glass; 0.04 is reflected at
     // its back
     check(1.5, "{ coated = [['sqrt(1.5)', 0, '550 / 4 / sqrt(1.5)']] }", [0.04, 0.96, 0.0]);
-    let [_, before, plate] = with_finish(1.0, "{ diffuse = 0.8 }");
-    close(before, 0.0);
+    let [_, transmitted, plate] = with_finish(1.0, "{ diffuse = 0.8 }");
+    close(transmitted, 0.0);
     close(plate, 0.2);
 }
 
@@ -109,7 +109,7 @@ fn finishes() {
 fn longer_names_of_faces_say_more() {
     let faces = "[optics.face]\n'plate.plate.z-' = { mirror = 0.5 }\nplate = 'absorber'\n'plate.plate' = { mirror = 0.9 }\n";
     let run = Run::new(&read(&format!("{}{faces}{BENCH}", plate(1.5))));
-    close(run.absorbed("behind"), 0.5);
+    close(run.absorbed("reflected"), 0.5);
     let run = Run::new(&read(&format!("{}[optics.face]\nplate = 'absorber'\n{BENCH}", plate(1.5))));
     close(run.absorbed("plate"), 1.0);
 }
@@ -124,7 +124,7 @@ fn with_action(optics: &str, action: &str) -> Run {
 fn actions_that_share_the_power() {
     let check = |action: &str, expected: [f64; 3]| {
         let run = with_action("[optics]\nbranches = 'both'\n", action);
-        let found = ["behind", "before", "sheet"].map(|element| run.absorbed(element));
+        let found = ["reflected", "transmitted", "sheet"].map(|element| run.absorbed(element));
         found.into_iter().zip(expected).for_each(|(found, expected)| close(found, expected));
         run
     };
@@ -139,8 +139,8 @@ fn actions_that_share_the_power() {
 #[test]
 fn a_thin_lens_has_its_focus_on_the_screen() {
     let run = with_action("", "{ thin_lens = 20 }");
-    assert_eq!(run.at("before").len(), 50);
-    run.at("before").iter().for_each(|segment| assert!(segment.end.x.hypot(segment.end.y) < 1e-12));
+    assert_eq!(run.at("transmitted").len(), 50);
+    run.at("transmitted").iter().for_each(|segment| assert!(segment.end.x.hypot(segment.end.y) < 1e-12));
 }
 
 /// The grating equation, with lines per inch in a model in inches.
@@ -148,7 +148,7 @@ fn a_thin_lens_has_its_focus_on_the_screen() {
 fn gratings_and_the_unit_of_the_document() {
     let sine = 600.0 * 550e-6;
     for (unit, lines) in [("mm", "600"), ("in", "'600 * 25.4'")] {
-        for (reflects, screen) in [(false, "before"), (true, "behind")] {
+        for (reflects, screen) in [(false, "transmitted"), (true, "reflected")] {
             let action =
                 format!("{{ grating = {{ lines = [0, {lines}], order = -1, reflects = {reflects} }} }}");
             let run = with_action(&format!("unit = '{unit}'\n"), &action);
@@ -173,9 +173,9 @@ fn polarising_sheets() {
     };
     let passed = |sheets: &str| {
         let said =
-            Run::new(&read(&format!("[optics]\npolarised = true\n{sheets}{BENCH}"))).absorbed("before");
+            Run::new(&read(&format!("[optics]\npolarised = true\n{sheets}{BENCH}"))).absorbed("transmitted");
         // polarisation is traced by default if a sheet polarises
-        close(Run::new(&read(&format!("{sheets}{BENCH}"))).absorbed("before"), said);
+        close(Run::new(&read(&format!("{sheets}{BENCH}"))).absorbed("transmitted"), said);
         said
     };
     let first = sheet("first", -2.0, "polariser = 0");
@@ -192,34 +192,37 @@ fn media() {
     let with = |media: &str| {
         let text = format!("{}[optics]\nbranches = 'both'\n[optics.medium]\n{media}\n{BENCH}", plate(1.7));
         let run = Run::new(&read(&text));
-        ["behind", "before", "plate"].map(|element| run.absorbed(element))
+        ["reflected", "transmitted", "plate"].map(|element| run.absorbed(element))
     };
     // two polished faces of reflectance r reflect 2 r / (1 + r)
     let plates = |n: f64| {
         let r = ((n - 1.0) / (n + 1.0)).powi(2);
         2.0 * r / (1.0 + r)
     };
-    let check = |media: &str, reflected: f64| {
-        let [behind, before, plate] = with(media);
-        assert!((behind - reflected).abs() < 1e-9 && plate < 1e-12, "{media}: {behind} {before} {plate}");
-        assert!((before - (1.0 - reflected)).abs() < 1e-9, "{media}: {before}");
+    let check = |media: &str, expected: f64| {
+        let [reflected, transmitted, plate] = with(media);
+        assert!(
+            (reflected - expected).abs() < 1e-9 && plate < 1e-12,
+            "{media}: {reflected} {transmitted} {plate}"
+        );
+        assert!((transmitted - (1.0 - expected)).abs() < 1e-9, "{media}: {transmitted}");
     };
     check("", plates(1.7));
     check("plate = 1.5", plates(1.5));
     check("plate = '3 / 2'", plates(1.5));
     check("world = 1.7", 0.0);
     // Schott's data sheet of N-BK7 has 1.51872 at 546.07 nm and 1.5168 at 587.56 nm; hardly any light stays inside
-    let [behind, ..] = with("plate = 'N-BK7'");
-    assert!((behind - plates(1.5185)).abs() < 1e-4, "{behind}");
+    let [reflected, ..] = with("plate = 'N-BK7'");
+    assert!((reflected - plates(1.5185)).abs() < 1e-4, "{reflected}");
     close(with("plate = 'absorber'")[2], 1.0);
     close(with("plate = 'mirror'")[0], 1.0);
     // a metal reflects |(n - 1) / (n + 1)|^2 with n = 0.2 + 3 i
     close(with("plate = { n = 0.2, k = 3 }")[0], (0.64 + 9.0) / (1.44 + 9.0));
     // and a faint dye absorbs by the Beer-Lambert law: 2 mm of it transmit exp(-4 pi k d /
     // wavelength)
-    let [_, before, _] = with("plate = { n = 1.7, k = 1e-5 }\nworld = 1.7");
+    let [_, transmitted, _] = with("plate = { n = 1.7, k = 1e-5 }\nworld = 1.7");
     let through = (-4.0 * std::f64::consts::PI * 1e-5 * 2e6 / 550.0_f64).exp();
-    assert!((before - through).abs() < 1e-4, "{before} {through}");
+    assert!((transmitted - through).abs() < 1e-4, "{transmitted} {through}");
 }
 
 #[test]

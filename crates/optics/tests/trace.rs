@@ -33,7 +33,7 @@ fn is_same(a: &Trace, b: &Trace) -> bool {
 }
 
 #[test]
-fn a_plate_shifts_light_perturbation() {
+fn a_plate_shifts_light_sideways() {
     // Born & Wolf, section 4.9.5: d = thickness sin(i - r) / cos(r)
     let plate = Element::transparent("plate", block(40.0, 40.0, 10.0), &glass(1.5));
     let system = Assembly::new().add(plate).compile().unwrap();
@@ -47,8 +47,8 @@ fn a_plate_shifts_light_perturbation() {
     let inside = (sine / 1.5).asin();
     let expected = 10.0 * (40.0_f64.to_radians() - inside).sin() / inside.cos();
     let last = rows[2];
-    let perturbation = (last.start - light.ray.origin).cross(last.direction).length();
-    near(perturbation, expected, 1e-13);
+    let offset = (last.start - light.ray.origin).cross(last.direction).length();
+    near(offset, expected, 1e-13);
     near((last.direction - light.ray.direction).length(), 0.0, 1e-15);
     near(rows[1].path, rows[0].start.distance(rows[0].end) + 1.5 * 10.0 / inside.cos(), 1e-12);
     assert_eq!(rows.iter().map(|row| row.index).collect::<Vec<_>>(), [1.0, 1.5, 1.0]);
@@ -191,8 +191,8 @@ fn light_finds_its_way_back() {
         let back = Light::new(out.start + 30.0 * out.direction, -out.direction, D_NM);
         let home = one(&system, back, &Settings::default()).last().copied().unwrap();
         near((home.direction + light.ray.direction.normalize()).length(), 0.0, 1e-13);
-        let perturbation = (light.ray.origin - home.start).cross(home.direction).length();
-        near(perturbation, 0.0, 1e-12);
+        let offset = (light.ray.origin - home.start).cross(home.direction).length();
+        near(offset, 0.0, 1e-12);
     }
 }
 

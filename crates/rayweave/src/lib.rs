@@ -221,8 +221,8 @@ pub mod shape {
 /// Cross-sections of models, with drawings as SVG and DXF.
 pub mod section {
     pub use rayweave_analysis::section::{
-        By, CrossSection, Cut, Edge, Look, Section, SectionError, SectionPart, SectionPlane, SectionSettings,
-        Sweep, cross_sections, section, section_with,
+        By, CrossSection, Cut, Edge, Section, SectionError, SectionPart, SectionPlane, SectionSettings,
+        SectionWindow, Sweep, cross_sections, section, section_with,
     };
     #[cfg(feature = "draw")]
     pub use rayweave_draw::section::{section_dxf, section_svg};

@@ -144,12 +144,10 @@ impl Camera {
         let (w, h) = (size.width() as f64, size.height() as f64);
         let u = (2.0 * x - w) / h * self.half_height;
         let v = (h - 2.0 * y) / h * self.half_height;
-        let perturbation = u * self.right + v * self.up;
+        let offset = u * self.right + v * self.up;
         match self.projection {
-            Projection::Perspective { .. } => {
-                Ray::new(self.position, (self.forward + perturbation).normalize())
-            }
-            Projection::Orthographic { .. } => Ray::new(self.position + perturbation, self.forward),
+            Projection::Perspective { .. } => Ray::new(self.position, (self.forward + offset).normalize()),
+            Projection::Orthographic { .. } => Ray::new(self.position + offset, self.forward),
         }
     }
 

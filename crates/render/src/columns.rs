@@ -44,7 +44,7 @@ impl Columns {
         Ray::new(vector(&self.origins, i), vector(&self.directions, i))
     }
 
-    /// The normal at the hit; stale if the last call of [`Columns::ask`] computed none.
+    /// The normal at the hit; stale if the last call of [`Columns::trace`] computed none.
     #[inline]
     pub fn normal(&self, i: usize) -> Vec3 {
         vector(&self.normal, i)
@@ -63,7 +63,7 @@ impl Columns {
     }
 
     /// Computes the first hit of each ray, and its normal if `with_normals` is set.
-    pub fn ask<E: Evaluator>(
+    pub fn trace<E: Evaluator>(
         &mut self,
         evaluator: &E,
         window: Window,

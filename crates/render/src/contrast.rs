@@ -6,7 +6,7 @@ use rayweave_math::Vec3;
 
 /// The kind of edge between two samples; see [`Lines`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Step {
+pub(crate) enum EdgeKind {
     None,
     Crease,
     Outline,
@@ -43,31 +43,31 @@ impl Contrast {
     }
 
     /// The kind of edge between two samples at pixel positions.
-    pub fn step(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2]) -> Step {
+    pub fn edge(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2]) -> EdgeKind {
         if a.region != b.region {
-            return Step::Outline;
+            return EdgeKind::Outline;
         }
         if a.region == 0 {
-            return Step::None;
+            return EdgeKind::None;
         }
         let apart = (a_at[0] - b_at[0]).abs().max((a_at[1] - b_at[1]).abs());
         let frontal = apart * (self.pixel.0 * a.t.min(b.t) + self.pixel.1);
         let jump = (a.t - b.t).abs();
         let is_outline = match a.face == b.face && a.placement == b.placement {
-            true if jump <= SHALLOW * frontal => return Step::None,
+            true if jump <= SHALLOW * frontal => return EdgeKind::None,
             true => self.is_steep(a, a_at, b, b_at, false),
             false => jump > DEEP * frontal || self.is_steep(a, a_at, b, b_at, true),
         };
         match is_outline {
-            true => Step::Outline,
-            false if self.is_crease(a, b) => Step::Crease,
-            false => Step::None,
+            true => EdgeKind::Outline,
+            false if self.is_crease(a, b) => EdgeKind::Crease,
+            false => EdgeKind::None,
         }
     }
 
     /// True if an edge separates two samples or different lights shine on them.
     pub fn differs(&self, a: &Sample, a_at: [f64; 2], b: &Sample, b_at: [f64; 2]) -> bool {
-        a.lit != b.lit || self.step(a, a_at, b, b_at) > Step::None
+        a.lit != b.lit || self.edge(a, a_at, b, b_at) > EdgeKind::None
     }
 
     fn is_crease(&self, a: &Sample, b: &Sample) -> bool {

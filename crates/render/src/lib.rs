@@ -13,14 +13,13 @@
 //! [`Evaluator`]: rayweave_model::Evaluator
 
 mod camera;
-mod closer;
+mod camera_rays;
 mod colour;
 mod columns;
 mod contrast;
 mod error;
 mod extent;
-mod eye;
-mod gaze;
+mod first_pass;
 mod image;
 mod light;
 mod limits;
@@ -28,6 +27,7 @@ mod occlusion;
 mod pen;
 mod planes;
 pub mod png;
+mod primary;
 mod render;
 mod run;
 mod sample;
@@ -35,7 +35,7 @@ mod section;
 mod settings;
 mod shade;
 mod shadow;
-mod survey;
+mod supersampling;
 mod sweep;
 mod view;
 mod wavelength;

@@ -38,7 +38,7 @@ impl Occlusion {
         for (bit, light) in shader.lights().enumerate() {
             let far = distance(light, program);
             self.gather(light, far, 1 << bit, (sight, points), lit);
-            self.rays.ask(evaluator, window, false, scratch);
+            self.rays.trace(evaluator, window, false, scratch);
             for (k, &i) in self.of.iter().enumerate() {
                 if self.is_hidden(program, sight, k, i as usize) {
                     lit[i as usize] &= !(1 << bit);

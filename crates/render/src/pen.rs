@@ -2,7 +2,7 @@
 
 use crate::Lines;
 use crate::colour::{Premultiplied, premultiply};
-use crate::contrast::Step;
+use crate::contrast::EdgeKind;
 
 /// A pen: the neighbours that a sample is compared with.
 pub(crate) struct Pen {
@@ -39,11 +39,11 @@ impl Pen {
         }
     }
 
-    /// True if a line covers the sample; `step` returns the kind of edge between it and the one at an offset.
-    pub fn touches(&self, step: impl Fn([isize; 2]) -> Step) -> bool {
+    /// True if a line covers the sample; `edge` returns the kind of edge between it and the one at an offset.
+    pub fn touches(&self, edge: impl Fn([isize; 2]) -> EdgeKind) -> bool {
         self.offsets.iter().any(|&(offset, creases_count)| {
-            let least = if creases_count { Step::Crease } else { Step::Outline };
-            step(offset) >= least
+            let least = if creases_count { EdgeKind::Crease } else { EdgeKind::Outline };
+            edge(offset) >= least
         })
     }
 }
@@ -53,22 +53,22 @@ mod tests {
     use super::*;
 
     /// The number of samples of a row that a line covers, with the edge between 0 and -1.
-    fn covered(width: f64, samples: u32, step: Step) -> usize {
+    fn covered(width: f64, samples: u32, edge: EdgeKind) -> usize {
         let lines = Lines { width, ..Lines::default() };
         let pen = Pen::new(&lines, samples);
         let differ =
-            |x: isize| pen.touches(|[dx, _]| if (x < 0) != (x + dx < 0) { step } else { Step::None });
+            |x: isize| pen.touches(|[dx, _]| if (x < 0) != (x + dx < 0) { edge } else { EdgeKind::None });
         (-99..99).filter(|&x| differ(x)).count()
     }
 
     #[test]
     fn lines_are_as_wide_as_they_should() {
-        assert_eq!(covered(1.0, 1, Step::Outline), 1);
-        assert_eq!(covered(1.0, 2, Step::Outline), 2);
-        assert_eq!(covered(1.5, 4, Step::Outline), 6);
-        assert_eq!(covered(8.0, 16, Step::Outline), 128);
-        assert_eq!(covered(2.5, 4, Step::Crease), 6);
-        assert_eq!(covered(0.0, 4, Step::Outline), 0);
-        assert_eq!(covered(4.0, 4, Step::None), 0);
+        assert_eq!(covered(1.0, 1, EdgeKind::Outline), 1);
+        assert_eq!(covered(1.0, 2, EdgeKind::Outline), 2);
+        assert_eq!(covered(1.5, 4, EdgeKind::Outline), 6);
+        assert_eq!(covered(8.0, 16, EdgeKind::Outline), 128);
+        assert_eq!(covered(2.5, 4, EdgeKind::Crease), 6);
+        assert_eq!(covered(0.0, 4, EdgeKind::Outline), 0);
+        assert_eq!(covered(4.0, 4, EdgeKind::None), 0);
     }
 }

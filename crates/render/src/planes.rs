@@ -34,7 +34,7 @@ pub fn depth<E: Evaluator>(
 ) -> Result<Plane<f64>, RenderError> {
     let mut depth = Plane::filled(size, f64::INFINITY);
     let bands = Bands { evaluator, camera, size, with_normals: false };
-    bands.look(run, bands.of(&mut depth), |depth, at, hits, i| depth[at] = hits.t[i])?;
+    bands.trace(run, bands.of(&mut depth), |depth, at, hits, i| depth[at] = hits.t[i])?;
     Ok(depth)
 }
 
@@ -52,7 +52,7 @@ pub fn normals<E: Evaluator>(
 ) -> Result<Plane<[f64; 3]>, RenderError> {
     let mut normals = Plane::filled(size, [f64::NAN; 3]);
     let bands = Bands { evaluator, camera, size, with_normals: true };
-    bands.look(run, bands.of(&mut normals), |normals, at, hits, i| {
+    bands.trace(run, bands.of(&mut normals), |normals, at, hits, i| {
         normals[at] = hits.normal(i).to_array();
     })?;
     Ok(normals)
@@ -72,7 +72,7 @@ pub fn ids<E: Evaluator>(
     let numbers = Numbers::new(kind, evaluator.program());
     let mut ids = Plane::filled(size, numbers.miss());
     let bands = Bands { evaluator, camera, size, with_normals: false };
-    bands.look(run, bands.of(&mut ids), |ids, at, hits, i| ids[at] = numbers.of(hits, i))?;
+    bands.trace(run, bands.of(&mut ids), |ids, at, hits, i| ids[at] = numbers.of(hits, i))?;
     Ok(ids)
 }
 
@@ -106,7 +106,7 @@ pub fn geometry<E: Evaluator>(
     };
     let bands = Bands { evaluator, camera, size, with_normals: true };
     let pieces = bands.of(&mut all.depth).zip(bands.of(&mut all.normals)).zip(bands.of(&mut all.ids));
-    bands.look(run, pieces, |((depth, normals), ids), at, hits, i| {
+    bands.trace(run, pieces, |((depth, normals), ids), at, hits, i| {
         depth[at] = hits.t[i];
         normals[at] = hits.normal(i).to_array();
         ids[at] = numbers.of(hits, i);
@@ -171,7 +171,7 @@ impl<E: Evaluator> Bands<'_, E> {
 
     /// Calls `put` for each pixel whose ray hits something, with its band, its index in the band, the hits,
     /// and the index of its ray there.
-    fn look<B: Send>(
+    fn trace<B: Send>(
         &self,
         run: &mut Run<'_>,
         bands: impl ExactSizeIterator<Item = B> + Send,
@@ -185,7 +185,7 @@ impl<E: Evaluator> Bands<'_, E> {
             for tile in extent.tiles(first..(first + Tile::HEIGHT).min(height)) {
                 tile.centres(places);
                 sweep::rays(level, self.camera, self.size, places, hits);
-                hits.ask(self.evaluator, Query::nearest().window, self.with_normals, scratch);
+                hits.trace(self.evaluator, Query::nearest().window, self.with_normals, scratch);
                 let mut ray = 0;
                 for part in &tile.parts {
                     for x in part.columns.clone() {

@@ -1,15 +1,15 @@
 //! The renderer: first pass with one ray per pixel, contrast, adaptive supersampling, lines and averaging.
 
-use crate::closer::{Closer, Ink};
+use crate::camera_rays::CameraRays;
 use crate::colour::{Premultiplied, over, pixel, premultiply};
 use crate::contrast::Contrast;
 use crate::extent::{Extent, Tile, centre};
-use crate::eye::Eye;
+use crate::first_pass::FirstPass;
 use crate::image::Image;
 use crate::pen::Pen;
 use crate::sample::Sample;
 use crate::shade::Shader;
-use crate::survey::Survey;
+use crate::supersampling::{Ink, Supersampler};
 use crate::{Background, Camera, Plane, RenderError, Rgba, Run, Settings, Size};
 use rayweave_model::Evaluator;
 
@@ -41,11 +41,11 @@ pub fn render<E: Evaluator>(
         pen: settings.lines.map(|lines| Pen::new(&lines, settings.samples)),
     };
     let mut image = Plane::filled(settings.size, [0; 4]);
-    let survey = drawing.survey(&mut image, run)?;
+    let first_pass = drawing.first_pass(&mut image, run)?;
     if drawing.is_refined() {
-        let places = drawing.places_to_refine(&survey, run)?;
-        let closer = drawing.look_closer(&survey, &places, run)?;
-        drawing.resolve(&closer, &mut image, run)?;
+        let places = drawing.places_to_refine(&first_pass, run)?;
+        let supersampler = drawing.supersample(&first_pass, &places, run)?;
+        drawing.resolve(&supersampler, &mut image, run)?;
     }
     Ok(image)
 }
@@ -81,16 +81,16 @@ impl<E: Evaluator> Drawing<'_, E> {
     }
 
     /// First pass: one ray per pixel.
-    fn survey(&self, image: &mut Image, run: &mut Run<'_>) -> Result<Survey, RenderError> {
+    fn first_pass(&self, image: &mut Image, run: &mut Run<'_>) -> Result<FirstPass, RenderError> {
         let bounds = self.evaluator.program().bounds();
         let levels = self.shader.levels();
-        let mut survey = Survey::new(self.size, Extent::new(self.camera, self.size, &bounds), levels);
-        let (extent, rows) = (&survey.extent, &mut survey.rows);
+        let mut first_pass = FirstPass::new(self.size, Extent::new(self.camera, self.size, &bounds), levels);
+        let (extent, rows) = (&first_pass.extent, &mut first_pass.rows);
         let bands = image.values_mut().chunks_mut(Tile::HEIGHT * self.size.width());
         let pieces = bands.zip(rows.chunks_mut(Tile::HEIGHT)).enumerate();
         let end = if self.is_refined() { DONE[0] } else { 1.0 };
-        let scratch = || (self.eye(), Glimpse::default());
-        run.each(0.0..end, pieces, scratch, |(eye, glimpse), (band, (pixels, samples))| {
+        let scratch = || (self.camera_rays(), Glimpse::default());
+        run.each(0.0..end, pieces, scratch, |(camera_rays, glimpse), (band, (pixels, samples))| {
             let first = band * Tile::HEIGHT;
             for (r, row) in pixels.chunks_mut(self.size.width()).enumerate() {
                 row.fill(pixel(self.behind(first + r)));
@@ -99,21 +99,21 @@ impl<E: Evaluator> Drawing<'_, E> {
                 }
             }
             for tile in extent.tiles(first..first + samples.len()) {
-                self.look_once(&tile, eye, glimpse, pixels, samples);
+                self.trace_tile(&tile, camera_rays, glimpse, pixels, samples);
             }
         })?;
-        Ok(survey)
+        Ok(first_pass)
     }
 
-    fn eye(&self) -> Eye<'_, E> {
-        Eye::new(self.evaluator, &self.shader, self.camera, self.size)
+    fn camera_rays(&self) -> CameraRays<'_, E> {
+        CameraRays::new(self.evaluator, &self.shader, self.camera, self.size)
     }
 
     /// Traces the pixels of a tile; `pixels` and `samples` are those of its rows.
-    fn look_once(
+    fn trace_tile(
         &self,
         tile: &Tile,
-        eye: &mut Eye<'_, E>,
+        camera_rays: &mut CameraRays<'_, E>,
         glimpse: &mut Glimpse,
         pixels: &mut [[u8; 4]],
         samples: &mut [Vec<Sample>],
@@ -123,7 +123,7 @@ impl<E: Evaluator> Drawing<'_, E> {
         let count = glimpse.places.len();
         glimpse.colours.resize(count, [0.0; 4]);
         glimpse.samples.resize(if self.is_refined() { count * levels } else { 0 }, Sample::MISS);
-        eye.look(&glimpse.places, &mut glimpse.samples, &mut glimpse.colours);
+        camera_rays.trace(&glimpse.places, &mut glimpse.samples, &mut glimpse.colours);
         let mut at = 0;
         for part in &tile.parts {
             let row = part.row % Tile::HEIGHT;
@@ -158,7 +158,7 @@ impl<E: Evaluator> Drawing<'_, E> {
     }
 
     /// The pixels within reach of an edge between neighbours, in order.
-    fn places_to_refine(&self, survey: &Survey, run: &mut Run<'_>) -> Result<Vec<usize>, RenderError> {
+    fn places_to_refine(&self, first_pass: &FirstPass, run: &mut Run<'_>) -> Result<Vec<usize>, RenderError> {
         let width = self.size.width();
         let mut differs = vec![false; self.size.count()];
         let pieces = differs.chunks_mut(width).enumerate();
@@ -167,9 +167,9 @@ impl<E: Evaluator> Drawing<'_, E> {
             pieces,
             || (),
             |(), (y, row)| {
-                for x in survey.busy_columns(y) {
-                    row[x] =
-                        self.differs(survey, [x, y], [x + 1, y]) || self.differs(survey, [x, y], [x, y + 1]);
+                for x in first_pass.busy_columns(y) {
+                    row[x] = self.differs(first_pass, [x, y], [x + 1, y])
+                        || self.differs(first_pass, [x, y], [x, y + 1]);
                 }
             },
         )?;
@@ -178,40 +178,45 @@ impl<E: Evaluator> Drawing<'_, E> {
     }
 
     /// True if an edge between two pixels requires supersampling; false outside the picture.
-    fn differs(&self, survey: &Survey, a: [usize; 2], b: [usize; 2]) -> bool {
+    fn differs(&self, first_pass: &FirstPass, a: [usize; 2], b: [usize; 2]) -> bool {
         if b[0] >= self.size.width() || b[1] >= self.size.height() {
             return false;
         }
         let (a_at, b_at) = (centre(a[0], a[1]), centre(b[0], b[1]));
         let differ = |level| {
-            let (a, b) = (survey.at(a[0], a[1], level), survey.at(b[0], b[1], level));
+            let (a, b) = (first_pass.at(a[0], a[1], level), first_pass.at(b[0], b[1], level));
             self.contrast.differs(a, a_at, b, b_at)
         };
-        (0..survey.levels).any(differ)
+        (0..first_pass.levels).any(differ)
     }
 
     /// Supersamples pixels with a grid of rays each.
-    fn look_closer<'s>(
+    fn supersample<'s>(
         &self,
-        survey: &'s Survey,
+        first_pass: &'s FirstPass,
         places: &'s [usize],
         run: &mut Run<'_>,
-    ) -> Result<Closer<'s>, RenderError> {
-        let mut closer = Closer::new(survey, places, self.settings.samples as usize);
-        let (grid, pieces) = closer.pieces(PIECE);
-        let scratch = || (self.eye(), Vec::new());
-        run.each(DONE[1]..DONE[2], pieces, scratch, |(eye, at), (places, samples, colours)| {
+    ) -> Result<Supersampler<'s>, RenderError> {
+        let mut supersampler = Supersampler::new(first_pass, places, self.settings.samples as usize);
+        let (grid, pieces) = supersampler.pieces(PIECE);
+        let scratch = || (self.camera_rays(), Vec::new());
+        run.each(DONE[1]..DONE[2], pieces, scratch, |(camera_rays, at), (places, samples, colours)| {
             at.clear();
             at.extend(places.iter().flat_map(|&place| grid.places(place)));
-            eye.look(at, samples, colours);
+            camera_rays.trace(at, samples, colours);
         })?;
-        Ok(closer)
+        Ok(supersampler)
     }
 
     /// Draws lines over the samples and writes their means into the picture.
-    fn resolve(&self, closer: &Closer<'_>, image: &mut Image, run: &mut Run<'_>) -> Result<(), RenderError> {
-        let mut pixels = vec![[0; 4]; closer.places.len()];
-        let pieces = closer.places.chunks(PIECE).zip(pixels.chunks_mut(PIECE));
+    fn resolve(
+        &self,
+        supersampler: &Supersampler<'_>,
+        image: &mut Image,
+        run: &mut Run<'_>,
+    ) -> Result<(), RenderError> {
+        let mut pixels = vec![[0; 4]; supersampler.places.len()];
+        let pieces = supersampler.places.chunks(PIECE).zip(pixels.chunks_mut(PIECE));
         let (contrast, shader) = (&self.contrast, &self.shader);
         let ink = self.pen.as_ref().map(|pen| Ink { pen, contrast, shader });
         run.each(
@@ -221,11 +226,11 @@ impl<E: Evaluator> Drawing<'_, E> {
             |(), (places, pixels)| {
                 for (&place, out) in places.iter().zip(pixels) {
                     let behind = self.behind(place / self.size.width());
-                    *out = pixel(closer.mean(place, behind, ink.as_ref()));
+                    *out = pixel(supersampler.mean(place, behind, ink.as_ref()));
                 }
             },
         )?;
-        for (&place, &pixel) in closer.places.iter().zip(&pixels) {
+        for (&place, &pixel) in supersampler.places.iter().zip(&pixels) {
             image.values_mut()[place] = pixel;
         }
         Ok(())

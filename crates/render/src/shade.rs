@@ -34,7 +34,7 @@ pub(crate) enum Source {
 }
 
 /// A surface to be shaded.
-pub(crate) struct Look {
+pub(crate) struct ShadingPoint {
     /// The visible point.
     pub point: Vec3,
     /// The unit vector along the line of sight.
@@ -137,21 +137,21 @@ impl Shader {
 
     /// The reflected light and the opacity of a surface.
     #[inline]
-    pub fn shade(&self, look: &Look) -> (Linear, f32) {
-        let (colour, opacity) = self.regions[look.region.index()];
+    pub fn shade(&self, point: &ShadingPoint) -> (Linear, f32) {
+        let (colour, opacity) = self.regions[point.region.index()];
         let light = match self.style {
             Style::Flat => colour,
-            Style::Headlight => self.lambert(colour, look),
-            Style::Gooch => self.gooch(colour, look),
+            Style::Headlight => self.lambert(colour, point),
+            Style::Gooch => self.gooch(colour, point),
         };
         (light, opacity)
     }
 
-    fn lambert(&self, colour: Linear, look: &Look) -> Linear {
+    fn lambert(&self, colour: Linear, point: &ShadingPoint) -> Linear {
         let mut arriving = [AMBIENT; 3];
         for (k, lamp) in self.lamps.iter().enumerate() {
-            let cosine = look.normal.dot(lamp.direction(look)) as f32;
-            if cosine > 0.0 && look.lit >> k & 1 == 1 {
+            let cosine = point.normal.dot(lamp.direction(point)) as f32;
+            if cosine > 0.0 && point.lit >> k & 1 == 1 {
                 let part = (1.0 - AMBIENT) * cosine;
                 arriving = std::array::from_fn(|c| arriving[c] + part * lamp.strength[c]);
             }
@@ -161,17 +161,17 @@ impl Shader {
 
     /// The tone is the mean of the lights' tones weighted by their strengths, so several lights do not wash
     /// it out.
-    fn gooch(&self, colour: Linear, look: &Look) -> Linear {
+    fn gooch(&self, colour: Linear, point: &ShadingPoint) -> Linear {
         let (mut tone, mut total, mut shine) = (0.0, 0.0, 0.0_f32);
         for (k, lamp) in self.lamps.iter().enumerate() {
-            let towards = lamp.direction(look);
-            let cosine = look.normal.dot(towards) as f32;
+            let towards = lamp.direction(point);
+            let cosine = point.normal.dot(towards) as f32;
             let weight: f32 = lamp.strength.iter().sum();
             let part = 0.5 * (1.0 + cosine);
             total += weight;
-            if look.lit >> k & 1 == 1 {
+            if point.lit >> k & 1 == 1 {
                 tone += weight * part;
-                shine = shine.max(highlight(look.normal, towards, look.sight));
+                shine = shine.max(highlight(point.normal, towards, point.sight));
             } else {
                 tone += weight * SHADOWED * part;
             }
@@ -196,11 +196,11 @@ impl Lamp {
     }
 
     /// The unit vector from a surface to the light; zero at the position of the light.
-    fn direction(&self, look: &Look) -> Vec3 {
+    fn direction(&self, point: &ShadingPoint) -> Vec3 {
         match self.source {
             Source::Sun(towards) => towards,
-            Source::Point(position) => (position - look.point).normalize_or_zero(),
-            Source::Eye => -look.sight,
+            Source::Point(position) => (position - point.point).normalize_or_zero(),
+            Source::Eye => -point.sight,
         }
     }
 }

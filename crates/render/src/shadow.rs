@@ -42,7 +42,7 @@ impl Shadows {
                     self.push(evaluator, layer, index, &ray, Ray::new(point, towards));
                 }
             }
-            self.ask(evaluator, shader, light.distance(), 1 << bit, layers, scratch);
+            self.trace(evaluator, shader, light.distance(), 1 << bit, layers, scratch);
         }
     }
 
@@ -67,7 +67,7 @@ impl Shadows {
         self.layers.push(index);
     }
 
-    fn ask<E: Evaluator>(
+    fn trace<E: Evaluator>(
         &self,
         evaluator: &E,
         shader: &Shader,

@@ -166,9 +166,9 @@ fn frame_perspective(
     // the closest position with each corner in view, then one with all corners in view
     let nearest = bounds.corners().map(|corner| {
         let offset = corner - bounds.centre();
-        let perturbation = offset.dot(camera.up()).abs();
-        let perturbation = perturbation.max(offset.dot(camera.right()).abs() / aspect);
-        perturbation / slope - offset.dot(forward)
+        let across = offset.dot(camera.up()).abs();
+        let across = across.max(offset.dot(camera.right()).abs() / aspect);
+        across / slope - offset.dot(forward)
     });
     let least = 1e-3 * half_extents(&camera, bounds).max_element();
     let back = nearest.into_iter().fold(least, f64::max);

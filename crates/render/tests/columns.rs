@@ -107,7 +107,7 @@ fn models_without_end_cast_shadows_too() {
 }
 
 #[test]
-fn one_look_gives_what_three_give() {
+fn one_pass_gives_what_three_give() {
     let solid = Solid::union(shapes().into_iter().take(5));
     let program = Arc::new(Program::compile(&solid).unwrap());
     let (packets, weave) = (Packets::new(program.clone()), Weave::new(program.clone()));

@@ -9,7 +9,7 @@ struct Operand<'a, S> {
 }
 
 /// A root with the operand that it belongs to, in the order of the sweep.
-struct Flip<'a, S> {
+struct BoundaryEvent<'a, S> {
     root: &'a Root<S>,
     operand: usize,
 }
@@ -34,25 +34,25 @@ impl Counter {
         self.rule.is_inside(self.count)
     }
 
-    /// Flips all operands with roots at one time. Returns the flip to which the crossing is attributed, or `None` if the state
+    /// Toggles all operands with roots at one time. Returns the event to which the crossing is attributed, or `None` if the state
     /// does not change.
-    fn cross<'f, 'a, S>(&mut self, tied: &'f [Flip<'a, S>]) -> Option<&'f Flip<'a, S>> {
+    fn cross<'f, 'a, S>(&mut self, tied: &'f [BoundaryEvent<'a, S>]) -> Option<&'f BoundaryEvent<'a, S>> {
         let before = self.count;
-        for flip in tied {
-            self.flip(flip.operand);
+        for event in tied {
+            self.toggle(event.operand);
         }
         if self.rule.is_inside(before) == self.is_inside() {
             return None;
         }
-        tied.iter().find(|flip| self.decides(flip.operand, before)).or(tied.first())
+        tied.iter().find(|event| self.decides(event.operand, before)).or(tied.first())
     }
 
-    fn flip(&mut self, operand: usize) {
+    fn toggle(&mut self, operand: usize) {
         self.count = toggled(self.count, self.inside[operand]);
         self.inside[operand] = !self.inside[operand];
     }
 
-    /// Whether the flip of `operand` alone changes the state before, or the flip undone changes the state after.
+    /// Whether the event of `operand` alone changes the state before, or the event undone changes the state after.
     fn decides(&self, operand: usize, before: usize) -> bool {
         let inside_after = self.inside[operand];
         let alone = toggled(before, !inside_after);
@@ -74,28 +74,28 @@ fn sweep<S: Clone>(rule: CountRule, operands: &[Operand<'_, S>]) -> RootRay<S> {
     let roots = merged(operands)
         .chunk_by(|a, b| a.root.t == b.root.t)
         .filter_map(|tied| counter.cross(tied))
-        .map(|flip| flip.root.clone())
+        .map(|event| event.root.clone())
         .collect();
     RootRay::from_ordered(start, roots)
 }
 
 /// All roots, sorted by time, then by operand.
-fn merged<'a, S>(operands: &[Operand<'a, S>]) -> Vec<Flip<'a, S>> {
-    let mut flips = Vec::with_capacity(operands.iter().map(|operand| operand.roots.len()).sum());
+fn merged<'a, S>(operands: &[Operand<'a, S>]) -> Vec<BoundaryEvent<'a, S>> {
+    let mut events = Vec::with_capacity(operands.iter().map(|operand| operand.roots.len()).sum());
     for (index, operand) in operands.iter().enumerate() {
-        flips.extend(operand.roots.iter().map(|root| Flip { root, operand: index }));
+        events.extend(operand.roots.iter().map(|root| BoundaryEvent { root, operand: index }));
     }
     // stable: operands of equal times stay in order, and the sort exploits the operands' sorted runs
-    flips.sort_by(|a, b| a.root.t.total_cmp(&b.root.t));
-    flips
+    events.sort_by(|a, b| a.root.t.total_cmp(&b.root.t));
+    events
 }
 
 fn operands<'a, S: 'a>(rays: impl IntoIterator<Item = &'a RootRay<S>>) -> Vec<Operand<'a, S>> {
     rays.into_iter().map(|ray| Operand { start: ray.start(), roots: ray.roots() }).collect()
 }
 
-/// Boolean operations. If several operands cross at the same time, the crossing is attributed to the first operand whose flip
-/// alone changes the state before, or whose flip undone changes the state after. If there is no such operand, it is attributed
+/// Boolean operations. If several operands cross at the same time, the crossing is attributed to the first operand whose event
+/// alone changes the state before, or whose event undone changes the state after. If there is no such operand, it is attributed
 /// to the first operand that crosses there.
 impl<S: Clone> RootRay<S> {
     /// Inside where `self` is outside.

@@ -19,7 +19,7 @@
 //! # Ok::<(), rayweave_rootray::RootRayError>(())
 //! ```
 //!
-//! The algebra is exact: equal times flip together and no comparison uses a tolerance, so every law of boolean algebra holds
+//! The algebra is exact: equal times toggle together and no comparison uses a tolerance, so every law of boolean algebra holds
 //! bit for bit. [`RootRay::weld`] drops pieces thinner than rounding errors once, at the end. [`hit_array`] does the same for
 //! many rays at once, in arrays of one column per ray. [`seed`] has the functions of the publication that introduced root-rays.
 //!

@@ -22,11 +22,11 @@ impl<S> Root<S> {
 
 /// The side on which a trajectory starts (as t -> -inf) and the times at which it changes sides.
 ///
-/// Times are finite and strictly increasing, so the side after k roots is the start side flipped k times, and an
+/// Times are finite and strictly increasing, so the side after k roots is the start side inverted k times, and an
 /// infinity is never stored. A root at `-0.0` is stored as `0.0`: equal times have equal bits.
 ///
 /// The boolean operations are *exact*: the state is a function on the open intervals between distinct times, all roots
-/// with the same time flip together, and a time is a crossing if the states on its two sides differ. So the laws of boolean
+/// with the same time toggle together, and a time is a crossing if the states on its two sides differ. So the laws of boolean
 /// algebra hold bit for bit. No operation compares times with a tolerance; only the final [`weld`](Self::weld) does.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RootRay<S = ()> {
@@ -54,15 +54,15 @@ impl<S> RootRay<S> {
     ///
     /// # Errors
     /// `Nan` or `Infinite` for the first time that is not finite.
-    pub fn from_flips(start: Side, mut flips: Vec<Root<S>>) -> Result<Self, RootRayError> {
-        for (index, flip) in flips.iter_mut().enumerate() {
-            flip.t = finite(index, flip.t)?;
+    pub fn from_events(start: Side, mut events: Vec<Root<S>>) -> Result<Self, RootRayError> {
+        for (index, event) in events.iter_mut().enumerate() {
+            event.t = finite(index, event.t)?;
         }
-        flips.sort_by(|a, b| a.t.total_cmp(&b.t));
-        let keep: Vec<bool> = flips.chunk_by(|a, b| a.t == b.t).flat_map(keep_first_of_odd).collect();
+        events.sort_by(|a, b| a.t.total_cmp(&b.t));
+        let keep: Vec<bool> = events.chunk_by(|a, b| a.t == b.t).flat_map(keep_first_of_odd).collect();
         let mut keep = keep.into_iter();
-        flips.retain(|_| keep.next() == Some(true));
-        Ok(Self { start, roots: flips })
+        events.retain(|_| keep.next() == Some(true));
+        Ok(Self { start, roots: events })
     }
 
     /// A root-ray of roots that are already in order.
@@ -111,7 +111,7 @@ impl<S> RootRay<S> {
         self.roots.iter().enumerate().map(|(k, root)| (root, self.start.after(k + 1)))
     }
 
-    /// The side just after `t`, which may be infinite: the start side flipped once per root at or before `t`.
+    /// The side just after `t`, which may be infinite: the start side inverted once per root at or before `t`.
     ///
     /// # Errors
     /// `NanTime` if `t` is NaN.

@@ -5,7 +5,7 @@ use crate::{RootRay, RootRayError};
 impl<S: Clone> RootRay<S> {
     /// The crossings with `t_min < t < t_max`, and the side just after `t_min` as the start side. Either end may be infinite.
     ///
-    /// A root at `t_min` is dropped and flips the start; a root at `t_max` is dropped. The result continues to infinity on the
+    /// A root at `t_min` is dropped and inverts the start; a root at `t_max` is dropped. The result continues to infinity on the
     /// sides on which the trajectory enters and leaves the window.
     ///
     /// # Errors

@@ -149,32 +149,33 @@ fn ties_go_to_the_lowest_operand_that_decides() {
     // one leaves as the other enters: no crossing
     let (ab, ba) = union(Inside, Outside);
     assert_eq!((surfaces(&ab), surfaces(&ba)), (String::new(), String::new()));
-    // a enters, b leaves, c enters: the symmetric difference flips three times; the first decides
+    // a enters, b leaves, c enters: the symmetric difference changes three times; the first decides
     let three = [step(Outside, 'a'), step(Inside, 'b'), step(Outside, 'c')];
     assert_eq!(surfaces(&RootRay::symmetric_difference_all(&three)), "a");
     // intersection with a solid that is left while the others are entered: nothing
     assert_eq!(surfaces(&RootRay::intersection_all(&three)), "");
-    // two of three: from {b} to {a, c}; b is no candidate, because without its flip all three would be inside
+    // two of three: from {b} to {a, c}; b is no candidate, because without its event all three would be inside
     let two = [step(Inside, 'b'), step(Outside, 'a'), step(Outside, 'c')];
     assert_eq!(surfaces(&RootRay::at_least(2, &two)), "a");
-    // from all four to none: neither one flip alone nor one flip undone changes "at least two", so the lowest of all
+    // from all four to none: neither one event alone nor one event undone changes "at least two", so the lowest of all
     let four = ['w', 'x', 'y', 'z'].map(|surface| step(Inside, surface));
     assert_eq!(surfaces(&RootRay::at_least(2, &four)), "w");
     // difference: both operands decide
     assert_eq!(surfaces(&(step(Outside, 'a') - step(Inside, 'b'))), "a");
 }
 
-/// The rule of attribution, spelt out for any boolean function of operands that all flip at 0.
-fn attributed(starts: &[bool], flips: &[bool], op: impl Fn(&[bool]) -> bool) -> Option<usize> {
-    let after: Vec<bool> = starts.iter().zip(flips).map(|(s, f)| s != f).collect();
-    let toggled = |states: &[bool], k: usize| {
+/// The rule of attribution, spelt out for any boolean function of operands that all change at 0.
+fn attributed(starts: &[bool], toggles: &[bool], op: impl Fn(&[bool]) -> bool) -> Option<usize> {
+    let after: Vec<bool> = starts.iter().zip(toggles).map(|(s, f)| s != f).collect();
+    let after_toggle = |states: &[bool], k: usize| {
         let mut states = states.to_vec();
         states[k] = !states[k];
         op(&states)
     };
-    let flipped: Vec<usize> = (0..starts.len()).filter(|&k| flips[k]).collect();
-    let decides = |k: &usize| toggled(starts, *k) != op(starts) || toggled(&after, *k) != op(&after);
-    let first = flipped.iter().copied().find(|k| decides(k)).or(flipped.first().copied());
+    let toggled: Vec<usize> = (0..starts.len()).filter(|&k| toggles[k]).collect();
+    let decides =
+        |k: &usize| after_toggle(starts, *k) != op(starts) || after_toggle(&after, *k) != op(&after);
+    let first = toggled.iter().copied().find(|k| decides(k)).or(toggled.first().copied());
     first.filter(|_| op(starts) != op(&after))
 }
 
@@ -182,21 +183,21 @@ fn attributed(starts: &[bool], flips: &[bool], op: impl Fn(&[bool]) -> bool) -> 
 fn attribution_agrees_with_the_rule_for_all_ties_of_four() {
     for bits in 0..1 << 8_u32 {
         let starts: Vec<bool> = (0..4).map(|k| bits >> k & 1 == 1).collect();
-        let flips: Vec<bool> = (4..8).map(|k| bits >> k & 1 == 1).collect();
+        let toggles: Vec<bool> = (4..8).map(|k| bits >> k & 1 == 1).collect();
         let ray = |k: usize| {
-            let roots = if flips[k] { vec![Root::new(0.0, k)] } else { vec![] };
+            let roots = if toggles[k] { vec![Root::new(0.0, k)] } else { vec![] };
             RootRay::new(Side::from_inside(starts[k]), roots).unwrap()
         };
         let rays: Vec<RootRay<usize>> = (0..4).map(ray).collect();
         let found = |ray: RootRay<usize>| ray.roots().first().map(|root| root.surface);
         let count = |s: &[bool]| s.iter().filter(|&&s| s).count();
         for threshold in 0..=5 {
-            let expected = attributed(&starts, &flips, |s| count(s) >= threshold);
+            let expected = attributed(&starts, &toggles, |s| count(s) >= threshold);
             assert_eq!(found(RootRay::at_least(threshold, &rays)), expected);
         }
-        let expected = attributed(&starts, &flips, |s| count(s) % 2 == 1);
+        let expected = attributed(&starts, &toggles, |s| count(s) % 2 == 1);
         assert_eq!(found(RootRay::symmetric_difference_all(&rays)), expected);
-        let expected = attributed(&starts[..2], &flips[..2], |s| s[0] && !s[1]);
+        let expected = attributed(&starts[..2], &toggles[..2], |s| s[0] && !s[1]);
         assert_eq!(found(&rays[0] - &rays[1]), expected);
     }
 }

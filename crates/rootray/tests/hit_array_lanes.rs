@@ -274,8 +274,8 @@ fn instructions_are_named_from_narrow_to_wide() {
     #[cfg(target_arch = "x86_64")]
     assert!(available.contains(&Instructions::Sse2), "every such machine has it");
     // an instruction set that the machine lacks is not used, and the result is the same
-    let asked = [Instructions::Sse42, Instructions::Avx2, Instructions::Avx512];
-    for instructions in asked {
+    let requested = [Instructions::Sse42, Instructions::Avx2, Instructions::Avx512];
+    for instructions in requested {
         let options = CsgOptions { instructions, ..CsgOptions::default() };
         let hits = array_csg_1d(&[0.0, 2.0], &[1.0, 3.0], Operation::Difference, options).unwrap();
         assert_eq!(hits, [0.0, 1.0, INF, INF]);

@@ -41,16 +41,17 @@ fn bad_roots_are_refused_with_their_place() {
 
 #[test]
 fn flips_of_equal_times_cancel_in_pairs() {
-    let flips = |list: &[(f64, char)]| {
+    let from_events = |list: &[(f64, char)]| {
         let list = list.iter().map(|&(t, surface)| Root::new(t, surface)).collect();
-        RootRay::from_flips(Side::Inside, list)
+        RootRay::from_events(Side::Inside, list)
     };
-    let ray = flips(&[(3.0, 'a'), (1.0, 'b'), (3.0, 'c'), (-0.0, 'd'), (0.0, 'e'), (0.0, 'f')]).unwrap();
+    let ray =
+        from_events(&[(3.0, 'a'), (1.0, 'b'), (3.0, 'c'), (-0.0, 'd'), (0.0, 'e'), (0.0, 'f')]).unwrap();
     let roots: Vec<_> = ray.roots().iter().map(|root| (root.t, root.surface)).collect();
     assert_eq!((ray.start(), roots), (Side::Inside, vec![(0.0, 'd'), (1.0, 'b')]));
     assert!(ray.roots()[0].t.is_sign_positive());
-    assert_eq!(flips(&[(1.0, 'a'), (f64::NAN, 'b')]), Err(RootRayError::Nan { index: 1 }));
-    assert_eq!(flips(&[(-INF, 'a')]), Err(RootRayError::Infinite { index: 0, t: -INF }));
+    assert_eq!(from_events(&[(1.0, 'a'), (f64::NAN, 'b')]), Err(RootRayError::Nan { index: 1 }));
+    assert_eq!(from_events(&[(-INF, 'a')]), Err(RootRayError::Infinite { index: 0, t: -INF }));
 }
 
 #[test]
@@ -180,15 +181,15 @@ fn runs_are_maximal_and_cover_everything() {
     for _ in 0..1000 {
         let items: Vec<i32> = (0..20).filter(|_| rng.random_bool(0.6)).collect();
         let expected = runs_by_cuts(&items);
-        let mut asked = 0;
+        let mut compared = 0;
         let runs: Vec<Vec<i32>> = weld_runs(&items, |a, b| {
-            asked += 1;
+            compared += 1;
             b - a <= 1
         })
         .map(|run| items[run].to_vec())
         .collect();
         assert_eq!(runs, expected);
-        assert_eq!(asked, items.len().saturating_sub(1), "each pair is asked once");
+        assert_eq!(compared, items.len().saturating_sub(1), "each pair is compared once");
 
         let (mut stream, mut run, mut streamed) = (items.iter().copied().peekable(), vec![99], Vec::new());
         while next_run(&mut stream, &mut run, |a, b| b - a <= 1) {

@@ -14,7 +14,7 @@ pub enum Datum {
     /// A text.
     Text(String),
     /// `true` or `false`.
-    Truth(bool),
+    Boolean(bool),
     /// A date or a time, as written.
     Time(String),
     /// Values in order.
@@ -32,7 +32,7 @@ impl Datum {
         match self {
             Datum::Number(value) => format!("the number {}", written(*value)),
             Datum::Text(_) => "a text".to_owned(),
-            Datum::Truth(value) => format!("`{value}`"),
+            Datum::Boolean(value) => format!("`{value}`"),
             Datum::Time(_) => "a date or time".to_owned(),
             Datum::List(list) => match list.len() {
                 0 => "an empty list".to_owned(),
@@ -65,7 +65,7 @@ fn datum(
         DeValue::String(text) => Datum::Text(text.to_string()),
         DeValue::Integer(integer) => Datum::Number(whole(integer)),
         DeValue::Float(float) => Datum::Number(real(float.as_str(), span, source, problems)),
-        DeValue::Boolean(truth) => Datum::Truth(*truth),
+        DeValue::Boolean(boolean) => Datum::Boolean(*boolean),
         DeValue::Datetime(time) => Datum::Time(time.to_string()),
         DeValue::Array(list) => {
             Datum::List(list.iter().map(|value| datum(value, source, problems)).collect())
@@ -98,7 +98,7 @@ pub(crate) fn to_toml(datum: &Datum) -> String {
     match datum {
         Datum::Number(value) => written(*value),
         Datum::Text(text) => quoted(text),
-        Datum::Truth(value) => value.to_string(),
+        Datum::Boolean(value) => value.to_string(),
         Datum::Time(text) => text.clone(),
         Datum::List(list) => {
             let items: Vec<String> = list.iter().map(|item| to_toml(&item.value)).collect();

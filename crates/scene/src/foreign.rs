@@ -15,7 +15,7 @@
 //! let mut keys = reader.keys("lamp", lamp.value.clone()).ok_or("no table")?;
 //! let height = keys.take("height").and_then(|datum| reader.number("height", datum));
 //! keys.take("colour");
-//! reader.refuse_the_rest(keys);
+//! reader.reject_unknown(keys);
 //!
 //! assert_eq!(height, Some(8.0));
 //! let problems = reader.finish(height).unwrap_err();
@@ -138,7 +138,7 @@ impl<'d> Reader<'d> {
     }
 
     /// Reports every key that has not been taken.
-    pub fn refuse_the_rest(&mut self, keys: Keys) {
+    pub fn reject_unknown(&mut self, keys: Keys) {
         keys.unknown().into_iter().for_each(|(problem, span)| self.report(problem, span));
     }
 
@@ -187,8 +187,8 @@ impl<'d> Reader<'d> {
     }
 
     /// A boolean.
-    pub fn truth(&mut self, what: &str, datum: Spanned<Datum>) -> Option<bool> {
-        self.problems.truth(what, datum).map(|truth| truth.value)
+    pub fn boolean(&mut self, what: &str, datum: Spanned<Datum>) -> Option<bool> {
+        self.problems.boolean(what, datum).map(|boolean| boolean.value)
     }
 
     /// One of a few words.

@@ -14,12 +14,12 @@ pub struct Keys {
     pub(crate) span: Span,
     /// The entries that have not been taken.
     pub(crate) rest: Table,
-    asked: Vec<&'static str>,
+    known: Vec<&'static str>,
 }
 
 impl Keys {
     pub(crate) fn new(name: &str, span: Span, rest: Table) -> Keys {
-        Keys { name: name.to_owned(), span, rest, asked: Vec::new() }
+        Keys { name: name.to_owned(), span, rest, known: Vec::new() }
     }
 
     /// The span of the table.
@@ -34,7 +34,7 @@ impl Keys {
 
     /// Removes and returns a value with its key.
     pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
-        self.asked.push(key);
+        self.known.push(key);
         let at = self.rest.iter().position(|(name, _)| name.value == key)?;
         Some(self.rest.remove(at))
     }
@@ -46,10 +46,10 @@ impl Keys {
 
     /// The diagnostics of all keys that have not been taken.
     pub(crate) fn unknown(self) -> Vec<(Diagnostic, Span)> {
-        let reason = format!("the keys are {}", self.asked.join(", "));
+        let reason = format!("the keys are {}", self.known.join(", "));
         let problem = |key: Spanned<String>| {
             let problem = Diagnostic::error(format!("unknown key `{}` in `{}`", key.value, self.name));
-            let suggestion = did_you_mean(&key.value, self.asked.iter().copied());
+            let suggestion = did_you_mean(&key.value, self.known.iter().copied());
             (problem.why(&reason).suggest(suggestion), key.span)
         };
         self.rest.into_iter().map(|(key, _)| problem(key)).collect()

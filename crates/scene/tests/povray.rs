@@ -39,8 +39,8 @@ impl Object {
             Object::Cone([(base, r1), (cap, r2)]) => {
                 let axis = *cap - *base;
                 let part = (p - *base).dot(axis) / axis.length_squared();
-                let perturbation = (p - *base - part * axis).length();
-                part > 0.0 && part < 1.0 && perturbation < r1 + part * (r2 - r1)
+                let offset = (p - *base - part * axis).length();
+                part > 0.0 && part < 1.0 && offset < r1 + part * (r2 - r1)
             }
             Object::Torus(major, minor) => (p.x.hypot(p.z) - major).hypot(p.y) < *minor,
             Object::Quadric([squares, mixed, linear], constant) => {

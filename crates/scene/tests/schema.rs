@@ -88,7 +88,7 @@ fn from_toml(value: &DeValue) -> Value {
         DeValue::String(text) => json!(text.to_string()),
         DeValue::Integer(number) => json!(number.as_str().parse::<f64>().unwrap()),
         DeValue::Float(number) => json!(number.as_str().parse::<f64>().unwrap()),
-        DeValue::Boolean(truth) => json!(truth),
+        DeValue::Boolean(boolean) => json!(boolean),
         DeValue::Datetime(time) => json!(time.to_string()),
         DeValue::Array(list) => list.iter().map(|item| from_toml(item.get_ref())).collect(),
         DeValue::Table(table) => from_table(table),

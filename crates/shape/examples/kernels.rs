@@ -55,15 +55,15 @@ fn load<S: Simd>(simd: S, columns: &[[f64; LANES]]) -> Vec3Lanes<S> {
 fn run<S: Simd>(simd: S, facet: Option<&Facet>, rows: &[[[f64; LANES]; 6]], rounds: usize) -> (u32, f64) {
     let limits =
         LaneLimits { centre: Vec3::ZERO, radius: 3.0, magnitude: 2.0, largest_radius: 1.0, bend: 1.4 };
-    let (mut doubts, mut sum, mut last) = (0, 0.0, [0.0; LANES]);
+    let (mut uncertain_lanes, mut sum, mut last) = (0, 0.0, [0.0; LANES]);
     for _ in 0..rounds {
         for row in rows {
             let (origin, direction) = (load(simd, &row[..3]), load(simd, &row[3..]));
-            let (ray, mut doubt) = LaneRay::new(simd, origin, direction, &limits);
+            let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, &limits);
             let mut span = Span::line(simd);
             let mut ends = ray.middle;
             if let Some(facet) = facet {
-                let gap = facet.narrow(simd, &ray, &mut span, &mut doubt);
+                let gap = facet.narrow(simd, &ray, &mut span, &mut uncertain);
                 ends = span.from.max(ends).min(span.to);
                 if let Some(gap) = gap {
                     ends = ends.max(gap.from).min(gap.to);
@@ -71,10 +71,10 @@ fn run<S: Simd>(simd: S, facet: Option<&Facet>, rows: &[[[f64; LANES]; 6]], roun
             }
             ends.store_array(&mut last);
             sum += last[0];
-            doubts += (doubt.always | doubt.grazes).to_bitmask().count_ones();
+            uncertain_lanes += (uncertain.always | uncertain.grazes).to_bitmask().count_ones();
         }
     }
-    (doubts, sum)
+    (uncertain_lanes, sum)
 }
 
 fn main() {
@@ -91,6 +91,6 @@ fn main() {
         gap: 0,
         is_one_piece: false,
     });
-    let (doubts, sum) = dispatch!(Level::new(), simd => run(simd, facet.as_ref(), &rows, rounds));
-    println!("{name}: {} rays, {doubts} in doubt, {sum}", rounds * rows.len() * LANES);
+    let (uncertain_lanes, sum) = dispatch!(Level::new(), simd => run(simd, facet.as_ref(), &rows, rounds));
+    println!("{name}: {} rays, {uncertain_lanes} uncertain, {sum}", rounds * rows.len() * LANES);
 }

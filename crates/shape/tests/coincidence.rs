@@ -94,7 +94,7 @@ fn tangent_spheres_are_not_coincident_through_their_contact() {
 }
 
 #[test]
-fn a_quartic_is_asked_at_its_quarter_points() {
+fn a_quartic_is_sampled_at_its_quarter_points() {
     // four tangent points cannot all be at the ends and in the middle: from tube to tube across the hole
     let torus = Surface::torus(Vec3::ZERO, Vec3::Z, 2.0, 1.0);
     let ray = Ray::new(Vec3::new(-4.0, 0.0, 0.0), Vec3::X);

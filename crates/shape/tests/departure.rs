@@ -13,16 +13,16 @@ fn surfaces(scale: f64, rng: &mut ChaCha8Rng) -> Vec<Surface> {
     let place = scale * unit_vector(rng);
     let axis = unit_vector(rng);
     let form = Mat3::from_diagonal(Vec3::new(1.0, 0.5, -0.5));
-    let stretch = Affine::scale(Vec3::new(1.0, 0.5, 0.25)).then(&Affine::rotation(axis, 40.0));
-    let stretch = Transform::from_affine(stretch).unwrap();
+    let scaling = Affine::scale(Vec3::new(1.0, 0.5, 0.25)).then(&Affine::rotation(axis, 40.0));
+    let scaling = Transform::from_affine(scaling).unwrap();
     let torus = Surface::torus(place, axis, scale, 0.3 * scale);
     vec![
         Surface::sphere(place, scale),
         Surface::cylinder(place, axis, scale),
         Surface::cone(place, axis, 0.7),
         Surface::quadric_about(place, form, scale * axis, -0.3 * scale * scale),
-        Surface::sphere(place, scale).transformed(&stretch),
-        torus.transformed(&stretch),
+        Surface::sphere(place, scale).transformed(&scaling),
+        torus.transformed(&scaling),
         torus,
         Surface::torus(place, axis, scale, 1e-4 * scale),
         Surface::torus(place, axis, 0.4 * scale, 0.5 * scale),

@@ -113,11 +113,11 @@ fn a_stretch_along_the_axis_keeps_the_kind() {
 
 #[test]
 fn a_stretch_undone_gives_back_a_torus() {
-    let stretch = Affine::scale(Vec3::new(2.0, 1.0, 0.5));
+    let scaling = Affine::scale(Vec3::new(2.0, 1.0, 0.5));
     let torus = Surface::torus(Vec3::X, Vec3::Z, 2.0, 0.5);
-    let there = torus.transformed(&Transform::from_affine(stretch).unwrap());
+    let there = torus.transformed(&Transform::from_affine(scaling).unwrap());
     assert!(matches!(there, Surface::AffineTorus(_)));
-    let back = there.transformed(&Transform::from_affine(stretch.inverse().unwrap()).unwrap());
+    let back = there.transformed(&Transform::from_affine(scaling.inverse().unwrap()).unwrap());
     let Surface::Torus(back) = back else {
         panic!("a torus, not {back:?}");
     };

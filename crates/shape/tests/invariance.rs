@@ -13,8 +13,8 @@ fn surfaces(rng: &mut ChaCha8Rng) -> Vec<Surface> {
     let place = unit_vector(rng);
     let axis = unit_vector(rng);
     let form = Mat3::from_diagonal(Vec3::new(1.0, 0.25, -0.5));
-    let stretch = Affine::scale(Vec3::new(1.0, 0.5, 0.25)).then(&Affine::rotation(axis, 40.0));
-    let stretch = Transform::from_affine(stretch.then(&Affine::translate(place))).unwrap();
+    let scaling = Affine::scale(Vec3::new(1.0, 0.5, 0.25)).then(&Affine::rotation(axis, 40.0));
+    let scaling = Transform::from_affine(scaling.then(&Affine::translate(place))).unwrap();
     let torus = Surface::torus(place, axis, 1.0, 0.3);
     vec![
         Surface::plane(axis, 0.3),
@@ -22,9 +22,9 @@ fn surfaces(rng: &mut ChaCha8Rng) -> Vec<Surface> {
         Surface::cylinder(place, axis, 1.0),
         Surface::cone(place, axis, 0.7),
         Surface::quadric_about(place, form, 0.1 * axis, -0.3),
-        Surface::sphere(place, 1.0).transformed(&stretch),
+        Surface::sphere(place, 1.0).transformed(&scaling),
         Surface::torus(place, axis, 0.4, 0.5),
-        torus.transformed(&stretch),
+        torus.transformed(&scaling),
         torus,
     ]
 }

@@ -7,7 +7,7 @@ use rayweave_math::roots::Crossings;
 use rayweave_math::{Affine, Mat3, Transform, Vec3, any_perpendicular};
 use rayweave_shape::Ray;
 use rayweave_shape::lanes::{
-    Doubt, Facet, Gap, Gradient, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Vec3Lanes, splat,
+    Facet, Gap, Gradient, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Uncertain, Vec3Lanes, splat,
 };
 use rayweave_shape::surface::{Surface, coincides_along, lies_in};
 
@@ -223,7 +223,7 @@ fn holds([from, to, gap_from, gap_to]: [f64; 4]) -> Crossings<4> {
 }
 
 #[inline(always)]
-fn ask<S: Simd>(
+fn evaluate<S: Simd>(
     simd: S,
     facet: &Facet,
     limits: &LaneLimits,
@@ -231,10 +231,10 @@ fn ask<S: Simd>(
     pairs: &[[(f64, f64); LANES]],
 ) -> Said {
     let (origins, directions) = (load(simd, rays, |r| r.origin), load(simd, rays, |r| r.direction));
-    let (ray, mut doubt): (LaneRay<S>, Doubt<S>) = LaneRay::new(simd, origins, directions, limits);
+    let (ray, mut uncertain): (LaneRay<S>, Uncertain<S>) = LaneRay::new(simd, origins, directions, limits);
     let mut span = Span::line(simd);
     let none = Gap { from: splat(simd, f64::INFINITY), to: splat(simd, f64::NEG_INFINITY) };
-    let gap = facet.narrow(simd, &ray, &mut span, &mut doubt).unwrap_or(none);
+    let gap = facet.narrow(simd, &ray, &mut span, &mut uncertain).unwrap_or(none);
     let columns = [span.from, span.to, gap.from, gap.to].map(|x| x.to_array());
     let may_coincide = pairs
         .iter()
@@ -246,8 +246,8 @@ fn ask<S: Simd>(
         .collect();
     Said {
         crossings: std::array::from_fn(|k| holds(columns.map(|column| column[k]))),
-        always: doubt.always.to_bitmask(),
-        grazes: doubt.grazes.to_bitmask(),
+        always: uncertain.always.to_bitmask(),
+        grazes: uncertain.grazes.to_bitmask(),
         may_coincide,
     }
 }
@@ -284,7 +284,7 @@ fn check(case: &Case, inside: bool, rays: &[Ray; LANES], levels: &[Level], dice:
     let pairs = pairs(case, rays, dice);
     let mut first = None;
     for &level in levels {
-        let said = dispatch!(level, simd => ask(simd, &facet, &limits, rays, &pairs));
+        let said = dispatch!(level, simd => evaluate(simd, &facet, &limits, rays, &pairs));
         for (k, ray) in rays.iter().enumerate() {
             if said.always >> k & 1 == 1 {
                 continue;
@@ -307,8 +307,8 @@ fn check(case: &Case, inside: bool, rays: &[Ray; LANES], levels: &[Level], dice:
                 );
             }
         }
-        let doubts = (said.always, said.grazes, said.may_coincide);
-        assert_eq!(*first.get_or_insert(doubts.clone()), doubts, "{case:?} {level:?}");
+        let uncertain_lanes = (said.always, said.grazes, said.may_coincide);
+        assert_eq!(*first.get_or_insert(uncertain_lanes.clone()), uncertain_lanes, "{case:?} {level:?}");
     }
     first.map_or([0, 0], |(always, grazes, _)| [always.count_ones(), grazes.count_ones()])
 }
@@ -391,18 +391,18 @@ impl Case {
 #[test]
 fn tori_get_the_bits_of_the_scalar_kernel() {
     let (mut dice, levels, effort) = (Dice::new(3), levels(), effort());
-    let (mut doubts, mut rays) = (0, 0);
+    let (mut uncertain_lanes, mut rays) = (0, 0);
     for round in 0..100 * effort {
         let scale = [1.0, 1e-8, 1e8][round % 3];
         for case in tori(scale, &mut dice) {
             let eight = std::array::from_fn(|_| case.at_torus(&mut dice));
             let [always, _] = check(&case, true, &eight, &levels, &mut dice);
-            doubts += always;
+            uncertain_lanes += always;
             rays += LANES as u32;
         }
     }
-    println!("{doubts} of {rays} in doubt");
-    assert!(2 * doubts < rays, "{doubts} of {rays} in doubt");
+    println!("{uncertain_lanes} of {rays} uncertain");
+    assert!(2 * uncertain_lanes < rays, "{uncertain_lanes} of {rays} uncertain");
 }
 
 fn bits_of(v: Vec3) -> [u64; 3] {
@@ -451,20 +451,20 @@ fn effort() -> usize {
 
 /// Lanes are certain for ordinary rays.
 #[test]
-fn generic_rays_are_seldom_in_doubt() {
+fn generic_rays_are_seldom_uncertain() {
     let (mut dice, levels) = (Dice::new(2), levels());
-    let mut doubts = std::collections::BTreeMap::new();
+    let mut uncertain_lanes = std::collections::BTreeMap::new();
     for round in 0..100 {
         let scale = [1.0, 1e-8, 1e8][round % 3];
         for (kind, case) in cases(scale, &mut dice).into_iter().enumerate() {
             let rays = std::array::from_fn(|_| case.generic(&mut dice));
             let [always, grazes] = check(&case, round % 4 != 0, &rays, &levels[..1], &mut dice);
-            let count = doubts.entry(kind).or_insert([0, 0, 0]);
+            let count = uncertain_lanes.entry(kind).or_insert([0, 0, 0]);
             *count = [count[0] + always, count[1] + grazes, count[2] + LANES as u32];
         }
     }
-    println!("{doubts:?}");
-    for (kind, [always, grazes, rays]) in doubts {
+    println!("{uncertain_lanes:?}");
+    for (kind, [always, grazes, rays]) in uncertain_lanes {
         assert!(100 * (always + grazes) <= rays, "kind {kind}: {always} and {grazes} of {rays}");
     }
 }

@@ -186,9 +186,9 @@ mod tests {
     #[test]
     fn inverse_undoes_and_refuses() {
         for size in [1e-50, 1.0, 1e50] {
-            let stretch = Affine::scale([size, 2.0 * size, -3.0 * size, 0.5 * size]).unwrap();
+            let scaling = Affine::scale([size, 2.0 * size, -3.0 * size, 0.5 * size]).unwrap();
             let turn = Affine::rotation(3, 1, 33.0).unwrap();
-            let map = stretch.then(&turn).then(&Affine::translation([size, 0.0, 5.0 * size, size]).unwrap());
+            let map = scaling.then(&turn).then(&Affine::translation([size, 0.0, 5.0 * size, size]).unwrap());
             let p = [0.3, -0.7, 1.1, 2.0];
             let back = map.inverse().unwrap().point(&map.point(&p));
             assert!((0..4).all(|k| (back[k] - p[k]).abs() < 4e-15), "{back:?}");

@@ -21,7 +21,7 @@ use crate::{Curve, Point};
 use boxes::Boxes;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::gate::NetworkState;
-use rayweave_model::weld::{Flips, Trajectory, Weld};
+use rayweave_model::weld::{LeafStates, Trajectory, Weld};
 use rayweave_model::{
     Crossing, Event, Face, LeafEvents, LeafId, LeafKind, Program, Prototype, PrototypeId, RegionId, Start,
     State, SurfaceId, Sweep, attributes,
@@ -223,13 +223,13 @@ impl<'a> Frame<'a> {
             self.isolate(facet.surface(), query)?;
         }
         let known = &self.known;
-        self.leaf_events.conjunction(table.len(), |k, flip| {
+        self.leaf_events.conjunction(table.len(), |k, emit| {
             let ray = known.get(&table[k].surface().0);
-            ray.into_iter().flat_map(RootRay::times).for_each(flip);
+            ray.into_iter().flat_map(RootRay::times).for_each(emit);
             ray.is_some_and(|ray| ray.start().is_inside()) == table[k].inside()
         });
         let placement = self.view.placement;
-        self.events.extend(self.leaf_events.flips.iter().map(|&(t, facet)| {
+        self.events.extend(self.leaf_events.list.iter().map(|&(t, facet)| {
             let surface = table[facet as usize].surface();
             Event { t, leaf, face: Face { leaf: id, facet, surface, placement } }
         }));
@@ -267,7 +267,7 @@ impl<'a> Frame<'a> {
 
     fn start_at(&mut self, leaf: u32, inside: bool) {
         if inside {
-            self.prototype.network.flip(&mut self.state, leaf);
+            self.prototype.network.toggle(&mut self.state, leaf);
         }
     }
 
@@ -277,25 +277,25 @@ impl<'a> Frame<'a> {
         let mut inside = self.state.output(0);
         outer.start_at(leaf, inside);
         let mut sweep = Sweep::new(&self.prototype.network, &mut self.state, &self.events, f64::INFINITY);
-        let flips = std::iter::from_fn(|| sweep.next_flip(&mut inside));
-        outer.events.extend(flips.map(|(t, face)| Event { t, leaf, face }));
+        let events = std::iter::from_fn(|| sweep.next_event(&mut inside));
+        outer.events.extend(events.map(|(t, face)| Event { t, leaf, face }));
     }
 
     /// The crossings of the model itself.
     fn into_trace(mut self, curve: &'a dyn Curve<3>) -> CurveTrace {
         let program = self.program;
-        let state = |winner: u32| {
-            let region = RegionId(winner);
+        let state = |owner: u32| {
+            let region = RegionId(owner);
             State { region, medium: program.medium_of(region) }
         };
         let mut sweep = Sweep::new(&self.prototype.network, &mut self.state, &self.events, f64::INFINITY);
-        let mut now = state(sweep.flips.winner());
+        let mut now = state(sweep.leaves.owner());
         let mut trace = CurveTrace { start: now.region, crossings: Vec::new() };
         let mut weld = Weld::new(program, Along(curve), &self.events);
         while let Some(change) = sweep.next_change(&mut now, state) {
-            trace.crossings.extend(weld.change(change, &mut sweep.flips));
+            trace.crossings.extend(weld.change(change, &mut sweep.leaves));
         }
-        trace.crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
+        trace.crossings.extend(weld.finish(sweep.position(), &mut sweep.leaves));
         trace
     }
 }

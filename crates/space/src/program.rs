@@ -207,7 +207,7 @@ impl<'a, const D: usize> Lowering<'a, D> {
             }
         }
         let output = this.made.pop().unwrap_or(Edge::EMPTY);
-        this.formula.ask(output);
+        this.formula.add_output(output);
         Ok(this)
     }
 

@@ -8,7 +8,7 @@ use crate::program::{FaceEntry, Program};
 use crate::vector::{largest, times};
 use crate::{Curve, Field, Point, Solid};
 use rayweave_model::gate::{Network, NetworkState};
-use rayweave_model::weld::{Flips, Trajectory, Weld};
+use rayweave_model::weld::{LeafStates, Trajectory, Weld};
 use rayweave_model::{Crossing, Event, LeafId, PlacementId, RegionId, State, SurfaceId};
 use rayweave_rootray::{Root, RootRay, Side};
 use std::sync::{Arc, LazyLock};
@@ -174,8 +174,8 @@ fn oriented<const D: usize>(gradient: &Point<D>, velocity: &Point<D>, enters: bo
     let along = if length(gradient) > 0.0 { gradient } else { velocity };
     let (normal, _) = crate::vector::unit(along);
     let slope = dot(&normal, velocity);
-    let flip = if slope < 0.0 { -sign } else { sign };
-    times(flip, &normal)
+    let oriented = if slope < 0.0 { -sign } else { sign };
+    times(oriented, &normal)
 }
 
 /// The line through two points, with t = 0 at p and t = 1 at q.
@@ -260,7 +260,7 @@ impl Sweep {
     /// Sets the start side of a face.
     fn set(&mut self, network: &Network, face: usize, inside: bool) {
         if inside {
-            network.flip(&mut self.state, face as u32);
+            network.toggle(&mut self.state, face as u32);
         }
     }
 
@@ -269,16 +269,16 @@ impl Sweep {
         let Sweep { state, events, crossings, .. } = self;
         crossings.clear();
         events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
-        let state_of = |winner| State { region: RegionId(winner), medium: winner };
+        let state_of = |owner| State { region: RegionId(owner), medium: owner };
         let mut sweep = rayweave_model::Sweep::new(&program.network, state, events, f64::INFINITY);
         let mut weld = Weld::new(&ONE_MEDIUM, path, events);
-        let mut now = state_of(sweep.flips.winner());
+        let mut now = state_of(sweep.leaves.owner());
         let start = Side::from_inside(now.region != RegionId(0));
         while let Some(change) = sweep.next_change(&mut now, state_of) {
-            crossings.extend(weld.change(change, &mut sweep.flips));
+            crossings.extend(weld.change(change, &mut sweep.leaves));
         }
-        crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
-        sweep.rest(0..program.faces.len() as u32);
+        crossings.extend(weld.finish(sweep.position(), &mut sweep.leaves));
+        sweep.restore(0..program.faces.len() as u32);
         start
     }
 }

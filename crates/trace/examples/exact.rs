@@ -5,7 +5,7 @@
 //! and rays. Prints the counts and each wrong model, minimised; exits with 1 if there is one.
 
 use rayweave_conformance::exact::{self, Count};
-use rayweave_conformance::{Maker, contender};
+use rayweave_conformance::{Maker, maker};
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::ops::Range;
 use std::process::ExitCode;
@@ -19,11 +19,11 @@ type Suite = fn(&[Maker], Range<u64>) -> Count;
 
 fn evaluators() -> Vec<Maker> {
     vec![
-        contender(Packets::new),
-        contender(Weave::new),
-        contender(Reference::new),
-        contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
-        contender(Spans::new),
+        maker(Packets::new),
+        maker(Weave::new),
+        maker(Reference::new),
+        maker(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+        maker(Spans::new),
     ]
 }
 

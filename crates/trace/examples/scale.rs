@@ -27,18 +27,18 @@ fn cost(weave: &Weave, batch: &RayBatch, limit: Limit) -> [f64; 3] {
     let query = Query { limit, ..Query::nearest() };
     let count = batch.rays().len() as f64;
     let (mut seconds, mut crossings) = (f64::INFINITY, 0);
-    let mut asked = 0;
+    let mut leaves = 0;
     for _ in 0..4 {
         crossings = 0;
-        let before = scratch.asked();
+        let before = scratch.intersected_leaves();
         let started = Instant::now();
         weave.crossings(batch.rays(), &query, &mut scratch, &mut |answer: RayAnswer<'_>| {
             crossings += answer.crossings.len();
         });
         seconds = started.elapsed().as_secs_f64().min(seconds);
-        asked = scratch.asked() - before;
+        leaves = scratch.intersected_leaves() - before;
     }
-    [seconds / count, crossings as f64 / count, asked as f64 / count]
+    [seconds / count, crossings as f64 / count, leaves as f64 / count]
 }
 
 fn row(family: &str, n: usize, solid: &Solid, half: Vec3) {
@@ -51,10 +51,10 @@ fn row(family: &str, n: usize, solid: &Solid, half: Vec3) {
     let bytes = weave.hierarchy_bytes() as f64 / program.leaves().len() as f64;
     let batch = rays(20_000, half);
     let [first, hit, near] = cost(&weave, &batch, Limit::First);
-    let [all, crossings, asked] = cost(&weave, &batch, Limit::All);
-    let (first, all, leaf) = (first * 1e9, all * 1e9, all / asked * 1e9);
+    let [all, crossings, leaves] = cost(&weave, &batch, Limit::All);
+    let (first, all, leaf) = (first * 1e9, all * 1e9, all / leaves * 1e9);
     println!(
-        "| {family} | {n} | {compile:.2} | {build:.3} | {bytes:.0} | {near:.1} | {hit:.2} | {first:.0} | {asked:.1} | \
+        "| {family} | {n} | {compile:.2} | {build:.3} | {bytes:.0} | {near:.1} | {hit:.2} | {first:.0} | {leaves:.1} | \
          {crossings:.1} | {all:.0} | {leaf:.0} |"
     );
 }

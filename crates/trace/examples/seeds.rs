@@ -14,7 +14,7 @@
 //! - our evaluators.
 
 use rayweave_conformance::exact::{Answer, Binary, Family, Operator, Trial, trial};
-use rayweave_conformance::{Maker, contender};
+use rayweave_conformance::{Maker, maker};
 use rayweave_model::{Evaluator, Program, Query, RayBatch, RegionId, Solid};
 use rayweave_rootray::hit_array::{CsgOptions, HitArray, Operation, array_csg};
 use rayweave_shape::Ray;
@@ -45,7 +45,7 @@ fn program(solid: &Solid) -> Arc<Program> {
 
 fn lists(make: &Maker, solid: &Solid, rays: &[Ray]) -> Vec<List> {
     let batch: RayBatch = rays.iter().copied().collect();
-    let found = make(program(solid)).ask(batch.rays(), &Query::default());
+    let found = make(program(solid)).trace(batch.rays(), &Query::default());
     let list = |i: usize| List {
         starts_inside: found.starts[i] != RegionId(0),
         times: found.of(i).iter().map(|c| c.t).collect(),
@@ -55,7 +55,7 @@ fn lists(make: &Maker, solid: &Solid, rays: &[Ray]) -> Vec<List> {
 
 /// One of our evaluators.
 fn ours<E: Evaluator + 'static>(make: fn(Arc<Program>) -> E) -> Algorithm {
-    let maker = contender(make);
+    let maker = maker(make);
     Box::new(move |trial, _| lists(&maker, &trial.solid, &trial.rays))
 }
 
@@ -141,9 +141,9 @@ fn tables(tables: Tables, limits: Option<Limits>) -> Algorithm {
         let limits = limits.unwrap_or(Limits::for_height(tree.height()));
         let list = |i: usize| {
             let leaves = Leaves(leaves.iter().map(|lists| &lists[i]).collect());
-            let ask = |t_min: f64| silent(next(&tree, &tables, limits, &leaves, t_min));
-            let first = ask(f64::NEG_INFINITY);
-            let times = std::iter::successors(Some(first), |answer| Some(ask(answer.time())));
+            let next_change = |t_min: f64| silent(next(&tree, &tables, limits, &leaves, t_min));
+            let first = next_change(f64::NEG_INFINITY);
+            let times = std::iter::successors(Some(first), |answer| Some(next_change(answer.time())));
             let times = times.map(|answer| answer.time()).take_while(|t| t.is_finite()).take(MOST_STEPS);
             List { starts_inside: first.is_inside(), times: times.collect() }
         };
@@ -191,16 +191,17 @@ struct Count {
 
 fn count(family: Family, models: u64, algorithms: &[(&str, Algorithm)]) -> Count {
     let (mut rays, mut coincident, mut wrong) = (0, 0, vec![0; algorithms.len()]);
-    let weave = contender(Weave::new);
+    let weave = maker(Weave::new);
     for trial in (0..models).filter_map(|seed| trial(family, seed, RAYS)) {
         rays += trial.rays.len() as u64;
         coincident += trial.answers.iter().filter(|a| a.traits.ties || a.traits.lies).count() as u64;
         let leaves: Vec<Vec<List>> =
             trial.leaves.iter().map(|leaf| lists(&weave, leaf, &trial.rays)).collect();
         for (wrong, (_, algorithm)) in wrong.iter_mut().zip(algorithms) {
-            let told = |(answer, list): &(&Answer, List)| answer.is_told_by(list.starts_inside, &list.times);
+            let agrees =
+                |(answer, list): &(&Answer, List)| answer.agrees_with(list.starts_inside, &list.times);
             let answers = trial.answers.iter().zip(algorithm(&trial, &leaves));
-            *wrong += answers.filter(|pair| !told(pair)).count() as u64;
+            *wrong += answers.filter(|pair| !agrees(pair)).count() as u64;
         }
     }
     Count { rays, coincident, wrong }

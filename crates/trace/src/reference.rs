@@ -7,7 +7,7 @@
 //! attribution.
 
 use rayweave_math::Vec3;
-use rayweave_model::weld::{Change, Flips, Weld, attribute};
+use rayweave_model::weld::{Change, LeafStates, Weld, attribute};
 use rayweave_model::{
     Crossing, Edge, Evaluator, Event, Expression, Gate, GroupPoint, GroupRay, LeafEvents, LeafId, LeafKind,
     Limit, Program, Prototype, PrototypeId, Query, RayAnswer, Rays, RegionId, Rule, Sink, Start, State,
@@ -53,8 +53,8 @@ impl Reference {
         match &self.program.leaf(id).kind() {
             LeafKind::Shape { facets, .. } => {
                 let table = &self.program.facets()[facets.start as usize..facets.end as usize];
-                let mut flips = LeafEvents::default();
-                leaf_events(&self.program, table, ray, &mut flips);
+                let mut found = LeafEvents::default();
+                leaf_events(&self.program, table, ray, &mut found);
                 let event = |&(t, facet): &(f64, u32)| Event {
                     t,
                     leaf,
@@ -65,7 +65,7 @@ impl Reference {
                         placement: ray.placement,
                     },
                 };
-                (flips.starts_inside, flips.flips.iter().map(event).collect())
+                (found.starts_inside, found.list.iter().map(event).collect())
             }
             LeafKind::Instance { prototype: inner, placement } => {
                 let place = &self.program.leaf(id).place();
@@ -95,7 +95,7 @@ impl Reference {
     fn one_ray(&self, ray: Ray, query: &Query<'_>, starts: &[Start], out: &mut Vec<Crossing>) -> RegionId {
         let answer = self.group(PrototypeId(0), &GroupRay::world(&self.program, ray, starts));
         let prototype = self.program.prototype(PrototypeId(0));
-        let mut flips = PlainFlips::new(&prototype.expression, answer.starts_inside.clone());
+        let mut states = PlainLeafStates::new(&prototype.expression, answer.starts_inside.clone());
         let (mut now, changes) = self.changes(&answer);
         let window = query.window;
         let mut start = now.region;
@@ -105,15 +105,15 @@ impl Reference {
             let before = std::mem::replace(&mut now, after);
             let first = answer.events.partition_point(|event| event.t < t);
             let end = answer.events.partition_point(|event| event.t <= t);
-            answer.events[position..end].iter().for_each(|event| flips.flip(event.leaf));
+            answer.events[position..end].iter().for_each(|event| states.toggle(event.leaf));
             position = end;
             if query.is_past(t, !starts.is_empty()) {
                 start = after.region;
             } else if before.region != after.region {
-                out.extend(weld.change(Change { t, first, end, before, after }, &mut flips));
+                out.extend(weld.change(Change { t, first, end, before, after }, &mut states));
             }
         }
-        out.extend(weld.finish(position, &mut flips));
+        out.extend(weld.finish(position, &mut states));
         if query.limit == Limit::First {
             out.truncate(1);
         }
@@ -197,7 +197,7 @@ struct GroupAnswer {
 impl GroupAnswer {
     /// Converts a placed solid to a leaf of the group around it: start side and boundary events.
     fn into_leaf(self, expression: &Expression, leaf: u32) -> (bool, Vec<Event>) {
-        let mut flips = PlainFlips::new(expression, self.starts_inside);
+        let mut states = PlainLeafStates::new(expression, self.starts_inside);
         let Some(output) = self.outputs.first() else {
             return (false, Vec::new());
         };
@@ -205,9 +205,9 @@ impl GroupAnswer {
         let faces = output.times().map(|t| {
             let first = self.events.partition_point(|event| event.t < t);
             let end = self.events.partition_point(|event| event.t <= t);
-            self.events[position..end].iter().for_each(|event| flips.flip(event.leaf));
+            self.events[position..end].iter().for_each(|event| states.toggle(event.leaf));
             position = end;
-            let face = attribute(&self.events, first..end, end, &mut flips, |f| u32::from(f.output(0)));
+            let face = attribute(&self.events, first..end, end, &mut states, |f| u32::from(f.output(0)));
             Event { t, leaf, face }
         });
         (output.start().is_inside(), faces.collect())
@@ -263,15 +263,15 @@ fn leaf_ray((starts_inside, events): &(bool, Vec<Event>)) -> RootRay<()> {
 }
 
 /// Leaf states as plain booleans; every query evaluates the whole expression.
-struct PlainFlips<'a> {
+struct PlainLeafStates<'a> {
     expression: &'a Expression,
     inside: Vec<bool>,
     values: Vec<bool>,
 }
 
-impl<'a> PlainFlips<'a> {
+impl<'a> PlainLeafStates<'a> {
     fn new(expression: &'a Expression, inside: Vec<bool>) -> Self {
-        PlainFlips { expression, inside, values: Vec::new() }
+        PlainLeafStates { expression, inside, values: Vec::new() }
     }
 
     fn evaluate(&mut self) -> impl DoubleEndedIterator<Item = bool> + ExactSizeIterator + '_ {
@@ -282,12 +282,12 @@ impl<'a> PlainFlips<'a> {
     }
 }
 
-impl Flips for PlainFlips<'_> {
-    fn flip(&mut self, leaf: u32) {
+impl LeafStates for PlainLeafStates<'_> {
+    fn toggle(&mut self, leaf: u32) {
         self.inside[leaf as usize] ^= true;
     }
 
-    fn winner(&mut self) -> u32 {
+    fn owner(&mut self) -> u32 {
         self.evaluate().rposition(|inside| inside).map_or(0, |k| k as u32 + 1)
     }
 

@@ -28,7 +28,7 @@ fn frames() -> [Affine; 4] {
 }
 
 impl Bench<'_> {
-    fn ask(&self, solid: &Solid, ray: Ray) -> Collected {
+    fn trace(&self, solid: &Solid, ray: Ray) -> Collected {
         (self.0)(Arc::new(Program::compile(solid).unwrap()), &[ray])
     }
 
@@ -37,19 +37,19 @@ impl Bench<'_> {
     fn expect_in(&self, frame: &Affine, solid: &Solid, ray: Ray, outside: bool, times: &[f64], slant: f64) {
         let turned = ray.transformed(frame);
         let placed = if *frame == Affine::IDENTITY { solid.clone() } else { solid.apply(*frame) };
-        let found = self.ask(&placed, turned);
+        let found = self.trace(&placed, turned);
         let got: Vec<f64> = found.crossings.iter().map(|c| c.t).collect();
-        let told = format!("{ray:?} in {frame:?}: {got:?} instead of {times:?}");
-        assert_eq!(found.starts[0] == RegionId(0), outside, "start of {told}");
-        assert_eq!(got.len(), times.len(), "{told}");
+        let context = format!("{ray:?} in {frame:?}: {got:?} instead of {times:?}");
+        assert_eq!(found.starts[0] == RegionId(0), outside, "start of {context}");
+        assert_eq!(got.len(), times.len(), "{context}");
         for (t, expected) in got.iter().zip(times) {
             let length = turned.direction.length();
             let magnitude = 10.0 + 2.0 * frame.translation.length();
             let delta = 64.0 * UNIT_ROUNDOFF * (turned.origin.length() + expected.abs() * length + magnitude);
-            assert!((t - expected).abs() <= delta / length / slant, "{told}");
+            assert!((t - expected).abs() <= delta / length / slant, "{context}");
         }
         let enters = found.crossings.iter().map(|c| c.enters());
-        assert!(enters.eq((0..got.len()).map(|k| (k % 2 == 0) == outside)), "sides of {told}");
+        assert!(enters.eq((0..got.len()).map(|k| (k % 2 == 0) == outside)), "sides of {context}");
     }
 
     /// [`Bench::expect_in`] in every frame.
@@ -187,7 +187,7 @@ fn a_solid_and_itself(bench: &Bench) {
         for _ in 0..40 {
             let (aim, eye) = (rng.point(0.4), 4.0 * rng.direction());
             let ray = Ray::new(eye, aim - eye);
-            let times = |s: &Solid| bench.ask(s, ray).crossings.iter().map(|c| c.t).collect::<Vec<_>>();
+            let times = |s: &Solid| bench.trace(s, ray).crossings.iter().map(|c| c.t).collect::<Vec<_>>();
             let alone = times(&a);
             assert_eq!(times(&(&a - &copy)), NOTHING, "{name} - itself, {ray:?}");
             assert_eq!(times(&(&a ^ &copy)), NOTHING, "{name} ^ itself");
@@ -504,13 +504,13 @@ fn pins_in_stretched_tubes(bench: &Bench) {
     let ray = Ray::new(Vec3::new(-7.0, 0.31, 0.02), Vec3::new(2.0, -0.1, 0.03));
     for by in [[1.0, 1.0, 3.0], [-1.0, 1.0, 0.7], [1.0, -1.0, 1e3]] {
         let stretched = tube.scale(by);
-        let filled = bench.ask(&(&stretched | &pin), ray);
+        let filled = bench.trace(&(&stretched | &pin), ray);
         assert_eq!(filled.crossings.len(), 2, "{by:?}");
         // the part of the pin outside of the tube: nothing within the tube's height
         let inside = &pin - &stretched;
-        let found = bench.ask(&inside, ray);
+        let found = bench.trace(&inside, ray);
         assert_eq!(found.crossings.iter().map(|c| c.face.leaf.0).collect::<Vec<_>>(), [0, 0], "{by:?}");
-        let found = bench.ask(&(!&stretched & &pin), ray);
+        let found = bench.trace(&(!&stretched & &pin), ray);
         assert_eq!(found.crossings.iter().map(|c| c.face.leaf.0).collect::<Vec<_>>(), [0, 0], "{by:?}");
     }
 }
@@ -518,10 +518,10 @@ fn pins_in_stretched_tubes(bench: &Bench) {
 /// A change that no single boundary event makes belongs to the first leaf that makes it when the events are
 /// applied in turn: in `(A & B) | (C & D)` with four equal faces, on entry, no leaf alone changes anything,
 /// but A and B together do.
-fn changes_that_take_two_flips(bench: &Bench) {
+fn changes_that_take_two_events(bench: &Bench) {
     let ray = Ray::new(Vec3::new(-3.0, 0.1, 0.2), Vec3::X);
     let owners = |solid: &Solid| {
-        let found = bench.ask(solid, ray);
+        let found = bench.trace(solid, ray);
         found.crossings.iter().map(|c| (c.t, c.face.leaf.0)).collect::<Vec<_>>()
     };
     let [a, b, c, d] = [cube(), cube(), cube(), cube()];
@@ -561,7 +561,7 @@ fn an_edge_met_while_grazing(bench: &Bench) {
     for k in 1..400 {
         let slope = f64::from(k) * 2f64.powi(-22);
         let ray = Ray::new(Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.0, -slope));
-        let found = bench.ask(&dome, ray);
+        let found = bench.trace(&dome, ray);
         assert_eq!(found.starts[0], RegionId(0));
         let times: Vec<f64> = found.crossings.iter().map(|c| c.t).collect();
         torn += usize::from(!times.is_empty());
@@ -577,7 +577,7 @@ fn an_edge_met_while_grazing(bench: &Bench) {
     for k in 1..400 {
         let slope = f64::from(k) / 8.0;
         let ray = Ray::new(Vec3::new(0.0, 0.0, 1.0), Vec3::new(1.0, 0.0, -slope));
-        assert!(bench.ask(&dome, ray).crossings.is_empty(), "slope {slope}");
+        assert!(bench.trace(&dome, ray).crossings.is_empty(), "slope {slope}");
     }
 }
 
@@ -597,13 +597,13 @@ fn cemented_faces_at_grazing_angles(bench: &Bench) {
             for (x, y) in [(1.0, 0.0), (0.6, -0.8)] {
                 let ray = Ray::new(Vec3::ZERO, Vec3::new(x, y, angle)).transformed(&frame);
                 let found = (bench.0)(program.clone(), &[ray]);
-                let told = format!("{ray:?}: {:?}", found.crossings);
+                let context = format!("{ray:?}: {:?}", found.crossings);
                 let passes =
                     |c: &&rayweave_model::Crossing| (c.before, c.after) == (RegionId(1), RegionId(2));
                 let middle: Vec<_> = found.crossings.iter().filter(passes).collect();
-                assert_eq!((middle.len(), found.crossings.len()), (1, 3), "{told}");
+                assert_eq!((middle.len(), found.crossings.len()), (1, 3), "{context}");
                 let delta = 64.0 * UNIT_ROUNDOFF * (40.0 + 2.0 * frame.translation.length());
-                assert!(middle[0].t.abs() <= delta / angle, "{told}");
+                assert!(middle[0].t.abs() <= delta / angle, "{context}");
             }
         }
     }
@@ -676,7 +676,7 @@ bank! {
         wedge_fans
         cylinder_caps_at_the_rim
         pins_in_stretched_tubes
-        changes_that_take_two_flips
+        changes_that_take_two_events
         an_edge_met_while_grazing
         lone_planes_through_the_origin
         cemented_faces_at_grazing_angles

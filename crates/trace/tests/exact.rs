@@ -3,7 +3,7 @@
 //! The oracle answers each ray once, and every evaluator is compared with it. `examples/exact.rs` runs the
 //! long forms for any number of rays.
 
-use rayweave_conformance::{Maker, contender, exact};
+use rayweave_conformance::{Maker, exact, maker};
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 
 /// Seeds of the short form, a model of fifty rays each.
@@ -14,11 +14,11 @@ const LONG: std::ops::Range<u64> = 0..200_000;
 
 fn evaluators() -> Vec<Maker> {
     vec![
-        contender(Reference::new),
-        contender(Packets::new),
-        contender(Weave::new),
-        contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
-        contender(Spans::new),
+        maker(Reference::new),
+        maker(Packets::new),
+        maker(Weave::new),
+        maker(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+        maker(Spans::new),
     ]
 }
 

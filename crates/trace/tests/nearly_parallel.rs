@@ -31,7 +31,7 @@ fn made(name: &str, arguments: &[(&str, Value)]) -> Solid {
 fn near(solid: &Solid, origin: Vec3, direction: Vec3) -> (bool, usize) {
     let program = Arc::new(Program::compile(&solid.apply(turn())).unwrap());
     let ray = Ray::new(origin, direction).transformed(&turn());
-    let found = everyone::ask(&program, ray);
+    let found = everyone::trace(&program, ray);
     let before = found.crossings.iter().rfind(|c| c.t < 0.0);
     let region = before.map_or(found.starts[0], |c| c.after);
     (region != RegionId(0), found.crossings.iter().filter(|c| c.t.abs() < 1e3).count())
@@ -87,7 +87,7 @@ fn a_ray_that_touches_a_ring_on_top_meets_it_nowhere_else() {
         let program = Arc::new(Program::compile(&ring.apply(turn)).unwrap());
         for side in [0.5, -0.5] {
             let ray = Ray::new(Vec3::new(-3.25, 1.0, side), 2.0 * Vec3::X).transformed(&turn);
-            for crossing in everyone::ask(&program, ray).crossings {
+            for crossing in everyone::trace(&program, ray).crossings {
                 assert!((crossing.t - 1.625).abs() < 2e-3, "{degrees}: {}", crossing.t);
             }
         }

@@ -91,7 +91,7 @@ fn value(tree: &[Written], root: usize, leaves: &[bool]) -> bool {
 /// The side of a solid at the beginning of a ray, and the times of its crossings.
 type Line = (bool, Vec<f64>);
 
-fn ask(evaluator: &impl Evaluator, ray: Ray) -> Line {
+fn trace(evaluator: &impl Evaluator, ray: Ray) -> Line {
     let found = evaluator.one(ray, &Query::default()).unwrap();
     (found.starts[0] != RegionId(0), found.crossings.iter().map(|crossing| crossing.t).collect())
 }
@@ -130,30 +130,30 @@ fn ray(rng: &mut Random) -> Ray {
 }
 
 fn check(models: u64, rays: usize) {
-    let mut unasked = 0;
+    let mut unused = 0;
     for seed in 0..models {
         let rng = &mut Random::new(seed);
         let leaves: Vec<Solid> = (0..2 + rng.below(7)).map(|_| leaf(rng)).collect();
         let (tree, solid) = tree(rng, &leaves);
         let alone: Vec<Weave> = leaves.iter().map(|leaf| Weave::new(compiled(leaf))).collect();
         let program = compiled(&solid);
-        unasked += program.leaves().filter(|leaf| !leaf.is_asked()).count();
+        unused += program.leaves().filter(|leaf| !leaf.is_used()).count();
         let (reference, weave) = (Reference::new(program.clone()), Weave::new(program.clone()));
         let packets = Packets::new(program.clone());
         let (spans, single_hit) = (Spans::new(program.clone()), SingleHit::new(program).unwrap());
         for _ in 0..rays {
             let ray = ray(rng);
-            let lines: Vec<Line> = alone.iter().map(|leaf| ask(leaf, ray)).collect();
+            let lines: Vec<Line> = alone.iter().map(|leaf| trace(leaf, ray)).collect();
             let expected = by_long_hand(&tree, &lines);
             let said = || format!("model {seed}, {ray:?}: {solid}");
-            assert_eq!(ask(&reference, ray), expected, "reference, {}", said());
-            assert_eq!(ask(&weave, ray), expected, "weave, {}", said());
-            assert_eq!(ask(&packets, ray), expected, "packets, {}", said());
-            assert_eq!(ask(&spans, ray), expected, "spans, {}", said());
-            assert_eq!(ask(&single_hit, ray), expected, "single_hit, {}", said());
+            assert_eq!(trace(&reference, ray), expected, "reference, {}", said());
+            assert_eq!(trace(&weave, ray), expected, "weave, {}", said());
+            assert_eq!(trace(&packets, ray), expected, "packets, {}", said());
+            assert_eq!(trace(&spans, ray), expected, "spans, {}", said());
+            assert_eq!(trace(&single_hit, ray), expected, "single_hit, {}", said());
         }
     }
-    assert!(unasked as u64 > models / 2, "only {unasked} leaves were pruned of {models} models");
+    assert!(unused as u64 > models / 2, "only {unused} leaves were pruned of {models} models");
 }
 
 fn compiled(solid: &Solid) -> Arc<Program> {
@@ -161,21 +161,21 @@ fn compiled(solid: &Solid) -> Arc<Program> {
 }
 
 #[test]
-fn what_is_not_asked_does_not_matter() {
+fn unused_leaves_do_not_matter() {
     check(400, 30);
 }
 
 #[test]
 #[ignore = "long"]
-fn long_what_is_not_asked_does_not_matter() {
+fn long_unused_leaves_do_not_matter() {
     check(40_000, 100);
 }
 
 #[test]
-fn parts_within_rounding_of_each_other_are_asked() {
+fn parts_within_rounding_of_each_other_are_used() {
     let unit = shape("box", &[("size", 2.0)]);
     // gaps from an ulp to a thousand tolerances, near the origin and far from it
-    for (far, gap, asked) in [
+    for (far, gap, used) in [
         (0.0, 0.0, 2),
         (0.0, 2.0_f64.powi(-50), 2),
         (1024.0, 2.0_f64.powi(-40), 2),
@@ -186,10 +186,10 @@ fn parts_within_rounding_of_each_other_are_asked() {
         let solid = unit.translate([far, 0.0, 0.0]) - unit.translate([far + 2.0 + gap, 0.0, 0.0]);
         let region = Region { name: "part".into(), solid, medium: 1 };
         let size = Preparation::of_regions(&[region]).unwrap()[0].sizes().1;
-        let operators = asked - 1;
+        let operators = used - 1;
         assert_eq!(
             size,
-            Size { leaves: asked, operators, complements: 0, height: operators as u32 },
+            Size { leaves: used, operators, complements: 0, height: operators as u32 },
             "{far} {gap}"
         );
     }

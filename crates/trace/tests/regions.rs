@@ -29,7 +29,7 @@ fn model(regions: &[(&Solid, u32)]) -> Arc<Program> {
 
 fn along_x(program: &Arc<Program>) -> Vec<Crossing> {
     let ray = Ray::new(Vec3::new(-10.0, 0.1, 0.2), Vec3::X);
-    everyone::ask(program, ray).crossings
+    everyone::trace(program, ray).crossings
 }
 
 /// `(t - 10, region before, region after)`: the position along x and the regions.
@@ -65,7 +65,7 @@ fn a_gap_of_rounding_size_is_no_gap() {
         for regions in [[(a, 1), (b, 2)], [(b, 2), (a, 1)]] {
             let program = model(&regions);
             let ray = Ray::new(Vec3::new(-1.0, 0.01, 0.02), Vec3::new(1.0, 0.003, 0.001));
-            let found = everyone::ask(&program, ray).crossings;
+            let found = everyone::trace(&program, ray).crossings;
             let media: Vec<_> =
                 found.iter().map(|c| (program.medium_of(c.before), program.medium_of(c.after))).collect();
             assert_eq!(media, [(0, 1), (1, 2), (2, 0)]);
@@ -112,7 +112,7 @@ fn an_unbounded_region_starts_inside() {
     let water = Solid::universe();
     let program = model(&[(&water, 1), (&cube("a", 0.0), 2)]);
     let ray = Ray::new(Vec3::new(-10.0, 0.0, 0.0), Vec3::X);
-    let found = everyone::ask(&program, ray);
+    let found = everyone::trace(&program, ray);
     assert_eq!(found.starts[0].0, 1);
     assert_eq!(passes(&found.crossings), [(-1.0, 1, 2), (1.0, 2, 1)]);
 }

@@ -128,7 +128,7 @@ type Found = (RegionId, Vec<Crossing>);
 
 impl Pair {
     /// The common answer of both evaluators; panics if they differ.
-    fn ask(&self, ray: Ray, query: &Query<'_>) -> Found {
+    fn trace(&self, ray: Ray, query: &Query<'_>) -> Found {
         let theirs = self.theirs.one(ray, query).unwrap();
         let ours = self.ours.one(ray, query).unwrap();
         assert_eq!(ours, theirs, "{}: {ray:?}, {query:?}", self.name);
@@ -153,7 +153,7 @@ impl Pair {
             let b = if rng.chance(0.4) { f64::INFINITY } else { b };
             let Ok(window) = Window::new(a.min(b), a.max(b)) else { continue };
             for limit in [Limit::All, Limit::First] {
-                self.ask(ray, &Query { window, limit, starts: None });
+                self.trace(ray, &Query { window, limit, starts: None });
             }
         }
     }
@@ -163,7 +163,7 @@ impl Pair {
         let (mut t_min, mut steps) = (f64::NEG_INFINITY, Vec::new());
         while let Ok(window) = Window::new(t_min, f64::INFINITY) {
             let query = Query { window, limit: Limit::First, starts: None };
-            let (_, found) = self.ask(ray, &query);
+            let (_, found) = self.trace(ray, &query);
             let Some(&crossing) = found.first() else { break };
             (t_min, _) = (crossing.t, steps.push(crossing));
             if steps.len() > 12 {
@@ -183,12 +183,15 @@ impl Pair {
         let starts = StartLists { first: &[0, 1], entries: &[start] };
         let window = Window::new(rng.pick(&[0.0, -1.0, 1e-3]), f64::INFINITY).unwrap();
         for limit in [Limit::All, Limit::First] {
-            self.ask(Ray::new(ray.at(crossing.t), direction), &Query { window, limit, starts: Some(starts) });
+            self.trace(
+                Ray::new(ray.at(crossing.t), direction),
+                &Query { window, limit, starts: Some(starts) },
+            );
         }
     }
 
     fn check(&self, ray: Ray, rng: &mut Random) -> usize {
-        let (_, all) = self.ask(ray, &Query::default());
+        let (_, all) = self.trace(ray, &Query::default());
         self.steps(ray, &all);
         self.windows(ray, &all, rng);
         self.leaving_a_surface(ray, &all, rng);
@@ -260,7 +263,7 @@ fn slivers_far_along_the_ray_are_seen() {
         let enters = Vec3::new(rng.between(-0.6, 1.0), rng.between(-0.9, 0.9), 1.0);
         let ray = Ray::new(enters - 1.5 * direction, direction);
         let query = Query { limit: Limit::First, ..Query::nearest() };
-        let (_, found) = pair.ask(ray, &query);
+        let (_, found) = pair.trace(ray, &query);
         // the top of the block, without any delay
         let top = (1.0 - ray.origin.z) / direction.z;
         let in_tooth = (0..15).any(|k| (enters.x + 0.5 - 0.1 * k as f64).abs() < 0.03);

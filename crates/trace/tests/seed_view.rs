@@ -8,7 +8,7 @@ use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_trace::single_hit::seed_view::{
     Action, CompleteTree, Fault, Limits, Operator, Slot, State, Tables, next, silent,
 };
-use rayweave_trace::single_hit::{LeafAnswers, MOST_NODES, Next, NoWatch, Stacks, Tree};
+use rayweave_trace::single_hit::{LeafAnswers, MOST_NODES, Next, NoObserver, Stacks, Tree};
 
 // ---- complete trees ----
 
@@ -154,7 +154,7 @@ impl Forms {
 
     fn ours(&self, tried: &Tried, t_min: f64) -> Next {
         let tree = Tree::new(&self.gates, &[tried.edge], MOST_NODES).unwrap();
-        Stacks::new(tree.height()).ask(&tree, &self.lines, t_min, &mut NoWatch).next()
+        Stacks::new(tree.height()).next_change(&tree, &self.lines, t_min, &mut NoObserver).next()
     }
 
     fn seed(&self, tried: &Tried, tables: &Tables, limits: Limits, t_min: f64) -> Result<Next, Fault> {
@@ -259,21 +259,21 @@ fn one_slice_or_value_less_than_derived_is_not_enough() {
 #[test]
 fn eight_bits_lose_every_ray_at_height_eight() {
     for leaves in [8, 9, 10] {
-        let (mut lost, mut asked) = (0, 0);
+        let (mut lost, mut hits) = (0, 0);
         for reversed in [false, true] {
             let (forms, all) = row(leaves, reversed);
             let limits = Limits { slices: 100, values: 100, ..Limits::SEED };
             for k in 0..20 {
                 let t_min = -1.0 + 0.4 * f64::from(k);
                 let truth = next_of(&all.truth, t_min);
-                asked += usize::from(truth != Next::Outside);
+                hits += usize::from(truth != Next::Outside);
                 let answer = silent(forms.seed(&all, &Tables::from_rule(), limits, t_min));
                 lost += usize::from(truth != Next::Outside && answer == Next::Outside);
                 assert_eq!(forms.ours(&all, t_min), truth);
             }
         }
-        assert!(asked > 20);
-        assert_eq!(lost, if leaves <= 8 { 0 } else { asked }, "{leaves} leaves");
+        assert!(hits > 20);
+        assert_eq!(lost, if leaves <= 8 { 0 } else { hits }, "{leaves} leaves");
     }
 }
 

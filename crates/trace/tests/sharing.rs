@@ -15,7 +15,7 @@ fn ball() -> Solid {
 fn times(solid: &Solid) -> Vec<f64> {
     let program = Arc::new(Program::compile(solid).unwrap());
     let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
-    everyone::ask(&program, ray).crossings.iter().map(|c| c.t).collect()
+    everyone::trace(&program, ray).crossings.iter().map(|c| c.t).collect()
 }
 
 /// Each level uses the one below twice, through a handle that is itself shared: 2^60 visits without
@@ -97,7 +97,7 @@ fn a_shared_face_is_as_far_as_the_farthest() {
     for far in [0.0, 1e10, 1e40, 1e80] {
         let moved = left.translate([0.0, 0.0, far]);
         for solid in [&block - &moved, &block | &moved, &moved - &block] {
-            let found = everyone::ask(&Arc::new(Program::compile(&solid).unwrap()), ray);
+            let found = everyone::trace(&Arc::new(Program::compile(&solid).unwrap()), ray);
             assert!(far > 0.0 || found.crossings.len() < 2, "{found:?}");
         }
     }

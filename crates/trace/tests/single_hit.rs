@@ -12,8 +12,8 @@ use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::single_hit::{
-    Kind, LeafAnswers, MOST_ENTRIES, MOST_LINES, MOST_NODES, Next, NoWatch, Operand, Stacks, Step, TooLarge,
-    Tree, Verdict, Watch, What,
+    Kind, LeafAnswers, MOST_ENTRIES, MOST_LINES, MOST_NODES, Next, NoObserver, Observer, Operand, Stacks,
+    Step, TooLarge, Tree, Verdict, What,
 };
 use rayweave_trace::{Reference, SingleHit};
 use std::sync::Arc;
@@ -145,7 +145,7 @@ fn random_line(rng: &mut Random, ties: bool) -> RootRay {
 }
 
 /// The number of the last output that is inside just after `t`, from 1.
-fn winner(outputs: &[RootRay], t: f64) -> u32 {
+fn owner(outputs: &[RootRay], t: f64) -> u32 {
     let inside = |ray: &RootRay| ray.start().after(ray.times().filter(|&x| x <= t).count()).is_inside();
     outputs.iter().rposition(inside).map_or(0, |k| k as u32 + 1)
 }
@@ -155,11 +155,11 @@ fn expected(outputs: &[RootRay], t_min: f64) -> (u32, Vec<(f64, u32)>) {
     let mut times: Vec<f64> = outputs.iter().flat_map(|ray| ray.times()).filter(|&t| t > t_min).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let start = winner(outputs, t_min);
+    let start = owner(outputs, t_min);
     let mut now = start;
     let mut changes = Vec::new();
     for t in times {
-        let after = winner(outputs, t);
+        let after = owner(outputs, t);
         if after != now {
             changes.push((t, after));
         }
@@ -169,16 +169,21 @@ fn expected(outputs: &[RootRay], t_min: f64) -> (u32, Vec<(f64, u32)>) {
 }
 
 /// All changes after `t_min`, by repeated queries.
-fn asked(tree: &Tree, lines: &Lines, t_min: f64, watch: &mut impl Watch) -> (u32, Vec<(f64, u32)>) {
+fn all_changes(
+    tree: &Tree,
+    lines: &Lines,
+    t_min: f64,
+    observer: &mut impl Observer,
+) -> (u32, Vec<(f64, u32)>) {
     let mut stacks = Stacks::new(tree.height());
-    let mut step = stacks.ask(tree, lines, t_min, watch);
+    let mut step = stacks.next_change(tree, lines, t_min, observer);
     let start = step.before;
     let (mut now, mut changes) = (start, Vec::new());
     while step.t < FOREVER {
         assert_eq!(step.before, now, "the side before is not the side after the last change");
         now = step.after;
         changes.push((step.t, now));
-        step = stacks.ask(tree, lines, step.t, watch);
+        step = stacks.next_change(tree, lines, step.t, observer);
     }
     assert_eq!((step.before, step.after), (now, now));
     (start, changes)
@@ -192,7 +197,7 @@ struct Depths {
     leaves: usize,
 }
 
-impl Watch for Depths {
+impl Observer for Depths {
     fn leaf(&mut self, _: usize, _: f64, _: Next) {
         self.leaves += 1;
     }
@@ -215,7 +220,7 @@ fn random_trees_agree_with_the_algebra() {
         let t_min = rng.pick(&[f64::NEG_INFINITY, f64::NEG_INFINITY, -1.0, 0.0, 0.5]);
         let mut depths = Depths::default();
         let lines = Lines(lines);
-        let ours = asked(&tree, &lines, t_min, &mut depths);
+        let ours = all_changes(&tree, &lines, t_min, &mut depths);
         assert_eq!(ours, expected(&rays, t_min), "seed {seed}");
         let most = tree.height() as usize + 1;
         assert!(depths.slices <= most && depths.values <= most, "seed {seed}");
@@ -226,9 +231,9 @@ fn random_trees_agree_with_the_algebra() {
 }
 
 #[test]
-fn every_rule_fires_and_is_told() {
+fn every_rule_fires_and_is_explained() {
     struct Count([usize; 3]);
-    impl Watch for Count {
+    impl Observer for Count {
         fn gate(&mut self, _: usize, operands: [Step; 2], verdict: Verdict) {
             match verdict {
                 Verdict::Fixed(_) => self.0[0] += 1,
@@ -236,7 +241,7 @@ fn every_rule_fires_and_is_told() {
                     assert_eq!(step.t, operands[0].t.min(operands[1].t));
                     self.0[1] += 1;
                 }
-                Verdict::AskAgain { t, first, second } => {
+                Verdict::QueryAgain { t, first, second } => {
                     assert_eq!((first, second), (operands[0].t == t, operands[1].t == t));
                     self.0[2] += 1;
                 }
@@ -246,7 +251,7 @@ fn every_rule_fires_and_is_told() {
     let mut count = Count([0; 3]);
     for seed in 0..2000 {
         let (skeleton, outputs, lines) = random_case(&mut Random::new(seed), true);
-        asked(&skeleton.tree(&outputs), &Lines(lines), f64::NEG_INFINITY, &mut count);
+        all_changes(&skeleton.tree(&outputs), &Lines(lines), f64::NEG_INFINITY, &mut count);
     }
     assert!(count.0.iter().all(|&n| n > 1000), "{:?}", count.0);
 }
@@ -274,7 +279,7 @@ fn the_bounds_of_both_stacks_are_reached_and_never_exceeded() {
             let (tree, lines) = overlapping(n, leans_right, reversed);
             assert_eq!(tree.height(), n - 1);
             let mut depths = Depths::default();
-            let answer = asked(&tree, &lines, f64::NEG_INFINITY, &mut depths);
+            let answer = all_changes(&tree, &lines, f64::NEG_INFINITY, &mut depths);
             assert_eq!(answer, (0, vec![(0.0, 1), (f64::from(n) + 0.5, 0)]));
             reached.slices = reached.slices.max(depths.slices);
             reached.values = reached.values.max(depths.values);
@@ -298,7 +303,7 @@ fn wide_gates_are_balanced() {
             _ => None,
         });
         assert!(leaves.eq(0..n), "leaves stay in order");
-        let answer = asked(&tree, &Lines(lines.clone()), f64::NEG_INFINITY, &mut NoWatch);
+        let answer = all_changes(&tree, &Lines(lines.clone()), f64::NEG_INFINITY, &mut NoObserver);
         assert_eq!(answer, expected(&skeleton.root_rays(&lines, &[all]), f64::NEG_INFINITY));
     }
 }
@@ -310,10 +315,10 @@ fn balance_spares_questions() {
     let mut skeleton = Skeleton::new(n);
     let all = skeleton.join(Rule::AtLeast(1), (0..n).map(Skeleton::leaf).collect());
     let mut balanced = Depths::default();
-    Stacks::new(10).ask(&skeleton.tree(&[all]), &lines(), 0.0, &mut balanced);
+    Stacks::new(10).next_change(&skeleton.tree(&[all]), &lines(), 0.0, &mut balanced);
     let (leaning, same) = overlapping(n, false, false);
     let mut depths = Depths::default();
-    Stacks::new(leaning.height()).ask(&leaning, &same, 0.0, &mut depths);
+    Stacks::new(leaning.height()).next_change(&leaning, &same, 0.0, &mut depths);
     assert!(balanced.leaves < 12_000 && depths.leaves > 500_000, "{} {}", balanced.leaves, depths.leaves);
 }
 
@@ -342,11 +347,11 @@ fn depth_needs_no_call_stack() {
         assert_eq!(tree.height(), n - 1);
         let wanted = expected(&skeleton.root_rays(&lines, &[all]), f64::NEG_INFINITY);
         assert!(wanted.1.len() > 2);
-        assert_eq!(asked(&tree, &Lines(lines), f64::NEG_INFINITY, &mut NoWatch), wanted);
+        assert_eq!(all_changes(&tree, &Lines(lines), f64::NEG_INFINITY, &mut NoObserver), wanted);
         // both stacks full: every gate of the chain waits at once
         let (tree, lines) = overlapping(2000, true, true);
         let mut depths = Depths::default();
-        Stacks::new(tree.height()).ask(&tree, &lines, 0.0, &mut depths);
+        Stacks::new(tree.height()).next_change(&tree, &lines, 0.0, &mut depths);
         assert!(depths.slices.max(depths.values) == 2000);
     };
     std::thread::Builder::new().stack_size(256 << 10).spawn(work).unwrap().join().unwrap();
@@ -388,7 +393,7 @@ fn single_hit(program: Arc<Program>) -> SingleHit {
 
 /// Nested placements: queries within queries.
 #[test]
-fn placed_solids_are_asked_in_their_turn() {
+fn placed_solids_are_evaluated_in_their_turn() {
     let pair = |step: f64| [0.0, step].map(|x| Affine::translate(Vec3::new(x, 0.0, 0.0)));
     let two = (ball("a", 0.0) - ball("b", 0.5)).place(pair(3.0));
     let four = (&two | &ball("c", 1.0)).place(pair(10.0));
@@ -431,11 +436,11 @@ fn along_x() -> Ray {
 
 #[test]
 fn the_chain_of_eight_spheres_reads_like_an_explanation() {
-    let story = single_hit(eight_spheres()).explain(along_x(), &Query::default()).to_string();
+    let text = single_hit(eight_spheres()).explain(along_x(), &Query::default()).to_string();
     for line in [
         "What is next after t = 4?",
         "a is left at 6, through a.side.",
-        "a | b stays inside at 5.5: b is entered, but the ray is inside a until 6. So b is asked again. (rule 4)",
+        "a | b stays inside at 5.5: b is entered, but the ray is inside a until 6. So b is queried again. (rule 4)",
         "a | b is left at 7.5: b is left, and the ray is outside a for good. (rule 3)",
         "(a | b) - c is left at 7: c is entered, and the ray is inside a | b until 7.5. (rule 3)",
         "(a ... e) - f is outside for good: the ray is outside ((a | b) - c) | d | e for good, whatever comes of f. (rule 1)",
@@ -443,11 +448,11 @@ fn the_chain_of_eight_spheres_reads_like_an_explanation() {
         "At t = 7 it passes from solid into the world, through c.side.",
         "(7 questions, 131 steps.)",
     ] {
-        assert!(story.lines().any(|found| found.trim() == line), "{line}\n{story}");
+        assert!(text.lines().any(|found| found.trim() == line), "{line}\n{text}");
     }
     // a constant node is printed once, and not at all below a larger constant node
-    assert_eq!(story.matches("  a is outside for good.\n").count(), 1);
-    assert_eq!(story.matches(" is outside for good.").count(), 3, "{story}");
+    assert_eq!(text.matches("  a is outside for good.\n").count(), 1);
+    assert_eq!(text.matches(" is outside for good.").count(), 3, "{text}");
 }
 
 /// `(((s0 | s1) - s2) | s3) - ...`: balls in a row, in a tree as deep as it is long.
@@ -461,38 +466,39 @@ fn deep_chain(count: u32) -> Arc<Program> {
 }
 
 #[test]
-fn long_stories_are_cut_and_say_so() {
-    let told = single_hit(deep_chain(1_000)).explain(along_x(), &Query::default());
-    let kept: usize = told.questions.iter().map(|question| question.entries.len()).sum();
-    assert!(kept == MOST_ENTRIES && told.questions.iter().any(|question| question.left_out > 0));
-    assert!(told.steps() > 10 * MOST_ENTRIES);
+fn long_explanations_are_cut_and_say_so() {
+    let explanation = single_hit(deep_chain(1_000)).explain(along_x(), &Query::default());
+    let kept: usize = explanation.questions.iter().map(|question| question.entries.len()).sum();
+    assert!(kept == MOST_ENTRIES && explanation.questions.iter().any(|question| question.left_out > 0));
+    assert!(explanation.steps() > 10 * MOST_ENTRIES);
     let lines =
         |text: &str| text.lines().filter(|line| line.contains("(rule ") || line.contains("through")).count();
     for most in [10, MOST_LINES] {
-        let text = told.story(most).to_string();
+        let text = explanation.text(most).to_string();
         assert!(lines(&text) <= most + 100, "{}", lines(&text));
         assert!(text.len() < 1 << 20 && text.contains(" lines are left out ..."), "{text}");
         assert!(text.contains(" more questions are left out.\n"), "{text}");
         assert!(text.contains("At t = 4 it passes from the world into solid, through s0.side.\n"), "{text}");
         assert!(
-            text.contains(&format!("... and so on: {} crossings in all.\n", told.crossings.len())),
+            text.contains(&format!("... and so on: {} crossings in all.\n", explanation.crossings.len())),
             "{text}"
         );
     }
-    assert!(told.crossings.len() == 2 * 501);
+    assert!(explanation.crossings.len() == 2 * 501);
 }
 
 #[test]
-fn settled_parts_of_large_models_take_one_line() {
+fn resolved_parts_of_large_models_take_one_line() {
     let far = (0..4096)
         .map(|k| ball("far", 10.0 * f64::from(k)).apply(Affine::translate(Vec3::new(0.0, 9.0, 0.0))));
     let near = ball("near", 0.0);
     let s = Solid::union(far.chain([near]));
-    let story = single_hit(Arc::new(Program::compile(&s).unwrap())).explain(along_x(), &Query::default());
-    let text = story.to_string();
-    assert!(story.steps() > 3 * 8192);
+    let explanation =
+        single_hit(Arc::new(Program::compile(&s).unwrap())).explain(along_x(), &Query::default());
+    let text = explanation.to_string();
+    assert!(explanation.steps() > 3 * 8192);
     // entries of constant nodes are kept once
-    let kept: usize = story.questions.iter().map(|question| question.entries.len()).sum();
+    let kept: usize = explanation.questions.iter().map(|question| question.entries.len()).sum();
     assert!(kept < 8250, "{kept}");
     assert!(text.lines().count() < 120, "{text}");
     assert!(text.contains("near is entered at 4, through near.side."), "{text}");
@@ -500,13 +506,13 @@ fn settled_parts_of_large_models_take_one_line() {
 }
 
 #[test]
-fn times_are_told_with_as_many_digits_as_tell_them_apart() {
-    let story = |x: f64| {
+fn times_are_printed_with_as_many_digits_as_distinguish_them() {
+    let text = |x: f64| {
         let s = ball("a", 1.0 / 3.0) | ball("b", x);
         single_hit(Arc::new(Program::compile(&s).unwrap())).explain(along_x(), &Query::default()).to_string()
     };
-    assert!(story(2.0 / 3.0).contains("At t = 4.33333 it passes"), "{}", story(2.0 / 3.0));
-    let near = story(1.0 / 3.0 + 1e-9);
+    assert!(text(2.0 / 3.0).contains("At t = 4.33333 it passes"), "{}", text(2.0 / 3.0));
+    let near = text(1.0 / 3.0 + 1e-9);
     assert!(
         near.contains("a is entered at 4.333333333,") && near.contains("b is entered at 4.333333334,"),
         "{near}"
@@ -519,14 +525,14 @@ fn regions_have_words_of_their_own() {
     let region = |name: &str, medium, solid| Region { name: name.to_owned(), solid, medium };
     let regions = [region("pair", 1, two), region("core", 2, ball("e", 1.5))];
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
-    let story = single_hit(program).explain(along_x(), &Query::default()).to_string();
+    let text = single_hit(program).explain(along_x(), &Query::default()).to_string();
     for line in [
         "among pair and core the ray passes from the world into pair at 4: a ^ b is entered, and the ray is outside e until 5.5. (rule 3)",
-        "among pair and core the ray stays in core at 6: a ^ b is entered, but the ray is inside e until 7.5. So a ^ b is asked again. (rule 4)",
+        "among pair and core the ray stays in core at 6: a ^ b is entered, but the ray is inside e until 7.5. So a ^ b is queried again. (rule 4)",
         "among pair and core the ray is in the world for good: the ray is outside a ^ b and e for good. (rule 1)",
         "  So the ray is in core until t = 7.5, then in the world.",
     ] {
-        assert!(story.contains(line), "{line}\n{story}");
+        assert!(text.contains(line), "{line}\n{text}");
     }
 }
 
@@ -543,18 +549,18 @@ fn explanations_hold_every_decision_and_end_in_the_answer() {
         let window = Window::new(rng.pick(&[f64::NEG_INFINITY, -1.0]), rng.pick(&[FOREVER, 2.0])).unwrap();
         let limit = rng.pick(&[Limit::All, Limit::First]);
         let query = Query { window, limit, starts: None };
-        let told = evaluator.explain(ray, &query);
+        let explanation = evaluator.explain(ray, &query);
         let answer = evaluator.one(ray, &query).unwrap();
-        assert_eq!(told.start, answer.starts[0]);
-        let crossings: Vec<Crossing> = told.crossings.iter().map(|found| found.crossing).collect();
+        assert_eq!(explanation.start, answer.starts[0]);
+        let crossings: Vec<Crossing> = explanation.crossings.iter().map(|found| found.crossing).collect();
         assert_eq!(crossings, answer.crossings, "seed {seed}");
-        for entry in told.questions.iter().flat_map(|question| &question.entries) {
+        for entry in explanation.questions.iter().flat_map(|question| &question.entries) {
             if let What::Gate { operands, verdict, .. } = &entry.what {
                 check_decision(evaluator.tree(PrototypeId(0)), entry.node, operands, *verdict);
                 rules[usize::from(entry.what.rule().unwrap()) - 1] += 1;
             }
         }
-        assert!(told.to_string().ends_with("steps.)\n"));
+        assert!(explanation.to_string().ends_with("steps.)\n"));
     }
     assert!([0, 2, 3].iter().all(|&k| rules[k] > 100), "{rules:?}");
 }
@@ -575,7 +581,7 @@ fn check_decision(tree: &Tree, gate: usize, operands: &[Operand; 2], verdict: Ve
             assert_eq!((f(value(step.t.next_down())), f(value(step.t))), (step.before, step.after));
             assert_ne!(step.before, step.after);
         }
-        Verdict::AskAgain { t, .. } => {
+        Verdict::QueryAgain { t, .. } => {
             assert_eq!(t, a.t.min(b.t));
             assert_eq!(f(value(t.next_down())), f(value(t)));
         }

@@ -14,12 +14,12 @@ fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
     Solid::from(build(name, &arguments).unwrap())
 }
 
-fn ask(solid: &Solid, ray: Ray) -> Collected {
-    everyone::ask(&Arc::new(Program::compile(solid).unwrap()), ray)
+fn trace(solid: &Solid, ray: Ray) -> Collected {
+    everyone::trace(&Arc::new(Program::compile(solid).unwrap()), ray)
 }
 
 fn times(solid: &Solid, ray: Ray) -> Vec<f64> {
-    ask(solid, ray).crossings.iter().map(|c| c.t).collect()
+    trace(solid, ray).crossings.iter().map(|c| c.t).collect()
 }
 
 #[test]
@@ -31,7 +31,7 @@ fn sphere_minus_sphere() {
     assert_eq!(times(&(&big - &small), x), [3.0, 4.0, 6.0, 7.0]);
     assert_eq!(times(&(&small - &big), x), [0.0; 0]);
     assert_eq!(times(&(&big ^ &small.translate([2.0, 0.0, 0.0])), x), [3.0, 6.0, 7.0, 8.0]);
-    let outside = ask(&!&big, x);
+    let outside = trace(&!&big, x);
     assert_eq!(outside.starts, [RegionId(1)]);
     assert_eq!(outside.crossings.len(), 2);
 }

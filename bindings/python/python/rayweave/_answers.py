@@ -43,7 +43,7 @@ class Crossings:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Makes what follows from other arrays when it is asked for: most never is."""
+            """Makes what follows from other arrays when it is requested: most never is."""
             make = _MADE.get(name)
             if make is None or "_leaves" not in self.__dict__:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
@@ -97,7 +97,7 @@ class ModelCrossings(Crossings):
 class Partition:
     """What rays go through: S pieces, each in one medium, sorted by ray, then t.
 
-    The pieces of ray i are ``offsets[i]:offsets[i + 1]``. They cover the window that was asked about without gaps: the first
+    The pieces of ray i are ``offsets[i]:offsets[i + 1]``. They cover the requested window without gaps: the first
     begins at t_min, the last ends at t_max, which may be infinite.
     """
 

@@ -49,7 +49,7 @@ class Finding:
     is_proved: bool
     """True if it is known without rays."""
     section: Section | None = field(repr=False)
-    """The place, cut open, if pictures were asked for."""
+    """The place, cut open, if pictures were requested."""
 
     def _repr_svg_(self) -> str | None:
         return None if self.section is None else _core.section_text([self.section], "svg", self.text)

@@ -54,7 +54,7 @@ class Diff:
     """Differences up to this thickness do not matter."""
     unit: str
     rays: int
-    """The number of rays that were asked."""
+    """The number of rays that were traced."""
     section: Section
     """The part with the thickest difference, cut open: "both", "A only", "B only"."""
 

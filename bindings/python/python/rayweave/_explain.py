@@ -24,7 +24,7 @@ class Operand:
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """A shape that was asked, or a node of the tree that decided from the answers of its two operands."""
+    """A shape that was queried, or a node of the tree that decided from the answers of its two operands."""
 
     node: str
     """What it is called, its complement not counted."""
@@ -33,7 +33,7 @@ class Entry:
     rule: int | None
     """The rule that decided: 1, 3 or 4; None for a shape."""
     verdict: Literal["leaf", "settled", "changes", "ask again"]
-    """What came of it: a shape's answer, a value for good, a change at t, or no change at t, so that operands are asked again."""
+    """What came of it: a shape's answer, a value for good, a change at t, or no change at t, so that operands are queried again."""
     before: int
     """The value until t: 1 inside, 0 outside; for a choice among regions the number of the region."""
     after: int
@@ -53,7 +53,7 @@ class Question:
     """One question to the whole model: what is next after t_min?"""
 
     t_min: float
-    """The time that was asked from."""
+    """The time from which the query starts."""
     entries: tuple[Entry, ...]
     """What happened, in order: operands before their nodes; nothing about parts that are known never to change again."""
     repeated: int

@@ -49,8 +49,8 @@ def array_csg(
         If False, entries that are not kept stay as +inf in their places among the merged ones. That is not a valid hit array
         until it is sorted along axis 0.
     regularize
-        False: where both arrays hold the same time the entries flip one after the other, those of `array1` first, so that
-        pieces of length zero may show up and `array1`, `array2` do not commute. True: equal times flip together, and such
+        False: where both arrays hold the same time the entries toggle one after the other, those of `array1` first, so that
+        pieces of length zero may show up and `array1`, `array2` do not commute. True: equal times toggle together, and such
         pieces are gone. A number: moreover, pieces shorter than it are dropped.
     out
         An array of the result's shape and dtype, which is written and returned. If it is contiguous and shares no memory with

@@ -44,9 +44,9 @@ class Measurement:
     """(R, 3, 3) inertia tensors about the centre for density 1, integral of |r|^2 1 - r r^T."""
     inertia_half_width: _Array
     rays: NDArray[np.uint64]
-    """(R,) numbers of rays that were asked for each region."""
+    """(R,) numbers of rays that were traced for each region."""
     is_reached: NDArray[np.bool_]
-    """(R,) whether the volume is as precise as was asked."""
+    """(R,) whether the volume is as precise as requested."""
 
     def __repr__(self) -> str:
         rows = zip(self.regions, self.volume, self.volume_half_width, strict=True)

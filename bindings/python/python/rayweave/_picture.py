@@ -153,7 +153,7 @@ def render(
         raise _core.RayweaveError(
             "camera is given together with view or field_of_view: both say where to look from. Leave one of them out."
         )
-    asked = dict(
+    arguments = dict(
         size=size,
         view=view,
         field_of_view=field_of_view,
@@ -168,7 +168,7 @@ def render(
         evaluator=evaluator,
         threads=threads,
     )
-    picture: NDArray[Any] = _core.render(subject, kind, asked)
+    picture: NDArray[Any] = _core.render(subject, kind, arguments)
     return picture
 
 
@@ -209,7 +209,7 @@ def sheet(
     >>> drawing = sheet(box(2) - sphere(1.3), cut="x>50%")
     >>> drawing.save("hollow.svg")
     """
-    asked = dict(
+    arguments = dict(
         size=size,
         view=view,
         field_of_view=None,
@@ -224,7 +224,7 @@ def sheet(
         evaluator=evaluator,
         threads=threads,
     )
-    return Drawing(_core.sheet_svg(subject, title, view is not None, asked))
+    return Drawing(_core.sheet_svg(subject, title, view is not None, arguments))
 
 
 def _opacities(opacity: Opacity | None) -> list[tuple[str | None, float]]:

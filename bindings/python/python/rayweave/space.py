@@ -234,7 +234,7 @@ def _whole(number: int, name: str) -> int:
     if isinstance(number, bool) or not isinstance(number, (int, np.integer)):
         raise TypeError(f"{name} is {type(number)}: a whole number is needed.")
     if name == "d" and number not in (2, 3, 4):
-        raise RayweaveError(f"the dimension is {number}: spaces of 2, 3 and 4 dimensions can be asked.")
+        raise RayweaveError(f"the dimension is {number}: spaces of 2, 3 and 4 dimensions are supported.")
     return int(number)
 
 

@@ -159,7 +159,7 @@ pub fn optimise<'py>(
     patience: usize,
 ) -> PyResult<(PyPrescription, Bound<'py, PyDict>)> {
     let py = lens.py();
-    let start = Optimiser::new(lens.get().lens()).rings(rings).patience(patience);
+    let start = Optimiser::new(lens.get().lens()).rings(rings).evaluation_limit(patience);
     let start = parameters
         .iter()
         .try_fold(start, |all, name| Ok::<_, PyErr>(all.vary(name.parse().map_err(bad_value)?)))?;

@@ -50,8 +50,9 @@ fn read<'py>(
         let (document, scene) = model().map_err(bad_value)?;
         let optics = optics_of(&document, &scene).map_err(bad_value)?;
         let system = optics.assembly.compile().map_err(bad_value)?;
-        let told = |warning: &rayweave::scene::Diagnostic| Diagnostics::from(warning.clone()).render(false);
-        let warnings: Vec<String> = scene.warnings.iter().map(told).collect();
+        let rendered =
+            |warning: &rayweave::scene::Diagnostic| Diagnostics::from(warning.clone()).render(false);
+        let warnings: Vec<String> = scene.warnings.iter().map(rendered).collect();
         Ok::<_, PyErr>((optics, system, scene.unit.symbol(), warnings))
     })?;
     let elements = optics.assembly.elements().iter().map(|element| PyElement(element.clone())).collect();

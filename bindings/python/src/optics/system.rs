@@ -146,7 +146,7 @@ impl PySystem {
         let (mut segments, mut watch) = (Segments::default(), Watch::new(light, progress));
         let balance = tracer.run(light, settings, |part| {
             segments.append(&part);
-            watch.look(&part).map_err(Halt::Raised)
+            watch.check(&part).map_err(Halt::Raised)
         });
         let balance = balance.map_err(Halt::into_error)?;
         watch.end()?;
@@ -165,7 +165,7 @@ impl PySystem {
         let (mut watch, mut raised) = (Watch::new(light, progress), None);
         let written = trace_light(&tracer, &self.system, light, settings, Some(out), |part: &Segments| {
             if raised.is_none() {
-                raised = watch.look(part).inspect_err(|_| settings.cancel.cancel()).err();
+                raised = watch.check(part).inspect_err(|_| settings.cancel.cancel()).err();
             }
         });
         match (raised, written) {

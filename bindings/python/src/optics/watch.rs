@@ -16,7 +16,7 @@ pub struct Watch {
 }
 
 /// The minimum time between two reports.
-const TELL: Duration = Duration::from_millis(100);
+const REPORT_INTERVAL: Duration = Duration::from_millis(100);
 
 impl Watch {
     /// Creates the watch of a run. `progress` is called with the number of finished rays and the
@@ -26,12 +26,12 @@ impl Watch {
     }
 
     /// Checks for signals after a chunk, and reports the progress if the last report is old enough.
-    pub fn look(&mut self, part: &Segments) -> PyResult<()> {
+    pub fn check(&mut self, part: &Segments) -> PyResult<()> {
         let done = part.id.iter().max().map_or(0, |&last| last + 1);
         Python::attach(|py| {
             py.check_signals()?;
             match &self.progress {
-                Some(progress) if self.last.elapsed() >= TELL => {
+                Some(progress) if self.last.elapsed() >= REPORT_INTERVAL => {
                     self.last = Instant::now();
                     progress.call1(py, (done, self.total)).map(|_| ())
                 }

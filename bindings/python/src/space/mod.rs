@@ -131,6 +131,6 @@ impl AnyCurve {
 /// The error for an unsupported dimension.
 fn no_such_dimension(dimension: usize) -> pyo3::PyErr {
     crate::error::bad_value(format!(
-        "the dimension is {dimension}: spaces of 2, 3 and 4 dimensions can be asked."
+        "the dimension is {dimension}: spaces of 2, 3 and 4 dimensions are supported."
     ))
 }

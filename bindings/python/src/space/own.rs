@@ -68,7 +68,7 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
         if self.has_failed() {
             return [f64::NAN; D];
         }
-        let asked = self.object.call_method1(method, (t,)).and_then(|answer| {
+        let called = self.object.call_method1(method, (t,)).and_then(|answer| {
             let name = format!("{method}({t:?}) of the curve");
             let numbers = list(&answer, &name)?;
             let count = numbers.len();
@@ -78,7 +78,7 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
                 ))
             })
         });
-        asked.unwrap_or_else(|error| {
+        called.unwrap_or_else(|error| {
             self.memory.borrow_mut().failed = Some(error);
             [f64::NAN; D]
         })
@@ -108,7 +108,7 @@ impl<const D: usize> Curve<D> for OwnCurve<'_, D> {
         if self.has_failed() {
             return f64::NAN;
         }
-        let asked = self.object.call_method1(METHODS[2], (t0, t1)).and_then(|answer| {
+        let called = self.object.call_method1(METHODS[2], (t0, t1)).and_then(|answer| {
             let kind = answer.get_type();
             let wrong = move |_| {
                 bad_type(format!(
@@ -117,7 +117,7 @@ impl<const D: usize> Curve<D> for OwnCurve<'_, D> {
             };
             answer.extract::<f64>().map_err(wrong)
         });
-        asked.unwrap_or_else(|error| {
+        called.unwrap_or_else(|error| {
             self.memory.borrow_mut().failed = Some(error);
             f64::NAN
         })

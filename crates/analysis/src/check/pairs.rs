@@ -1,7 +1,7 @@
 //! Checks for overlaps of regions, and for daughters outside their mothers.
 
-use super::parts::{Part, meeting, parts};
-use super::probe::{FEW, Met, Probe};
+use super::parts::{Part, overlapping_pairs, parts};
+use super::probe::{FEW, Probe, Thickest};
 use super::subject::Subject;
 use super::{Finding, Kind};
 use crate::AnalysisError;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// The intersection of two regions.
 struct Common {
-    deepest: Met,
+    deepest: Thickest,
     /// Pairs of parts.
     count: usize,
     /// The intersection of each pair of parts.
@@ -47,7 +47,7 @@ fn common<E: Evaluator>(
         true => subject.hierarchy.is_some() && a.copy.is_some() && a.copy != b.copy,
         false => !subject.are_kin(a.region, b.region),
     };
-    let met = meeting(parts, probe.scope.distance, wanted, probe.settings.most_pairs);
+    let met = overlapping_pairs(parts, probe.scope.distance, wanted, probe.settings.most_pairs);
     count(subject, parts, &met, probe);
     let mut found: BTreeMap<(usize, usize), Common> = BTreeMap::new();
     for (k, j, bounds) in met.pairs {
@@ -71,7 +71,7 @@ fn common<E: Evaluator>(
 fn count<E: Evaluator>(
     subject: &Subject<'_>,
     parts: &[Part],
-    met: &super::parts::Meeting,
+    met: &super::parts::OverlappingPairs,
     probe: &mut Probe<'_, E>,
 ) {
     let mut sizes = vec![0u64; subject.regions.len()];
@@ -163,9 +163,9 @@ fn farthest<E: Evaluator>(
     rest: &Solid,
     boxes: &[Bounds],
     probe: &mut Probe<'_, E>,
-) -> Result<Option<Met>, AnalysisError> {
+) -> Result<Option<Thickest>, AnalysisError> {
     let across = if boxes.len() == 1 { 2 * FEW } else { FEW };
-    let mut best: Option<Met> = None;
+    let mut best: Option<Thickest> = None;
     let most = probe.settings.most_pairs;
     probe.scope.left_out += boxes.len().saturating_sub(most) as u64;
     for bounds in boxes.iter().take(most) {

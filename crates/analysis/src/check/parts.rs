@@ -88,10 +88,15 @@ fn box_of(solid: &Solid, known: &mut Vec<(Solid, Bounds)>) -> Result<Bounds, Ana
 
 /// The pairs of boxes that overlap in more than a face, by a sweep along x: O(n log n) for scattered boxes.
 /// `wanted` selects pairs; those beyond `most` are only counted.
-pub fn meeting(parts: &[Part], distance: f64, wanted: impl Fn(&Part, &Part) -> bool, most: usize) -> Meeting {
+pub fn overlapping_pairs(
+    parts: &[Part],
+    distance: f64,
+    wanted: impl Fn(&Part, &Part) -> bool,
+    most: usize,
+) -> OverlappingPairs {
     let mut order: Vec<usize> = (0..parts.len()).collect();
     order.sort_by(|&a, &b| parts[a].bounds.lo.x.total_cmp(&parts[b].bounds.lo.x));
-    let mut found = Meeting::default();
+    let mut found = OverlappingPairs::default();
     let mut open: Vec<usize> = Vec::new();
     for k in order {
         let own = &parts[k];
@@ -114,7 +119,7 @@ pub fn meeting(parts: &[Part], distance: f64, wanted: impl Fn(&Part, &Part) -> b
 
 /// Pairs of parts with overlapping boxes.
 #[derive(Default)]
-pub struct Meeting {
+pub struct OverlappingPairs {
     /// The parts by number, with the intersection of their boxes.
     pub pairs: Vec<(usize, usize, Bounds)>,
     /// The total number of pairs.

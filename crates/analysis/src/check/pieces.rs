@@ -234,13 +234,13 @@ fn unseen<E: Evaluator>(
         return nothing(subject, region, probe);
     };
     let at = 0.5 * (met.chord.from + met.chord.to);
-    let mut winner = [RegionId(0)];
-    evaluator.regions_at([&[at.x], &[at.y], &[at.z]], &mut evaluator.scratch(), &mut winner);
-    let Some(winner) = winner[0].index().checked_sub(1).filter(|&winner| winner != region) else {
+    let mut owner = [RegionId(0)];
+    evaluator.regions_at([&[at.x], &[at.y], &[at.z]], &mut evaluator.scratch(), &mut owner);
+    let Some(owner) = owner[0].index().checked_sub(1).filter(|&owner| owner != region) else {
         // the region exists, and the rays missed it
         return Ok(None);
     };
-    let by = subject.name(winner);
+    let by = subject.name(owner);
     let text = format!("nothing is left of {name}, which {by} takes as the later region");
     Ok(Some(Finding::new(Kind::Hidden, &[name, by], text).seen(met.thickness, met.chord)))
 }

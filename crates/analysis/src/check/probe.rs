@@ -11,7 +11,7 @@ use rayweave_model::{Evaluator, Program, Region, RegionId, Solid};
 use std::sync::Arc;
 
 /// The limit of pieces per search that are measured again, the thickest first.
-const MOST_DOUBTS: usize = 256;
+const MOST_CANDIDATES: usize = 256;
 
 /// Cells along an edge of the cross-section for the box of a small part.
 pub const FEW: u32 = 10;
@@ -29,7 +29,7 @@ pub struct Probe<'a, E> {
 
 /// The thickest place of a solid along a ray.
 #[derive(Clone, Copy, Debug)]
-pub struct Met {
+pub struct Thickest {
     pub thickness: f64,
     pub chord: Chord,
 }
@@ -85,22 +85,22 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         solid: &Solid,
         bounds: &Bounds,
         across: u32,
-    ) -> Result<Option<Met>, AnalysisError> {
+    ) -> Result<Option<Thickest>, AnalysisError> {
         let program = Arc::new(Program::compile(solid)?);
         let bounds = bounds.intersection(&program.bounds());
         if bounds.is_empty() {
             return Ok(None);
         }
         let evaluator = (self.make)(program)?;
-        let mut doubts: Vec<(f64, Chord, [Vec3; 2])> = Vec::new();
+        let mut candidates: Vec<(f64, Chord, [Vec3; 2])> = Vec::new();
         let visit = |found: &mut Vec<_>, piece: &Piece<'_>| {
             if piece.region() != RegionId(0) {
                 found.push((piece.thickness(), piece.chord(), piece.normals()));
             }
         };
-        self.survey(&evaluator, &bounds, across, visit, |some: Vec<_>| doubts.extend(some))?;
-        doubts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        Ok(thickest_of(&evaluator, &doubts))
+        self.survey(&evaluator, &bounds, across, visit, |some: Vec<_>| candidates.extend(some))?;
+        candidates.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Ok(thickest_of(&evaluator, &candidates))
     }
 
     /// The thickest place, if its thickness exceeds rounding error.
@@ -109,7 +109,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         solid: &Solid,
         bounds: &Bounds,
         across: u32,
-    ) -> Result<Option<Met>, AnalysisError> {
+    ) -> Result<Option<Thickest>, AnalysisError> {
         let met = self.thickest(solid, bounds, across)?;
         Ok(met.filter(|met| met.thickness > self.scope.distance))
     }
@@ -140,10 +140,10 @@ impl<'a, E: Evaluator> Probe<'a, E> {
 }
 
 /// The thickest piece, measured along several directions.
-fn thickest_of<E: Evaluator>(evaluator: &E, doubts: &[(f64, Chord, [Vec3; 2])]) -> Option<Met> {
+fn thickest_of<E: Evaluator>(evaluator: &E, candidates: &[(f64, Chord, [Vec3; 2])]) -> Option<Thickest> {
     let mut scratch = evaluator.scratch();
-    let mut best: Option<Met> = None;
-    for (thickness, chord, normals) in doubts.iter().take(MOST_DOUBTS) {
+    let mut best: Option<Thickest> = None;
+    for (thickness, chord, normals) in candidates.iter().take(MOST_CANDIDATES) {
         // all further pieces are thinner
         if best.is_some_and(|best| best.thickness >= *thickness) {
             break;
@@ -151,7 +151,7 @@ fn thickest_of<E: Evaluator>(evaluator: &E, doubts: &[(f64, Chord, [Vec3; 2])]) 
         let is_in = |region| region != RegionId(0);
         let (thickness, chord) = remeasured(evaluator, (*thickness, *chord, *normals), is_in, &mut scratch);
         if best.is_none_or(|best| thickness > best.thickness) {
-            best = Some(Met { thickness, chord });
+            best = Some(Thickest { thickness, chord });
         }
     }
     best

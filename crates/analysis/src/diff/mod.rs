@@ -26,7 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod judge;
+mod comparer;
 mod pairs;
 mod report;
 mod section;
@@ -61,13 +61,13 @@ pub fn diff<E: Evaluator, X: Classified + Send + Sync + 'static>(
 ) -> Result<DiffReport, AnalysisError> {
     check(settings)?;
     let (by, pairs) = pairs(a, b, settings)?;
-    let bounds = judge::bounds_of(&pairs)?;
+    let bounds = comparer::bounds_of(&pairs)?;
     let distance = settings.distance.unwrap_or(1e-9 * bounds.size().length());
     let make = maker(make);
-    let mut judge = judge::Judge::new(&make, settings, distance, progress);
+    let mut comparer = comparer::PairComparer::new(&make, settings, distance, progress);
     let differences =
-        pairs.iter().map(|pair| judge.compare(pair)).collect::<Result<Vec<_>, AnalysisError>>()?;
-    Ok(DiffReport { unit: a.unit, by, distance, pairs: differences, rays: judge.rays() })
+        pairs.iter().map(|pair| comparer.compare(pair)).collect::<Result<Vec<_>, AnalysisError>>()?;
+    Ok(DiffReport { unit: a.unit, by, distance, pairs: differences, rays: comparer.rays() })
 }
 
 fn check(settings: &DiffSettings) -> Result<(), AnalysisError> {

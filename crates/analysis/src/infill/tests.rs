@@ -234,7 +234,7 @@ fn layers_turn_and_lines_alternate() {
 }
 
 #[test]
-fn layers_beyond_the_solid_are_empty_and_told() {
+fn layers_beyond_the_solid_are_empty_and_reported() {
     let cube = weave(&plate([0.0; 3], [4.0; 3]));
     let layers = Layers::At(vec![9.0, 2.0, -1.0]);
     let (layers, summary) =

@@ -2,7 +2,7 @@
 
 use super::chord::Chord;
 use super::moments::along;
-use super::tally::{Found, Tally};
+use super::tally::{RayContribution, Tally};
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 use rayweave_math::{Bounds, Vec3};
@@ -77,7 +77,12 @@ impl Cells {
     }
 
     /// Traces the rays of a range of cells.
-    pub(super) fn ask<E: Evaluator>(&self, evaluator: &E, rays: &RayBatch, scratch: &mut E::Scratch) -> Sums {
+    pub(super) fn trace<E: Evaluator>(
+        &self,
+        evaluator: &E,
+        rays: &RayBatch,
+        scratch: &mut E::Scratch,
+    ) -> Sums {
         let window = self.window();
         let mut taken = Taken::new(self, evaluator.program(), window);
         let rays = rays.rays();
@@ -99,7 +104,7 @@ struct Taken<'a> {
     centre: Vec3,
     window: Window,
     /// The results of the rays of the current cell so far, unordered.
-    here: Vec<(RegionId, [Found; 2])>,
+    here: Vec<(RegionId, [RayContribution; 2])>,
     sums: Sums,
 }
 
@@ -142,7 +147,7 @@ impl<'a> Taken<'a> {
         super::moments::add(&mut found.moments, &moments, 1.0);
     }
 
-    fn found(&mut self, region: RegionId, which: usize) -> &mut Found {
+    fn found(&mut self, region: RegionId, which: usize) -> &mut RayContribution {
         let known = self.here.iter().position(|(own, _)| *own == region);
         let at = known.unwrap_or_else(|| {
             self.here.push((region, Default::default()));

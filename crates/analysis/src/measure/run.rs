@@ -79,7 +79,7 @@ pub fn measure<E: Evaluator>(
     let quantile = checked(settings)?;
     let program = evaluator.program();
     let count = program.regions().len();
-    let mut run = Run { evaluator, settings, progress, quantile, asked: 0, streams: 0 };
+    let mut run = Run { evaluator, settings, progress, quantile, traced: 0, streams: 0 };
     let boxes = program.region_bounds().into_iter().map(|own| with_an_inside(run.clipped(own)));
     let boxes = boxes.collect::<Vec<_>>();
     let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
@@ -103,7 +103,7 @@ pub fn measure<E: Evaluator>(
             Some(_) => found,
         });
     }
-    Ok(Measurement { regions, rays: run.asked })
+    Ok(Measurement { regions, rays: run.traced })
 }
 
 /// The bounds for a region that no ray through its box crosses.
@@ -183,7 +183,7 @@ struct Run<'a, E> {
     settings: &'a Settings,
     progress: &'a mut dyn FnMut(u64),
     quantile: f64,
-    asked: u64,
+    traced: u64,
     streams: u64,
 }
 
@@ -284,16 +284,16 @@ impl<E: Evaluator> Run<'_, E> {
     /// The sums over all cells along one axis, for cells of area 1.
     fn cells(&mut self, cells: &Cells) -> Result<Sums, MeasureError> {
         let (count, mut sums) = (cells.count(), Sums::new());
-        let (evaluator, asked, progress) = (self.evaluator, &mut self.asked, &mut self.progress);
+        let (evaluator, traced, progress) = (self.evaluator, &mut self.traced, &mut self.progress);
         let tasks = (0..count.div_ceil(CELLS_PER_TASK))
             .map(|task| task * CELLS_PER_TASK..count.min((task + 1) * CELLS_PER_TASK));
         let work = |(scratch, batch): &mut (E::Scratch, RayBatch), range: Range<u64>| {
             cells.rays(range, batch);
-            (batch.len() as u64, cells.ask(evaluator, batch, scratch))
+            (batch.len() as u64, cells.trace(evaluator, batch, scratch))
         };
         let merge = |(rays, found): (u64, Sums)| {
-            *asked += rays;
-            progress(*asked);
+            *traced += rays;
+            progress(*traced);
             for (region, tally) in found {
                 sums.entry(region).or_default().add(&tally, 1.0, 1.0);
             }

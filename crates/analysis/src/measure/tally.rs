@@ -8,7 +8,7 @@ const ENTRIES: usize = MOMENTS * (MOMENTS + 1) / 2;
 
 /// The contribution of one ray to one region.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Found {
+pub(super) struct RayContribution {
     pub moments: Moments,
     pub area: f64,
     pub longest: Chord,
@@ -39,7 +39,7 @@ impl Default for Tally {
 
 impl Tally {
     /// Adds a cell of area 1, sampled by two rays.
-    pub fn cell(&mut self, a: &Found, b: &Found) {
+    pub fn cell(&mut self, a: &RayContribution, b: &RayContribution) {
         let mut half = [0.0; MOMENTS];
         for k in 0..MOMENTS {
             self.moments[k] += 0.5 * (a.moments[k] + b.moments[k]);
@@ -107,7 +107,7 @@ mod tests {
         let found = |volume: f64, x: f64| {
             let mut moments = [0.0; MOMENTS];
             (moments[0], moments[1]) = (volume, x);
-            Found { moments, area: volume, ..Found::default() }
+            RayContribution { moments, area: volume, ..RayContribution::default() }
         };
         let mut tally = Tally::default();
         tally.cell(&found(1.0, 0.0), &found(3.0, 4.0));

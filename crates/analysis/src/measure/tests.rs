@@ -120,7 +120,7 @@ fn within_a_box() {
 
 /// No region gets more rays than `most_rays`, and the interval reflects their number.
 #[test]
-fn no_more_rays_than_asked() {
+fn no_more_rays_than_requested() {
     let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;
     for most_rays in [0, 1, 6, 1000, 50_000, 123_456] {
         let found = one(&sphere(2.0), &Settings { most_rays, precision: 1e-9, ..Settings::default() });

@@ -1,6 +1,6 @@
 //! Columns: the rays that sweep a plane, refined where neighbours differ.
 
-use super::{Cut, Look, SectionError, Sweep};
+use super::{Cut, SectionError, SectionWindow, Sweep};
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
@@ -71,19 +71,24 @@ pub struct Columns<'a, E: Evaluator> {
     evaluator: &'a E,
     scratch: E::Scratch,
     cut: &'a Cut,
-    look: &'a Look,
+    window: &'a SectionWindow,
     sweep: &'a Sweep,
 }
 
 impl<'a, E: Evaluator> Columns<'a, E> {
-    pub fn new(evaluator: &'a E, cut: &'a Cut, look: &'a Look, sweep: &'a Sweep) -> Columns<'a, E> {
-        Columns { evaluator, scratch: evaluator.scratch(), cut, look, sweep }
+    pub fn new(
+        evaluator: &'a E,
+        cut: &'a Cut,
+        window: &'a SectionWindow,
+        sweep: &'a Sweep,
+    ) -> Columns<'a, E> {
+        Columns { evaluator, scratch: evaluator.scratch(), cut, window, sweep }
     }
 
     /// Traces all columns, from left to right.
     pub fn swept(&mut self) -> Result<Vec<Step>, SectionError> {
         let places = self.first_places();
-        let columns = self.asked(&places)?;
+        let columns = self.trace_columns(&places)?;
         let mut row: Vec<Placed> =
             columns.into_iter().map(|column| Placed { column, gap: Gap::Unknown }).collect();
         while row.len() < MOST && self.halve(&mut row)? {}
@@ -97,8 +102,8 @@ impl<'a, E: Evaluator> Columns<'a, E> {
 
     /// Evenly spaced positions, and the start, middle and end of each leaf.
     fn first_places(&self) -> Vec<f64> {
-        let (lo, hi) = (self.look.lo[0], self.look.hi[0]);
-        let count = self.look.columns.clamp(2, 1 << 16);
+        let (lo, hi) = (self.window.lo[0], self.window.hi[0]);
+        let count = self.window.columns.clamp(2, 1 << 16);
         let at = |k: u32| lo + (hi - lo) * (f64::from(k) + 0.5) / f64::from(count);
         let mut places: Vec<f64> = (0..count).map(at).collect();
         let program = self.evaluator.program();
@@ -106,11 +111,11 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         let boxes = model.leaves.clone().map(|leaf| program.leaf_bounds(rayweave_model::LeafId(leaf)));
         let is_cut = |bounds: &rayweave_math::Bounds| {
             let [below, above] = self.cut.range(bounds, 2);
-            below <= self.look.tolerance && above >= -self.look.tolerance
+            below <= self.window.tolerance && above >= -self.window.tolerance
         };
         for bounds in boxes.filter(is_cut).take(MOST / 8) {
             let [from, to] = self.cut.range(&bounds, 0);
-            let beyond = 0.5 * self.look.tolerance;
+            let beyond = 0.5 * self.window.tolerance;
             places.extend([from - beyond, from + beyond, 0.5 * (from + to), to - beyond, to + beyond]);
         }
         places.retain(|&u| lo < u && u < hi);
@@ -127,7 +132,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         if places.is_empty() {
             return Ok(false);
         }
-        let mut middles = self.asked(&places)?.into_iter();
+        let mut middles = self.trace_columns(&places)?.into_iter();
         let old = std::mem::take(row);
         let mut old = old.into_iter().peekable();
         while let Some(mut left) = old.next() {
@@ -138,7 +143,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
                 row.push(left);
                 continue;
             };
-            let gap = self.judged(&left.column, &column, &right.column);
+            let gap = self.classified(&left.column, &column, &right.column);
             left.gap = gap;
             row.extend([left, Placed { column, gap }]);
         }
@@ -146,8 +151,8 @@ impl<'a, E: Evaluator> Columns<'a, E> {
     }
 
     /// The state of both gaps next to a column between two others.
-    fn judged(&self, left: &Column, middle: &Column, right: &Column) -> Gap {
-        let tolerance = self.look.tolerance;
+    fn classified(&self, left: &Column, middle: &Column, right: &Column) -> Gap {
+        let tolerance = self.window.tolerance;
         let is_straight = |k: usize| {
             let chord = 0.5 * (left.passes[k].v + right.passes[k].v);
             (middle.passes[k].v - chord).abs() <= tolerance
@@ -163,16 +168,16 @@ impl<'a, E: Evaluator> Columns<'a, E> {
     }
 
     /// Traces the columns at some positions; on this thread if they are few.
-    fn asked(&mut self, places: &[f64]) -> Result<Vec<Column>, SectionError> {
-        let (asking, sweep) = (Asking::new(self.evaluator, self.cut, self.look), self.sweep);
+    fn trace_columns(&mut self, places: &[f64]) -> Result<Vec<Column>, SectionError> {
+        let (tracer, sweep) = (ColumnTracer::new(self.evaluator, self.cut, self.window), self.sweep);
         if sweep.cancel.is_cancelled() {
             return Err(SectionError::Cancelled);
         }
         if places.len() <= 2 * CHUNK {
-            return Ok(asking.columns(places, &mut self.scratch));
+            return Ok(tracer.columns(places, &mut self.scratch));
         }
         let mut all = Vec::with_capacity(places.len());
-        let work = |scratch: &mut E::Scratch, places: &[f64]| asking.columns(places, scratch);
+        let work = |scratch: &mut E::Scratch, places: &[f64]| tracer.columns(places, scratch);
         let merge = |columns| {
             all.extend::<Vec<Column>>(columns);
             Ok::<(), Infallible>(())
@@ -189,15 +194,15 @@ impl<'a, E: Evaluator> Columns<'a, E> {
 }
 
 /// The query of columns.
-struct Asking<'a, E: Evaluator> {
+struct ColumnTracer<'a, E: Evaluator> {
     evaluator: &'a E,
     cut: &'a Cut,
     ends: [f64; 2],
 }
 
-impl<'a, E: Evaluator> Asking<'a, E> {
-    fn new(evaluator: &'a E, cut: &'a Cut, look: &Look) -> Asking<'a, E> {
-        Asking { evaluator, cut, ends: [look.lo[1], look.hi[1]] }
+impl<'a, E: Evaluator> ColumnTracer<'a, E> {
+    fn new(evaluator: &'a E, cut: &'a Cut, window: &SectionWindow) -> ColumnTracer<'a, E> {
+        ColumnTracer { evaluator, cut, ends: [window.lo[1], window.hi[1]] }
     }
 
     fn columns(&self, places: &[f64], scratch: &mut E::Scratch) -> Vec<Column> {

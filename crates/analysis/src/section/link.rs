@@ -1,7 +1,7 @@
 //! Linking of columns to edges, and of edges to contours.
 
 use super::columns::{Column, Pass};
-use super::{Edge, Look};
+use super::{Edge, SectionWindow};
 use rayweave_model::RegionId;
 use std::collections::HashMap;
 
@@ -17,8 +17,8 @@ pub struct Lines {
 }
 
 impl Lines {
-    pub fn new(look: &Look) -> Lines {
-        let (reach, ends) = (8.0 * look.tolerance, [look.lo[0], look.hi[0]]);
+    pub fn new(window: &SectionWindow) -> Lines {
+        let (reach, ends) = (8.0 * window.tolerance, [window.lo[0], window.hi[0]]);
         Lines { last: Column::default(), open: Vec::new(), reach, ends, is_begun: false }
     }
 

@@ -16,20 +16,20 @@ mod cut;
 mod edge;
 mod error;
 mod link;
-mod look;
 mod plane;
 mod scene;
 mod simplify;
 #[cfg(test)]
 mod tests;
+mod window;
 
 pub use cut::Cut;
 pub use edge::Edge;
 pub use error::SectionError;
-pub use look::{Look, Sweep};
 pub use plane::{SectionPlane, axis_and_place};
 pub use scene::{By, CrossSection, SectionPart, SectionSettings, cross_sections};
 pub(crate) use scene::{Cutter, Kinds};
+pub use window::{SectionWindow, Sweep};
 
 use columns::{Columns, Step};
 use rayweave_model::{Evaluator, RegionId};
@@ -44,7 +44,7 @@ pub struct Section {
 /// Computes the section of a model.
 ///
 /// ```
-/// use rayweave_analysis::section::{Cut, Look, section};
+/// use rayweave_analysis::section::{Cut, SectionWindow, section};
 /// use rayweave_math::Vec3;
 /// use rayweave_model::{Program, RegionId, Solid};
 /// use rayweave_shape::primitive::{Primitive, Sphere};
@@ -54,7 +54,7 @@ pub struct Section {
 /// let ball = Solid::from(Primitive::from(Sphere::new(2.0)?));
 /// let weave = Weave::new(Arc::new(Program::compile(&ball)?));
 /// let plane = Cut::new(Vec3::new(0.0, 0.0, 1.0), Vec3::X, Vec3::Y)?;
-/// let found = section(&weave, &plane, &Look::new([-3.0; 2], [3.0; 2]))?;
+/// let found = section(&weave, &plane, &SectionWindow::new([-3.0; 2], [3.0; 2]))?;
 /// // a circle of radius sqrt(3)
 /// let [circle] = &found.contours(RegionId(1))[..] else { panic!("one contour") };
 /// assert!(circle.iter().all(|[x, y]| (x.hypot(*y) - 3f64.sqrt()).abs() < 3e-4));
@@ -64,8 +64,12 @@ pub struct Section {
 ///
 /// # Errors
 /// [`SectionError`] for a window without area, or a tolerance that is not positive.
-pub fn section<E: Evaluator>(evaluator: &E, cut: &Cut, look: &Look) -> Result<Section, SectionError> {
-    section_with(evaluator, cut, look, &Sweep::default())
+pub fn section<E: Evaluator>(
+    evaluator: &E,
+    cut: &Cut,
+    window: &SectionWindow,
+) -> Result<Section, SectionError> {
+    section_with(evaluator, cut, window, &Sweep::default())
 }
 
 /// Like [`section`], with a number of threads and a cancellation token.
@@ -75,13 +79,13 @@ pub fn section<E: Evaluator>(evaluator: &E, cut: &Cut, look: &Look) -> Result<Se
 pub fn section_with<E: Evaluator>(
     evaluator: &E,
     cut: &Cut,
-    look: &Look,
+    window: &SectionWindow,
     sweep: &Sweep,
 ) -> Result<Section, SectionError> {
-    look.check()?;
+    window.check()?;
     let mut section = Section::default();
-    let mut columns = Columns::new(evaluator, cut, look, sweep);
-    let mut lines = link::Lines::new(look);
+    let mut columns = Columns::new(evaluator, cut, window, sweep);
+    let mut lines = link::Lines::new(window);
     for step in columns.swept()? {
         match step {
             Step::Smooth(column) => lines.go_on(&column, &mut section.edges),

@@ -1,6 +1,6 @@
 //! Cross-sections of scenes, part by part.
 
-use super::{Look, Section, SectionError, SectionPlane, Sweep, section_with};
+use super::{Section, SectionError, SectionPlane, SectionWindow, Sweep, section_with};
 use crate::AnalysisError;
 use crate::error::maker;
 use crate::measure::one_medium_each;
@@ -190,9 +190,13 @@ impl<E: Evaluator> Cutter<'_, E> {
         // a margin for the faces at the ends of the model
         let room = (1e-3 * side).max(4.0 * tolerance);
         let columns = self.settings.columns.max(2);
-        let look =
-            Look { lo: lo.map(|x| x - room), hi: hi.map(|x| x + room), tolerance: 0.5 * tolerance, columns };
-        let found = section_with(&self.evaluator, &cut, &look, &self.settings.sweep)?;
+        let window = SectionWindow {
+            lo: lo.map(|x| x - room),
+            hi: hi.map(|x| x + room),
+            tolerance: 0.5 * tolerance,
+            columns,
+        };
+        let found = section_with(&self.evaluator, &cut, &window, &self.settings.sweep)?;
         let found = found.renumbered(|region| self.kinds.number(region)).simplified(0.5 * tolerance);
         Ok(CrossSection { plane: *plane, parts: self.parts(&found), lo, hi, tolerance })
     }

@@ -139,11 +139,12 @@ fn a_stack_of_a_cone() {
     let plane: SectionPlane = "xy".parse().unwrap();
     let planes = plane.stack(-0.75, 0.75, 0.5).unwrap();
     let settings = SectionSettings::default();
-    let mut told = 0;
-    let found =
-        cross_sections(&cone, None, AnyEvaluator::maker(None), &planes, &settings, &mut |done| told = done)
-            .unwrap();
-    assert_eq!((found.len(), told), (4, 4));
+    let mut reported = 0;
+    let found = cross_sections(&cone, None, AnyEvaluator::maker(None), &planes, &settings, &mut |done| {
+        reported = done
+    })
+    .unwrap();
+    assert_eq!((found.len(), reported), (4, 4));
     for (section, z) in found.iter().zip([-0.75, -0.25, 0.25, 0.75]) {
         let r = 1.0 - z;
         check(section, "cone", PI * r * r, 2.0 * PI * r, 0);

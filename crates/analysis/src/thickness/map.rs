@@ -40,7 +40,7 @@ pub struct ThicknessMap {
 }
 
 /// The attenuation exponent over a length: 0 without attenuation, even over an infinite length.
-fn faint((length, mu): (&f64, &f64)) -> f64 {
+fn optical_depth((length, mu): (&f64, &f64)) -> f64 {
     if *mu == 0.0 { 0.0 } else { length * mu }
 }
 
@@ -105,7 +105,7 @@ impl ThicknessMap {
     /// attenuations are proportional to `density`, or equal: see [`FAINTEST`].
     pub fn radiograph(&self, scene: &Scene) -> Vec<f64> {
         let attenuations = self.attenuations(scene);
-        self.pixels(|lengths| libm::exp(-lengths.iter().zip(&attenuations).map(faint).sum::<f64>()))
+        self.pixels(|lengths| libm::exp(-lengths.iter().zip(&attenuations).map(optical_depth).sum::<f64>()))
     }
 
     /// The attenuation of each medium, per length unit of the model.
@@ -115,7 +115,7 @@ impl ThicknessMap {
         }
         let alike = || (0..self.media.len()).map(|medium| if medium == 0 { 0.0 } else { 1.0 }).collect();
         let weights: Vec<f64> = self.numbers(scene, "density").unwrap_or_else(alike);
-        let weighed = |lengths: &[f64]| lengths.iter().zip(&weights).map(faint).sum::<f64>();
+        let weighed = |lengths: &[f64]| lengths.iter().zip(&weights).map(optical_depth).sum::<f64>();
         let all = (0..self.lengths.len()).map(|ray| weighed(self.lengths.of(ray)));
         let most = all.filter(|sum| sum.is_finite()).fold(0.0, f64::max);
         let mu = if most > 0.0 { -libm::log(FAINTEST) / most } else { 0.0 };

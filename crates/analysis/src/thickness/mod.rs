@@ -174,19 +174,19 @@ mod tests {
 
     /// For parallel lines, the mean chord of a convex body is its volume over the area of its projection.
     #[test]
-    fn the_same_on_any_number_of_threads_and_told_on_the_way() {
+    fn the_same_on_any_number_of_threads_with_progress() {
         let n = 200;
         let ray = |k: usize| {
             let place = |i: usize| (i as f64 + 0.5) / n as f64 * 2.0 - 1.0;
             Ray::new(Vec3::new(place(k % n), place(k / n), 9.0), Vec3::NEG_Z)
         };
-        let mut told = 0;
-        let mut progress = |done| told = done;
+        let mut reported = 0;
+        let mut progress = |done| reported = done;
         let mut run = Run { threads: NonZeroUsize::new(3), progress: Some(&mut progress), ..Run::default() };
         let found = path_lengths(&tracer(), 3, n * n, ray, &mut run).unwrap();
         let alone = Run { threads: NonZeroUsize::new(1), ..Run::default() };
         assert_eq!(found, path_lengths(&tracer(), 3, n * n, ray, &mut { alone }).unwrap());
-        assert_eq!(told, n * n);
+        assert_eq!(reported, n * n);
         let ball: f64 = (0..n * n).map(|k| found.of(k)[2]).sum::<f64>() * 4.0 / (n * n) as f64;
         assert!((ball - std::f64::consts::PI / 6.0).abs() < 1e-3, "{ball}");
         let cancel = Cancel::new();

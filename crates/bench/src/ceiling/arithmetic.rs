@@ -1,7 +1,7 @@
 //! Peak rates of arithmetic.
 
 use super::{Rates, ceiling, measure_rates};
-use crate::contest::Effort;
+use crate::interleaved::Effort;
 use fearless_simd::{Level, Simd, SimdBase, SimdFloat, dispatch};
 use std::hint::black_box;
 
@@ -22,14 +22,14 @@ pub fn measure(level: Level, effort: &Effort) -> Result<Rates, String> {
     let chained = CHAINS * STEPS * lanes;
     let mut values: Vec<f64> = (0..LENGTH).map(|i| 1.0 + i as f64 / LENGTH as f64).collect();
     let roots = values.clone();
-    let contenders = vec![
+    let candidates = vec![
         ceiling("fused", 2 * chained, || dispatch!(level, simd => fused(simd))),
         ceiling("simple", chained, || dispatch!(level, simd => simple(simd))),
         ceiling("extremes", chained, || dispatch!(level, simd => extremes(simd))),
         ceiling("divisions", LENGTH, || dispatch!(level, simd => divide(simd, &mut values))),
         ceiling("roots", LENGTH, || dispatch!(level, simd => root(simd, &roots))),
     ];
-    let [fused, simple, extremes, divisions, roots] = measure_rates(contenders, effort)?;
+    let [fused, simple, extremes, divisions, roots] = measure_rates(candidates, effort)?;
     Ok(Rates { level, fused, simple, extremes, divisions, roots })
 }
 

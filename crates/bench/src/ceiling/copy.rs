@@ -1,7 +1,7 @@
 //! Memory bandwidth.
 
 use super::{ceiling, measure_rates};
-use crate::contest::Effort;
+use crate::interleaved::Effort;
 use crate::statistics::Statistics;
 
 /// The length of each of the two arrays: 128 MiB, several times larger than current caches.

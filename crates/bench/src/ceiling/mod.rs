@@ -1,10 +1,10 @@
 //! Ceilings of the machine: memory bandwidth and arithmetic throughput, measured before the
-//! contests.
+//! exemplars.
 
 mod arithmetic;
 mod copy;
 
-use crate::contest::{Effort, Outcome, Role, contest};
+use crate::interleaved::{Effort, Outcome, Role, measure_in_turn};
 use crate::level;
 use crate::statistics::Statistics;
 use fearless_simd::Level;
@@ -130,24 +130,24 @@ impl Ceilings {
     }
 }
 
-/// The rates of contenders, in the given order: items per nanosecond.
+/// The rates of candidates, in the given order: items per nanosecond.
 fn rates<const N: usize>(outcomes: Vec<Outcome>) -> Result<[Statistics; N], String> {
     let rates: Result<Vec<Statistics>, String> =
         outcomes.into_iter().map(|outcome| Ok(outcome.times?.map(|time| 1.0 / time))).collect();
     rates?.try_into().map_err(|rates: Vec<Statistics>| format!("{} ceilings instead of {N}", rates.len()))
 }
 
-/// A contender for the ceiling.
-fn ceiling<'a>(name: &str, items: usize, run: impl FnMut() + 'a) -> crate::contest::Contender<'a> {
-    crate::contest::Contender::here(name, Role::Ceiling, items, run)
+/// A candidate for the ceiling.
+fn ceiling<'a>(name: &str, items: usize, run: impl FnMut() + 'a) -> crate::interleaved::Candidate<'a> {
+    crate::interleaved::Candidate::here(name, Role::Ceiling, items, run)
 }
 
-/// Measures contenders for ceilings.
+/// Measures candidates for ceilings.
 fn measure_rates<const N: usize>(
-    contenders: Vec<crate::contest::Contender<'_>>,
+    candidates: Vec<crate::interleaved::Candidate<'_>>,
     effort: &Effort,
 ) -> Result<[Statistics; N], String> {
-    rates(contest(contenders, effort))
+    rates(measure_in_turn(candidates, effort))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use super::{Bench, Exemplar, text};
 use crate::answer::{Agreement, columns};
 use crate::batch::random;
 use crate::ceiling::Need;
-use crate::contest::{Contender, Role, contest};
+use crate::interleaved::{Candidate, Role, measure_in_turn};
 use crate::report::Section;
 use rand::RngExt;
 use rayweave::rootray::hit_array::{CsgOptions, HitArray, Operation, Real, array_csg_into};
@@ -67,21 +67,21 @@ impl ArrayCsg {
         let expected: Vec<f64> = out.iter().map(|t| t.to_f64()).collect();
 
         let arrays = &arrays;
-        let mut contenders = bench.on_threads(|threads| {
+        let mut candidates = bench.on_threads(|threads| {
             let mut out = out.clone();
             let run = move || {
                 // the same call has succeeded before
                 let _ = unite(arrays, self.rows, count, threads, &mut out);
             };
-            Contender::here("array_csg", Role::Ours, count, run).threads(threads)
+            Candidate::here("array_csg", Role::Ours, count, run).threads(threads)
         });
-        let whole = |contender: Contender<'static>| contender.whole();
-        contenders.extend(bench.peers.contenders("array_csg", &file, count).into_iter().map(whole));
+        let whole = |candidate: Candidate<'static>| candidate.whole();
+        candidates.extend(bench.peers.candidates("array_csg", &file, count).into_iter().map(whole));
         if bench.threads > 1 {
-            let all = bench.peers.contenders("array_csg/all", &file, count).into_iter();
-            contenders.extend(all.map(|contender| contender.whole().threads(bench.threads)));
+            let all = bench.peers.candidates("array_csg/all", &file, count).into_iter();
+            candidates.extend(all.map(|candidate| candidate.whole().threads(bench.threads)));
         }
-        let outcomes = contest(contenders, &bench.effort);
+        let outcomes = measure_in_turn(candidates, &bench.effort);
 
         let mut section = Section::new(&*self.name, "ray", self.about());
         let needs = [Need::Bytes((4 * self.rows * size_of::<T>()) as f64)];

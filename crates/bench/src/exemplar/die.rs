@@ -5,7 +5,7 @@ use super::{Bench, Exemplar, question, text};
 use crate::answer::{Agreement, Lists, first_lists, full_lists};
 use crate::batch::{coherent, incoherent};
 use crate::ceiling::Need;
-use crate::contest::{Contender, Outcome, Role, contest};
+use crate::interleaved::{Candidate, Outcome, Role, measure_in_turn};
 use crate::kernel::die::{self as kernel, BORE, First, HALF, SPHERE};
 use crate::kernel::lanes::{Counted, Tally};
 use crate::level;
@@ -38,7 +38,7 @@ pub fn program() -> Result<Program, Error> {
 
 /// The kind of query.
 #[derive(Clone, Copy, PartialEq)]
-enum Asked {
+enum QueryKind {
     Full,
     First,
 }
@@ -47,38 +47,38 @@ enum Asked {
 struct Die {
     name: &'static str,
     about: &'static str,
-    asked: Asked,
+    query: QueryKind,
     is_coherent: bool,
 }
 
 /// All queries on the die.
 pub fn all() -> Vec<Box<dyn Exemplar>> {
-    let of = |name, asked, is_coherent, about: &'static str| -> Box<dyn Exemplar> {
-        Box::new(Die { name, about, asked, is_coherent })
+    let of = |name, query, is_coherent, about: &'static str| -> Box<dyn Exemplar> {
+        Box::new(Die { name, about, query, is_coherent })
     };
     vec![
         of(
             "die/full/incoherent",
-            Asked::Full,
+            QueryKind::Full,
             false,
             "Every crossing with the die (box & sphere) - three cylinders, with its face, into hit arrays; rays from anywhere \
              on a sphere of radius 5 to anywhere in the box: 2.73 crossings a ray.",
         ),
         of(
             "die/full/coherent",
-            Asked::Full,
+            QueryKind::Full,
             true,
             "Every crossing with the die, with its face; rays of the pixels of a picture, row by row.",
         ),
         of(
             "die/first/incoherent",
-            Asked::First,
+            QueryKind::First,
             false,
             "The first crossing with the die, with its face and its normal; rays from a sphere to the box.",
         ),
         of(
             "die/first/coherent",
-            Asked::First,
+            QueryKind::First,
             true,
             "The first crossing with the die, with its face and its normal; rays of the pixels of a picture.",
         ),
@@ -112,10 +112,10 @@ impl Exemplar for Die {
         let rays = batch.rays();
         let (file, task) = (self.name.replace('/', "-"), self.task());
         bench.peers.give_rays(&file, rays).map_err(text)?;
-        let mut contenders = self.ours(&evaluators, rays)?;
-        contenders.extend(bench.levels.iter().map(|&level| self.by_hand(level, rays)));
-        contenders.extend(bench.peers.contenders(task, &file, rays.len()));
-        let outcomes = contest(contenders, &bench.effort);
+        let mut candidates = self.ours(&evaluators, rays)?;
+        candidates.extend(bench.levels.iter().map(|&level| self.by_hand(level, rays)));
+        candidates.extend(bench.peers.candidates(task, &file, rays.len()));
+        let outcomes = measure_in_turn(candidates, &bench.effort);
         let mut section = Section::new(self.name, "ray", self.about);
         let best = best_kernel(&outcomes);
         section.take(outcomes, |outcome| {
@@ -128,24 +128,24 @@ impl Exemplar for Die {
 
 impl Die {
     fn task(&self) -> &'static str {
-        match self.asked {
-            Asked::Full => "die.full",
-            Asked::First => "die.first",
+        match self.query {
+            QueryKind::Full => "die.full",
+            QueryKind::First => "die.first",
         }
     }
 
-    fn ours<'a>(&self, evaluators: &'a [AnyEvaluator], rays: Rays<'a>) -> Result<Vec<Contender<'a>>, String> {
-        let one = |evaluator: &'a AnyEvaluator| match self.asked {
-            Asked::Full => Ok(question::full(evaluator.name(), evaluator, rays, ROWS)),
-            Asked::First => question::first(evaluator.name(), evaluator, rays),
+    fn ours<'a>(&self, evaluators: &'a [AnyEvaluator], rays: Rays<'a>) -> Result<Vec<Candidate<'a>>, String> {
+        let one = |evaluator: &'a AnyEvaluator| match self.query {
+            QueryKind::Full => Ok(question::full(evaluator.name(), evaluator, rays, ROWS)),
+            QueryKind::First => question::first(evaluator.name(), evaluator, rays),
         };
         evaluators.iter().map(one).collect()
     }
 
-    fn by_hand<'a>(&self, level: Level, rays: Rays<'a>) -> Contender<'a> {
-        match self.asked {
-            Asked::Full => full_by_hand(level, rays),
-            Asked::First => first_by_hand(level, rays),
+    fn by_hand<'a>(&self, level: Level, rays: Rays<'a>) -> Candidate<'a> {
+        match self.query {
+            QueryKind::Full => full_by_hand(level, rays),
+            QueryKind::First => first_by_hand(level, rays),
         }
     }
 
@@ -155,16 +155,16 @@ impl Die {
         match outcome.role {
             Role::Ceiling => {
                 let level = bench.levels.iter().find(|&&level| kernel_name(level) == outcome.name);
-                Some(operations(self.asked, level.copied()))
+                Some(operations(self.query, level.copied()))
             }
             Role::Ours | Role::Peer => best.map(Need::Kernel),
         }
     }
 
     fn lists<E: Evaluator>(&self, evaluator: &E, rays: Rays<'_>) -> Result<Lists, String> {
-        match self.asked {
-            Asked::Full => Ok(full_lists(evaluator, rays)),
-            Asked::First => first_lists(evaluator, rays).map_err(text),
+        match self.query {
+            QueryKind::Full => Ok(full_lists(evaluator, rays)),
+            QueryKind::First => first_lists(evaluator, rays).map_err(text),
         }
     }
 
@@ -198,17 +198,17 @@ fn best_kernel(outcomes: &[Outcome]) -> Option<f64> {
 }
 
 /// The operations of the kernel per ray, by running it with lanes that count.
-fn operations(asked: Asked, level: Option<Level>) -> Need {
+fn operations(query: QueryKind, level: Option<Level>) -> Need {
     let (tally, count) = (Tally::default(), 64);
     let batch = incoherent(count, 1);
     let zero = Counted::zero(&tally);
-    match asked {
-        Asked::Full => {
+    match query {
+        QueryKind::Full => {
             let mut table = Rows::new(count);
             let (mut times, mut faces) = table.rows();
             kernel::all(zero, &batch.rays(), &mut times, &mut faces);
         }
-        Asked::First => kernel::first_of_all(zero, &batch.rays(), &mut Columns::new(count).first()),
+        QueryKind::First => kernel::first_of_all(zero, &batch.rays(), &mut Columns::new(count).first()),
     }
     let each = |operations: u64| operations as f64 / count as f64;
     let (simple, divisions, roots) = (tally.simple(), tally.divisions(), tally.roots());
@@ -254,17 +254,17 @@ impl Columns {
     }
 }
 
-fn full_by_hand(level: Level, rays: Rays<'_>) -> Contender<'_> {
+fn full_by_hand(level: Level, rays: Rays<'_>) -> Candidate<'_> {
     let mut table = Rows::new(rays.len());
-    Contender::here(kernel_name(level), Role::Ceiling, rays.len(), move || {
+    Candidate::here(kernel_name(level), Role::Ceiling, rays.len(), move || {
         let (mut times, mut faces) = table.rows();
         kernel::crossings(level, &rays, &mut times, &mut faces);
     })
 }
 
-fn first_by_hand(level: Level, rays: Rays<'_>) -> Contender<'_> {
+fn first_by_hand(level: Level, rays: Rays<'_>) -> Candidate<'_> {
     let mut columns = Columns::new(rays.len());
-    Contender::here(kernel_name(level), Role::Ceiling, rays.len(), move || {
+    Candidate::here(kernel_name(level), Role::Ceiling, rays.len(), move || {
         kernel::first(level, &rays, &mut columns.first());
     })
 }
@@ -293,10 +293,10 @@ impl Exemplar for Single {
         let evaluators = evaluators(&Arc::new(program().map_err(text)?))?;
         let batches: Vec<RayBatch> = (0..TURNS).map(|i| incoherent(1, i as u64)).collect();
         let steps: Vec<RayBatch> = (0..TURNS).map(|i| incoherent(16, i as u64)).collect();
-        let mut contenders: Vec<Contender<'_>> =
+        let mut candidates: Vec<Candidate<'_>> =
             evaluators.iter().map(|evaluator| one_by_one(evaluator, &batches)).collect();
-        contenders.extend(bench.levels.iter().map(|&level| step_by_step(level, &steps)));
-        let outcomes = contest(contenders, &bench.effort);
+        candidates.extend(bench.levels.iter().map(|&level| step_by_step(level, &steps)));
+        let outcomes = measure_in_turn(candidates, &bench.effort);
         let mut section = Section::new(self.name(), "ray", self.about());
         let best = best_kernel(&outcomes).map(Need::Kernel);
         section.take(outcomes, |outcome| bench.floor(best.as_slice(), outcome.threads));
@@ -304,9 +304,9 @@ impl Exemplar for Single {
     }
 }
 
-fn one_by_one<'a>(evaluator: &'a AnyEvaluator, batches: &'a [RayBatch]) -> Contender<'a> {
+fn one_by_one<'a>(evaluator: &'a AnyEvaluator, batches: &'a [RayBatch]) -> Candidate<'a> {
     let (mut scratch, mut times, mut faces) = (evaluator.scratch(), [[0.0]; ROWS], [[0]; ROWS]);
-    Contender::here(evaluator.name(), Role::Ours, batches.len(), move || {
+    Candidate::here(evaluator.name(), Role::Ours, batches.len(), move || {
         let mut times = times.each_mut().map(|row| &mut row[..]);
         let mut faces = faces.each_mut().map(|row| &mut row[..]);
         for batch in batches {
@@ -316,10 +316,10 @@ fn one_by_one<'a>(evaluator: &'a AnyEvaluator, batches: &'a [RayBatch]) -> Conte
     })
 }
 
-fn step_by_step<'a>(level: Level, batches: &'a [RayBatch]) -> Contender<'a> {
+fn step_by_step<'a>(level: Level, batches: &'a [RayBatch]) -> Candidate<'a> {
     let mut table = Rows::new(16);
     let steps = batches.len() * 16 / level_lanes(level);
-    Contender::here(kernel_name(level), Role::Ceiling, steps, move || {
+    Candidate::here(kernel_name(level), Role::Ceiling, steps, move || {
         let (mut times, mut faces) = table.rows();
         batches.iter().for_each(|batch| kernel::crossings(level, &batch.rays(), &mut times, &mut faces));
     })
@@ -353,7 +353,7 @@ mod tests {
 
     #[test]
     fn the_kernel_needs_its_roots_and_divisions() {
-        let Need::Operations { simple, divisions, roots, .. } = operations(Asked::Full, None) else {
+        let Need::Operations { simple, divisions, roots, .. } = operations(QueryKind::Full, None) else {
             panic!("operations are counted");
         };
         assert_eq!((divisions, roots), (7.0, 4.0));

@@ -4,7 +4,7 @@ use super::{Bench, Exemplar, question, text};
 use crate::answer::{Agreement, first_lists, full_lists};
 use crate::batch::lens_rays;
 use crate::ceiling::Need;
-use crate::contest::{Contender, contest};
+use crate::interleaved::{Candidate, measure_in_turn};
 use crate::report::Section;
 use rayweave::model::{RayBatch, Rays};
 use rayweave::shapes::{cylinder, sphere};
@@ -73,10 +73,10 @@ impl Exemplar for Lens {
         let batch = lens_rays(bench.effort.size(self.rays), 2);
         let (rays, file, task) = (batch.rays(), self.name.replace('/', "-"), self.task());
         bench.peers.give_rays(&file, rays).map_err(text)?;
-        let mut contenders = self.ours(bench, &evaluator, rays)?;
-        let whole = |contender: Contender<'static>| contender.whole();
-        contenders.extend(bench.peers.contenders(task, &file, rays.len()).into_iter().map(whole));
-        let outcomes = contest(contenders, &bench.effort);
+        let mut candidates = self.ours(bench, &evaluator, rays)?;
+        let whole = |candidate: Candidate<'static>| candidate.whole();
+        candidates.extend(bench.peers.candidates(task, &file, rays.len()).into_iter().map(whole));
+        let outcomes = measure_in_turn(candidates, &bench.effort);
         let mut section = Section::new(self.name, "ray", self.about);
         section.take(outcomes, |outcome| bench.floor(&self.needs(), outcome.threads));
         self.compare(&mut section, bench, &program, &batch, &file)?;
@@ -94,7 +94,7 @@ impl Lens {
         bench: &Bench,
         evaluator: &'a AnyEvaluator,
         rays: Rays<'a>,
-    ) -> Result<Vec<Contender<'a>>, String> {
+    ) -> Result<Vec<Candidate<'a>>, String> {
         let name = "Rayweave";
         if self.is_first {
             let one = question::first_on_threads(name, evaluator, rays, 1)?;

@@ -1,4 +1,4 @@
-//! The exemplars: named workloads that contenders process.
+//! The exemplars: named workloads that candidates process.
 
 mod array_csg;
 pub mod die;
@@ -11,7 +11,7 @@ mod scale;
 
 use crate::arguments::Arguments;
 use crate::ceiling::{Ceilings, Floor, Need};
-use crate::contest::{Contender, Effort};
+use crate::interleaved::{Candidate, Effort};
 use crate::level;
 use crate::peers::Peers;
 use crate::report::Section;
@@ -25,7 +25,7 @@ pub trait Exemplar {
     /// A description of the work in one or two sentences.
     fn about(&self) -> &str;
 
-    /// Measures the contenders.
+    /// Measures the candidates.
     ///
     /// # Errors The work cannot be set up.
     fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String>;
@@ -41,7 +41,7 @@ pub struct Bench {
     pub peers: Peers,
     /// The SIMD levels of hand-written kernels.
     pub levels: Vec<Level>,
-    /// The number of threads of multi-threaded contenders.
+    /// The number of threads of multi-threaded candidates.
     pub threads: usize,
 }
 
@@ -57,11 +57,11 @@ impl Bench {
         self.ceilings.as_ref()?.floor(needs, threads)
     }
 
-    /// The contenders on one thread and, if there are several, on all threads.
-    fn on_threads<'a>(&self, contender: impl Fn(usize) -> Contender<'a>) -> Vec<Contender<'a>> {
+    /// The candidates on one thread and, if there are several, on all threads.
+    fn on_threads<'a>(&self, candidate: impl Fn(usize) -> Candidate<'a>) -> Vec<Candidate<'a>> {
         match self.threads {
-            1 => vec![contender(1)],
-            all => vec![contender(1), contender(all)],
+            1 => vec![candidate(1)],
+            all => vec![candidate(1), candidate(all)],
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::{Bench, Exemplar, text};
 use crate::answer::{Agreement, Lists};
 use crate::batch::random;
-use crate::contest::{Contender, Role, contest};
+use crate::interleaved::{Candidate, Role, measure_in_turn};
 use crate::report::Section;
 use rand::RngExt;
 use rayweave::math::Affine;
@@ -91,20 +91,20 @@ impl Exemplar for Optics {
         let ours = |threads: usize| {
             let (settings, tracer, beam) = (settings(threads), &tracer, &beam);
             let run = move || _ = std::hint::black_box(tracer.trace(beam, &settings));
-            Contender::here("Rayweave", Role::Ours, rays.len(), run).threads(threads)
+            Candidate::here("Rayweave", Role::Ours, rays.len(), run).threads(threads)
         };
         let again = |threads: usize| {
             let (settings, tracer, beam) = (settings(threads), &tracer, &beam);
             let mut trace = Trace::default();
             let run = move || _ = std::hint::black_box(tracer.trace_into(beam, &settings, &mut trace));
             let name = "Rayweave, into the same memory";
-            Contender::here(name, Role::Ours, rays.len(), run).threads(threads)
+            Candidate::here(name, Role::Ours, rays.len(), run).threads(threads)
         };
-        let mut contenders = bench.on_threads(ours);
-        contenders.extend(bench.on_threads(again));
-        contenders.extend(bench.peers.contenders("optics.trace", &file, rays.len()));
+        let mut candidates = bench.on_threads(ours);
+        candidates.extend(bench.on_threads(again));
+        candidates.extend(bench.peers.candidates("optics.trace", &file, rays.len()));
         let mut section = Section::new(self.name, "ray", self.about);
-        section.take(contest(contenders, &bench.effort), |_| None);
+        section.take(measure_in_turn(candidates, &bench.effort), |_| None);
         let count = COMPARED.min(rays.len());
         let few: Beam = (0..count).map(light).collect();
         let ends = Settings { keep: Keep::Ends, ..settings(1) };

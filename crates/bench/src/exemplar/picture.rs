@@ -3,7 +3,7 @@
 use super::{Bench, Exemplar, die, text};
 use crate::batch::camera;
 use crate::ceiling::Need;
-use crate::contest::{Contender, Role, contest};
+use crate::interleaved::{Candidate, Role, measure_in_turn};
 use crate::report::Section;
 use rayweave::AnyEvaluator;
 use rayweave::render::{Camera, IdKind, Run, Size, geometry};
@@ -30,12 +30,12 @@ impl Exemplar for Picture {
         let evaluator = AnyEvaluator::new(None, program).map_err(text)?;
         let camera = camera().map_err(text)?;
         let size = Size::new(SIZE[0], SIZE[1]).map_err(text)?;
-        let contenders = bench.on_threads(|threads| {
+        let candidates = bench.on_threads(|threads| {
             let (evaluator, camera) = (&evaluator, &camera);
             let draw = move || draw(evaluator, camera, size, threads);
-            Contender::here("Rayweave", Role::Ours, 1, draw).threads(threads)
+            Candidate::here("Rayweave", Role::Ours, 1, draw).threads(threads)
         });
-        let outcomes = contest(contenders, &bench.effort);
+        let outcomes = measure_in_turn(candidates, &bench.effort);
         let mut section = Section::new(self.name(), "frame", self.about());
         let needs = [Need::Bytes(36.0 * f64::from(SIZE[0] * SIZE[1]))];
         section.take(outcomes, |outcome| bench.floor(&needs, outcome.threads));

@@ -1,7 +1,7 @@
-//! Evaluators as contenders: full lists and first hits, on one thread or many.
+//! Evaluators as candidates: full lists and first hits, on one thread or many.
 
 use crate::answer::{FirstTable, HitTable, ahead};
-use crate::contest::{Contender, Role};
+use crate::interleaved::{Candidate, Role};
 use rayweave::model::drive::{Cancel, drive};
 use rayweave::model::{FirstHits, HitRows, Rays};
 use rayweave::{AnyEvaluator, Evaluator, Window};
@@ -13,10 +13,10 @@ use std::num::NonZeroUsize;
 pub const CHUNK: usize = 1 << 14;
 
 /// All crossings, with their faces, as hit arrays of `rows` rows.
-pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: usize) -> Contender<'a> {
+pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: usize) -> Candidate<'a> {
     let mut table = HitTable::new(rows, rays.len());
     let mut scratch = evaluator.scratch();
-    Contender::here(name, Role::Ours, rays.len(), move || {
+    Candidate::here(name, Role::Ours, rays.len(), move || {
         let (mut times, mut faces) = table.rows();
         let mut rows = HitRows { times: &mut times, faces: &mut faces };
         evaluator.hits(rays, Window::ALL, &mut scratch, &mut rows);
@@ -24,10 +24,10 @@ pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: u
 }
 
 /// The first crossing, with its face and its normal.
-pub fn first<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>) -> Result<Contender<'a>, String> {
+pub fn first<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>) -> Result<Candidate<'a>, String> {
     let mut table = FirstTable::new(rays.len());
     let (mut scratch, window) = (evaluator.scratch(), ahead().map_err(super::text)?);
-    Ok(Contender::here(name, Role::Ours, rays.len(), move || {
+    Ok(Candidate::here(name, Role::Ours, rays.len(), move || {
         evaluator.nearest(rays, window, &mut scratch, &mut table.hits());
     }))
 }
@@ -39,7 +39,7 @@ pub fn full_on_threads<'a>(
     rays: Rays<'a>,
     rows: usize,
     threads: usize,
-) -> Contender<'a> {
+) -> Candidate<'a> {
     into_table_on_threads(name, evaluator, rays, HitTable::new(rows, rays.len()), threads)
 }
 
@@ -50,7 +50,7 @@ pub fn into_table_on_threads<'a>(
     rays: Rays<'a>,
     mut table: HitTable,
     threads: usize,
-) -> Contender<'a> {
+) -> Candidate<'a> {
     let run = move || {
         let (times, faces) = table.rows();
         let faces = columns(faces).into_iter().chain(repeat_with(Vec::new));
@@ -60,7 +60,7 @@ pub fn into_table_on_threads<'a>(
             evaluator.hits(rays, Window::ALL, scratch, &mut rows);
         });
     };
-    Contender::here(name, Role::Ours, rays.len(), run).threads(threads)
+    Candidate::here(name, Role::Ours, rays.len(), run).threads(threads)
 }
 
 /// [`first`] on several threads.
@@ -69,7 +69,7 @@ pub fn first_on_threads<'a>(
     evaluator: &'a AnyEvaluator,
     rays: Rays<'a>,
     threads: usize,
-) -> Result<Contender<'a>, String> {
+) -> Result<Candidate<'a>, String> {
     let mut table = FirstTable::new(rays.len());
     let window = ahead().map_err(super::text)?;
     let run = move || {
@@ -78,7 +78,7 @@ pub fn first_on_threads<'a>(
             evaluator.nearest(rays, window, scratch, &mut hits);
         });
     };
-    Ok(Contender::here(name, Role::Ours, rays.len(), run).threads(threads))
+    Ok(Candidate::here(name, Role::Ours, rays.len(), run).threads(threads))
 }
 
 /// Processes all chunks, with a scratch memory per thread; returns the results in order.
@@ -148,11 +148,11 @@ mod tests {
     use super::*;
     use crate::answer::{first_lists, full_lists};
     use crate::batch::incoherent;
-    use crate::contest::counted;
     use crate::exemplar::die;
+    use crate::interleaved::counted;
     use std::sync::Arc;
 
-    /// Contenders return the evaluator's results for any number of threads.
+    /// Candidates return the evaluator's results for any number of threads.
     #[test]
     fn chunks_put_together_are_the_whole() {
         let program = Arc::new(die::program().unwrap());

@@ -4,7 +4,7 @@ use super::{Bench, Exemplar, question, text};
 use crate::answer::{Agreement, first_lists, full_lists};
 use crate::batch::incoherent;
 use crate::ceiling::Need;
-use crate::contest::{Contender, Outcome, Role, contest};
+use crate::interleaved::{Candidate, Outcome, Role, measure_in_turn};
 use crate::report::Section;
 use crate::statistics::Statistics;
 use rayweave::model::{RayBatch, Rays};
@@ -13,7 +13,7 @@ use rayweave_conformance::scale;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Rays per batch of fast contenders.
+/// Rays per batch of fast candidates.
 const RAYS: usize = 1 << 14;
 
 /// Rays of the trial run, and rays whose results are compared.
@@ -89,16 +89,16 @@ impl Exemplar for Scale {
             }
         }
         let batches: Vec<RayBatch> = lists.iter().map(|(_, _, count)| beginning(&batch, *count)).collect();
-        let contenders = lists.iter().zip(&batches).map(|((evaluator, rows, _), batch)| {
+        let candidates = lists.iter().zip(&batches).map(|((evaluator, rows, _), batch)| {
             question::full(evaluator.name(), evaluator, batch.rays(), *rows)
         });
-        take(&mut full, bench, contenders.collect());
+        take(&mut full, bench, candidates.collect());
         let batches: Vec<RayBatch> = firsts.iter().map(|(_, count)| beginning(&batch, *count)).collect();
-        let contenders = firsts
+        let candidates = firsts
             .iter()
             .zip(&batches)
             .map(|((evaluator, _), batch)| question::first(evaluator.name(), evaluator, batch.rays()));
-        take(&mut first, bench, contenders.collect::<Result<_, _>>()?);
+        take(&mut first, bench, candidates.collect::<Result<_, _>>()?);
         compare(&mut full, &mut first, &evaluators, &beginning(&batch, FEW))?;
         Ok(vec![compiling, full, first])
     }
@@ -147,11 +147,11 @@ fn rows(evaluator: &AnyEvaluator, batch: &RayBatch) -> Result<(usize, usize), St
 fn patient_count(
     evaluator: &AnyEvaluator,
     batch: &RayBatch,
-    ask: impl FnOnce(Rays<'_>) -> Result<(), String>,
+    run_query: impl FnOnce(Rays<'_>) -> Result<(), String>,
 ) -> Result<usize, String> {
     let few = beginning(batch, FEW);
     let started = Instant::now();
-    ask(few.rays())?;
+    run_query(few.rays())?;
     let seconds = started.elapsed().as_secs_f64();
     if seconds > PATIENCE {
         return Err(format!("left out: {} takes {seconds:.1} s for {FEW} rays.", evaluator.name()));
@@ -165,8 +165,8 @@ fn beginning(batch: &RayBatch, count: usize) -> RayBatch {
 }
 
 /// The minimum cost is to read a ray and to write its hits; the rest depends on the model.
-fn take(section: &mut Section, bench: &Bench, contenders: Vec<Contender<'_>>) {
-    let outcomes = contest(contenders, &bench.effort);
+fn take(section: &mut Section, bench: &Bench, candidates: Vec<Candidate<'_>>) {
+    let outcomes = measure_in_turn(candidates, &bench.effort);
     section.take(outcomes, |outcome| bench.floor(&[Need::Bytes(96.0)], outcome.threads));
 }
 
@@ -183,15 +183,15 @@ fn compare(
         evaluators.iter().filter(|evaluator| measured(section, evaluator.name())).collect()
     };
     let all = able(full);
-    let Some(judge) = all.iter().find(|evaluator| evaluator.name() == "reference").or(all.first()) else {
+    let Some(oracle) = all.iter().find(|evaluator| evaluator.name() == "reference").or(all.first()) else {
         return Ok(());
     };
-    let expected = full_lists(*judge, few.rays());
+    let expected = full_lists(*oracle, few.rays());
     for evaluator in &all {
         let found = full_lists(*evaluator, few.rays());
         full.agree(evaluator.name(), Ok(Agreement::of(&expected, &found)));
     }
-    let expected = first_lists(*judge, few.rays()).map_err(text)?;
+    let expected = first_lists(*oracle, few.rays()).map_err(text)?;
     for evaluator in able(first) {
         let found = first_lists(evaluator, few.rays()).map_err(text)?;
         first.agree(evaluator.name(), Ok(Agreement::of(&expected, &found)));
@@ -203,7 +203,7 @@ fn compare(
 mod tests {
     use super::*;
     use crate::clock::Clock;
-    use crate::contest::Effort;
+    use crate::interleaved::Effort;
 
     #[test]
     fn a_small_model_of_each_family_is_measured() {

@@ -383,7 +383,7 @@ mod tests {
         let mut hits = table.hits();
         reference.nearest(batch.rays(), crate::answer::ahead().unwrap(), &mut reference.scratch(), &mut hits);
         let FirstHits { t: expected, face: expected_face, normal: Some(expected_normal), .. } = hits else {
-            panic!("normals were asked for");
+            panic!("normals were requested");
         };
         for level in level::available(None) {
             let (mut t, mut face) = (vec![0.0; COUNT], vec![0; COUNT]);

@@ -1,7 +1,7 @@
 //! The results as a Markdown page.
 
 use super::{Report, Section, text};
-use crate::contest::Role;
+use crate::interleaved::Role;
 
 const HEAD: &str = "\
 # Performance
@@ -19,7 +19,7 @@ pub fn markdown(report: &Report, plot: Option<&str>) -> String {
         page += &format!("- {name}: {fact}\n");
     }
     if let Some(plot) = plot {
-        page += &format!("\n![Rates of all contenders]({plot})\n");
+        page += &format!("\n![Rates of all candidates]({plot})\n");
     }
     page += &format!("\n## Ceilings of the machine\n\n{}", text::ceilings(&report.ceilings));
     page += "\n## Exemplars\n";
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn growth_is_told_family_by_family() {
+    fn growth_is_reported_family_by_family() {
         let mut report = example();
         let mut other = example();
         report.sections.append(&mut other.sections);

@@ -7,7 +7,7 @@ mod text;
 
 use crate::answer::Agreement;
 use crate::ceiling::{Ceilings, Floor};
-use crate::contest::{Outcome, Role};
+use crate::interleaved::{Outcome, Role};
 use crate::peers::FROM_PYTHON;
 use crate::statistics::Statistics;
 
@@ -45,11 +45,11 @@ pub struct Section {
     pub item: &'static str,
     /// Measurements.
     pub figures: Vec<Figure>,
-    /// Contenders that failed, with the reasons.
+    /// Candidates that failed, with the reasons.
     pub failures: Vec<(String, String)>,
 }
 
-/// Measurements of one contender.
+/// Measurements of one candidate.
 pub struct Figure {
     /// Its name.
     pub name: String,
@@ -73,7 +73,7 @@ impl Section {
         Section { name: name.into(), about: about.into(), item, ..Section::default() }
     }
 
-    /// Adds the results of a contest; `floor` returns the minimum time of a contender.
+    /// Adds the results of a measurement; `floor` returns the minimum time of a candidate.
     pub fn take(&mut self, outcomes: Vec<Outcome>, floor: impl Fn(&Outcome) -> Option<Floor>) {
         for outcome in outcomes {
             let floor = floor(&outcome);
@@ -93,7 +93,7 @@ impl Section {
         }
     }
 
-    /// Records the agreement of a contender with the reference, or the reason why it is unknown.
+    /// Records the agreement of a candidate with the reference, or the reason why it is unknown.
     pub fn agree(&mut self, name: &str, agreement: Result<Agreement, String>) {
         match agreement {
             Ok(agreement) => {
@@ -104,14 +104,14 @@ impl Section {
         }
     }
 
-    /// The contender of a role with the smallest median time.
+    /// The candidate of a role with the smallest median time.
     pub fn fastest(&self, role: Role) -> Option<&Figure> {
         let figures = self.figures.iter().filter(|figure| figure.role == role);
         figures.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
     }
 
     /// The time of a call from Python relative to the same call from Rust, which is the first of
-    /// this project's contenders with as many threads; `None` for others.
+    /// this project's candidates with as many threads; `None` for others.
     pub fn over_rust(&self, figure: &Figure) -> Option<f64> {
         let is_python = |figure: &Figure| figure.name == FROM_PYTHON;
         let mut figures = self.figures.iter().filter(|other| other.threads == figure.threads);

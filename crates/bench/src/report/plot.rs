@@ -1,7 +1,7 @@
 //! The results as a bar chart with a logarithmic scale.
 
 use super::{Figure, Report, Section};
-use crate::contest::Role;
+use crate::interleaved::Role;
 use crate::report::text::rate;
 use rayweave::draw::svg::{self, Anchor};
 
@@ -33,7 +33,7 @@ const STYLE: &str = "\
 .ceiling { fill: none; stroke: #d9822b; stroke-width: 1.5 }
 ";
 
-/// The rates of all contenders of the plotted sections, as an SVG document.
+/// The rates of all candidates of the plotted sections, as an SVG document.
 pub fn plot(report: &Report) -> String {
     let sections: Vec<&Section> = report.sections.iter().filter(|section| is_plotted(section)).collect();
     let rates = sections.iter().flat_map(|section| &section.figures).map(Figure::rate);

@@ -2,7 +2,7 @@
 
 use super::{Figure, Section};
 use crate::ceiling::Ceilings;
-use crate::contest::Role;
+use crate::interleaved::Role;
 
 /// A table of the ceilings.
 pub fn ceilings(ceilings: &Ceilings) -> String {
@@ -13,7 +13,7 @@ pub fn ceilings(ceilings: &Ceilings) -> String {
     table(&["ceiling", "rate", "spread"], rows)
 }
 
-/// A table of the figures of a section, and the contenders that failed.
+/// A table of the figures of a section, and the candidates that failed.
 pub fn section(section: &Section) -> String {
     let item = section.item;
     let heads = [

@@ -23,7 +23,7 @@ Kinds of findings:
   gap       a gap narrower than --gap
   touch     two regions touch (a note)
 
-A file that cannot be read, one with an open mesh for instance, is told as an error with its place (exit code 3).";
+A file that cannot be read, one with an open mesh for instance, is reported as an error with its place (exit code 3).";
 
 /// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers
 ///

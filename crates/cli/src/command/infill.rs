@@ -116,7 +116,7 @@ impl Infill {
             Some(height) => Ok(Layers::Every(height)),
             None if !self.z.is_empty() => Ok(Layers::At(self.z.clone())),
             None => Err(Failure::Usage(
-                "no layers are asked for: a solid is filled at heights. Give --layer-height, or --z."
+                "no layers are requested: a solid is filled at heights. Give --layer-height, or --z."
                     .to_owned(),
             )),
         }

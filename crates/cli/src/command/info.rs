@@ -200,7 +200,7 @@ fn preparation_json(preparation: &Preparation) -> Value {
     let pass = |report: &PassReport| {
         json!({
             "pass": report.pass.name(),
-            "promise": report.pass.promise(),
+            "promise": report.pass.contract(),
             "before": size(&report.before),
             "after": size(&report.after),
         })
@@ -217,7 +217,7 @@ fn preparation_json(preparation: &Preparation) -> Value {
         "passes": preparation.passes.iter().map(pass).collect::<Vec<_>>(),
         "balanced": size(&preparation.balanced),
         "removed": preparation.removals.iter().map(removal).collect::<Vec<_>>(),
-        "unasked_leaves": preparation.unasked,
+        "unasked_leaves": preparation.unused,
         "bounds_of_leaves": bounds_json(&preparation.loose),
         "bounds": bounds_json(&preparation.tight),
     })

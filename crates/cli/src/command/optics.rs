@@ -147,7 +147,7 @@ impl Optics {
         let drawings = [&self.layout, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
         let Bench { optics, unit, image } = self.bench()?;
-        let optics = self.settled(global, optics)?;
+        let optics = self.resolved(global, optics)?;
         let system = optics.assembly.compile()?;
         let mut detectors = Detectors::new(&system, self.map.is_some());
         let detector = self.detector(&detectors, image)?;
@@ -156,11 +156,11 @@ impl Optics {
         self.draw_layout(&optics, &system, unit)?;
         self.draw_detector(&detectors, detector, &summary.balance, unit)?;
         self.write_paths(paths.as_ref(), &system, &summary.balance)?;
-        let told = Told { name: self.model.name(), unit, system: &system, summary, detectors };
+        let report = Report { name: self.model.name(), unit, system: &system, summary, detectors };
         match self.json {
-            true => terminal::print(&format!("{:#}\n", told.as_json())),
+            true => terminal::print(&format!("{:#}\n", report.as_json())),
             false if global.quiet || is_piped => Ok(()),
-            false => terminal::print(&told.as_text()),
+            false => terminal::print(&report.as_text()),
         }
     }
 
@@ -191,7 +191,7 @@ impl Optics {
     }
 
     /// Applies the settings of the command line to the scene.
-    fn settled(&self, global: &GlobalArguments, mut optics: OpticalScene) -> Result<OpticalScene, Failure> {
+    fn resolved(&self, global: &GlobalArguments, mut optics: OpticalScene) -> Result<OpticalScene, Failure> {
         let settings = &mut optics.settings;
         settings.branches = self.branches.map_or(settings.branches, Branches::from);
         settings.polarised |= self.polarised;
@@ -271,14 +271,14 @@ impl Optics {
         let bar = terminal::progress_bar(Some(optics.sources.count()), Unit::Percent, global.quiet);
         let tracer = Tracer::new(system, Packets::new);
         let out = self.out.as_deref().map(|path| SegmentFile { path, unit, phases: self.phases });
-        let look = |segments: &Segments| {
+        let write = |segments: &Segments| {
             detectors.add(segments);
             if let Some(paths) = paths {
                 paths.add(segments);
             }
             bar.set_position(segments.id.iter().max().map_or(0, |&last| last as u64 + 1));
         };
-        let traced = trace_light(&tracer, system, &optics.sources, &optics.settings, out, look);
+        let traced = trace_light(&tracer, system, &optics.sources, &optics.settings, out, write);
         bar.finish_and_clear();
         Ok(traced?)
     }
@@ -296,7 +296,7 @@ fn no_source(document: &Document) -> rayweave::Error {
 }
 
 /// The results of a run, for the summary.
-struct Told<'a> {
+struct Report<'a> {
     name: String,
     unit: &'static str,
     system: &'a System,
@@ -304,7 +304,7 @@ struct Told<'a> {
     detectors: Detectors,
 }
 
-impl Told<'_> {
+impl Report<'_> {
     fn as_text(&self) -> String {
         let LightSummary { rays, segments, balance } = &self.summary;
         let mut text = format!("{}: {rays} rays, {segments} segments\n\n", self.name);
@@ -315,9 +315,9 @@ impl Told<'_> {
         rows.push(("escaped".to_owned(), balance.escaped));
         rows.push(("dropped".to_owned(), balance.dropped));
         // rounding errors are removed: they have no physical meaning
-        let told = |power: f64| short((power / balance.emitted * 1e12).round() * 1e-12 * balance.emitted);
+        let rounded = |power: f64| short((power / balance.emitted * 1e12).round() * 1e-12 * balance.emitted);
         let mut rows: Vec<Vec<String>> =
-            rows.into_iter().map(|(what, power)| vec![what, told(power)]).collect();
+            rows.into_iter().map(|(what, power)| vec![what, rounded(power)]).collect();
         rows.push(vec!["unaccounted for".to_owned(), format!("{:.0e}", balance.error())]);
         text += &terminal::table(&["light", "power"], &rows, &[false, true]);
         if !self.detectors.list().is_empty() {

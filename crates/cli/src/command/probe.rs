@@ -80,8 +80,8 @@ impl Probe {
             (true, _) => format!("{:#}\n", self.as_json(&found)),
             (false, None) => self.as_text(&found),
             (false, Some(lines)) => {
-                let told = rayweave::explain(&compiled.program, ray, window)?;
-                format!("{}\n{}", self.as_text(&found), told.story(lines))
+                let explanation = rayweave::explain(&compiled.program, ray, window)?;
+                format!("{}\n{}", self.as_text(&found), explanation.text(lines))
             }
         })
     }

@@ -7,8 +7,8 @@ const PART: &str = "rayweave = 1\n[solid.plate]\nbox = { size = [4, 4, 2] }\n[so
 
 /// The number of crossings of a probe through the part.
 fn crossings(bench: &Bench, file: &str) -> usize {
-    let told = bench.says(&["probe", file, "--from", "-9,0.1,0.2", "--to", "9,0.1,0.2"]);
-    told.matches("> world\n").count() + told.matches("  world > ").count()
+    let crossings = bench.says(&["probe", file, "--from", "-9,0.1,0.2", "--to", "9,0.1,0.2"]);
+    crossings.matches("> world\n").count() + crossings.matches("  world > ").count()
 }
 
 #[test]
@@ -77,7 +77,10 @@ fn a_mesh_too_large_for_memory_is_refused_before_it_is_read() {
     let command = format!("ulimit -v 1000000; exec '{}' info huge.stl", env!("CARGO_BIN_EXE_rayweave"));
     let output =
         std::process::Command::new("sh").current_dir(bench.path("")).args(["-c", &command]).output().unwrap();
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{told}");
-    assert!(told.contains("10000000 triangles: the limit is") && told.contains("no more memory"), "{told}");
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    assert!(
+        errors.contains("10000000 triangles: the limit is") && errors.contains("no more memory"),
+        "{errors}"
+    );
 }

@@ -24,7 +24,7 @@ fn openscad_by_ending_and_by_option() {
 }
 
 #[test]
-fn what_is_lost_is_told_with_its_place() {
+fn losses_are_reported_with_their_places() {
     let bench = Bench::new();
     bench.write("part.csg", format!("{DUMP}import(file = \"gone.stl\");\n"));
     let output = bench.run(&["info", "part.csg"]);

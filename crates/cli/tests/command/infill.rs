@@ -139,7 +139,7 @@ fn any_threads_and_any_evaluator_write_the_same_bytes() {
 }
 
 #[test]
-fn heights_beyond_the_solid_are_told() {
+fn heights_beyond_the_solid_are_reported() {
     let bench = bench();
     let said = bench.says(&["infill", "shop.toml", "--spacing", "1", "--z", "1,9,-3", "-o", "t.csv"]);
     assert_eq!(

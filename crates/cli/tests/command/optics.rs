@@ -109,7 +109,7 @@ fn drawings() {
 }
 
 #[test]
-fn drawings_of_what_is_asked_for() {
+fn drawings_of_what_is_requested() {
     let bench = bench();
     bench.says(&["optics", "plate.toml", "--map", "map.svg", "--detector", "lens", "--bins", "10", "-q"]);
     let map = bench.read("map.svg");

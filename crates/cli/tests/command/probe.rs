@@ -177,7 +177,7 @@ fn time_lines() {
 const CHAIN: [&str; 7] = ["probe", "-D", "s=0", "--from", "-60,0,0", "--to", "60,0,0"];
 
 #[test]
-fn the_story_of_the_chain() {
+fn the_explanation_of_the_chain() {
     let bench = Bench::new();
     let chain = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/chain.toml");
     let plain = bench.says(&[&CHAIN[..], &[chain]].concat());
@@ -185,16 +185,16 @@ fn the_story_of_the_chain() {
     assert!(text.starts_with(&plain), "{text}");
     for line in [
         "The ray (-60, 0, 0) + t (120, 0, 0).",
-        "  rule 4: if not, the operands that have changed are asked again, from there on.",
+        "  rule 4: if not, the operands that have changed are queried again, from there on.",
         "What is next after t = -inf?",
         "        s1 is entered at 0.0375, through s1.side.",
         "      s1 | s2 is entered at 0.0375: s1 is entered, and the ray is outside s2 until 0.145833. (rule 3)",
         "  So the ray is in the world until t = 0.0375, then in chain.",
         // a table of nine entries gets this wrong: both are left, but the later exit is not yet the
         // answer
-        "      s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is asked again. (rule 4)",
-        "    s1 | s2 | s3 | s4 stays inside at 0.3125: s1 | s2 is left, but the ray is inside s3 | s4 until 0.529167. So s1 | s2 is asked again. (rule 4)",
-        "  (s1 ... s4) | (s5 ... s8) stays inside at 0.529167: s1 | s2 | s3 | s4 is left, but the ray is inside s5 | s6 | s7 | s8 until 0.9625. So s1 | s2 | s3 | s4 is asked again. (rule 4)",
+        "      s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is queried again. (rule 4)",
+        "    s1 | s2 | s3 | s4 stays inside at 0.3125: s1 | s2 is left, but the ray is inside s3 | s4 until 0.529167. So s1 | s2 is queried again. (rule 4)",
+        "  (s1 ... s4) | (s5 ... s8) stays inside at 0.529167: s1 | s2 | s3 | s4 is left, but the ray is inside s5 | s6 | s7 | s8 until 0.9625. So s1 | s2 | s3 | s4 is queried again. (rule 4)",
         "    s1 | s2 | s3 | s4 is outside for good: the ray is outside s1 | s2 and s3 | s4 for good. (rule 1)",
         "  So the ray is in chain until t = 0.9625, then in the world.",
         "At t = 0.9625 it passes from chain into the world, through s8.side.",

@@ -15,9 +15,9 @@ pub(super) const GREY: f64 = 4.0;
 
 /// The reason why the exact answer for a ray is uncertain; another ray is drawn instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Doubt {
+pub enum Uncertain {
     /// Its distance from a surface is close to the tolerance.
-    Lying,
+    InSurface,
     /// The depth of a piece is close to the tolerance.
     Depth,
     /// It lies in a surface, and w does not determine the side.
@@ -84,7 +84,7 @@ pub(super) fn depth(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, 
 }
 
 impl Along {
-    pub(super) fn new(surface: &Surface, line: &Line, span: &Span) -> Result<Along, Doubt> {
+    pub(super) fn new(surface: &Surface, line: &Line, span: &Span) -> Result<Along, Uncertain> {
         let coefficients = surface.along(line);
         let lies = coefficients.iter().all(Dyadic::is_zero)
             || Self::nearly_lies(surface, &coefficients, line, span)?;
@@ -95,10 +95,11 @@ impl Along {
         Ok(Along { coefficients, changes, lies })
     }
 
-    fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, span: &Span) -> Result<bool, Doubt> {
+    fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, span: &Span) -> Result<bool, Uncertain> {
         let mut verdicts = span.0.iter().map(|&chord| Self::keeps_to(surface, c, line, chord));
         let first = verdicts.next().unwrap_or(Ok(false))?;
-        verdicts.try_fold(first, |all, verdict| if verdict? == all { Ok(all) } else { Err(Doubt::Lying) })
+        verdicts
+            .try_fold(first, |all, verdict| if verdict? == all { Ok(all) } else { Err(Uncertain::InSurface) })
     }
 
     /// True if the chord lies in the surface: tested in its middle, at its ends and near the start of the
@@ -108,7 +109,7 @@ impl Along {
         c: &[Dyadic; 3],
         line: &Line,
         (middle, half): (f64, f64),
-    ) -> Result<bool, Doubt> {
+    ) -> Result<bool, Uncertain> {
         let depth = |t: f64| depth(surface, c, line, &Dyadic::from(t));
         let inner = depth(middle);
         if inner > GREY {
@@ -121,12 +122,12 @@ impl Along {
         match times.into_iter().map(depth).fold(inner, f64::max) {
             deepest if deepest > GREY => Ok(false),
             deepest if deepest * GREY < 1.0 => Ok(true),
-            _ => Err(Doubt::Lying),
+            _ => Err(Uncertain::InSurface),
         }
     }
 
     /// Upper bound of the change of a root if the surface moves by `by`.
-    pub(super) fn play(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
+    pub(super) fn time_error(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
         let t = root.near();
         let [a, b, _] = &self.coefficients;
         let error = by * surface.slope(&line.at(&t.rounded()));
@@ -163,27 +164,27 @@ impl Along {
 }
 
 /// True (negative) if moving along w makes f negative, in the middle of each chord.
-fn side_along_w(surface: &Surface, line: &Line, span: &Span) -> Result<bool, Doubt> {
+fn side_along_w(surface: &Surface, line: &Line, span: &Span) -> Result<bool, Uncertain> {
     let mut sides = span.middles().map(|t| {
         // the middle is rounded: at a self-intersection of the surface the gradient is 0, and arbitrary
         // beside it
         let slack = surface.bend() * delta(surface, line, t.to_f64());
         side_at(surface, line, &t, slack)
     });
-    let first = sides.next().unwrap_or(Err(Doubt::Side))?;
-    sides.try_fold(first, |all, side| if side? == all { Ok(all) } else { Err(Doubt::Side) })
+    let first = sides.next().unwrap_or(Err(Uncertain::Side))?;
+    sides.try_fold(first, |all, side| if side? == all { Ok(all) } else { Err(Uncertain::Side) })
 }
 
 /// Like [`side_along_w`] at one time; the error of the gradient is at most `slack`.
-pub(super) fn side_at(surface: &Surface, line: &Line, t: &Dyadic, slack: f64) -> Result<bool, Doubt> {
+pub(super) fn side_at(surface: &Surface, line: &Line, t: &Dyadic, slack: f64) -> Result<bool, Uncertain> {
     let gradient = surface.gradient(&line.at(t));
     let w = W.map(Dyadic::from);
     let slope = (0..3).fold(Dyadic::ZERO, |sum, k| &sum + &(&w[k] * &gradient[k]));
     let size = gradient.iter().fold(0.0, |size: f64, g| size.max(g.to_f64().abs()));
     if slope.is_zero() && slack < 1e-9 * size {
         let first = gradient.iter().find(|g| !g.is_zero());
-        return first.map(|g| g.sign() < 0).ok_or(Doubt::Side);
+        return first.map(|g| g.sign() < 0).ok_or(Uncertain::Side);
     }
     let certain = slope.to_f64().abs() > 1e-9 * size + slack;
-    if certain { Ok(slope.sign() < 0) } else { Err(Doubt::Side) }
+    if certain { Ok(slope.sign() < 0) } else { Err(Uncertain::Side) }
 }

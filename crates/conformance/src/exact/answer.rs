@@ -1,8 +1,8 @@
-//! Exact crossings of a ray, by the rules of coincidence: flips at equal times happen together, a ray in a
+//! Exact crossings of a ray, by the rules of coincidence: events at equal times happen together, a ray in a
 //! surface is perturbed symbolically along the fixed direction w, and pieces within the tolerance are welded
 //! once.
 
-use super::along::{Along, Doubt, GREY, Span, delta, depth, side_at};
+use super::along::{Along, GREY, Span, Uncertain, delta, depth, side_at};
 use super::{Dyadic, Exact, Line, Root, Surface};
 use rayweave_math::Vec3;
 
@@ -55,7 +55,7 @@ impl Answer {
     }
 }
 
-/// All flips at one time.
+/// All events at one time.
 pub(super) struct Moment {
     pub(super) root: Root,
     pub(super) surfaces: Vec<usize>,
@@ -74,14 +74,14 @@ pub(super) struct Work<'a> {
 }
 
 /// The answer for a ray through a model, or the reason why it is uncertain.
-pub fn answer(exact: &Exact, line: &Line, span: &Span) -> Result<Answer, Doubt> {
+pub fn answer(exact: &Exact, line: &Line, span: &Span) -> Result<Answer, Uncertain> {
     let work = Work::new(exact, line, span)?;
     let crossings = work.welded()?;
     Ok(Answer { start: work.start.1, crossings, traits: work.traits() })
 }
 
 impl<'a> Work<'a> {
-    pub(super) fn new(exact: &'a Exact, line: &'a Line, span: &Span) -> Result<Work<'a>, Doubt> {
+    pub(super) fn new(exact: &'a Exact, line: &'a Line, span: &Span) -> Result<Work<'a>, Uncertain> {
         let along =
             exact.surfaces.iter().map(|s| Along::new(s, line, span)).collect::<Result<Vec<_>, _>>()?;
         let mut work = Work { exact, line, along, moments: Vec::new(), start: (Vec::new(), 0) };
@@ -113,10 +113,10 @@ impl<'a> Work<'a> {
         for (root, surfaces) in self.times() {
             surfaces.iter().for_each(|&s| negative[s] = !negative[s]);
             let now: Vec<bool> = (0..count).map(|k| self.leaf_holds(k, &negative)).collect();
-            let flipped: Vec<usize> = (0..count).filter(|&k| now[k] != leaves[k]).collect();
+            let changed: Vec<usize> = (0..count).filter(|&k| now[k] != leaves[k]).collect();
             leaves = now;
             let before = std::mem::replace(&mut region, self.region(&leaves));
-            self.moments.push(Moment { root, surfaces, leaves: flipped, regions: (before, region) });
+            self.moments.push(Moment { root, surfaces, leaves: changed, regions: (before, region) });
         }
     }
 
@@ -137,7 +137,7 @@ impl<'a> Work<'a> {
         times
     }
 
-    /// The surfaces in which leaves flip at a moment.
+    /// The surfaces in which leaves change at a moment.
     fn crossed(&self, moment: &Moment) -> Vec<usize> {
         let owns = |s: &usize| {
             moment.leaves.iter().any(|&leaf| self.exact.leaves[leaf].facets.iter().any(|f| f.0 == *s))
@@ -152,7 +152,7 @@ impl<'a> Work<'a> {
     }
 
     /// The crossings after the weld.
-    fn welded(&self) -> Result<Vec<Expected>, Doubt> {
+    fn welded(&self) -> Result<Vec<Expected>, Uncertain> {
         let mut crossings = Vec::new();
         let mut run: Vec<usize> = Vec::new();
         for change in (0..self.moments.len()).filter(|&k| self.is_change(k)) {
@@ -170,7 +170,7 @@ impl<'a> Work<'a> {
 
     /// The last of the moments next to `k`, in the given order, that change the region but not the medium,
     /// such that each piece on the way is within the tolerance of the surfaces at its ends.
-    fn beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<usize, Doubt> {
+    fn adjacent(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<usize, Uncertain> {
         let mut last = k;
         for next in order.filter(|&k| self.moments[k].regions.0 != self.moments[k].regions.1) {
             if self.is_change(next) || !self.coincide(last.min(next), last.max(next))? {
@@ -193,7 +193,11 @@ impl<'a> Work<'a> {
 
     /// The balanced moments next to `k`, in the given order, that lie in the same surfaces as `k`: if
     /// rounding separates their crossings, these are welded to it.
-    fn balanced_beside(&self, k: usize, order: impl Iterator<Item = usize>) -> Result<Vec<usize>, Doubt> {
+    fn balanced_adjacent(
+        &self,
+        k: usize,
+        order: impl Iterator<Item = usize>,
+    ) -> Result<Vec<usize>, Uncertain> {
         let mut found = Vec::new();
         for next in order.take_while(|&next| !self.is_change(next)).filter(|&next| self.is_balanced(next)) {
             if !self.coincide(k.min(next), k.max(next))? {
@@ -205,7 +209,7 @@ impl<'a> Work<'a> {
     }
 
     /// True if the piece between two moments lies within the tolerance of the surfaces at both its ends.
-    fn coincide(&self, i: usize, j: usize) -> Result<bool, Doubt> {
+    fn coincide(&self, i: usize, j: usize) -> Result<bool, Uncertain> {
         let (a, b) = (&self.moments[i], &self.moments[j]);
         let times = self.samples(&a.root, &b.root);
         let deepest = |s: &usize| {
@@ -218,7 +222,7 @@ impl<'a> Work<'a> {
             far |= depths.iter().all(|&d| d > GREY);
             near &= depths.iter().all(|&d| d * GREY < 1.0);
         }
-        if far == near { Err(Doubt::Depth) } else { Ok(near) }
+        if far == near { Err(Uncertain::Depth) } else { Ok(near) }
     }
 
     /// Sample times of a piece: its ends, quarters, and around the point nearest to the start of the ray.
@@ -234,7 +238,7 @@ impl<'a> Work<'a> {
         times
     }
 
-    fn crossing(&self, run: &[usize]) -> Result<Option<Expected>, Doubt> {
+    fn crossing(&self, run: &[usize]) -> Result<Option<Expected>, Uncertain> {
         let Some((&first, &last)) = run.first().zip(run.last()) else {
             return Ok(None);
         };
@@ -242,17 +246,18 @@ impl<'a> Work<'a> {
         if self.medium(before) == self.medium(after) {
             return Ok(None);
         }
-        let before = self.moments[self.beside(first, (0..first).rev())?].regions.0;
-        let after = self.moments[self.beside(last, last + 1..self.moments.len())?].regions.1;
+        let before = self.moments[self.adjacent(first, (0..first).rev())?].regions.0;
+        let after = self.moments[self.adjacent(last, last + 1..self.moments.len())?].regions.1;
         let mut times = (f64::INFINITY, f64::NEG_INFINITY);
-        let earlier = self.balanced_beside(first, (0..first).rev())?;
-        let later = self.balanced_beside(last, last + 1..self.moments.len())?;
+        let earlier = self.balanced_adjacent(first, (0..first).rev())?;
+        let later = self.balanced_adjacent(last, last + 1..self.moments.len())?;
         for &k in earlier.iter().chain(run).chain(&later) {
             let root = &self.moments[k].root;
             for s in self.crossed(&self.moments[k]) {
                 let surface = &self.exact.surfaces[s];
-                let play = self.along[s].play(surface, self.line, root, delta(surface, self.line, root.t()));
-                times = (times.0.min(root.t() - play), times.1.max(root.t() + play));
+                let time_error =
+                    self.along[s].time_error(surface, self.line, root, delta(surface, self.line, root.t()));
+                times = (times.0.min(root.t() - time_error), times.1.max(root.t() + time_error));
             }
         }
         let (t, leaves) = (self.moments[last].root.t(), self.owners(run, times));
@@ -260,9 +265,9 @@ impl<'a> Work<'a> {
     }
 
     /// The leaves that a crossing may belong to. Where several surfaces coincide at a time, rounding may let
-    /// any leaf with one of them flip, and flip back. Where there is a single surface, it is the lowest leaf
-    /// whose flip alone changes the medium before, or whose flip undone changes the medium after, or if there
-    /// is none the first that changes it when they flip one after the other.
+    /// any leaf with one of them change, and change back. Where there is a single surface, it is the lowest leaf
+    /// whose event alone changes the medium before, or whose event undone changes the medium after, or if there
+    /// is none the first that changes it when they change one after the other.
     fn owners(&self, run: &[usize], times: (f64, f64)) -> Vec<usize> {
         let about = self.moments.iter().filter(|m| times.0 <= m.root.t() && m.root.t() <= times.1);
         let mut surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();
@@ -279,7 +284,9 @@ impl<'a> Work<'a> {
     fn touched(&self, (from, to): (f64, f64)) -> Vec<usize> {
         let touched = |&s: &usize| {
             let (surface, along) = (&self.exact.surfaces[s], &self.along[s]);
-            along.touch(surface, self.line).is_some_and(|(t, play)| t - play <= to && from <= t + play)
+            along
+                .touch(surface, self.line)
+                .is_some_and(|(t, time_error)| t - time_error <= to && from <= t + time_error)
         };
         (0..self.along.len()).filter(touched).collect()
     }
@@ -287,14 +294,14 @@ impl<'a> Work<'a> {
     fn lowest(&self, k: usize) -> usize {
         let moment = &self.moments[k];
         let mut leaves = self.start.0.clone();
-        let flips = self.moments[..k].iter().flat_map(|m| &m.leaves);
-        flips.for_each(|&leaf| leaves[leaf] = !leaves[leaf]);
+        let changes = self.moments[..k].iter().flat_map(|m| &m.leaves);
+        changes.for_each(|&leaf| leaves[leaf] = !leaves[leaf]);
         let before = leaves.clone();
         moment.leaves.iter().for_each(|&leaf| leaves[leaf] = !leaves[leaf]);
         let changes = |leaf: usize, state: &[bool]| {
-            let mut flipped = state.to_vec();
-            flipped[leaf] = !flipped[leaf];
-            self.medium(self.region(&flipped)) != self.medium(self.region(state))
+            let mut toggled = state.to_vec();
+            toggled[leaf] = !toggled[leaf];
+            self.medium(self.region(&toggled)) != self.medium(self.region(state))
         };
         let candidate = |leaf: &&usize| changes(**leaf, &before) || changes(**leaf, &leaves);
         if let Some(&leaf) = moment.leaves.iter().find(candidate) {

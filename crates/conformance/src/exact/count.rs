@@ -6,7 +6,7 @@ pub struct Count {
     /// Rays that were compared.
     pub rays: u64,
     /// Those that lie in a surface.
-    pub lying: u64,
+    pub in_surface: u64,
     /// Those that cross several surfaces or leaves at one time.
     pub ties: u64,
     /// Those that touch a surface.
@@ -33,7 +33,7 @@ impl Count {
     /// Adds the counts of another part of the test.
     pub fn add(&mut self, other: Count) {
         self.rays += other.rays;
-        self.lying += other.lying;
+        self.in_surface += other.in_surface;
         self.ties += other.ties;
         self.touching += other.touching;
         self.plain += other.plain;
@@ -50,8 +50,8 @@ impl Count {
     pub fn finish(self, what: &str, least: u64) {
         let summary = Count { messages: Vec::new(), ..self.clone() };
         println!("{what}: {summary:?}");
-        let told = self.messages.iter().take(5).map(|(seed, what)| format!("\nseed {seed}: {what}\n---"));
-        assert!(self.wrong == 0, "{what}: {summary:?}{}", told.collect::<String>());
+        let messages = self.messages.iter().take(5).map(|(seed, what)| format!("\nseed {seed}: {what}\n---"));
+        assert!(self.wrong == 0, "{what}: {summary:?}{}", messages.collect::<String>());
         assert!(self.rays >= least, "{what}: only {} rays", self.rays);
     }
 }

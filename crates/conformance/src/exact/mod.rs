@@ -27,7 +27,7 @@ mod surface;
 mod tree;
 mod trial;
 
-pub use along::{Doubt, Span};
+pub use along::{Span, Uncertain};
 pub use answer::{Answer, Expected, Traits, answer, region_at};
 pub use count::Count;
 pub use dyadic::Dyadic;

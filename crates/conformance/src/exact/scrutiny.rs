@@ -2,7 +2,7 @@
 
 use super::along::{Along, Span, delta, distance};
 use super::answer::Work;
-use super::{Doubt, Dyadic, Exact, Line, Root};
+use super::{Dyadic, Exact, Line, Root, Uncertain};
 
 /// The sensitivity of an answer to rounding errors.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub struct Scrutiny {
 }
 
 /// Computes how close a ray comes to a change of the answer.
-pub fn scrutiny(exact: &Exact, line: &Line, span: &Span) -> Result<Scrutiny, Doubt> {
+pub fn scrutiny(exact: &Exact, line: &Line, span: &Span) -> Result<Scrutiny, Uncertain> {
     Ok(Work::new(exact, line, span)?.scrutiny())
 }
 
@@ -58,9 +58,10 @@ impl Work<'_> {
         let mut all: Vec<(usize, f64, f64)> = Vec::new();
         for moment in &self.moments {
             let t = moment.root.t();
-            let play =
-                |s: usize| self.along[s].play(&self.exact.surfaces[s], self.line, &moment.root, bound(s, t));
-            all.extend(moment.surfaces.iter().map(|&s| (s, t, play(s))));
+            let time_error = |s: usize| {
+                self.along[s].time_error(&self.exact.surfaces[s], self.line, &moment.root, bound(s, t))
+            };
+            all.extend(moment.surfaces.iter().map(|&s| (s, t, time_error(s))));
         }
         for (s, along) in self.along.iter().enumerate() {
             let surface = &self.exact.surfaces[s];

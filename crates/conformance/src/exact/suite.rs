@@ -6,7 +6,7 @@ use super::shrink::smaller_models;
 use super::tree::regions;
 use super::trial::{generic, through};
 use super::{Count, Exact, Line, Map, Part, Span, draw};
-use crate::{Asked, Maker, Random, list};
+use crate::{EvaluatorUnderTest, Maker, Random, list};
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Ball, Crossing, Limit, PlacementId, Program, Query, RayBatch, Window};
 use rayweave_shape::Ray;
@@ -20,7 +20,7 @@ const RAYS: usize = 50;
 struct Subject {
     parts: Vec<Part>,
     exact: Exact,
-    evaluators: Vec<Box<dyn Asked>>,
+    evaluators: Vec<Box<dyn EvaluatorUnderTest>>,
     /// The balls of the model and of all solids placed in it, each with the map into its frame.
     balls: Vec<(Affine, Ball)>,
     /// The map from the exact model to the engine's model.
@@ -134,7 +134,7 @@ fn rotation(rng: &mut Random) -> Affine {
 
 fn compare_all(subject: &Subject, rays: &[Ray], seed: u64, count: &mut Count, makers: &[Maker]) {
     for ray in rays {
-        let verdict = judge(subject, *ray);
+        let verdict = compare(subject, *ray);
         tally(&verdict, count);
         if let Verdict::Wrong(what) = verdict {
             count.wrong += 1;
@@ -177,7 +177,7 @@ fn tally(verdict: &Verdict, count: &mut Count) {
             let traits = &answer.traits;
             count.rays += 1;
             count.crossings += answer.crossings.len() as u64;
-            count.lying += u64::from(traits.lies);
+            count.in_surface += u64::from(traits.lies);
             count.ties += u64::from(traits.ties);
             count.touching += u64::from(traits.touches);
             count.plain += u64::from(!(traits.lies || traits.ties || traits.touches));
@@ -185,7 +185,7 @@ fn tally(verdict: &Verdict, count: &mut Count) {
     }
 }
 
-fn judge(subject: &Subject, ray: Ray) -> Verdict {
+fn compare(subject: &Subject, ray: Ray) -> Verdict {
     let line = Line::new(ray);
     let span = Span::new(&ray, &subject.balls);
     let Ok(expected) = answer(&subject.exact, &line, &span) else { return Verdict::Doubtful };
@@ -218,7 +218,12 @@ fn far(ray: &Ray) -> f64 {
 }
 
 /// The first difference between an evaluator and the exact answer.
-fn differences(subject: &Subject, evaluator: &dyn Asked, ray: Ray, expected: &Answer) -> Option<String> {
+fn differences(
+    subject: &Subject,
+    evaluator: &dyn EvaluatorUnderTest,
+    ray: Ray,
+    expected: &Answer,
+) -> Option<String> {
     let turned = subject.frame != Affine::IDENTITY;
     let window = match subject.is_windowed() {
         true => Window::new(-far(&ray), far(&ray)).unwrap_or_default(),
@@ -226,12 +231,12 @@ fn differences(subject: &Subject, evaluator: &dyn Asked, ray: Ray, expected: &An
     };
     let ray = if turned { ray.transformed(&subject.frame) } else { ray };
     let batch: RayBatch = [ray].into_iter().collect();
-    let found = evaluator.ask(batch.rays(), &Query { window, ..Query::default() });
+    let found = evaluator.trace(batch.rays(), &Query { window, ..Query::default() });
     let crossings = found.of(0);
     let wrong = |what: &str| {
         let name = evaluator.name();
         let start = found.starts[0].0;
-        Some(format!("{what}: {name} from {start} {}\nexact {}", list(crossings), told(expected)))
+        Some(format!("{what}: {name} from {start} {}\nexact {}", list(crossings), description(expected)))
     };
     if subject.medium(found.starts[0].index()) != subject.medium(expected.start) {
         return wrong("another medium at the start");
@@ -268,7 +273,7 @@ fn in_time(crossing: &Crossing, expected: &Expected, slack: f64) -> bool {
 }
 
 /// True if the nearest crossing after a time between the last two crossings is not the last one.
-fn nearest_differs(evaluator: &dyn Asked, rays: &RayBatch, crossings: &[Crossing]) -> bool {
+fn nearest_differs(evaluator: &dyn EvaluatorUnderTest, rays: &RayBatch, crossings: &[Crossing]) -> bool {
     let Some(pair) = crossings.windows(2).last() else { return false };
     // not the middle, where the models have slivers that are welded away
     let t_min = pair[0].t + 0.37 * (pair[1].t - pair[0].t);
@@ -276,11 +281,11 @@ fn nearest_differs(evaluator: &dyn Asked, rays: &RayBatch, crossings: &[Crossing
     if !(pair[0].t < t_min && t_min < pair[1].t) {
         return false;
     }
-    let found = evaluator.ask(rays.rays(), &Query { window, limit: Limit::First, starts: None });
+    let found = evaluator.trace(rays.rays(), &Query { window, limit: Limit::First, starts: None });
     found.of(0).first().map(|c| (c.t, c.after)) != Some((pair[1].t, pair[1].after))
 }
 
-fn told(answer: &Answer) -> String {
+fn description(answer: &Answer) -> String {
     let line =
         |e: &Expected| format!("\n  t in {:?}: {} -> {} by {:?}", e.times, e.before, e.after, e.leaves);
     let lines: String = answer.crossings.iter().map(line).collect();
@@ -292,16 +297,16 @@ fn shrink(subject: &Subject, ray: Ray, makers: &[Maker]) -> String {
     let mut parts = subject.parts.clone();
     let fails = |parts: &[Part]| {
         let smaller = self::subject(parts, subject.frame, makers).ok()?;
-        match judge(&smaller, ray) {
+        match compare(&smaller, ray) {
             Verdict::Wrong(what) => Some(what),
             _ => None,
         }
     };
     let mut what = String::new();
-    while let Some((smaller, told)) =
-        smaller_models(&parts).into_iter().find_map(|p| fails(&p).map(|told| (p, told)))
+    while let Some((smaller, description)) =
+        smaller_models(&parts).into_iter().find_map(|p| fails(&p).map(|description| (p, description)))
     {
-        (parts, what) = (smaller, told);
+        (parts, what) = (smaller, description);
     }
     format!("{parts:?}\n{ray:?} frame {:?}\nshrunk: {what}", subject.frame)
 }

@@ -112,7 +112,7 @@ pub fn trial(family: Family, seed: u64, rays: usize) -> Option<Trial> {
 impl Answer {
     /// True if a list agrees with the answer: in the side at -inf, the number of crossings, and each time
     /// within the range that a backward stable computation may give.
-    pub fn is_told_by(&self, starts_inside: bool, times: &[f64]) -> bool {
+    pub fn agrees_with(&self, starts_inside: bool, times: &[f64]) -> bool {
         let near = |(t, e): (&f64, &super::Expected)| e.times.0 <= *t && *t <= e.times.1;
         starts_inside == (self.start != 0)
             && times.len() == self.crossings.len()

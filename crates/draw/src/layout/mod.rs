@@ -31,7 +31,7 @@ pub use plane::LayoutPlane;
 
 use crate::DrawError;
 use rays::TrialRays;
-use rayweave_analysis::section::{Cut, Look, Section, SectionError, section};
+use rayweave_analysis::section::{Cut, Section, SectionError, SectionWindow, section};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, RegionId};
 use rayweave_optics::{Emitter, Segments, Settings, System, Tracer};
@@ -183,8 +183,8 @@ impl Layout {
         hi: [f64; 2],
     ) -> Result<Section, SectionError> {
         let whole = (self.hi[0] - self.lo[0]).max(self.hi[1] - self.lo[1]);
-        let look = Look { tolerance: 2e-5 * whole, ..Look::new(lo, hi) };
-        section(evaluator, &self.cut, &look)
+        let window = SectionWindow { tolerance: 2e-5 * whole, ..SectionWindow::new(lo, hi) };
+        section(evaluator, &self.cut, &window)
     }
 }
 

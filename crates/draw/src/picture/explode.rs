@@ -72,8 +72,8 @@ impl Explosion {
         let mut apart = scene.clone();
         for (number, region) in apart.regions.iter_mut().enumerate() {
             let later = number + 1..regions;
-            let meeting = later.filter(|&other| !boxes[number].intersection(&boxes[other]).is_empty());
-            let taken: Vec<Solid> = meeting.map(|other| scene.regions[other].solid.clone()).collect();
+            let overlapping = later.filter(|&other| !boxes[number].intersection(&boxes[other]).is_empty());
+            let taken: Vec<Solid> = overlapping.map(|other| scene.regions[other].solid.clone()).collect();
             let left =
                 if taken.is_empty() { region.solid.clone() } else { &region.solid - Solid::union(taken) };
             region.solid = left.translate(Vec3::AXES[self.axis] * shifts[number]);

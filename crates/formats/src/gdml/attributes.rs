@@ -19,7 +19,7 @@ const MOST_STEPS: usize = 500_000;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Failure {
     /// The problem was reported already.
-    Told,
+    Reported,
     /// Valid but unsupported; holds the reason.
     Refused(String),
 }
@@ -61,7 +61,7 @@ impl<'c> Numbers<'c> {
     /// Reports a problem.
     pub fn tell(&mut self, trouble: Trouble) -> Failure {
         self.context.error(trouble);
-        Failure::Told
+        Failure::Reported
     }
 
     /// A required attribute.

@@ -162,15 +162,15 @@ type Infix = (&'static str, u8, fn(f64, f64) -> f64);
 
 /// The binary operators, longest symbol first.
 const OPERATORS: [Infix; 14] = [
-    ("||", 1, |a, b| truth(a != 0.0 || b != 0.0)),
-    ("&&", 2, |a, b| truth(a != 0.0 && b != 0.0)),
-    ("==", 3, |a, b| truth(a == b)),
-    ("!=", 3, |a, b| truth(a != b)),
-    ("<=", 4, |a, b| truth(a <= b)),
-    (">=", 4, |a, b| truth(a >= b)),
+    ("||", 1, |a, b| boolean(a != 0.0 || b != 0.0)),
+    ("&&", 2, |a, b| boolean(a != 0.0 && b != 0.0)),
+    ("==", 3, |a, b| boolean(a == b)),
+    ("!=", 3, |a, b| boolean(a != b)),
+    ("<=", 4, |a, b| boolean(a <= b)),
+    (">=", 4, |a, b| boolean(a >= b)),
     ("**", 8, libm::pow),
-    ("<", 4, |a, b| truth(a < b)),
-    (">", 4, |a, b| truth(a > b)),
+    ("<", 4, |a, b| boolean(a < b)),
+    (">", 4, |a, b| boolean(a > b)),
     ("+", 5, |a, b| a + b),
     ("-", 5, |a, b| a - b),
     ("*", 6, |a, b| a * b),
@@ -181,7 +181,7 @@ const OPERATORS: [Infix; 14] = [
 /// Precedence of a sign.
 const SIGN: u8 = 7;
 
-fn truth(value: bool) -> f64 {
+fn boolean(value: bool) -> f64 {
     f64::from(u8::from(value))
 }
 

@@ -227,7 +227,7 @@ impl Library {
 fn refuse_or_keep(numbers: &mut Numbers, element: &Element, made: Result<Shape, Failure>) -> Option<Shape> {
     match made {
         Ok(shape) => Some(shape),
-        Err(Failure::Told) => None,
+        Err(Failure::Reported) => None,
         Err(Failure::Refused(reason)) => {
             let name = element.text("name");
             let trouble = Trouble::new(format!("the solid `{name}` is refused: {reason}."), element.place);
@@ -384,7 +384,7 @@ fn corners(
         if child.name == tag {
             match names.map(|name| numbers.number(child, name)) {
                 [Ok(a), Ok(b)] => all.push([a * unit, b * unit]),
-                _ => failure = Some(Failure::Told),
+                _ => failure = Some(Failure::Reported),
             }
         }
     });

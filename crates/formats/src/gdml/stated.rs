@@ -10,7 +10,7 @@ use rayweave_scene::{Datum, Scene, Table};
 use std::collections::HashMap;
 
 /// A volume of the tree.
-pub(crate) struct Told {
+pub(crate) struct VolumeRecord {
     pub name: String,
     /// Index of its region; `None` for assemblies and for the added world.
     pub region: Option<usize>,
@@ -29,7 +29,7 @@ pub(crate) struct Placed {
 
 /// The volumes of a table, mothers first. `None` if the regions of the scene are not those of the table, i.e. if one of
 /// them was edited.
-pub(crate) fn tree(table: &Table, scene: &Scene) -> Option<Vec<Told>> {
+pub(crate) fn tree(table: &Table, scene: &Scene) -> Option<Vec<VolumeRecord>> {
     let rows = rows(table, "volume");
     let numbers: HashMap<&str, usize> = rows.iter().zip(0..).map(|(row, k)| (text(row, "name"), k)).collect();
     let regions: HashMap<&str, usize> =
@@ -37,11 +37,13 @@ pub(crate) fn tree(table: &Table, scene: &Scene) -> Option<Vec<Told>> {
     if numbers.len() != rows.len() || rows.is_empty() {
         return None;
     }
-    let told =
-        rows.iter().map(|row| volume(row, scene, &regions, &numbers)).collect::<Option<Vec<Told>>>()?;
-    let is_same = told.iter().filter(|told| told.region.is_some()).count() == scene.regions.len()
-        && comes_of(&told, &graph(&told), scene);
-    is_same.then_some(told)
+    let records = rows
+        .iter()
+        .map(|row| volume(row, scene, &regions, &numbers))
+        .collect::<Option<Vec<VolumeRecord>>>()?;
+    let is_same = records.iter().filter(|record| record.region.is_some()).count() == scene.regions.len()
+        && comes_of(&records, &graph(&records), scene);
+    is_same.then_some(records)
 }
 
 fn volume(
@@ -49,7 +51,7 @@ fn volume(
     scene: &Scene,
     regions: &HashMap<&str, usize>,
     numbers: &HashMap<&str, usize>,
-) -> Option<Told> {
+) -> Option<VolumeRecord> {
     let region = match text(row, "region") {
         "" => None,
         name => Some(*regions.get(name)?),
@@ -59,7 +61,7 @@ fn volume(
         let (name, volume) = (text(row, "name").to_owned(), *numbers.get(text(row, "volume"))?);
         Some(Placed { name, volume, copy: number(row, "copy").map(|copy| copy as i64), maps })
     };
-    Some(Told {
+    Some(VolumeRecord {
         name: text(row, "name").to_owned(),
         region,
         solid: region.map(|region| own(&scene.regions[region].solid)),
@@ -80,7 +82,7 @@ fn own(copies: &Solid) -> Solid {
 }
 
 /// The volume graph of the table, as an importer builds it.
-fn graph(told: &[Told]) -> Graph {
+fn graph(records: &[VolumeRecord]) -> Graph {
     let daughter = |placed: &Placed| Daughter {
         name: String::new(),
         volume: placed.volume,
@@ -88,29 +90,29 @@ fn graph(told: &[Told]) -> Graph {
         copy: None,
         place: Place::default(),
     };
-    let volume = |(told, content): (&Told, usize)| Volume {
-        name: told.name.clone(),
-        shape: told.solid.clone().map(|solid| Shape { solid, tag: String::new(), sizes: Sizes::default() }),
+    let volume = |(record, content): (&VolumeRecord, usize)| Volume {
+        name: record.name.clone(),
+        shape: record.solid.clone().map(|solid| Shape { solid, tag: String::new(), sizes: Sizes::default() }),
         material: None,
-        daughters: told.daughters.iter().map(daughter).collect(),
+        daughters: record.daughters.iter().map(daughter).collect(),
         content,
         auxiliary: Vec::new(),
         place: Place::default(),
     };
-    Graph::of(told.iter().zip(0..).map(volume).collect())
+    Graph::of(records.iter().zip(0..).map(volume).collect())
 }
 
-fn comes_of(told: &[Told], graph: &Graph, scene: &Scene) -> bool {
+fn comes_of(records: &[VolumeRecord], graph: &Graph, scene: &Scene) -> bool {
     let Ok(order) = order(graph, 0) else { return false };
-    if order.len() != told.len() {
+    if order.len() != records.len() {
         return false;
     }
     let ancestry = Ancestry::new(graph, &order);
-    let is_same = |(told, volume): (&Told, usize)| match told.region {
+    let is_same = |(record, volume): (&VolumeRecord, usize)| match record.region {
         Some(region) => ancestry.in_world(graph, volume).as_ref() == Some(&scene.regions[region].solid),
         None => true,
     };
-    told.iter().zip(0..).all(is_same)
+    records.iter().zip(0..).all(is_same)
 }
 
 /// A value of a table.

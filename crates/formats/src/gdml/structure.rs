@@ -444,7 +444,7 @@ impl Builder<'_, '_> {
             shapes.push(dimensions.and_then(|dimensions| with_dimensions(builder.numbers, dimensions)));
         });
         match failed {
-            true => Err(Failure::Told),
+            true => Err(Failure::Reported),
             false => self.refer(
                 mother,
                 element,

@@ -69,13 +69,13 @@ impl<'a> Arguments<'a> {
     }
 
     /// `true` or `false`; a number is true unless it is 0.
-    pub fn truth(&self, name: &str, default: bool) -> Result<bool, Refusal> {
-        let truth = |value: &Value| match value {
-            Value::Truth(truth) => Some(*truth),
+    pub fn boolean(&self, name: &str, default: bool) -> Result<bool, Refusal> {
+        let boolean = |value: &Value| match value {
+            Value::Boolean(boolean) => Some(*boolean),
             Value::Number(number) => Some(*number != 0.0),
             _ => None,
         };
-        Ok(self.get(name, "true or false", truth)?.unwrap_or(default))
+        Ok(self.get(name, "true or false", boolean)?.unwrap_or(default))
     }
 
     /// N finite numbers, or one number repeated N times.

@@ -17,7 +17,7 @@ impl Way {
         if height <= 0.0 {
             return Ok(None);
         }
-        let bottom = if arguments.truth("center", false)? { -0.5 * height } else { 0.0 };
+        let bottom = if arguments.boolean("center", false)? { -0.5 * height } else { 0.0 };
         let scale: [f64; 2] = arguments.point("scale", 1.0)?;
         Ok(Some(Way { bottom, top: bottom + height, scale: scale.map(|factor| factor.max(0.0)) }))
     }

@@ -186,7 +186,7 @@ pub(super) fn square(arguments: &Arguments) -> Result<Option<Leaf>, Refusal> {
     if size[0] <= 0.0 || size[1] <= 0.0 {
         return Ok(None);
     }
-    let lo = if arguments.truth("center", false)? { size.map(|x| -0.5 * x) } else { [0.0; 2] };
+    let lo = if arguments.boolean("center", false)? { size.map(|x| -0.5 * x) } else { [0.0; 2] };
     let hi = [lo[0] + size[0], lo[1] + size[1]];
     Ok(Some(Leaf::Outline(vec![vec![lo, [hi[0], lo[1]], hi, [lo[0], hi[1]]]])))
 }

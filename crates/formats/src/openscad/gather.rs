@@ -154,7 +154,7 @@ pub(super) fn cube(arguments: &Arguments) -> Result<Vec<Vec3>, Refusal> {
     if size.min_element() <= 0.0 {
         return Ok(Vec::new());
     }
-    let lo = if arguments.truth("center", false)? { -0.5 * size } else { Vec3::ZERO };
+    let lo = if arguments.boolean("center", false)? { -0.5 * size } else { Vec3::ZERO };
     let corner = |k: u32| lo + size * Vec3::from_array([0, 1, 2].map(|bit| f64::from(k >> bit & 1)));
     Ok((0..8).map(corner).collect())
 }

@@ -114,7 +114,7 @@ fn drawn(
         return Ok(Part::Empty);
     }
     let flat = flats.join(Operation::Union, all);
-    if !arguments.truth("center", false)? {
+    if !arguments.boolean("center", false)? {
         return Ok(flat.into());
     }
     let [lo, hi] = flats.bounds(flat);

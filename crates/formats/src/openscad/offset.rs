@@ -34,7 +34,7 @@ pub(super) fn offset(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Re
         return Ok(shrunk(flats, contours, -radius, fragments));
     }
     let corner = match radius == 0.0 {
-        true if arguments.truth("chamfer", false)? => Corner::Cut,
+        true if arguments.boolean("chamfer", false)? => Corner::Cut,
         true => Corner::Sharp,
         false => Corner::Round(fragments),
     };

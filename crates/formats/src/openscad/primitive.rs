@@ -14,7 +14,7 @@ pub(super) fn cube(arguments: &Arguments) -> Result<Part, Refusal> {
     if size.min_element() <= 0.0 {
         return Ok(Part::Empty);
     }
-    let lo = if arguments.truth("center", false)? { -0.5 * size } else { Vec3::ZERO };
+    let lo = if arguments.boolean("center", false)? { -0.5 * size } else { Vec3::ZERO };
     Ok(solid(arguments, BoxFromCorners::new(lo, lo + size))?.into())
 }
 
@@ -51,7 +51,7 @@ impl CylinderSizes {
         let height = arguments.number("h", 1.0)?;
         let radius1 = arguments.number("r1", 1.0)?;
         let radius2 = arguments.number("r2", 1.0)?;
-        let bottom = if arguments.truth("center", false)? { -0.5 * height } else { 0.0 };
+        let bottom = if arguments.boolean("center", false)? { -0.5 * height } else { 0.0 };
         let has_volume = height > 0.0 && radius1 >= 0.0 && radius2 >= 0.0 && radius1.max(radius2) > 0.0;
         Ok(has_volume.then_some(CylinderSizes { bottom, radius1, radius2, height }))
     }

@@ -364,7 +364,7 @@ impl<'a> Reader<'a> {
             }
             other => return Ok(other),
         }
-        let contours = match arguments.truth("cut", false)? {
+        let contours = match arguments.boolean("cut", false)? {
             true => projection::section(self, number)?,
             false => projection::shadow(self, number)?,
         };

@@ -27,7 +27,7 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, R
     if width < 2 || depth < 2 {
         return Ok(Shell::default());
     }
-    let shift = match arguments.truth("center", false)? {
+    let shift = match arguments.boolean("center", false)? {
         true => Vec3::new(-0.5 * (width - 1) as f64, -0.5 * (depth - 1) as f64, 0.0),
         false => Vec3::ZERO,
     };
@@ -38,7 +38,7 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, R
 
 /// Brightness of an image in percent, lowest row first. With `invert` it is 1 - b for a byte b, as in OpenSCAD.
 fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
-    let invert = arguments.truth("invert", false)?;
+    let invert = arguments.boolean("invert", false)?;
     let unreadable =
         |error: &dyn std::fmt::Display| arguments.refusal(&format!("its picture cannot be read: {error}"));
     let file = std::fs::File::open(path).map_err(|error| unreadable(&error))?;

@@ -279,7 +279,7 @@ impl Parser<'_> {
         match token {
             Token::Text(text) => Ok(Value::Text(text)),
             Token::Name(name) => match name.as_str() {
-                "true" | "false" => Ok(Value::Truth(name == "true")),
+                "true" | "false" => Ok(Value::Boolean(name == "true")),
                 "undef" => Ok(Value::Undefined),
                 "inf" => Ok(Value::Number(f64::INFINITY)),
                 "nan" => Ok(Value::Number(f64::NAN)),

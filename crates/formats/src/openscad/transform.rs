@@ -66,13 +66,13 @@ pub(super) fn of_the_plane(map: &Affine) -> Affine {
 /// with `auto`, scales like the largest new one.
 pub(super) fn resizing(arguments: &Arguments, size: &[f64]) -> Result<Affine, Refusal> {
     let new: [f64; 3] = arguments.get("newsize", "3 finite numbers", finite)?.unwrap_or([0.0; 3]);
-    let truth = |value: &Value| match value {
-        Value::Truth(truth) => Some(f64::from(u8::from(*truth))),
+    let boolean = |value: &Value| match value {
+        Value::Boolean(boolean) => Some(f64::from(u8::from(*boolean))),
         other => other.number(),
     };
     let auto = arguments.get("auto", "true or false, or 3 of them", |value| match value {
-        Value::List(list) => list.iter().map(truth).collect::<Option<Vec<f64>>>(),
-        value => truth(value).map(|truth| vec![truth; 3]),
+        Value::List(list) => list.iter().map(boolean).collect::<Option<Vec<f64>>>(),
+        value => boolean(value).map(|boolean| vec![boolean; 3]),
     })?;
     let auto = auto.unwrap_or_default();
     let largest = (1..size.len()).fold(0, |most, k| if new[k] > new[most] { k } else { most });

@@ -6,7 +6,7 @@ use rayweave_scene::Span;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Undefined,
-    Truth(bool),
+    Boolean(bool),
     Number(f64),
     Text(String),
     List(Vec<Value>),

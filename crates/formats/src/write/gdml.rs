@@ -45,9 +45,9 @@ pub(super) fn write(
         Datum::Table(table) => Some(table),
         _ => None,
     });
-    let told = table.filter(|_| scale == 1.0).and_then(|table| stated::tree(table, model.scene));
-    let told = told.filter(|told| tree::is_rigid(told));
-    if told.is_none() {
+    let records = table.filter(|_| scale == 1.0).and_then(|table| stated::tree(table, model.scene));
+    let records = records.filter(|records| tree::is_rigid(records));
+    if records.is_none() {
         model.tell_cuts(remarks);
         if table.is_some() {
             remarks.add(
@@ -61,11 +61,11 @@ pub(super) fn write(
     let known = HashMap::new();
     let mut writer = Writer { model, remarks, region: 0, scale, clip, defines, solids, count: 0, known };
     let names = Names::new(model);
-    let room = told.as_ref().is_none_or(|told| told[0].solid.is_none());
-    let needs = materials::Needs { room, all: told.is_none() };
+    let room = records.as_ref().is_none_or(|records| records[0].solid.is_none());
+    let needs = materials::Needs { room, all: records.is_none() };
     let materials = materials::materials(model, &names, table, needs, writer.remarks);
-    let structure = match &told {
-        Some(told) => writer.tree(told, table, &materials.names)?,
+    let structure = match &records {
+        Some(records) => writer.tree(records, table, &materials.names)?,
         None => writer.flat(&names, &materials.names)?,
     };
     writer.remarks.add(RemarkKind::Dropped, "names of faces");
@@ -355,8 +355,8 @@ fn radii(shape: &Primitive) -> Option<Vec3> {
 /// Decomposition of a map into a scale along the axes and a rotation, for shapes that are symmetric in y; `None` if it
 /// shears.
 fn decomposed(linear: &Mat3) -> Option<(Mat3, Vec3)> {
-    let flip = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
-    let columns = [linear.x_axis, flip * linear.y_axis, linear.z_axis];
+    let sign = if linear.determinant() < 0.0 { -1.0 } else { 1.0 };
+    let columns = [linear.x_axis, sign * linear.y_axis, linear.z_axis];
     let [x, y, z] = columns.map(Vec3::length);
     let lengths = Vec3::new(x, y, z);
     let is_right =

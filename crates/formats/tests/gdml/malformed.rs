@@ -27,7 +27,7 @@ fn a_good_file_is_good() {
 }
 
 #[test]
-fn all_problems_are_told_at_once_with_their_places() {
+fn all_problems_are_reported_at_once_with_their_places() {
     let define = "\n<constant name=\"a\" value=\"1e400\"/>\n<position name=\"p\" x=\"wdth\" unit=\"mn\"/>\n<constant name=\"width\" value=\"2\"/>";
     let solids = "\n<box name=\"b\" x=\"1\" z=\"widht\"/>\n<union name=\"u\"><first ref=\"bb\"/><second ref=\"b\"/></union>";
     let structure = "\n<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"b\"/>\n<physvol><volumeref ref=\"Wrld\"/></physvol></volume>";
@@ -57,7 +57,7 @@ fn truncated_files_are_errors() {
 }
 
 #[test]
-fn wrong_nesting_is_told_where_it_is() {
+fn wrong_nesting_is_reported_where_it_is() {
     let found = problems("<gdml>\n<define>\n</solids></gdml>");
     assert_eq!((found.len(), found[0].0), (1, 3));
     assert!(found[0].2.contains("not well-formed"), "{}", found[0].2);

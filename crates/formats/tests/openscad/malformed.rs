@@ -46,7 +46,7 @@ fn problems_have_places() {
 }
 
 #[test]
-fn all_numbers_that_are_too_large_are_told_at_once() {
+fn all_numbers_that_are_too_large_are_reported_at_once() {
     let text = "cube(1e400);\nsphere(r = -1e999);\ncube(";
     let problems = parse(text, Format::OpenScad, &[], &Options::default()).expect_err(text);
     assert_eq!(problems.len(), 3, "{problems}");

@@ -70,7 +70,7 @@ fn twisted_solids() {
 }
 
 #[test]
-fn bent_faces_are_told() {
+fn bent_faces_are_reported() {
     let cube = |last: &str| {
         format!(
             "polyhedron(points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], {last}, [0, 1, 1]], faces = [[0, 1, 2, 3], \

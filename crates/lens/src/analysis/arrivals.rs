@@ -41,7 +41,8 @@ pub fn arrivals(
     let frame = system.sheet_frame(sheet).ok_or_else(no_sheet)?;
     let local = frame.inverse().map_err(|_| no_sheet())?;
     let here = |&row: &usize| {
-        segments.surface[row] == surface && sequence.is_none_or(|wanted| came_by(segments, row, wanted))
+        segments.surface[row] == surface
+            && sequence.is_none_or(|wanted| followed_sequence(segments, row, wanted))
     };
     let mut found: Vec<Arrival> =
         (0..segments.len()).filter(here).map(|row| arrival(segments, row, &local)).collect();
@@ -90,7 +91,7 @@ pub(crate) fn followed(resolved: &Resolved, id: usize, last: &Pass, wavelength_n
 
 /// True if the ray of a row interacted with the elements `wanted` in this order, with the last of them at
 /// this row.
-fn came_by(segments: &Segments, row: usize, wanted: &[usize]) -> bool {
+fn followed_sequence(segments: &Segments, row: usize, wanted: &[usize]) -> bool {
     let mut left = wanted.iter().rev();
     let mut at = row as i64;
     let mut is_last = true;

@@ -95,13 +95,13 @@ impl<'a, E: Evaluator> Study<'a, E> {
         found
             .first()
             .copied()
-            .or_else(|| self.beside(field, wavelength_nm, point))
+            .or_else(|| self.unobstructed(field, wavelength_nm, point))
             .ok_or(AnalysisError::Stopped { ray, field })
     }
 
     /// The arrival of a ray without obstruction: the secondary mirror of a telescope blocks its principal
     /// ray.
-    fn beside(&self, field: usize, wavelength_nm: f64, point: [f64; 2]) -> Option<Arrival> {
+    fn unobstructed(&self, field: usize, wavelength_nm: f64, point: [f64; 2]) -> Option<Arrival> {
         let beam = self.beam(field, wavelength_nm, &[point]).ok()?;
         let passes = self.lens.follow(&beam.get(0).ray, wavelength_nm).ok()?;
         Some(followed(&self.lens.resolved().ok()?, 0, passes.last()?, wavelength_nm))

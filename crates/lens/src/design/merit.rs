@@ -22,7 +22,7 @@ pub enum Merit {
 }
 
 /// Evaluator of a merit, with its settings and the reference centroid.
-pub(super) struct Judge {
+pub(super) struct MeritEvaluator {
     merit: Merit,
     refocus: bool,
     vignettes: bool,
@@ -33,44 +33,48 @@ pub(super) struct Judge {
 /// A merit, the image shift of the refocusing, and the number of rays of all fields and wavelengths that did
 /// not arrive.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Verdict {
+pub(super) struct MeritValue {
     pub merit: f64,
     pub shift: f64,
     pub lost: usize,
 }
 
-impl Judge {
+impl MeritEvaluator {
     pub fn new(
         lens: &Prescription,
         merit: Merit,
         [refocus, vignettes]: [bool; 2],
         pupil: Vec<[f64; 2]>,
-    ) -> Result<Judge, DesignError> {
-        let mut judge = Judge { merit, refocus, vignettes, pupil, centroid: [0.0; 2] };
+    ) -> Result<MeritEvaluator, DesignError> {
+        let mut evaluator = MeritEvaluator { merit, refocus, vignettes, pupil, centroid: [0.0; 2] };
         if merit == Merit::ImageShift {
-            let (images, _) = judge.images(&judge.variant(lens, &[])?)?;
-            judge.centroid =
+            let (images, _) = evaluator.images(&evaluator.variant(lens, &[])?)?;
+            evaluator.centroid =
                 images.first().and_then(|rays| Spot::of(rays)).map_or([0.0; 2], |spot| spot.centroid);
         }
-        Ok(judge)
+        Ok(evaluator)
     }
 
     /// The merit after changes of parameters; NaN if no light arrives.
-    pub fn ask(&self, lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Verdict, DesignError> {
+    pub fn evaluate(
+        &self,
+        lens: &Prescription,
+        changes: &[(Parameter, f64)],
+    ) -> Result<MeritValue, DesignError> {
         let variant = self.variant(lens, changes)?;
         let nm = lens.primary_nm();
-        let plain = |merit: f64| Verdict { merit, shift: 0.0, lost: 0 };
+        let plain = |merit: f64| MeritValue { merit, shift: 0.0, lost: 0 };
         match self.merit {
             Merit::FocalLength => Ok(plain(variant.first_order(nm)?.focal_length)),
             Merit::BackFocalDistance => Ok(plain(variant.first_order(nm)?.back_focal_distance)),
             Merit::SpotRms | Merit::ImageShift => {
                 let (images, shift) = self.images(&variant)?;
-                Ok(Verdict { merit: self.of_spots(&images), shift, lost: self.lost(lens, &images) })
+                Ok(MeritValue { merit: self.of_spots(&images), shift, lost: self.lost(lens, &images) })
             }
             Merit::WavefrontRms => {
                 let (images, shift) = self.images(&variant)?;
                 let lost = self.lost(lens, &images);
-                Ok(Verdict { merit: self.of_wavefronts(&variant, shift)?, shift, lost })
+                Ok(MeritValue { merit: self.of_wavefronts(&variant, shift)?, shift, lost })
             }
         }
     }

@@ -87,7 +87,7 @@ pub enum Target {
 
 impl Target {
     /// The difference between a number and its target; 0 within a bound.
-    fn miss(self, value: f64) -> f64 {
+    fn residual(self, value: f64) -> f64 {
         match self {
             Target::Equal(wanted) => value - wanted,
             Target::AtLeast(least) => (value - least).min(0.0),
@@ -152,14 +152,14 @@ impl Goal {
     }
 
     /// The weighted residual of a value.
-    pub(super) fn miss(&self, value: f64) -> f64 {
-        self.weight * self.target.miss(value)
+    pub(super) fn residual(&self, value: f64) -> f64 {
+        self.weight * self.target.residual(value)
     }
 
     /// The derivative of the residual with respect to the value: 0 within a bound.
     pub(super) fn slope(&self, value: f64) -> f64 {
         let is_bound = !matches!(self.target, Target::Equal(_));
-        if is_bound && self.target.miss(value) == 0.0 { 0.0 } else { self.weight }
+        if is_bound && self.target.residual(value) == 0.0 { 0.0 } else { self.weight }
     }
 }
 

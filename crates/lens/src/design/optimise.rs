@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector, Dyn, Owned};
 const STEP: f64 = 1e-5;
 
 /// Residual where no light arrives, in units of the norm at the start: worse than any acceptable step.
-const DARK: f64 = 1e3;
+const PENALTY: f64 = 1e3;
 
 /// Damped least squares: minimises the weighted sum of squares of the residuals of all goals, from a start
 /// prescription.
@@ -27,7 +27,7 @@ pub struct Optimiser<'a> {
     parameters: Vec<Parameter>,
     goals: Vec<Goal>,
     rings: usize,
-    patience: usize,
+    evaluation_limit: usize,
 }
 
 /// The result of an optimisation.
@@ -52,7 +52,7 @@ pub struct Optimum {
 impl<'a> Optimiser<'a> {
     /// An optimiser that starts from a prescription, with 4 rings of rays in the pupil.
     pub fn new(lens: &'a Prescription) -> Optimiser<'a> {
-        Optimiser { lens, parameters: Vec::new(), goals: Vec::new(), rings: 4, patience: 100 }
+        Optimiser { lens, parameters: Vec::new(), goals: Vec::new(), rings: 4, evaluation_limit: 100 }
     }
 
     /// Adds a parameter to vary. Decentres and tilts cannot be varied.
@@ -72,9 +72,9 @@ impl<'a> Optimiser<'a> {
         Optimiser { rings, ..self }
     }
 
-    /// Limits the evaluations to `patience` times the number of parameters plus one; the default is 100.
-    pub fn patience(self, patience: usize) -> Optimiser<'a> {
-        Optimiser { patience: patience.max(1), ..self }
+    /// Limits the evaluations to `evaluation_limit` times the number of parameters plus one; the default is 100.
+    pub fn evaluation_limit(self, evaluation_limit: usize) -> Optimiser<'a> {
+        Optimiser { evaluation_limit: evaluation_limit.max(1), ..self }
     }
 
     /// Runs the search.
@@ -84,10 +84,10 @@ impl<'a> Optimiser<'a> {
     /// no goals.
     pub fn run(&self) -> Result<Optimum, DesignError> {
         let task = self.task()?;
-        let dark = || DesignError::NoStart("a ray does not arrive, or a number is not finite".to_owned());
-        let before = task.misses(&task.values_at(&task.at)?.ok_or_else(dark)?).norm();
-        let task = Task { dark: DARK * before.max(f64::MIN_POSITIVE), ..task };
-        let (task, report) = LevenbergMarquardt::new().with_patience(self.patience).minimize(task);
+        let no_start = || DesignError::NoStart("a ray does not arrive, or a number is not finite".to_owned());
+        let before = task.residuals_of(&task.values_at(&task.at)?.ok_or_else(no_start)?).norm();
+        let task = Task { penalty: PENALTY * before.max(f64::MIN_POSITIVE), ..task };
+        let (task, report) = LevenbergMarquardt::new().with_patience(self.evaluation_limit).minimize(task);
         let variant = task.variant(&task.at)?;
         let value = |&parameter: &Parameter| Ok((parameter, parameter.value(&variant.lens)?));
         Ok(Optimum {
@@ -118,7 +118,7 @@ impl<'a> Optimiser<'a> {
             pupil: hexapolar(self.rings),
             at: DVector::zeros(scales.len()),
             scales,
-            dark: f64::INFINITY,
+            penalty: f64::INFINITY,
         })
     }
 }
@@ -156,7 +156,7 @@ struct Task<'a> {
     scales: Vec<f64>,
     at: DVector<f64>,
     /// The residual used where no light arrives.
-    dark: f64,
+    penalty: f64,
 }
 
 impl Task<'_> {
@@ -186,20 +186,21 @@ impl Task<'_> {
     }
 
     /// The residuals, padded with zeros to at least one per parameter.
-    fn misses(&self, values: &[f64]) -> DVector<f64> {
-        let mut misses: Vec<f64> = self.goals().zip(values).map(|(goal, value)| goal.miss(*value)).collect();
-        misses.resize(self.count(), 0.0);
-        DVector::from_vec(misses)
+    fn residuals_of(&self, values: &[f64]) -> DVector<f64> {
+        let mut residuals: Vec<f64> =
+            self.goals().zip(values).map(|(goal, value)| goal.residual(*value)).collect();
+        residuals.resize(self.count(), 0.0);
+        DVector::from_vec(residuals)
     }
 
     /// The derivatives of all values with respect to a parameter, by central differences.
     fn changes(&self, parameter: usize) -> Option<Vec<f64>> {
-        let beside = |step: f64| {
+        let values_after = |step: f64| {
             let mut at = self.at.clone();
             at[parameter] += step;
             self.values_at(&at).ok().flatten()
         };
-        let (plus, minus) = (beside(STEP)?, beside(-STEP)?);
+        let (plus, minus) = (values_after(STEP)?, values_after(-STEP)?);
         Some(plus.iter().zip(&minus).map(|(plus, minus)| (plus - minus) / (2.0 * STEP)).collect())
     }
 
@@ -225,8 +226,10 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Task<'_> {
     fn residuals(&self) -> Option<DVector<f64>> {
         // a step to where no light arrives, or to values out of range, is a bad step, not the end of the
         // search
-        let dark = || DVector::from_element(self.count(), self.dark);
-        Some(self.values_at(&self.at).ok().flatten().map_or_else(dark, |values| self.misses(&values)))
+        let penalty = || DVector::from_element(self.count(), self.penalty);
+        Some(
+            self.values_at(&self.at).ok().flatten().map_or_else(penalty, |values| self.residuals_of(&values)),
+        )
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {

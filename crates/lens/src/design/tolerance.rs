@@ -1,7 +1,7 @@
 //! Tolerance analysis: effect of manufacturing and mounting errors on a merit, by Monte Carlo trials and
 //! sensitivities.
 
-use super::merit::{Judge, Verdict};
+use super::merit::{MeritEvaluator, MeritValue};
 use super::{DesignError, Merit, Parameter};
 use crate::analysis::hexapolar;
 use crate::prescription::Prescription;
@@ -119,10 +119,10 @@ impl<'a> Tolerancing<'a> {
     /// # Errors
     /// [`DesignError`] for parameters that do not exist, spreads below 0, and invalid prescriptions.
     pub fn nominal(&self) -> Result<f64, DesignError> {
-        Ok(self.judge()?.ask(self.lens, &[])?.merit)
+        Ok(self.evaluator()?.evaluate(self.lens, &[])?.merit)
     }
 
-    fn judge(&self) -> Result<Judge, DesignError> {
+    fn evaluator(&self) -> Result<MeritEvaluator, DesignError> {
         for (parameter, spread) in &self.errors {
             parameter.value(self.lens)?;
             let scale = spread.scale();
@@ -131,7 +131,7 @@ impl<'a> Tolerancing<'a> {
                 return Err(DesignError::BadNumber { what, value: scale, range });
             }
         }
-        Judge::new(self.lens, self.merit, [self.refocus, self.vignettes], hexapolar(self.rings))
+        MeritEvaluator::new(self.lens, self.merit, [self.refocus, self.vignettes], hexapolar(self.rings))
     }
 
     /// Runs `count` trials. The merit is NaN in a trial in which no light arrives or a number is out of its
@@ -144,9 +144,9 @@ impl<'a> Tolerancing<'a> {
         if self.errors.is_empty() {
             return Err(DesignError::None("parameter with an error"));
         }
-        let judge = self.judge()?;
+        let evaluator = self.evaluator()?;
         let mut trials = Trials {
-            nominal: judge.ask(self.lens, &[])?.merit,
+            nominal: evaluator.evaluate(self.lens, &[])?.merit,
             parameters: self.errors.iter().map(|(parameter, _)| *parameter).collect(),
             deviations: vec![Vec::new(); self.errors.len()],
             merits: Vec::new(),
@@ -154,11 +154,11 @@ impl<'a> Tolerancing<'a> {
             lost: Vec::new(),
         };
         let chunks = (0..count).step_by(CHUNK as usize).map(|at| at..(at + CHUNK).min(count));
-        let work = |(): &mut (), chunk: std::ops::Range<u64>| -> Vec<(Vec<f64>, Verdict)> {
-            chunk.map(|trial| self.trial(&judge, trial)).collect()
+        let work = |(): &mut (), chunk: std::ops::Range<u64>| -> Vec<(Vec<f64>, MeritValue)> {
+            chunk.map(|trial| self.trial(&evaluator, trial)).collect()
         };
-        let merge = |found: Vec<(Vec<f64>, Verdict)>| {
-            found.iter().for_each(|(deviations, verdict)| trials.push(deviations, *verdict));
+        let merge = |found: Vec<(Vec<f64>, MeritValue)>| {
+            found.iter().for_each(|(deviations, value)| trials.push(deviations, *value));
             Ok::<(), DesignError>(())
         };
         match drive(thread_count(self.threads), &self.cancel, chunks, || (), work, merge) {
@@ -167,13 +167,13 @@ impl<'a> Tolerancing<'a> {
         }
     }
 
-    fn trial(&self, judge: &Judge, trial: u64) -> (Vec<f64>, Verdict) {
+    fn trial(&self, evaluator: &MeritEvaluator, trial: u64) -> (Vec<f64>, MeritValue) {
         let deviations: Vec<f64> =
             (0..self.errors.len()).map(|k| self.errors[k].1.deviation(self.numbers(k, trial))).collect();
         let changes: Vec<(Parameter, f64)> =
             self.errors.iter().map(|error| error.0).zip(deviations.iter().copied()).collect();
-        let nothing = Verdict { merit: f64::NAN, shift: f64::NAN, lost: judge.sent(self.lens) };
-        (deviations, judge.ask(self.lens, &changes).unwrap_or(nothing))
+        let nothing = MeritValue { merit: f64::NAN, shift: f64::NAN, lost: evaluator.sent(self.lens) };
+        (deviations, evaluator.evaluate(self.lens, &changes).unwrap_or(nothing))
     }
 
     /// The two random numbers of a parameter in a trial.
@@ -190,9 +190,9 @@ impl<'a> Tolerancing<'a> {
     /// # Errors
     /// As of [`Tolerancing::nominal`].
     pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DesignError> {
-        let judge = self.judge()?;
+        let evaluator = self.evaluator()?;
         let at = |parameter: Parameter, change: f64| {
-            judge.ask(self.lens, &[(parameter, change)]).map_or(f64::NAN, |verdict| verdict.merit)
+            evaluator.evaluate(self.lens, &[(parameter, change)]).map_or(f64::NAN, |value| value.merit)
         };
         let of = |&(parameter, spread): &(Parameter, Spread)| {
             let scale = spread.scale();
@@ -235,11 +235,11 @@ pub struct Trials {
 }
 
 impl Trials {
-    fn push(&mut self, deviations: &[f64], verdict: Verdict) {
+    fn push(&mut self, deviations: &[f64], value: MeritValue) {
         self.deviations.iter_mut().zip(deviations).for_each(|(column, value)| column.push(*value));
-        self.merits.push(verdict.merit);
-        self.shifts.push(verdict.shift);
-        self.lost.push(verdict.lost);
+        self.merits.push(value.merit);
+        self.shifts.push(value.shift);
+        self.lost.push(value.lost);
     }
 
     fn known(&self) -> impl Iterator<Item = f64> {

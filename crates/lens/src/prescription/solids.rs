@@ -264,7 +264,7 @@ impl Builder<'_> {
             return Err(bad(name, self.lens.surfaces[k].thickness, range));
         }
         let name = format!("lens {}-{}", k + 1, k + 2);
-        let wrong = |problem| told(problem, k);
+        let wrong = |problem| prescription_error(problem, k);
         let (solid, has_flat) = body(&low, &high).map_err(wrong)?;
         let mut element = Element::transparent(&name, self.moved(k, solid), &self.resolved.media[k + 1])
             .face("edge", Finish::Absorber);
@@ -284,7 +284,7 @@ impl Builder<'_> {
         let thickness = towards_substrate + 2.0 * SUBSTRATE * placed.reach;
         let blank = Blank::new(Aperture::circle(2.0 * placed.reach), thickness);
         let blank = if faces_back { blank.turned() } else { blank };
-        let wrong = |problem| told(problem, k);
+        let wrong = |problem| prescription_error(problem, k);
         let mut solid = freeform_mirror(&placed.form, &blank).map_err(wrong)?;
         if surface.hole > 0.0 {
             let bore = rod(
@@ -332,7 +332,7 @@ impl Builder<'_> {
         }
         let widest = self.radii.iter().fold(0.0_f64, |widest, &radius| widest.max(radius));
         let outline = 2.0 * widest.max(placed.reach);
-        let wrong = |problem| told(problem, k);
+        let wrong = |problem| prescription_error(problem, k);
         let sheet = Sheet::iris(2.0 * outline, 2.0 * placed.reach).map_err(wrong)?;
         let sheet = sheet.apply(&self.place(&placed)).map_err(wrong)?;
         Ok(Some(Element::sheet(STOP, sheet, Action::Absorb)))
@@ -341,7 +341,7 @@ impl Builder<'_> {
     fn image(&self) -> Result<Element, PrescriptionError> {
         let k = self.lens.surfaces.len();
         let placed = self.placed(k);
-        let wrong = |problem| told(problem, k);
+        let wrong = |problem| prescription_error(problem, k);
         let sheet =
             Sheet::conic(self.lens.image.radius, self.lens.image.conic, Aperture::circle(2.0 * placed.reach));
         let sheet = sheet.map_err(wrong)?.apply(&self.place(&placed)).map_err(wrong)?;
@@ -381,7 +381,7 @@ fn between(low: &Placed, high: &Placed, reach: f64) -> Result<Solid, ComponentEr
 }
 
 /// Converts an error of a component; `k` is its first surface, counted from 0.
-fn told(problem: ComponentError, k: usize) -> PrescriptionError {
+fn prescription_error(problem: ComponentError, k: usize) -> PrescriptionError {
     match problem {
         ComponentError::SurfacesCross { height, reach, .. } => {
             PrescriptionError::Cross { first: k + 1, second: k + 2, height, reach }

@@ -12,12 +12,12 @@ use rayweave_optics::component::{Aperture, Sheet};
 use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
 use rayweave_trace::Packets;
 
-/// Compiles a prescription and applies `ask` to its study.
-fn study<T>(lens: &Prescription, ask: impl Fn(&Study<'_, Packets>) -> T) -> T {
+/// Compiles a prescription and applies `question` to its study.
+fn study<T>(lens: &Prescription, question: impl Fn(&Study<'_, Packets>) -> T) -> T {
     let layout = lens.assembly().unwrap();
     let system = layout.assembly.compile().unwrap();
     let tracer = Tracer::new(&system, Packets::new);
-    ask(&Study::new(lens, &layout, &tracer))
+    question(&Study::new(lens, &layout, &tracer))
 }
 
 fn sphere(radius: f64, diameter: f64, angle: f64) -> Prescription {

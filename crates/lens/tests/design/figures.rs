@@ -222,7 +222,7 @@ fn zemax_files_hold_them_all() {
 
 #[test]
 fn refusals() {
-    let told = |surface: Surface| {
+    let message = |surface: Surface| {
         let lens = Prescription::new(vec![surface, Surface::new(PLANE, 10.0, Behind::Air)])
             .entrance_pupil_diameter(10.0);
         let found = lens.first_order(D_NM).map(drop).and_then(|()| lens.assembly().map(drop));
@@ -232,22 +232,22 @@ fn refusals() {
     let biconic = |radius_x| Figure::Biconic { radius_x, conic_x: 0.0 };
     let even = [0.0, 1e-5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     assert!(
-        told(surface(20.0, biconic(0.0))).starts_with("surface 1: radius_x"),
+        message(surface(20.0, biconic(0.0))).starts_with("surface 1: radius_x"),
         "{}",
-        told(surface(20.0, biconic(0.0)))
+        message(surface(20.0, biconic(0.0)))
     );
     assert!(
-        told(surface(20.0, biconic(4.0))).contains("ends 3.9999"),
+        message(surface(20.0, biconic(4.0))).contains("ends 3.9999"),
         "{}",
-        told(surface(20.0, biconic(4.0)))
+        message(surface(20.0, biconic(4.0)))
     );
-    assert!(told(surface(20.0, biconic(9.0)).even(even)).contains("even terms in r: a biconic has none"));
-    assert!(told(surface(20.0, Figure::Toroidal { turn: f64::NAN })).contains("turn"));
+    assert!(message(surface(20.0, biconic(9.0)).even(even)).contains("even terms in r: a biconic has none"));
+    assert!(message(surface(20.0, Figure::Toroidal { turn: f64::NAN })).contains("turn"));
     // a circle rotated about an axis closer than its centre
-    assert!(told(surface(20.0, Figure::Toroidal { turn: 15.0 })).contains("axis farther than its centre"));
-    assert!(told(surface(20.0, polynomial(0.0, &[1.0]))).contains("norm_radius"));
-    assert!(told(surface(20.0, polynomial(1.0, &[f64::INFINITY]))).contains("coefficient"));
-    assert!(told(surface(20.0, polynomial(9.0, &vec![1e-9; 500]))).contains("degree 31"));
+    assert!(message(surface(20.0, Figure::Toroidal { turn: 15.0 })).contains("axis farther than its centre"));
+    assert!(message(surface(20.0, polynomial(0.0, &[1.0]))).contains("norm_radius"));
+    assert!(message(surface(20.0, polynomial(1.0, &[f64::INFINITY]))).contains("coefficient"));
+    assert!(message(surface(20.0, polynomial(9.0, &vec![1e-9; 500]))).contains("degree 31"));
     let file = |kind: &str, lines: &str| {
         let text = format!(
             "ENPD 4\nWAVM 1 0.55 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n TYPE {kind}\n{lines}\n DISZ 4\nSURF 2\n"

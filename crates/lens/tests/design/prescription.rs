@@ -162,6 +162,6 @@ fn what_is_wrong_is_named() {
         message(Prescription { surfaces: unsized_surfaces, ..wide }),
         "the ray does not reach the image: it misses at surface 1."
     );
-    let perturbation = Prescription { fields: vec![[0.0, 90.0]], ..biconvex(5.0, 5.0) };
-    assert_eq!(message(perturbation), "the angle of a field is 90: it has to be between -90 and 90 degrees.");
+    let sideways = Prescription { fields: vec![[0.0, 90.0]], ..biconvex(5.0, 5.0) };
+    assert_eq!(message(sideways), "the angle of a field is 90: it has to be between -90 and 90 degrees.");
 }

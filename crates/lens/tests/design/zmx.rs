@@ -103,9 +103,9 @@ fn unknown_glasses_are_taken_from_their_indices() {
     // an older Schott glass, replaced by its lead- and arsenic-free successor
     let read = read_zmx(dummy("BK7").as_bytes()).unwrap();
     assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass("N-BK7".to_owned()));
-    let told =
+    let reported =
         read.notes.iter().any(|note| note.to_string().ends_with("; N-BK7, which took its place, is taken"));
-    assert!(told, "{:?}", read.notes);
+    assert!(reported, "{:?}", read.notes);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! paths, each of which starts at a leaf or at a gate without heavy operand, and the way from any node to the
 //! root passes through at most log2 n of them (Sleator & Tarjan, "A data structure for dynamic trees", 1983).
 //! For fixed values of its other operands a gate is one of four functions of its heavy operand: constant 0,
-//! constant 1, identity, complement. A segment tree composes the functions of a path, so that a flip costs
+//! constant 1, identity, complement. A segment tree composes the functions of a path, so that a change costs
 //! O(log n) per path.
 
 use super::{Network, NetworkState};
@@ -156,8 +156,8 @@ impl HeavyPaths {
         if complemented { compose(0b01, plain) } else { plain }
     }
 
-    /// Flips a leaf: updates the value of its path, then of the paths above, while values change.
-    pub fn flip(&self, network: &Network, state: &mut NetworkState, leaf: u32) {
+    /// Inverts the side of a leaf: updates the value of its path, then of the paths above, while values change.
+    pub fn toggle(&self, network: &Network, state: &mut NetworkState, leaf: u32) {
         let mut path = self.path_of[leaf as usize];
         loop {
             let this = &self.paths[path as usize];
@@ -166,7 +166,7 @@ impl HeavyPaths {
             if !state.heavy.changed(path as usize, value) {
                 return;
             }
-            network.feed(&mut state.winner, this.top, value);
+            network.feed(&mut state.output_set, this.top, value);
             let &[user] = network.users_of(this.top) else {
                 return;
             };

@@ -1,22 +1,22 @@
-//! Boolean networks with incremental update: the values of the outputs after each flip of a leaf.
+//! Boolean networks with incremental update: the values of the outputs after each change of a leaf.
 //!
-//! A [`Network`] is the expression of a group, laid out for a sweep along a ray: a leaf flips, and the change
+//! A [`Network`] is the expression of a group, laid out for a sweep along a ray: a leaf changes, and the change
 //! propagates upwards as long as values change. Three layouts give the same results:
-//! - counters, for trees: each gate counts the operands that are inside. A flip costs at most the depth.
+//! - counters, for trees: each gate counts the operands that are inside. A change costs at most the depth.
 //! - ordered counters, if a node has several users: gates are updated in topological order, each once.
-//! - heavy paths, for deep trees: a flip costs O(log^2 n) at any depth (see `heavy`).
+//! - heavy paths, for deep trees: a change costs O(log^2 n) at any depth (see `heavy`).
 
 mod heavy;
-mod winner;
+mod output_set;
 
 use crate::{Edge, Expression, Rule};
 use heavy::HeavyPaths;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-pub use winner::Winner;
+pub use output_set::OutputSet;
 
-/// Depth above which trees use heavy paths. A flip by counters costs a few nanoseconds per level and one by
+/// Depth above which trees use heavy paths. A change by counters costs a few nanoseconds per level and one by
 /// heavy paths some hundred in total, so the threshold is not critical.
 const DEEP: u32 = 64;
 
@@ -98,26 +98,26 @@ enum Layout {
 pub struct NetworkState {
     leaves: Vec<bool>,
     counts: Vec<u32>,
-    winner: Winner,
+    output_set: OutputSet,
     heavy: heavy::HeavyState,
     waiting: BinaryHeap<Reverse<u32>>,
 }
 
 impl NetworkState {
     /// The number of the last output that is inside, counted from 1; 0 if none is.
-    pub fn winner(&self) -> u32 {
-        self.winner.last()
+    pub fn owner(&self) -> u32 {
+        self.output_set.last()
     }
 
     /// True if output number `k`, counted from 0, is inside.
     pub fn output(&self, k: u32) -> bool {
-        self.winner.get(k)
+        self.output_set.get(k)
     }
 
     fn bytes(&self) -> usize {
         size_of_val(&self.leaves[..])
             + size_of_val(&self.counts[..])
-            + self.winner.bytes()
+            + self.output_set.bytes()
             + self.heavy.bytes()
     }
 
@@ -143,20 +143,20 @@ impl Network {
         self.rules.len()
     }
 
-    /// Flips a leaf and updates every node above it.
-    pub fn flip(&self, state: &mut NetworkState, leaf: u32) {
+    /// Inverts the side of a leaf and updates every node above it.
+    pub fn toggle(&self, state: &mut NetworkState, leaf: u32) {
         let inside = &mut state.leaves[leaf as usize];
         *inside = !*inside;
         let inside = *inside;
         match &self.layout {
             Layout::Counters => self.climb(state, leaf, inside),
-            Layout::Ordered => self.settle(state, leaf, inside),
-            Layout::Heavy(paths) => paths.flip(self, state, leaf),
+            Layout::Ordered => self.propagate(state, leaf, inside),
+            Layout::Heavy(paths) => paths.toggle(self, state, leaf),
         }
     }
 
-    /// Reads the memory that a flip of a leaf will read; the result is meaningless. Calls for many leaves
-    /// before their flips let the processor fetch all of it in parallel, if the network is too large for its
+    /// Reads the memory that a change of a leaf will read; the result is meaningless. Calls for many leaves
+    /// before their changes let the processor fetch all of it in parallel, if the network is too large for its
     /// caches.
     #[inline]
     pub fn read_ahead(&self, state: &NetworkState, leaf: u32) -> u32 {
@@ -181,11 +181,11 @@ impl Network {
     }
 
     /// Writes a node's new value to the outputs that it feeds.
-    fn feed(&self, winner: &mut Winner, node: u32, inside: bool) {
+    fn feed(&self, output_set: &mut OutputSet, node: u32, inside: bool) {
         if self.feeds.get(node) {
             let first = self.fed.partition_point(|&(fed, ..)| fed < node);
             for &(_, output, complemented) in self.fed[first..].iter().take_while(|&&(fed, ..)| fed == node) {
-                winner.set(output, inside ^ complemented);
+                output_set.set(output, inside ^ complemented);
             }
         }
     }
@@ -203,7 +203,7 @@ impl Network {
     /// Propagates a change upwards in a tree, where every node has at most one user.
     fn climb(&self, state: &mut NetworkState, mut node: u32, mut inside: bool) {
         loop {
-            self.feed(&mut state.winner, node, inside);
+            self.feed(&mut state.output_set, node, inside);
             let &[user] = self.users_of(node) else { return };
             match self.count(&mut state.counts, user >> 1, inside ^ (user & 1 == 1)) {
                 Some(value) => (node, inside) = (user >> 1, value),
@@ -215,8 +215,8 @@ impl Network {
     /// Propagates a change in topological order, for networks in which some node has several users. A gate
     /// waits until all its operands are final, so it changes at most once, whatever the lengths of the paths
     /// to it.
-    fn settle(&self, state: &mut NetworkState, leaf: u32, inside: bool) {
-        self.feed(&mut state.winner, leaf, inside);
+    fn propagate(&self, state: &mut NetworkState, leaf: u32, inside: bool) {
+        self.feed(&mut state.output_set, leaf, inside);
         self.pass_on(state, leaf, inside);
         while let Some(Reverse(gate)) = state.waiting.pop() {
             while state.waiting.peek() == Some(&Reverse(gate)) {
@@ -225,7 +225,7 @@ impl Network {
             let index = (gate - self.leaf_count) as usize;
             let value = self.rules[index].holds(state.counts[index]);
             if state.heavy.changed(index, value) {
-                self.feed(&mut state.winner, gate, value);
+                self.feed(&mut state.output_set, gate, value);
                 self.pass_on(state, gate, value);
             }
         }
@@ -256,14 +256,14 @@ impl<'e> Builder<'e> {
     fn new(expression: &'e Expression) -> Self {
         let first_join = expression.leaf_count() + 2;
         let mut number = vec![NO_NODE; expression.joins().len()];
-        let magnitude = |edges: &[Edge], number: &mut Vec<u32>| {
+        let mark_reachable = |edges: &[Edge], number: &mut Vec<u32>| {
             let joins = edges.iter().filter_map(|edge| edge.node().index().checked_sub(first_join));
             joins.for_each(|join| number[join] = 0);
         };
-        magnitude(expression.outputs(), &mut number);
+        mark_reachable(expression.outputs(), &mut number);
         for (join, (_, operands)) in expression.joins().enumerate().rev() {
             if number[join] != NO_NODE {
-                magnitude(operands, &mut number);
+                mark_reachable(operands, &mut number);
             }
         }
         let mut gates = Vec::new();
@@ -346,14 +346,14 @@ impl<'e> Builder<'e> {
         let users = self.users();
         let (counts, values) = self.counts();
         let rules: Vec<Rule> = self.gates.iter().map(|gate| gate.0).collect();
-        let mut winner = Winner::new(self.outputs.len());
+        let mut output_set = OutputSet::new(self.outputs.len());
         let mut fed = Vec::new();
         for (k, &edge) in self.outputs.iter().enumerate() {
             let output = k as u32;
             match self.number_of(edge) {
-                NO_NODE => winner.set(output, edge == Edge::UNIVERSE),
+                NO_NODE => output_set.set(output, edge == Edge::UNIVERSE),
                 node => {
-                    winner.set(output, values[node as usize] ^ edge.is_complemented());
+                    output_set.set(output, values[node as usize] ^ edge.is_complemented());
                     fed.push((node, output, edge.is_complemented()));
                 }
             }
@@ -361,7 +361,7 @@ impl<'e> Builder<'e> {
         fed.sort_unstable();
         let feeds = BitSet::new(values.len(), fed.iter().map(|&(node, ..)| node));
         let is_tree = matches!(users, Users::One(_));
-        let mut initial = NetworkState { counts, winner, ..NetworkState::default() };
+        let mut initial = NetworkState { counts, output_set, ..NetworkState::default() };
         let depth = self.depth();
         let mut network = Network {
             rules,
@@ -417,7 +417,7 @@ mod tests {
             let op = [Op::Union, Op::Intersection, Op::SymmetricDifference][stream.below(3)];
             pool.push(formula.join(op, &operands));
         }
-        pool.into_iter().for_each(|edge| formula.ask(edge));
+        pool.into_iter().for_each(|edge| formula.add_output(edge));
         Expression::new(&share(&formula), leaves)
     }
 
@@ -430,7 +430,7 @@ mod tests {
         for _ in 0..60 {
             let leaf = stream.below(leaves);
             inside[leaf] = !inside[leaf];
-            network.flip(&mut state, leaf as u32);
+            network.toggle(&mut state, leaf as u32);
             expression.evaluate(|l| inside[l.index()], &mut values);
             let mut last = 0;
             for (k, edge) in expression.outputs().iter().enumerate() {
@@ -438,7 +438,7 @@ mod tests {
                 assert_eq!(state.output(k as u32), value, "seed {seed}");
                 last = if value { k as u32 + 1 } else { last };
             }
-            assert_eq!(state.winner(), last);
+            assert_eq!(state.owner(), last);
         }
     }
 

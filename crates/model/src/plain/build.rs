@@ -78,7 +78,7 @@ fn edge_bits(edge: Edge) -> u32 {
 impl PlainProgram {
     fn leaf(&mut self, program: &Program, leaf: Leaf<'_>) -> Result<(), PlainError> {
         let mut flags = if leaf.is_complement() { LEAF_COMPLEMENT } else { 0 };
-        flags |= if leaf.is_asked() { 0 } else { LEAF_UNUSED };
+        flags |= if leaf.is_used() { 0 } else { LEAF_UNUSED };
         let (kind, first, count) = match leaf.kind() {
             LeafKind::Shape { facets } => (LEAF_SHAPE, facets.start, facets.end - facets.start),
             LeafKind::Instance { prototype, placement } => {

@@ -60,7 +60,7 @@ pub fn balance(formula: &Formula) -> Formula {
         };
         to.set(node, edge);
     }
-    to.ask_all(formula, &mut out);
+    to.copy_outputs(formula, &mut out);
     out
 }
 

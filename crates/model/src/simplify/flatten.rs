@@ -30,7 +30,7 @@ pub fn flatten(formula: &Formula) -> Formula {
             }
         }
     }
-    to.ask_all(formula, &mut out);
+    to.copy_outputs(formula, &mut out);
     out
 }
 

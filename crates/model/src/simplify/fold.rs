@@ -32,7 +32,7 @@ pub fn fold(formula: &Formula) -> Formula {
             }
         }
     }
-    to.ask_all(formula, &mut out);
+    to.copy_outputs(formula, &mut out);
     out
 }
 

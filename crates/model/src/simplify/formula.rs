@@ -125,7 +125,7 @@ impl Formula {
     }
 
     /// Adds an output.
-    pub fn ask(&mut self, output: Edge) {
+    pub fn add_output(&mut self, output: Edge) {
         self.outputs.push(output);
     }
 
@@ -279,7 +279,7 @@ impl Renumbered {
         if edge.is_complemented() { to.complement() } else { to }
     }
 
-    pub fn ask_all(&self, from: &Formula, to: &mut Formula) {
-        from.outputs().iter().for_each(|&output| to.ask(self.edge(output)));
+    pub fn copy_outputs(&self, from: &Formula, to: &mut Formula) {
+        from.outputs().iter().for_each(|&output| to.add_output(self.edge(output)));
     }
 }

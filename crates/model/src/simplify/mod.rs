@@ -58,7 +58,7 @@ impl Pass {
     }
 
     /// The property that it establishes, while it keeps the value.
-    pub fn promise(self) -> &'static str {
+    pub fn contract(self) -> &'static str {
         match self {
             Pass::Positive => "complements at leaves and symmetric differences only (De Morgan)",
             Pass::Flatten => "chains of one operator as one",
@@ -70,7 +70,7 @@ impl Pass {
 }
 
 /// An observer of the simplification of a formula.
-pub(crate) trait Watch {
+pub(crate) trait Observer {
     /// Called after a pass made the second formula from the first one.
     fn pass(&mut self, _pass: Pass, _before: &Formula, _after: &Formula) {}
     /// Called before these operands are cut from a formula.
@@ -80,26 +80,30 @@ pub(crate) trait Watch {
 }
 
 /// No observer.
-impl Watch for () {}
+impl Observer for () {}
 
 /// Runs all passes in order: De Morgan, chains, constants, sharing, bounds; then the first four again on the
 /// result.
 ///
 /// `leaves` are the boxes that [`prune`](prune()) takes.
 pub fn prepare(formula: &Formula, leaves: &[Bounds]) -> Formula {
-    prepare_watched(formula, leaves, &mut ())
+    prepare_observed(formula, leaves, &mut ())
 }
 
-pub(crate) fn prepare_watched(formula: &Formula, leaves: &[Bounds], watch: &mut impl Watch) -> Formula {
-    let formula = tidy(formula, watch);
+pub(crate) fn prepare_observed(
+    formula: &Formula,
+    leaves: &[Bounds],
+    observer: &mut impl Observer,
+) -> Formula {
+    let formula = tidy(formula, observer);
     let (pruned, cuts) = prune(&formula, leaves);
     if cuts.is_empty() {
-        watch.pass(Pass::Prune, &formula, &formula);
+        observer.pass(Pass::Prune, &formula, &formula);
         return formula;
     }
-    watch.cuts(&formula, leaves, &cuts);
+    observer.cuts(&formula, leaves, &cuts);
     let after = tidy(&fold(&pruned), &mut ());
-    watch.pass(Pass::Prune, &formula, &after);
+    observer.pass(Pass::Prune, &formula, &after);
     after
 }
 
@@ -114,12 +118,12 @@ const TIDYING: [(Pass, Run); 4] =
 const ROUNDS: usize = 4;
 
 /// Repeats the passes that need no bounds until they change nothing, at most [`ROUNDS`] times.
-fn tidy(formula: &Formula, watch: &mut impl Watch) -> Formula {
+fn tidy(formula: &Formula, observer: &mut impl Observer) -> Formula {
     let mut formula = Cow::Borrowed(formula);
     for _ in 0..ROUNDS {
         for (pass, run) in TIDYING {
             let after = run(&formula);
-            watch.pass(pass, &formula, &after);
+            observer.pass(pass, &formula, &after);
             formula = Cow::Owned(after);
         }
         if positive::is_positive(&formula) && flatten::is_flat(&formula) {

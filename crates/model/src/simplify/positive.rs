@@ -39,7 +39,7 @@ pub fn positive(formula: &Formula) -> Formula {
         }
     }
     for &output in formula.outputs() {
-        out.ask(to[output.node().index()][usize::from(output.is_complemented())]);
+        out.add_output(to[output.node().index()][usize::from(output.is_complemented())]);
     }
     out
 }
@@ -48,8 +48,8 @@ pub fn positive(formula: &Formula) -> Formula {
 pub(super) fn is_positive(formula: &Formula) -> bool {
     let uses = formula.uses();
     let keeps = |edge: &Edge| !edge.is_complemented() || keeps_complements(formula.term(edge.node()));
-    let mut asked = formula.nodes().filter(|(node, ..)| uses[node.index()] > 0);
-    asked.all(|(_, term, operands)| term != Term::Join(Op::Difference) && operands.iter().all(keeps))
+    let mut used = formula.nodes().filter(|(node, ..)| uses[node.index()] > 0);
+    used.all(|(_, term, operands)| term != Term::Join(Op::Difference) && operands.iter().all(keeps))
         && formula.outputs().iter().all(keeps)
 }
 

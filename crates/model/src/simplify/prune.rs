@@ -61,7 +61,7 @@ pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<Cut>) {
             to.set(node, out.tagged(term, &operands, formula.tag(node)));
         }
     }
-    formula.outputs().iter().for_each(|&edge| out.ask(kept(edge, None, &Bounds::ALL, &to)));
+    formula.outputs().iter().for_each(|&edge| out.add_output(kept(edge, None, &Bounds::ALL, &to)));
     (out, cuts)
 }
 

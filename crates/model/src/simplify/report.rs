@@ -4,8 +4,8 @@ use super::bounds::{Beyond, bounds};
 use super::formula::{Formula, Op, Term};
 use super::positive::keeps_complements;
 use super::prune::{Cut, Reason, reason};
-use super::{Pass, Watch, balance, height};
-use crate::compile::compile_watched;
+use super::{Observer, Pass, balance, height};
+use crate::compile::compile_observed;
 use crate::lower::{Content, Group};
 use crate::{CompileError, Edge, LeafId, Program, PrototypeId, Region};
 use rayweave_math::Bounds;
@@ -26,7 +26,7 @@ pub struct Preparation {
     /// The parts removed because of their bounds.
     pub removals: Vec<Removal>,
     /// The names of the leaves that no output uses any more, for any reason.
-    pub unasked: Vec<String>,
+    pub unused: Vec<String>,
     /// The size as binary trees, the form that the single-hit evaluator uses.
     pub balanced: Size,
     /// The formula before simplification, with names of leaves; cut off if it is long.
@@ -81,7 +81,7 @@ impl Preparation {
     /// As [`crate::Program::compile_regions`].
     pub fn of_regions(regions: &[Region]) -> Result<Vec<Preparation>, CompileError> {
         let reports = RefCell::new(Vec::new());
-        let program = compile_watched(regions, |id, group| Reporter::new(id, group, &reports))?;
+        let program = compile_observed(regions, |id, group| Reporter::new(id, group, &reports))?;
         let mut reports: Vec<Preparation> = reports.into_inner();
         reports.sort_by_key(|report| report.group);
         reports.iter_mut().skip(1).for_each(|report| report.whose = placed(&program, report.group));
@@ -102,12 +102,12 @@ impl Preparation {
             return format!("{text}{}: there is nothing to prepare\n", self.kept);
         }
         text += &format!("as written  {}\nas kept     {}\n\n", self.written, self.kept);
-        text += &row("pass", "operators", "complements", "height", "what it sees to");
+        text += &row("pass", "operators", "complements", "height", "property established");
         for PassReport { pass, before, after } in &self.passes {
-            text += &sizes(pass.name(), *before, *after, pass.promise());
+            text += &sizes(pass.name(), *before, *after, pass.contract());
         }
         text += &sizes("balance", kept, self.balanced, "binary trees, for the single-hit evaluator alone");
-        text += &format!("\nleaves  {} of {} are asked\n", kept.leaves, kept.leaves + self.unasked.len());
+        text += &format!("\nleaves  {} of {} are used\n", kept.leaves, kept.leaves + self.unused.len());
         text += &format!("bounds  {} of all leaves\n", bounds_text(&self.loose));
         text += &format!("        {} of what they are joined to\n", bounds_text(&self.tight));
         self.removed(most, &mut text);
@@ -118,7 +118,7 @@ impl Preparation {
         if self.removals.is_empty() {
             return;
         }
-        *text += "\nnot asked, as bounds show that they do not matter:\n";
+        *text += "\nnot used, as bounds show that they do not matter:\n";
         for Removal { part, why, .. } in self.removals.iter().take(most) {
             *text += &format!("  {part}: {why}\n");
         }
@@ -141,14 +141,14 @@ fn placed(program: &Program, group: PrototypeId) -> String {
     format!("the solid placed as {name}, {} times", runs.map(|run| run.len()).sum::<usize>())
 }
 
-fn row(pass: &str, operators: &str, complements: &str, height: &str, promise: &str) -> String {
-    format!("{pass:<8}  {operators:<14}  {complements:<11}  {height:<8}  {promise}\n")
+fn row(pass: &str, operators: &str, complements: &str, height: &str, contract: &str) -> String {
+    format!("{pass:<8}  {operators:<14}  {complements:<11}  {height:<8}  {contract}\n")
 }
 
-fn sizes(pass: &str, before: Size, after: Size, promise: &str) -> String {
+fn sizes(pass: &str, before: Size, after: Size, contract: &str) -> String {
     let operators = arrow(before.operators, after.operators);
     let complements = arrow(before.complements, after.complements);
-    row(pass, &operators, &complements, &arrow(before.height, after.height), promise)
+    row(pass, &operators, &complements, &arrow(before.height, after.height), contract)
 }
 
 fn arrow<T: PartialEq + fmt::Display>(before: T, after: T) -> String {
@@ -209,7 +209,7 @@ impl<'r> Reporter<'r> {
             whose: "the model".to_owned(),
             passes: Vec::new(),
             removals: Vec::new(),
-            unasked: Vec::new(),
+            unused: Vec::new(),
             balanced: Size::default(),
             written: String::new(),
             kept: String::new(),
@@ -221,7 +221,7 @@ impl<'r> Reporter<'r> {
     }
 }
 
-impl Watch for Reporter<'_> {
+impl Observer for Reporter<'_> {
     fn pass(&mut self, pass: Pass, before: &Formula, after: &Formula) {
         self.report.passes.push(PassReport { pass, before: Size::of(before), after: Size::of(after) });
     }
@@ -236,15 +236,15 @@ impl Watch for Reporter<'_> {
     }
 
     fn finish(&mut self, written: &Formula, kept: &Formula, leaves: &[Bounds], tight: Bounds) {
-        let mut asked = vec![false; leaves.len()];
+        let mut used = vec![false; leaves.len()];
         let uses = kept.uses();
         for (node, term, _) in kept.nodes() {
             if let Term::Leaf(leaf) = term {
-                asked[leaf.index()] |= uses[node.index()] > 0;
+                used[leaf.index()] |= uses[node.index()] > 0;
             }
         }
-        let unasked = self.names.leaves.iter().zip(&asked).filter(|(_, asked)| !**asked);
-        self.report.unasked = unasked.map(|(name, _)| name.to_string()).collect();
+        let unused = self.names.leaves.iter().zip(&used).filter(|(_, used)| !**used);
+        self.report.unused = unused.map(|(name, _)| name.to_string()).collect();
         self.report.balanced = Size::of(&balance(kept));
         self.report.written = self.names.outputs(written);
         self.report.kept = self.names.outputs(kept);

@@ -91,8 +91,8 @@ fn check(formula: &Formula, sets: &Sets) {
             assert_eq!(found, expected, "{}, pruned to {}", said(), other.text(other.outputs()[0]));
         }
         // leaves count as outside where they do not matter
-        let asked = |leaf: LeafId| near[leaf.index()].contains(point) && sets.holds(leaf, point);
-        assert_eq!(answers(formula, &values(formula, asked)), expected, "{}", said());
+        let contains = |leaf: LeafId| near[leaf.index()].contains(point) && sets.holds(leaf, point);
+        assert_eq!(answers(formula, &values(formula, contains)), expected, "{}", said());
     }
     for cut in &cuts {
         let within = nodes[cut.part.node().index()].within;

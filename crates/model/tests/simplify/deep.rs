@@ -25,7 +25,7 @@ fn chain(levels: usize, mut op: impl FnMut(usize) -> (Op, bool)) -> Formula {
         chain = formula.join(op, &if level % 3 == 0 { [leaf, chain] } else { [chain, leaf] });
         chain = if complemented { chain.complement() } else { chain };
     }
-    formula.ask(chain);
+    formula.add_output(chain);
     formula
 }
 
@@ -72,7 +72,7 @@ fn parts_that_are_shared_again_and_again() {
         let (left, right) = (formula.join(Op::Union, &[part, a]), formula.join(Op::Difference, &[part, b]));
         part = formula.join(Op::SymmetricDifference, &[left, right]);
     }
-    formula.ask(part.complement());
+    formula.add_output(part.complement());
     for pass in [positive, flatten, fold, share, balance] {
         assert!(pass(&formula).node_count() <= 2 * formula.node_count());
     }
@@ -87,7 +87,7 @@ fn every_member_of_a_chain_is_used() {
     let mut chain = leaves[0];
     for &leaf in &leaves[1..] {
         chain = formula.join(Op::Union, &[chain, leaf]);
-        formula.ask(chain);
+        formula.add_output(chain);
     }
     let flat = prepare(&formula, &vec![Bounds::ALL; leaves.len()]);
     let operands: usize = flat.nodes().map(|(_, _, operands)| operands.len()).sum();

@@ -34,10 +34,10 @@ fn same(formula: &Formula) -> Formula {
 }
 
 /// All nodes that an output reaches, with their operands.
-fn asked(formula: &Formula) -> Vec<(Term, Vec<Edge>)> {
+fn used_nodes(formula: &Formula) -> Vec<(Term, Vec<Edge>)> {
     let uses = formula.uses();
-    let asked = formula.nodes().filter(|(node, ..)| uses[node.index()] > 0);
-    asked.map(|(_, term, operands)| (term, operands.to_vec())).collect()
+    let used_nodes = formula.nodes().filter(|(node, ..)| uses[node.index()] > 0);
+    used_nodes.map(|(_, term, operands)| (term, operands.to_vec())).collect()
 }
 
 fn keeps_positive(formula: &Formula) -> Formula {
@@ -45,7 +45,7 @@ fn keeps_positive(formula: &Formula) -> Formula {
         !edge.is_complemented()
             || matches!(formula.term(edge.node()), Term::Leaf(_) | Term::Join(Op::SymmetricDifference))
     };
-    for (term, operands) in asked(formula) {
+    for (term, operands) in used_nodes(formula) {
         assert_ne!(term, Term::Join(Op::Difference));
         assert!(operands.iter().all(plain));
     }
@@ -55,7 +55,7 @@ fn keeps_positive(formula: &Formula) -> Formula {
 
 fn keeps_flat(formula: &Formula) -> Formula {
     let uses = formula.uses();
-    for (term, operands) in asked(formula) {
+    for (term, operands) in used_nodes(formula) {
         for edge in operands {
             let below = formula.term(edge.node());
             let single = uses[edge.node().index()] == 1 && !edge.is_complemented();
@@ -68,7 +68,7 @@ fn keeps_flat(formula: &Formula) -> Formula {
 }
 
 fn keeps_folded(formula: &Formula) -> Formula {
-    for (term, operands) in asked(formula) {
+    for (term, operands) in used_nodes(formula) {
         let Term::Join(op) = term else { continue };
         assert!(operands.len() > 1);
         assert!(operands.iter().all(|&edge| edge != Edge::EMPTY && edge != Edge::UNIVERSE));
@@ -80,14 +80,14 @@ fn keeps_folded(formula: &Formula) -> Formula {
 }
 
 fn keeps_shared(formula: &Formula) -> Formula {
-    let all = asked(formula);
+    let all = used_nodes(formula);
     let different: HashSet<_> = all.iter().collect();
     assert_eq!(different.len(), all.len());
     keeps_folded(formula)
 }
 
 fn keeps_balanced(formula: &Formula) -> Formula {
-    for (term, operands) in asked(formula) {
+    for (term, operands) in used_nodes(formula) {
         assert!(operands.len() <= 2 || matches!(term, Term::Join(Op::AtLeast(_))));
     }
     formula.clone()
@@ -99,10 +99,10 @@ fn texts(formula: &Formula) -> Vec<String> {
 
 /// Checks that a pass keeps the value, satisfies its contract and is idempotent.
 fn check(written: &Written) {
-    for (name, run, promise) in PASSES {
+    for (name, run, contract) in PASSES {
         let once = run(&written.formula);
         written.check(&once, name);
-        promise(&once);
+        contract(&once);
         let twice = run(&once);
         assert_eq!(texts(&twice), texts(&once), "{name} twice, of {:?}", texts(&written.formula));
         assert_eq!(Size::of(&twice), Size::of(&once), "{name} twice");
@@ -124,7 +124,7 @@ fn all_formulas_of_two_operators() {
             let below = (written.count() - 1, number / 216 % 2 == 1);
             let operands = if number / 432 == 1 { [below, z] } else { [z, below] };
             written.join(second, &operands);
-            written.ask((written.count() - 1, number % 5 == 0));
+            written.add_output((written.count() - 1, number % 5 == 0));
             check(&written);
         }
     }
@@ -175,7 +175,7 @@ fn balanced_trees_are_as_low_as_can_be() {
         let mut formula = Formula::default();
         let leaves: Vec<Edge> = (0..count).map(|k| formula.leaf(LeafId::from(k))).collect();
         let all = formula.join(Op::Intersection, &leaves);
-        formula.ask(all);
+        formula.add_output(all);
         let least = (0..).find(|&h| 1 << h >= count).unwrap();
         assert_eq!(height(&balance(&formula)), least.max(1), "{count} leaves");
     }

@@ -7,11 +7,11 @@ use rayweave_model::simplify::{
 use rayweave_model::{Edge, LeafId};
 
 /// Five leaves and an output made of them.
-fn asked(make: impl Fn(&mut Formula, [Edge; 5]) -> Edge) -> Formula {
+fn formula_of(make: impl Fn(&mut Formula, [Edge; 5]) -> Edge) -> Formula {
     let mut formula = Formula::default();
     let leaves = std::array::from_fn(|k| formula.leaf(LeafId::from(k)));
     let output = make(&mut formula, leaves);
-    formula.ask(output);
+    formula.add_output(output);
     formula
 }
 
@@ -26,7 +26,7 @@ fn check(
     before: &str,
     after: &str,
 ) {
-    let written = asked(make);
+    let written = formula_of(make);
     assert_eq!(text(&written), before);
     assert_eq!(text(&pass(&written)), after);
 }
@@ -103,7 +103,7 @@ fn constants_and_repetitions_vanish() {
 
 #[test]
 fn equal_parts_are_stored_once() {
-    let twice = asked(|f, [a, b, c, ..]| {
+    let twice = formula_of(|f, [a, b, c, ..]| {
         let (ab, ba) = (f.join(Intersection, &[a, b]), f.join(Intersection, &[b, a]));
         let (x, y) = (f.join(Union, &[ab, c]), f.join(Union, &[c, ba]));
         f.join(SymmetricDifference, &[x, y.complement(), c])
@@ -111,7 +111,7 @@ fn equal_parts_are_stored_once() {
     let shared = share(&twice);
     // the two unions cancel, which leaves the complement of the third operand
     assert_eq!(text(&shared), "~2");
-    let used = asked(|f, [a, b, c, d, _]| {
+    let used = formula_of(|f, [a, b, c, d, _]| {
         let (ab, ba) = (f.join(Intersection, &[a, b]), f.join(Intersection, &[b, a]));
         let (x, y) = (f.join(Union, &[ab, c]), f.join(Union, &[ba, d]));
         f.join(Difference, &[x, y])
@@ -145,9 +145,9 @@ fn wide_nodes_become_binary_trees() {
 
 #[test]
 fn heights_count_operators() {
-    assert_eq!(height(&asked(|_, [a, ..]| a.complement())), 0);
-    assert_eq!(height(&asked(|_, _| Edge::UNIVERSE)), 0);
-    let chain = asked(|f, [a, b, c, d, e]| {
+    assert_eq!(height(&formula_of(|_, [a, ..]| a.complement())), 0);
+    assert_eq!(height(&formula_of(|_, _| Edge::UNIVERSE)), 0);
+    let chain = formula_of(|f, [a, b, c, d, e]| {
         [b, c, d, e].iter().fold(a, |chain, &leaf| f.join(Union, &[chain, leaf]).complement())
     });
     assert_eq!((height(&chain), height(&flatten(&chain)), height(&positive(&chain))), (4, 4, 4));
@@ -164,7 +164,7 @@ fn row() -> [Bounds; 5] {
 
 #[track_caller]
 fn check_pruned(make: impl Fn(&mut Formula, [Edge; 5]) -> Edge, after: &str) {
-    let (pruned, _) = prune(&asked(make), &row());
+    let (pruned, _) = prune(&formula_of(make), &row());
     assert_eq!(text(&fold(&pruned)), after);
 }
 

@@ -14,7 +14,7 @@ pub struct Written {
     pub formula: Formula,
     leaves: u32,
     tables: Vec<(Edge, Table)>,
-    pub asked: Vec<Table>,
+    pub outputs: Vec<Table>,
 }
 
 impl Written {
@@ -25,7 +25,7 @@ impl Written {
         for leaf in 0..leaves {
             tables.push((formula.leaf(LeafId(leaf)), leaf_table(leaf, leaves)));
         }
-        Written { formula, leaves, tables, asked: Vec::new() }
+        Written { formula, leaves, tables, outputs: Vec::new() }
     }
 
     /// The number of possible operands: empty, universe, the leaves, and the joins so far.
@@ -51,20 +51,20 @@ impl Written {
         self.tables.push((self.formula.join(op, &edges), table));
     }
 
-    pub fn ask(&mut self, operand: (usize, bool)) {
+    pub fn add_output(&mut self, operand: (usize, bool)) {
         let (edge, table) = self.operand(operand);
-        self.formula.ask(edge);
-        self.asked.push(table);
+        self.formula.add_output(edge);
+        self.outputs.push(table);
     }
 
     /// Compares the outputs of a formula that should be equivalent with the tables.
     #[track_caller]
     pub fn check(&self, prepared: &Formula, what: &str) {
         let mut values = Vec::new();
-        assert_eq!(prepared.outputs().len(), self.asked.len());
+        assert_eq!(prepared.outputs().len(), self.outputs.len());
         for assignment in 0..1usize << self.leaves {
             prepared.evaluate(|leaf| assignment >> leaf.0 & 1 == 1, &mut values);
-            for (&edge, table) in prepared.outputs().iter().zip(&self.asked) {
+            for (&edge, table) in prepared.outputs().iter().zip(&self.outputs) {
                 let value = values[edge.node().index()] ^ edge.is_complemented();
                 let expected = table[assignment / 64] >> (assignment % 64) & 1 == 1;
                 if value != expected {
@@ -152,7 +152,7 @@ impl Choices {
         for _ in 0..1 + self.below(3) {
             let number = if self.chance(5) { self.below(written.count()) } else { written.count() - 1 };
             let complemented = self.chance(3);
-            written.ask((number, complemented));
+            written.add_output((number, complemented));
         }
         written
     }

@@ -10,7 +10,7 @@ pub(super) fn read(reader: &mut Reader, datum: Spanned<Datum>, around: &mut Keys
     let span = datum.span;
     let mut keys = reader.keys("gradient", datum)?;
     let read = law(reader, &mut keys);
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     let map = transform(reader, around)?;
     reader.accept(read?.placed(&map), span)
 }

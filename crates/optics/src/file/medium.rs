@@ -142,7 +142,7 @@ fn described(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<R
         Some(datum) => Some(gradient::read(reader, datum, &mut keys)?),
         None => None,
     };
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     let base = base?;
     Some(match gradient {
         Some(gradient) => RegionMaterial::Material(Material::Transparent(base.graded(gradient))),

@@ -133,7 +133,7 @@ fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Key
     let folder = document.source.path().and_then(|path| path.parent()).unwrap_or(Path::new(""));
     let sources = source::read(reader, &mut keys, folder);
     sources.iter().for_each(|source| check_wavelengths(reader, source, &media));
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     let is_polarised = |source: &ReadSource| source.source.is_polarised();
     settings.polarised = polarised
         .unwrap_or_else(|| sheets.iter().any(Element::polarises) || sources.iter().any(is_polarised));
@@ -149,7 +149,7 @@ fn settings(reader: &mut Reader, keys: &mut Keys) -> (Settings, Option<bool>) {
     let default = Settings::default();
     let choices = [(Branches::Ideal, "ideal"), (Branches::Both, "both"), (Branches::Random, "random")];
     let branches = keys.take("branches").and_then(|datum| reader.choice("branches", datum, &choices));
-    let polarised = keys.take("polarised").and_then(|datum| reader.truth("polarised", datum));
+    let polarised = keys.take("polarised").and_then(|datum| reader.boolean("polarised", datum));
     let limit = keys.take("generation_limit");
     let limit = limit.and_then(|datum| reader.whole("generation_limit", datum, 0, u64::from(u32::MAX)));
     let threshold = keys.take("threshold").and_then(|datum| {

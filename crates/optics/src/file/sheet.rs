@@ -22,7 +22,7 @@ fn element(reader: &mut Reader, mut keys: Keys, taken: &mut Vec<String>) -> Opti
     let action = reader.need(&mut keys, "action").and_then(|datum| action(reader, datum));
     let span = keys.span();
     let map = transform(reader, &mut keys);
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     let sheet = reader.accept(sheet?.apply(&map?), span)?;
     Some(Element::sheet(&name?.value, sheet, action?))
 }
@@ -58,7 +58,7 @@ fn sheet(reader: &mut Reader, keys: &mut Keys) -> Option<Sheet> {
 fn opening(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Aperture> {
     let mut keys = reader.keys("opening", datum)?;
     let opening = aperture(reader, &mut keys);
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     opening
 }
 
@@ -123,10 +123,10 @@ fn grating(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Action> {
     let order = reader.need(&mut keys, "order");
     let order = order.and_then(|datum| reader.checked("order", datum, "a whole number", is_order));
     let reflects = match keys.take("reflects") {
-        Some(datum) => reader.truth("reflects", datum),
+        Some(datum) => reader.boolean("reflects", datum),
         None => Some(false),
     };
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     Some(Action::Grating { lines: lines?, order: order? as i32, reflects: reflects? })
 }
 

@@ -38,7 +38,7 @@ fn source(reader: &mut Reader, mut keys: Keys, folder: &Path) -> Option<ReadSour
     let stokes = stokes(reader, &mut keys);
     let seed = seed(reader, &mut keys).unwrap_or(0);
     let map = transform(reader, &mut keys);
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     // check each of them, even if another is invalid
     let spectrum = spectrum.filter(|spectrum| reader.accept(spectrum.wavelengths(), spectrum_at).is_some());
     let powered = emitter.and_then(|(source, _)| reader.accept(source.power(Power::Total(power?)), power_at));
@@ -97,7 +97,7 @@ fn pattern_source(
         "rays" => listed(reader, &mut own, folder),
         kind => pattern(reader, kind, &mut own),
     };
-    reader.refuse_the_rest(own);
+    reader.reject_unknown(own);
     let pattern = pattern?;
     let listed = if let Pattern::Rays(rays) = &pattern { Some(rays.clone()) } else { None };
     Some((reader.accept(Source::new(pattern), span)?, listed))
@@ -173,7 +173,7 @@ fn sampling(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<S
         }
         (Some(datum), None) => reader.choice("sampling", datum, &ways),
         (None, Some(datum)) => {
-            reader.truth("random", datum).map(|is_random| if is_random { "random" } else { "fibonacci" })
+            reader.boolean("random", datum).map(|is_random| if is_random { "random" } else { "fibonacci" })
         }
         (None, None) => Some("fibonacci"),
     };
@@ -191,7 +191,7 @@ fn spectrum(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Spectrum> {
 fn distribution(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Spectrum> {
     let mut keys = reader.keys("wavelength_nm", datum)?;
     let found = reader.one_of(&mut keys, &["band", "black_body", "table"]);
-    reader.refuse_the_rest(keys);
+    reader.reject_unknown(keys);
     let (kind, datum) = found?;
     match kind.value.as_str() {
         "band" => {

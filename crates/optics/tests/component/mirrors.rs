@@ -67,7 +67,7 @@ fn two_foci() {
 }
 
 #[test]
-fn spheres_reflect_radii_back_and_face_as_told() {
+fn spheres_reflect_radii_back_and_face_as_requested() {
     let blank = Blank::new(Aperture::circle(20.0), 4.0).off_axis(0.0, 15.0);
     for radius in [-50.0, 50.0] {
         for (blank, side) in [(blank, -1.0), (blank.turned(), 1.0)] {

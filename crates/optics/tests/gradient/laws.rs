@@ -34,8 +34,8 @@ fn light_finds_its_way_back() {
         let back = one(&system, Light::new(there, -last.direction, D_NM));
         let home = back[back.len() - 1];
         close(home.direction, -d, 1e-12);
-        let perturbation = (Vec3::new(x, y, -20.0) - home.start).cross(d);
-        close(perturbation, Vec3::ZERO, 1e-11);
+        let offset = (Vec3::new(x, y, -20.0) - home.start).cross(d);
+        close(offset, Vec3::ZERO, 1e-11);
         let length = (home.start - Vec3::new(x, y, -20.0)).length();
         near(home.path + 1.33 * (length - 10.0), last.path - 13.3 + 1.33 * 10.0, 1e-11);
     }
@@ -55,8 +55,8 @@ fn paths_name_what_light_meets() {
     assert!(found.segments.iter().any(|row| row.event == Event::Curved));
     let mut paths = Paths::default();
     paths.add(&found.segments);
-    let told: Vec<String> = paths.list().iter().map(|path| path.text(system.element_names())).collect();
-    assert_eq!(told, ["rod rod screen"]);
+    let texts: Vec<String> = paths.list().iter().map(|path| path.text(system.element_names())).collect();
+    assert_eq!(texts, ["rod rod screen"]);
 }
 
 /// Liouville's theorem: the determinant of the map of position and n times direction is 1 for every

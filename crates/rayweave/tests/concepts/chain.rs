@@ -31,12 +31,12 @@ pub fn compiled() -> Compiled {
 pub fn picture() -> String {
     let compiled = compiled();
     let program = compiled.program.clone();
-    let story = SingleHit::new(program.clone()).unwrap().explain(ray(), &Query::default());
+    let explanation = SingleHit::new(program.clone()).unwrap().explain(ray(), &Query::default());
     let mut sheet = Sheet::default();
     sheet.left("title", 20.0, 28.0, "What is next on the chain of eight balls, after it was entered?");
     balls(&mut sheet, &program);
     // the first query finds the entry into the chain, the second one the next crossing
-    let question = &story.questions[1];
+    let question = &explanation.questions[1];
     line(&mut sheet, question);
     let mut y = 268.0;
     for entry in &question.entries {
@@ -48,9 +48,9 @@ pub fn picture() -> String {
         format!("Answer: inside until t = {:.2}, then outside.", question.answer.t).replace('-', "\u{2212}");
     sheet.left("head", 20.0, y + 18.0, &answer);
     let legend =
-        "Arrow: from the time a ball was asked from to its answer. Open: nothing changes. Full: a change.";
+        "Arrow: from the time a ball was query from to its answer. Open: nothing changes. Full: a change.";
     sheet.left("tick", place(-62.0) + 204.0, y + 18.0, legend);
-    let description = "Eight overlapping circles with a ray; below it every leaf that is asked and every decision: ball \
+    let description = "Eight overlapping circles with a ray; below it every leaf that is query and every decision: ball \
                        after ball is left while the next is already entered, so that the union asks again, until ball 4 \
                        is left where no other ball is.";
     sheet.finish([WIDTH, y + 34.0], "Single hits on a chain of eight balls", description)
@@ -128,7 +128,7 @@ fn step(sheet: &mut Sheet, program: &Program, entry: &Entry, y: f64) {
     let text = match &entry.what {
         What::Leaf { leaf, t_min, answer, .. } => {
             let side = if leaf.index() % 2 == 0 { "a" } else { "b" };
-            asked(sheet, side, *t_min, *answer, middle);
+            query(sheet, side, *t_min, *answer, middle);
             answer_text(*answer)
         }
         What::Gate { verdict, .. } => decided(sheet, *verdict, program, entry, middle),
@@ -136,7 +136,7 @@ fn step(sheet: &mut Sheet, program: &Program, entry: &Entry, y: f64) {
     sheet.left("tick", 762.0, middle + 4.0, &text.replace('-', "\u{2212}"));
 }
 
-fn asked(sheet: &mut Sheet, side: &str, t_min: f64, answer: Next, y: f64) {
+fn query(sheet: &mut Sheet, side: &str, t_min: f64, answer: Next, y: f64) {
     let (from, to) = (place(t_min), place(answer.time()));
     sheet.svg.circle(side, [from, y], 2.2, "");
     sheet.line(&format!("thread of-{side}"), [from, y], [to, y]);
@@ -160,17 +160,17 @@ fn decided(sheet: &mut Sheet, verdict: Verdict, program: &Program, entry: &Entry
             let way = if step.before < step.after { "entered" } else { "left" };
             format!("{way} at {:.2} (rule 3)", step.t)
         }
-        Verdict::AskAgain { t, first, .. } => {
+        Verdict::QueryAgain { t, first, .. } => {
             sheet.svg.circle("ring of-r", [place(t), y], 4.5, "");
             let What::Gate { operands, .. } = &entry.what else { return String::new() };
-            let asked = operands[usize::from(!first)].node;
-            let inner = Entry { node: asked, begin: begin(entry, operands, asked), ..entry.clone() };
+            let query = operands[usize::from(!first)].node;
+            let inner = Entry { node: query, begin: begin(entry, operands, query), ..entry.clone() };
             format!("nothing changes: ask {} (rule 4)", name(program, &inner))
         }
     }
 }
 
 /// The first post-order place of the subtree of an operand.
-fn begin(entry: &Entry, operands: &[rayweave::trace::single_hit::Operand; 2], asked: usize) -> usize {
-    if asked == operands[0].node { entry.begin } else { operands[0].node + 1 }
+fn begin(entry: &Entry, operands: &[rayweave::trace::single_hit::Operand; 2], query: usize) -> usize {
+    if query == operands[0].node { entry.begin } else { operands[0].node + 1 }
 }

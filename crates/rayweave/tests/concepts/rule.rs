@@ -63,9 +63,9 @@ fn words(verdict: Verdict) -> (&'static str, &'static str) {
         Verdict::Fixed(_) => ("inside for good", "n tint"),
         Verdict::Changes(step) if step.before < step.after => ("enter", "b tint"),
         Verdict::Changes(_) => ("exit", "r tint"),
-        Verdict::AskAgain { first: true, second: true, .. } => ("ask both again", "a tint"),
-        Verdict::AskAgain { first: true, .. } => ("ask A again", "a tint"),
-        Verdict::AskAgain { .. } => ("ask B again", "a tint"),
+        Verdict::QueryAgain { first: true, second: true, .. } => ("ask both again", "a tint"),
+        Verdict::QueryAgain { first: true, .. } => ("ask A again", "a tint"),
+        Verdict::QueryAgain { .. } => ("ask B again", "a tint"),
     }
 }
 

@@ -22,7 +22,7 @@ pub fn run(data: &[u8]) {
             let again = parse(&written).unwrap_or_else(|problems| panic!("{written}\n{problems}"));
             assert_eq!(again, (document, scene.clone()), "{written}");
             rebuilt(&scene);
-            ask(&scene);
+            trace(&scene);
         }
         Err(problems) => {
             assert!(problems.has_errors());
@@ -40,7 +40,7 @@ fn rebuilt(scene: &Scene) {
     assert_eq!(again.regions, scene.regions, "{text}");
 }
 
-fn ask(scene: &Scene) {
+fn trace(scene: &Scene) {
     let compiled = match Compiled::new(scene) {
         Ok(compiled) => compiled,
         Err(error) => return assert!(!error.to_string().is_empty()),

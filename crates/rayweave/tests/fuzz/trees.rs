@@ -37,17 +37,17 @@ pub fn run(data: &[u8]) {
     };
     let batch: RayBatch = (0..4).map(|_| ray(&mut bytes)).filter(|ray| ray.check().is_ok()).collect();
     for query in [Query::default(), Query::nearest(), window(&mut bytes)] {
-        ask(&program, batch.rays(), &query);
+        trace(&program, batch.rays(), &query);
     }
     if !batch.rays().is_empty() {
         match explain(&program, batch.rays().get(0), Window::ALL) {
-            Ok(told) => assert!(told.to_string().ends_with("steps.)\n")),
+            Ok(explanation) => assert!(explanation.to_string().ends_with("steps.)\n")),
             Err(error) => assert_eq!(error.kind(), ErrorKind::Compile),
         }
     }
 }
 
-fn ask(program: &Arc<Program>, rays: Rays<'_>, query: &Query<'_>) {
+fn trace(program: &Arc<Program>, rays: Rays<'_>, query: &Query<'_>) {
     // some evaluators reject models with much sharing
     let evaluators =
         AnyEvaluator::NAMES.iter().flat_map(|name| AnyEvaluator::new(Some(name), program.clone()));

@@ -106,10 +106,10 @@ const KEPT: [[usize; 2]; 3] = [[0, 3], [1, 2], [0, 1]];
 #[test]
 fn lists_are_filtered() {
     let (xs, shapes) = ([1.0, 2.0, 3.0, 4.0], ["s1", "s2", "s1", "s2"]);
-    let stretch = |name: &str, lo: f64, hi: f64| {
+    let span = |name: &str, lo: f64, hi: f64| {
         box_from_corners([lo, -1.0, -1.0], [hi, 1.0, 1.0]).unwrap().named(name)
     };
-    let (s1, s2) = (stretch("s1", xs[0], xs[2]), stretch("s2", xs[1], xs[3]));
+    let (s1, s2) = (span("s1", xs[0], xs[2]), span("s2", xs[1], xs[3]));
     for (operation, kept) in OPERATIONS.into_iter().zip(KEPT) {
         let expected = kept.map(|k| xs[k]);
         let found = array_csg_1d(&[xs[0], xs[2]], &[xs[1], xs[3]], operation, CsgOptions::default()).unwrap();

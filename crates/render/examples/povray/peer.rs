@@ -41,7 +41,7 @@ impl Peer {
         let said = String::from_utf8_lossy(&output.stderr);
         let trace = said.split("Trace Time:").nth(1).ok_or_else(|| format!("no picture: {said}"))?;
         let time = trace.split("with").nth(1).and_then(|rest| rest.split_whitespace().next());
-        Ok(time.ok_or("no time is told")?.parse()?)
+        Ok(time.ok_or("no time is printed")?.parse()?)
     }
 
     /// The rendered picture.

@@ -30,8 +30,8 @@ impl Comparison {
 
     /// A light above the left shoulder of the viewer, at the same distance.
     pub fn light(&self, camera: &Camera) -> Light {
-        let perturbation = 0.5 * camera.up() - 0.45 * camera.right();
-        let at = camera.position() + camera.position().length() * perturbation;
+        let offset = 0.5 * camera.up() - 0.45 * camera.right();
+        let at = camera.position() + camera.position().length() * offset;
         Light { kind: LightKind::Position(at), intensity: 1.0, colour: Colour::WHITE }
     }
 }

@@ -4,7 +4,7 @@ use super::merged::MergedHit;
 use super::{HitArrayBuf, MergedHits};
 use crate::CountRule;
 
-/// The hits of a boolean function of many solids, exact: entries with equal times flip together.
+/// The hits of a boolean function of many solids, exact: entries with equal times toggle together.
 ///
 /// An operand is an array (empty if its number of columns differs) and a flag, `true` for its complement. The method is the
 /// surface count of Frazier's code for any number of operands: +1 where a ray enters an operand, -1 where it leaves; a

@@ -25,7 +25,7 @@ pub enum Regularize<T = f64> {
     /// Keeps pieces of length zero, as Frazier's code does.
     #[default]
     No,
-    /// Entries with equal times flip together, which removes pieces of length zero.
+    /// Entries with equal times toggle together, which removes pieces of length zero.
     Exact,
     /// As `Exact`, then drops pieces shorter than this length (finite, not negative; differences are computed in `T`). A run of
     /// times, each closer than this length to the next, is dropped, except for its last time if the run has odd length.

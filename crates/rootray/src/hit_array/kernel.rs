@@ -23,7 +23,7 @@ impl TruthTable {
     }
 }
 
-/// The entries of two sorted columns in stable order, each with the bit that it flips: 1 for the first, 2 for the second.
+/// The entries of two sorted columns in stable order, each with the bit that it toggles: 1 for the first, 2 for the second.
 pub(super) struct Merge<'a, T> {
     first: &'a [T],
     second: &'a [T],
@@ -74,7 +74,7 @@ pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &
     }
 }
 
-/// Writes the crossings of the exact algebra, then +inf: entries with equal times flip together. A result
+/// Writes the crossings of the exact algebra, then +inf: entries with equal times toggle together. A result
 /// that is inside at -inf begins with -inf.
 pub(super) fn regularize<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let (mut kept, mut before, mut state) = (0, 0, 0);

@@ -12,8 +12,8 @@
 //! is kept exactly if the state changes at it. Kept +inf entries cannot be distinguished from dropped ones.
 //! An entry of -inf is an ordinary entry, the first of its column, and stays -inf if it is kept.
 //!
-//! Entries of both arrays with the same time flip one after the other, so that pieces of length zero may
-//! occur, and union and intersection do not commute. [`Regularize`] removes them: equal times flip together,
+//! Entries of both arrays with the same time toggle one after the other, so that pieces of length zero may
+//! occur, and union and intersection do not commute. [`Regularize`] removes them: equal times toggle together,
 //! as in [`RootRay`](crate::RootRay)'s algebra, and pieces shorter than a given length may be welded.
 //!
 //! [`array_csg_into`] combines one ray per SIMD lane, with SSE2, AVX2 or AVX-512 (NEON and WebAssembly are compiled but not

@@ -74,8 +74,8 @@ pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) 
     }
     if repair && let Some((mended, done)) = found.mesh.auto_repaired() {
         for (count, what) in done.summary() {
-            let told = format!("the mesh in `{}` was repaired: {count} {what}", file.value);
-            context.push(Diagnostic::warning(told), file.span);
+            let repair = format!("the mesh in `{}` was repaired: {count} {what}", file.value);
+            context.push(Diagnostic::warning(repair), file.span);
         }
         return diagnosed(context, file, &mended, true);
     }
@@ -92,9 +92,9 @@ fn diagnosed(
     match Polyhedron::closed(mesh, &diagnosis) {
         Ok(solid) => {
             if !diagnosis.is_sound() {
-                let doubt = format!("the mesh in `{}` may not be what was meant: {diagnosis}", file.value);
+                let problem = format!("the mesh in `{}` may not be what was meant: {diagnosis}", file.value);
                 let why = "inside is where a line from infinity has crossed it an odd number of times";
-                context.push(Diagnostic::warning(doubt).why(why), file.span);
+                context.push(Diagnostic::warning(problem).why(why), file.span);
             }
             Some(solid.into())
         }

@@ -271,7 +271,7 @@ fn mesh(
     let mut repair = false;
     for (name, value) in arguments.iter().filter(|(name, _)| name.value != "file") {
         match (name.value.as_str(), &value.value) {
-            ("repair", Datum::Truth(given)) => repair = *given,
+            ("repair", Datum::Boolean(given)) => repair = *given,
             ("repair", other) => return wrong_type(context, "repair", other, "true or false", value.span),
             _ => {
                 let problem = Diagnostic::error("the mesh has a file and something else");

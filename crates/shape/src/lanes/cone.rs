@@ -1,7 +1,7 @@
 //! Cones in SIMD lanes, equal to [`Cone::crossings`].
 
 use super::quadratic::{Form, Roots, Size};
-use super::ray::{Doubt, LaneRay};
+use super::ray::{LaneRay, Uncertain};
 use super::vector::{Lanes, Vec3Lanes, splat};
 use crate::surface::Cone;
 use fearless_simd::Simd;
@@ -22,13 +22,18 @@ struct Line<S: Simd> {
 
 /// Roots of the rays with the cone.
 #[inline(always)]
-pub(super) fn roots<S: Simd>(simd: S, cone: &Cone, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> Roots<S> {
+pub(super) fn roots<S: Simd>(
+    simd: S,
+    cone: &Cone,
+    ray: &LaneRay<S>,
+    uncertain: &mut Uncertain<S>,
+) -> Roots<S> {
     let shift = ray.origin.taken_from(cone.apex).dot(ray.direction) / ray.square;
     let place = ray.origin.minus_all(cone.apex).plus(ray.direction.times(shift));
     let (height, from) = split(cone, place);
     let (rise, along) = split(cone, ray.direction);
     let size = Size { place, bend: bend(cone), linear: 0.0, constant: 0.0 };
-    Line { shift, height, from, rise, along }.roots(simd, ray, Some(size), doubt)
+    Line { shift, height, from, rise, along }.roots(simd, ray, Some(size), uncertain)
 }
 
 #[inline(always)]

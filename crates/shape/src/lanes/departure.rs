@@ -4,7 +4,7 @@
 
 use super::cone;
 use super::facet::{Facet, Kernel};
-use super::ray::{Doubt, LaneRay, infinite};
+use super::ray::{LaneRay, Uncertain, infinite};
 use super::span::{Gap, Span};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use crate::surface::{Cylinder, Plane, Sphere};
@@ -42,18 +42,18 @@ impl Facet {
         ray: &LaneRay<S>,
         starts: &LaneStarts<S>,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         let [low, high] = self.surfaces;
         let is_listed = starts.surface.simd_eq(low) | starts.surface.simd_eq(high);
         if !is_listed.any_true() {
-            return self.narrow(simd, ray, span, doubt);
+            return self.narrow(simd, ray, span, uncertain);
         }
         let Some(planes) = self.planes() else {
-            return self.depart(simd, ray, starts, span, doubt);
+            return self.depart(simd, ray, starts, span, uncertain);
         };
         for plane in planes {
-            plane.depart(simd, ray, starts, span, doubt);
+            plane.depart(simd, ray, starts, span, uncertain);
         }
         None
     }
@@ -96,14 +96,14 @@ impl Facet {
         ray: &LaneRay<S>,
         starts: &LaneStarts<S>,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
-        let (ray, starts, mut copies) = (*ray, *starts, (*span, *doubt));
+        let (ray, starts, mut copies) = (*ray, *starts, (*span, *uncertain));
         let gap = simd.vectorize(
             #[inline(always)]
             || self.depart_here(simd, &ray, &starts, &mut copies.0, &mut copies.1),
         );
-        (*span, *doubt) = copies;
+        (*span, *uncertain) = copies;
         gap
     }
 
@@ -114,23 +114,23 @@ impl Facet {
         ray: &LaneRay<S>,
         starts: &LaneStarts<S>,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         let is_listed = starts.surface.simd_eq(self.surfaces[0]);
-        let (mut listed_span, mut listed_doubt) = (*span, *doubt);
-        self.narrow_listed(simd, ray, starts.inside, &mut listed_span, &mut listed_doubt);
+        let (mut listed_span, mut listed_uncertain) = (*span, *uncertain);
+        self.narrow_listed(simd, ray, starts.inside, &mut listed_span, &mut listed_uncertain);
         let [plus, minus] = infinite(simd);
         if is_listed.all_true() {
-            (*span, *doubt) = (listed_span, listed_doubt);
+            (*span, *uncertain) = (listed_span, listed_uncertain);
             return Some(Gap { from: plus, to: minus });
         }
-        let gap = self.narrow(simd, ray, span, doubt);
+        let gap = self.narrow(simd, ray, span, uncertain);
         span.from = is_listed.select(listed_span.from, span.from);
         span.to = is_listed.select(listed_span.to, span.to);
         span.from_face = is_listed.select(listed_span.from_face, span.from_face);
         span.to_face = is_listed.select(listed_span.to_face, span.to_face);
-        doubt.always = (is_listed & listed_doubt.always) | (!is_listed & doubt.always);
-        doubt.grazes = (is_listed & listed_doubt.grazes) | (!is_listed & doubt.grazes);
+        uncertain.always = (is_listed & listed_uncertain.always) | (!is_listed & uncertain.always);
+        uncertain.grazes = (is_listed & listed_uncertain.grazes) | (!is_listed & uncertain.grazes);
         match gap {
             Some(gap) => {
                 Some(Gap { from: is_listed.select(plus, gap.from), to: is_listed.select(minus, gap.to) })
@@ -147,21 +147,21 @@ impl Facet {
         ray: &LaneRay<S>,
         inside: Mask<S>,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) {
         let Again { t, unsure, slow } = self.kernel.again(simd, ray, inside);
         let [plus, minus] = infinite(simd);
         let holds = if self.inside { inside } else { !inside };
         let is_met = t.simd_lt(plus);
-        doubt.always |= unsure;
+        uncertain.always |= unsure;
         if self.is_one_piece {
             // at equal times the first face is reported, but the other face comes before this one
-            doubt.always |= is_met & (t.simd_eq(span.from) | t.simd_eq(span.to));
+            uncertain.always |= is_met & (t.simd_eq(span.from) | t.simd_eq(span.to));
         }
         let face = splat(simd, self.face);
         let begins = span.begin_after(holds.select(minus, t), face);
         let ends = span.end_before(holds.select(t, plus), face);
-        doubt.grazes |= slow & is_met & (begins | ends);
+        uncertain.grazes |= slow & is_met & (begins | ends);
     }
 }
 

@@ -3,9 +3,9 @@
 use super::axis::{AxisCylinder, AxisSlab, axis_of_plane};
 use super::quadratic::Roots;
 use super::quadric::LaneQuadric;
-use super::ray::{Doubt, LaneRay};
+use super::ray::{LaneRay, Uncertain};
 use super::span::{Gap, Span};
-use super::torus::{LaneTorus, Stretch};
+use super::torus::{LaneTorus, TorusInterval};
 use super::vector::{Lanes, Mask, splat};
 use crate::surface::{Cone, Cylinder, Plane, Sphere, Surface};
 use fearless_simd::Simd;
@@ -168,24 +168,24 @@ impl Facet {
         simd: S,
         ray: &LaneRay<S>,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         match &self.kernel {
             &Kernel::AxisPlane { axis, sign, offset } => {
                 let height = splat(simd, offset) - ray.origin.component(axis.into()) * sign;
                 let speed = ray.direction.component(axis.into()) * sign;
-                self.plane(simd, ray, [height, speed], span, doubt);
+                self.plane(simd, ray, [height, speed], span, uncertain);
                 None
             }
             Kernel::Plane(plane) => {
                 let height = splat(simd, plane.offset) - ray.origin.dot_all(plane.normal);
                 let speed = ray.direction.dot_all(plane.normal);
-                self.plane(simd, ray, [height, speed], span, doubt);
+                self.plane(simd, ray, [height, speed], span, uncertain);
                 None
             }
             Kernel::Sphere(sphere) => {
                 let (from, to) = sphere_times(simd, sphere, ray);
-                self.stretch(simd, from, to, span)
+                self.apply_interval(simd, from, to, span)
             }
             Kernel::Cylinder(cylinder) => {
                 let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
@@ -194,8 +194,8 @@ impl Facet {
                 let closest = closest(simd, square, from.dot(along));
                 let apart = from.plus(along.times(closest)).length_squared();
                 let across = Across { radius: cylinder.radius, square, closest, apart };
-                let (from, to) = cylinder_times(simd, &across, ray, doubt);
-                self.stretch(simd, from, to, span)
+                let (from, to) = cylinder_times(simd, &across, ray, uncertain);
+                self.apply_interval(simd, from, to, span)
             }
             Kernel::AxisCylinder(cylinder) => {
                 let ([x, y], [u, v]) = cylinder.across(ray);
@@ -203,22 +203,22 @@ impl Facet {
                 let closest = closest(simd, square, x * u + y * v);
                 let (x, y) = (x + closest * u, y + closest * v);
                 let across = Across { radius: cylinder.radius, square, closest, apart: x * x + y * y };
-                let (from, to) = cylinder_times(simd, &across, ray, doubt);
-                self.stretch(simd, from, to, span)
+                let (from, to) = cylinder_times(simd, &across, ray, uncertain);
+                self.apply_interval(simd, from, to, span)
             }
             Kernel::AxisSlab(_) | Kernel::Slab(_) => {
-                self.slab(simd, ray, span, doubt);
+                self.slab(simd, ray, span, uncertain);
                 None
             }
-            Kernel::Torus(torus) => Some(self.torus(simd, torus, ray, span, doubt)),
+            Kernel::Torus(torus) => Some(self.torus(simd, torus, ray, span, uncertain)),
             Kernel::Cone(_) | Kernel::Quadric(_) => {
                 // out of line and on copies, so that the most frequent kernels stay in registers
-                let (ray, mut copies) = (*ray, (*span, *doubt));
+                let (ray, mut copies) = (*ray, (*span, *uncertain));
                 let gap = simd.vectorize(
                     #[inline(always)]
                     || self.narrow_curved(simd, &ray, &mut copies.0, &mut copies.1),
                 );
-                (*span, *doubt) = copies;
+                (*span, *uncertain) = copies;
                 gap
             }
         }
@@ -231,16 +231,16 @@ impl Facet {
         simd: S,
         ray: &LaneRay<S>,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         match &self.kernel {
             Kernel::Cone(cone) => {
-                let roots = super::cone::roots(simd, cone, ray, doubt);
-                self.second_degree(simd, ray, &roots, super::cone::bend(cone), span, doubt)
+                let roots = super::cone::roots(simd, cone, ray, uncertain);
+                self.second_degree(simd, ray, &roots, super::cone::bend(cone), span, uncertain)
             }
             Kernel::Quadric(quadric) => {
-                let roots = quadric.roots(simd, ray, doubt);
-                self.second_degree(simd, ray, &roots, 1.0, span, doubt)
+                let roots = quadric.roots(simd, ray, uncertain);
+                self.second_degree(simd, ray, &roots, 1.0, span, uncertain)
             }
             _ => None,
         }
@@ -254,28 +254,28 @@ impl Facet {
         torus: &LaneTorus,
         ray: &LaneRay<S>,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Gap<S> {
         let approach = torus.approach(ray);
-        let asked = torus.may_meet(ray, &approach) & span.is_some();
-        let stretch = if asked.any_true() {
-            let (ray, mut copy) = (*ray, *doubt);
-            let stretch = simd.vectorize(
+        let queried = torus.may_meet(ray, &approach) & span.is_some();
+        let interval = if queried.any_true() {
+            let (ray, mut copy) = (*ray, *uncertain);
+            let interval = simd.vectorize(
                 #[inline(always)]
-                || torus.stretch(simd, &ray, &approach, asked, &mut copy),
+                || torus.interval(simd, &ray, &approach, queried, &mut copy),
             );
-            *doubt = copy;
-            stretch
+            *uncertain = copy;
+            interval
         } else {
-            Stretch::none(simd)
+            TorusInterval::none(simd)
         };
-        self.stretch(simd, stretch.from, stretch.to, span);
-        stretch.gap
+        self.apply_interval(simd, interval.from, interval.to, span);
+        interval.gap
     }
 
     /// Two parallel planes that face away from each other: crossed at the same speed, one after the other.
     #[inline(always)]
-    fn slab<S: Simd>(&self, simd: S, ray: &LaneRay<S>, span: &mut Span<S>, doubt: &mut Doubt<S>) {
+    fn slab<S: Simd>(&self, simd: S, ray: &LaneRay<S>, span: &mut Span<S>, uncertain: &mut Uncertain<S>) {
         let (origin, speed, low, high) = match &self.kernel {
             Kernel::AxisSlab(AxisSlab { axis, low, high }) => {
                 let axis = (*axis).into();
@@ -299,11 +299,11 @@ impl Facet {
             // c - n . r(middle)
             let shift = ray.middle * speed;
             let near = (below + shift).abs().min((above - shift).abs());
-            doubt.always |= slow & near.simd_le(ray.near);
+            uncertain.always |= slow & near.simd_le(ray.near);
             let zero = splat(simd, 0.0);
             let parallel = speed.simd_eq(zero);
             // the time is out of range
-            doubt.always |= !finite & !parallel;
+            uncertain.always |= !finite & !parallel;
             let holds = below.simd_gt(zero) & above.simd_gt(zero);
             from = parallel.select(holds.select(minus, plus), from);
             to = parallel.select(holds.select(plus, minus), to);
@@ -311,7 +311,7 @@ impl Facet {
         }
         let begins = span.begin_after(from, rises.select(low_face, high_face));
         let ends = span.end_before(to, rises.select(high_face, low_face));
-        doubt.grazes |= grazes & (begins | ends);
+        uncertain.grazes |= grazes & (begins | ends);
     }
 
     /// A surface of degree 2: for some rays it holds between the roots, for others outside of them.
@@ -323,7 +323,7 @@ impl Facet {
         roots: &Roots<S>,
         bend: f64,
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         let [plus, minus] = super::ray::infinite(simd);
         let narrows = if self.inside { !roots.opens } else { roots.opens };
@@ -333,7 +333,7 @@ impl Facet {
         if self.is_one_piece {
             let [before, after] = gap.pieces(span);
             // at equal times the first face is reported, but the other face comes before this one
-            doubt.always |= (before & after) | Self::meets_ends(roots, span);
+            uncertain.always |= (before & after) | Self::meets_ends(roots, span);
             let cuts = gap.from.simd_lt(gap.to);
             to = (cuts & before).select(gap.from, to);
             from = (cuts & !before).select(gap.to, from);
@@ -342,8 +342,8 @@ impl Facet {
         let (begins, ends) = (span.begin_after(from, face), span.end_before(to, face));
         if roots.is_slow(ray).any_true() {
             let either = (!narrows & (begins | ends)) | gap.from.simd_lt(gap.to);
-            doubt.grazes |= (begins | either) & roots.is_gentle(ray, roots.from, bend);
-            doubt.grazes |= (ends | either) & roots.is_gentle(ray, roots.to, bend);
+            uncertain.grazes |= (begins | either) & roots.is_gentle(ray, roots.from, bend);
+            uncertain.grazes |= (ends | either) & roots.is_gentle(ray, roots.to, bend);
         }
         Some(gap)
     }
@@ -358,7 +358,13 @@ impl Facet {
 
     /// Intersects the span with the interval in which f < 0, or returns that interval as a gap.
     #[inline(always)]
-    fn stretch<S: Simd>(&self, simd: S, from: Lanes<S>, to: Lanes<S>, span: &mut Span<S>) -> Option<Gap<S>> {
+    fn apply_interval<S: Simd>(
+        &self,
+        simd: S,
+        from: Lanes<S>,
+        to: Lanes<S>,
+        span: &mut Span<S>,
+    ) -> Option<Gap<S>> {
         if !self.inside {
             return Some(Gap { from, to });
         }
@@ -375,7 +381,7 @@ impl Facet {
         ray: &LaneRay<S>,
         [height, speed]: [Lanes<S>; 2],
         span: &mut Span<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) {
         let t = height / speed + 0.0;
         let [plus, minus] = super::ray::infinite(simd);
@@ -394,8 +400,8 @@ impl Facet {
         if slow.any_true() {
             // c - n . r(middle)
             let value = height - ray.middle * speed;
-            doubt.always |= slow & value.abs().simd_le(ray.near);
-            doubt.grazes |= slow & finite & (begins | ends);
+            uncertain.always |= slow & value.abs().simd_le(ray.near);
+            uncertain.grazes |= slow & finite & (begins | ends);
         }
     }
 }
@@ -435,7 +441,7 @@ fn cylinder_times<S: Simd>(
     simd: S,
     across: &Across<S>,
     ray: &LaneRay<S>,
-    doubt: &mut Doubt<S>,
+    uncertain: &mut Uncertain<S>,
 ) -> (Lanes<S>, Lanes<S>) {
     let &Across { radius, square, closest, apart } = across;
     let slow = square.simd_lt(ray.slow_square);
@@ -451,13 +457,13 @@ fn cylinder_times<S: Simd>(
     // |f| <= delta (|grad f| + delta), squared, with 2 (x^2 + y^2) >= (x + y)^2
     let near = ray.near * ray.near;
     let bound = near * (slope.abs() * 4.0 + near) * 2.0;
-    doubt.always |= (value * value).simd_le(bound);
+    uncertain.always |= (value * value).simd_le(bound);
     let (mut from, mut to) = or_empty(simd, enters, closest, half);
     if any_slow {
         let parallel = square.simd_eq(zero);
-        doubt.grazes |= slow & enters & !parallel;
+        uncertain.grazes |= slow & enters & !parallel;
         // half of the interval may be infinite although its square is not
-        doubt.always |= enters & !parallel & !half.simd_lt(f64::INFINITY);
+        uncertain.always |= enters & !parallel & !half.simd_lt(f64::INFINITY);
         let [plus, minus] = super::ray::infinite(simd);
         let holds: Mask<S> = parallel & enters;
         (from, to) = (holds.select(minus, from), holds.select(plus, to));

@@ -2,7 +2,7 @@
 //!
 //! Each lane performs the operations of the scalar kernel in the same order, and so computes the same bits: the scalar
 //! kernel is the specification. If a lane cannot do that (the ray may lie in a surface, numbers are near the ends of the
-//! range), it raises a [`Doubt`], and the ray falls back to the scalar kernel.
+//! range), it raises a [`Uncertain`], and the ray falls back to the scalar kernel.
 //!
 //! All functions are generic over the instruction set and must be inlined into a caller that is compiled for it
 //! ([`fearless_simd::dispatch`]).
@@ -25,7 +25,7 @@ pub use departure::LaneStarts;
 pub use facet::{Facet, Kernel, Slab};
 pub use gradient::Gradient;
 pub use quadric::LaneQuadric;
-pub use ray::{Doubt, LaneLimits, LaneRay};
+pub use ray::{LaneLimits, LaneRay, Uncertain};
 pub use span::{Gap, Span};
 pub use torus::LaneTorus;
 pub use vector::{LANES, Lanes, Mask, Vec3Lanes, splat};

@@ -3,7 +3,7 @@
 //! The operations are those of [`quadratic_crossings`](crate::surface::quadratic_crossings) and
 //! [`quadratic`](fn@rayweave_math::roots::quadratic), which document their derivation.
 
-use super::ray::{Doubt, LaneRay};
+use super::ray::{LaneRay, Uncertain};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -21,11 +21,17 @@ pub(super) trait Form<S: Simd> {
 
     /// The roots. For a ruled surface, `size` makes lanes uncertain whose ray may lie in the surface.
     #[inline(always)]
-    fn roots(&self, simd: S, ray: &LaneRay<S>, size: Option<Size<S>>, doubt: &mut Doubt<S>) -> Roots<S> {
+    fn roots(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        size: Option<Size<S>>,
+        uncertain: &mut Uncertain<S>,
+    ) -> Roots<S> {
         let (zero, a) = (splat(simd, 0.0), self.square());
         let ([mut b, mut c], mut shift) = (self.at(zero), self.shift());
         if let Some(size) = size {
-            doubt.always |= may_lie_in(ray, ray.middle - shift, [a, b, c], &size);
+            uncertain.always |= may_lie_in(ray, ray.middle - shift, [a, b, c], &size);
         }
         // b^2 and a c are equal within a factor of 2
         let square = b * b;
@@ -36,7 +42,7 @@ pub(super) trait Form<S: Simd> {
             [b, c] = self.at(again);
             shift += again;
         }
-        doubt.always |= !(in_fast_range(a) & in_fast_range(b) & in_fast_range(c));
+        uncertain.always |= !(in_fast_range(a) & in_fast_range(b) & in_fast_range(c));
         let mut roots = solved(simd, shift, [a, b, c]);
         let linear = a.simd_eq(zero);
         if linear.any_true() {

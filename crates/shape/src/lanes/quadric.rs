@@ -1,7 +1,7 @@
 //! Quadrics in SIMD lanes, equal to [`Quadric::crossings`].
 
 use super::quadratic::{Form, Roots, Size};
-use super::ray::{Doubt, LaneRay};
+use super::ray::{LaneRay, Uncertain};
 use super::vector::{Lanes, Vec3Lanes, splat};
 use crate::surface::Quadric;
 use fearless_simd::Simd;
@@ -43,7 +43,7 @@ impl LaneQuadric {
 
     /// Roots of the rays with the quadric.
     #[inline(always)]
-    pub(super) fn roots<S: Simd>(&self, simd: S, ray: &LaneRay<S>, doubt: &mut Doubt<S>) -> Roots<S> {
+    pub(super) fn roots<S: Simd>(&self, simd: S, ray: &LaneRay<S>, uncertain: &mut Uncertain<S>) -> Roots<S> {
         let Quadric { centre, weights, linear, constant, .. } = self.quadric;
         let shift = ray.origin.taken_from(centre).dot(ray.direction) / ray.square;
         let place = ray.origin.minus_all(centre).plus(ray.direction.times(shift));
@@ -51,7 +51,7 @@ impl LaneQuadric {
         let (x, v) = (self.coordinates(place), self.coordinates(ray.direction));
         let size = Size { place, bend: 1.0, linear: self.linear, constant };
         let line = Line { shift, weights, x, v, level, rise };
-        line.roots(simd, ray, self.is_ruled.then_some(size), doubt)
+        line.roots(simd, ray, self.is_ruled.then_some(size), uncertain)
     }
 
     /// `[a, b]` of f along rays from the surface, `a t^2 + 2 b t`.

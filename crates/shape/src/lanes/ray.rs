@@ -23,7 +23,7 @@ pub struct LaneLimits {
 
 /// Uncertain lanes, which fall back to the scalar kernels.
 #[derive(Clone, Copy, Debug)]
-pub struct Doubt<S: Simd> {
+pub struct Uncertain<S: Simd> {
     /// Unconditionally uncertain: the ray may lie in a surface, or numbers are near the ends of the range.
     pub always: Mask<S>,
     /// Uncertain if two crossings are close to each other: at one of them the ray grazes a surface.
@@ -70,7 +70,7 @@ impl<S: Simd> LaneRay<S> {
         origin: Vec3Lanes<S>,
         direction: Vec3Lanes<S>,
         limits: &LaneLimits,
-    ) -> (Self, Doubt<S>) {
+    ) -> (Self, Uncertain<S>) {
         LaneRay::carried(simd, origin, direction, limits, splat(simd, 0.0))
     }
 
@@ -82,7 +82,7 @@ impl<S: Simd> LaneRay<S> {
         direction: Vec3Lanes<S>,
         limits: &LaneLimits,
         magnitude: Lanes<S>,
-    ) -> (Self, Doubt<S>) {
+    ) -> (Self, Uncertain<S>) {
         let square = direction.length_squared();
         let middle = origin.taken_from(limits.centre).dot(direction) / square;
         let (from, speed) = (origin.taxicab(), direction.taxicab());
@@ -95,15 +95,15 @@ impl<S: Simd> LaneRay<S> {
         let in_range = speed.simd_gt(1e-80) & speed.simd_lt(1e80) & from.simd_lt(1e80);
         let has_chord = (near * LEAST).simd_lt(limits.radius);
         let never = Mask::splat(simd, false);
-        let doubt = Doubt { always: !(in_range & has_chord), grazes: never };
+        let uncertain = Uncertain { always: !(in_range & has_chord), grazes: never };
         let slow_square = square * SLOW_SQUARE;
         let ray =
             LaneRay { origin, direction, square, middle, near, slow_plane, slow_square, lengths, speed };
-        (ray, doubt)
+        (ray, uncertain)
     }
 
     /// True if the piece between two neighbouring times may lie within the tolerance of a surface that it crosses at its
-    /// ends, assuming that neither crossing is grazing (or that both bounds of [`Doubt::grazes`] fail).
+    /// ends, assuming that neither crossing is grazing (or that both bounds of [`Uncertain::grazes`] fail).
     ///
     /// With `h = b - a` and `delta` the tolerance at the later time: a piece that coincides with a plane has
     /// `|n . d| h <= 2 delta`. A piece that coincides with a surface of degree 2, along which f has the square term q,

@@ -1,6 +1,6 @@
 //! Tori in SIMD lanes, equal to [`Torus::crossings`].
 
-use super::ray::{Doubt, LaneRay, infinite};
+use super::ray::{LaneRay, Uncertain, infinite};
 use super::span::Gap;
 use super::torus_line::{Lines, Ring, Root};
 use super::vector::{Lanes, Mask, Vec3Lanes};
@@ -16,8 +16,8 @@ pub struct LaneTorus {
     image: AffineTorus,
     /// True if the image is a torus itself.
     is_torus: bool,
-    /// Largest stretch of lengths by the map into the frame of the torus.
-    stretch: f64,
+    /// Norm of the linear part of the map into the frame of the torus.
+    norm: f64,
     /// The torus in its own units.
     ring: Ring,
 }
@@ -36,7 +36,7 @@ pub(super) struct Approach<S: Simd> {
 
 /// The interval of each ray inside the torus, with a possible gap.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stretch<S: Simd> {
+pub(super) struct TorusInterval<S: Simd> {
     /// First entry.
     pub from: Lanes<S>,
     /// Last exit.
@@ -58,16 +58,16 @@ impl LaneTorus {
             world_from_local: Mat3::IDENTITY,
             torus: Torus { centre: Vec3::ZERO, ..*torus },
         };
-        LaneTorus { image, is_torus: true, stretch: 1.0, ring: Ring::of(torus) }
+        LaneTorus { image, is_torus: true, norm: 1.0, ring: Ring::of(torus) }
     }
 
     /// A lane torus for an image; `None` if it is compressed too strongly.
     pub(super) fn image(image: &AffineTorus) -> Option<LaneTorus> {
-        let stretch = |m: Mat3| Affine::from_linear(m).linear_norm();
-        let (down, up) = (stretch(image.local_from_world), stretch(image.world_from_local));
+        let norm = |m: Mat3| Affine::from_linear(m).linear_norm();
+        let (down, up) = (norm(image.local_from_world), norm(image.world_from_local));
         let is_mild = down * up < MOST_SQUEEZED;
         let ring = Ring::of(&image.torus);
-        is_mild.then_some(LaneTorus { image: *image, is_torus: false, stretch: down, ring })
+        is_mild.then_some(LaneTorus { image: *image, is_torus: false, norm: down, ring })
     }
 
     /// The rays at their closest approach to the centre.
@@ -92,41 +92,41 @@ impl LaneTorus {
     pub(super) fn may_meet<S: Simd>(&self, ray: &LaneRay<S>, approach: &Approach<S>) -> Mask<S> {
         let Torus { major, minor, .. } = self.image.torus;
         // includes the rounding of the position, with a large margin
-        let outer = ray.near * self.stretch + (major + minor) * (1.0 + ROOM);
+        let outer = ray.near * self.norm + (major + minor) * (1.0 + ROOM);
         !approach.place.length_squared().simd_gt(outer * outer)
     }
 
     /// Intervals of the rays inside the torus.
     #[inline(always)]
-    pub(super) fn stretch<S: Simd>(
+    pub(super) fn interval<S: Simd>(
         &self,
         simd: S,
         ray: &LaneRay<S>,
         approach: &Approach<S>,
-        asked: Mask<S>,
-        doubt: &mut Doubt<S>,
-    ) -> Stretch<S> {
+        queried: Mask<S>,
+        uncertain: &mut Uncertain<S>,
+    ) -> TorusInterval<S> {
         let Approach { shift, place, direction, square } = *approach;
         let length = square.sqrt();
         let (lines, rate) = Lines::new(&self.ring, place, direction, length);
-        let Some(roots) = lines.roots(simd, asked) else { return Stretch::none(simd) };
+        let Some(roots) = lines.roots(simd, queried) else { return TorusInterval::none(simd) };
         let [from, to] = [roots.ends[0].s / rate + shift + 0.0, roots.ends[1].s / rate + shift + 0.0];
         let mut sure = from.simd_lt(to) & from.abs().max(to.abs()).simd_lt(f64::INFINITY);
         let ends = [(&roots.ends[0], from), (&roots.ends[1], to)];
         let mut gentle = self.is_gentle(ray, length, ends[0]) | self.is_gentle(ray, length, ends[1]);
-        let mut stretch = Stretch::none(simd);
+        let mut interval = TorusInterval::none(simd);
         if let Some([leaves, enters]) = &roots.gap {
             let [a, b] = [leaves.s / rate + shift + 0.0, enters.s / rate + shift + 0.0];
             sure &= !roots.two | (from.simd_lt(a) & a.simd_lt(b) & b.simd_lt(to));
             let either = self.is_gentle(ray, length, (leaves, a)) | self.is_gentle(ray, length, (enters, b));
             gentle |= roots.two & either;
-            stretch.gap = stretch.gap.or(roots.two, a, b);
+            interval.gap = interval.gap.or(roots.two, a, b);
         }
-        doubt.always |= roots.unsure | (roots.some & !sure);
-        doubt.grazes |= roots.some & gentle;
-        stretch.from = roots.some.select(from, stretch.from);
-        stretch.to = roots.some.select(to, stretch.to);
-        stretch
+        uncertain.always |= roots.unsure | (roots.some & !sure);
+        uncertain.grazes |= roots.some & gentle;
+        interval.from = roots.some.select(from, interval.from);
+        interval.to = roots.some.select(to, interval.to);
+        interval
     }
 
     #[inline(always)]
@@ -139,7 +139,7 @@ impl LaneTorus {
     /// close to the torus.
     ///
     /// The derivation uses the torus's own frame and arc length. `delta` is the tolerance at the later end of a piece [0,
-    /// h] that begins (or ends) at a root, times `stretch`. For a ray within it, the distance D from the centre circle of
+    /// h] that begins (or ends) at a root, times `norm`. For a ray within it, the distance D from the centre circle of
     /// the tube is at most `c = minor + 2 delta`, as |g| = |D^2 - minor^2| <= delta |grad g| = 2 delta D.
     ///
     /// 1. `F = g (g + 4 major rho)` is a quartic with leading coefficient 1, and its second factor is at most
@@ -150,8 +150,8 @@ impl LaneTorus {
     ///    `bend h / 4` for all such h, then `|g(h / 4) - g(0)| >= slope h / 8`, which is at most `4 delta c`:
     ///    `h <= 32 delta c / slope`.
     ///
-    /// [`LaneRay::may_coincide`] is uncertain up to `8e5 delta / stretch` in the world, measured in the taxicab length of the
-    /// direction. That is more if `slope |d| > 1.2e-4 minor stretch |d world|` (and delta <= minor). It remains that delta
+    /// [`LaneRay::may_coincide`] is uncertain up to `8e5 delta / norm` in the world, measured in the taxicab length of the
+    /// direction. That is more if `slope |d| > 1.2e-4 minor norm |d world|` (and delta <= minor). It remains that delta
     /// belongs to the later end. Up to a time as far from the root as the root is from all the origins of lengths, it is at
     /// most twice the delta at the root, which is used here; 1. excludes longer pieces.
     ///
@@ -166,7 +166,7 @@ impl LaneTorus {
         (root, t): (&Root<S>, Lanes<S>),
     ) -> Mask<S> {
         let Ring { scale, major, minor, .. } = self.ring;
-        let delta = ray.lengths_at(t) * (2.0 * self.stretch * scale * delta_of(1.0));
+        let delta = ray.lengths_at(t) * (2.0 * self.norm * scale * delta_of(1.0));
         let c = delta * 2.0 + minor;
         let long = delta * c * 342.0 * (c * c * 2.0 + 8.0 * major * major);
         let inverse = root.inverse * 1.15;
@@ -176,7 +176,7 @@ impl LaneTorus {
         let is_steep = slope.simd_gt(0.0)
             & fourth(steep).simd_gt(long * fourth(bend))
             & (long * fourth(twice)).simd_lt(1.0)
-            & (slope * length).simd_gt(ray.speed * (1.2e-4 * minor * self.stretch))
+            & (slope * length).simd_gt(ray.speed * (1.2e-4 * minor * self.norm))
             & delta.simd_le(minor)
             & (root.step * 8.0 * root.inverse).simd_le(1.0);
         !is_steep
@@ -188,11 +188,11 @@ fn fourth<S: Simd>(x: Lanes<S>) -> Lanes<S> {
     (x * x) * (x * x)
 }
 
-impl<S: Simd> Stretch<S> {
+impl<S: Simd> TorusInterval<S> {
     /// An empty interval.
     #[inline(always)]
     pub(super) fn none(simd: S) -> Self {
         let [plus, minus] = infinite(simd);
-        Stretch { from: plus, to: minus, gap: Gap { from: plus, to: minus } }
+        TorusInterval { from: plus, to: minus, gap: Gap { from: plus, to: minus } }
     }
 }

@@ -240,34 +240,40 @@ impl<'r, S: Simd> Lines<'r, S> {
 
     /// Sign changes of g on the lines of a mask.
     #[inline(always)]
-    pub fn roots(&self, simd: S, asked: Mask<S>) -> Option<Roots<S>> {
+    pub fn roots(&self, simd: S, queried: Mask<S>) -> Option<Roots<S>> {
         let ([from, to], some) = self.window(simd);
-        let asked = asked & some;
-        if !asked.any_true() {
+        let queried = queried & some;
+        if !queried.any_true() {
             return None;
         }
         let (first, last) = (self.jet(simd, from), self.jet(simd, to));
         // rho is convex, so its maximum is at an end
         let hole = (self.ring.major - self.ring.minor) * (1.0 - ROOM);
-        let asked = asked & !(first.inverse.min(last.inverse) * hole).simd_gt(1.0);
-        if !asked.any_true() {
+        let queried = queried & !(first.inverse.min(last.inverse) * hole).simd_gt(1.0);
+        if !queried.any_true() {
             return None;
         }
-        let mut unsure = asked & (first.is_below() | last.is_below());
-        let points = self.points(simd, asked, [first, last], &mut unsure);
-        points.any(asked).then(|| points.roots(self, simd, asked, unsure))
+        let mut unsure = queried & (first.is_below() | last.is_below());
+        let points = self.points(simd, queried, [first, last], &mut unsure);
+        points.any(queried).then(|| points.roots(self, simd, queried, unsure))
     }
 
     /// Points of both signs.
     #[inline(always)]
-    fn points(&self, simd: S, asked: Mask<S>, [first, last]: [Jet<S>; 2], unsure: &mut Mask<S>) -> Points<S> {
+    fn points(
+        &self,
+        simd: S,
+        queried: Mask<S>,
+        [first, last]: [Jet<S>; 2],
+        unsure: &mut Mask<S>,
+    ) -> Points<S> {
         let [a, b] = self.inflections(simd);
         let one = self.jet(simd, a.max(first.s).min(last.s));
         let two = self.jet(simd, b.max(first.s).min(last.s));
         let below = [one.is_below(), two.is_below()];
-        let may_dip = asked & !below[0] & first.s.simd_lt(one.s);
-        let may_bump = asked & below[0] & below[1] & one.s.simd_lt(two.s);
-        let may_dip_last = asked & !below[1] & two.s.simd_lt(last.s);
+        let may_dip = queried & !below[0] & first.s.simd_lt(one.s);
+        let may_bump = queried & below[0] & below[1] & one.s.simd_lt(two.s);
+        let may_dip_last = queried & !below[1] & two.s.simd_lt(last.s);
         let (left, right) = (pick(may_bump, &one, &first), pick(may_bump, &two, &one));
         let ones = splat(simd, 1.0);
         let up = may_bump.select(-ones, ones);
@@ -289,7 +295,7 @@ impl<'r, S: Simd> Lines<'r, S> {
     fn other_side(
         &self,
         simd: S,
-        asked: Mask<S>,
+        queried: Mask<S>,
         up: Lanes<S>,
         [from, to]: [&Jet<S>; 2],
         unsure: &mut Mask<S>,
@@ -297,7 +303,7 @@ impl<'r, S: Simd> Lines<'r, S> {
         let mut found = Mask::splat(simd, false);
         let mut place = *from;
         let away = (up * from.slope).simd_ge(0.0) | (up * to.slope).simd_le(0.0);
-        let mut active = asked & !away;
+        let mut active = queried & !away;
         if !active.any_true() {
             return (place, found);
         }
@@ -399,14 +405,14 @@ impl<S: Simd> Bracket<S> {
 impl<S: Simd> Points<S> {
     /// True if any line passes through the torus.
     #[inline(always)]
-    fn any(&self, asked: Mask<S>) -> bool {
-        (asked & (self.below[0] | self.below[1] | self.dips | self.dips_last)).any_true()
+    fn any(&self, queried: Mask<S>) -> bool {
+        (queried & (self.below[0] | self.below[1] | self.dips | self.dips_last)).any_true()
     }
 
     #[inline(always)]
-    fn roots(&self, lines: &Lines<'_, S>, simd: S, asked: Mask<S>, mut unsure: Mask<S>) -> Roots<S> {
+    fn roots(&self, lines: &Lines<'_, S>, simd: S, queried: Mask<S>, mut unsure: Mask<S>) -> Roots<S> {
         let ([one, two], never) = (self.below, Mask::splat(simd, false));
-        let some = asked & (one | two | self.dips | self.dips_last);
+        let some = queried & (one | two | self.dips | self.dips_last);
         let twice = (self.dips & (two | self.dips_last)) | self.bumps | (one & self.dips_last);
         let twice = some & twice;
         let first = Search::new(simd, some, &self.first(never), true);

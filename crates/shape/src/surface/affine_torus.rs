@@ -63,8 +63,8 @@ impl AffineTorus {
 
     /// Upper bound of the distance from the origin to the farthest point of the torus.
     pub fn magnitude(&self) -> f64 {
-        let stretch = Affine::from_linear(self.world_from_local).linear_norm();
-        self.centre.length() + stretch * self.torus.magnitude()
+        let norm = Affine::from_linear(self.world_from_local).linear_norm();
+        self.centre.length() + norm * self.torus.magnitude()
     }
 
     /// Smallest bounding box: `max n . L q = max (L^T n) . q`.

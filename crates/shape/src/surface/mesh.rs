@@ -86,33 +86,33 @@ impl MeshForm {
 }
 
 impl Form for MeshForm {
-    fn crossings(&self, ray: &Ray, flip: &mut dyn FnMut(f64)) -> bool {
-        self.crossings_perturbation(ray, &Perturbation::WORLD, flip)
+    fn crossings(&self, ray: &Ray, emit: &mut dyn FnMut(f64)) -> bool {
+        self.crossings_perturbation(ray, &Perturbation::WORLD, emit)
     }
 
     fn crossings_perturbation(
         &self,
         ray: &Ray,
         perturbation: &Perturbation,
-        flip: &mut dyn FnMut(f64),
+        emit: &mut dyn FnMut(f64),
     ) -> bool {
-        self.each_crossing(&line(ray), perturbation, |crossing| flip(crossing.t));
+        self.each_crossing(&line(ray), perturbation, |crossing| emit(crossing.t));
         false
     }
 
     /// Crossings through triangles that contain the start are skipped. The parity of the others gives the side after the
     /// start, since the ray is outside far away.
-    fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64)) {
+    fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64)) {
         let (line, origin) = (line(&start.ray), start.ray.origin);
         let is_ahead = |crossing: &Crossing| crossing.t > 0.0 && !self.is_at_start(crossing, origin);
         let mut is_inside = false;
         self.each_crossing(&line, &start.perturbation, |crossing| is_inside ^= is_ahead(crossing));
         if is_inside != start.inside_after {
-            flip(0.0);
+            emit(0.0);
         }
         self.each_crossing(&line, &start.perturbation, |crossing| {
             if is_ahead(crossing) {
-                flip(crossing.t);
+                emit(crossing.t);
             }
         });
     }

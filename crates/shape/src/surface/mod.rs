@@ -140,7 +140,7 @@ impl Surface {
             Surface::Quadric(s) => s.crossings(ray).widen(),
             Surface::Torus(s) => s.crossings(ray),
             Surface::AffineTorus(s) => s.crossings(ray),
-            Surface::Object(s) => object::first_four(|flip| s.crossings(ray, &Perturbation::WORLD, flip)).0,
+            Surface::Object(s) => object::first_four(|emit| s.crossings(ray, &Perturbation::WORLD, emit)).0,
         }
     }
 
@@ -153,13 +153,13 @@ impl Surface {
     #[inline]
     pub fn few_crossings_in(&self, ray: &Ray, perturbation: &Perturbation) -> Option<SurfaceCrossings> {
         let Surface::Object(object) = self else { return Some(self.crossings(ray)) };
-        let (crossings, is_all) = object::first_four(|flip| object.crossings(ray, perturbation, flip));
+        let (crossings, is_all) = object::first_four(|emit| object.crossings(ray, perturbation, emit));
         is_all.then_some(crossings)
     }
 
-    /// Passes all crossing times to `flip`, in order; returns true if the ray is inside at -inf.
-    pub fn all_crossings(&self, ray: &Ray, flip: impl FnMut(f64)) -> bool {
-        self.all_crossings_in(ray, &Perturbation::WORLD, flip)
+    /// Passes all crossing times to `emit`, in order; returns true if the ray is inside at -inf.
+    pub fn all_crossings(&self, ray: &Ray, emit: impl FnMut(f64)) -> bool {
+        self.all_crossings_in(ray, &Perturbation::WORLD, emit)
     }
 
     /// [`Surface::all_crossings`] in a frame other than the world's.
@@ -167,13 +167,13 @@ impl Surface {
         &self,
         ray: &Ray,
         perturbation: &Perturbation,
-        mut flip: impl FnMut(f64),
+        mut emit: impl FnMut(f64),
     ) -> bool {
         if let Surface::Object(object) = self {
-            return object.crossings(ray, perturbation, flip);
+            return object.crossings(ray, perturbation, emit);
         }
         let crossings = self.crossings(ray);
-        crossings.times().iter().for_each(|&t| flip(t));
+        crossings.times().iter().for_each(|&t| emit(t));
         crossings.starts_negative()
     }
 
@@ -208,19 +208,19 @@ impl Surface {
         is_all.then_some(crossings)
     }
 
-    /// [`Surface::crossings_from_in`] that passes all times to `flip`.
+    /// [`Surface::crossings_from_in`] that passes all times to `emit`.
     pub fn all_crossings_from(
         &self,
         ray: &Ray,
         inside_after: bool,
         perturbation: &Perturbation,
-        mut flip: impl FnMut(f64),
+        mut emit: impl FnMut(f64),
     ) {
         match self {
-            Surface::Object(object) => object.crossings_from(ray, inside_after, perturbation, flip),
+            Surface::Object(object) => object.crossings_from(ray, inside_after, perturbation, emit),
             _ => {
                 let crossings = self.crossings_from_in(ray, inside_after, perturbation);
-                crossings.times().iter().for_each(|&t| flip(t));
+                crossings.times().iter().for_each(|&t| emit(t));
             }
         }
     }
@@ -233,8 +233,8 @@ impl Surface {
         perturbation: &Perturbation,
     ) -> (SurfaceCrossings, bool) {
         if let Surface::Object(object) = self {
-            return object::first_four(|flip| {
-                object.crossings_from(ray, inside_after, perturbation, flip);
+            return object::first_four(|emit| {
+                object.crossings_from(ray, inside_after, perturbation, emit);
                 inside_after
             });
         }

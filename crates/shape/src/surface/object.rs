@@ -17,9 +17,9 @@ use std::sync::Arc;
 /// Forms have the properties of all kernels (see the [module](super)): crossings are a function of the form, the origin and
 /// the direction only, and each reported point r(t) lies within `64 u (|o| + |t| |d| + magnitude)` of the surface.
 pub trait Form: Any + Debug + Send + Sync {
-    /// Passes the times at which f changes sign along the ray to `flip`, in increasing order; returns true if f is negative
+    /// Passes the times at which f changes sign along the ray to `emit`, in increasing order; returns true if f is negative
     /// as t -> -inf. The length of the direction is between 1e-90 and 1e90.
-    fn crossings(&self, ray: &Ray, flip: &mut dyn FnMut(f64)) -> bool;
+    fn crossings(&self, ray: &Ray, emit: &mut dyn FnMut(f64)) -> bool;
 
     /// Like `crossings`, in a frame whose perturbation directions are not those of the world; for a form that itself
     /// determines the side of a ray that lies in one of its faces.
@@ -27,15 +27,15 @@ pub trait Form: Any + Debug + Send + Sync {
         &self,
         ray: &Ray,
         _perturbation: &Perturbation,
-        flip: &mut dyn FnMut(f64),
+        emit: &mut dyn FnMut(f64),
     ) -> bool {
-        self.crossings(ray, flip)
+        self.crossings(ray, emit)
     }
 
     /// Like `crossings` for a ray that starts *on* the surface, for t >= 0: see
     /// [`Surface::crossings_from`](super::Surface::crossings_from). The side just after the start is
     /// [`Departing::inside_after`]; if the direction leads to the other one, the first time is 0.
-    fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64));
+    fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64));
 
     /// f and its gradient at a point; near the surface |f| is about the distance times the length of the gradient.
     fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3);
@@ -121,12 +121,12 @@ impl Object {
         Ray::new(self.local_from_world * (ray.origin - self.centre), self.local_from_world * ray.direction)
     }
 
-    /// Passes the times at which f changes sign along the ray to `flip`, in order; returns true if f is negative at -inf.
-    pub fn crossings(&self, ray: &Ray, perturbation: &Perturbation, mut flip: impl FnMut(f64)) -> bool {
+    /// Passes the times at which f changes sign along the ray to `emit`, in order; returns true if f is negative at -inf.
+    pub fn crossings(&self, ray: &Ray, perturbation: &Perturbation, mut emit: impl FnMut(f64)) -> bool {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
         let perturbation = perturbation.mapped(&self.local_from_world);
         self.form
-            .crossings_perturbation(&self.local(&ray), &perturbation, &mut |t| finite(t * rate, &mut flip))
+            .crossings_perturbation(&self.local(&ray), &perturbation, &mut |t| finite(t * rate, &mut emit))
     }
 
     /// Crossings of a ray that starts on the surface: see [`Surface::crossings_from`](super::Surface::crossings_from).
@@ -135,7 +135,7 @@ impl Object {
         ray: &Ray,
         inside_after: bool,
         perturbation: &Perturbation,
-        mut flip: impl FnMut(f64),
+        mut emit: impl FnMut(f64),
     ) {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
         let led_inside = || perturbation.leads_inside(self.value_and_gradient(ray.origin).1);
@@ -143,7 +143,7 @@ impl Object {
         let ray = self.local(&ray);
         let start =
             Departing { ray, inside_after, perturbation: local_perturbation, led_inside: &led_inside };
-        self.form.crossings_from(&start, &mut |t| finite(t * rate, &mut flip));
+        self.form.crossings_from(&start, &mut |t| finite(t * rate, &mut emit));
     }
 
     /// f of the form, and its gradient in the outer frame.
@@ -153,10 +153,10 @@ impl Object {
     }
 
     pub(super) fn coincident_faces(&self, magnitude: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
-        // the Frobenius norm bounds the stretch of a vector
+        // the Frobenius norm bounds the length of the image of a unit vector
         let columns = self.local_from_world.to_cols_array();
-        let stretch = columns.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let delta = |t: f64| stretch * delta(magnitude, ray, t);
+        let norm = columns.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let delta = |t: f64| norm * delta(magnitude, ray, t);
         self.form.coincident_faces(&self.local(ray), (a, b), &delta)
     }
 
@@ -187,10 +187,10 @@ impl Object {
     }
 }
 
-fn finite(t: f64, flip: &mut impl FnMut(f64)) {
+fn finite(t: f64, emit: &mut impl FnMut(f64)) {
     if t.is_finite() {
         // turns -0.0 into 0.0, since times are also compared by their bits
-        flip(t + 0.0);
+        emit(t + 0.0);
     }
 }
 
@@ -230,18 +230,18 @@ mod tests {
     }
 
     impl Form for Floors {
-        fn crossings(&self, ray: &Ray, flip: &mut dyn FnMut(f64)) -> bool {
-            self.times(ray).into_iter().for_each(flip);
+        fn crossings(&self, ray: &Ray, emit: &mut dyn FnMut(f64)) -> bool {
+            self.times(ray).into_iter().for_each(emit);
             self.0.len() % 2 == 1 && ray.direction.z > 0.0
         }
 
-        fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64)) {
+        fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64)) {
             let rest = self.times(&start.ray).into_iter().filter(|&t| t > 1e-9);
             let led_inside = match start.ray.direction.z == 0.0 {
                 true => (start.led_inside)(),
                 false => self.value_and_gradient(start.ray.origin).1.z * start.ray.direction.z < 0.0,
             };
-            (led_inside != start.inside_after).then_some(0.0).into_iter().chain(rest).for_each(flip);
+            (led_inside != start.inside_after).then_some(0.0).into_iter().chain(rest).for_each(emit);
         }
 
         fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
@@ -336,7 +336,7 @@ mod tests {
 
     /// A piece between two floors is close to neither, and one along a floor is close to it throughout.
     #[test]
-    fn pieces_are_looked_at_in_as_many_places_as_the_degree_asks_for() {
+    fn pieces_are_sampled_in_as_many_places_as_the_degree_needs() {
         let stack = floors(9);
         let along = Ray::new(Vec3::new(0.0, 0.0, 3.0), Vec3::X);
         assert!(coincides_along(&stack, 8.0, &along, -5.0, 5.0));

@@ -136,16 +136,16 @@ mod tests {
         let at = scale * Vec3::new(0.3, -1.2, 0.5);
         let axis = Vec3::new(1.0, 2.0, -0.5);
         let stretched = Affine::scale(Vec3::new(1.0, 2.0, 0.7)).then(&Affine::translate(at));
-        let stretch = Transform::from_affine(stretched).unwrap();
+        let scaling = Transform::from_affine(stretched).unwrap();
         let ring = Surface::torus(at, axis, 2.0 * scale, 0.7 * scale);
         vec![
             Surface::plane(axis, scale),
             Surface::sphere(at, scale),
             Surface::cylinder(at, axis, scale),
             Surface::cone(at, axis, 0.6),
-            Surface::sphere(Vec3::ZERO, scale).transformed(&stretch),
-            Surface::cone(at, axis, 0.6).transformed(&stretch),
-            ring.transformed(&stretch),
+            Surface::sphere(Vec3::ZERO, scale).transformed(&scaling),
+            Surface::cone(at, axis, 0.6).transformed(&scaling),
+            ring.transformed(&scaling),
             ring,
             Surface::torus(at, axis, 0.5 * scale, 0.7 * scale),
         ]

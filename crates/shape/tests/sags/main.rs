@@ -360,7 +360,7 @@ fn rays_from_the_surface_meet_it_where_the_line_does() {
 
 /// For a sag that is placed, scaled and rotated, the times are those of the ray in the frame of the sag.
 #[test]
-fn placed_sags_are_asked_in_their_own_frame() {
+fn placed_sags_are_evaluated_in_their_own_frame() {
     let mut rng = rng(5);
     let map = Affine::scale(Vec3::new(1.0, 2.0, 0.5))
         .then(&Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 50.0))

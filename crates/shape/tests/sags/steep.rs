@@ -64,7 +64,7 @@ fn lines_past_the_tip_of_a_cone_meet_it_as_often_as_they_must() {
 
 /// Lines that touch a vertical rim from inside: both ends of the remaining chord are crossings, or neither is.
 #[test]
-fn lines_along_a_vertical_rim_are_told_to_its_last_bits() {
+fn lines_along_a_vertical_rim_are_decided_to_its_last_bits() {
     for of in hemispheres() {
         let surface = surface(&of);
         let rim = -depth(&of, Vec3::new(1.0, 0.0, 0.0));

@@ -63,7 +63,7 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Collector<'
         start ^= self.roots.iter().filter(|root| root.t <= t0).count() % 2 == 1;
         let inner = self.roots.into_iter().filter(|root| t0 < root.t && root.t < t1).collect();
         // never fails: the times are finite
-        Ok(RootRay::from_flips(Side::from_inside(start), inner).unwrap_or_default())
+        Ok(RootRay::from_events(Side::from_inside(start), inner).unwrap_or_default())
     }
 
     fn cross(&mut self, t: f64) {

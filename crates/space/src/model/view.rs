@@ -66,7 +66,7 @@ impl<'a> View<'a> {
         }
         let side = Side::from_inside(inside);
         if found.roots().is_empty() && self.coincides_along(entry, t0, t1)? {
-            return Ok(RootRay::from_flips(side, Vec::new()).unwrap_or_default());
+            return Ok(RootRay::from_events(side, Vec::new()).unwrap_or_default());
         }
         let (start, mut roots) = found.into_parts();
         let mut near = 0;
@@ -79,7 +79,7 @@ impl<'a> View<'a> {
             roots.insert(0, Root::new(last, ()));
         }
         // never fails: the times stay finite and in order
-        Ok(RootRay::from_flips(side, roots).unwrap_or_default())
+        Ok(RootRay::from_events(side, roots).unwrap_or_default())
     }
 
     /// True if the curve stays within delta of a surface between two times.

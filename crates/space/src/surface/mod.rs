@@ -196,11 +196,11 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         for k in 0..200 {
             let thin = libm::pow(10.0, -f64::from(k as u8 % 9));
-            let stretch = Affine::<4>::scale([1.0, thin, 1.0, 0.5]).expect("not singular");
+            let scaling = Affine::<4>::scale([1.0, thin, 1.0, 0.5]).expect("not singular");
             let turn = Affine::rotation(0, 1, rng.random_range(0.0..360.0)).expect("two axes");
             let shear = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.3 * (i as f64 - j as f64) }));
             let shear = Affine::new(shear, [0.5, -1.0, 0.25, 2.0]).expect("not singular");
-            let map = stretch.then(&turn).then(&shear);
+            let map = scaling.then(&turn).then(&shear);
             let ball = Surface::Quadric(Box::new(Quadric::along_axes([1.0; 4], -1.0)));
             let image = ball.transformed(&map, &map.inverse().expect("not singular"));
             for _ in 0..20 {

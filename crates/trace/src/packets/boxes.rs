@@ -220,8 +220,8 @@ impl<S: Simd> Slabs<S> {
 
     /// The rays that pass the grown box.
     #[inline(always)]
-    fn touch(&self, simd: S, bounds: &Bounds, magnitude: &Reach<S>) -> Mask<S> {
-        let (mut enter, mut leave) = (magnitude.from.0, magnitude.until.0);
+    fn touch(&self, simd: S, bounds: &Bounds, intervals: &LaneIntervals<S>) -> Mask<S> {
+        let (mut enter, mut leave) = (intervals.from.0, intervals.until.0);
         let Vec3 { x, y, z } = bounds.lo;
         let low = [x, y, z];
         let Vec3 { x, y, z } = bounds.hi;
@@ -233,7 +233,7 @@ impl<S: Simd> Slabs<S> {
             enter = enter.max(a.min(b));
             leave = leave.min(a.max(b));
         }
-        enter.simd_le(leave) & magnitude.rays
+        enter.simd_le(leave) & intervals.rays
     }
 
     /// The bundle of the rays in a bit mask.
@@ -306,8 +306,8 @@ impl Bundle {
     /// Lower bounds of the entry times into the boxes of a node, and a bit mask of the boxes that the bundle
     /// may touch.
     #[inline(always)]
-    fn enter<S: Simd>(&self, simd: S, node: &Node, magnitude: &Reach<S>) -> (Lanes<S>, u64) {
-        let (mut enter, mut leave) = (splat(simd, magnitude.from.1), splat(simd, magnitude.until.1));
+    fn enter<S: Simd>(&self, simd: S, node: &Node, intervals: &LaneIntervals<S>) -> (Lanes<S>, u64) {
+        let (mut enter, mut leave) = (splat(simd, intervals.from.1), splat(simd, intervals.until.1));
         for (k, [up, down]) in self.sides.iter().enumerate() {
             let low = Lanes::load_array_ref(simd, &node.planes[k].0);
             let high = Lanes::load_array_ref(simd, &node.planes[k + 3].0);
@@ -341,7 +341,7 @@ struct Place {
 
 /// The rays to be tested, and their intervals of t: the bound per lane, and the bound for all lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Reach<S: Simd> {
+pub(super) struct LaneIntervals<S: Simd> {
     pub rays: Mask<S>,
     pub from: (Lanes<S>, f64),
     pub until: (Lanes<S>, f64),
@@ -350,10 +350,10 @@ pub(super) struct Reach<S: Simd> {
 impl Ahead {
     /// Starts the traversal for a bundle.
     #[inline(always)]
-    pub fn begin<S: Simd>(&mut self, simd: S, boxes: &Boxes, bundle: &Bundle, magnitude: &Reach<S>) {
+    pub fn begin<S: Simd>(&mut self, simd: S, boxes: &Boxes, bundle: &Bundle, intervals: &LaneIntervals<S>) {
         self.0.clear();
         if !boxes.nodes.is_empty() {
-            self.open(simd, boxes, 0, bundle, magnitude);
+            self.open(simd, boxes, 0, bundle, intervals);
         }
     }
 
@@ -364,24 +364,31 @@ impl Ahead {
         simd: S,
         boxes: &Boxes,
         (slabs, bundle): (&Slabs<S>, &Bundle),
-        magnitude: &Reach<S>,
+        intervals: &LaneIntervals<S>,
     ) -> Option<u32> {
         while let Some(Place { enter, node, lane }) = self.0.pop() {
             let (node, lane) = (&boxes.nodes[node as usize], lane as usize % LANES);
-            if enter > magnitude.until.1 || !slabs.touch(simd, &node.bounds(lane), magnitude).any_true() {
+            if enter > intervals.until.1 || !slabs.touch(simd, &node.bounds(lane), intervals).any_true() {
                 continue;
             }
             match node.content[lane] {
                 Content::Item(item) => return Some(item),
-                Content::Node(node) => self.open(simd, boxes, node, bundle, magnitude),
+                Content::Node(node) => self.open(simd, boxes, node, bundle, intervals),
             }
         }
         None
     }
 
     #[inline(always)]
-    fn open<S: Simd>(&mut self, simd: S, boxes: &Boxes, node: u32, bundle: &Bundle, magnitude: &Reach<S>) {
-        let (enter, mut touched) = bundle.enter(simd, &boxes.nodes[node as usize], magnitude);
+    fn open<S: Simd>(
+        &mut self,
+        simd: S,
+        boxes: &Boxes,
+        node: u32,
+        bundle: &Bundle,
+        intervals: &LaneIntervals<S>,
+    ) {
+        let (enter, mut touched) = bundle.enter(simd, &boxes.nodes[node as usize], intervals);
         let known = self.0.len();
         while touched != 0 {
             let lane = touched.trailing_zeros();

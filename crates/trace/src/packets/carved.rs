@@ -5,14 +5,14 @@
 //! the end of a span of one of them is a change if it lies in some leaf of each other union, in no other leaf
 //! of its own union, and in none of the subtracted leaves.
 
-use super::boxes::{Ahead, Boxes, Bundle, Reach, Slabs};
-use super::group::{CODE, Group};
+use super::boxes::{Ahead, Boxes, Bundle, LaneIntervals, Slabs};
+use super::group::{BundleEvaluation, CODE};
 use super::plan::{MOST, NONE, leaf_facets};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Bounds;
 use rayweave_model::{Edge, Gate, LeafId, LeafKind, Program, Prototype, Rule, Window};
-use rayweave_shape::lanes::{Doubt, Facet, LaneRay, Lanes, Mask, splat};
+use rayweave_shape::lanes::{Facet, LaneRay, Lanes, Mask, Uncertain, splat};
 use std::ops::Range;
 
 /// An intersection of unions of leaves, minus other leaves.
@@ -110,13 +110,13 @@ impl Builder<'_> {
 }
 
 /// The leaves near a bundle, sorted by union, subtracted leaves last.
-struct Near {
-    leaves: [NearLeaf; MOST],
+struct NearbyLeaves {
+    leaves: [NearbyLeaf; MOST],
     count: usize,
 }
 
 #[derive(Clone, Copy)]
-struct NearLeaf {
+struct NearbyLeaf {
     /// Its index.
     leaf: u32,
     union: u32,
@@ -125,9 +125,9 @@ struct NearLeaf {
     end: usize,
 }
 
-impl Near {
-    fn new() -> Near {
-        Near { leaves: [NearLeaf { leaf: 0, union: NONE, first: 0, end: 0 }; MOST], count: 0 }
+impl NearbyLeaves {
+    fn new() -> NearbyLeaves {
+        NearbyLeaves { leaves: [NearbyLeaf { leaf: 0, union: NONE, first: 0, end: 0 }; MOST], count: 0 }
     }
 
     /// Adds a leaf; false if the list is full.
@@ -141,12 +141,12 @@ impl Near {
             self.leaves[at] = self.leaves[at - 1];
             at -= 1;
         }
-        self.leaves[at] = NearLeaf { leaf, union, first: 0, end: 0 };
+        self.leaves[at] = NearbyLeaf { leaf, union, first: 0, end: 0 };
         self.count += 1;
         true
     }
 
-    fn all(&self) -> &[NearLeaf] {
+    fn all(&self) -> &[NearbyLeaf] {
         &self.leaves[..self.count.min(MOST)]
     }
 
@@ -167,11 +167,11 @@ pub(super) struct Bundled<'a, S: Simd> {
     pub ray: &'a LaneRay<S>,
     pub slabs: &'a Slabs<S>,
     pub bundle: &'a Bundle,
-    pub magnitude: &'a Reach<S>,
+    pub intervals: &'a LaneIntervals<S>,
 }
 
-impl<S: Simd> Group<'_, S> {
-    /// [`Group::enter`] for a carved solid: finds the first two changes. Returns the uncertain lanes and the
+impl<S: Simd> BundleEvaluation<'_, S> {
+    /// [`BundleEvaluation::enter`] for a carved solid: finds the first two changes. Returns the uncertain lanes and the
     /// lanes that start inside.
     pub fn enter_carved(
         &mut self,
@@ -179,7 +179,7 @@ impl<S: Simd> Group<'_, S> {
         rays: &Bundled<'_, S>,
         ahead: &mut Ahead,
         window: Window,
-    ) -> (Doubt<S>, Mask<S>) {
+    ) -> (Uncertain<S>, Mask<S>) {
         let simd = self.simd;
         simd.vectorize(
             #[inline(always)]
@@ -194,38 +194,38 @@ impl<S: Simd> Group<'_, S> {
         rays: &Bundled<'_, S>,
         ahead: &mut Ahead,
         window: Window,
-    ) -> (Doubt<S>, Mask<S>) {
-        let (simd, mut near) = (self.simd, Near::new());
+    ) -> (Uncertain<S>, Mask<S>) {
+        let (simd, mut near) = (self.simd, NearbyLeaves::new());
         let never = Mask::splat(simd, false);
-        let mut doubt = Doubt { always: never, grazes: never };
+        let mut uncertain = Uncertain { always: never, grazes: never };
         self.no_changes();
-        ahead.begin(simd, &carved.boxes, rays.bundle, rays.magnitude);
-        while let Some(leaf) = ahead.next(simd, &carved.boxes, (rays.slabs, rays.bundle), rays.magnitude) {
+        ahead.begin(simd, &carved.boxes, rays.bundle, rays.intervals);
+        while let Some(leaf) = ahead.next(simd, &carved.boxes, (rays.slabs, rays.bundle), rays.intervals) {
             if !near.add(leaf, carved.leaves[leaf as usize].union) {
-                return (Doubt { always: !never, ..doubt }, never);
+                return (Uncertain { always: !never, ..uncertain }, never);
             }
         }
         if near.unions() < carved.unions {
-            return (doubt, never);
+            return (uncertain, never);
         }
-        match self.near_stretches(carved, &mut near, rays.ray, &mut doubt) {
+        match self.find_near_spans(carved, &mut near, rays.ray, &mut uncertain) {
             Some(true) => {}
-            Some(false) => return (doubt, never),
-            None => return (Doubt { always: !never, ..doubt }, never),
+            Some(false) => return (uncertain, never),
+            None => return (Uncertain { always: !never, ..uncertain }, never),
         }
-        self.near_changes(&near, window, &mut doubt);
-        (doubt, self.starts_inside(&near, window))
+        self.near_changes(&near, window, &mut uncertain);
+        (uncertain, self.starts_inside(&near, window))
     }
 
     /// Computes the spans of the leaves. Returns false as soon as no ray hits any leaf of some union, and
     /// `None` if there are too many spans.
     #[inline(always)]
-    fn near_stretches(
+    fn find_near_spans(
         &mut self,
         carved: &Carved,
-        near: &mut Near,
+        near: &mut NearbyLeaves,
         ray: &LaneRay<S>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> Option<bool> {
         let (mut count, mut is_met, mut of) = (0, true, NONE);
         for near in &mut near.leaves[..near.count.min(MOST)] {
@@ -240,7 +240,7 @@ impl<S: Simd> Group<'_, S> {
             if near.end > MOST {
                 return None;
             }
-            is_met |= self.leaf(&carved.facets[leaf.facets.clone()], count, ray, None, doubt);
+            is_met |= self.leaf(&carved.facets[leaf.facets.clone()], count, ray, None, uncertain);
             count = near.end;
         }
         Some(is_met)
@@ -248,27 +248,27 @@ impl<S: Simd> Group<'_, S> {
 
     /// Finds the first two changes of each ray.
     #[inline(always)]
-    fn near_changes(&mut self, near: &Near, window: Window, doubt: &mut Doubt<S>) {
+    fn near_changes(&mut self, near: &NearbyLeaves, window: Window, uncertain: &mut Uncertain<S>) {
         let never = splat(self.simd, f64::INFINITY);
         let (mut earliest, mut second, mut tied) = (never, never, never);
         for own in 0..near.count {
-            let NearLeaf { first, end, .. } = near.leaves[own];
+            let NearbyLeaf { first, end, .. } = near.leaves[own];
             for code in 2 * first..2 * end {
                 let t = self.end(code);
                 // only the first two changes are needed
-                let asked =
+                let queried =
                     t.simd_gt(window.t_min()) & t.simd_lt(window.t_max()) & t.simd_le(second.min(tied));
-                if !asked.any_true() {
+                if !queried.any_true() {
                     continue;
                 }
-                let (changes, ties) = self.near_change(near, own, code / 2, t, asked);
+                let (changes, ties) = self.near_change(near, own, code / 2, t, queried);
                 tied = tied.min(ties.select(t, never));
                 let key = changes.select(Lanes::from_bits((t.to_bits() & !CODE) | code as u64), never);
                 second = second.min(earliest.max(key));
                 earliest = earliest.min(key);
             }
         }
-        doubt.always |= tied.simd_le(earliest) & tied.simd_lt(never);
+        uncertain.always |= tied.simd_le(earliest) & tied.simd_lt(never);
         self.set_key(0, earliest);
         self.set_key(1, second.min(tied));
     }
@@ -278,15 +278,15 @@ impl<S: Simd> Group<'_, S> {
     #[inline(always)]
     fn near_change(
         &self,
-        near: &Near,
+        near: &NearbyLeaves,
         own: usize,
-        stretch: usize,
+        span: usize,
         t: Lanes<S>,
-        asked: Mask<S>,
+        queried: Mask<S>,
     ) -> (Mask<S>, Mask<S>) {
-        let NearLeaf { union, first, end, .. } = near.leaves[own];
-        let (mut open, mut ties) = (asked, Mask::splat(self.simd, false));
-        for other in (first..end).filter(|&other| other != stretch) {
+        let NearbyLeaf { union, first, end, .. } = near.leaves[own];
+        let (mut open, mut ties) = (queried, Mask::splat(self.simd, false));
+        for other in (first..end).filter(|&other| other != span) {
             let (within, touches) = self.within(other, t);
             open &= if other == first { within | touches } else { !within };
             ties |= touches;
@@ -316,7 +316,7 @@ impl<S: Simd> Group<'_, S> {
     /// Lanes in which `t` is strictly inside a leaf, and lanes in which some span of the leaf begins or ends
     /// at `t`.
     #[inline(always)]
-    fn holds(&self, leaf: &NearLeaf, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
+    fn holds(&self, leaf: &NearbyLeaf, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
         let (mut holds, mut touches) = self.within(leaf.first, t);
         for gap in leaf.first + 1..leaf.end {
             let (within, ends) = self.within(gap, t);
@@ -328,14 +328,14 @@ impl<S: Simd> Group<'_, S> {
 
     /// Lanes in which `t` is strictly inside a span, and lanes in which the span begins or ends at `t`.
     #[inline(always)]
-    fn within(&self, stretch: usize, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
-        let (from, to) = self.stretch(stretch);
+    fn within(&self, span: usize, t: Lanes<S>) -> (Mask<S>, Mask<S>) {
+        let (from, to) = self.span(span);
         (from.simd_lt(t) & t.simd_lt(to), t.simd_eq(from) | t.simd_eq(to))
     }
 
     /// The lanes that are inside just after the beginning of the window.
     #[inline(always)]
-    fn starts_inside(&self, near: &Near, window: Window) -> Mask<S> {
+    fn starts_inside(&self, near: &NearbyLeaves, window: Window) -> Mask<S> {
         let never = Mask::splat(self.simd, false);
         let t = splat(self.simd, window.t_min());
         if window.t_min() == f64::NEG_INFINITY {
@@ -362,8 +362,8 @@ impl<S: Simd> Group<'_, S> {
 
     /// The lanes that are in a span just after `t`.
     #[inline(always)]
-    fn begun(&self, stretch: usize, t: Lanes<S>) -> Mask<S> {
-        let (from, to) = self.stretch(stretch);
+    fn begun(&self, span: usize, t: Lanes<S>) -> Mask<S> {
+        let (from, to) = self.span(span);
         from.simd_le(t) & t.simd_lt(to)
     }
 }

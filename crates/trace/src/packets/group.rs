@@ -7,7 +7,9 @@ use super::starts::Begin;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_model::{Rays, Window};
-use rayweave_shape::lanes::{Doubt, Facet, LANES, LaneRay, LaneStarts, Lanes, Mask, Span, Vec3Lanes, splat};
+use rayweave_shape::lanes::{
+    Facet, LANES, LaneRay, LaneStarts, Lanes, Mask, Span, Uncertain, Vec3Lanes, splat,
+};
 
 /// One number per ray, in memory.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +41,7 @@ impl Default for Memory {
 
 /// A bundle of eight rays in evaluation.
 #[derive(Debug)]
-pub(super) struct Group<'m, S: Simd> {
+pub(super) struct BundleEvaluation<'m, S: Simd> {
     pub simd: S,
     pub memory: &'m mut Memory,
     values: [Mask<S>; STEPS],
@@ -49,20 +51,20 @@ pub(super) struct Group<'m, S: Simd> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
     /// Bit mask of the uncertain lanes, which fall back to the weave.
-    pub doubt: u64,
+    pub uncertain: u64,
     /// The greatest number of changes of the owner on a ray.
     pub most: usize,
     /// The owner of each ray's start.
     pub starts: [f64; LANES],
 }
 
-impl<'m, S: Simd> Group<'m, S> {
+impl<'m, S: Simd> BundleEvaluation<'m, S> {
     #[inline(always)]
     pub fn new(simd: S, memory: &'m mut Memory) -> Self {
-        Group { simd, memory, values: [Mask::splat(simd, false); STEPS] }
+        BundleEvaluation { simd, memory, values: [Mask::splat(simd, false); STEPS] }
     }
 
-    /// [`Group::run_here`] as a separate function, compiled once per instruction set instead of at each call.
+    /// [`BundleEvaluation::run_here`] as a separate function, compiled once per instruction set instead of at each call.
     pub fn run(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, window: Window, first: bool) -> Found {
         let simd = self.simd;
         simd.vectorize(
@@ -71,8 +73,8 @@ impl<'m, S: Simd> Group<'m, S> {
         )
     }
 
-    /// [`Group::enter_here`] as a separate function.
-    pub fn enter(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
+    /// [`BundleEvaluation::enter_here`] as a separate function.
+    pub fn enter(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Uncertain<S>, Mask<S>) {
         let simd = self.simd;
         simd.vectorize(
             #[inline(always)]
@@ -82,17 +84,17 @@ impl<'m, S: Simd> Group<'m, S> {
 
     /// Finds the first two changes of each ray. Returns the uncertain lanes and the lanes that start inside.
     #[inline(always)]
-    fn enter_here(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Doubt<S>, Mask<S>) {
+    fn enter_here(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Uncertain<S>, Mask<S>) {
         let never = Mask::splat(self.simd, false);
-        let mut doubt = Doubt { always: never, grazes: never };
-        if !self.stretches(plan, ray, None, &mut doubt) {
+        let mut uncertain = Uncertain { always: never, grazes: never };
+        if !self.find_spans(plan, ray, None, &mut uncertain) {
             self.no_changes();
-            return (doubt, never);
+            return (uncertain, never);
         }
         let from = splat(self.simd, window.t_min());
-        self.changes(plan, from, window.t_max(), true, &mut doubt);
+        self.changes(plan, from, window.t_max(), true, &mut uncertain);
         let starts = Lanes::load_array(self.simd, self.starts_after(plan, window));
-        (doubt, starts.simd_gt(splat(self.simd, 0.0)))
+        (uncertain, starts.simd_gt(splat(self.simd, 0.0)))
     }
 
     /// Finds the changes of the rays from `at` on: all, or only the first two. If fewer than eight rays are
@@ -102,30 +104,30 @@ impl<'m, S: Simd> Group<'m, S> {
         let simd = self.simd;
         let limits = &plan.model.limits;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
-        let (ray, mut doubt) = LaneRay::new(simd, origin, direction, limits);
-        if !self.stretches(plan, &ray, None, &mut doubt) {
+        let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, limits);
+        if !self.find_spans(plan, &ray, None, &mut uncertain) {
             self.no_changes();
-            return Found { doubt: doubt.always.to_bitmask(), most: 0, starts: [0.0; LANES] };
+            return Found { uncertain: uncertain.always.to_bitmask(), most: 0, starts: [0.0; LANES] };
         }
         let from = splat(simd, window.t_min());
-        let most = self.changes(plan, from, window.t_max(), first, &mut doubt);
-        let unsure = self.unsure(plan, &ray, most, &doubt);
-        Found { doubt: unsure, most, starts: self.starts_after(plan, window) }
+        let most = self.changes(plan, from, window.t_max(), first, &mut uncertain);
+        let unsure = self.unsure(plan, &ray, most, &uncertain);
+        Found { uncertain: unsure, most, starts: self.starts_after(plan, window) }
     }
 
     /// The lanes whose changes are uncertain.
     #[inline(always)]
-    fn unsure(&self, plan: &Plan, ray: &LaneRay<S>, most: usize, doubt: &Doubt<S>) -> u64 {
-        let mut unsure = doubt.always;
+    fn unsure(&self, plan: &Plan, ray: &LaneRay<S>, most: usize, uncertain: &Uncertain<S>) -> u64 {
+        let mut unsure = uncertain.always;
         for k in 1..most {
             let (a, b) = (self.key(k - 1), self.key(k));
-            let near = ray.may_coincide(a, b, &plan.model.limits) | doubt.grazes;
+            let near = ray.may_coincide(a, b, &plan.model.limits) | uncertain.grazes;
             unsure |= near & b.simd_lt(f64::INFINITY);
         }
         unsure.to_bitmask()
     }
 
-    /// [`Group::run`] for rays that start on surfaces.
+    /// [`BundleEvaluation::run`] for rays that start on surfaces.
     pub fn run_from(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, begin: &Begin, first: bool) -> Found {
         let simd = self.simd;
         simd.vectorize(
@@ -138,34 +140,34 @@ impl<'m, S: Simd> Group<'m, S> {
     fn run_from_here(&mut self, plan: &Plan, rays: Rays<'_>, at: usize, begin: &Begin, first: bool) -> Found {
         let simd = self.simd;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
-        let (ray, mut doubt) = LaneRay::new(simd, origin, direction, &plan.model.limits);
+        let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, &plan.model.limits);
         let starts = LaneStarts {
             surface: Lanes::load_array_ref(simd, &begin.surface.0),
             inside: Mask::from_bitmask(simd, begin.inside),
         };
-        if !self.stretches(plan, &ray, Some(&starts), &mut doubt) {
+        if !self.find_spans(plan, &ray, Some(&starts), &mut uncertain) {
             self.no_changes();
-            let doubt = doubt.always.to_bitmask() | begin.doubt;
-            return Found { doubt, most: 0, starts: [0.0; LANES] };
+            let uncertain = uncertain.always.to_bitmask() | begin.uncertain;
+            return Found { uncertain, most: 0, starts: [0.0; LANES] };
         }
         let from = Lanes::load_array_ref(simd, &begin.from.0);
-        let most = self.changes(plan, from, begin.t_max, first, &mut doubt);
-        let doubt = self.unsure(plan, &ray, most, &doubt) | begin.doubt;
-        Found { doubt, most, starts: self.starts(plan, from) }
+        let most = self.changes(plan, from, begin.t_max, first, &mut uncertain);
+        let uncertain = self.unsure(plan, &ray, most, &uncertain) | begin.uncertain;
+        Found { uncertain, most, starts: self.starts(plan, from) }
     }
 
     /// Computes the spans of all leaves. Returns false as soon as it is certain that no ray is ever inside.
     #[inline(always)]
-    fn stretches(
+    fn find_spans(
         &mut self,
         plan: &Plan,
         ray: &LaneRay<S>,
         starts: Option<&LaneStarts<S>>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> bool {
         for leaf in &plan.leaves {
             let facets = &plan.facets[leaf.facets.clone()];
-            let is_met = self.leaf(facets, leaf.span, ray, starts, doubt);
+            let is_met = self.leaf(facets, leaf.span, ray, starts, uncertain);
             if leaf.is_needed && !is_met {
                 return false;
             }
@@ -190,14 +192,14 @@ impl<'m, S: Simd> Group<'m, S> {
         first: usize,
         ray: &LaneRay<S>,
         starts: Option<&LaneStarts<S>>,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> bool {
         let simd = self.simd;
         let (mut span, mut is_met) = (Span::line(simd), true);
         for facet in facets {
             let gap = match starts {
-                Some(starts) => facet.narrow_from(simd, ray, starts, &mut span, doubt),
-                None => facet.narrow(simd, ray, &mut span, doubt),
+                Some(starts) => facet.narrow_from(simd, ray, starts, &mut span, uncertain),
+                None => facet.narrow(simd, ray, &mut span, uncertain),
             };
             if let Some(gap) = gap
                 && facet.gap != NONE
@@ -215,13 +217,13 @@ impl<'m, S: Simd> Group<'m, S> {
     }
 
     #[inline(always)]
-    fn keep(&mut self, stretch: usize, [from, to]: [Lanes<S>; 2], faces: [Lanes<S>; 2]) {
-        let (some, stretch) = (from.simd_lt(to), stretch % MOST);
+    fn keep(&mut self, span: usize, [from, to]: [Lanes<S>; 2], faces: [Lanes<S>; 2]) {
+        let (some, span) = (from.simd_lt(to), span % MOST);
         let (plus, minus) = (splat(self.simd, f64::INFINITY), splat(self.simd, f64::NEG_INFINITY));
-        some.select(from, plus).store_array(&mut self.memory.ends[2 * stretch].0);
-        some.select(to, minus).store_array(&mut self.memory.ends[2 * stretch + 1].0);
-        faces[0].store_array(&mut self.memory.faces[2 * stretch].0);
-        faces[1].store_array(&mut self.memory.faces[2 * stretch + 1].0);
+        some.select(from, plus).store_array(&mut self.memory.ends[2 * span].0);
+        some.select(to, minus).store_array(&mut self.memory.ends[2 * span + 1].0);
+        faces[0].store_array(&mut self.memory.faces[2 * span].0);
+        faces[1].store_array(&mut self.memory.faces[2 * span + 1].0);
     }
 
     #[inline(always)]
@@ -244,20 +246,20 @@ impl<'m, S: Simd> Group<'m, S> {
         from: Lanes<S>,
         t_max: f64,
         first: bool,
-        doubt: &mut Doubt<S>,
+        uncertain: &mut Uncertain<S>,
     ) -> usize {
         let simd = self.simd;
         let never = splat(simd, f64::INFINITY);
         let (mut earliest, mut second, mut tied, mut count) = (never, never, never, 0);
-        for (stretch, difference) in plan.differences.iter().enumerate() {
-            for code in [2 * stretch, 2 * stretch + 1] {
+        for (span, difference) in plan.differences.iter().enumerate() {
+            for code in [2 * span, 2 * span + 1] {
                 let t = self.end(code);
-                let asked = t.simd_gt(from) & t.simd_lt(t_max);
-                if !asked.any_true() {
+                let queried = t.simd_gt(from) & t.simd_lt(t_max);
+                if !queried.any_true() {
                     // most rays miss most leaves
                     continue;
                 }
-                let (changes, ties) = self.difference(difference, t, asked);
+                let (changes, ties) = self.difference(difference, t, queried);
                 let key = (t.to_bits() & !CODE) | code as u64;
                 let key = changes.select(Lanes::from_bits(key), never);
                 if first {
@@ -265,7 +267,7 @@ impl<'m, S: Simd> Group<'m, S> {
                     second = second.min(earliest.max(key));
                     earliest = earliest.min(key);
                 } else {
-                    doubt.always |= ties;
+                    uncertain.always |= ties;
                     self.set_key(count, key);
                     count += usize::from(changes.any_true());
                 }
@@ -273,7 +275,7 @@ impl<'m, S: Simd> Group<'m, S> {
         }
         if first {
             // a tie after the first change counts as the second change
-            doubt.always |= tied.simd_le(earliest) & tied.simd_lt(never);
+            uncertain.always |= tied.simd_le(earliest) & tied.simd_lt(never);
             self.set_key(0, earliest);
             self.set_key(1, second.min(tied));
             return 2;
@@ -293,12 +295,12 @@ impl<'m, S: Simd> Group<'m, S> {
     /// Lanes in which the owner changes at the end of a span at time `t`, and lanes in which another relevant
     /// span begins or ends at the same time (a tie).
     #[inline(always)]
-    fn difference(&mut self, difference: &Difference, t: Lanes<S>, asked: Mask<S>) -> (Mask<S>, Mask<S>) {
-        let (mut changes, mut ties) = (asked, Mask::splat(self.simd, false));
+    fn difference(&mut self, difference: &Difference, t: Lanes<S>, queried: Mask<S>) -> (Mask<S>, Mask<S>) {
+        let (mut changes, mut ties) = (queried, Mask::splat(self.simd, false));
         match difference {
             Difference::Cube(literals) => {
                 for literal in literals {
-                    let (from, to) = self.stretch(literal.stretch as usize);
+                    let (from, to) = self.span(literal.span as usize);
                     let holds = from.simd_lt(t) & t.simd_lt(to);
                     changes = if literal.inside { changes & holds } else { changes & !holds };
                     if literal.ties {
@@ -310,7 +312,7 @@ impl<'m, S: Simd> Group<'m, S> {
                 for (at, step) in tape.steps.iter().enumerate() {
                     self.values[at % STEPS] = match *step {
                         Step::Input(k) => {
-                            let (from, to) = self.stretch(k as usize);
+                            let (from, to) = self.span(k as usize);
                             ties |= t.simd_eq(from) | t.simd_eq(to);
                             from.simd_lt(t) & t.simd_lt(to)
                         }
@@ -320,12 +322,12 @@ impl<'m, S: Simd> Group<'m, S> {
                 changes &= self.output(tape, 0);
             }
         }
-        (changes, ties & asked)
+        (changes, ties & queried)
     }
 
     /// The times at which a span begins and ends.
     #[inline(always)]
-    pub fn stretch(&self, k: usize) -> (Lanes<S>, Lanes<S>) {
+    pub fn span(&self, k: usize) -> (Lanes<S>, Lanes<S>) {
         (self.end(2 * k), self.end(2 * k + 1))
     }
 
@@ -363,17 +365,17 @@ impl<'m, S: Simd> Group<'m, S> {
         for (at, step) in plan.regions.steps.iter().enumerate() {
             self.values[at % STEPS] = match *step {
                 Step::Input(k) => {
-                    let (from, to) = self.stretch(k as usize);
+                    let (from, to) = self.span(k as usize);
                     from.simd_le(t) & t.simd_lt(to)
                 }
                 step => self.gate(step),
             };
         }
-        let mut winner = splat(self.simd, 0.0);
+        let mut owner = splat(self.simd, 0.0);
         for k in 0..plan.regions.outputs.len() {
-            winner = self.output(&plan.regions, k).select(splat(self.simd, k as f64 + 1.0), winner);
+            owner = self.output(&plan.regions, k).select(splat(self.simd, k as f64 + 1.0), owner);
         }
-        winner.to_array()
+        owner.to_array()
     }
 
     /// The index of the span end at position `k` of a lane; `None` if the lane has fewer changes.
@@ -387,7 +389,7 @@ impl<'m, S: Simd> Group<'m, S> {
     pub fn holds_after(&self, plan: &Plan, lane: usize, t: f64) -> u64 {
         let ends = &self.memory.ends;
         let holds = |k: &usize| ends[2 * k].0[lane] <= t && t < ends[2 * k + 1].0[lane];
-        (0..plan.stretches()).filter(holds).fold(0, |all, k| all | 1 << k)
+        (0..plan.span_count()).filter(holds).fold(0, |all, k| all | 1 << k)
     }
 }
 

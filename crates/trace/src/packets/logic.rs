@@ -274,7 +274,7 @@ pub(super) struct Tape {
 impl Tape {
     /// The owner for one set of inputs, given as a bit mask: the number, from 1, of the last output that is
     /// true; 0 if none is.
-    pub fn winner(&self, inputs: u64) -> u32 {
+    pub fn owner(&self, inputs: u64) -> u32 {
         let mut values = [false; STEPS];
         for (at, step) in self.steps.iter().enumerate() {
             let value = |k: u16| values[k as usize];
@@ -321,16 +321,16 @@ mod tests {
             let outputs: Vec<(Wire, u64)> =
                 (0..1 + below(3)).map(|_| pool[pool.len() - 1 - below(8)]).collect();
             let wires: Vec<Wire> = outputs.iter().map(|output| output.0).collect();
-            let winner = |row: u64| outputs.iter().rposition(|output| output.1 >> row & 1 == 1);
+            let owner = |row: u64| outputs.iter().rposition(|output| output.1 >> row & 1 == 1);
             let tape = logic.tape(&wires);
             for row in 0..64 {
-                assert_eq!(tape.winner(row), winner(row).map_or(0, |k| k as u32 + 1));
+                assert_eq!(tape.owner(row), owner(row).map_or(0, |k| k as u32 + 1));
             }
             for k in 0..6 {
                 let difference = logic.difference(&wires, k);
                 let tape = logic.tape(&[difference]);
                 for row in 0..64 {
-                    assert_eq!(tape.winner(row) == 1, winner(row) != winner(row ^ 1 << k));
+                    assert_eq!(tape.owner(row) == 1, owner(row) != owner(row ^ 1 << k));
                 }
             }
         }
@@ -357,7 +357,7 @@ mod tests {
             let wire = logic.join(Rule::AtLeast(least), &operands);
             let tape = logic.tape(&[wire]);
             for row in 0..32u64 {
-                assert_eq!(tape.winner(row) == 1, row.count_ones() >= least);
+                assert_eq!(tape.owner(row) == 1, row.count_ones() >= least);
             }
         }
     }

@@ -24,7 +24,7 @@ use crate::weave::WeaveScratch;
 use boxes::Ahead;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
-use group::{Found, Group, Memory, Row, load, whole};
+use group::{BundleEvaluation, Found, Memory, Row, load, whole};
 use normal::Hits;
 use objects::{First, Objects};
 use plan::{APART, Common, Plan, SMALL};
@@ -61,8 +61,8 @@ pub struct PacketsScratch {
 impl PacketsScratch {
     /// Number of leaves that [`Weave`] has intersected with this scratch: on uncertain lanes, and on all rays
     /// where the model has no plan for lanes.
-    pub fn asked_of_weave(&self) -> u64 {
-        self.weave.asked()
+    pub fn fallback_leaf_count(&self) -> u64 {
+        self.weave.intersected_leaves()
     }
 }
 
@@ -97,7 +97,14 @@ impl Packets {
 
 /// Receives the results of the rays `at..at + count`.
 trait Take {
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize);
+    fn take<S: Simd>(
+        &mut self,
+        plan: &Plan,
+        group: &BundleEvaluation<'_, S>,
+        found: &Found,
+        at: usize,
+        count: usize,
+    );
 }
 
 #[inline(always)]
@@ -110,7 +117,7 @@ fn run<S: Simd, T: Take>(
     first: bool,
     take: &mut T,
 ) {
-    let mut group = Group::new(simd, memory);
+    let mut group = BundleEvaluation::new(simd, memory);
     for at in (0..rays.len()).step_by(LANES) {
         let count = LANES.min(rays.len() - at);
         let found = match query.starts {
@@ -151,10 +158,17 @@ struct Lists<'a> {
 
 impl Take for Lists<'_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
+    fn take<S: Simd>(
+        &mut self,
+        plan: &Plan,
+        group: &BundleEvaluation<'_, S>,
+        found: &Found,
+        at: usize,
+        count: usize,
+    ) {
         for lane in 0..count {
             let ray = at + lane;
-            if found.doubt >> lane & 1 == 1 {
+            if found.uncertain >> lane & 1 == 1 {
                 let PacketsScratch { weave, .. } = &mut *self.scratch;
                 one_by_one(self.weave, self.rays, ray, self.query, weave, |answer| self.sink.ray(answer));
                 continue;
@@ -171,7 +185,7 @@ impl Take for Lists<'_> {
 fn list<S: Simd>(
     program: &Program,
     plan: &Plan,
-    group: &Group<'_, S>,
+    group: &BundleEvaluation<'_, S>,
     found: &Found,
     lane: usize,
     limit: Limit,
@@ -186,7 +200,7 @@ fn list<S: Simd>(
             group.memory.ends[code].0[lane],
             plan.model.faces[whole(group.memory.faces[code].0[lane]) as usize],
         );
-        let after = if plan.is_plain { RegionId(1 - before.0) } else { winner_after(plan, group, lane, t) };
+        let after = if plan.is_plain { RegionId(1 - before.0) } else { owner_after(plan, group, lane, t) };
         if plan.is_plain || program.medium_of(before) != program.medium_of(after) {
             crossings.push(Crossing { t, face, left: face, entered: face, before, after });
             if limit == Limit::First {
@@ -198,8 +212,8 @@ fn list<S: Simd>(
     start
 }
 
-fn winner_after<S: Simd>(plan: &Plan, group: &Group<'_, S>, lane: usize, t: f64) -> RegionId {
-    RegionId(plan.winner(group.holds_after(plan, lane, t)))
+fn owner_after<S: Simd>(plan: &Plan, group: &BundleEvaluation<'_, S>, lane: usize, t: f64) -> RegionId {
+    RegionId(plan.owner(group.holds_after(plan, lane, t)))
 }
 
 /// Receiver for hit arrays.
@@ -214,15 +228,22 @@ struct Arrays<'a, 'r, 'c> {
 
 impl Take for Arrays<'_, '_, '_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
+    fn take<S: Simd>(
+        &mut self,
+        plan: &Plan,
+        group: &BundleEvaluation<'_, S>,
+        found: &Found,
+        at: usize,
+        count: usize,
+    ) {
         let is_simple = plan.is_plain && found.starts == [0.0; LANES];
-        if is_simple && found.doubt == 0 {
+        if is_simple && found.uncertain == 0 {
             self.most = self.most.max(found.most);
             return self.columns(group, found, at, count);
         }
         for lane in 0..count {
             let ray = at + lane;
-            if found.doubt >> lane & 1 == 1 {
+            if found.uncertain >> lane & 1 == 1 {
                 let (rows, most) = (&mut *self.rows, &mut self.most);
                 let program = self.weave.program();
                 one_by_one(self.weave, self.rays, ray, &self.query, &mut self.scratch.weave, |answer| {
@@ -241,7 +262,7 @@ impl Take for Arrays<'_, '_, '_> {
 impl Arrays<'_, '_, '_> {
     /// Writes rays that start outside and are all certain.
     #[inline(always)]
-    fn columns<S: Simd>(&mut self, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
+    fn columns<S: Simd>(&mut self, group: &BundleEvaluation<'_, S>, found: &Found, at: usize, count: usize) {
         for (k, row) in self.rows.times.iter_mut().enumerate() {
             let row = &mut row[at..at + count];
             if k >= found.most {
@@ -278,7 +299,14 @@ struct Firsts<'a, 'c> {
 
 impl Take for Firsts<'_, '_> {
     #[inline(always)]
-    fn take<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, found: &Found, at: usize, count: usize) {
+    fn take<S: Simd>(
+        &mut self,
+        plan: &Plan,
+        group: &BundleEvaluation<'_, S>,
+        found: &Found,
+        at: usize,
+        count: usize,
+    ) {
         let program = self.weave.program();
         if count == LANES {
             let firsts = match plan.is_plain {
@@ -289,7 +317,7 @@ impl Take for Firsts<'_, '_> {
         }
         for lane in 0..count {
             let ray = at + lane;
-            if found.doubt >> lane & 1 == 1 {
+            if found.uncertain >> lane & 1 == 1 {
                 self.put_one(ray);
             } else if count < LANES {
                 let crossings = &mut self.scratch.crossings;
@@ -320,10 +348,10 @@ impl Eight {
 
 /// First hits in a model of one region; uncertain lanes are misses.
 #[inline(always)]
-fn plain_firsts<S: Simd>(group: &Group<'_, S>, found: &Found) -> Eight {
+fn plain_firsts<S: Simd>(group: &BundleEvaluation<'_, S>, found: &Found) -> Eight {
     let mut eight = Eight::nothing(found.starts);
     for lane in 0..LANES {
-        if let (Some(code), 0) = (group.code(0, lane), found.doubt >> lane & 1) {
+        if let (Some(code), 0) = (group.code(0, lane), found.uncertain >> lane & 1) {
             eight.t.0[lane] = group.memory.ends[code].0[lane];
             eight.face.0[lane] = group.memory.faces[code].0[lane];
             eight.after.0[lane] = 1.0 - eight.after.0[lane];
@@ -333,14 +361,19 @@ fn plain_firsts<S: Simd>(group: &Group<'_, S>, found: &Found) -> Eight {
 }
 
 /// First hits in a model of several regions; uncertain lanes are misses.
-fn other_firsts<S: Simd>(program: &Program, plan: &Plan, group: &Group<'_, S>, found: &Found) -> Eight {
+fn other_firsts<S: Simd>(
+    program: &Program,
+    plan: &Plan,
+    group: &BundleEvaluation<'_, S>,
+    found: &Found,
+) -> Eight {
     let mut eight = Eight::nothing(found.starts);
-    for lane in (0..LANES).filter(|lane| found.doubt >> lane & 1 == 0) {
+    for lane in (0..LANES).filter(|lane| found.uncertain >> lane & 1 == 0) {
         let mut before = RegionId(found.starts[lane] as u32);
         for k in 0..found.most {
             let Some(code) = group.code(k, lane) else { break };
             let t = group.memory.ends[code].0[lane];
-            let after = winner_after(plan, group, lane, t);
+            let after = owner_after(plan, group, lane, t);
             if program.medium_of(before) != program.medium_of(after) {
                 (eight.t.0[lane], eight.face.0[lane]) = (t, group.memory.faces[code].0[lane]);
                 (eight.before.0[lane], eight.after.0[lane]) = (f64::from(before.0), f64::from(after.0));
@@ -355,12 +388,12 @@ fn other_firsts<S: Simd>(program: &Program, plan: &Plan, group: &Group<'_, S>, f
 impl Firsts<'_, '_> {
     /// Writes eight rays; the caller overwrites uncertain lanes.
     #[inline(always)]
-    fn columns<S: Simd>(&mut self, plan: &Plan, group: &Group<'_, S>, eight: &Eight, at: usize) {
+    fn columns<S: Simd>(&mut self, plan: &Plan, group: &BundleEvaluation<'_, S>, eight: &Eight, at: usize) {
         self.write(eight, at, LANES);
         if let Some(hits) = self.hits(group.simd, eight, at) {
             let (normals, others) = hits.normals(group.simd, &plan.model.slopes);
             self.write_normals(normals, at, LANES);
-            self.dress(others, at, |lane| plan.model.faces[eight.face.0[lane] as usize]);
+            self.write_attributes(others, at, |lane| plan.model.faces[eight.face.0[lane] as usize]);
         }
     }
 
@@ -402,7 +435,7 @@ impl Firsts<'_, '_> {
     }
 
     /// Computes the normals of some lanes one by one, from what has been written about them.
-    fn dress(&mut self, mut lanes: u64, at: usize, face: impl Fn(usize) -> Face) {
+    fn write_attributes(&mut self, mut lanes: u64, at: usize, face: impl Fn(usize) -> Face) {
         let Some([x, y, z]) = &mut self.hits.normal else { return };
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
@@ -418,13 +451,13 @@ impl Firsts<'_, '_> {
     /// First hits among many solids.
     #[inline(always)]
     fn among<S: Simd>(&mut self, simd: S, objects: &Objects, memory: &mut Memory, ahead: &mut [Ahead; 2]) {
-        let mut group = Group::new(simd, memory);
+        let mut group = BundleEvaluation::new(simd, memory);
         for at in (0..self.rays.len()).step_by(LANES) {
             let count = LANES.min(self.rays.len() - at);
             let program = self.weave.program();
             let first = objects.first(&mut group, ahead, program, self.rays, at, self.query.window);
             self.put_first(simd, objects, &first, at, count);
-            for lane in (0..count).filter(|lane| first.doubt >> lane & 1 == 1) {
+            for lane in (0..count).filter(|lane| first.uncertain >> lane & 1 == 1) {
                 self.put_one(at + lane);
             }
         }
@@ -440,7 +473,7 @@ impl Firsts<'_, '_> {
             let (normals, others) = objects.normals(simd, self.weave.program(), first, &hits);
             self.write_normals(normals, at, count);
             let there = !0 >> (64 - count);
-            self.dress(others & there & !first.doubt, at, |lane| objects.face(first, lane));
+            self.write_attributes(others & there & !first.uncertain, at, |lane| objects.face(first, lane));
         }
     }
 

@@ -6,9 +6,9 @@
 //! entries occur at the same time, or if the entry and the next change are so close that they may have to be
 //! welded.
 
-use super::boxes::{Ahead, Boxes, Reach, Slabs};
+use super::boxes::{Ahead, Boxes, LaneIntervals, Slabs};
 use super::carved::{Bundled, Carved};
-use super::group::{Group, Row, load};
+use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
 use super::places::{Carried, Step, unit_gradient};
 use super::plan::{Common, LARGE, MOST, Plan, SMALL, limits};
@@ -54,7 +54,7 @@ struct Object {
 /// A solid in its own frame, prepared for intersection.
 #[derive(Clone, Debug)]
 struct Part {
-    asked: Asked,
+    method: Method,
     limits: LaneLimits,
     /// See [`Prototype::condition`].
     condition: f64,
@@ -62,16 +62,16 @@ struct Part {
 
 /// The method of intersection of a solid.
 #[derive(Clone, Debug)]
-enum Asked {
+enum Method {
     Plan(Box<Plan>),
     Carved(Box<Carved>),
 }
 
-impl Asked {
+impl Method {
     fn leaf_count(&self) -> usize {
         match self {
-            Asked::Plan(plan) => plan.leaves.len(),
-            Asked::Carved(carved) => carved.leaf_count(),
+            Method::Plan(plan) => plan.leaves.len(),
+            Method::Carved(carved) => carved.leaf_count(),
         }
     }
 }
@@ -95,7 +95,7 @@ impl Objects {
         let mut boxes = Boxes::new(&bounds);
         let mut objects = boxes.reorder(&objects);
         let parts = reordered(&parts, &mut objects);
-        let leaves = objects.iter().map(|object| parts[object.part as usize].asked.leaf_count());
+        let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
         let is_few = leaves.sum::<usize>() <= MOST;
         let condition = group.condition;
         Some(Objects { model: model.clone(), objects, parts, steps, boxes, condition, is_few })
@@ -235,23 +235,23 @@ impl<'p> Gathered<'p> {
         let leaves = leaves(&group.expression, within.edge)?;
         let all = leaves.into_iter().map(|leaf| self.leaf(within, leaf));
         let (limits, condition) = (limits(program, group, all), group.condition);
-        let asked = self.asked(within, group)?;
-        self.parts.push(Part { asked, limits, condition });
+        let method = self.method(within, group)?;
+        self.parts.push(Part { method, limits, condition });
         Some(self.parts.len() as u32 - 1)
     }
 
     /// Chooses a plan if it is small, otherwise a carved solid, otherwise the larger plan; `None` if none is
     /// possible.
-    fn asked(&mut self, within: &Within, group: &Prototype) -> Option<Asked> {
+    fn method(&mut self, within: &Within, group: &Prototype) -> Option<Method> {
         // no ray may start inside far away
         let plan = Plan::of(self.program, self.model, group, &[within.edge], true);
         let mut plan = plan.filter(|plan| plan.start == Some(0)).map(Box::new);
         if let Some(plan) = plan.take_if(|plan| is_small(plan)) {
-            return Some(Asked::Plan(plan));
+            return Some(Method::Plan(plan));
         }
         let program = self.program;
         let carved = Carved::new(program, group, within.edge, self.matters(within.group));
-        carved.map(|carved| Asked::Carved(Box::new(carved))).or(plan.map(Asked::Plan))
+        carved.map(|carved| Method::Carved(Box::new(carved))).or(plan.map(Method::Plan))
     }
 
     /// Adds a solid unless it is empty; `None` if it is unbounded.
@@ -330,7 +330,7 @@ pub(super) struct First {
     /// The indices of the solids; undefined for a miss.
     object: Row,
     /// Bit mask of the uncertain lanes, which fall back to the weave.
-    pub doubt: u64,
+    pub uncertain: u64,
 }
 
 /// Length behind a hit, in radii of the model, in which solids are still searched. A separate check proves
@@ -347,7 +347,7 @@ struct Search<S: Simd> {
     grazes: Mask<S>,
     always: Mask<S>,
     /// The rays being traced.
-    asked: Mask<S>,
+    queried: Mask<S>,
 }
 
 impl<S: Simd> Search<S> {
@@ -362,7 +362,7 @@ impl<S: Simd> Search<S> {
             object: none,
             grazes: never,
             always,
-            asked: never,
+            queried: never,
         }
     }
 }
@@ -372,7 +372,7 @@ impl Objects {
     #[inline(always)]
     pub fn first<S: Simd>(
         &self,
-        group: &mut Group<'_, S>,
+        group: &mut BundleEvaluation<'_, S>,
         [ahead, inner]: &mut [Ahead; 2],
         program: &Program,
         rays: Rays<'_>,
@@ -381,15 +381,15 @@ impl Objects {
     ) -> First {
         let simd = group.simd;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
-        let (ray, doubt) = LaneRay::new(simd, origin, direction, &self.model.limits);
-        let mut search = Search::new(simd, doubt.always);
+        let (ray, uncertain) = LaneRay::new(simd, origin, direction, &self.model.limits);
+        let mut search = Search::new(simd, uncertain.always);
         let margin = ray.origin.taxicab() * (self.condition * MARGIN);
         let slabs = Slabs::new(simd, ray.origin, ray.direction, margin);
         let behind = splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab();
         let mut left: u64 = (1 << LANES.min(rays.len() - at)) - 1;
         while left != 0 {
             let some = if self.is_few { left } else { self.together(simd, &ray, left) };
-            search.asked = Mask::from_bitmask(simd, some);
+            search.queried = Mask::from_bitmask(simd, some);
             self.search(group, [ahead, inner], (&ray, &slabs, behind), some, window, &mut search);
             left &= !some;
         }
@@ -400,7 +400,7 @@ impl Objects {
     #[inline(always)]
     fn search<S: Simd>(
         &self,
-        group: &mut Group<'_, S>,
+        group: &mut BundleEvaluation<'_, S>,
         [ahead, inner]: [&mut Ahead; 2],
         (ray, slabs, behind): (&LaneRay<S>, &Slabs<S>, Lanes<S>),
         some: u64,
@@ -410,23 +410,26 @@ impl Objects {
         let simd = group.simd;
         let bundle = slabs.bundle(some);
         let (from, end) = (splat(simd, window.t_min()), splat(simd, window.t_max()));
-        let mut magnitude =
-            Reach { rays: search.asked, from: (from, window.t_min()), until: (end, window.t_max()) };
-        ahead.begin(simd, &self.boxes, &bundle, &magnitude);
-        while let Some(item) = ahead.next(simd, &self.boxes, (slabs, &bundle), &magnitude) {
-            let rays = Bundled { ray, slabs, bundle: &bundle, magnitude: &magnitude };
-            if self.ask(group, item, &rays, inner, window, search) {
+        let mut intervals = LaneIntervals {
+            rays: search.queried,
+            from: (from, window.t_min()),
+            until: (end, window.t_max()),
+        };
+        ahead.begin(simd, &self.boxes, &bundle, &intervals);
+        while let Some(item) = ahead.next(simd, &self.boxes, (slabs, &bundle), &intervals) {
+            let rays = Bundled { ray, slabs, bundle: &bundle, intervals: &intervals };
+            if self.intersect(group, item, &rays, inner, window, search) {
                 let until = (search.first + behind).min(end);
-                magnitude.until = (until, latest(search.asked.select(until, from)));
+                intervals.until = (until, latest(search.queried.select(until, from)));
             }
         }
     }
 
     /// Intersects one solid. Returns true if the hit of any ray became earlier.
     #[inline(always)]
-    fn ask<S: Simd>(
+    fn intersect<S: Simd>(
         &self,
-        group: &mut Group<'_, S>,
+        group: &mut BundleEvaluation<'_, S>,
         item: u32,
         rays: &Bundled<'_, S>,
         ahead: &mut Ahead,
@@ -436,26 +439,26 @@ impl Objects {
         let simd = group.simd;
         let object = &self.objects[item as usize];
         let part = &self.parts[object.part as usize];
-        let (doubt, inside) = match (self.steps(object), &part.asked) {
-            ([], Asked::Plan(plan)) => group.enter(plan, rays.ray, window),
-            ([], Asked::Carved(carved)) => group.enter_carved(carved, rays, ahead, window),
-            (steps, asked) => {
+        let (uncertain, inside) = match (self.steps(object), &part.method) {
+            ([], Method::Plan(plan)) => group.enter(plan, rays.ray, window),
+            ([], Method::Carved(carved)) => group.enter_carved(carved, rays, ahead, window),
+            (steps, method) => {
                 let carried = Carried::new(simd, rays.ray.origin, rays.ray.direction, steps);
-                let (ray, doubt) = carried.ready(simd, &part.limits);
-                search.always |= doubt.always & search.asked;
-                match asked {
-                    Asked::Plan(plan) => group.enter(plan, &ray, window),
-                    Asked::Carved(carved) => {
+                let (ray, uncertain) = carried.ready(simd, &part.limits);
+                search.always |= uncertain.always & search.queried;
+                match method {
+                    Method::Plan(plan) => group.enter(plan, &ray, window),
+                    Method::Carved(carved) => {
                         let slabs = carried.slabs(simd, part.condition);
-                        let bundle = slabs.bundle(search.asked.to_bitmask());
+                        let bundle = slabs.bundle(search.queried.to_bitmask());
                         let rays =
-                            Bundled { ray: &ray, slabs: &slabs, bundle: &bundle, magnitude: rays.magnitude };
+                            Bundled { ray: &ray, slabs: &slabs, bundle: &bundle, intervals: rays.intervals };
                         group.enter_carved(carved, &rays, ahead, window)
                     }
                 }
             }
         };
-        search.always |= (doubt.always | inside) & search.asked;
+        search.always |= (uncertain.always | inside) & search.queried;
         let infinity = splat(simd, f64::INFINITY);
         if !group.key(0).simd_lt(infinity).any_true() {
             return false;
@@ -468,7 +471,7 @@ impl Objects {
             }
         }
         let (t, face) = (Lanes::load_array_ref(simd, &t.0), Lanes::load_array_ref(simd, &face.0));
-        let t = search.asked.select(t, infinity);
+        let t = search.queried.select(t, infinity);
         let closer = t.simd_lt(search.first);
         search.always |= t.simd_eq(search.first) & t.simd_lt(infinity);
         let leaves = group.key(1).min(search.first);
@@ -476,7 +479,7 @@ impl Objects {
         search.first = closer.select(t, search.first);
         search.face = closer.select(face, search.face);
         search.object = closer.select(splat(simd, f64::from(item)), search.object);
-        search.grazes = (closer & doubt.grazes) | (search.grazes & !closer);
+        search.grazes = (closer & uncertain.grazes) | (search.grazes & !closer);
         closer.any_true()
     }
 
@@ -498,7 +501,7 @@ impl Objects {
             region: zero,
             placement: zero,
             object,
-            doubt: search.always.to_bitmask(),
+            uncertain: search.always.to_bitmask(),
         };
         let mut left = search.first.simd_lt(f64::INFINITY).to_bitmask();
         while left != 0 {
@@ -518,14 +521,14 @@ impl Objects {
                     (first.region.0[lane], first.placement.0[lane]) = (met.region, f64::from(met.placement));
                 }
             }
-            let mut near = (near | search.grazes).to_bitmask() & here & left & !first.doubt;
+            let mut near = (near | search.grazes).to_bitmask() & here & left & !first.uncertain;
             left &= !here;
             while near != 0 {
                 let lane = near.trailing_zeros() as usize % LANES;
                 near &= near - 1;
                 let next = next.as_slice()[lane];
-                if !self.is_settled(&first, lane, &ray.lane(lane), next, (program, window)) {
-                    first.doubt |= 1 << lane;
+                if !self.is_resolved(&first, lane, &ray.lane(lane), next, (program, window)) {
+                    first.uncertain |= 1 << lane;
                 }
             }
         }
@@ -534,7 +537,7 @@ impl Objects {
 
     /// True if no change at time `next` or later, within the model, can be welded to the first crossing of a
     /// ray.
-    fn is_settled(
+    fn is_resolved(
         &self,
         first: &First,
         lane: usize,

@@ -6,15 +6,15 @@ use super::normal::{Slope, scaled_to_unit};
 use fearless_simd::Simd;
 use rayweave_math::Affine;
 use rayweave_model::{MARGIN, Place, Program};
-use rayweave_shape::lanes::{Doubt, LaneLimits, LaneRay, Lanes, Vec3Lanes, splat};
+use rayweave_shape::lanes::{LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
 
 /// A transform on the path into the frame of a placed solid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
     place: Place,
-    /// Largest factor by which it stretches a length (norm of the linear part).
-    stretch: f64,
+    /// Largest factor by which it scales a length: the norm of the linear part.
+    norm: f64,
 }
 
 /// Eight rays in the frame of a placed solid.
@@ -32,12 +32,12 @@ impl<S: Simd> Carried<S> {
     #[inline(always)]
     pub fn new(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[Step]) -> Self {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
-        for Step { place, stretch } in steps {
+        for Step { place, norm } in steps {
             let down = &place.local_from_world;
             ray = Carried {
                 origin: turned(down, ray.origin).plus_all(down.translation),
                 direction: turned(down, ray.direction),
-                magnitude: (ray.origin.taxicab() + place.path + ray.magnitude) * *stretch,
+                magnitude: (ray.origin.taxicab() + place.path + ray.magnitude) * *norm,
             };
         }
         ray
@@ -52,7 +52,7 @@ impl<S: Simd> Carried<S> {
 
     /// Prepares the rays for the kernels.
     #[inline(always)]
-    pub fn ready(&self, simd: S, limits: &LaneLimits) -> (LaneRay<S>, Doubt<S>) {
+    pub fn ready(&self, simd: S, limits: &LaneLimits) -> (LaneRay<S>, Uncertain<S>) {
         LaneRay::carried(simd, self.origin, self.direction, limits, self.magnitude)
     }
 }
@@ -66,7 +66,7 @@ fn turned<S: Simd>(map: &Affine, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
 
 impl Step {
     pub fn new(place: Place) -> Step {
-        Step { place, stretch: place.local_from_world.linear_norm() }
+        Step { place, norm: place.local_from_world.linear_norm() }
     }
 
     /// Transforms gradients to the outer frame, by the transpose.

@@ -52,7 +52,7 @@ pub(super) struct Plan {
     /// A boolean function per region: true inside.
     pub regions: Tape,
     /// The owner for every set of spans, if there are few: a table lookup is faster than the tape.
-    winners: Vec<u32>,
+    owners: Vec<u32>,
     /// The owner as t -> -inf, if it is the same for all rays.
     pub start: Option<u32>,
     /// True if the inside is one region whose medium is not that of the world.
@@ -97,7 +97,7 @@ pub(super) enum Difference {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Literal {
     /// The index of the span.
-    pub stretch: u32,
+    pub span: u32,
     /// True if t must lie in the span, false if it must not.
     pub inside: bool,
     /// True if ties with this span are detected here; each pair of spans is checked once.
@@ -109,8 +109,7 @@ impl Difference {
         // on a copy, so that the gates of one difference do not enlarge the graph of the next
         let mut logic = logic.clone();
         let difference = logic.difference(outputs, own);
-        let literal =
-            |(stretch, inside): (u32, bool)| Literal { stretch, inside, ties: stretch as usize > own };
+        let literal = |(span, inside): (u32, bool)| Literal { span, inside, ties: span as usize > own };
         match logic.cube(difference) {
             Some(cube) => Difference::Cube(cube.into_iter().map(literal).collect()),
             None => Difference::Tape(logic.tape(&[difference])),
@@ -152,7 +151,7 @@ impl Plan {
         program: &Program,
         model: &Arc<Common>,
         group: &Prototype,
-        asked: &[Edge],
+        outputs: &[Edge],
         is_plain: bool,
     ) -> Option<Plan> {
         let mut plan = Plan {
@@ -161,29 +160,29 @@ impl Plan {
             facets: Vec::new(),
             differences: Vec::new(),
             regions: Tape::default(),
-            winners: Vec::new(),
+            owners: Vec::new(),
             start: None,
             is_plain,
         };
-        let (mut stretches, mut bounded) = (0, Vec::new());
+        let (mut span_count, mut bounded) = (0, Vec::new());
         let mut logic = Logic::new();
-        let outputs = logic.outputs(&group.expression, asked, GATES, |logic, leaf| {
+        let outputs = logic.outputs(&group.expression, outputs, GATES, |logic, leaf| {
             let id = LeafId(group.leaves.start + leaf.0);
             let LeafKind::Shape { facets } = program.leaf(id).kind() else { return None };
             let bounds = program.leaf_bounds(id);
-            bounded.extend((bounds.is_finite() || bounds.is_empty()).then_some(stretches));
-            plan.leaf(program, facets, logic, &mut stretches)
+            bounded.extend((bounds.is_finite() || bounds.is_empty()).then_some(span_count));
+            plan.leaf(program, facets, logic, &mut span_count)
         })?;
-        plan.differences = (0..stretches).map(|k| Difference::new(&logic, &outputs, k)).collect();
+        plan.differences = (0..span_count).map(|k| Difference::new(&logic, &outputs, k)).collect();
         plan.regions = logic.tape(&outputs);
         let steps = plan.differences.iter().map(Difference::steps).chain([plan.regions.steps.len()]);
         if steps.max() > Some(STEPS) {
             return None;
         }
-        if stretches <= TABLED {
-            plan.winners = (0..1 << stretches).map(|holds| plan.regions.winner(holds)).collect();
+        if span_count <= TABLED {
+            plan.owners = (0..1 << span_count).map(|holds| plan.regions.owner(holds)).collect();
         }
-        plan.start = winner_far_out(&mut logic, &outputs, &bounded);
+        plan.start = owner_far_out(&mut logic, &outputs, &bounded);
         for leaf in &mut plan.leaves {
             // on a copy, so that the graph does not grow
             let without = logic.clone().with(&outputs, |k| (k == leaf.span).then_some(Wire::FALSE));
@@ -200,12 +199,12 @@ impl Plan {
         program: &Program,
         facets: std::ops::Range<u32>,
         logic: &mut Logic,
-        stretches: &mut usize,
+        span_count: &mut usize,
     ) -> Option<Wire> {
-        let (span, first) = (take(stretches)?, self.facets.len());
+        let (span, first) = (take(span_count)?, self.facets.len());
         let mut inside = logic.input(span);
         for _ in 0..leaf_facets(program, facets, &mut self.facets)? {
-            let wire = logic.input(take(stretches)?);
+            let wire = logic.input(take(span_count)?);
             inside = logic.and(inside, wire.not());
         }
         self.leaves.push(LeafPlan { facets: first..self.facets.len(), span, is_needed: false });
@@ -219,12 +218,12 @@ impl Plan {
     }
 
     /// The owner where the spans in a bit mask contain t.
-    pub fn winner(&self, holds: u64) -> u32 {
-        self.winners.get(holds as usize).copied().unwrap_or_else(|| self.regions.winner(holds))
+    pub fn owner(&self, holds: u64) -> u32 {
+        self.owners.get(holds as usize).copied().unwrap_or_else(|| self.regions.owner(holds))
     }
 
     /// The number of spans.
-    pub fn stretches(&self) -> usize {
+    pub fn span_count(&self) -> usize {
         self.differences.len()
     }
 }
@@ -267,16 +266,16 @@ pub(super) fn leaf_facets(
 }
 
 /// The owner where t is in none of the bounded spans, if it does not depend on the others there.
-fn winner_far_out(logic: &mut Logic, outputs: &[Wire], bounded: &[usize]) -> Option<u32> {
+fn owner_far_out(logic: &mut Logic, outputs: &[Wire], bounded: &[usize]) -> Option<u32> {
     let far = logic.with(outputs, |k| bounded.contains(&k).then_some(Wire::FALSE));
     let is_constant = |wire: &Wire| *wire == Wire::FALSE || *wire == Wire::TRUE;
-    let winner = far.iter().rposition(|&wire| wire == Wire::TRUE).map_or(0, |k| k as u32 + 1);
-    far.iter().all(is_constant).then_some(winner)
+    let owner = far.iter().rposition(|&wire| wire == Wire::TRUE).map_or(0, |k| k as u32 + 1);
+    far.iter().all(is_constant).then_some(owner)
 }
 
-fn take(stretches: &mut usize) -> Option<usize> {
-    *stretches += 1;
-    (*stretches <= MOST).then_some(*stretches - 1)
+fn take(span_count: &mut usize) -> Option<usize> {
+    *span_count += 1;
+    (*span_count <= MOST).then_some(*span_count - 1)
 }
 
 /// True if the planes of a leaf exclude one side of the waist of a surface, as those of a frustum do.

@@ -17,7 +17,7 @@ pub(super) struct Begin {
     /// The upper bound for all rays.
     pub t_max: f64,
     /// Bit mask of the rays that start on several surfaces or on a placed one.
-    pub doubt: u64,
+    pub uncertain: u64,
 }
 
 impl Begin {
@@ -29,7 +29,7 @@ impl Begin {
             inside: 0,
             from: Row([window.t_min(); LANES]),
             t_max: window.t_max(),
-            doubt: 0,
+            uncertain: 0,
         };
         let Some(lists) = query.starts else { return begin };
         for lane in 0..count.min(LANES) {
@@ -46,7 +46,7 @@ impl Begin {
                     begin.surface.0[lane] = f64::from(surface);
                     begin.inside |= u64::from(inside) << lane;
                 }
-                _ => begin.doubt |= 1 << lane,
+                _ => begin.uncertain |= 1 << lane,
             }
         }
         begin
@@ -67,7 +67,7 @@ mod tests {
         let window = Window::new(-1.0, 5.0).unwrap();
         let begin = Begin::new(&Query { window, starts, ..Query::nearest() }, 1, 4);
         assert_eq!(begin.surface.0[..5], [-1.0, 7.0, -1.0, 3.0, -1.0]);
-        assert_eq!((begin.inside, begin.doubt, begin.t_max), (0b10, 0b100, 5.0));
+        assert_eq!((begin.inside, begin.uncertain, begin.t_max), (0b10, 0b100, 5.0));
         assert_eq!(begin.from.0[0], -1.0);
         assert!(begin.from.0[1] < 0.0 && begin.from.0[1].next_up() == 0.0);
         let later = Window::new(2.0, 5.0).unwrap();

@@ -85,7 +85,7 @@ impl Step {
     }
 
     /// The value, if it never changes again.
-    pub fn settled(self) -> Option<u32> {
+    pub fn resolved(self) -> Option<u32> {
         (self.t == f64::INFINITY).then_some(self.before)
     }
 

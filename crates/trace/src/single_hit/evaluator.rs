@@ -2,9 +2,9 @@
 
 use super::roots::Roots;
 use super::sides::{Sides, Turned};
-use super::{Explanation, MOST_NODES, NoWatch, Stacks, Step, TooLarge, Tree, Watch};
+use super::{Explanation, MOST_NODES, NoObserver, Observer, Stacks, Step, TooLarge, Tree};
 use rayweave_math::Vec3;
-use rayweave_model::weld::{Change, Flips, Paused, Weld, attribute};
+use rayweave_model::weld::{Change, LeafStates, Paused, Weld, attribute};
 use rayweave_model::{
     Crossing, Evaluator, Event, Face, GroupPoint, GroupRay, LeafEvents, LeafId, LeafKind, Limit, Program,
     PrototypeId, Query, RayAnswer, Rays, RegionId, Sink, Start, State, facets_contain, leaf_events,
@@ -97,7 +97,7 @@ impl SingleHit {
             let id = LeafId(leaves.start + leaf);
             match &self.program.leaf(id).kind() {
                 // the tree does not contain it
-                _ if !self.program.leaf(id).is_asked() => {
+                _ if !self.program.leaf(id).is_used() => {
                     level.roots.enter(false, std::iter::empty());
                 }
                 LeafKind::Shape { facets, .. } => self.shape(id, facets, ray, &mut level),
@@ -119,8 +119,8 @@ impl SingleHit {
             let surface = table[facet as usize].surface();
             Face { leaf: id, facet, surface, placement: ray.placement }
         };
-        let flips = level.leaf.flips.iter().map(|&(t, facet)| (t, face(facet)));
-        level.roots.enter(level.leaf.starts_inside, flips);
+        let events = level.leaf.list.iter().map(|&(t, facet)| (t, face(facet)));
+        level.roots.enter(level.leaf.starts_inside, events);
     }
 
     /// All changes of a placed solid, by repeated queries. Returns true if it is inside from the start.
@@ -135,11 +135,11 @@ impl SingleHit {
         out.clear();
         let mut level = self.gather(group, ray, depth, scratch);
         let tree = self.tree(group);
-        let mut step = scratch.stacks.ask(tree, &level.roots, f64::NEG_INFINITY, &mut NoWatch);
+        let mut step = scratch.stacks.next_change(tree, &level.roots, f64::NEG_INFINITY, &mut NoObserver);
         let starts_inside = step.before != 0;
         while step.t < f64::INFINITY {
             out.push((step.t, self.face(tree, &mut level, step.t)));
-            step = scratch.stacks.ask(tree, &level.roots, step.t, &mut NoWatch);
+            step = scratch.stacks.next_change(tree, &level.roots, step.t, &mut NoObserver);
         }
         scratch.levels[depth] = Some(level);
         starts_inside
@@ -181,7 +181,7 @@ impl SingleHit {
         let group = PrototypeId(0);
         let seen = GroupRay::world(&self.program, ray, starts);
         let mut level = self.gather(group, &seen, 0, scratch);
-        let start = self.walk(ray, query, !starts.is_empty(), &mut level, scratch, &mut NoWatch);
+        let start = self.walk(ray, query, !starts.is_empty(), &mut level, scratch, &mut NoObserver);
         scratch.levels[0] = Some(level);
         start
     }
@@ -194,27 +194,28 @@ impl SingleHit {
         has_starts: bool,
         level: &mut Level,
         scratch: &mut SingleHitScratch,
-        watch: &mut impl WatchWalk,
+        observer: &mut impl WalkObserver,
     ) -> RegionId {
         let tree = self.tree(PrototypeId(0));
         let mut welding =
             Welding { program: &self.program, tree, ray, paused: Paused::default(), last: None };
         level.events.clear();
         scratch.crossings.clear();
-        let mut step = self.question(tree, level, &mut scratch.stacks, first_t_min(query, has_starts), watch);
+        let mut step =
+            self.question(tree, level, &mut scratch.stacks, first_t_min(query, has_starts), observer);
         let start = RegionId(step.before);
         while step.t < query.window.t_max() {
             if let Some(crossing) = welding.step(step, level) {
-                watch.crossing(&crossing);
+                observer.crossing(&crossing);
                 scratch.crossings.push(crossing);
                 if query.limit == Limit::First {
                     return start;
                 }
             }
-            step = self.question(tree, level, &mut scratch.stacks, step.t, watch);
+            step = self.question(tree, level, &mut scratch.stacks, step.t, observer);
         }
         let last = welding.finish(level);
-        last.iter().for_each(|crossing| watch.crossing(crossing));
+        last.iter().for_each(|crossing| observer.crossing(crossing));
         scratch.crossings.extend(last);
         start
     }
@@ -225,11 +226,11 @@ impl SingleHit {
         level: &Level,
         stacks: &mut Stacks,
         t_min: f64,
-        watch: &mut impl WatchWalk,
+        observer: &mut impl WalkObserver,
     ) -> Step {
-        watch.question(t_min);
-        let step = stacks.ask(tree, &level.roots, t_min, watch);
-        watch.answer(step);
+        observer.question(t_min);
+        let step = stacks.next_change(tree, &level.roots, t_min, observer);
+        observer.answer(step);
         step
     }
 
@@ -296,7 +297,7 @@ impl Evaluator for SingleHit {
 }
 
 /// Observer of a ray.
-pub(super) trait WatchWalk: Watch {
+pub(super) trait WalkObserver: Observer {
     /// A query of the model for its next change after a time begins.
     fn question(&mut self, _t_min: f64) {}
     /// The query returns.
@@ -305,7 +306,7 @@ pub(super) trait WatchWalk: Watch {
     fn crossing(&mut self, _crossing: &Crossing) {}
 }
 
-impl WatchWalk for NoWatch {}
+impl WalkObserver for NoObserver {}
 
 /// Converts the changes of a ray to crossings.
 struct Welding<'a> {

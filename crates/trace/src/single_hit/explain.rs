@@ -1,10 +1,10 @@
 //! Explanations of answers: a record of every leaf query, gate decision and crossing of one ray, as data.
-//! [`super::story`] prints it as text.
+//! [`super::text`] prints it as text.
 
-use super::evaluator::WatchWalk;
+use super::evaluator::WalkObserver;
 use super::names::Names;
-use super::settled::Settled;
-use super::{Next, SingleHit, Step, TooLarge, Verdict, Watch};
+use super::resolved::Resolved;
+use super::{Next, Observer, SingleHit, Step, TooLarge, Verdict};
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_model::{
     Crossing, Evaluator, Face, GroupRay, LeafId, Limit, Program, PrototypeId, Query, RegionId, Window,
@@ -55,7 +55,7 @@ impl Classified for ExplainError {
 /// let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
 /// let explanation = explain(&program, ray, Window::ALL)?;
 /// assert_eq!(explanation.crossings.len(), 2);
-/// let line = "ball - left stays outside at 3: ball is entered, but the ray is inside left until 5. So ball is asked again.";
+/// let line = "ball - left stays outside at 3: ball is entered, but the ray is inside left until 5. So ball is queried again.";
 /// assert!(explanation.to_string().contains(line), "{explanation}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -162,7 +162,7 @@ pub enum What {
 
 impl What {
     /// True if the node was found to be constant from here on.
-    pub fn is_settled(&self) -> bool {
+    pub fn is_resolved(&self) -> bool {
         match self {
             What::Leaf { answer, .. } => answer.time() == f64::INFINITY,
             What::Gate { verdict, .. } => matches!(verdict, Verdict::Fixed(_)),
@@ -175,7 +175,7 @@ impl What {
             What::Leaf { .. } => None,
             What::Gate { verdict: Verdict::Fixed(_), .. } => Some(1),
             What::Gate { verdict: Verdict::Changes(_), .. } => Some(3),
-            What::Gate { verdict: Verdict::AskAgain { .. }, .. } => Some(4),
+            What::Gate { verdict: Verdict::QueryAgain { .. }, .. } => Some(4),
         }
     }
 }
@@ -228,7 +228,7 @@ impl Explanation {
             questions: Vec::new(),
             found: Vec::new(),
             t_max: query.window.t_max(),
-            settled: Settled::default(),
+            resolved: Resolved::default(),
             room: MOST_ENTRIES,
         };
         let start = evaluator.walk(ray, query, !starts.is_empty(), &mut level, &mut scratch, &mut recorder);
@@ -257,7 +257,7 @@ struct Recorder<'a, F> {
     questions: Vec<Question>,
     found: Vec<Found>,
     t_max: f64,
-    settled: Settled,
+    resolved: Resolved,
     /// Number of entries that are still accepted.
     room: usize,
 }
@@ -265,7 +265,7 @@ struct Recorder<'a, F> {
 impl<F> Recorder<'_, F> {
     /// Returns false, and counts the entry, if its sub-tree is known to be constant or the limit is reached.
     fn takes(&mut self, node: usize) -> bool {
-        let is_known = self.settled.contains(node);
+        let is_known = self.resolved.contains(node);
         match self.questions.last_mut() {
             Some(question) if is_known => question.repeated += 1,
             Some(question) if self.room == 0 => question.left_out += 1,
@@ -287,8 +287,8 @@ impl<F> Recorder<'_, F> {
             meaning: self.names.meaning(node),
             what,
         };
-        if entry.what.is_settled() {
-            self.settled.add(entry.begin, node + 1);
+        if entry.what.is_resolved() {
+            self.resolved.add(entry.begin, node + 1);
         }
         if let Some(question) = self.questions.last_mut() {
             question.entries.push(entry);
@@ -306,7 +306,7 @@ impl<F> Recorder<'_, F> {
     }
 }
 
-impl<F: Fn(u32, f64) -> Option<Face>> Watch for Recorder<'_, F> {
+impl<F: Fn(u32, f64) -> Option<Face>> Observer for Recorder<'_, F> {
     fn leaf(&mut self, node: usize, t_min: f64, answer: Next) {
         let Some(number) = self.names.leaf(node) else { return };
         if self.takes(node) {
@@ -327,7 +327,7 @@ impl<F: Fn(u32, f64) -> Option<Face>> Watch for Recorder<'_, F> {
     }
 }
 
-impl<F: Fn(u32, f64) -> Option<Face>> WatchWalk for Recorder<'_, F> {
+impl<F: Fn(u32, f64) -> Option<Face>> WalkObserver for Recorder<'_, F> {
     fn question(&mut self, t_min: f64) {
         let answer = Step::constant(0);
         self.questions.push(Question {

@@ -13,26 +13,26 @@
 //! - `seed_view`: the original form, with complete binary trees and decision tables, for study (feature `seed-view`).
 
 mod answer;
-mod ask;
 mod evaluator;
 mod explain;
 mod names;
+mod next_change;
+mod resolved;
 mod roots;
 mod rule;
-mod settled;
 mod sides;
-mod story;
+mod text;
 mod tree;
 
 #[cfg(feature = "seed-view")]
 pub mod seed_view;
 
 pub use answer::{Next, Step};
-pub use ask::{LeafAnswers, NoWatch, Stacks, Watch};
 pub use evaluator::{SingleHit, SingleHitScratch};
 pub use explain::{
     Entry, ExplainError, Explanation, Found, MOST_ENTRIES, Meaning, Operand, Question, What, explain,
 };
+pub use next_change::{LeafAnswers, NoObserver, Observer, Stacks};
 pub use rule::{Op, Verdict, decide};
-pub use story::{MOST_LINES, Story};
+pub use text::{ExplanationText, MOST_LINES};
 pub use tree::{Kind, MOST_NODES, Node, TooLarge, Tree};

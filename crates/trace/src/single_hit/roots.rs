@@ -5,7 +5,7 @@ use rayweave_model::{Event, Face};
 
 /// The boundary events of one leaf.
 #[derive(Clone, Copy, Debug, Default)]
-struct Span {
+struct EventRange {
     first: u32,
     end: u32,
     starts_inside: bool,
@@ -14,34 +14,34 @@ struct Span {
 /// The boundary events of the leaves of a group, leaf by leaf.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Roots {
-    spans: Vec<Span>,
-    flips: Vec<(f64, Face)>,
+    ranges: Vec<EventRange>,
+    events: Vec<(f64, Face)>,
 }
 
 impl Roots {
     /// Removes all leaves; the memory is kept.
     pub fn clear(&mut self) {
-        self.spans.clear();
-        self.flips.clear();
+        self.ranges.clear();
+        self.events.clear();
     }
 
     /// Appends the next leaf with its boundary events in order of time.
-    pub fn enter(&mut self, starts_inside: bool, flips: impl Iterator<Item = (f64, Face)>) {
-        let first = self.flips.len() as u32;
-        self.flips.extend(flips);
-        self.spans.push(Span { first, end: self.flips.len() as u32, starts_inside });
+    pub fn enter(&mut self, starts_inside: bool, events: impl Iterator<Item = (f64, Face)>) {
+        let first = self.events.len() as u32;
+        self.events.extend(events);
+        self.ranges.push(EventRange { first, end: self.events.len() as u32, starts_inside });
     }
 
-    fn flips(&self, leaf: u32) -> (bool, &[(f64, Face)]) {
-        let span = self.spans[leaf as usize];
-        (span.starts_inside, &self.flips[span.first as usize..span.end as usize])
+    fn leaf_events(&self, leaf: u32) -> (bool, &[(f64, Face)]) {
+        let range = self.ranges[leaf as usize];
+        (range.starts_inside, &self.events[range.first as usize..range.end as usize])
     }
 
     /// The side of a leaf just after `t`, and the next boundary event.
     fn after(&self, leaf: u32, t: f64) -> (bool, Option<&(f64, Face)>) {
-        let (starts_inside, flips) = self.flips(leaf);
-        let passed = flips.partition_point(|flip| flip.0 <= t);
-        (starts_inside ^ (passed % 2 == 1), flips.get(passed))
+        let (starts_inside, events) = self.leaf_events(leaf);
+        let passed = events.partition_point(|event| event.0 <= t);
+        (starts_inside ^ (passed % 2 == 1), events.get(passed))
     }
 
     /// True if a leaf is inside just after `t`.
@@ -51,16 +51,16 @@ impl Roots {
 
     /// The face that a leaf crosses next after `t`.
     pub fn next_face(&self, leaf: u32, t: f64) -> Option<Face> {
-        self.after(leaf, t).1.map(|flip| flip.1)
+        self.after(leaf, t).1.map(|event| event.1)
     }
 
     /// Appends the boundary events of all leaves with `after < t <= to`, sorted by time, then leaf.
     pub fn events(&self, after: f64, to: f64, out: &mut Vec<Event>) {
         let old = out.len();
-        for leaf in 0..self.spans.len() as u32 {
-            let flips = self.flips(leaf).1;
-            let [first, end] = [after, to].map(|t| flips.partition_point(|flip| flip.0 <= t));
-            out.extend(flips[first..end].iter().map(|&(t, face)| Event { t, leaf, face }));
+        for leaf in 0..self.ranges.len() as u32 {
+            let events = self.leaf_events(leaf).1;
+            let [first, end] = [after, to].map(|t| events.partition_point(|event| event.0 <= t));
+            out.extend(events[first..end].iter().map(|&(t, face)| Event { t, leaf, face }));
         }
         out[old..].sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
     }
@@ -68,7 +68,7 @@ impl Roots {
 
 impl LeafAnswers for Roots {
     fn next(&self, leaf: u32, t_min: f64) -> Next {
-        let (inside, flip) = self.after(leaf, t_min);
-        Next::new(inside, flip.map(|flip| flip.0))
+        let (inside, event) = self.after(leaf, t_min);
+        Next::new(inside, event.map(|event| event.0))
     }
 }

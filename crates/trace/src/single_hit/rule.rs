@@ -81,7 +81,7 @@ pub enum Verdict {
     /// Rule 3: a change.
     Changes(Step),
     /// Rule 4: the value does not change at `t`, so the operands that do are queried again, after it.
-    AskAgain {
+    QueryAgain {
         /// The time of the change of an operand that leaves the value unchanged.
         t: f64,
         /// True if the first operand must be queried again.
@@ -93,7 +93,7 @@ pub enum Verdict {
 
 /// Applies the rule to the next changes of two operands.
 pub fn decide(op: Op, a: Step, b: Step) -> Verdict {
-    if let Some(value) = op.fixed(a.settled(), b.settled()) {
+    if let Some(value) = op.fixed(a.resolved(), b.resolved()) {
         return Verdict::Fixed(value);
     }
     let t = a.t.min(b.t);
@@ -102,7 +102,7 @@ pub fn decide(op: Op, a: Step, b: Step) -> Verdict {
     let at = |step: Step, changes: bool| if changes { step.after } else { step.before };
     let after = op.of(at(a, first), at(b, second));
     if after == before {
-        Verdict::AskAgain { t, first, second }
+        Verdict::QueryAgain { t, first, second }
     } else {
         Verdict::Changes(Step { before, after, t })
     }

@@ -2,7 +2,7 @@
 
 use super::Tree;
 use super::roots::Roots;
-use rayweave_model::weld::Flips;
+use rayweave_model::weld::LeafStates;
 
 /// Memory for [`Sides`].
 #[derive(Clone, Debug, Default)]
@@ -35,12 +35,12 @@ impl Sides<'_> {
     }
 }
 
-impl Flips for Sides<'_> {
-    fn flip(&mut self, leaf: u32) {
+impl LeafStates for Sides<'_> {
+    fn toggle(&mut self, leaf: u32) {
         self.turned.leaves[leaf as usize] ^= true;
     }
 
-    fn winner(&mut self) -> u32 {
+    fn owner(&mut self) -> u32 {
         self.value(self.tree.nodes().len() - 1)
     }
 

@@ -1,6 +1,6 @@
 //! The changes of the owner of a group along a ray, from the hit arrays of all outputs.
 
-use rayweave_model::gate::Winner;
+use rayweave_model::gate::OutputSet;
 use rayweave_rootray::hit_array::MergedHit;
 
 /// A change of the owner: the number of the last output that is inside, from 1, or 0.
@@ -15,22 +15,22 @@ pub(super) struct Switch {
 pub(super) struct Changes<'a> {
     /// The entries of all outputs, each tagged with its output.
     hits: &'a [MergedHit],
-    winner: &'a mut Winner,
+    outputs: &'a mut OutputSet,
     done: usize,
 }
 
 impl<'a> Changes<'a> {
-    /// Starts at t = -inf. `winner` holds the outputs that are inside where no array has an entry, and is
+    /// Starts at t = -inf. `outputs` holds the outputs that are inside where no array has an entry, and is
     /// restored on drop.
-    pub fn new(hits: &'a [MergedHit], winner: &'a mut Winner) -> Self {
-        let mut changes = Changes { hits, winner, done: 0 };
+    pub fn new(hits: &'a [MergedHit], outputs: &'a mut OutputSet) -> Self {
+        let mut changes = Changes { hits, outputs, done: 0 };
         changes.pass(hits.partition_point(|hit| hit.t == f64::NEG_INFINITY));
         changes
     }
 
     /// The current owner: before any call of `next`, at t = -inf.
     pub fn now(&self) -> u32 {
-        self.winner.last()
+        self.outputs.last()
     }
 
     /// True if no entry is left.
@@ -40,7 +40,7 @@ impl<'a> Changes<'a> {
 
     /// Inverts the outputs of the next `count` entries.
     fn pass(&mut self, count: usize) {
-        self.hits[self.done..][..count].iter().for_each(|hit| flip(self.winner, hit.tag));
+        self.hits[self.done..][..count].iter().for_each(|hit| toggle(self.outputs, hit.tag));
         self.done += count;
     }
 }
@@ -63,10 +63,10 @@ impl Iterator for Changes<'_> {
 
 impl Drop for Changes<'_> {
     fn drop(&mut self) {
-        self.hits[..self.done].iter().for_each(|hit| flip(self.winner, hit.tag));
+        self.hits[..self.done].iter().for_each(|hit| toggle(self.outputs, hit.tag));
     }
 }
 
-fn flip(winner: &mut Winner, output: u32) {
-    winner.set(output, !winner.get(output));
+fn toggle(outputs: &mut OutputSet, output: u32) {
+    outputs.set(output, !outputs.get(output));
 }

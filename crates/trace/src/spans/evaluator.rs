@@ -1,11 +1,11 @@
 //! The span evaluator of compiled models.
 
 use super::WIDTH;
-use super::asked::AskedRay;
 use super::changes::Changes;
+use super::column_query::ColumnRay;
 use super::group::At;
 use super::level::Level;
-use super::room::{Rest, Room};
+use super::room::{InitialState, Room};
 use super::schedule::Schedule;
 use super::sides::Sweep;
 use crate::accel::Accel;
@@ -43,7 +43,7 @@ pub struct Spans {
 /// Scratch memory of a thread for [`Spans`].
 #[derive(Clone, Debug, Default)]
 pub struct SpansScratch {
-    rays: Room<AskedRay>,
+    rays: Room<ColumnRay>,
     points: Room<GroupPoint>,
     crossings: Vec<Crossing>,
 }
@@ -61,22 +61,22 @@ impl Spans {
     /// Welds the changes of region of one ray into crossings. Returns the region at the start.
     fn report(
         &self,
-        asked: Question<'_>,
+        question: Question<'_>,
         column: usize,
-        level: &mut Level<AskedRay>,
-        rest: &mut Rest,
+        level: &mut Level<ColumnRay>,
+        initial_state: &mut InitialState,
         out: &mut Vec<Crossing>,
     ) -> RegionId {
-        let changes = Changes::new(level.merged.column(column), &mut rest.outputs);
+        let changes = Changes::new(level.merged.column(column), &mut initial_state.outputs);
         let mut start = changes.now();
         if changes.is_over() {
             return RegionId(start);
         }
         let network = &self.program.prototype(PrototypeId(0)).network;
-        let mut sweep = Sweep::new(network, &mut rest.leaves, level.flips.column(column));
-        let mut weld = Weld::new(&self.program, asked.ray, sweep.events());
-        for switch in changes.take_while(|switch| switch.t < asked.query.window.t_max()) {
-            if asked.query.is_past(switch.t, asked.has_starts) {
+        let mut sweep = Sweep::new(network, &mut initial_state.leaves, level.events.column(column));
+        let mut weld = Weld::new(&self.program, question.ray, sweep.events());
+        for switch in changes.take_while(|switch| switch.t < question.query.window.t_max()) {
+            if question.query.is_past(switch.t, question.has_starts) {
                 start = switch.after;
                 continue;
             }
@@ -84,19 +84,19 @@ impl Spans {
             let (before, after) = (self.state(switch.before), self.state(switch.after));
             let change = Change { t: switch.t, first, end, before, after };
             out.extend(weld.change(change, &mut sweep.sides));
-            if asked.query.limit == Limit::First && !out.is_empty() {
+            if question.query.limit == Limit::First && !out.is_empty() {
                 break;
             }
         }
-        if asked.query.limit == Limit::All || out.is_empty() {
+        if question.query.limit == Limit::All || out.is_empty() {
             out.extend(weld.finish(sweep.position(), &mut sweep.sides));
         }
-        sweep.sides.rest();
+        sweep.sides.restore();
         RegionId(start)
     }
 
-    fn state(&self, winner: u32) -> State {
-        let region = RegionId(winner);
+    fn state(&self, owner: u32) -> State {
+        let region = RegionId(owner);
         State { region, medium: self.program.medium_of(region) }
     }
 }
@@ -127,11 +127,11 @@ impl Evaluator for Spans {
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut SpansScratch, sink: &mut dyn Sink) {
         let SpansScratch { rays: room, crossings, .. } = scratch;
         let mut level = room.take_level(0);
-        let mut rest = room.take_rest(self.program.prototypes(), PrototypeId(0));
+        let mut initial_state = room.take_initial_state(self.program.prototypes(), PrototypeId(0));
         let mut begin = 0;
         while begin < rays.len() {
-            level.asked.clear();
-            level.asked.extend((begin..rays.len()).take(WIDTH).map(|number| AskedRay {
+            level.queries.clear();
+            level.queries.extend((begin..rays.len()).take(WIDTH).map(|number| ColumnRay {
                 ray: GroupRay::world(&self.program, rays.get(number), &[]),
                 number,
             }));
@@ -140,34 +140,34 @@ impl Evaluator for Spans {
                 let i = begin + column;
                 let has_starts = query.starts.is_some_and(|lists| !lists.of(i).is_empty());
                 crossings.clear();
-                let asked = Question { ray: rays.get(i), query, has_starts };
-                let start = self.report(asked, column, &mut level, &mut rest, crossings);
+                let question = Question { ray: rays.get(i), query, has_starts };
+                let start = self.report(question, column, &mut level, &mut initial_state, crossings);
                 sink.ray(RayAnswer { ray: i, start, crossings });
             }
             begin += columns;
         }
         room.levels[0] = Some(level);
-        room.rests[0] = Some(rest);
+        room.initial_states[0] = Some(initial_state);
     }
 
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut SpansScratch, out: &mut [RegionId]) {
         let room = &mut scratch.points;
         let mut level = room.take_level(0);
-        let mut rest = room.take_rest(self.program.prototypes(), PrototypeId(0));
+        let mut initial_state = room.take_initial_state(self.program.prototypes(), PrototypeId(0));
         let mut begin = 0;
         while begin < out.len() {
             let ahead = (begin..out.len()).take(WIDTH);
             let point = |i: usize| GroupPoint::world(Vec3::new(points[0][i], points[1][i], points[2][i]));
-            level.asked.clear();
-            level.asked.extend(ahead.map(point));
+            level.queries.clear();
+            level.queries.extend(ahead.map(point));
             let columns = self.chunk(At::model(&Query::default()), &mut level, room);
             for column in 0..columns {
-                let changes = Changes::new(level.merged.column(column), &mut rest.outputs);
+                let changes = Changes::new(level.merged.column(column), &mut initial_state.outputs);
                 out[begin + column] = RegionId(changes.now());
             }
             begin += columns;
         }
         room.levels[0] = Some(level);
-        room.rests[0] = Some(rest);
+        room.initial_states[0] = Some(initial_state);
     }
 }

@@ -1,13 +1,13 @@
 //! Hit arrays of a group for a chunk of columns.
 
 use super::Spans;
-use super::asked::Asked;
 use super::changes::Changes;
+use super::column_query::ColumnQuery;
 use super::level::Level;
-use super::room::{Rest, Room};
+use super::room::{InitialState, Room};
 use super::schedule::What;
 use super::sides::Sweep;
-use rayweave_model::weld::{Flips, attribute};
+use rayweave_model::weld::{LeafStates, attribute};
 use rayweave_model::{Event, Face, LeafId, LeafKind, PlacementId, PrototypeId, Query, SurfaceId, Window};
 use rayweave_rootray::Side;
 use rayweave_rootray::hit_array::{HitArrayBuf, combine};
@@ -42,11 +42,16 @@ const NO_FACE: Face = Face { leaf: LeafId(0), facet: 0, surface: SurfaceId(0), p
 
 impl Spans {
     /// Computes the arrays of the group's outputs for the next chunk. Returns the number of columns.
-    pub(super) fn chunk<P: Asked>(&self, at: At<'_>, level: &mut Level<P>, room: &mut Room<P>) -> usize {
+    pub(super) fn chunk<P: ColumnQuery>(
+        &self,
+        at: At<'_>,
+        level: &mut Level<P>,
+        room: &mut Room<P>,
+    ) -> usize {
         let (accel, schedule) = &self.groups[at.group.index()];
         let leaves = self.program.prototype(at.group).leaves.len();
-        let columns = level.touched.fill(&level.asked[at.begin..], accel, leaves, &at.query);
-        level.flips.clear();
+        let columns = level.touched.fill(&level.queries[at.begin..], accel, leaves, &at.query);
+        level.events.clear();
         if level.arrays.len() < schedule.slots() {
             level.arrays.resize_with(schedule.slots(), HitArrayBuf::default);
         }
@@ -66,12 +71,12 @@ impl Spans {
         }
         let outputs = schedule.outputs().iter().map(|output| &level.arrays[output.slot as usize]);
         level.merged.merge(columns, outputs.zip(0..));
-        level.flips.sort(columns);
+        level.events.sort(columns);
         columns
     }
 
     /// Computes the hit array of a leaf, for the columns that can touch it, and its boundary events.
-    fn leaf<P: Asked>(
+    fn leaf<P: ColumnQuery>(
         &self,
         at: At<'_>,
         leaf: u32,
@@ -88,10 +93,10 @@ impl Spans {
             LeafKind::Instance { prototype, placement } => {
                 let mut inner = room.take_level(at.depth + 1);
                 let place = &self.program.leaf(id).place();
-                inner.asked.clear();
-                inner.asked.extend(level.touched.columns(leaf).iter().map(|&column| {
-                    let asked = &level.asked[at.begin + column as usize];
-                    asked.placed(place, self.program.prototype(*prototype), *placement)
+                inner.queries.clear();
+                inner.queries.extend(level.touched.columns(leaf).iter().map(|&column| {
+                    let query = &level.queries[at.begin + column as usize];
+                    query.placed(place, self.program.prototype(*prototype), *placement)
                 }));
                 self.instance(at.inside(*prototype), leaf, &mut inner, level, room, out);
                 room.levels[at.depth + 1] = Some(inner);
@@ -99,7 +104,7 @@ impl Spans {
         }
     }
 
-    fn shape<P: Asked>(
+    fn shape<P: ColumnQuery>(
         &self,
         at: At<'_>,
         leaf: u32,
@@ -109,25 +114,25 @@ impl Spans {
         out: &mut HitArrayBuf,
     ) {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
-        let Level { asked, touched, leaf: found, flips, .. } = level;
+        let Level { queries, touched, leaf: found, events, .. } = level;
         for &column in touched.columns(leaf) {
-            let asked = &asked[at.begin + column as usize];
-            asked.leaf(&self.program, table, &at.query, found);
-            let mark = flips.len();
+            let query = &queries[at.begin + column as usize];
+            query.leaf(&self.program, table, &at.query, found);
+            let mark = events.len();
             if found.starts_inside {
-                flips.push(column, Event { t: f64::NEG_INFINITY, leaf, face: NO_FACE });
+                events.push(column, Event { t: f64::NEG_INFINITY, leaf, face: NO_FACE });
             }
-            for &(t, facet) in &found.flips {
+            for &(t, facet) in &found.list {
                 let surface = table[facet as usize].surface();
-                let face = Face { leaf: id, facet, surface, placement: asked.placement() };
-                flips.push(column, Event { t, leaf, face });
+                let face = Face { leaf: id, facet, surface, placement: query.placement() };
+                events.push(column, Event { t, leaf, face });
             }
-            flips.fill_column(mark, column, out);
+            events.fill_column(mark, column, out);
         }
     }
 
     /// Evaluates a placed solid in its own frame, as one leaf of the group around it.
-    fn instance<P: Asked>(
+    fn instance<P: ColumnQuery>(
         &self,
         at: At<'_>,
         leaf: u32,
@@ -136,21 +141,21 @@ impl Spans {
         room: &mut Room<P>,
         out: &mut HitArrayBuf,
     ) {
-        let mut rest = room.take_rest(self.program.prototypes(), at.group);
+        let mut initial_state = room.take_initial_state(self.program.prototypes(), at.group);
         let mut begin = 0;
-        while begin < inner.asked.len() {
+        while begin < inner.queries.len() {
             let columns = self.chunk(At { begin, ..at }, inner, room);
             for column in 0..columns {
                 let outer = level.touched.columns(leaf)[begin + column];
-                let mark = level.flips.len();
-                self.faces(at.group, column, inner, &mut rest, |t, face| {
-                    level.flips.push(outer, Event { t, leaf, face });
+                let mark = level.events.len();
+                self.faces(at.group, column, inner, &mut initial_state, |t, face| {
+                    level.events.push(outer, Event { t, leaf, face });
                 });
-                level.flips.fill_column(mark, outer, out);
+                level.events.fill_column(mark, outer, out);
             }
             begin += columns;
         }
-        room.rests[at.group.index()] = Some(rest);
+        room.initial_states[at.group.index()] = Some(initial_state);
     }
 
     /// Calls `each` for the changes, along one column, of a solid that is a group's only output, with their
@@ -160,10 +165,10 @@ impl Spans {
         group: PrototypeId,
         column: usize,
         level: &mut Level<P>,
-        rest: &mut Rest,
+        initial_state: &mut InitialState,
         mut each: impl FnMut(f64, Face),
     ) {
-        let changes = Changes::new(level.merged.column(column), &mut rest.outputs);
+        let changes = Changes::new(level.merged.column(column), &mut initial_state.outputs);
         if changes.now() != 0 {
             each(f64::NEG_INFINITY, NO_FACE);
         }
@@ -171,13 +176,13 @@ impl Spans {
             return;
         }
         let network = &self.program.prototype(group).network;
-        let mut sweep = Sweep::new(network, &mut rest.leaves, level.flips.column(column));
+        let mut sweep = Sweep::new(network, &mut initial_state.leaves, level.events.column(column));
         for switch in changes {
             let range = sweep.go(switch.t);
             let (events, end) = (sweep.events(), range.end);
             each(switch.t, attribute(events, range, end, &mut sweep.sides, |f| u32::from(f.output(0))));
         }
-        sweep.sides.rest();
+        sweep.sides.restore();
     }
 }
 

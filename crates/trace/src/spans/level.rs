@@ -2,7 +2,7 @@
 
 use super::{MOST_PAIRS, WIDTH};
 use crate::accel::Accel;
-use crate::spans::asked::Asked;
+use crate::spans::column_query::ColumnQuery;
 use rayweave_model::{Event, LeafEvents, Query};
 use rayweave_rootray::Side;
 use rayweave_rootray::hit_array::{HitArrayBuf, MergedHits};
@@ -12,25 +12,25 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(super) struct Level<P> {
     /// The rays or points, in the frame of the group.
-    pub asked: Vec<P>,
+    pub queries: Vec<P>,
     pub touched: Touched,
     /// A hit array for each slot of the schedule.
     pub arrays: Vec<HitArrayBuf>,
     /// Entries of the operands of a gate; in the end those of the outputs, each tagged with its output.
     pub merged: MergedHits,
     pub leaf: LeafEvents,
-    pub flips: FlipLists,
+    pub events: EventLists,
 }
 
 impl<P> Default for Level<P> {
     fn default() -> Self {
         Level {
-            asked: Vec::new(),
+            queries: Vec::new(),
             touched: Touched::default(),
             arrays: Vec::new(),
             merged: MergedHits::default(),
             leaf: LeafEvents::default(),
-            flips: FlipLists::default(),
+            events: EventLists::default(),
         }
     }
 }
@@ -48,12 +48,18 @@ pub(super) struct Touched {
 
 impl Touched {
     /// Takes as many columns as fit a chunk. Returns their number.
-    pub fn fill(&mut self, asked: &[impl Asked], accel: &Accel, leaves: usize, query: &Query<'_>) -> usize {
+    pub fn fill(
+        &mut self,
+        queries: &[impl ColumnQuery],
+        accel: &Accel,
+        leaves: usize,
+        query: &Query<'_>,
+    ) -> usize {
         self.pairs.clear();
         let mut width = 0;
-        for asked in asked.iter().take(WIDTH) {
+        for column in queries.iter().take(WIDTH) {
             self.leaves.clear();
-            asked.touched(accel, query, &mut self.leaves);
+            column.touched(accel, query, &mut self.leaves);
             if width > 0 && self.pairs.len() + self.leaves.len() > MOST_PAIRS {
                 break;
             }
@@ -90,14 +96,14 @@ impl Touched {
 
 /// The boundary events of leaves, by column.
 #[derive(Clone, Debug, Default)]
-pub(super) struct FlipLists {
+pub(super) struct EventLists {
     /// In the order of computation, leaf by leaf.
     found: Vec<(u32, Event)>,
     events: Vec<Event>,
     ends: Vec<usize>,
 }
 
-impl FlipLists {
+impl EventLists {
     pub fn clear(&mut self) {
         self.found.clear();
     }
@@ -137,7 +143,7 @@ impl FlipLists {
         }
     }
 
-    /// The events of a column, sorted by time, then leaf; valid after [`FlipLists::sort`].
+    /// The events of a column, sorted by time, then leaf; valid after [`EventLists::sort`].
     pub fn column(&mut self, column: usize) -> &[Event] {
         let events = &mut self.events[range(&self.ends, column)];
         events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));

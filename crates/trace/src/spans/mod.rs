@@ -4,12 +4,12 @@
 //! - `group`: the arrays of a group, leaf by leaf and gate by gate;
 //! - `schedule`: the order of the gates and the slots of their results;
 //! - `room`, `level`: the memory of a thread, and of a chunk of columns;
-//! - `asked`: the columns, which are rays or points;
+//! - `column_query`: the columns, which are rays or points;
 //! - `changes`: the changes of region, from the arrays of the outputs;
 //! - `sides`: the sides of leaves, for the rule of attribution.
 
-mod asked;
 mod changes;
+mod column_query;
 mod evaluator;
 mod group;
 mod level;

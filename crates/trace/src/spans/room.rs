@@ -1,7 +1,7 @@
 //! Memory of a thread for rays or for points.
 
 use super::level::Level;
-use rayweave_model::gate::{NetworkState, Winner};
+use rayweave_model::gate::{NetworkState, OutputSet};
 use rayweave_model::{Prototype, PrototypeId};
 
 /// Memory of a thread for columns of one kind.
@@ -11,19 +11,19 @@ pub(super) struct Room<P> {
     pub levels: Vec<Option<Box<Level<P>>>>,
     /// The outputs and leaves of each group, allocated on first use and restored to the initial state after
     /// each column.
-    pub rests: Vec<Option<Box<Rest>>>,
+    pub initial_states: Vec<Option<Box<InitialState>>>,
 }
 
 /// The initial state of a group: that on a column that touches no leaf.
 #[derive(Clone, Debug)]
-pub(super) struct Rest {
-    pub outputs: Winner,
+pub(super) struct InitialState {
+    pub outputs: OutputSet,
     pub leaves: NetworkState,
 }
 
 impl<P> Default for Room<P> {
     fn default() -> Self {
-        Room { levels: Vec::new(), rests: Vec::new() }
+        Room { levels: Vec::new(), initial_states: Vec::new() }
     }
 }
 
@@ -35,18 +35,20 @@ impl<P> Room<P> {
         self.levels[depth].take().unwrap_or_default()
     }
 
-    pub fn take_rest(&mut self, groups: &[Prototype], group: PrototypeId) -> Box<Rest> {
-        self.rests.resize_with(groups.len(), || None);
-        self.rests[group.index()].take().unwrap_or_else(|| Box::new(Rest::new(&groups[group.index()])))
+    pub fn take_initial_state(&mut self, groups: &[Prototype], group: PrototypeId) -> Box<InitialState> {
+        self.initial_states.resize_with(groups.len(), || None);
+        self.initial_states[group.index()]
+            .take()
+            .unwrap_or_else(|| Box::new(InitialState::new(&groups[group.index()])))
     }
 }
 
-impl Rest {
-    fn new(group: &Prototype) -> Rest {
-        let mut outputs = Winner::new(group.expression.outputs().len());
+impl InitialState {
+    fn new(group: &Prototype) -> InitialState {
+        let mut outputs = OutputSet::new(group.expression.outputs().len());
         for (k, edge) in group.expression.outputs().iter().enumerate() {
             outputs.set(k as u32, edge.is_complemented());
         }
-        Rest { outputs, leaves: group.network.start() }
+        InitialState { outputs, leaves: group.network.start() }
     }
 }

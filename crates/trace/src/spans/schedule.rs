@@ -237,7 +237,7 @@ mod tests {
             0 => f.join(Op::Union, &[next, below]),
             _ => f.join(Op::Difference, &[next, below]),
         });
-        f.ask(chain);
+        f.add_output(chain);
         assert_eq!(check(&f, 12).slots(), 3);
     }
 
@@ -248,7 +248,7 @@ mod tests {
         for op in [Op::SymmetricDifference, Op::Intersection, Op::Union, Op::Difference] {
             level = level.chunks(2).map(|pair| f.join(op, pair)).collect();
         }
-        f.ask(level[0]);
+        f.add_output(level[0]);
         assert_eq!(check(&f, 16).slots(), 6);
     }
 
@@ -262,8 +262,8 @@ mod tests {
         let top = f.join(Op::Union, &[left, right.complement()]);
         let unused = f.join(Op::Union, &[top, x[0]]);
         assert_ne!(unused, top);
-        let asked = [top, shared.complement(), Edge::EMPTY, Edge::UNIVERSE, x[2], top.complement()];
-        asked.into_iter().for_each(|edge| f.ask(edge));
+        let outputs = [top, shared.complement(), Edge::EMPTY, Edge::UNIVERSE, x[2], top.complement()];
+        outputs.into_iter().for_each(|edge| f.add_output(edge));
         let schedule = check(&f, 4);
         assert_eq!(schedule.steps.iter().filter(|step| matches!(step.what, What::Join(..))).count(), 4);
     }

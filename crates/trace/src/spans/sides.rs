@@ -2,7 +2,7 @@
 
 use rayweave_model::Event;
 use rayweave_model::gate::{Network, NetworkState};
-use rayweave_model::weld::Flips;
+use rayweave_model::weld::LeafStates;
 use std::ops::Range;
 
 /// The leaves of a group just after some events, in a network that is updated lazily.
@@ -23,31 +23,31 @@ pub(super) struct Sides<'a> {
 
 impl Sides<'_> {
     /// Restores the inverted leaves to the initial side, outside.
-    pub fn rest(self) {
+    pub fn restore(self) {
         for event in &self.events[..self.done] {
             if self.state.leaf(event.leaf) {
-                self.network.flip(self.state, event.leaf);
+                self.network.toggle(self.state, event.leaf);
             }
         }
     }
 
     fn catch_up(&mut self) {
         for event in &self.events[self.done..self.meant] {
-            self.network.flip(self.state, event.leaf);
+            self.network.toggle(self.state, event.leaf);
         }
         self.done = self.meant;
     }
 }
 
-impl Flips for Sides<'_> {
-    fn flip(&mut self, leaf: u32) {
+impl LeafStates for Sides<'_> {
+    fn toggle(&mut self, leaf: u32) {
         self.catch_up();
-        self.network.flip(self.state, leaf);
+        self.network.toggle(self.state, leaf);
     }
 
-    fn winner(&mut self) -> u32 {
+    fn owner(&mut self) -> u32 {
         self.catch_up();
-        self.state.winner()
+        self.state.owner()
     }
 
     fn output(&mut self, k: u32) -> bool {

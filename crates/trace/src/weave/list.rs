@@ -2,7 +2,7 @@
 
 use super::{Level, Weave, WeaveScratch};
 use rayweave_model::gate::NetworkState;
-use rayweave_model::weld::{Flips, Weld};
+use rayweave_model::weld::{LeafStates, Weld};
 use rayweave_model::{
     Crossing, Event, Face, GroupRay, LeafId, LeafKind, Limit, PrototypeId, Query, RegionId, Start, Sweep,
     Window, leaf_events,
@@ -14,7 +14,7 @@ const CACHED: usize = 2000;
 
 /// A query of a group.
 #[derive(Clone, Copy)]
-pub(super) struct Asked<'r> {
+pub(super) struct GroupQuery<'r> {
     pub group: PrototypeId,
     /// The ray in the frame of the group.
     pub ray: &'r GroupRay<'r>,
@@ -37,47 +37,51 @@ impl Weave {
         let group = PrototypeId(0);
         let seen = GroupRay::world(&self.program, ray, starts);
         let mut state = scratch.take_state(&self.program, group);
-        let asked = Asked { group, ray: &seen, window: query.window, depth: 0 };
-        let level = self.gather(asked, scratch, &mut state);
+        let group_query = GroupQuery { group, ray: &seen, window: query.window, depth: 0 };
+        let level = self.gather(group_query, scratch, &mut state);
         let network = &self.program.prototype(group).network;
         let mut sweep = Sweep::new(network, &mut state, &level.events, query.window.t_max());
         while sweep.next_time().is_some_and(|t| query.is_past(t, !starts.is_empty())) {
             sweep.step();
         }
-        let mut now = self.state(sweep.flips.winner());
+        let mut now = self.state(sweep.leaves.owner());
         let start = now.region;
         let mut weld = Weld::new(&self.program, ray, &level.events);
         let enough = |found: &[Crossing]| query.limit == Limit::First && !found.is_empty();
         while !enough(&scratch.crossings)
-            && let Some(change) = sweep.next_change(&mut now, |winner| self.state(winner))
+            && let Some(change) = sweep.next_change(&mut now, |owner| self.state(owner))
         {
-            scratch.crossings.extend(weld.change(change, &mut sweep.flips));
+            scratch.crossings.extend(weld.change(change, &mut sweep.leaves));
         }
         if !enough(&scratch.crossings) {
-            scratch.crossings.extend(weld.finish(sweep.position(), &mut sweep.flips));
+            scratch.crossings.extend(weld.finish(sweep.position(), &mut sweep.leaves));
         }
-        sweep.rest(level.touched.iter().copied());
+        sweep.restore(level.touched.iter().copied());
         scratch.give_state(group, state);
         scratch.give_level(0, level);
         start
     }
 
     /// Collects the boundary events of the leaves of a group that the ray can touch in the window, sorted by
-    /// time, and flips in `state` the leaves that are inside from the start.
+    /// time, and toggles in `state` the leaves that are inside from the start.
     pub(super) fn gather(
         &self,
-        asked: Asked<'_>,
+        group_query: GroupQuery<'_>,
         scratch: &mut WeaveScratch,
         state: &mut NetworkState,
     ) -> Box<Level> {
-        let mut level = scratch.take_level(asked.depth);
-        self.accel[asked.group.index()].touched(asked.ray, asked.window, &mut level.touched);
-        let network = &self.program.prototype(asked.group).network;
-        self.read_ahead(asked.group, &level.touched, state);
+        let mut level = scratch.take_level(group_query.depth);
+        self.accel[group_query.group.index()].touched(
+            group_query.ray,
+            group_query.window,
+            &mut level.touched,
+        );
+        let network = &self.program.prototype(group_query.group).network;
+        self.read_ahead(group_query.group, &level.touched, state);
         for k in 0..level.touched.len() {
             let leaf = level.touched[k];
-            if self.leaf(asked, leaf, scratch, &mut level) {
-                network.flip(state, leaf);
+            if self.leaf(group_query, leaf, scratch, &mut level) {
+                network.toggle(state, leaf);
             }
         }
         level.events.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
@@ -111,21 +115,21 @@ impl Weave {
     /// window begins.
     pub(super) fn leaf(
         &self,
-        asked: Asked<'_>,
+        group_query: GroupQuery<'_>,
         leaf: u32,
         scratch: &mut WeaveScratch,
         level: &mut Level,
     ) -> bool {
-        scratch.asked += 1;
-        let Asked { ray, window, depth, .. } = asked;
-        let id = LeafId(self.program.prototype(asked.group).leaves.start + leaf);
+        scratch.intersected_leaves += 1;
+        let GroupQuery { ray, window, depth, .. } = group_query;
+        let id = LeafId(self.program.prototype(group_query.group).leaves.start + leaf);
         match &self.program.leaf(id).kind() {
             LeafKind::Shape { facets, .. } => self.shape(id, leaf, facets, ray, level),
             LeafKind::Instance { prototype, placement } => {
                 let place = &self.program.leaf(id).place();
                 let local = ray.placed(place, self.program.prototype(*prototype), *placement);
                 level.inner.clear();
-                let inner = Asked { group: *prototype, ray: &local, window, depth: depth + 1 };
+                let inner = GroupQuery { group: *prototype, ray: &local, window, depth: depth + 1 };
                 let starts = self.instance(inner, scratch, &mut level.inner);
                 level.events.extend(level.inner.iter().map(|&(t, face)| Event { t, leaf, face }));
                 starts
@@ -144,7 +148,7 @@ impl Weave {
     ) -> bool {
         let table = &self.program.facets()[facets.start as usize..facets.end as usize];
         leaf_events(&self.program, table, ray, &mut level.leaf);
-        level.events.extend(level.leaf.flips.iter().map(|&(t, facet)| {
+        level.events.extend(level.leaf.list.iter().map(|&(t, facet)| {
             let surface = table[facet as usize].surface();
             Event { t, leaf, face: Face { leaf: id, facet, surface, placement: ray.placement } }
         }));
@@ -153,20 +157,25 @@ impl Weave {
 
     /// The changes of a placed solid in the window, as boundary events of one leaf. Returns true if it is
     /// inside from the start.
-    fn instance(&self, asked: Asked<'_>, scratch: &mut WeaveScratch, out: &mut Vec<(f64, Face)>) -> bool {
-        let Asked { group, window, depth, .. } = asked;
+    fn instance(
+        &self,
+        group_query: GroupQuery<'_>,
+        scratch: &mut WeaveScratch,
+        out: &mut Vec<(f64, Face)>,
+    ) -> bool {
+        let GroupQuery { group, window, depth, .. } = group_query;
         let mut state = scratch.take_state(&self.program, group);
-        let level = self.gather(asked, scratch, &mut state);
+        let level = self.gather(group_query, scratch, &mut state);
         let network = &self.program.prototype(group).network;
         let mut sweep = Sweep::new(network, &mut state, &level.events, window.t_max());
         // the faces before the window do not matter
         while sweep.next_time().is_some_and(|t| t < window.t_min()) {
             sweep.step();
         }
-        let starts_inside = sweep.flips.output(0);
+        let starts_inside = sweep.leaves.output(0);
         let mut inside = starts_inside;
-        out.extend(std::iter::from_fn(|| sweep.next_flip(&mut inside)));
-        sweep.rest(level.touched.iter().copied());
+        out.extend(std::iter::from_fn(|| sweep.next_event(&mut inside)));
+        sweep.restore(level.touched.iter().copied());
         scratch.give_state(group, state);
         scratch.give_level(depth, level);
         starts_inside

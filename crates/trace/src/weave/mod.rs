@@ -42,8 +42,8 @@ impl Weave {
         self.accel.iter().map(Accel::bytes).sum()
     }
 
-    fn state(&self, winner: u32) -> State {
-        let region = RegionId(winner);
+    fn state(&self, owner: u32) -> State {
+        let region = RegionId(owner);
         State { region, medium: self.program.medium_of(region) }
     }
 }

@@ -6,8 +6,8 @@
 //! not matter before its box; when it is reached, it is set to the side that it has at the position of the
 //! sweep.
 
-use super::list::Asked;
-use super::scratch::{Near, Partly};
+use super::list::GroupQuery;
+use super::scratch::{Partly, TraversalBuffers};
 use super::{Level, Weave, WeaveScratch};
 use rayweave_model::gate::NetworkState;
 use rayweave_model::weld::{Paused, Weld};
@@ -53,7 +53,7 @@ struct Walk<'a> {
     ray: GroupRay<'a>,
     query: &'a Query<'a>,
     level: Box<Level>,
-    near: Near,
+    traversal: TraversalBuffers,
     state: Box<NetworkState>,
     /// Time up to which the sweep has advanced.
     swept: f64,
@@ -77,7 +77,7 @@ impl Weave {
             query,
             state: scratch.take_state(&self.program, MODEL),
             level: scratch.take_level(0),
-            near: std::mem::take(&mut scratch.near),
+            traversal: std::mem::take(&mut scratch.traversal),
             swept: f64::NEG_INFINITY,
             position: 0,
             paused: Paused::default(),
@@ -87,10 +87,10 @@ impl Weave {
         let start = now.region;
         let found = walk.first_crossing(&mut now, scratch);
         scratch.crossings.extend(found);
-        let Walk { mut state, level, near, .. } = walk;
+        let Walk { mut state, level, traversal, .. } = walk;
         let network = &self.program.prototype(MODEL).network;
-        Sweep::new(network, &mut state, &[], 0.0).rest(level.touched.iter().copied());
-        scratch.near = near;
+        Sweep::new(network, &mut state, &[], 0.0).restore(level.touched.iter().copied());
+        scratch.traversal = traversal;
         scratch.give_state(MODEL, state);
         scratch.give_level(0, level);
         start
@@ -103,13 +103,13 @@ const MODEL: PrototypeId = PrototypeId(0);
 impl Walk<'_> {
     /// Intersects the leaves that have no finite box.
     fn begin(&mut self, scratch: &mut WeaveScratch) {
-        self.near.coming.clear();
-        self.near.partly.clear();
-        self.near.latest = f64::NEG_INFINITY;
+        self.traversal.coming.clear();
+        self.traversal.partly.clear();
+        self.traversal.latest = f64::NEG_INFINITY;
         let accel = &self.weave.accel[MODEL.index()];
-        accel.begin(&self.ray, self.query.window, &mut self.near.front);
+        accel.begin(&self.ray, self.query.window, &mut self.traversal.front);
         for &leaf in accel.unbounded() {
-            self.ask(leaf, self.query.window, scratch);
+            self.intersect(leaf, self.query.window, scratch);
             self.level.touched.push(leaf);
         }
     }
@@ -123,17 +123,17 @@ impl Walk<'_> {
         while self.frontier() <= first {
             self.step(scratch);
         }
-        while let Some(&Coming(event)) = self.near.coming.peek()
+        while let Some(&Coming(event)) = self.traversal.coming.peek()
             && self.query.is_past(event.t, has_starts)
         {
-            self.near.coming.pop();
-            self.flip(event.leaf);
+            self.traversal.coming.pop();
+            self.toggle(event.leaf);
             self.swept = event.t;
         }
         if self.query.is_past(t_min, has_starts) {
             self.swept = t_min;
         }
-        self.weave.state(self.state.winner())
+        self.weave.state(self.state.owner())
     }
 
     /// Sweeps the final events and intersects more leaves until a crossing is found or nothing is left.
@@ -153,10 +153,10 @@ impl Walk<'_> {
 
     /// Moves the future events before the frontier to the event list.
     fn take_final(&mut self, frontier: f64) {
-        while let Some(&Coming(event)) = self.near.coming.peek()
+        while let Some(&Coming(event)) = self.traversal.coming.peek()
             && event.t < frontier
         {
-            self.near.coming.pop();
+            self.traversal.coming.pop();
             self.level.events.push(event);
         }
     }
@@ -166,14 +166,14 @@ impl Walk<'_> {
         if self.position == self.level.events.len() && self.paused.is_idle() {
             return None;
         }
-        let last_event = self.near.last_event(frontier);
+        let last_event = self.traversal.last_event(frontier);
         let Walk { weave, query, level, state, .. } = self;
         let (program, events, t_max) = (&*weave.program, &level.events, query.window.t_max());
         let network = &program.prototype(MODEL).network;
         let mut sweep = Sweep::resume(network, state, events, self.position, t_max);
         let mut weld = Weld::resume(program, self.ray.ray, events, self.paused);
-        while let Some(change) = sweep.next_change(now, |winner| weave.state(winner)) {
-            let found = weld.change(change, &mut sweep.flips);
+        while let Some(change) = sweep.next_change(now, |owner| weave.state(owner)) {
+            let found = weld.change(change, &mut sweep.leaves);
             if found.is_some() {
                 return found;
             }
@@ -181,8 +181,8 @@ impl Walk<'_> {
         self.position = sweep.position();
         self.swept = events[..self.position].last().map_or(self.swept, |event| event.t);
         let last = frontier >= t_max;
-        if last || weld.is_settled((frontier, last_event.min(t_max))) {
-            let found = weld.finish(self.position, &mut sweep.flips);
+        if last || weld.is_resolved((frontier, last_event.min(t_max))) {
+            let found = weld.finish(self.position, &mut sweep.leaves);
             if found.is_some() {
                 return found;
             }
@@ -193,27 +193,27 @@ impl Walk<'_> {
 
     /// Lower bound of the times of all events not found yet.
     fn frontier(&self) -> f64 {
-        let partly = self.near.partly.iter().map(|partly| partly.until);
-        partly.fold(self.near.front.time(), f64::min)
+        let partly = self.traversal.partly.iter().map(|partly| partly.until);
+        partly.fold(self.traversal.front.time(), f64::min)
     }
 
     /// Advances the frontier by one step: opens a box or intersects a leaf.
     fn step(&mut self, scratch: &mut WeaveScratch) {
-        let time = self.near.front.time();
-        if let Some(at) = self.near.partly.iter().position(|partly| partly.until <= time) {
-            let partly = self.near.partly.swap_remove(at);
-            return self.ask_piece(partly, scratch);
+        let time = self.traversal.front.time();
+        if let Some(at) = self.traversal.partly.iter().position(|partly| partly.until <= time) {
+            let partly = self.traversal.partly.swap_remove(at);
+            return self.intersect_piece(partly, scratch);
         }
-        let Some(leaf) = self.weave.accel[MODEL.index()].next(&mut self.near.front) else {
-            return self.weave.read_ahead(MODEL, self.near.front.fresh(), &self.state);
+        let Some(leaf) = self.weave.accel[MODEL.index()].next(&mut self.traversal.front) else {
+            return self.weave.read_ahead(MODEL, self.traversal.front.fresh(), &self.state);
         };
         self.level.touched.push(leaf);
         match self.first_piece(leaf) {
             Some(step) => {
                 let until = time.max(self.query.window.t_min());
-                self.ask_piece(Partly { leaf, until, step, is_new: true }, scratch);
+                self.intersect_piece(Partly { leaf, until, step, is_new: true }, scratch);
             }
-            None => self.ask(leaf, self.query.window, scratch),
+            None => self.intersect(leaf, self.query.window, scratch),
         }
     }
 
@@ -233,55 +233,55 @@ impl Walk<'_> {
     }
 
     /// Intersects a large placed solid with the next piece of the ray, from its `until` on.
-    fn ask_piece(&mut self, Partly { leaf, until, step, is_new }: Partly, scratch: &mut WeaveScratch) {
+    fn intersect_piece(&mut self, Partly { leaf, until, step, is_new }: Partly, scratch: &mut WeaveScratch) {
         let (end, t_max) = (until + step, self.query.window.t_max());
-        let ends = end >= self.near.front.end().min(t_max);
+        let ends = end >= self.traversal.front.end().min(t_max);
         let piece = Window::new(until, end).ok().filter(|_| !ends);
         let Some(window) = piece.or_else(|| Window::new(until, t_max).ok()) else { return };
         let known = self.level.events.len();
-        let asked = Asked { group: MODEL, ray: &self.ray, window, depth: 0 };
-        let starts = self.weave.leaf(asked, leaf, scratch, &mut self.level);
+        let group_query = GroupQuery { group: MODEL, ray: &self.ray, window, depth: 0 };
+        let starts = self.weave.leaf(group_query, leaf, scratch, &mut self.level);
         if is_new && starts {
-            self.flip(leaf);
+            self.toggle(leaf);
         }
-        self.take_asked(known);
+        self.take_events(known);
         if piece.is_some() {
-            self.near.partly.push(Partly { leaf, until: end, step: 2.0 * step, is_new: false });
+            self.traversal.partly.push(Partly { leaf, until: end, step: 2.0 * step, is_new: false });
         }
     }
 
-    /// Moves the events from index `known` on to the future events; those already swept past flip their leaf
+    /// Moves the events from index `known` on to the future events; those already swept past toggle their leaf
     /// at once.
-    fn take_asked(&mut self, known: usize) {
+    fn take_events(&mut self, known: usize) {
         for k in known..self.level.events.len() {
             let event = self.level.events[k];
             if event.t <= self.swept {
-                self.flip(event.leaf);
+                self.toggle(event.leaf);
             } else {
-                self.near.latest = self.near.latest.max(event.t);
-                self.near.coming.push(Coming(event));
+                self.traversal.latest = self.traversal.latest.max(event.t);
+                self.traversal.coming.push(Coming(event));
             }
         }
         self.level.events.truncate(known);
     }
 
     /// Intersects a leaf with the ray in a window.
-    fn ask(&mut self, leaf: u32, window: Window, scratch: &mut WeaveScratch) {
+    fn intersect(&mut self, leaf: u32, window: Window, scratch: &mut WeaveScratch) {
         let known = self.level.events.len();
-        let asked = Asked { group: MODEL, ray: &self.ray, window, depth: 0 };
-        let starts = self.weave.leaf(asked, leaf, scratch, &mut self.level);
+        let group_query = GroupQuery { group: MODEL, ray: &self.ray, window, depth: 0 };
+        let starts = self.weave.leaf(group_query, leaf, scratch, &mut self.level);
         if starts != self.state.leaf(leaf) {
-            self.flip(leaf);
+            self.toggle(leaf);
         }
-        self.take_asked(known);
+        self.take_events(known);
     }
 
-    fn flip(&mut self, leaf: u32) {
-        self.weave.program.prototype(MODEL).network.flip(&mut self.state, leaf);
+    fn toggle(&mut self, leaf: u32) {
+        self.weave.program.prototype(MODEL).network.toggle(&mut self.state, leaf);
     }
 }
 
-impl Near {
+impl TraversalBuffers {
     /// Upper bound of the times of all events not swept yet; not less than the frontier.
     fn last_event(&self, frontier: f64) -> f64 {
         self.front.end().max(self.latest).max(frontier)

@@ -7,7 +7,7 @@ use rayweave_model::{GroupPoint, LeafId, LeafKind, PrototypeId, RegionId, facets
 impl Weave {
     /// The region that contains a point of the world.
     pub(super) fn region_at(&self, point: &GroupPoint, scratch: &mut WeaveScratch) -> RegionId {
-        RegionId(self.value_at(PrototypeId(0), point, 0, scratch, |state| state.winner()))
+        RegionId(self.value_at(PrototypeId(0), point, 0, scratch, |state| state.owner()))
     }
 
     /// Evaluates `value` on the network state of a group at a point.
@@ -22,9 +22,9 @@ impl Weave {
         let mut state = scratch.take_state(&self.program, group);
         let level = self.containing(group, point, depth, scratch);
         let network = &self.program.prototype(group).network;
-        level.touched.iter().for_each(|&leaf| network.flip(&mut state, leaf));
+        level.touched.iter().for_each(|&leaf| network.toggle(&mut state, leaf));
         let value = value(&state);
-        level.touched.iter().for_each(|&leaf| network.flip(&mut state, leaf));
+        level.touched.iter().for_each(|&leaf| network.toggle(&mut state, leaf));
         scratch.give_state(group, state);
         scratch.give_level(depth, level);
         value

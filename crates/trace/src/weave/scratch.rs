@@ -13,10 +13,10 @@ pub struct WeaveScratch {
     states: Vec<Option<Box<NetworkState>>>,
     /// Buffers per nesting level.
     levels: Vec<Option<Box<Level>>>,
-    pub(super) near: Near,
+    pub(super) traversal: TraversalBuffers,
     pub(super) crossings: Vec<Crossing>,
     /// Number of leaves intersected so far.
-    pub(super) asked: u64,
+    pub(super) intersected_leaves: u64,
 }
 
 /// The buffers of one sweep.
@@ -31,7 +31,7 @@ pub(super) struct Level {
 
 /// The buffers of a front-to-back sweep.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Near {
+pub(super) struct TraversalBuffers {
     pub front: Front,
     /// Future boundary events of the leaves intersected so far, the earliest on top.
     pub coming: BinaryHeap<Coming>,
@@ -54,8 +54,8 @@ pub(super) struct Partly {
 
 impl WeaveScratch {
     /// Number of leaves intersected with this scratch, for its whole lifetime.
-    pub fn asked(&self) -> u64 {
-        self.asked
+    pub fn intersected_leaves(&self) -> u64 {
+        self.intersected_leaves
     }
 
     /// Empty buffers for a nesting level.

@@ -6,7 +6,7 @@ use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::sync::Arc;
 
 /// The answer of the reference, after a check that all other evaluators return the same.
-pub fn ask(program: &Arc<Program>, ray: Ray) -> Collected {
+pub fn trace(program: &Arc<Program>, ray: Ray) -> Collected {
     let reference = Reference::new(program.clone()).one(ray, &Query::default()).unwrap();
     let single_hit = SingleHit::new(program.clone()).unwrap();
     assert_eq!(Packets::new(program.clone()).one(ray, &Query::default()).unwrap(), reference, "packets");

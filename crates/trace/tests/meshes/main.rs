@@ -3,7 +3,7 @@
 
 #[path = "../everyone/mod.rs"]
 mod everyone;
-mod judge;
+mod oracle;
 #[path = "../../../mesh/tests/shapes/mod.rs"]
 mod shapes;
 
@@ -26,7 +26,7 @@ fn block(lo: Vec3, hi: Vec3) -> Solid {
 
 fn times(solid: &Solid, ray: Ray) -> Vec<f64> {
     let program = Arc::new(Program::compile(solid).unwrap());
-    everyone::ask(&program, ray).crossings.iter().map(|c| c.t).collect()
+    everyone::trace(&program, ray).crossings.iter().map(|c| c.t).collect()
 }
 
 fn vector(rng: &mut ChaCha8Rng) -> Vec3 {
@@ -66,9 +66,9 @@ fn a_box_of_triangles_is_the_box() {
         let differ = Arc::new(Program::compile(&differ).unwrap());
         for _ in 0..60 {
             let ray = hostile_ray(&mut rng).transformed(&map);
-            let found = everyone::ask(&differ, ray);
+            let found = everyone::trace(&differ, ray);
             assert!(found.crossings.is_empty(), "{round} {ray:?} {:?}", found.crossings);
-            let [a, b] = both.each_ref().map(|program| everyone::ask(program, ray).crossings);
+            let [a, b] = both.each_ref().map(|program| everyone::trace(program, ray).crossings);
             assert_eq!(a.len(), b.len(), "{round} {ray:?}");
             for (a, b) in a.iter().zip(&b) {
                 assert!((a.t - b.t).abs() < 1e-12 * (1.0 + a.t.abs()), "{ray:?}");
@@ -94,7 +94,7 @@ fn a_mesh_and_a_box_that_touch_are_one() {
             let program = Arc::new(Program::compile(&part.apply(map)).unwrap());
             for _ in 0..40 {
                 let ray = hostile_ray(&mut rng).transformed(&map);
-                let found = everyone::ask(&program, ray);
+                let found = everyone::trace(&program, ray);
                 assert!(found.crossings.is_empty(), "{round} {ray:?} {:?}", found.crossings);
             }
         }
@@ -117,7 +117,7 @@ fn booleans_are_point_by_point_those_of_solid_angles() {
     let (mut inside, mut outside) = (0, 0);
     for _ in 0..150 {
         let ray = Ray::new(1.5 * vector(&mut rng), vector(&mut rng));
-        let found = everyone::ask(&program, ray).crossings;
+        let found = everyone::trace(&program, ray).crossings;
         for (k, pair) in found.windows(2).enumerate() {
             let point = ray.at(0.5 * (pair[0].t + pair[1].t));
             assert_eq!(is_inside(point), k % 2 == 0, "{ray:?} {point}");
@@ -129,7 +129,7 @@ fn booleans_are_point_by_point_those_of_solid_angles() {
 
 /// A placed mesh has the crossings of each copy.
 #[test]
-fn placed_meshes_are_asked_in_their_own_frames() {
+fn placed_meshes_are_intersected_in_their_own_frames() {
     let mesh = solid(&cuboid(Vec3::ZERO, Vec3::ONE));
     let tiles =
         mesh.place((0..10).map(|k| Affine::translate(Vec3::new(f64::from(k), 0.0, 0.0))).collect::<Vec<_>>());

@@ -8,7 +8,7 @@ mod aim;
 mod arrange;
 mod combine;
 mod crowd;
-mod judge;
+mod oracle;
 mod placed;
 mod starts;
 
@@ -16,7 +16,7 @@ use aim::aimed;
 use arrange::Arrangement;
 use combine::regions;
 use crowd::{bundles, carved, crowd};
-use judge::{Judge, Setting, levels};
+use oracle::{Oracle, Setting, levels};
 use rayweave_conformance::rays::rays;
 use rayweave_conformance::{Model, Random, Style, Tally};
 use rayweave_math::{Affine, Vec3};
@@ -48,13 +48,13 @@ fn frame(rng: &mut Random) -> Affine {
 
 /// Compares all queries on models of an arrangement.
 fn check(what: &'static str, arrangement: Arrangement, models: u64, least: u64) {
-    let mut judge = Judge::new(what);
+    let mut oracle = Oracle::new(what);
     for seed in 0..models {
         let (regions, rays) = arranged(seed, arrangement, 48);
         let Some(setting) = Setting::new(regions, rays, format!("{what}, model {seed}")) else { continue };
-        judge.everything(&setting, &mut Random::new(seed), &levels());
+        oracle.everything(&setting, &mut Random::new(seed), &levels());
     }
-    judge.finish(models * least);
+    oracle.finish(models * least);
 }
 
 /// Numbers of models of the short and the long form.
@@ -93,16 +93,16 @@ arrangements! {
 
 /// Compares all queries on unions of many solids, with bundles of rays.
 fn check_crowds(models: u64, least: u64) {
-    let mut judge = Judge::new("crowds");
+    let mut oracle = Oracle::new("crowds");
     for seed in 0..models {
         let rng = &mut Random::new(7 << 40 | seed);
         let frame = frame(rng);
         let (regions, targets) = crowd(rng, &frame);
         let rays = bundles(rng, &targets, 96).into_iter().map(|ray| ray.transformed(&frame)).collect();
         let Some(setting) = Setting::new(regions, rays, format!("crowd {seed}")) else { continue };
-        judge.everything(&setting, rng, &levels());
+        oracle.everything(&setting, rng, &levels());
     }
-    judge.finish(models * least);
+    oracle.finish(models * least);
 }
 
 #[test]
@@ -118,16 +118,16 @@ fn long_crowds() {
 
 /// Compares all queries on solids minus many others.
 fn check_carved(models: u64, least: u64) {
-    let mut judge = Judge::new("carved solids");
+    let mut oracle = Oracle::new("carved solids");
     for seed in 0..models {
         let rng = &mut Random::new(9 << 40 | seed);
         let frame = frame(rng);
         let (regions, targets) = carved(rng, &frame);
         let rays = bundles(rng, &targets, 96).into_iter().map(|ray| ray.transformed(&frame)).collect();
         let Some(setting) = Setting::new(regions, rays, format!("carved {seed}")) else { continue };
-        judge.everything(&setting, rng, &levels());
+        oracle.everything(&setting, rng, &levels());
     }
-    judge.finish(models * least);
+    oracle.finish(models * least);
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn long_carved_solids() {
 /// Random models of the suite that are traced in lanes; most are small, and half have rays on the grid where
 /// faces coincide.
 fn sweep(seeds: std::ops::Range<u64>, count: usize, least: u64) {
-    let mut judge = Judge::new("random models of the suite");
+    let mut oracle = Oracle::new("random models of the suite");
     for seed in seeds {
         let rng = &mut Random::new(6 << 40 | seed);
         let style = [Style::Generic, Style::Grid, Style::Grid, Style::Planes][seed as usize % 4];
@@ -157,9 +157,9 @@ fn sweep(seeds: std::ops::Range<u64>, count: usize, least: u64) {
         let Some(setting) = Setting::new(model.regions, rays, format!("sweep, seed {seed}")) else {
             continue;
         };
-        judge.lists(&setting, &mut Random::new(seed));
+        oracle.lists(&setting, &mut Random::new(seed));
     }
-    judge.finish(least);
+    oracle.finish(least);
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn long_starts_on_surfaces() {
 
 #[test]
 fn batches_of_any_size() {
-    let mut judge = Judge::new("batches of any size");
+    let mut oracle = Oracle::new("batches of any size");
     for (k, arrangement) in arrange::ALL.into_iter().enumerate() {
         let found = (100..).find_map(|seed| {
             let (regions, rays) = arranged(seed, arrangement, 1000);
@@ -213,8 +213,8 @@ fn batches_of_any_size() {
         });
         let Some(setting) = found else { continue };
         for size in [1, 7, 8, 9, 64, 1000] {
-            judge.in_batches(&setting, size, &levels()[..1]);
+            oracle.in_batches(&setting, size, &levels()[..1]);
         }
     }
-    judge.finish(6 * 1000 * arrange::ALL.len() as u64);
+    oracle.finish(6 * 1000 * arrange::ALL.len() as u64);
 }

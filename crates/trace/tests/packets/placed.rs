@@ -3,7 +3,7 @@
 use crate::aim::{Target, aimed};
 use crate::arrange::gap;
 use crate::crowd::member;
-use crate::judge::{Judge, Setting, levels};
+use crate::oracle::{Oracle, Setting, levels};
 use crate::{bundles, frame};
 use rayweave_conformance::Random;
 use rayweave_conformance::rays::batch;
@@ -73,7 +73,7 @@ fn placed(rng: &mut Random, frame: &Affine) -> (Vec<Region>, Vec<Target>) {
 
 /// Compares all queries on placed solids, with bundles and with single rays.
 fn check(models: u64, least: u64) {
-    let mut judge = Judge::new("placed solids");
+    let mut oracle = Oracle::new("placed solids");
     for seed in 0..models {
         let rng = &mut Random::new(8 << 40 | seed);
         let frame = frame(rng);
@@ -82,9 +82,9 @@ fn check(models: u64, least: u64) {
         rays.extend((0..16).map(|_| aimed(rng, &targets)));
         let rays = rays.into_iter().map(|ray| ray.transformed(&frame)).collect();
         let Some(setting) = Setting::new(regions, rays, format!("placed {seed}")) else { continue };
-        judge.everything(&setting, rng, &levels());
+        oracle.everything(&setting, rng, &levels());
     }
-    judge.finish(models * least);
+    oracle.finish(models * least);
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn long_placed_solids() {
 }
 
 /// Number of leaves that the weave intersects for the first hits of rays.
-fn asked_of_weave(solid: Solid, rays: &[Ray]) -> u64 {
+fn fallback_leaf_count(solid: Solid, rays: &[Ray]) -> u64 {
     let program = Arc::new(Program::compile(&solid).expect("a legal model"));
     let packets = Packets::new(program);
     let mut scratch = packets.scratch();
@@ -116,7 +116,7 @@ fn asked_of_weave(solid: Solid, rays: &[Ray]) -> u64 {
     };
     packets.nearest(batch(rays).rays(), Window::ALL, &mut scratch, &mut hits);
     assert!(face.iter().filter(|&&face| face >= 0).count() > n / 4);
-    scratch.asked_of_weave()
+    scratch.fallback_leaf_count()
 }
 
 /// Rays in general position through placed solids are traced in lanes, whether they are close to each other
@@ -136,7 +136,7 @@ fn lanes_answer_for_placed_solids() {
         })
         .collect();
     for solid in [part.place(grid), nested] {
-        let asked = asked_of_weave(solid, &rays);
-        assert!(asked < 500, "{asked} leaves were asked one by one");
+        let leaves = fallback_leaf_count(solid, &rays);
+        assert!(leaves < 500, "{leaves} leaves were intersected one by one");
     }
 }

@@ -1,7 +1,7 @@
 //! Rays that start on surfaces: continued from their hits with the right side, and sometimes with the wrong
 //! one.
 
-use crate::judge::{Setting, bits, evaluators, lists};
+use crate::oracle::{Setting, bits, evaluators, lists};
 use fearless_simd::Level;
 use rayweave_conformance::rays::batch;
 use rayweave_conformance::{Random, Tally};
@@ -36,7 +36,7 @@ pub fn follow(setting: &Setting, level: Level, rng: &mut Random, tally: &mut Tal
             let begins = all.starts[i] == found.starts[i] && all.starts[i] == start.starts[i];
             let equal = same(all.of(i), found.of(i)) && same(expected.of(i), start.of(i));
             tally.check(begins && equal && near[i] == found_near[i], || {
-                let (on, said) = (&listed[i], setting.told(i));
+                let (on, said) = (&listed[i], setting.describe(i));
                 let (a, b, c) = (all.of(i), found.of(i), start.of(i));
                 format!(
                     "{said}\nat {:?} on {on:?}, {level:?}, {window:?}\nfound {b:?}\n{c:?}\nnot {a:?}",

@@ -233,13 +233,13 @@ _REASONS = {
 }
 
 
-def _reason(told: str) -> str:
+def _reason(termination: str) -> str:
     """Why a search ended, in words."""
-    if told.startswith("Converged"):
+    if termination.startswith("Converged"):
         which = (("ftol: true", "the sum of squares"), ("xtol: true", "the parameters"))
-        still = " and ".join(what for flag, what in which if flag in told)
+        still = " and ".join(what for flag, what in which if flag in termination)
         return f"{still} changed by no more than rounding"
-    return _REASONS.get(told.split("(")[0], told)
+    return _REASONS.get(termination.split("(")[0], termination)
 
 
 def optimise(

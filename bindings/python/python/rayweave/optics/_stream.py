@@ -143,10 +143,10 @@ def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
     try:
         with stream:
             for batch in stream.to_arrow():
-                told = batch.replace_schema_metadata(_units(system.unit, batch.schema.names))
+                with_units = batch.replace_schema_metadata(_units(system.unit, batch.schema.names))
                 if writer is None:
-                    writer = parquet.ParquetWriter(unfinished, told.schema, compression="snappy")
-                writer.write_batch(told)
+                    writer = parquet.ParquetWriter(unfinished, with_units.schema, compression="snappy")
+                writer.write_batch(with_units)
             balance = stream.balance
         if writer is None:
             raise _core.RayweaveError("no segment to write: nothing shines.")

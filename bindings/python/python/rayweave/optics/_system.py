@@ -115,8 +115,8 @@ class System:
         is_followed = self._follows(polarised, given)
         settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
         compiled = [source.compiled for source in given]
-        columns, accounts = self._compiled.trace_sources(compiled, settings, _told(progress))
-        return self._told_of(columns, accounts, phases)
+        columns, accounts = self._compiled.trace_sources(compiled, settings, _progress_callback(progress))
+        return self._trace_of(columns, accounts, phases)
 
     def stream(
         self,
@@ -208,9 +208,9 @@ class System:
             _numbers_of("source", source, count),
             None if light is None else light.tolist(),
             settings,
-            _told(progress),
+            _progress_callback(progress),
         )
-        return self._told_of(columns, accounts, phases)
+        return self._trace_of(columns, accounts, phases)
 
     def _follows(self, polarised: bool | None, sources: Iterable[Source], is_polarised: bool = False) -> bool:
         """Whether polarisation is followed: as told, or if something polarises."""
@@ -219,7 +219,7 @@ class System:
         is_polarised = is_polarised or any(source.is_polarised for source in sources)
         return is_polarised or any(part.action is not None and part.action.kind in _POLARISES for part in self.elements)
 
-    def _told_of(self, columns: dict[str, NDArray[Any]], accounts: dict[str, Any], phases: bool) -> Trace:
+    def _trace_of(self, columns: dict[str, NDArray[Any]], accounts: dict[str, Any], phases: bool) -> Trace:
         trace = Trace(self, columns, self._balance(accounts))
         if flag(phases, "phases"):
             columns["phase_s"], columns["phase_p"] = trace.phases()
@@ -263,7 +263,7 @@ def _all_sources(sources: Source | Iterable[Source]) -> list[Source]:
     return given
 
 
-def _told(progress: Progress) -> Any:
+def _progress_callback(progress: Progress) -> Any:
     return reporter(progress) if progress else None
 
 

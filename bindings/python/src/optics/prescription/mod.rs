@@ -214,13 +214,13 @@ impl PyPrescription {
         &self,
         py: Python<'_>,
         aimed: bool,
-        ask: impl FnOnce(&Study<'_, Packets>) -> Result<T, AnalysisError> + Send,
+        question: impl FnOnce(&Study<'_, Packets>) -> Result<T, AnalysisError> + Send,
     ) -> PyResult<T> {
         let (layout, system) = self.built(py)?;
         let answer = py.detach(|| {
             let tracer = Tracer::new(system, Packets::new);
             let study = Study::new(&self.lens, layout, &tracer);
-            ask(&if aimed { study.aimed() } else { study })
+            question(&if aimed { study.aimed() } else { study })
         });
         answer.map_err(bad_value)
     }

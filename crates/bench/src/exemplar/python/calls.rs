@@ -1,39 +1,39 @@
 //! Rust calls that are equivalent to the calls from Python, with results in the same kind of
 //! memory: given or new.
 
-use super::{Asked, text};
+use super::{QueryKind, text};
 use crate::answer::{FirstTable, HitTable, ahead};
-use crate::contest::{Contender, Role};
 use crate::exemplar::die::ROWS;
 use crate::exemplar::question::{CHUNK, components, hits, into_table_on_threads, on_threads, pieces};
+use crate::interleaved::{Candidate, Role};
 use rayweave::model::{
     FirstHits, HitRows, Limit, Program, Query, RayAnswer, RayBatch, Rays, RegionId, attributes,
 };
 use rayweave::{AnyEvaluator, Evaluator, Window};
 use std::hint::black_box;
 
-/// The name of the contenders.
+/// The name of the candidates.
 const NAME: &str = "Rust";
 
 /// One call for all rays.
 pub fn many<'a>(
-    asked: Asked,
+    kind: QueryKind,
     evaluator: &'a AnyEvaluator,
     rays: Rays<'a>,
     threads: usize,
-) -> Result<Contender<'a>, String> {
+) -> Result<Candidate<'a>, String> {
     let of = |table| into_table_on_threads(NAME, evaluator, rays, table, threads);
     let anew =
-        |run: Box<dyn FnMut() + 'a>| Contender::here(NAME, Role::Ours, rays.len(), run).threads(threads);
-    Ok(match asked {
-        Asked::Hits => of(HitTable::of_times(ROWS, rays.len())),
-        Asked::Surfaces => of(HitTable::new(ROWS, rays.len())),
-        Asked::Nearest => {
+        |run: Box<dyn FnMut() + 'a>| Candidate::here(NAME, Role::Ours, rays.len(), run).threads(threads);
+    Ok(match kind {
+        QueryKind::Hits => of(HitTable::of_times(ROWS, rays.len())),
+        QueryKind::Surfaces => of(HitTable::new(ROWS, rays.len())),
+        QueryKind::Nearest => {
             let window = ahead().map_err(text)?;
             anew(Box::new(move || nearest(evaluator, rays, window, threads)))
         }
-        Asked::Crossings => anew(Box::new(move || crossings(evaluator, rays, threads))),
-        Asked::Contains => anew(Box::new(move || contains(evaluator, rays.origins, threads))),
+        QueryKind::Crossings => anew(Box::new(move || crossings(evaluator, rays, threads))),
+        QueryKind::Contains => anew(Box::new(move || contains(evaluator, rays.origins, threads))),
     })
 }
 
@@ -135,17 +135,17 @@ fn contains(evaluator: &AnyEvaluator, points: [&[f64]; 3], threads: usize) {
 
 /// One call per ray, with reused memory.
 pub fn one_by_one<'a>(
-    asked: Asked,
+    kind: QueryKind,
     evaluator: &'a AnyEvaluator,
     rays: Rays<'a>,
-) -> Result<Contender<'a>, String> {
+) -> Result<Candidate<'a>, String> {
     let batches: Vec<RayBatch> = (0..rays.len()).map(|i| RayBatch::from_iter([rays.get(i)])).collect();
     let (mut scratch, window) = (evaluator.scratch(), ahead().map_err(text)?);
     let (mut table, mut first) = (HitTable::of_times(ROWS, 1), FirstTable::new(1));
     let query = Query { limit: Limit::All, ..Query::default() };
-    let one = move |batch: &RayBatch| match asked {
-        Asked::Nearest => evaluator.nearest(batch.rays(), window, &mut scratch, &mut first.hits()),
-        Asked::Crossings => {
+    let one = move |batch: &RayBatch| match kind {
+        QueryKind::Nearest => evaluator.nearest(batch.rays(), window, &mut scratch, &mut first.hits()),
+        QueryKind::Crossings => {
             let mut columns = Columns::default();
             let mut sink = |answer: RayAnswer<'_>| columns.put(evaluator.program(), &batch.rays(), &answer);
             evaluator.crossings(batch.rays(), &query, &mut scratch, &mut sink);
@@ -158,5 +158,5 @@ pub fn one_by_one<'a>(
         }
     };
     let mut one = one;
-    Ok(Contender::here(NAME, Role::Ours, batches.len(), move || batches.iter().for_each(&mut one)))
+    Ok(Candidate::here(NAME, Role::Ours, batches.len(), move || batches.iter().for_each(&mut one)))
 }

@@ -6,7 +6,7 @@ mod calls;
 use super::{Bench, Exemplar, die, text};
 use crate::answer::{Agreement, Lists, first_lists, full_lists};
 use crate::batch::incoherent;
-use crate::contest::{Contender, contest};
+use crate::interleaved::{Candidate, measure_in_turn};
 use crate::report::Section;
 use rayweave::model::{RayBatch, Rays, RegionId};
 use rayweave::{AnyEvaluator, Evaluator, Ray, Reference};
@@ -20,7 +20,7 @@ const TURNS: usize = 1024;
 
 /// A query that is available in both languages.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Asked {
+enum QueryKind {
     Hits,
     Surfaces,
     Nearest,
@@ -28,31 +28,33 @@ enum Asked {
     Contains,
 }
 
-impl Asked {
-    const ALL: [(Asked, &'static str); 5] = [
-        (Asked::Hits, "hits"),
-        (Asked::Surfaces, "surfaces"),
-        (Asked::Nearest, "nearest"),
-        (Asked::Crossings, "crossings"),
-        (Asked::Contains, "contains"),
+impl QueryKind {
+    const ALL: [(QueryKind, &'static str); 5] = [
+        (QueryKind::Hits, "hits"),
+        (QueryKind::Surfaces, "surfaces"),
+        (QueryKind::Nearest, "nearest"),
+        (QueryKind::Crossings, "crossings"),
+        (QueryKind::Contains, "contains"),
     ];
 
     fn about(self) -> &'static str {
         match self {
-            Asked::Hits => "Entries and exits, into an array that is given.",
-            Asked::Surfaces => "Entries and exits with their faces, into arrays that are given.",
-            Asked::Nearest => "The first crossing with point, normal, face and placement, in new arrays.",
-            Asked::Crossings => "Every crossing with point, normal, face, leaf and placement, in new arrays.",
-            Asked::Contains => "Whether points of the box are inside, in a new array.",
+            QueryKind::Hits => "Entries and exits, into an array that is given.",
+            QueryKind::Surfaces => "Entries and exits with their faces, into arrays that are given.",
+            QueryKind::Nearest => "The first crossing with point, normal, face and placement, in new arrays.",
+            QueryKind::Crossings => {
+                "Every crossing with point, normal, face, leaf and placement, in new arrays."
+            }
+            QueryKind::Contains => "Whether points of the box are inside, in a new array.",
         }
     }
 
     /// The result of the default evaluator, or of the reference.
     fn lists<E: Evaluator>(self, evaluator: &E, rays: Rays<'_>) -> Result<Lists, String> {
         match self {
-            Asked::Hits | Asked::Surfaces | Asked::Crossings => Ok(full_lists(evaluator, rays)),
-            Asked::Nearest => first_lists(evaluator, rays).map_err(text),
-            Asked::Contains => Ok(insides(evaluator, rays)),
+            QueryKind::Hits | QueryKind::Surfaces | QueryKind::Crossings => Ok(full_lists(evaluator, rays)),
+            QueryKind::Nearest => first_lists(evaluator, rays).map_err(text),
+            QueryKind::Contains => Ok(insides(evaluator, rays)),
         }
     }
 }
@@ -70,25 +72,25 @@ struct FromPython {
     /// The task of the driver in Python.
     task: String,
     about: String,
-    asked: Asked,
+    query: QueryKind,
     one_by_one: bool,
 }
 
 /// All queries: on many rays at a time, and on one.
 pub fn all() -> Vec<Box<dyn Exemplar>> {
-    let of = |(asked, name): (Asked, &str), one_by_one: bool| -> Box<dyn Exemplar> {
+    let of = |(query, name): (QueryKind, &str), one_by_one: bool| -> Box<dyn Exemplar> {
         let (size, kind) = if one_by_one { ("one", "one") } else { ("1e6", "many") };
         let call = if one_by_one { "a call for each ray or point" } else { "a million in a call" };
         Box::new(FromPython {
             name: format!("python/{name}/{size}"),
             task: format!("python.{kind}.{name}"),
-            about: format!("{} The die; {call}.", asked.about()),
-            asked,
+            about: format!("{} The die; {call}.", query.about()),
+            query,
             one_by_one,
         })
     };
-    let many = Asked::ALL.map(|asked| of(asked, false));
-    let one = [Asked::ALL[0], Asked::ALL[2], Asked::ALL[3]].map(|asked| of(asked, true));
+    let many = QueryKind::ALL.map(|query| of(query, false));
+    let one = [QueryKind::ALL[0], QueryKind::ALL[2], QueryKind::ALL[3]].map(|query| of(query, true));
     many.into_iter().chain(one).collect()
 }
 
@@ -107,12 +109,12 @@ impl Exemplar for FromPython {
         let batch = self.batch(bench);
         let (rays, file) = (batch.rays(), self.name.replace('/', "-"));
         bench.peers.give_rays(&file, rays).map_err(text)?;
-        let mut contenders = self.rust(bench, &evaluator, rays)?;
-        contenders.extend(self.python(bench, &file, rays.len()));
+        let mut candidates = self.rust(bench, &evaluator, rays)?;
+        candidates.extend(self.python(bench, &file, rays.len()));
         let mut section = Section::new(&*self.name, "ray", self.about());
-        section.take(contest(contenders, &bench.effort), |_| None);
+        section.take(measure_in_turn(candidates, &bench.effort), |_| None);
         let few: RayBatch = (0..COMPARED.min(rays.len())).map(|i| rays.get(i)).collect();
-        let expected = self.asked.lists(&Reference::new(program), few.rays())?;
+        let expected = self.query.lists(&Reference::new(program), few.rays())?;
         for (name, answer) in bench.peers.answers(&self.task, &file, few.rays().len()) {
             section.agree(&name, answer.map(|found| Agreement::of(&expected, &found)));
         }
@@ -125,7 +127,7 @@ impl FromPython {
     fn batch(&self, bench: &Bench) -> RayBatch {
         let count = if self.one_by_one { TURNS } else { bench.effort.size(1_000_000) };
         let batch = incoherent(count, 3);
-        if self.asked != Asked::Contains {
+        if self.query != QueryKind::Contains {
             return batch;
         }
         let ends = (0..count).map(|i| batch.rays().get(i));
@@ -137,23 +139,23 @@ impl FromPython {
         bench: &Bench,
         evaluator: &'a AnyEvaluator,
         rays: Rays<'a>,
-    ) -> Result<Vec<Contender<'a>>, String> {
+    ) -> Result<Vec<Candidate<'a>>, String> {
         if self.one_by_one {
-            return Ok(vec![calls::one_by_one(self.asked, evaluator, rays)?]);
+            return Ok(vec![calls::one_by_one(self.query, evaluator, rays)?]);
         }
-        let mut contenders = vec![calls::many(self.asked, evaluator, rays, 1)?];
+        let mut candidates = vec![calls::many(self.query, evaluator, rays, 1)?];
         if bench.threads > 1 {
-            contenders.push(calls::many(self.asked, evaluator, rays, bench.threads)?);
+            candidates.push(calls::many(self.query, evaluator, rays, bench.threads)?);
         }
-        Ok(contenders)
+        Ok(candidates)
     }
 
-    fn python(&self, bench: &Bench, file: &str, rays: usize) -> Vec<Contender<'static>> {
-        let mut contenders = bench.peers.contenders(&self.task, file, rays);
+    fn python(&self, bench: &Bench, file: &str, rays: usize) -> Vec<Candidate<'static>> {
+        let mut candidates = bench.peers.candidates(&self.task, file, rays);
         if bench.threads > 1 && !self.one_by_one {
-            let all = bench.peers.contenders(&format!("{}/all", self.task), file, rays);
-            contenders.extend(all.into_iter().map(|contender| contender.threads(bench.threads)));
+            let all = bench.peers.candidates(&format!("{}/all", self.task), file, rays);
+            candidates.extend(all.into_iter().map(|candidate| candidate.threads(bench.threads)));
         }
-        contenders.into_iter().map(Contender::whole).collect()
+        candidates.into_iter().map(Candidate::whole).collect()
     }
 }

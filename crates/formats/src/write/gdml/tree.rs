@@ -3,7 +3,7 @@
 use super::materials::{auxiliaries, escaped};
 use super::writer::{Part, Structure, Writer, place_text};
 use crate::gdml::UNSPECIFIED;
-use crate::gdml::stated::{Placed, Told, list, rows, text};
+use crate::gdml::stated::{Placed, VolumeRecord, list, rows, text};
 use crate::write::WriteError;
 use crate::write::fold::fold;
 use rayweave_math::{Affine, Mat3, Vec3};
@@ -18,12 +18,12 @@ const RIGID: f64 = 1e-9;
 const MARGIN: f64 = 0.125;
 
 /// True if all placements are rotations or reflections: Geant4 does not scale placements.
-pub(super) fn is_rigid(told: &[Told]) -> bool {
+pub(super) fn is_rigid(records: &[VolumeRecord]) -> bool {
     let is_unit = |linear: &Mat3| {
         let square = linear.transpose() * *linear;
         (square - Mat3::IDENTITY).to_cols_array().iter().all(|entry| entry.abs() <= RIGID)
     };
-    let maps = told.iter().flat_map(|told| &told.daughters).flat_map(|daughter| &daughter.maps);
+    let maps = records.iter().flat_map(|record| &record.daughters).flat_map(|daughter| &daughter.maps);
     maps.into_iter().all(|map| is_unit(&map.linear))
 }
 
@@ -31,15 +31,16 @@ impl Writer<'_, '_> {
     /// The volumes, each after its daughters.
     pub(super) fn tree(
         &mut self,
-        told: &[Told],
+        records: &[VolumeRecord],
         table: Option<&Table>,
         media: &[String],
     ) -> Result<Structure, WriteError> {
         let rows: Vec<&Table> = table.map(|table| rows(table, "volume")).unwrap_or_default();
-        let parts = told.iter().map(|told| self.own_frame(told)).collect::<Result<Vec<Option<Part>>, _>>()?;
+        let parts =
+            records.iter().map(|record| self.own_frame(record)).collect::<Result<Vec<Option<Part>>, _>>()?;
         let mut volumes = String::new();
-        for k in inner_first(told) {
-            let one = &told[k];
+        for k in inner_first(records) {
+            let one = &records[k];
             let name = escaped(&one.name);
             // the world always has a solid
             let solid = match (&parts[k], k) {
@@ -57,19 +58,19 @@ impl Writer<'_, '_> {
                 let _ = writeln!(volumes, "      <solidref ref=\"{solid}\"/>");
             }
             for daughter in &one.daughters {
-                placements(&mut volumes, told, &parts, k, daughter);
+                placements(&mut volumes, records, &parts, k, daughter);
             }
             volumes += &rows.get(k).map(|row| auxiliaries(row, "      ")).unwrap_or_default();
             let _ = writeln!(volumes, "    </{tag}>");
         }
         volumes += &table.map(links).unwrap_or_default();
-        let world = told.first().map(|world| escaped(&world.name)).unwrap_or_default();
+        let world = records.first().map(|world| escaped(&world.name)).unwrap_or_default();
         Ok(Structure { volumes, world })
     }
 
     /// The solid of a volume, clipped to its own box.
-    fn own_frame(&mut self, told: &Told) -> Result<Option<Part>, WriteError> {
-        let (Some(solid), Some(region)) = (&told.solid, told.region) else {
+    fn own_frame(&mut self, record: &VolumeRecord) -> Result<Option<Part>, WriteError> {
+        let (Some(solid), Some(region)) = (&record.solid, record.region) else {
             return Ok(None);
         };
         self.region = region;
@@ -84,14 +85,14 @@ impl Writer<'_, '_> {
 }
 
 /// Indices of the volumes, daughters before mothers, otherwise in the given order.
-fn inner_first(told: &[Told]) -> Vec<usize> {
-    let mut depth = vec![0usize; told.len()];
-    for (k, one) in told.iter().enumerate() {
+fn inner_first(records: &[VolumeRecord]) -> Vec<usize> {
+    let mut depth = vec![0usize; records.len()];
+    for (k, one) in records.iter().enumerate() {
         for daughter in &one.daughters {
             depth[daughter.volume] = depth[daughter.volume].max(depth[k] + 1);
         }
     }
-    let mut order: Vec<usize> = (0..told.len()).collect();
+    let mut order: Vec<usize> = (0..records.len()).collect();
     order.sort_by_key(|k| (std::cmp::Reverse(depth[*k]), *k));
     order
 }
@@ -104,11 +105,17 @@ fn bounds(solid: &Solid) -> Result<Option<rayweave_math::Bounds>, WriteError> {
 }
 
 /// All placements of a daughter. The part of a volume may have a rotation and translation of its own.
-fn placements(text: &mut String, told: &[Told], parts: &[Option<Part>], mother: usize, daughter: &Placed) {
+fn placements(
+    text: &mut String,
+    records: &[VolumeRecord],
+    parts: &[Option<Part>],
+    mother: usize,
+    daughter: &Placed,
+) {
     let place = |volume: usize| parts[volume].as_ref().map_or(Affine::IDENTITY, |part| part.place);
     // rotations are invertible
     let into_mother = place(mother).inverse().unwrap_or(Affine::IDENTITY);
-    let volume = escaped(&told[daughter.volume].name);
+    let volume = escaped(&records[daughter.volume].name);
     for (k, map) in daughter.maps.iter().enumerate() {
         let name = match (daughter.name.as_str(), k) {
             ("", _) => String::new(),

@@ -345,10 +345,10 @@ impl Reader {
     /// All surfaces, object and image included; invalid types and parameters are reported as problems.
     fn surfaces(&mut self) -> Vec<Surface> {
         let found: Vec<_> = self.surfaces.iter().map(|record| (record.type_line, record.surface())).collect();
-        let told = |(line, surface): (usize, Result<Surface, String>)| {
+        let kept = |(line, surface): (usize, Result<Surface, String>)| {
             surface.map_err(|text| self.problem(line, &text)).ok()
         };
-        found.into_iter().filter_map(told).collect()
+        found.into_iter().filter_map(kept).collect()
     }
 
     /// Notes that terms of object and image are ignored.

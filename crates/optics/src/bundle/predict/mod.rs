@@ -154,7 +154,7 @@ impl Predictor {
         sides: Sides,
     ) -> Option<(Lanes<S>, bool)> {
         let facet = &self.surfaces[surface];
-        let (ray, mut doubt) = LaneRay::new(simd, rays.origin, rays.direction, &self.limits);
+        let (ray, mut uncertain) = LaneRay::new(simd, rays.origin, rays.direction, &self.limits);
         let mut span = Span::line(simd);
         let inward = match rays.start {
             Some((start, inside)) if start == surface => {
@@ -163,11 +163,11 @@ impl Predictor {
                 }
                 let surface = splat(simd, facet.surfaces[0]);
                 let starts = LaneStarts { surface, inside: !Mask::splat(simd, false) };
-                facet.narrow_from(simd, &ray, &starts, &mut span, &mut doubt);
+                facet.narrow_from(simd, &ray, &starts, &mut span, &mut uncertain);
                 false
             }
             _ => {
-                facet.narrow(simd, &ray, &mut span, &mut doubt);
+                facet.narrow(simd, &ray, &mut span, &mut uncertain);
                 match (sides.inside >> surface & 1, sides.outside >> surface & 1) {
                     (1, _) => false,
                     (_, 1) => true,
@@ -182,7 +182,7 @@ impl Predictor {
         if inward && (ends & ray.may_coincide(span.from, span.to, &self.limits)).any_true() {
             return None;
         }
-        (is_ahead & !doubt.always & !doubt.grazes).all_true().then_some((t, inward))
+        (is_ahead & !uncertain.always & !uncertain.grazes).all_true().then_some((t, inward))
     }
 
     /// The sides on which a bundle stays up to given times, except for a surface that it crosses

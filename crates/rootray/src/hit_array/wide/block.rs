@@ -9,9 +9,9 @@ use super::super::kernel::{self, TruthTable};
 use super::super::part::Part;
 use super::super::scalar::walk;
 use super::super::{Operation, Real};
+use super::flags::Flags;
 use super::network::{Exchange, Network};
 use super::rule::{self, Rule};
-use super::watch::Watch;
 use super::{direct, load, store};
 
 /// Registers per row of a block.
@@ -94,13 +94,13 @@ fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, col
     let mut tile = vec![T::INFINITY; 2 * count * long];
     for start in columns.step_by(long) {
         let columns = start..end.min(start + long);
-        let mut watch = Watch::<S, T>::new(simd);
-        watch.rows(simd, part.rows1.iter().map(|row| &row[columns.clone()]));
-        watch.rows(simd, part.rows2.iter().map(|row| &row[columns.clone()]));
-        if !watch.is_sorted() {
+        let mut flags = Flags::<S, T>::new(simd);
+        flags.rows(simd, part.rows1.iter().map(|row| &row[columns.clone()]));
+        flags.rows(simd, part.rows2.iter().map(|row| &row[columns.clone()]));
+        if !flags.is_sorted() {
             return false;
         }
-        if watch.has_zero() && part.has_negative_zero(&columns) {
+        if flags.has_zero() && part.has_negative_zero(&columns) {
             let table = TruthTable::new(plan.operation);
             walk(part, columns, |a, b, out| kernel::keep(table, a, b, out));
             continue;
@@ -143,7 +143,7 @@ impl<S: Simd, T: Real> Block<S, T> {
     /// Determines from sorted starts and ends which pieces exist. Returns true if equal times leave it undecided.
     #[inline(always)]
     fn compare(&mut self, simd: S, rule: Rule, order: &[usize]) -> bool {
-        let mut watch = Watch::<S, T>::new(simd);
+        let mut flags = Flags::<S, T>::new(simd);
         for (piece, exist) in self.exist.iter_mut().enumerate() {
             let (Some(start), true) = (rule.start_of(piece), piece < order.len()) else { continue };
             if start >= order.len() {
@@ -151,10 +151,10 @@ impl<S: Simd, T: Real> Block<S, T> {
             }
             let (starts, ends) = (&self.starts[order[start]], &self.ends[order[piece]]);
             unrolled!(k < WIDTH => {
-                exist[k] = watch.is_before(starts[k], ends[k]);
+                exist[k] = flags.is_before(starts[k], ends[k]);
             });
         }
-        watch.has_tie()
+        flags.has_tie()
     }
 
     /// Determines from the operands which pieces exist, including equal times.

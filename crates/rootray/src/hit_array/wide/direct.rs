@@ -10,8 +10,8 @@ use super::super::part::Part;
 use super::super::scalar::walk;
 use super::super::{Operation, Real};
 use super::block::{self, Plan};
+use super::flags::Flags;
 use super::rule::{self, Rule};
-use super::watch::Watch;
 
 /// Maximum number of rows of an operand for this method.
 pub(super) const ROWS: usize = 8;
@@ -66,29 +66,29 @@ pub(super) fn run<S: Simd, T: Real, const H: usize>(simd: S, plan: &Plan, part: 
     let long = if H > EXACT { CHUNK / 4 } else { CHUNK };
     for start in (0..whole).step_by(long) {
         let columns = start..whole.min(start + long);
-        let watch = chunk::<S, T, H>(simd, plan.operation, part, columns.clone(), &padding);
-        if !settle(simd, plan, part, columns, watch) {
+        let flags = chunk::<S, T, H>(simd, plan.operation, part, columns.clone(), &padding);
+        if !resolve_ties(simd, plan, part, columns, flags) {
             return false;
         }
     }
     if whole == width {
         return true;
     }
-    let watch = rest::<S, T, H>(simd, plan.operation, part, whole..width, &padding);
-    settle(simd, plan, part, whole..width, watch)
+    let flags = rest::<S, T, H>(simd, plan.operation, part, whole..width, &padding);
+    resolve_ties(simd, plan, part, whole..width, flags)
 }
 
 /// Combines columns with equal times again, by the exact rule.
-fn settle<S: Simd, T: Real>(
+fn resolve_ties<S: Simd, T: Real>(
     simd: S,
     plan: &Plan,
     part: &mut Part<'_, T, T>,
     columns: Range<usize>,
-    watch: Watch<S, T>,
+    flags: Flags<S, T>,
 ) -> bool {
     let seen = simd.vectorize(
         #[inline(always)]
-        || [watch.is_sorted(), watch.has_zero(), watch.has_tie()],
+        || [flags.is_sorted(), flags.has_zero(), flags.has_tie()],
     );
     match seen {
         [false, ..] => return false,
@@ -109,7 +109,7 @@ fn rest<S: Simd, T: Real, const H: usize>(
     part: &mut Part<'_, T, T>,
     columns: Range<usize>,
     padding: &[T],
-) -> Watch<S, T> {
+) -> Flags<S, T> {
     let (len, rows) = (T::Lanes::<S>::LEN, part.out.len());
     let mut operands = vec![T::INFINITY; rows * len];
     for (wide, row) in operands.chunks_mut(len).zip(part.rows1.iter().chain(&part.rows2)) {
@@ -122,11 +122,11 @@ fn rest<S: Simd, T: Real, const H: usize>(
         rows2: second.chunks(len).collect(),
         out: result.chunks_mut(len).collect(),
     };
-    let watch = chunk::<S, T, H>(simd, operation, &mut wide, 0..len, padding);
+    let flags = chunk::<S, T, H>(simd, operation, &mut wide, 0..len, padding);
     for (wide, row) in result.chunks(len).zip(&mut part.out) {
         row[columns.clone()].copy_from_slice(&wide[..columns.len()]);
     }
-    watch
+    flags
 }
 
 /// Combines columns whose number is a multiple of the number of lanes.
@@ -136,7 +136,7 @@ fn chunk<S: Simd, T: Real, const H: usize>(
     part: &mut Part<'_, T, T>,
     columns: Range<usize>,
     padding: &[T],
-) -> Watch<S, T> {
+) -> Flags<S, T> {
     let width = columns.len();
     let mut rows = Rows::<T, H>::new(Rule::new(operation), part, columns, padding);
     simd.vectorize(
@@ -157,16 +157,16 @@ fn steps<S: Simd, T: Real, const H: usize>(
     operation: Operation,
     rows: &mut Rows<'_, T, H>,
     width: usize,
-) -> Watch<S, T> {
-    let mut watch = Watch::new(simd);
+) -> Flags<S, T> {
+    let mut flags = Flags::new(simd);
     if H > EXACT {
-        watch.rows(simd, rows.first.iter().copied());
-        watch.rows(simd, rows.second.iter().copied());
+        flags.rows(simd, rows.first.iter().copied());
+        flags.rows(simd, rows.second.iter().copied());
     }
     for start in (0..width).step_by(T::Lanes::<S>::LEN) {
-        step(simd, operation, rows, start..start + T::Lanes::<S>::LEN, &mut watch);
+        step(simd, operation, rows, start..start + T::Lanes::<S>::LEN, &mut flags);
     }
-    watch
+    flags
 }
 
 /// Combines one column in each lane.
@@ -176,7 +176,7 @@ fn step<S: Simd, T: Real, const H: usize>(
     operation: Operation,
     rows: &mut Rows<'_, T, H>,
     columns: Range<usize>,
-    watch: &mut Watch<S, T>,
+    flags: &mut Flags<S, T>,
 ) {
     let first = load_all::<S, T, H>(simd, &rows.first, columns.clone());
     let second = load_all::<S, T, H>(simd, &rows.second, columns.clone());
@@ -194,23 +194,23 @@ fn step<S: Simd, T: Real, const H: usize>(
     }
     if H <= EXACT {
         unrolled!(k < H => {
-            watch.sign(first[k]);
-            watch.sign(second[k]);
+            flags.sign(first[k]);
+            flags.sign(second[k]);
             if k > 0 {
-                watch.order(first[k - 1], first[k]);
-                watch.order(second[k - 1], second[k]);
+                flags.order(first[k - 1], first[k]);
+                flags.order(second[k - 1], second[k]);
             }
         });
     }
     merge(&mut starts);
     merge(&mut ends);
     let [starts, ends] = match operation {
-        Operation::Union => keep(simd, Rule::new(Operation::Union), first, second, starts, ends, watch),
+        Operation::Union => keep(simd, Rule::new(Operation::Union), first, second, starts, ends, flags),
         Operation::Intersect => {
-            keep(simd, Rule::new(Operation::Intersect), first, second, starts, ends, watch)
+            keep(simd, Rule::new(Operation::Intersect), first, second, starts, ends, flags)
         }
         Operation::Difference => {
-            keep(simd, Rule::new(Operation::Difference), first, second, starts, ends, watch)
+            keep(simd, Rule::new(Operation::Difference), first, second, starts, ends, flags)
         }
     };
     store_all::<S, T, H>(sort(starts), &mut rows.to_starts, columns.clone());
@@ -251,7 +251,7 @@ fn keep<S: Simd, V: SimdFloat<S, Element: Real<Lanes<S> = V>>, const H: usize>(
     second: [V; H],
     mut starts: [V; H],
     mut ends: [V; H],
-    watch: &mut Watch<S, V::Element>,
+    flags: &mut Flags<S, V::Element>,
 ) -> [[V; H]; 2] {
     let padding = V::splat(simd, V::Element::INFINITY);
     if rule.start_of(0) == Some(1) {
@@ -259,7 +259,7 @@ fn keep<S: Simd, V: SimdFloat<S, Element: Real<Lanes<S> = V>>, const H: usize>(
     }
     unrolled!(piece < rule.pieces(H) => {
         let exists = match rule.start_of(piece) {
-            Some(start) if H > EXACT && start < H && piece < H => watch.is_before(starts[start], ends[piece]),
+            Some(start) if H > EXACT && start < H && piece < H => flags.is_before(starts[start], ends[piece]),
             _ if H > EXACT => SimdMask::splat(simd, true),
             _ => exists::<S, V::Element, H>(simd, rule, &first, &second, piece),
         };

@@ -20,9 +20,9 @@ macro_rules! unrolled {
 
 mod block;
 mod direct;
+mod flags;
 mod network;
 mod rule;
-mod watch;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};

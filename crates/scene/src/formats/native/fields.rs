@@ -86,9 +86,9 @@ impl Problems {
         }
     }
 
-    pub fn truth(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<bool>> {
+    pub fn boolean(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<bool>> {
         match datum.value {
-            Datum::Truth(truth) => Some(Spanned::new(truth, datum.span)),
+            Datum::Boolean(boolean) => Some(Spanned::new(boolean, datum.span)),
             _ => {
                 self.wrong_type(what, &datum, "true or false");
                 None
@@ -189,9 +189,9 @@ impl<'p> Fields<'p> {
         self.problems.colour(key, datum)
     }
 
-    pub fn truth(&mut self, key: &'static str) -> Option<Spanned<bool>> {
+    pub fn boolean(&mut self, key: &'static str) -> Option<Spanned<bool>> {
         let datum = self.take(key)?;
-        self.problems.truth(key, datum)
+        self.problems.boolean(key, datum)
     }
 
     /// True if everything has been taken.

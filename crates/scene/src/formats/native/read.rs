@@ -290,8 +290,8 @@ impl Reader {
         let entry = RenderEntry {
             background: fields.colour("background"),
             shading: shading.and_then(|datum| fields.problems.choice("shading", datum, &Shading::ALL)),
-            edges: fields.truth("edges"),
-            shadows: fields.truth("shadows"),
+            edges: fields.boolean("edges"),
+            shadows: fields.boolean("shadows"),
             samples: fields.number("samples"),
         };
         fields.finish();

@@ -171,8 +171,8 @@ fn render(entry: &RenderEntry) -> String {
     let mut section = Section::new("[render]");
     section.put_some("background", &entry.background, |colour| quoted(&colour.value.to_string()));
     section.put_some("shading", &entry.shading, |shading| quoted(shading.value.name()));
-    section.put_some("edges", &entry.edges, |truth| truth.value.to_string());
-    section.put_some("shadows", &entry.shadows, |truth| truth.value.to_string());
+    section.put_some("edges", &entry.edges, |boolean| boolean.value.to_string());
+    section.put_some("shadows", &entry.shadows, |boolean| boolean.value.to_string());
     section.put_some("samples", &entry.samples, number);
     section.text
 }

@@ -64,31 +64,31 @@ const DEPTH: u32 = 64;
 /// Most pieces per line.
 pub(super) const PIECES: u32 = 1 << 14;
 
-/// Passes the sign changes between two ends to `flip`, in order.
-pub(super) fn sign_changes(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
-    visit(f, a, b, (DEPTH, &mut { PIECES }), flip);
+/// Passes the sign changes between two ends to `emit`, in order.
+pub(super) fn sign_changes(f: &impl Smooth, a: End, b: End, emit: &mut dyn FnMut(f64)) {
+    visit(f, a, b, (DEPTH, &mut { PIECES }), emit);
 }
 
-fn visit(f: &impl Smooth, a: End, b: End, (depth, left): (u32, &mut u32), flip: &mut dyn FnMut(f64)) {
+fn visit(f: &impl Smooth, a: End, b: End, (depth, left): (u32, &mut u32), emit: &mut dyn FnMut(f64)) {
     let piece = Piece::new(f, a, b);
     *left = left.saturating_sub(1);
     match piece.kind(f) {
-        _ if depth == 0 || *left == 0 => single(f, a, b, flip),
-        Kind::Single => single(f, a, b, flip),
-        Kind::Bent { up: true } => bent(f, a, b, flip),
-        Kind::Bent { up: false } => bent(&Negated(f), a.negated(), b.negated(), flip),
+        _ if depth == 0 || *left == 0 => single(f, a, b, emit),
+        Kind::Single => single(f, a, b, emit),
+        Kind::Bent { up: true } => bent(f, a, b, emit),
+        Kind::Bent { up: false } => bent(&Negated(f), a.negated(), b.negated(), emit),
         Kind::Any => {
             let middle = End::of(f, piece.middle());
-            visit(f, a, middle, (depth - 1, left), flip);
-            visit(f, middle, b, (depth - 1, left), flip);
+            visit(f, a, middle, (depth - 1, left), emit);
+            visit(f, middle, b, (depth - 1, left), emit);
         }
     }
 }
 
 /// At most one sign change.
-fn single(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
+fn single(f: &impl Smooth, a: End, b: End, emit: &mut dyn FnMut(f64)) {
     if a.negative != b.negative {
-        flip(root(f, a, b));
+        emit(root(f, a, b));
     }
 }
 
@@ -214,16 +214,16 @@ impl<F: Smooth> Smooth for Negated<'_, F> {
 
 /// Sign changes of a function with increasing slope: two roots if it is positive at both ends and negative somewhere in
 /// between.
-fn bent(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
+fn bent(f: &impl Smooth, a: End, b: End, emit: &mut dyn FnMut(f64)) {
     if a.negative != b.negative {
-        return flip(root(f, a, b));
+        return emit(root(f, a, b));
     }
     if a.negative {
         return;
     }
     if let Some(low) = below_zero(f, a, b) {
-        flip(root(f, a, low));
-        flip(root(f, low, b));
+        emit(root(f, a, low));
+        emit(root(f, low, b));
     }
 }
 
@@ -290,7 +290,7 @@ fn first_guess(a: &End, b: &End) -> f64 {
 
 /// The sign changes after a root at time `a`, which is divided out: `a` has the value 0 and the sign just after the root.
 /// Returns the effective sign at `b`.
-pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) -> bool {
+pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, emit: &mut dyn FnMut(f64)) -> bool {
     let mut rest = [b; DEPTH as usize];
     let mut count = 1;
     let mut end = b;
@@ -302,7 +302,7 @@ pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn
         let (bends, bends_away) = if a.negative { (up, down) } else { (down, up) };
         match () {
             () if is_last || piece.is_monotone() || bends_away => end.negative = a.negative,
-            () if bends => single_after(f, a, end, flip),
+            () if bends => single_after(f, a, end, emit),
             () if piece.is_single_by(f.slopes(a.t, end.t), f.noise()) => end.negative = a.negative,
             () => {
                 end = End::of(f, piece.middle());
@@ -314,18 +314,18 @@ pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn
         break;
     }
     for next in rest[..count - 1].iter().rev() {
-        sign_changes(f, end, *next, flip);
+        sign_changes(f, end, *next, emit);
         end = *next;
     }
     end.negative
 }
 
 /// Passes the single return of the function to 0, if any: the root of f / (t - a).
-fn single_after(f: &impl Smooth, a: End, b: End, flip: &mut dyn FnMut(f64)) {
+fn single_after(f: &impl Smooth, a: End, b: End, emit: &mut dyn FnMut(f64)) {
     if a.negative != b.negative {
         let divided = Divided { f, from: a };
         let start = End { value: a.slope, slope: 0.0, ..a };
-        flip(root(&divided, start, End { negative: b.negative, ..End::of(&divided, b.t) }));
+        emit(root(&divided, start, End { negative: b.negative, ..End::of(&divided, b.t) }));
     }
 }
 

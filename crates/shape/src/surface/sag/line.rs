@@ -24,23 +24,23 @@ impl<'a> Line<'a> {
     }
 
     /// All sign changes; true if f is negative at -inf.
-    pub fn crossings(&self, flip: &mut dyn FnMut(f64)) -> bool {
+    pub fn crossings(&self, emit: &mut dyn FnMut(f64)) -> bool {
         let first = self.is_negative_far(-1.0);
         let last = self.is_negative_far(1.0);
         let Some((a, b)) = self.part() else {
-            self.beyond(first, last, (f64::NEG_INFINITY, f64::INFINITY), flip);
+            self.beyond(first, last, (f64::NEG_INFINITY, f64::INFINITY), emit);
             return first;
         };
         let within = self.within();
         let (from, to) = (End::of(&within, a), End::of(&within, b));
-        self.beyond(first, from.negative, (f64::NEG_INFINITY, a), flip);
-        within.sign_changes(from, to, flip);
-        self.beyond(to.negative, last, (b, f64::INFINITY), flip);
+        self.beyond(first, from.negative, (f64::NEG_INFINITY, a), emit);
+        within.sign_changes(from, to, emit);
+        self.beyond(to.negative, last, (b, f64::INFINITY), emit);
         first
     }
 
     /// Passes the sign changes for t >= 0 of a line that starts on the surface.
-    pub fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64)) {
+    pub fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64)) {
         let (_, slope) = self.at(0.0);
         let part = self.part().filter(|(_, b)| *b > 0.0);
         let led = match slope {
@@ -48,25 +48,25 @@ impl<'a> Line<'a> {
             slope => slope < 0.0,
         };
         if led != start.inside_after {
-            flip(0.0);
+            emit(0.0);
         }
-        let flip = &mut |t: f64| flip(self.on_the_surface(t));
+        let emit = &mut |t: f64| emit(self.on_the_surface(t));
         let last = self.is_negative_far(1.0);
         let Some((a, b)) = part else {
-            return self.beyond(led, last, (0.0, f64::INFINITY), flip);
+            return self.beyond(led, last, (0.0, f64::INFINITY), emit);
         };
         let within = self.within().bounded((a.max(0.0), b));
         let to = End::of(&within, b);
         let ends_negative = if a <= 0.0 {
             let from = End { t: 0.0, value: 0.0, slope, negative: led };
-            sign_changes_after(&within, from, to, flip)
+            sign_changes_after(&within, from, to, emit)
         } else {
             let from = End::of(&within, a);
-            self.beyond(led, from.negative, (0.0, a), flip);
-            within.sign_changes(from, to, flip);
+            self.beyond(led, from.negative, (0.0, a), emit);
+            within.sign_changes(from, to, emit);
             to.negative
         };
-        self.beyond(ends_negative, last, (b, f64::INFINITY), flip);
+        self.beyond(ends_negative, last, (b, f64::INFINITY), emit);
     }
 
     /// True if f becomes negative just after a start with slope 0; `None` if that is undecided.
@@ -135,7 +135,7 @@ impl<'a> Line<'a> {
     }
 
     /// Passes the sign change of an interval beyond the aperture, if the signs at its ends differ.
-    fn beyond(&self, first: bool, last: bool, (from, to): (f64, f64), flip: &mut dyn FnMut(f64)) {
+    fn beyond(&self, first: bool, last: bool, (from, to): (f64, f64), emit: &mut dyn FnMut(f64)) {
         if first == last {
             return;
         }
@@ -144,7 +144,7 @@ impl<'a> Line<'a> {
             None => self.search(first, (from, to)),
         };
         let t = if t.is_nan() { if from.is_finite() { from } else { to } } else { t.clamp(from, to) };
-        flip(t);
+        emit(t);
     }
 
     /// The sign change for a rim that is not level.
@@ -210,17 +210,17 @@ impl Within<'_> {
         Within { along: self.along.bounded(part), ..self }
     }
 
-    fn sign_changes(self, from: End, to: End, flip: &mut dyn FnMut(f64)) {
+    fn sign_changes(self, from: End, to: End, emit: &mut dyn FnMut(f64)) {
         let Line { sag, d, .. } = self.line;
         // fast path: nearly every ray is steeper than the surface, and crosses it once
         let across = (d.x * d.x + d.y * d.y).sqrt();
         if d.z.abs() > sag.steepest * across * (1.0 + 8.0 * UNIT_ROUNDOFF) {
             if from.negative != to.negative {
-                flip(root(&self, from, to));
+                emit(root(&self, from, to));
             }
             return;
         }
-        sign_changes(&self.bounded((from.t, to.t)), from, to, flip);
+        sign_changes(&self.bounded((from.t, to.t)), from, to, emit);
     }
 }
 

@@ -232,15 +232,15 @@ fn extent(profile: &Profile) -> ([f64; 2], f64) {
 }
 
 impl Form for Sag {
-    fn crossings(&self, ray: &Ray, flip: &mut dyn FnMut(f64)) -> bool {
+    fn crossings(&self, ray: &Ray, emit: &mut dyn FnMut(f64)) -> bool {
         let (shift, q) = super::along::recentred(ray, Vec3::ZERO);
-        Line::new(self, q, ray.direction, 0.0).crossings(&mut |t| flip(shift + t))
+        Line::new(self, q, ray.direction, 0.0).crossings(&mut |t| emit(shift + t))
     }
 
-    fn crossings_from(&self, start: &Departing<'_>, flip: &mut dyn FnMut(f64)) {
+    fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64)) {
         let Ray { origin, direction } = start.ray;
         let (value, _) = self.value_and_gradient(origin);
-        Line::new(self, origin, direction, value).crossings_from(start, flip);
+        Line::new(self, origin, direction, value).crossings_from(start, emit);
     }
 
     fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {

@@ -169,15 +169,15 @@ impl Tables {
 
 /// The action that the rule yields.
 fn action_of(operator: Operator, a: Next, b: Next) -> Action {
-    let flips = operator == Operator::Difference;
-    let taken = if flips { b.complement() } else { b };
+    let inverts = operator == Operator::Difference;
+    let taken = if inverts { b.complement() } else { b };
     let least = if operator == Operator::Union { 1 } else { 2 };
     match decide(Op::AtLeast { least, most: [1, 1] }, a.into(), taken.into()) {
         Verdict::Fixed(_) => Action::Miss,
         Verdict::Changes(Step { t, .. }) if t == a.time() => Action::First,
-        Verdict::Changes(_) if flips => Action::FlippedSecond,
+        Verdict::Changes(_) if inverts => Action::FlippedSecond,
         Verdict::Changes(_) => Action::Second,
-        Verdict::AskAgain { first: true, .. } => Action::LoopFirst,
-        Verdict::AskAgain { .. } => Action::LoopSecond,
+        Verdict::QueryAgain { first: true, .. } => Action::LoopFirst,
+        Verdict::QueryAgain { .. } => Action::LoopSecond,
     }
 }

@@ -23,13 +23,13 @@ decides from their answers:
   rule 1: operands that never change again settle it, if they can;
   rule 2: else the earlier change counts, or both if they come together;
   rule 3: if that changes the node, it is the node's answer;
-  rule 4: if not, the operands that have changed are asked again, from there on.
+  rule 4: if not, the operands that have changed are queried again, from there on.
 ";
 
-/// The text of an explanation, of bounded length: see [`Explanation::story`].
+/// The text of an explanation, of bounded length: see [`Explanation::text`].
 #[derive(Clone, Debug)]
-pub struct Story<'a> {
-    told: &'a Explanation,
+pub struct ExplanationText<'a> {
+    explanation: &'a Explanation,
     figures: Figures,
     most_lines: usize,
 }
@@ -38,39 +38,39 @@ impl Explanation {
     /// The explanation as text with at most `most_lines` lines of decisions; `usize::MAX` prints all. A query
     /// takes at most a tenth of them: of a longer one the beginning and the end are printed. Omitted lines
     /// are counted.
-    pub fn story(&self, most_lines: usize) -> Story<'_> {
-        Story { told: self, figures: Figures::new(self), most_lines }
+    pub fn text(&self, most_lines: usize) -> ExplanationText<'_> {
+        ExplanationText { explanation: self, figures: Figures::new(self), most_lines }
     }
 }
 
 impl fmt::Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.story(MOST_LINES).fmt(f)
+        self.text(MOST_LINES).fmt(f)
     }
 }
 
-impl fmt::Display for Story<'_> {
+impl fmt::Display for ExplanationText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (o, d) = (self.told.ray.origin, self.told.ray.direction);
+        let (o, d) = (self.explanation.ray.origin, self.explanation.ray.direction);
         let [ox, oy, oz, dx, dy, dz] = [o.x, o.y, o.z, d.x, d.y, d.z].map(|x| Figures::PEOPLE.text(x));
         writeln!(f, "The ray ({ox}, {oy}, {oz}) + t ({dx}, {dy}, {dz}).\n\n{LEGEND}")?;
-        let (mut room, mut untold) = (self.most_lines, 0);
-        for question in &self.told.questions {
+        let (mut room, mut left_out) = (self.most_lines, 0);
+        for question in &self.explanation.questions {
             if room == 0 {
-                untold += 1;
+                left_out += 1;
                 continue;
             }
             let shown = shown(&question.entries);
             room = room.saturating_sub(self.question(f, question, &shown, room)?);
         }
-        if untold > 0 {
-            writeln!(f, "... {untold} more questions are left out.\n")?;
+        if left_out > 0 {
+            writeln!(f, "... {left_out} more questions are left out.\n")?;
         }
         self.summary(f)
     }
 }
 
-impl Story<'_> {
+impl ExplanationText<'_> {
     /// Prints a query. Returns the number of lines.
     fn question(
         &self,
@@ -108,7 +108,7 @@ impl Story<'_> {
 
     fn answer(&self, step: Step) -> String {
         let name = |region: u32| self.region(region);
-        match step.settled() {
+        match step.resolved() {
             Some(region) => format!("in {} from here on", name(region)),
             None => {
                 let t = self.figures.text(step.t);
@@ -118,12 +118,12 @@ impl Story<'_> {
     }
 
     fn region(&self, region: u32) -> &str {
-        self.told.regions.get(region as usize).map_or("", |name| name)
+        self.explanation.regions.get(region as usize).map_or("", |name| name)
     }
 
     fn summary(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "The ray starts in {}.", self.region(self.told.start.0))?;
-        let crossings = &self.told.crossings;
+        writeln!(f, "The ray starts in {}.", self.region(self.explanation.start.0))?;
+        let crossings = &self.explanation.crossings;
         for Found { crossing, face } in crossings.iter().take(MOST_CROSSINGS) {
             let [before, after] = [crossing.before, crossing.after].map(|region| self.region(region.0));
             let t = self.figures.text(crossing.t);
@@ -132,15 +132,15 @@ impl Story<'_> {
         if crossings.len() > MOST_CROSSINGS {
             writeln!(f, "... and so on: {} crossings in all.", crossings.len())?;
         }
-        if self.told.welded > 0 {
-            let n = self.told.welded;
+        if self.explanation.welded > 0 {
+            let n = self.explanation.welded;
             writeln!(f, "Changes welded because the ray keeps to both surfaces between them: {n}.")?;
         }
-        let questions = match self.told.questions.len() {
+        let questions = match self.explanation.questions.len() {
             1 => "1 question".to_owned(),
             n => format!("{n} questions"),
         };
-        writeln!(f, "({questions}, {} steps.)", self.told.steps())
+        writeln!(f, "({questions}, {} steps.)", self.explanation.steps())
     }
 
     /// A query or decision as a sentence.
@@ -155,15 +155,15 @@ impl Story<'_> {
             }
             What::Gate { operands, value, verdict } => match *verdict {
                 Verdict::Fixed(value) => {
-                    format!("{}: {}.", self.for_good(entry, value), self.settled_by(operands))
+                    format!("{}: {}.", self.for_good(entry, value), self.resolved_by(operands))
                 }
                 Verdict::Changes(step) => {
                     format!("{}: {}.", self.change(entry, step), self.events(operands, step.t, "and"))
                 }
-                Verdict::AskAgain { t, .. } => {
+                Verdict::QueryAgain { t, .. } => {
                     let again = match operands.iter().filter(|x| x.answer.t == t).collect::<Vec<_>>()[..] {
-                        [only] => format!("{} is asked again", subject(only)),
-                        _ => "both are asked again".to_owned(),
+                        [only] => format!("{} is queried again", subject(only)),
+                        _ => "both are queried again".to_owned(),
                     };
                     let events = self.events(operands, t, "but");
                     format!("{}: {events}. So {again}.", self.no_change(entry, *value, t))
@@ -231,7 +231,7 @@ impl Story<'_> {
     /// The state of an operand and its duration.
     fn state(&self, operand: &Operand) -> String {
         let (name, step) = (&operand.name, operand.own_answer());
-        let until = match step.settled() {
+        let until = match step.resolved() {
             Some(_) => "for good".to_owned(),
             None => format!("until {}", self.figures.text(step.t)),
         };
@@ -243,9 +243,9 @@ impl Story<'_> {
     }
 
     /// The reason why a node is constant from here on.
-    fn settled_by(&self, operands: &[Operand; 2]) -> String {
+    fn resolved_by(&self, operands: &[Operand; 2]) -> String {
         let [a, b] = operands;
-        match [a, b].map(|operand| operand.own_answer().settled()) {
+        match [a, b].map(|operand| operand.own_answer().resolved()) {
             [Some(x), Some(y)] if [a.meaning, b.meaning] == [Meaning::Solid; 2] => match x == y {
                 true => format!("the ray is {} {} and {} for good", side(x), a.name, b.name),
                 false => format!("the ray is {} {} and {} {} for good", side(x), a.name, side(y), b.name),
@@ -274,8 +274,8 @@ fn subject(operand: &Operand) -> Arc<str> {
 fn shown(entries: &[Entry]) -> Vec<&Entry> {
     let mut shown: Vec<&Entry> = Vec::new();
     for entry in entries {
-        if entry.what.is_settled() {
-            forget_settled(&mut shown, entry);
+        if entry.what.is_resolved() {
+            forget_resolved(&mut shown, entry);
         }
         shown.push(entry);
     }
@@ -283,9 +283,9 @@ fn shown(entries: &[Entry]) -> Vec<&Entry> {
 }
 
 /// Drops the lines below a constant node if all of them are about constant nodes.
-fn forget_settled(shown: &mut Vec<&Entry>, node: &Entry) {
+fn forget_resolved(shown: &mut Vec<&Entry>, node: &Entry) {
     let is_below = |entry: &&Entry| (node.begin..node.node).contains(&entry.node);
-    let kept = shown.iter().rposition(|entry| !(entry.what.is_settled() && is_below(entry)));
+    let kept = shown.iter().rposition(|entry| !(entry.what.is_resolved() && is_below(entry)));
     if kept.is_none_or(|last| !is_below(&shown[last])) {
         shown.truncate(kept.map_or(0, |last| last + 1));
     }
@@ -304,9 +304,9 @@ impl Figures {
     /// For coordinates of the ray.
     const PEOPLE: Figures = Figures { digits: 10 };
 
-    fn new(told: &Explanation) -> Figures {
-        let mut times: Vec<f64> = told.crossings.iter().map(|found| found.crossing.t).collect();
-        for question in &told.questions {
+    fn new(explanation: &Explanation) -> Figures {
+        let mut times: Vec<f64> = explanation.crossings.iter().map(|found| found.crossing.t).collect();
+        for question in &explanation.questions {
             times.extend([question.t_min, question.answer.t]);
             times.extend(question.entries.iter().flat_map(|entry| match &entry.what {
                 What::Leaf { answer, .. } => [answer.time(); 2],

@@ -21,7 +21,7 @@ pub trait LeafAnswers {
 }
 
 /// Observer of an evaluation.
-pub trait Watch {
+pub trait Observer {
     /// A leaf was queried.
     fn leaf(&mut self, _node: usize, _t_min: f64, _answer: Next) {}
     /// A gate was decided.
@@ -32,9 +32,9 @@ pub trait Watch {
 
 /// An observer that does nothing.
 #[derive(Clone, Copy, Debug)]
-pub struct NoWatch;
+pub struct NoObserver;
 
-impl Watch for NoWatch {}
+impl Observer for NoObserver {}
 
 /// A range of the post-order, to be evaluated from a time on.
 #[derive(Clone, Copy, Debug)]
@@ -66,53 +66,53 @@ impl Stacks {
     }
 
     /// The next change of a tree after `t_min`, which may be -inf.
-    pub fn ask(
+    pub fn next_change(
         &mut self,
         tree: &Tree,
         leaves: &impl LeafAnswers,
         t_min: f64,
-        watch: &mut impl Watch,
+        observer: &mut impl Observer,
     ) -> Step {
         self.slices.clear();
         self.values.clear();
         self.slices.push(Slice { next: 0, end: tree.nodes().len() as u32, t_min });
         while let Some(slice) = self.slices.pop() {
-            self.work(tree, leaves, slice, watch);
+            self.work(tree, leaves, slice, observer);
         }
         self.values.pop().map_or(Step::constant(0), |value| value.step)
     }
 
     /// Evaluates a slice up to its end or to the gate where it is split.
-    fn work(&mut self, tree: &Tree, leaves: &impl LeafAnswers, slice: Slice, watch: &mut impl Watch) {
+    fn work(&mut self, tree: &Tree, leaves: &impl LeafAnswers, slice: Slice, observer: &mut impl Observer) {
         for node in slice.next..slice.end {
             let at = node as usize;
             let step = match tree.nodes()[at].kind {
                 Kind::Constant(value) => Step::constant(value),
                 Kind::Leaf(leaf) => {
                     let answer = leaves.next(leaf, slice.t_min);
-                    watch.leaf(at, slice.t_min, answer);
+                    observer.leaf(at, slice.t_min, answer);
                     answer.into()
                 }
                 Kind::Gate(op) => {
                     let [a, b] = self.pop_two();
                     let verdict = decide(op, a.step, b.step);
-                    watch.gate(at, [a.step, b.step], verdict);
+                    observer.gate(at, [a.step, b.step], verdict);
                     match verdict {
                         Verdict::Fixed(value) => Step::constant(value),
                         Verdict::Changes(step) => step,
-                        Verdict::AskAgain { t, first, second } => {
+                        Verdict::QueryAgain { t, first, second } => {
                             self.values
                                 .extend([(a, first), (b, second)].iter().filter(|x| !x.1).map(|x| x.0));
                             self.slices.push(Slice { next: node, ..slice });
                             self.slices.push(again(tree, at, t, [first, second]));
-                            watch.depth(self.slices.len(), self.values.len());
+                            observer.depth(self.slices.len(), self.values.len());
                             return;
                         }
                     }
                 }
             };
             self.values.push(Value { node, step: step.map(|value| tree.nodes()[at].value(value)) });
-            watch.depth(self.slices.len() + 1, self.values.len());
+            observer.depth(self.slices.len() + 1, self.values.len());
         }
     }
 
@@ -125,9 +125,9 @@ impl Stacks {
 }
 
 /// The sub-trees of the operands that must be queried again.
-fn again(tree: &Tree, gate: usize, t_min: f64, asked: [bool; 2]) -> Slice {
+fn again(tree: &Tree, gate: usize, t_min: f64, queried: [bool; 2]) -> Slice {
     let [first, _] = tree.operands(gate);
-    let next = if asked[0] { tree.nodes()[gate].begin } else { first as u32 + 1 };
-    let end = if asked[1] { gate as u32 } else { first as u32 + 1 };
+    let next = if queried[0] { tree.nodes()[gate].begin } else { first as u32 + 1 };
+    let end = if queried[1] { gate as u32 } else { first as u32 + 1 };
     Slice { next, end, t_min }
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 /// Disjoint ranges of the post-order, keyed by their first node.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Settled(BTreeMap<usize, usize>);
+pub(super) struct Resolved(BTreeMap<usize, usize>);
 
-impl Settled {
+impl Resolved {
     pub fn contains(&self, node: usize) -> bool {
         self.0.range(..=node).next_back().is_some_and(|(_, &end)| node < end)
     }
@@ -26,12 +26,12 @@ mod tests {
 
     #[test]
     fn sub_trees_swallow_theirs() {
-        let mut settled = Settled::default();
-        settled.add(2, 3);
-        settled.add(7, 9);
-        settled.add(0, 5);
-        let inside: Vec<usize> = (0..12).filter(|&node| settled.contains(node)).collect();
+        let mut resolved = Resolved::default();
+        resolved.add(2, 3);
+        resolved.add(7, 9);
+        resolved.add(0, 5);
+        let inside: Vec<usize> = (0..12).filter(|&node| resolved.contains(node)).collect();
         assert_eq!(inside, [0, 1, 2, 3, 4, 7, 8]);
-        assert_eq!(settled.0.len(), 2);
+        assert_eq!(resolved.0.len(), 2);
     }
 }

@@ -6,18 +6,18 @@ use crate::sample::Sample;
 use std::ops::Range;
 
 /// The first surfaces at the centre of each pixel; `levels` samples per pixel, stored only inside the extent.
-pub(crate) struct Survey {
+pub(crate) struct FirstPass {
     pub size: Size,
     pub extent: Extent,
     pub levels: usize,
     pub rows: Vec<Vec<Sample>>,
 }
 
-impl Survey {
+impl FirstPass {
     /// A first pass whose samples are still to be computed.
-    pub fn new(size: Size, extent: Extent, levels: usize) -> Survey {
+    pub fn new(size: Size, extent: Extent, levels: usize) -> FirstPass {
         let rows = vec![Vec::new(); size.height()];
-        Survey { size, extent, levels, rows }
+        FirstPass { size, extent, levels, rows }
     }
 
     /// The sample of a pixel at a level.

@@ -1,33 +1,33 @@
 //! Per-thread tracing of camera rays: colours and samples.
 
 use crate::colour::{Premultiplied, over, premultiply};
-use crate::gaze::Gaze;
+use crate::primary::PrimaryRays;
 use crate::sample::{Layer, Sample, seen, towards_eye};
-use crate::shade::{Look, Shader};
+use crate::shade::{Shader, ShadingPoint};
 use crate::shadow::Shadows;
 use crate::{Camera, Size};
 use rayweave_model::{Evaluator, Limit, Query, RayBatch, attributes};
 
 /// Camera-ray tracer of one thread: in columns for opaque scenes, layer by layer otherwise.
-pub(crate) enum Eye<'a, E: Evaluator> {
-    Columns(Box<Gaze<'a, E>>),
+pub(crate) enum CameraRays<'a, E: Evaluator> {
+    Columns(Box<PrimaryRays<'a, E>>),
     Layers(Box<Layers<'a, E>>),
 }
 
-impl<'a, E: Evaluator> Eye<'a, E> {
+impl<'a, E: Evaluator> CameraRays<'a, E> {
     pub fn new(evaluator: &'a E, shader: &'a Shader, camera: &'a Camera, size: Size) -> Self {
-        match Gaze::new(evaluator, shader, camera, size) {
-            Some(gaze) => Eye::Columns(Box::new(gaze)),
-            None => Eye::Layers(Box::new(Layers::new(evaluator, shader, camera, size))),
+        match PrimaryRays::new(evaluator, shader, camera, size) {
+            Some(primary) => CameraRays::Columns(Box::new(primary)),
+            None => CameraRays::Layers(Box::new(Layers::new(evaluator, shader, camera, size))),
         }
     }
 
     /// Traces the rays through pixel positions and writes a colour per ray, and as many samples per ray as
     /// the shader has levels, unless `samples` is empty.
-    pub fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
+    pub fn trace(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
         match self {
-            Eye::Columns(gaze) => gaze.look(places, samples, colours),
-            Eye::Layers(layers) => layers.look(places, samples, colours),
+            CameraRays::Columns(primary) => primary.trace(places, samples, colours),
+            CameraRays::Layers(layers) => layers.trace(places, samples, colours),
         }
     }
 }
@@ -58,7 +58,7 @@ impl<'a, E: Evaluator> Layers<'a, E> {
         }
     }
 
-    fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
+    fn trace(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
         self.rays.clear();
         places.iter().for_each(|&[x, y]| self.rays.push(self.camera.ray(self.size, x, y)));
         self.find_layers();
@@ -114,14 +114,14 @@ impl<'a, E: Evaluator> Layers<'a, E> {
     /// Composites a surface over the colours behind it.
     fn lay(&self, layer: &Layer, colour: &mut Premultiplied) {
         let ray = self.rays.rays().get(layer.ray);
-        let look = Look {
+        let point = ShadingPoint {
             point: ray.at(layer.t),
             sight: ray.direction,
             normal: layer.normal,
             region: layer.region,
             lit: layer.lit,
         };
-        let (light, opacity) = self.shader.shade(&look);
+        let (light, opacity) = self.shader.shade(&point);
         *colour = over(premultiply(light, opacity), *colour);
     }
 

@@ -7,7 +7,7 @@ use rayweave_model::{
 };
 
 /// A ray or a point in the frame of a group.
-pub(super) trait Asked: Copy {
+pub(super) trait ColumnQuery: Copy {
     /// Appends the leaves that it can touch.
     fn touched(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>);
 
@@ -24,14 +24,14 @@ pub(super) trait Asked: Copy {
 
 /// A ray of a batch.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AskedRay {
+pub(super) struct ColumnRay {
     /// The ray, without its start list.
     pub ray: GroupRay<'static>,
     /// Its index in the batch, which finds its start list.
     pub number: usize,
 }
 
-impl Asked for AskedRay {
+impl ColumnQuery for ColumnRay {
     fn touched(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>) {
         accel.touched(&self.ray, query.window, out);
     }
@@ -42,7 +42,7 @@ impl Asked for AskedRay {
     }
 
     fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> Self {
-        AskedRay { ray: self.ray.placed(place, inner, placement), number: self.number }
+        ColumnRay { ray: self.ray.placed(place, inner, placement), number: self.number }
     }
 
     fn placement(&self) -> PlacementId {
@@ -51,13 +51,13 @@ impl Asked for AskedRay {
 }
 
 /// A point is a ray without crossings: its side is that at the start.
-impl Asked for GroupPoint {
+impl ColumnQuery for GroupPoint {
     fn touched(&self, accel: &Accel, _: &Query<'_>, out: &mut Vec<u32>) {
         accel.around(self, out);
     }
 
     fn leaf(&self, program: &Program, facets: &[LeafFacet], _: &Query<'_>, events: &mut LeafEvents) {
-        events.flips.clear();
+        events.list.clear();
         events.starts_inside = facets_contain(program, facets, self);
     }
 

@@ -7,7 +7,7 @@ use super::load;
 
 /// Flags collected over entries, lane by lane.
 #[derive(Clone, Copy)]
-pub(super) struct Watch<S: Simd, T: Real> {
+pub(super) struct Flags<S: Simd, T: Real> {
     sorted: <T::Lanes<S> as SimdBase<S>>::Mask,
     zero: <T::Lanes<S> as SimdBase<S>>::Mask,
     tied: <T::Lanes<S> as SimdBase<S>>::Mask,
@@ -15,10 +15,10 @@ pub(super) struct Watch<S: Simd, T: Real> {
     padding: T::Lanes<S>,
 }
 
-impl<S: Simd, T: Real> Watch<S, T> {
+impl<S: Simd, T: Real> Flags<S, T> {
     #[inline(always)]
     pub fn new(simd: S) -> Self {
-        Watch {
+        Flags {
             sorted: SimdMask::splat(simd, true),
             zero: SimdMask::splat(simd, false),
             tied: SimdMask::splat(simd, false),

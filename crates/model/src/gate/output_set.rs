@@ -2,20 +2,20 @@
 
 /// A set of small integers with its largest member in O(log64 n).
 #[derive(Clone, Debug, Default)]
-pub struct Winner {
+pub struct OutputSet {
     /// Level 0 holds the members; bit k of the next level is set if word k of this level is not 0.
     levels: Vec<Vec<u64>>,
 }
 
-impl Winner {
+impl OutputSet {
     /// The empty set of numbers below `size`.
-    pub fn new(size: usize) -> Winner {
+    pub fn new(size: usize) -> OutputSet {
         let mut levels = Vec::new();
         let mut words = size.div_ceil(64).max(1);
         loop {
             levels.push(vec![0; words]);
             if words == 1 {
-                return Winner { levels };
+                return OutputSet { levels };
             }
             words = words.div_ceil(64);
         }
@@ -65,7 +65,7 @@ mod tests {
     #[test]
     fn finds_the_largest_member_of_any_size() {
         for size in [1u32, 64, 65, 5000, 300_000] {
-            let mut set = Winner::new(size as usize);
+            let mut set = OutputSet::new(size as usize);
             assert_eq!(set.last(), 0);
             let members = [0, size / 3, size / 2, size - 1];
             for &m in &members {

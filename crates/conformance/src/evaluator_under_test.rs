@@ -5,21 +5,21 @@ use rayweave_model::{Collected, Evaluator, Program, Query, Rays, RegionId};
 use std::sync::Arc;
 
 /// An evaluator of one model, of any scratch type.
-pub trait Asked {
+pub trait EvaluatorUnderTest {
     /// The name of the evaluator.
     fn name(&self) -> &'static str;
     /// The answers for a batch.
-    fn ask(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected;
+    fn trace(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected;
     /// The region that contains a point.
     fn region_at(&self, point: Vec3) -> RegionId;
 }
 
-impl<E: Evaluator> Asked for E {
+impl<E: Evaluator> EvaluatorUnderTest for E {
     fn name(&self) -> &'static str {
         Evaluator::name(self)
     }
 
-    fn ask(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected {
+    fn trace(&self, rays: Rays<'_>, query: &Query<'_>) -> Collected {
         let mut collected = Collected::default();
         self.crossings(rays, query, &mut self.scratch(), &mut collected);
         collected
@@ -33,9 +33,9 @@ impl<E: Evaluator> Asked for E {
 }
 
 /// A function that makes an evaluator of a model.
-pub type Maker = Box<dyn Fn(Arc<Program>) -> Box<dyn Asked> + Sync>;
+pub type Maker = Box<dyn Fn(Arc<Program>) -> Box<dyn EvaluatorUnderTest> + Sync>;
 
 /// Wraps the function that makes an evaluator, for a differential test.
-pub fn contender<E: Evaluator + 'static>(make: impl Fn(Arc<Program>) -> E + Sync + 'static) -> Maker {
+pub fn maker<E: Evaluator + 'static>(make: impl Fn(Arc<Program>) -> E + Sync + 'static) -> Maker {
     Box::new(move |program| Box::new(make(program)))
 }

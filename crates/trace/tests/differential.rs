@@ -1,16 +1,15 @@
-//! Differential test of all evaluators against the reference, short form of `examples/contest.rs`.
+//! Differential test of all evaluators against the reference, short form of `examples/differential.rs`.
 
-use rayweave_conformance::contender;
-use rayweave_conformance::contest::contest;
+use rayweave_conformance::differential::compare;
+use rayweave_conformance::maker;
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 
 #[test]
 fn all_give_the_same_lists() {
-    let single_hit =
-        contender(|program| SingleHit::new(program).expect("no model of the suite is too large"));
-    let scores = contest(
-        &contender(Reference::new),
-        &[contender(Packets::new), contender(Weave::new), single_hit, contender(Spans::new)],
+    let single_hit = maker(|program| SingleHit::new(program).expect("no model of the suite is too large"));
+    let scores = compare(
+        &maker(Reference::new),
+        &[maker(Packets::new), maker(Weave::new), single_hit, maker(Spans::new)],
         0..48,
     );
     let names: Vec<_> = scores.iter().map(|score| score.name).collect();
@@ -24,11 +23,11 @@ fn all_give_the_same_lists() {
 #[test]
 fn a_liar_is_found_out() {
     // an evaluator of another model
-    let liar = contender(|_| {
+    let liar = maker(|_| {
         Weave::new(std::sync::Arc::new(
             rayweave_model::Program::compile(&rayweave_model::Solid::universe()).expect("legal"),
         ))
     });
-    let scores = contest(&contender(Reference::new), &[liar], 0..4);
+    let scores = compare(&maker(Reference::new), &[liar], 0..4);
     assert!(scores[0].wrong > 100 && !scores[0].messages.is_empty(), "{scores:?}");
 }

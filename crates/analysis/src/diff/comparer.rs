@@ -15,7 +15,7 @@ const A_ONLY: RegionId = RegionId(2);
 const B_ONLY: RegionId = RegionId(3);
 
 /// The limit of pieces that are measured again, the thickest first.
-const MOST_DOUBTS: usize = 4096;
+const MOST_CANDIDATES: usize = 4096;
 
 /// The box of both models.
 pub fn bounds_of(pairs: &[Pair]) -> Result<Bounds, AnalysisError> {
@@ -33,37 +33,37 @@ pub fn bounds_of(pairs: &[Pair]) -> Result<Bounds, AnalysisError> {
 }
 
 /// Compares pairs, one after the other.
-pub struct Judge<'a, E> {
+pub struct PairComparer<'a, E> {
     make: &'a Make<'a, E>,
     settings: &'a DiffSettings,
     distance: f64,
     progress: &'a mut dyn FnMut(u64),
-    asked: u64,
+    traced: u64,
     pairs: u64,
 }
 
 /// A piece of a ray inside only one of the solids.
 #[derive(Clone, Copy)]
-struct Doubt {
+struct Candidate {
     chord: Chord,
     normals: [Vec3; 2],
     thickness: f64,
     is_a: bool,
 }
 
-impl<'a, E: Evaluator> Judge<'a, E> {
+impl<'a, E: Evaluator> PairComparer<'a, E> {
     pub fn new(
         make: &'a Make<'a, E>,
         settings: &'a DiffSettings,
         distance: f64,
         progress: &'a mut dyn FnMut(u64),
-    ) -> Judge<'a, E> {
-        Judge { make, settings, distance, progress, asked: 0, pairs: 0 }
+    ) -> PairComparer<'a, E> {
+        PairComparer { make, settings, distance, progress, traced: 0, pairs: 0 }
     }
 
     /// The number of rays so far.
     pub fn rays(&self) -> u64 {
-        self.asked
+        self.traced
     }
 
     pub fn compare(&mut self, pair: &Pair) -> Result<Difference, AnalysisError> {
@@ -85,14 +85,19 @@ impl<'a, E: Evaluator> Judge<'a, E> {
         };
         if !pair.is_written_alike() && !doubtful.is_empty() {
             found.is_proved = false;
-            self.look(&evaluator, &doubtful, &mut found)?;
+            self.search(&evaluator, &doubtful, &mut found)?;
         }
         self.measure(&evaluator, &mut found)?;
         Ok(found)
     }
 
     /// Searches for differences by rays.
-    fn look(&mut self, evaluator: &E, bounds: &Bounds, found: &mut Difference) -> Result<(), AnalysisError> {
+    fn search(
+        &mut self,
+        evaluator: &E,
+        bounds: &Bounds,
+        found: &mut Difference,
+    ) -> Result<(), AnalysisError> {
         let settings = Survey {
             bounds: *bounds,
             across: self.settings.across,
@@ -101,35 +106,35 @@ impl<'a, E: Evaluator> Judge<'a, E> {
             threads: self.settings.measure.threads,
             cancel: self.settings.measure.cancel.clone(),
         };
-        let mut doubts: Vec<Doubt> = Vec::new();
-        let visit = |doubts: &mut Vec<Doubt>, piece: &Piece<'_>| {
+        let mut candidates: Vec<Candidate> = Vec::new();
+        let visit = |candidates: &mut Vec<Candidate>, piece: &Piece<'_>| {
             let is_a = piece.region() == A_ONLY;
             if is_a || piece.region() == B_ONLY {
                 let (chord, normals, thickness) = (piece.chord(), piece.normals(), piece.thickness());
-                doubts.push(Doubt { chord, normals, thickness, is_a });
+                candidates.push(Candidate { chord, normals, thickness, is_a });
             }
         };
-        let (asked, progress) = (self.asked, &mut self.progress);
-        let merge = |some: Vec<Doubt>| {
-            doubts.extend(some);
-            progress(asked);
+        let (traced, progress) = (self.traced, &mut self.progress);
+        let merge = |some: Vec<Candidate>| {
+            candidates.extend(some);
+            progress(traced);
         };
-        self.asked += survey(evaluator, &settings, visit, merge)?;
-        doubts.sort_by(|a, b| b.thickness.total_cmp(&a.thickness));
-        self.judge(evaluator, &doubts, found);
+        self.traced += survey(evaluator, &settings, visit, merge)?;
+        candidates.sort_by(|a, b| b.thickness.total_cmp(&a.thickness));
+        self.measure_candidates(evaluator, &candidates, found);
         Ok(())
     }
 
     /// Measures the pieces along several directions and records the thickest.
-    fn judge(&self, evaluator: &E, doubts: &[Doubt], found: &mut Difference) {
+    fn measure_candidates(&self, evaluator: &E, candidates: &[Candidate], found: &mut Difference) {
         let mut scratch = evaluator.scratch();
         let mut thickest: Option<Spot> = None;
-        for doubt in doubts.iter().take(MOST_DOUBTS) {
+        for candidate in candidates.iter().take(MOST_CANDIDATES) {
             // all further pieces are thinner
-            if thickest.is_some_and(|spot| spot.thickness >= doubt.thickness) {
+            if thickest.is_some_and(|spot| spot.thickness >= candidate.thickness) {
                 break;
             }
-            let spot = seen_again(evaluator, doubt, &mut scratch);
+            let spot = seen_again(evaluator, candidate, &mut scratch);
             if thickest.is_none_or(|known| spot.thickness > known.thickness) {
                 thickest = Some(spot);
             }
@@ -137,8 +142,8 @@ impl<'a, E: Evaluator> Judge<'a, E> {
         found.spot = thickest;
         found.is_same = thickest.is_none_or(|spot| spot.thickness <= self.distance);
         if !found.is_same {
-            let thick = doubts.iter().filter(|doubt| doubt.thickness > self.distance);
-            let ends = thick.flat_map(|doubt| [doubt.chord.from, doubt.chord.to]);
+            let thick = candidates.iter().filter(|candidate| candidate.thickness > self.distance);
+            let ends = thick.flat_map(|candidate| [candidate.chord.from, candidate.chord.to]);
             found.place = Some(ends.fold(Bounds::EMPTY, |all, end| all.union(&Bounds::new(end, end))));
         }
     }
@@ -146,9 +151,9 @@ impl<'a, E: Evaluator> Judge<'a, E> {
     fn measure(&mut self, evaluator: &E, found: &mut Difference) -> Result<(), AnalysisError> {
         // the models are already clipped to the box
         let settings = Settings { within: None, ..self.settings.measure.clone() };
-        let (before, progress) = (self.asked, &mut self.progress);
+        let (before, progress) = (self.traced, &mut self.progress);
         let measured = measure(evaluator, &settings, &mut |rays| progress(before + rays))?;
-        self.asked += measured.rays;
+        self.traced += measured.rays;
         [found.both, found.a_only, found.b_only] = [0, 1, 2].map(|k| measured.regions[k].volume);
         Ok(())
     }
@@ -156,10 +161,10 @@ impl<'a, E: Evaluator> Judge<'a, E> {
 
 /// Measures a piece again along the axes and along the normals at its ends: the shortest length is the
 /// thickness.
-fn seen_again<E: Evaluator>(evaluator: &E, doubt: &Doubt, scratch: &mut E::Scratch) -> Spot {
-    let Doubt { chord, normals, is_a, .. } = *doubt;
+fn seen_again<E: Evaluator>(evaluator: &E, candidate: &Candidate, scratch: &mut E::Scratch) -> Spot {
+    let Candidate { chord, normals, is_a, .. } = *candidate;
     let own = if is_a { A_ONLY } else { B_ONLY };
     let (thickness, chord) =
-        remeasured(evaluator, (doubt.thickness, chord, normals), |region| region == own, scratch);
+        remeasured(evaluator, (candidate.thickness, chord, normals), |region| region == own, scratch);
     Spot { at: 0.5 * (chord.from + chord.to), thickness, chord, is_a }
 }

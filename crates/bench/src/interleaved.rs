@@ -1,11 +1,11 @@
-//! Interleaved measurement: contenders do the same work in turn, round by round, so that changes of
+//! Interleaved measurement: candidates do the same work in turn, round by round, so that changes of
 //! the machine's speed affect all of them.
 
 use crate::clock::Clock;
 use crate::statistics::Statistics;
 use std::hint::black_box;
 
-/// The role of a contender.
+/// The role of a candidate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// This project.
@@ -30,7 +30,7 @@ impl Role {
 /// The effort of a measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effort {
-    /// Rounds, in each of which every contender runs for about `seconds` seconds.
+    /// Rounds, in each of which every candidate runs for about `seconds` seconds.
     Rounds {
         /// Number of rounds.
         rounds: usize,
@@ -41,10 +41,10 @@ pub enum Effort {
         /// The clock.
         clock: Clock,
     },
-    /// One contender runs once, for a tool that counts instructions: see [`counted`].
+    /// One candidate runs once, for a tool that counts instructions: see [`counted`].
     Once {
         /// Its name.
-        contender: String,
+        candidate: String,
     },
 }
 
@@ -74,8 +74,8 @@ impl Effort {
     }
 }
 
-/// A contender: a repeatable piece of work.
-pub struct Contender<'a> {
+/// A candidate: a repeatable piece of work.
+pub struct Candidate<'a> {
     /// Name in tables.
     pub name: String,
     /// Its role.
@@ -89,7 +89,7 @@ pub struct Contender<'a> {
     work: Work<'a>,
 }
 
-/// The work of a contender.
+/// The work of a candidate.
 enum Work<'a> {
     /// Runs and times the work in this process, `repeats` times in a row.
     Here { repeats: usize, run: Box<dyn FnMut() + 'a> },
@@ -97,39 +97,39 @@ enum Work<'a> {
     Elsewhere(Box<dyn FnMut(f64) -> Result<f64, String> + 'a>),
 }
 
-impl<'a> Contender<'a> {
-    /// A contender whose work is a function of this process; `items` is the number of items of one
+impl<'a> Candidate<'a> {
+    /// A candidate whose work is a function of this process; `items` is the number of items of one
     /// call.
-    pub fn here(name: impl Into<String>, role: Role, items: usize, run: impl FnMut() + 'a) -> Contender<'a> {
+    pub fn here(name: impl Into<String>, role: Role, items: usize, run: impl FnMut() + 'a) -> Candidate<'a> {
         let work = Work::Here { repeats: 1, run: Box::new(run) };
         let items = items as f64;
-        Contender { name: name.into(), role, threads: 1, items, least: items, work }
+        Candidate { name: name.into(), role, threads: 1, items, least: items, work }
     }
 
-    /// A contender in another process: it receives the number of items, at most `most`, and reports the seconds.
+    /// A candidate in another process: it receives the number of items, at most `most`, and reports the seconds.
     pub fn elsewhere(
         name: impl Into<String>,
         most: usize,
         run: impl FnMut(f64) -> Result<f64, String> + 'a,
-    ) -> Contender<'a> {
+    ) -> Candidate<'a> {
         let work = Work::Elsewhere(Box::new(run));
         let items = most as f64;
-        Contender { name: name.into(), role: Role::Peer, threads: 1, items, least: 1.0, work }
+        Candidate { name: name.into(), role: Role::Peer, threads: 1, items, least: 1.0, work }
     }
 
     /// Sets the number of threads.
-    pub fn threads(self, threads: usize) -> Contender<'a> {
-        Contender { threads, ..self }
+    pub fn threads(self, threads: usize) -> Candidate<'a> {
+        Candidate { threads, ..self }
     }
 
     /// Sets the role.
-    pub fn role(self, role: Role) -> Contender<'a> {
-        Contender { role, ..self }
+    pub fn role(self, role: Role) -> Candidate<'a> {
+        Candidate { role, ..self }
     }
 
     /// Makes every run process all items.
-    pub fn whole(self) -> Contender<'a> {
-        Contender { least: self.items, ..self }
+    pub fn whole(self) -> Candidate<'a> {
+        Candidate { least: self.items, ..self }
     }
 
     /// Warms up, and determines the number of repetitions or items for a run of about `seconds`.
@@ -174,7 +174,7 @@ pub fn counted(run: &mut dyn FnMut()) {
     black_box(());
 }
 
-/// Result of one contender.
+/// Result of one candidate.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Its name.
@@ -187,50 +187,50 @@ pub struct Outcome {
     pub times: Result<Statistics, String>,
 }
 
-/// Measures the contenders in turn.
-pub fn contest(mut contenders: Vec<Contender<'_>>, effort: &Effort) -> Vec<Outcome> {
+/// Measures the candidates in turn.
+pub fn measure_in_turn(mut candidates: Vec<Candidate<'_>>, effort: &Effort) -> Vec<Outcome> {
     let (rounds, seconds, clock) = match effort {
         Effort::Rounds { rounds, seconds, clock, .. } => (*rounds, *seconds, *clock),
-        Effort::Once { contender } => {
-            count(&mut contenders, contender);
+        Effort::Once { candidate } => {
+            count(&mut candidates, candidate);
             return Vec::new();
         }
     };
-    let prepare = |contender: &mut Contender<'_>| contender.prepare(seconds, clock).map(|()| Vec::new());
-    let mut states: Vec<Result<Vec<f64>, String>> = contenders.iter_mut().map(prepare).collect();
+    let prepare = |candidate: &mut Candidate<'_>| candidate.prepare(seconds, clock).map(|()| Vec::new());
+    let mut states: Vec<Result<Vec<f64>, String>> = candidates.iter_mut().map(prepare).collect();
     for round in 0..rounds {
-        // rotate the order, so that each contender follows a different one in the next round
-        let count = contenders.len();
+        // rotate the order, so that each candidate follows a different one in the next round
+        let count = candidates.len();
         for i in (0..count).map(|i| (i + round) % count) {
             if let Ok(times) = &mut states[i] {
-                match contenders[i].run(clock) {
+                match candidates[i].run(clock) {
                     Ok(time) => times.push(time),
                     Err(problem) => states[i] = Err(problem),
                 }
             }
         }
     }
-    contenders.into_iter().zip(states).map(|(contender, state)| outcome(contender, state)).collect()
+    candidates.into_iter().zip(states).map(|(candidate, state)| outcome(candidate, state)).collect()
 }
 
-fn outcome(contender: Contender<'_>, state: Result<Vec<f64>, String>) -> Outcome {
-    let Contender { name, role, threads, .. } = contender;
+fn outcome(candidate: Candidate<'_>, state: Result<Vec<f64>, String>) -> Outcome {
+    let Candidate { name, role, threads, .. } = candidate;
     let times =
         state.and_then(|times| Statistics::of(&times).ok_or_else(|| "no time was measured".to_owned()));
     Outcome { name, role, threads, times }
 }
 
-/// Runs the contender of this name once, if it runs in this process, and prints the number of
+/// Runs the candidate of this name once, if it runs in this process, and prints the number of
 /// items.
-fn count(contenders: &mut [Contender<'_>], name: &str) {
-    for contender in contenders {
-        if let Work::Here { run, .. } = &mut contender.work
-            && contender.name == name
+fn count(candidates: &mut [Candidate<'_>], name: &str) {
+    for candidate in candidates {
+        if let Work::Here { run, .. } = &mut candidate.work
+            && candidate.name == name
         {
             // a first call for lazy initialisation and allocation, which is not counted
             run();
             counted(run);
-            println!("items {}", contender.items);
+            println!("items {}", candidate.items);
         }
     }
 }
@@ -241,17 +241,17 @@ mod tests {
     use std::cell::RefCell;
 
     #[test]
-    fn contenders_take_turns() {
+    fn candidates_take_turns() {
         let recorded = RefCell::new(Vec::new());
         let calls = &recorded;
         let one = |name: &'static str| {
-            Contender::elsewhere(name, 5000, move |items| {
+            Candidate::elsewhere(name, 5000, move |items| {
                 calls.borrow_mut().push(name);
                 Ok(items * 1e-9 * name.len() as f64)
             })
         };
         let effort = Effort::Rounds { rounds: 3, seconds: 1e-6, shrink: 1, clock: Clock::Wall };
-        let outcomes = contest(vec![one("a"), one("bb")], &effort);
+        let outcomes = measure_in_turn(vec![one("a"), one("bb")], &effort);
         let medians: Vec<f64> =
             outcomes.iter().map(|outcome| outcome.times.as_ref().unwrap().median.round()).collect();
         assert_eq!(medians, [1.0, 2.0]);
@@ -261,12 +261,12 @@ mod tests {
     #[test]
     fn who_fails_is_out_and_says_why() {
         let mut left = 3;
-        let frail = Contender::elsewhere("frail", 10, |_| {
+        let frail = Candidate::elsewhere("frail", 10, |_| {
             left -= 1;
             if left < 0 { Err("tired".to_owned()) } else { Ok(1.0) }
         });
-        let steady = Contender::here("steady", Role::Ours, 1, || {});
-        let outcomes = contest(vec![frail, steady], &Effort::QUICK);
+        let steady = Candidate::here("steady", Role::Ours, 1, || {});
+        let outcomes = measure_in_turn(vec![frail, steady], &Effort::QUICK);
         assert_eq!(outcomes[0].times, Err("tired".to_owned()));
         assert!(outcomes[1].times.as_ref().is_ok_and(|times| times.count == 3));
     }

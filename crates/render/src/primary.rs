@@ -4,14 +4,14 @@ use crate::colour::{Linear, Premultiplied, premultiply};
 use crate::columns::{Columns, vector};
 use crate::occlusion::{self, Occlusion};
 use crate::sample::Sample;
-use crate::shade::{AMBIENT, Look, Shader};
+use crate::shade::{AMBIENT, Shader, ShadingPoint};
 use crate::sweep::{self, Surfaces};
 use crate::{Camera, Size, Style};
 use fearless_simd::Level;
 use rayweave_model::{Evaluator, Query};
 
 /// The buffers of a thread that traces the primary rays of opaque scenes.
-pub(crate) struct Gaze<'a, E: Evaluator> {
+pub(crate) struct PrimaryRays<'a, E: Evaluator> {
     evaluator: &'a E,
     shader: &'a Shader,
     camera: &'a Camera,
@@ -29,12 +29,12 @@ pub(crate) struct Gaze<'a, E: Evaluator> {
     level: Level,
 }
 
-impl<'a, E: Evaluator> Gaze<'a, E> {
+impl<'a, E: Evaluator> PrimaryRays<'a, E> {
     /// `None` for translucent scenes, and for shadows of a directional light on an unbounded model.
     pub fn new(evaluator: &'a E, shader: &'a Shader, camera: &'a Camera, size: Size) -> Option<Self> {
         let can_cast =
             !shader.casts_shadows() || occlusion::is_possible(shader.lights(), evaluator.program());
-        (can_cast && !shader.is_translucent()).then(|| Gaze {
+        (can_cast && !shader.is_translucent()).then(|| PrimaryRays {
             evaluator,
             shader,
             camera,
@@ -50,10 +50,10 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
         })
     }
 
-    /// See [`crate::eye::Eye::look`].
-    pub fn look(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
+    /// See [`crate::camera_rays::CameraRays::trace`].
+    pub fn trace(&mut self, places: &[[f64; 2]], samples: &mut [Sample], colours: &mut [Premultiplied]) {
         sweep::rays(self.level, self.camera, self.size, places, &mut self.sight);
-        self.sight.ask(self.evaluator, Query::nearest().window, true, &mut self.scratch);
+        self.sight.trace(self.evaluator, Query::nearest().window, true, &mut self.scratch);
         sweep::surfaces(self.level, &mut self.sight, &mut self.points);
         self.lit.clear();
         self.lit.resize(self.sight.len(), u32::MAX);
@@ -92,14 +92,14 @@ impl<'a, E: Evaluator> Gaze<'a, E> {
         for (i, colour) in colours.iter_mut().enumerate() {
             *colour = [0.0; 4];
             if self.sight.is_hit(i) {
-                let look = Look {
+                let point = ShadingPoint {
                     point: vector(&self.points, i),
                     sight: self.sight.ray(i).direction,
                     normal: self.sight.normal(i),
                     region: self.sight.seen(i),
                     lit: self.lit[i],
                 };
-                *colour = premultiply(self.shader.shade(&look).0, 1.0);
+                *colour = premultiply(self.shader.shade(&point).0, 1.0);
             }
         }
     }

@@ -2,16 +2,16 @@
 
 use crate::Size;
 use crate::colour::{Premultiplied, over};
-use crate::contrast::{Contrast, Step};
+use crate::contrast::{Contrast, EdgeKind};
 use crate::extent::centre;
+use crate::first_pass::FirstPass;
 use crate::pen::Pen;
 use crate::sample::Sample;
 use crate::shade::Shader;
-use crate::survey::Survey;
 
 /// Samples of the supersampled pixels, with those of the first pass for the others.
-pub(crate) struct Closer<'a> {
-    survey: &'a Survey,
+pub(crate) struct Supersampler<'a> {
+    first_pass: &'a FirstPass,
     /// The numbers of the supersampled pixels, increasing.
     pub places: &'a [usize],
     /// For each pixel, its position in `places` counted from 1, or [`NOWHERE`].
@@ -53,21 +53,21 @@ pub(crate) struct Ink<'a> {
 /// Pixels, with the buffers for their samples and colours.
 type Piece<'p> = (&'p [usize], &'p mut [Sample], &'p mut [Premultiplied]);
 
-impl<'a> Closer<'a> {
+impl<'a> Supersampler<'a> {
     /// Allocates n x n samples for each pixel of `places`.
-    pub fn new(survey: &'a Survey, places: &'a [usize], n: usize) -> Closer<'a> {
-        let mut first_of = vec![NOWHERE; survey.size.count()];
+    pub fn new(first_pass: &'a FirstPass, places: &'a [usize], n: usize) -> Supersampler<'a> {
+        let mut first_of = vec![NOWHERE; first_pass.size.count()];
         for (k, &place) in places.iter().enumerate() {
             // counted from 1: a zeroed array costs nothing until it is touched
             first_of[place] = k as u32 + 1;
         }
         let count = places.len() * n * n;
-        Closer {
-            survey,
+        Supersampler {
+            first_pass,
             places,
             first_of,
-            grid: Grid { size: survey.size, n },
-            samples: vec![Sample::MISS; count * survey.levels],
+            grid: Grid { size: first_pass.size, n },
+            samples: vec![Sample::MISS; count * first_pass.levels],
             colours: vec![[0.0; 4]; count],
         }
     }
@@ -75,7 +75,7 @@ impl<'a> Closer<'a> {
     /// The buffers in pieces of `pixels` pixels.
     pub fn pieces(&mut self, pixels: usize) -> (Grid, impl ExactSizeIterator<Item = Piece<'_>> + Send) {
         let length = pixels * self.grid.n * self.grid.n;
-        let samples = self.samples.chunks_mut(length * self.survey.levels);
+        let samples = self.samples.chunks_mut(length * self.first_pass.levels);
         let room = samples.zip(self.colours.chunks_mut(length));
         let pieces = self.places.chunks(pixels).zip(room);
         (self.grid, pieces.map(|(places, (samples, colours))| (places, samples, colours)))
@@ -98,9 +98,9 @@ impl<'a> Closer<'a> {
     /// The colour of the line over a sample: the line of the first level that has one, attenuated by the
     /// levels in front.
     fn line(&self, place: usize, k: usize, ink: &Ink<'_>) -> Premultiplied {
-        let first = (self.first(place).unwrap_or(0) + k) * self.survey.levels;
+        let first = (self.first(place).unwrap_or(0) + k) * self.first_pass.levels;
         let mut transparency = 1.0;
-        for (level, sample) in self.samples[first..first + self.survey.levels].iter().enumerate() {
+        for (level, sample) in self.samples[first..first + self.first_pass.levels].iter().enumerate() {
             if self.is_on_line(place, k, level, sample, ink) {
                 return ink.pen.colour.map(|channel| channel * transparency);
             }
@@ -113,14 +113,14 @@ impl<'a> Closer<'a> {
     }
 
     fn is_on_line(&self, place: usize, k: usize, level: usize, sample: &Sample, ink: &Ink<'_>) -> bool {
-        let (n, width) = (self.grid.n, self.survey.size.width());
+        let (n, width) = (self.grid.n, self.first_pass.size.width());
         let at = [place % width * n + k % n, place / width * n + k / n];
         let here = self.grid.place(place, k);
         ink.pen.touches(|[x, y]| {
             let other = [at[0].wrapping_add_signed(x), at[1].wrapping_add_signed(y)];
             match self.sample(other, level) {
-                Some((other, there)) => ink.contrast.step(sample, here, other, there),
-                None => Step::None,
+                Some((other, there)) => ink.contrast.edge(sample, here, other, there),
+                None => EdgeKind::None,
             }
         })
     }
@@ -133,7 +133,7 @@ impl<'a> Closer<'a> {
 
     /// A sample of the fine grid; in other pixels, that of the first pass. `None` outside the picture.
     fn sample(&self, [x, y]: [usize; 2], level: usize) -> Option<(&Sample, [f64; 2])> {
-        let (n, size) = (self.grid.n, self.survey.size);
+        let (n, size) = (self.grid.n, self.first_pass.size);
         // indices left of the picture or above it wrap around; 32-bit divisions are several times as fast
         let limit = size.width().max(size.height()) * n;
         if x >= limit || y >= limit {
@@ -145,10 +145,10 @@ impl<'a> Closer<'a> {
         }
         let pixel = row * size.width() + column;
         Some(match self.first(pixel) {
-            None => (self.survey.at(column, row, level), centre(column, row)),
+            None => (self.first_pass.at(column, row, level), centre(column, row)),
             Some(first) => {
                 let k = (y - row * n) * n + (x - column * n);
-                (&self.samples[(first + k) * self.survey.levels + level], self.grid.place(pixel, k))
+                (&self.samples[(first + k) * self.first_pass.levels + level], self.grid.place(pixel, k))
             }
         })
     }

@@ -44,7 +44,7 @@ impl Setting {
         &self.program
     }
 
-    pub fn told(&self, i: usize) -> String {
+    pub fn describe(&self, i: usize) -> String {
         let solid = |r: &Region| format!("\n  medium {}: {}", r.medium, r.solid);
         let regions: String = self.regions.iter().map(solid).collect();
         format!("{}, ray {i}: {:?}{regions}", self.name, self.rays[i])
@@ -66,22 +66,22 @@ struct Answer {
 }
 
 /// Counts of compared answers and crossings.
-pub struct Judge {
+pub struct Oracle {
     tally: Tally,
     crossings: usize,
 }
 
-impl Judge {
-    pub fn new(what: &'static str) -> Judge {
-        Judge { tally: Tally::new(what), crossings: 0 }
+impl Oracle {
+    pub fn new(what: &'static str) -> Oracle {
+        Oracle { tally: Tally::new(what), crossings: 0 }
     }
 
     /// Panics if any answer differs, if fewer than `least` rays were compared, or if there is at most one
     /// crossing per two rays.
     pub fn finish(self, least: u64) {
-        let asked = self.tally.asked() as usize;
+        let rays = self.tally.checked() as usize;
         self.tally.finish(least);
-        assert!(2 * self.crossings > asked, "only {} crossings on {asked} rays", self.crossings);
+        assert!(2 * self.crossings > rays, "only {} crossings on {rays} rays", self.crossings);
     }
 
     /// Compares every kind of query in several windows, with a random instruction set and number of rows.
@@ -119,7 +119,7 @@ impl Judge {
             let starts = all.starts[i] == found.starts[i] && all.starts[i] == first.starts[i];
             let equal = starts && bits(found.of(i)) == bits(expected) && bits(first.of(i)) == bits(head);
             self.tally.check(equal, || {
-                let said = setting.told(i);
+                let said = setting.describe(i);
                 format!(
                     "{said}\n{level:?}, {window:?}\nfound {:?}\n{:?}\nnot {expected:?}",
                     found.of(i),
@@ -134,12 +134,12 @@ impl Judge {
         for &level in levels {
             let packets = Packets::with_level(setting.program.clone(), level);
             let found = answers(&packets, &setting.rays, questions);
-            let told = || format!("{level:?}, {questions:?}, a batch from {}", setting.told(0));
-            self.tally.check(found.most == truth.most, told);
+            let said = || format!("{level:?}, {questions:?}, a batch from {}", setting.describe(0));
+            self.tally.check(found.most == truth.most, said);
             for (i, (found, expected)) in found.rays.iter().zip(&truth.rays).enumerate() {
                 self.crossings += expected.all.len();
                 self.tally.check(found == expected, || {
-                    let said = setting.told(i);
+                    let said = setting.describe(i);
                     format!("{said}\n{level:?}, {questions:?}\nfound {found:?}\nnot {expected:?}")
                 });
             }

@@ -6,7 +6,7 @@ use std::num::NonZeroUsize;
 
 /// The window of a section, and its accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct SectionWindow {
     /// The lower left corner of the window.
     pub lo: [f64; 2],
     /// The upper right corner of the window.
@@ -17,11 +17,11 @@ pub struct Look {
     pub columns: u32,
 }
 
-impl Look {
+impl SectionWindow {
     /// A window with 512 columns and a tolerance of 1/20,000 of its larger side.
-    pub fn new(lo: [f64; 2], hi: [f64; 2]) -> Look {
+    pub fn new(lo: [f64; 2], hi: [f64; 2]) -> SectionWindow {
         let tolerance = 5e-5 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
-        Look { lo, hi, tolerance, columns: 512 }
+        SectionWindow { lo, hi, tolerance, columns: 512 }
     }
 
     /// Checks that the window has an area and the tolerance is in range.

@@ -7,7 +7,7 @@
 
 use crate::exact::draw;
 use crate::rays::{batch, rays};
-use crate::{Asked, Maker, Model, Random, Style, list};
+use crate::{EvaluatorUnderTest, Maker, Model, Random, Style, list};
 use rayweave_math::Affine;
 use rayweave_model::{Collected, Crossing, Limit, Program, Query};
 use rayweave_shape::Ray;
@@ -54,13 +54,13 @@ impl Score {
 }
 
 /// Runs the test on the models of a range of seeds; the scores are in the order of the evaluators.
-pub fn contest(reference: &Maker, others: &[Maker], seeds: Range<u64>) -> Vec<Score> {
+pub fn compare(reference: &Maker, others: &[Maker], seeds: Range<u64>) -> Vec<Score> {
     let mut sums = Vec::new();
     for seed in seeds {
         let (program, rays) = setting(seed);
         // some models do not compile, those with two media in one place for example
         let Some(program) = program else { continue };
-        let truth = reference(program.clone()).ask(batch(&rays).rays(), &Query::default());
+        let truth = reference(program.clone()).trace(batch(&rays).rays(), &Query::default());
         let scores = others.iter().map(|make| score(&*make(program.clone()), &rays, &truth, seed));
         Score::add_all(&mut sums, scores.collect());
     }
@@ -85,24 +85,31 @@ fn setting(seed: u64) -> (Option<Arc<Program>>, Vec<Ray>) {
     (model.compile().ok(), rays(&mut rng, style, &model.frame, RAYS))
 }
 
-fn score(evaluator: &dyn Asked, rays: &[Ray], truth: &Collected, seed: u64) -> Score {
+fn score(evaluator: &dyn EvaluatorUnderTest, rays: &[Ray], truth: &Collected, seed: u64) -> Score {
     let count = rays.len() as u64;
     let crossings = truth.crossings.len() as u64;
     let mut score =
         Score { name: evaluator.name(), rays: count, answers: count, crossings, ..Score::default() };
-    let found = evaluator.ask(batch(rays).rays(), &Query::default());
-    compare(&mut score, truth, &found, usize::MAX, rays, seed);
+    let found = evaluator.trace(batch(rays).rays(), &Query::default());
+    compare_lists(&mut score, truth, &found, usize::MAX, rays, seed);
     if seed.is_multiple_of(5) {
         score.answers += count;
         let query = Query { limit: Limit::First, ..Query::default() };
-        let found = evaluator.ask(batch(rays).rays(), &query);
-        compare(&mut score, truth, &found, 1, rays, seed);
+        let found = evaluator.trace(batch(rays).rays(), &query);
+        compare_lists(&mut score, truth, &found, 1, rays, seed);
     }
     score
 }
 
 /// Compares the first `most` crossings of each ray.
-fn compare(score: &mut Score, truth: &Collected, found: &Collected, most: usize, rays: &[Ray], seed: u64) {
+fn compare_lists(
+    score: &mut Score,
+    truth: &Collected,
+    found: &Collected,
+    most: usize,
+    rays: &[Ray],
+    seed: u64,
+) {
     for (i, ray) in rays.iter().enumerate() {
         let expected = truth.of(i);
         let expected = &expected[..most.min(expected.len())];

@@ -1,12 +1,12 @@
 //! Differential test: all evaluators against the reference on the same random rays, bit for bit.
 //!
-//! `cargo run --release -p rayweave-trace --example contest -- FROM TO`: the models of the seeds FROM..TO, a
+//! `cargo run --release -p rayweave-trace --example differential -- FROM TO`: the models of the seeds FROM..TO, a
 //! thousand rays each (0 100000 are 1e8 rays). A seed always gives the same model and rays, so a run may be
 //! split anywhere; every chunk prints a line of progress. Without numbers a few models are traced. Exits with
 //! 1 if any answer differs.
 
-use rayweave_conformance::contest::{Score, contest};
-use rayweave_conformance::{Maker, contender};
+use rayweave_conformance::differential::{Score, compare};
+use rayweave_conformance::{Maker, maker};
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -18,10 +18,10 @@ const CHUNK: u64 = 100;
 
 fn evaluators() -> Vec<Maker> {
     vec![
-        contender(Packets::new),
-        contender(Weave::new),
-        contender(|program| SingleHit::new(program).expect("no model of the suite is too large")),
-        contender(Spans::new),
+        maker(Packets::new),
+        maker(Weave::new),
+        maker(|program| SingleHit::new(program).expect("no model of the suite is too large")),
+        maker(Spans::new),
     ]
 }
 
@@ -40,14 +40,14 @@ fn run(from: u64, to: u64) -> Vec<Score> {
     let (next, sums) = (AtomicU64::new(from), Mutex::new(Vec::new()));
     let started = Instant::now();
     let work = || {
-        let (reference, others) = (contender(Reference::new), evaluators());
+        let (reference, others) = (maker(Reference::new), evaluators());
         loop {
             let first = next.fetch_add(CHUNK, Ordering::Relaxed);
             if first >= to {
                 return;
             }
             let last = to.min(first + CHUNK);
-            let scores = contest(&reference, &others, first..last);
+            let scores = compare(&reference, &others, first..last);
             let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
             report(&format!("seeds {first}..{last}"), &scores, started);
             Score::add_all(&mut sums, scores);
@@ -67,7 +67,7 @@ fn main() -> ExitCode {
         [] => (0, 8),
         [Some(from), Some(to)] => (from, to),
         _ => {
-            eprintln!("contest [FROM TO]");
+            eprintln!("differential [FROM TO]");
             return ExitCode::from(2);
         }
     };
