@@ -143,7 +143,7 @@ fn member_problems(layers: &[Layer], members: &[Member]) -> Vec<String> {
     for Member { name, depends_on } in members {
         let Some(layer) = layers.iter().find(|layer| layer.name == *name) else {
             problems.push(format!(
-                "{FILE}: no row for {name} (every crate has a storey) add it between the markers"
+                "{FILE}: no row for {name}: every crate has a storey. Add it between the markers."
             ));
             continue;
         };

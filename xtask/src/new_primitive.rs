@@ -26,7 +26,7 @@ pub fn run(repository: &Repository, name: &str) -> Outcome {
     check_name(name)?;
     let path = format!("{FOLDER}/{name}.rs");
     if repository.root.join(&path).exists() {
-        return Err(format!("{path}: exists already (nothing is overwritten) choose another name"));
+        return Err(format!("{path}: exists already: nothing is overwritten. Choose another name."));
     }
     let text = derive(&sphere(repository)?, name);
     fs::write(repository.root.join(&path), text)
@@ -55,12 +55,10 @@ fn check_name(name: &str) -> Outcome {
     let snake_case = name.starts_with(|first: char| first.is_ascii_lowercase())
         && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
     if !snake_case {
-        return Err(format!("'{name}' is no name of a module (snake_case is wanted) such as lens_mount"));
+        return Err(format!("'{name}' is not a module name: snake_case is needed, such as lens_mount."));
     }
     if KEYWORDS.contains(&name) {
-        return Err(format!(
-            "'{name}' is a word of Rust itself (a module cannot have it) choose another name"
-        ));
+        return Err(format!("'{name}' is a keyword of Rust. Choose another name."));
     }
     Ok(())
 }
@@ -108,7 +106,7 @@ mod tests {
         for name in ["", "Lens", "2lens", "lens-mount", "_lens", "../lens", "länge"] {
             assert!(check_name(name).unwrap_err().contains("snake_case"), "{name}");
         }
-        assert!(check_name("box").unwrap_err().contains("a word of Rust itself"));
+        assert!(check_name("box").unwrap_err().contains("a keyword of Rust"));
     }
 
     #[test]

@@ -5,5 +5,5 @@ pub type Outcome = Result<(), String>;
 
 /// A message about invalid arguments that refers to the help.
 pub fn usage(problem: &str) -> String {
-    format!("{problem} (see 'cargo xtask help')")
+    format!("{problem}. See 'cargo xtask help'.")
 }

@@ -295,7 +295,7 @@ def test_the_first_bad_ray_is_named(rng, layout, count, threads):
 def test_bad_vectors_are_refused_where_there_are_no_rays():
     none = np.zeros((0, 3))
     for question in (die().hits, die().crossings, die().nearest):
-        with pytest.raises(RayweaveError, match="origins: .*NaN"):
+        with pytest.raises(RayweaveError, match="origins is .*NaN"):
             question([math.nan, 0, 0], none)
         with pytest.raises(RayweaveError, match="directions has length 0"):
             question(none, [0, 0, 0])

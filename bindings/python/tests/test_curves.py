@@ -242,7 +242,7 @@ def test_exceptions_come_out_as_they_are():
 @pytest.mark.parametrize(
     ("methods", "message"),
     [
-        ({"position": lambda t: [1.0, 2.0]}, r"position\(0.0\) of the curve has 2 numbers \(3 are needed"),
+        ({"position": lambda t: [1.0, 2.0]}, r"position\(0.0\) of the curve has 2 numbers: 3 are needed"),
         ({"velocity": lambda t: np.zeros((3, 1))}, r"velocity\(0.0\) of the curve has shape \(3, 1\)"),
         ({"position": lambda t: [1.0, 2.0, math.nan]}, "curve at t = 0 .*NaN or infinite"),
         ({"velocity": lambda t: [math.inf, 0.0, 0.0]}, "curve at t = 0 .*NaN or infinite"),
@@ -284,7 +284,7 @@ def test_bad_questions():
             rs.ball(1, 3).crossings_along([helix], *window)
     with pytest.raises(RayweaveError, match=r"curves\[2\]: the window from 5 to 1"):
         ball.crossings_along([helix] * 3, [0, 0, 5], 1)
-    with pytest.raises(RayweaveError, match=r"t_max has shape \(2,\) .*\(3,\)"):
+    with pytest.raises(RayweaveError, match=r"t_max has shape \(2,\): .*\(3,\)"):
         ball.crossings_along([helix] * 3, 0, [1, 2])
     with pytest.raises(RayweaveError, match=r"curves\[1\]: the curve is of dimension 2 and the solid of dimension 3"):
         ball.crossings_along([helix, CURVES[0]], 0, 1)

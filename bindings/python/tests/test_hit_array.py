@@ -164,7 +164,7 @@ def test_bad_values_are_named(a, b, message):
 
 
 def test_bad_options():
-    with pytest.raises(TypeError, match="operation is 1 "):
+    with pytest.raises(TypeError, match="operation is 1: "):
         array_csg(A, B, 1)
     with pytest.raises(RayweaveError, match="regularize needs sort_output"):
         array_csg(A, B, Operation.UNION, False, regularize=True)

@@ -243,7 +243,7 @@ def test_what_is_wrong_is_named() -> None:
         system.trace_rays([[0, 0, -5]] * 2, [[0, 0, 1]] * 3)
     with pytest.raises(RayweaveError, match="generation_limit is -1"):
         system.trace_rays([0, 0, -5], [0, 0, 1], generation_limit=-1)
-    with pytest.raises(TypeError, match=r"elements\[0\] is of the type Solid \(an Element is needed: element\("):
+    with pytest.raises(TypeError, match=r"elements\[0\] is of the type Solid: an Element is needed\. Make one of a solid with element\("):
         optics.System([sphere(1)])  # type: ignore[list-item]
     with pytest.raises(TypeError, match=r"sources\[0\]"):
         system.trace([optics.ball_lens(1)])  # type: ignore[list-item]
@@ -299,7 +299,7 @@ def test_packages_that_are_not_there_are_named(monkeypatch: pytest.MonkeyPatch) 
         # what Python takes for a package that is not there
         monkeypatch.setitem(sys.modules, name, None)
     for use in (trace.to_pandas, trace.to_arrow, trace.to_polars, trace.show):
-        with pytest.raises(ModuleNotFoundError, match="is not installed .* pip install"):
+        with pytest.raises(ModuleNotFoundError, match="is not installed: .* pip install"):
             use()
 
 

@@ -216,7 +216,7 @@ def test_its_solids_are_a_system_like_any_other() -> None:
 
 def test_refusals() -> None:
     surface = Surface(50.0, 4.0, "N-BK7")
-    with pytest.raises(RayweaveError, match="none .one of entrance_pupil_diameter, f_number"):
+    with pytest.raises(RayweaveError, match="the aperture is missing: one of entrance_pupil_diameter, f_number"):
         Prescription([surface])
     with pytest.raises(RayweaveError, match=r"surface 1: .*Did you mean"):
         Prescription([Surface(50.0, 4.0, "N-BK8")], entrance_pupil_diameter=1)

@@ -141,7 +141,7 @@ def test_defaults_and_keywords():
         (lambda: rayweave.quadric([[1, 2, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, -1]]), r"matrix\[0\]\[1\]"),
         (lambda: rayweave.quadric(np.zeros((4, 3))), "matrix"),
         (lambda: rayweave.mesh(np.eye(3), [[0, 1, 2]]), "the mesh is not closed: 3 edges"),
-        (lambda: rayweave.mesh(np.eye(3), [[0, 1, 3]]), "triangle 0 names vertex 3"),
+        (lambda: rayweave.mesh(np.eye(3), [[0, 1, 3]]), "triangle 0 refers to vertex 3"),
         (lambda: rayweave.mesh(np.eye(4), [[0, 1, 3]]), r"vertices\[0\] is a list of 4 numbers"),
         (lambda: rayweave.prism(6.5, 1, 1), "sides is 6.5"),
         (lambda: rayweave.prism(10**9, 1, 1), "sides is"),

@@ -35,9 +35,9 @@ def test_operators_are_boolean_functions_of_inside(rng):
 
 def test_empty_and_universe():
     point = [[1.0, 2.0, 3.0]]
-    for empty in (empty(), union([]), rayweave.intersection([empty(), sphere(1)]), ~universe()):
-        assert not empty.contains(point)
-        assert empty.hits(point, [0, 0, 1]).tolist() == [[INF], [INF]]
+    for nothing in (empty(), union([]), rayweave.intersection([empty(), sphere(1)]), ~universe()):
+        assert not nothing.contains(point)
+        assert nothing.hits(point, [0, 0, 1]).tolist() == [[INF], [INF]]
     for full in (universe(), rayweave.intersection([]), ~empty()):
         assert full.contains(point)
         assert full.hits(point, [0, 0, 1]).tolist() == [[-INF], [INF]]

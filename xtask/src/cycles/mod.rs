@@ -44,9 +44,7 @@ pub fn problems(repository: &Repository, file: &str, text: &str) -> Result<Vec<S
     let unused = exceptions.iter().zip(used).filter(|(_, used)| !used);
     problems.extend(unused.map(|(exception, _)| {
         let Exception { folder, line } = exception;
-        format!(
-            "{file}:{line}: no import cycle in {folder} (exceptions that nothing needs go) delete the row"
-        )
+        format!("{file}:{line}: no import cycle in {folder}: the exception is not needed. Delete the row.")
     }));
     Ok(problems)
 }
@@ -126,7 +124,7 @@ fn cycles(uses: &Uses) -> Vec<Vec<&str>> {
 /// A cycle with the lines at which its files use each other.
 fn report(root: &str, cycle: &[&str], uses: &Uses) -> String {
     let mut text = format!(
-        "{root}: {} files import each other (one of two files comes first) move what they share into a file of its own",
+        "{root}: {} files import each other: one of two files comes first. Move what they share into a file of its own.",
         cycle.len()
     );
     for file in cycle {

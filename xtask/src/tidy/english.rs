@@ -40,11 +40,11 @@ const RETIRED: [(&str, &str); 21] = [
 const RECORDS: [&str; 1] = ["CHANGELOG.md"];
 
 /// The maximum number of comment lines that begin with What, That, Where, How or Who.
-const MOST_OPENINGS: usize = 500;
+const MOST_OPENINGS: usize = 10;
 /// The maximum number of comment lines with a passive of the list of verbs below.
-const MOST_PASSIVES: usize = 220;
+const MOST_PASSIVES: usize = 20;
 /// The maximum number of comment lines with a form of the verb of telling.
-const MOST_TELLING: usize = 64;
+const MOST_TELLING: usize = 10;
 
 const OPENINGS: [&str; 5] = ["What", "That", "Where", "How", "Who"];
 const AUXILIARIES: [&str; 6] = ["is", "are", "was", "were", "be", "been"];

@@ -4,6 +4,7 @@ mod english;
 mod functions;
 mod links;
 mod manifest;
+mod messages;
 mod models;
 mod rust;
 pub mod text;
@@ -44,7 +45,7 @@ pub fn run(repository: &Repository) -> Outcome {
             Ok(())
         }
         errors => {
-            Err(format!("tidy: {errors} problems (exceptions go into {EXCEPTIONS}, each with its reason)"))
+            Err(format!("tidy: {errors} problems. List exceptions in {EXCEPTIONS}, each with its reason."))
         }
     }
 }
@@ -56,6 +57,7 @@ fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     violations.extend(functions::check(source));
     violations.extend(english::check(source));
     violations.extend(manifest::check(source));
+    violations.extend(messages::check(source));
     violations.extend(models::check(source, exists));
     violations.extend(links::check(source, exists));
     violations
@@ -64,7 +66,7 @@ fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
 fn read_exceptions(repository: &Repository) -> Result<Vec<Exception>, String> {
     let text = repository.source(EXCEPTIONS)?.map(|source| source.text).unwrap_or_default();
     allow::read(&text).map_err(|line| {
-        format!("{EXCEPTIONS}:{line}: no exception (a line is 'RULE PATH[::ITEM] -- REASON')")
+        format!("{EXCEPTIONS}:{line}: not an exception: a line is 'RULE PATH[::ITEM] -- REASON'.")
     })
 }
 
@@ -78,9 +80,7 @@ fn without_exceptions(
     };
     let idle = exceptions.iter().find(|exception| !violations.iter().any(|found| covers(exception, found)));
     if let Some(Exception { line, rule, place }) = idle {
-        return Err(format!(
-            "{EXCEPTIONS}:{line}: '{rule} {place}' covers nothing (any more) remove the line"
-        ));
+        return Err(format!("{EXCEPTIONS}:{line}: '{rule} {place}' covers nothing. Remove the line."));
     }
     Ok(violations
         .into_iter()
@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_violation_says_where_what_why_and_what_now() {
-        assert_eq!(violation().to_string(), "a/b.rs:7: something is odd (it is an example) make it even");
+        assert_eq!(violation().to_string(), "a/b.rs:7: something is odd: it is an example. Make it even.");
         assert!(violation().mild().to_string().starts_with("a/b.rs:7: warning: something"));
     }
 

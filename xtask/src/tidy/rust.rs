@@ -181,7 +181,7 @@ mod tests {
     fn the_suggestion_is_the_name_in_libm() {
         let source =
             Source { path: LIBRARY.to_owned(), text: "//! A.\nfn f(x: f64) { x.powf(2.0); }\n".to_owned() };
-        assert!(check(&source)[0].to_string().ends_with("use libm::pow"));
+        assert!(check(&source)[0].to_string().ends_with("Use libm::pow."));
     }
 
     #[test]

@@ -59,6 +59,8 @@ impl fmt::Display for Violation {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Violation { rule, path, line, problem, suggestion, severity, .. } = self;
         let mild = if *severity == Severity::Warning { "warning: " } else { "" };
-        write!(formatter, "{path}:{line}: {mild}{problem} ({}) {suggestion}", rule.why)
+        let (first, rest) = suggestion.split_at(suggestion.chars().next().map_or(0, char::len_utf8));
+        let suggestion = first.to_uppercase() + rest;
+        write!(formatter, "{path}:{line}: {mild}{problem}: {}. {suggestion}.", rule.why)
     }
 }

@@ -72,8 +72,8 @@ impl ListedRays {
     }
 
     /// The rays of a file, `.csv` with the columns `ox,oy,oz,dx,dy,dz` and optionally
-    /// `wavelength_nm` and `power`, or `.npy` of the shape (N, 6), (N, 7) with wavelengths or (N,
-    /// 8) with both.
+    /// `wavelength_nm` and `power`, or `.npy` of the shape (N, 6), (N, 7) with wavelengths or
+    /// (N, 8) with both.
     ///
     /// # Errors
     /// [`SourceError::File`] with all problems of the file, and their lines;

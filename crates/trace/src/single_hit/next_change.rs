@@ -8,8 +8,8 @@
 //! in the post-order: one slice.) The result of an operand that is not queried again stays on the stack of
 //! values; it is still valid, as its next change lies after the new t_min.
 //!
-//! Waiting slices belong to gates on one path from the root to a leaf, so a tree of height h needs room for h
-//! + 1 slices, the current one included, and likewise for h + 1 values. (The recursion of A. Kensler, made
+//! Waiting slices belong to gates on one path from the root to a leaf, so a tree of height h needs room for
+//! h + 1 slices, the current one included, and likewise for h + 1 values. (The recursion of A. Kensler, made
 //! iterative as in S. Blyth's Opticks, with stacks as deep as the tree needs.)
 
 use super::{Kind, Next, Step, Tree, Verdict, decide};

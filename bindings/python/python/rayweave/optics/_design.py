@@ -256,7 +256,7 @@ def optimise(
     Levenberg and Marquardt's in the form of J. J. More (MINPACK, 1978); it finds the nearest minimum, not the best one, and gives up
     after `patience` prescriptions for each parameter.
     """
-    rows = [goal._row() for goal in all_of(Goal, goals, "goals", ": goal(operand, ..) makes one")]
+    rows = [goal._row() for goal in all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
     is_of_rays = any(row[0] in ("spot", "wavefront") for row in rows)
     count = whole(rings, "rings", least=1 if is_of_rays else 0, bits=31)

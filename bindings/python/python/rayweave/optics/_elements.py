@@ -129,7 +129,7 @@ class Element(Placed):
         if self.action is not None:
             raise _core.RayweaveError(f"{self.name} is a sheet: it has an action, not a finish.")
         if not isinstance(finish, Finish):
-            raise TypeError(f"finish is {finish!r}: a Finish is needed: black(), polished(), coated(..), ... make one.")
+            raise TypeError(f"finish is {finish!r}: a Finish is needed. Make one with black(), polished() or coated(..).")
         if face is not None:
             text(face, "face", "the name of a face")
         if self.read is not None:

@@ -111,16 +111,17 @@ def vector(values: Any, name: str) -> list[float]:
 
 
 def all_of(kind: type[T], things: Any, name: str, make: str = "") -> list[T]:
-    """A list of things of one kind, from one of them or an iterable; `make` says how they are made."""
-    needed = f"{'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__} is needed{make}"
+    """A list of things of one kind, from one of them or an iterable; `make` is a sentence on how to make one."""
+    hint = f" {make}" if make else ""
+    needed = f"{'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__} is needed"
     if isinstance(things, kind):
         return [things]
     if not isinstance(things, Iterable):
-        raise TypeError(f"{name} is {things!r}: {needed}, or a list of them.")
+        raise TypeError(f"{name} is {things!r}: {needed}, or a list of them.{hint}")
     given = list(things)
     for k, thing in enumerate(given):
         if not isinstance(thing, kind):
-            raise TypeError(f"{name}[{k}] is of the type {type(thing).__name__} ({needed})")
+            raise TypeError(f"{name}[{k}] is of the type {type(thing).__name__}: {needed}.{hint}")
     return given
 
 

@@ -636,7 +636,7 @@ class Prescription:
     def _needs_real_object(self) -> None:
         if self.object_distance < 0.0:
             problem = f"object_distance is {self.object_distance:g}: light would start behind surface 1."
-            raise _core.RayweaveError(f"{problem} first_order() knows virtual objects, real rays need one in front: is the sign wrong?")
+            raise _core.RayweaveError(f"{problem} Check the sign: only first_order() accepts virtual objects.")
 
     def _images(self, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool) -> list[Rays]:
         fields = range(len(self.fields))
@@ -677,8 +677,8 @@ _APERTURES = {"entrance_pupil_diameter", "f_number", "object_numerical_aperture"
 def _aperture(**given: float | None) -> tuple[str, float]:
     stated = [(kind, real(size, kind)) for kind, size in given.items() if size is not None]
     if len(stated) != 1:
-        found = ", ".join(kind for kind, _ in stated) or "none"
-        raise _core.RayweaveError(f"the aperture is given by {found}: one of {', '.join(given)} is needed.")
+        found = f"is given by {', '.join(kind for kind, _ in stated)}" if stated else "is missing"
+        raise _core.RayweaveError(f"the aperture {found}: one of {', '.join(given)} is needed.")
     return stated[0]
 
 

@@ -59,7 +59,7 @@ class System:
         world: Glass | str | float | complex = 1.0,
         unit: Literal["nm", "um", "mm", "cm", "m", "in"] = "mm",
     ) -> None:
-        flat = all_of(Element, _flat(elements), "elements", ": element(solid, material) makes one of a solid")
+        flat = all_of(Element, _flat(elements), "elements", "Make one of a solid with element(solid, material).")
         if text(unit, "unit", ", ".join(_UNIT_NM)) not in _UNIT_NM:
             raise _core.RayweaveError(f"unit is {unit!r}: it can be {', '.join(_UNIT_NM)}.")
         self.elements = tuple(flat)
@@ -442,7 +442,7 @@ def _numbers_of(name: str, given: ArrayLike, count: int) -> NDArray[np.uint32]:
     wrong = np.flatnonzero(~((found >= 0.0) & (found < 2.0**32) & (found == np.floor(found))))
     if len(wrong):
         needed = "a whole number is needed, at least 0 and below 2^32"
-        raise _core.RayweaveError(f"{name}[{wrong[0]}] is {found[wrong[0]]:g} ({needed})")
+        raise _core.RayweaveError(f"{name}[{wrong[0]}] is {found[wrong[0]]:g}: {needed}.")
     return found.astype(np.uint32)
 
 
@@ -454,7 +454,7 @@ def _stokes(rows: NDArray[np.float64], ways: NDArray[np.float64]) -> NDArray[np.
     if not is_light.all():
         k = int(np.argmin(is_light))
         needed = "i, q, u, v are finite, with i > 0 and q^2 + u^2 + v^2 <= i^2"
-        raise _core.RayweaveError(f"stokes[{k}] is {rows[k].tolist()} ({needed})")
+        raise _core.RayweaveError(f"stokes[{k}] is {rows[k].tolist()}: {needed}.")
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         axes = rows[:, 4:] / np.abs(rows[:, 4:]).max(axis=1, keepdims=True)
         axes /= np.linalg.norm(axes, axis=1, keepdims=True)
@@ -467,5 +467,5 @@ def _stokes(rows: NDArray[np.float64], ways: NDArray[np.float64]) -> NDArray[np.
     if not has_axis.all():
         k = int(np.argmin(has_axis))
         needed = "its last three numbers are the axis of q > 0, which must not be 0, NaN nor along the ray"
-        raise _core.RayweaveError(f"stokes[{k}] is {rows[k].tolist()} ({needed})")
+        raise _core.RayweaveError(f"stokes[{k}] is {rows[k].tolist()}: {needed}.")
     return np.concatenate([rows[:, :4], across / length], axis=1)

@@ -32,8 +32,8 @@ impl Wires {
         }
     }
 
-    /// Batcher's odd-even merge ("Sorting networks and their applications", 1968) of the sorted halves of `2
-    /// * half` wires from `first` on; `half` is a power of two.
+    /// Batcher's odd-even merge ("Sorting networks and their applications", 1968) of the sorted halves of
+    /// `2 * half` wires from `first` on; `half` is a power of two.
     fn merge(&mut self, first: usize, half: usize) {
         (first..first + half).for_each(|low| self.exchange(low, low + half));
         let mut step = half / 2;

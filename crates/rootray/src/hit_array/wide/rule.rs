@@ -4,8 +4,8 @@
 //! the complement of !A & !B. A ray is inside an operand on its *pieces*: each goes from one entry to the
 //! next; the first and the last piece of a complement are unbounded. Sort the starts of all pieces of both
 //! operands, and the ends. If piece i of the first operand and piece j of the second overlap, they make piece
-//! i + j of the intersection, counting pieces of no length and those that do not exist: it goes from start i
-//! + j + 1 to end i + j, because i + j + 2 pieces have started there and i + j have ended. One comparison
+//! i + j of the intersection, counting pieces of no length and those that do not exist: it goes from
+//! start i + j + 1 to end i + j, because i + j + 2 pieces have started there and i + j have ended. One comparison
 //! therefore decides which of the sorted starts and ends are kept: piece k exists if start k + 1 comes before
 //! end k.
 //!

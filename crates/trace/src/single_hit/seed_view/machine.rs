@@ -18,8 +18,8 @@ impl Limits {
     /// The limits of the original.
     pub const SEED: Limits = Limits { slices: 4, values: 15, index_bits: 8 };
 
-    /// The limits that a tree of some height needs: height + 1 slices and values, and numbers below 2^(height
-    /// + 1).
+    /// The limits that a tree of some height needs: height + 1 slices and values, and numbers
+    /// below 2^(height + 1).
     pub fn for_height(height: u32) -> Limits {
         Limits { slices: height as usize + 1, values: height as usize + 1, index_bits: height + 1 }
     }
