@@ -61,9 +61,9 @@ fn rust_type(parameter: &Parameter) -> (&'static str, &'static str) {
 
 fn constructor(page: &Manual) -> String {
     let mut text = format!("/// {}\n///\n", page.summary);
-    for Parameter { name, kind, unit, range, summary, .. } in page.parameters {
-        let unit = if matches!(unit, Unit::None | Unit::Count) { String::new() } else { format!(" ({unit})") };
-        text += &format!("/// - `{name}`: {summary}; {kind}{unit}, {range}.\n");
+    for Parameter { name, unit, range, summary, .. } in page.parameters {
+        let unit = if matches!(unit, Unit::None | Unit::Count) { String::new() } else { format!("{unit}, ") };
+        text += &format!("/// - `{name}`: {summary}; {unit}{range}.\n");
     }
     text += &format!("///\n/// Inside: `{}`. See [the manual page](crate::shape::primitive::", page.equation);
     text += &format!("{}).\n", module(page.name));
