@@ -9,7 +9,7 @@ use std::ops::Range;
 const LEAF: usize = 4;
 
 /// Growth of boxes in units of half the mesh size, beside the growth for rounding errors.
-const MARGIN: f64 = 1e-6;
+const MARGIN: f64 = 1.05e-6;
 
 /// A BVH over the triangles of a mesh, which are reordered.
 #[derive(Clone, Debug, PartialEq)]
