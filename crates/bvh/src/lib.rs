@@ -15,8 +15,8 @@
 //!   times (Kay and Kajiya 1986). Eight boxes are tested at once, in SIMD lanes.
 //! - **Guarantee.** Queries are conservative: they visit every item whose exact box satisfies the condition, and
 //!   some others nearby. Boxes are rounded outwards and grown by more than the rounding errors of the test; the
-//!   caller adds the error of its own coordinates as a margin. The tree affects speed; an answer that depends on
-//!   the order of the visits or on the additional ones is an error of the caller.
+//!   caller adds the error of its own coordinates as a margin. The additional visits depend on the tree;
+//!   an answer should depend neither on them nor on the order of the visits.
 //!
 //! | type | boxes | queries | users |
 //! | --- | --- | --- | --- |

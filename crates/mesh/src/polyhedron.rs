@@ -7,7 +7,6 @@ use crate::tree::TriangleTree;
 use crate::triangle::{self, Triangle};
 use crate::{Diagnosis, Mesh, MeshError};
 use rayweave_math::{Bounds, Vec3};
-use std::cmp::Ordering::Equal;
 
 /// The solid within a closed mesh, by the even-odd rule.
 ///
@@ -377,9 +376,8 @@ fn in_order(mesh: &Mesh, numbers: &[u32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 /// The longer of two vectors. Among equal lengths an order of the components decides, so that the longest of many
 /// does not depend on their order.
 fn longer(a: Vec3, b: Vec3) -> Vec3 {
-    let by_component = || b.to_array().partial_cmp(&a.to_array());
-    let order = b.length_squared().partial_cmp(&a.length_squared());
-    if order.is_some_and(|order| order.then_with(|| by_component().unwrap_or(Equal)).is_gt()) { b } else { a }
+    let rank = |v: Vec3| (v.length_squared(), v.x, v.y, v.z);
+    if rank(b) > rank(a) { b } else { a }
 }
 
 /// The time at which a line crosses the plane of a triangle. All triangles in a plane perpendicular to an

@@ -65,6 +65,10 @@ impl TriangleTree {
 
     /// Calls `visit` with ranges of triangles, in the order of the tree, that include every triangle close to
     /// the line.
+    ///
+    /// A triangle that the line misses, visited because of its neighbours in a leaf, can shift a line that lies in
+    /// its plane ([`Polyhedron::crossings`](crate::Polyhedron::crossings)). Another division into leaves can
+    /// therefore change times by rounding errors.
     pub fn along(&self, line: &Line, visit: impl FnMut(Range<usize>)) {
         if self.chord(line).is_none() {
             return;
