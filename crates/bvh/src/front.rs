@@ -51,7 +51,6 @@ impl FrontToBack {
     }
 
     /// Opens the nearest box; returns its item if it is the box of an item.
-    #[expect(clippy::should_implement_trait, reason = "an iterator would have to borrow the tree")]
     pub fn next(&mut self, tree: &Bvh) -> Option<u32> {
         let Reverse(first) = self.waiting.pop()?;
         let child = Child::from_bits(first as u32);
