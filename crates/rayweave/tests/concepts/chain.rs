@@ -48,10 +48,10 @@ pub fn picture() -> String {
         format!("Answer: inside until t = {:.2}, then outside.", question.answer.t).replace('-', "\u{2212}");
     sheet.left("head", 20.0, y + 18.0, &answer);
     let legend =
-        "Arrow: from the time a ball was query from to its answer. Open: nothing changes. Full: a change.";
+        "Arrow: from the time a ball was queried from to its answer. Open: nothing changes. Full: a change.";
     sheet.left("tick", place(-62.0) + 204.0, y + 18.0, legend);
-    let description = "Eight overlapping circles with a ray; below it every leaf that is query and every decision: ball \
-                       after ball is left while the next is already entered, so that the union asks again, until ball 4 \
+    let description = "Eight overlapping circles with a ray; below it every leaf that is queried and every decision: ball \
+                       after ball is left while the next is already entered, so that the union queries again, until ball 4 \
                        is left where no other ball is.";
     sheet.finish([WIDTH, y + 34.0], "Single hits on a chain of eight balls", description)
 }

@@ -83,7 +83,7 @@ pub fn picture() -> String {
     let note = "Where the tables of nine entries, as they are handed down, answer the farther exit instead.";
     sheet.left("tick", LEFT + 32.0, y + 21.0, note);
     let description = "Four tables, for union, intersection, difference and symmetric difference: from the answers Enter, \
-                       Exit, Outside and Exit at infinity of A and of B, what the rule answers or whom it asks again.";
+                       Exit, Outside and Exit at infinity of A and of B, the answer of the rule or the operand that it queries again.";
     sheet.finish([WIDTH, y + 38.0], "The rule of single hits, tabulated", description)
 }
 

@@ -65,7 +65,7 @@ pub fn picture() -> String {
     spans(&mut sheet, 0, ["balls 1, 3, 5, 7", "A"], "a", &halves[0]);
     spans(&mut sheet, 1, ["balls 2, 4, 6, 8", "B"], "b", &halves[1]);
     spans(&mut sheet, 2, ["A | B", "evaluated exactly"], "r", &truth);
-    hits(&mut sheet, 3, ["the rule", "the closer exit: ask again"], &by_rule, &truth);
+    hits(&mut sheet, 3, ["the rule", "the closer exit: query again"], &by_rule, &truth);
     hits(&mut sheet, 4, ["nine entries", "the farther exit is the answer"], &by_tables, &truth);
     axis(&mut sheet, TOP + 5.0 * ROW + 8.0);
     let wrong = by_tables.iter().filter(|step| is_wrong(step, &truth)).count();
