@@ -207,11 +207,16 @@ impl Program {
 
     /// The maps that take a world ray into a placement's frame, outermost first.
     pub fn descend(&self, id: PlacementId) -> impl Iterator<Item = Place> {
+        self.descend_groups(id).map(|(place, _)| place)
+    }
+
+    /// Like [`Program::descend`], each map with the group into whose frame it leads.
+    pub(crate) fn descend_groups(&self, id: PlacementId) -> impl Iterator<Item = (Place, PrototypeId)> {
         let (mut rest, mut group) = (id.0, PrototypeId(0));
         std::iter::from_fn(move || {
             let (run, k) = self.instance_before(group, rest)?;
             (rest, group) = (rest - run.placement(k), run.prototype);
-            Some(run.place(k))
+            Some((run.place(k), group))
         })
     }
 

@@ -135,7 +135,7 @@ fn lies_in_quadric(program: &Program, ray: &Ray) -> bool {
     let chord = chord(&program.prototype(PrototypeId(0)).ball, ray);
     program.surfaces().iter().any(|entry| {
         matches!(entry.surface, Surface::Quadric(_))
-            && chord.lies_in(&entry.surface, entry.magnitude, ray).is_some()
+            && chord.lies_in(&entry.surface, entry.magnitude, ray)
     })
 }
 

@@ -1,6 +1,6 @@
 //! Tolerances: the distance `delta` for points *on* a surface, and tests for rays *in* one (`coincides_along`), for the whole project.
 
-use super::Surface;
+use super::{Surface, SurfaceCrossings};
 use crate::Ray;
 use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 
@@ -145,29 +145,88 @@ impl Chord {
         }
     }
 
-    /// The side of a ray that lies in the surface along the whole chord: `Some(inside)`, or `None` if it does not lie in
-    /// it.
-    ///
-    /// The answer is that of the ray moved infinitesimally along [`PERTURBATION_DIRECTION`] (symbolic perturbation): the
-    /// sign of `w . grad f` in the middle of the chord or, if that is 0, of the first nonzero component of grad f.
-    pub fn lies_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> Option<bool> {
+    /// True if the ray lies in the surface along the whole chord.
+    pub fn lies_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> bool {
         if !surface.is_ruled() {
-            return None;
+            return false;
         }
         // fast path: a single value and no root decide for nearly every ray
         let (value, gradient) = surface.value_and_gradient(self.middle);
         let delta = self.delta + delta_of(magnitude);
-        if value * value > delta * delta * gradient.length_squared() {
-            return None;
-        }
-        coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
-            .then(|| self.perturbation.leads_inside(gradient))
+        value * value <= delta * delta * gradient.length_squared()
+            && coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
+    }
+
+    /// The crossings of a ray that lies in the surface along the whole chord, by symbolic perturbation; `None` if it does
+    /// not lie in it.
+    pub fn crossings_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> Option<SurfaceCrossings> {
+        self.lies_in(surface, magnitude, ray)
+            .then(|| perturbed_crossings(surface, magnitude, ray, &self.perturbation, self.ends))
+    }
+
+    /// True if the piece of a ray in the surface between two times is too short to determine the side of the perturbed
+    /// ray: `w . grad f` is 0 at both ends up to rounding.
+    pub fn side_is_uncertain(
+        &self,
+        surface: &Surface,
+        magnitude: f64,
+        ray: &Ray,
+        (a, b): (f64, f64),
+    ) -> bool {
+        let [w, ..] = self.perturbation.directions();
+        let noise = gradient_noise(surface, magnitude, ray, (a, b)) * w.length();
+        [a, b].into_iter().all(|t| w.dot(surface.value_and_gradient(ray.at(t)).1).abs() <= 2.0 * noise)
     }
 }
 
+/// Bound of the error of the gradient along a piece of a ray: a point of the ray is off by less than `delta`, and the
+/// gradient changes by at most `2 bend` per unit of length.
+fn gradient_noise(surface: &Surface, magnitude: f64, ray: &Ray, (a, b): (f64, f64)) -> f64 {
+    2.0 * bend(surface) * delta(magnitude, ray, a.abs().max(b.abs()))
+}
+
+/// The crossings of a ray that lies in a surface of degree 1 or 2 along the piece between two times, after an infinitesimal
+/// shift along `perturbation`: the sign changes of `w . grad f` for the first of its directions w with a nonzero result.
+///
+/// On the ray f is 0, so f of the shifted ray is proportional to `w . grad f`, a linear function of the time. In a plane
+/// and along a cylinder it is constant, and the whole ray is on one side. Along a ruling of a cone its sign changes at the
+/// apex, along a ruling of a hyperboloid at one point. (One side for the whole ray would depend on the point at which the
+/// gradient is computed, and thus on other parts of the model.) A rise within the rounding of the gradient counts as 0.
+pub(super) fn perturbed_crossings(
+    surface: &Surface,
+    magnitude: f64,
+    ray: &Ray,
+    perturbation: &Perturbation,
+    (a, b): (f64, f64),
+) -> SurfaceCrossings {
+    let gradient = |t: f64| surface.value_and_gradient(ray.at(t)).1;
+    let middle = gradient(0.5 * (a + b));
+    if !surface.turns_along_rulings() {
+        return SurfaceCrossings::constant(perturbation.leads_inside(middle));
+    }
+    let (first, last) = (gradient(a), gradient(b));
+    let noise = gradient_noise(surface, magnitude, ray, (a, b));
+    for w in perturbation.directions() {
+        let (start, rise) = (w.dot(first), w.dot(last) - w.dot(first));
+        if rise.abs() > 2.0 * noise * w.length() {
+            return SurfaceCrossings::new(rise > 0.0, &[a - start / rise * (b - a)]);
+        }
+        let slope = w.dot(middle);
+        if slope != 0.0 {
+            return SurfaceCrossings::constant(slope < 0.0);
+        }
+    }
+    SurfaceCrossings::constant(false)
+}
+
 /// [`Chord::lies_in`] for the piece of the ray between two times.
-pub fn lies_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -> Option<bool> {
+pub fn lies_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -> bool {
     Chord::new(ray, ends).lies_in(surface, magnitude, ray)
+}
+
+/// [`Chord::crossings_in`] for the piece of the ray between two times.
+pub fn crossings_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -> Option<SurfaceCrossings> {
+    Chord::new(ray, ends).crossings_in(surface, magnitude, ray)
 }
 
 #[cfg(test)]
