@@ -14,12 +14,12 @@
 
 mod diagnosis;
 mod error;
-mod hierarchy;
 mod line;
 mod mesh;
 mod polyhedron;
 mod repair;
 mod topology;
+mod tree;
 mod triangle;
 mod triangulate;
 

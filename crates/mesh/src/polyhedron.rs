@@ -1,9 +1,9 @@
 //! The solid within a closed mesh: crossings of lines, point containment, nearest triangle.
 
 use crate::diagnosis::shells::Shells;
-use crate::hierarchy::Hierarchy;
 use crate::line::{Crossing, Line, Perturbation, Shear, contains_origin, is_edge_on};
 use crate::topology::{EdgeUse, SignedSets, by_edge, edge_uses};
+use crate::tree::TriangleTree;
 use crate::triangle::{self, Triangle};
 use crate::{Diagnosis, Mesh, MeshError};
 use rayweave_math::{Bounds, Vec3};
@@ -15,7 +15,7 @@ use rayweave_math::{Bounds, Vec3};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyhedron {
     vertices: Vec<Vec3>,
-    /// Triangles in the order of the hierarchy, as in the fields below unless stated otherwise.
+    /// Triangles in the order of the tree, as in the fields below unless stated otherwise.
     triangles: Vec<[u32; 3]>,
     /// The index in the input mesh of each triangle.
     numbers: Vec<u32>,
@@ -26,14 +26,14 @@ pub struct Polyhedron {
     faces: Vec<u32>,
     /// Whether each triangle is counter-clockwise seen from outside.
     outward: Vec<bool>,
-    hierarchy: Hierarchy,
+    tree: TriangleTree,
     bounds: Bounds,
 }
 
 impl Default for Polyhedron {
     /// The empty solid.
     fn default() -> Polyhedron {
-        let (hierarchy, numbers) = Hierarchy::new(&Mesh::default());
+        let (tree, numbers) = TriangleTree::new(&Mesh::default());
         Polyhedron {
             vertices: Vec::new(),
             triangles: Vec::new(),
@@ -42,7 +42,7 @@ impl Default for Polyhedron {
             outward: Vec::new(),
             bounds: Bounds::EMPTY,
             numbers,
-            hierarchy,
+            tree,
         }
     }
 }
@@ -89,7 +89,7 @@ impl Polyhedron {
         let face_of = faces(&mesh, &uses);
         let shells = Shells::new(&mesh, &uses);
         drop(uses);
-        let (hierarchy, numbers) = Hierarchy::new(&mesh);
+        let (tree, numbers) = TriangleTree::new(&mesh);
         let mut places = vec![0; numbers.len()];
         for (place, &number) in numbers.iter().enumerate() {
             places[number as usize] = place as u32;
@@ -98,8 +98,7 @@ impl Polyhedron {
         let bounds = mesh.bounds();
         let (vertices, triangles) = in_order(&mesh, &numbers);
         let outward = Vec::new();
-        let mut solid =
-            Polyhedron { vertices, triangles, numbers, places, faces, outward, hierarchy, bounds };
+        let mut solid = Polyhedron { vertices, triangles, numbers, places, faces, outward, tree, bounds };
         solid.outward = solid.orientations(&shells);
         Ok(solid)
     }
@@ -162,7 +161,7 @@ impl Polyhedron {
     /// Size in bytes.
     pub fn bytes(&self) -> usize {
         let per_triangle = size_of::<[u32; 3]>() + 3 * size_of::<u32>() + size_of::<bool>();
-        self.vertices.len() * size_of::<Vec3>() + self.triangles.len() * per_triangle + self.hierarchy.bytes()
+        self.vertices.len() * size_of::<Vec3>() + self.triangles.len() * per_triangle + self.tree.bytes()
     }
 
     /// The bounding box.
@@ -172,7 +171,7 @@ impl Polyhedron {
 
     /// Upper bound of the distance of its points from the origin.
     pub fn magnitude(&self) -> f64 {
-        self.hierarchy.magnitude()
+        self.tree.magnitude()
     }
 
     /// Finds the crossings of a line with the boundary, at all times, in order of time: an even number.
@@ -186,7 +185,7 @@ impl Polyhedron {
     /// `found` is cleared first.
     pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<Crossing>) {
         found.clear();
-        let Some(chord) = self.hierarchy.chord(line) else {
+        let Some(chord) = self.tree.chord(line) else {
             return;
         };
         let far = chord.0.abs().max(chord.1.abs());
@@ -220,7 +219,7 @@ impl Polyhedron {
         found: &mut Vec<Crossing>,
     ) -> Vec3 {
         let mut shift = Vec3::ZERO;
-        self.hierarchy.along(&query.line, |range| {
+        self.tree.along(&query.line, |range| {
             for place in range {
                 let corners = self.corners(place);
                 let images = corners.map(|corner| query.shear.image(corner));
@@ -284,7 +283,7 @@ impl Polyhedron {
     /// The point of the mesh nearest to a given point, if it is nearer than `within`.
     pub fn nearest(&self, point: Vec3, within: f64) -> Option<Nearest> {
         let mut best: Option<Nearest> = None;
-        self.hierarchy.around(point, within * within, |range, mut within| {
+        self.tree.around(point, within * within, |range, mut within| {
             for place in range {
                 let on_triangle = triangle::closest_point(self.corners(place), point);
                 let distance = (on_triangle - point).length_squared();
@@ -334,7 +333,7 @@ impl Polyhedron {
     /// Calls `visit` with the indices of all triangles nearer to a point than `distance`.
     pub fn triangles_within(&self, point: Vec3, distance: f64, mut visit: impl FnMut(u32)) {
         let within = distance * distance;
-        self.hierarchy.around(point, within, |range, within| {
+        self.tree.around(point, within, |range, within| {
             for place in range {
                 let nearest = triangle::closest_point(self.corners(place), point);
                 if (nearest - point).length_squared() < within {
@@ -347,12 +346,12 @@ impl Polyhedron {
 
     /// The times between which a line is in the ball around the mesh; `None` if it misses the ball.
     pub fn chord(&self, line: &Line) -> Option<(f64, f64)> {
-        self.hierarchy.chord(line)
+        self.tree.chord(line)
     }
 
     /// Calls `visit` with the indices of all triangles that intersect a box, and of some others nearby.
     pub fn triangles_near(&self, bounds: &Bounds, mut visit: impl FnMut(u32)) {
-        self.hierarchy.within(bounds, |range| self.numbers[range].iter().for_each(|&number| visit(number)));
+        self.tree.within(bounds, |range| self.numbers[range].iter().for_each(|&number| visit(number)));
     }
 
     fn corners(&self, place: usize) -> Triangle {
@@ -380,8 +379,11 @@ fn in_order(mesh: &Mesh, numbers: &[u32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (vertices, triangles)
 }
 
+/// The longer of two vectors. Among equal lengths an order of the components decides, so that the longest of many
+/// does not depend on their order.
 fn longer(a: Vec3, b: Vec3) -> Vec3 {
-    if b.length_squared() > a.length_squared() { b } else { a }
+    let rank = |v: Vec3| (v.length_squared(), v.x, v.y, v.z);
+    if rank(b) > rank(a) { b } else { a }
 }
 
 /// The time at which a line crosses the plane of a triangle. All triangles in a plane perpendicular to an

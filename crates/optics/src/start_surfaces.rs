@@ -4,8 +4,7 @@
 //! known, so that the ray needs no offset (no ray epsilon) and hits nothing twice. At edges it
 //! starts on several surfaces: all within `delta` of the point.
 
-mod tree;
-
+use rayweave_bvh::ExactBvh;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId, attributes};
@@ -13,7 +12,6 @@ use rayweave_shape::Ray;
 use rayweave_shape::surface::{delta, delta_of};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
-pub(crate) use tree::Tree;
 
 /// The surfaces of a program, with the boxes in which they matter, for point queries.
 #[derive(Clone, Debug, Default)]
@@ -21,7 +19,7 @@ pub(crate) struct StartSurfaces {
     entries: Vec<PlacedSurface>,
     /// The boxes in which they matter.
     boxes: Vec<Bounds>,
-    tree: Tree,
+    tree: ExactBvh,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -65,7 +63,7 @@ impl StartSurfaces {
                 }
             }
         }
-        let tree = Tree::new(&boxes);
+        let tree = ExactBvh::listed(&boxes);
         StartSurfaces { entries, boxes, tree }
     }
 

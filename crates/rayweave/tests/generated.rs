@@ -61,16 +61,17 @@ fn rust_type(parameter: &Parameter) -> (&'static str, &'static str) {
 
 fn constructor(page: &Manual) -> String {
     let mut text = format!("/// {}\n///\n", page.summary);
-    for Parameter { name, kind, unit, range, summary, .. } in page.parameters {
-        let unit = if matches!(unit, Unit::None | Unit::Count) { String::new() } else { format!(" ({unit})") };
-        text += &format!("/// - `{name}`: {summary}; {kind}{unit}, {range}.\n");
+    for Parameter { name, unit, range, summary, .. } in page.parameters {
+        let unit = if matches!(unit, Unit::None | Unit::Count) { String::new() } else { format!("{unit}, ") };
+        text += &format!("/// - `{name}`: {summary}; {unit}{range}.\n");
     }
     text += &format!("///\n/// Inside: `{}`. See [the manual page](crate::shape::primitive::", page.equation);
     text += &format!("{}).\n", module(page.name));
     let parameters = page.parameters.iter().map(|own| format!("{}: {}", own.name, rust_type(own).0));
-    let values = page.parameters.iter().map(|own| {
-        format!("(\"{}\", {})", own.name, rust_type(own).1.replace('@', own.name))
-    });
+    let values = page
+        .parameters
+        .iter()
+        .map(|own| format!("(\"{}\", {})", own.name, rust_type(own).1.replace('@', own.name)));
     let (parameters, values) = (parameters.collect::<Vec<_>>(), values.collect::<Vec<_>>());
     let function = if page.name == "box" { "box_" } else { page.name };
     text + &format!(
@@ -135,7 +136,8 @@ fn python_stubs() {
 
 #[test]
 fn reference_page() {
-    let contents: String = MANUALS.iter().map(|page| format!("| [`{0}`](#{0}) | {1} |\n", page.name, page.summary)).collect();
+    let contents: String =
+        MANUALS.iter().map(|page| format!("| [`{0}`](#{0}) | {1} |\n", page.name, page.summary)).collect();
     let pages: Vec<String> =
         MANUALS.iter().map(|page| format!("## {}\n\n{}\n", page.name, page.text.trim())).collect();
     let text = format!(
@@ -156,6 +158,10 @@ fn the_gallery_shows_every_primitive() {
     // meshes are read from files
     for page in MANUALS.iter().filter(|page| page.name != "mesh") {
         let key = format!("{} = {{", page.name);
-        assert!(gallery.lines().any(|line| line.starts_with(&key)), "models/gallery.toml: no `{}`", page.name);
+        assert!(
+            gallery.lines().any(|line| line.starts_with(&key)),
+            "models/gallery.toml: no `{}`",
+            page.name
+        );
     }
 }

@@ -15,7 +15,15 @@ use crate::workshop::Workshop;
 const NAME: &str = "bead";
 
 /// Files of the copy: the shapes and their dependencies.
-const COPIED: [&str; 5] = ["Cargo.toml", "Cargo.lock", "crates/math/", "crates/mesh/", "crates/shape/"];
+const COPIED: [&str; 7] = [
+    "Cargo.toml",
+    "Cargo.lock",
+    "crates/bvh/",
+    "crates/error/",
+    "crates/math/",
+    "crates/mesh/",
+    "crates/shape/",
+];
 
 /// The tests of the new primitive, and those that run on all primitives without naming one.
 const TESTS: [&str; 4] = ["primitive::bead", "pages_tell", "arguments_build", "bounds_hold"];

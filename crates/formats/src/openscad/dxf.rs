@@ -294,10 +294,10 @@ impl<'a> Reader<'a> {
         let angle = 4.0 * libm::atan(from.bulge);
         let chord = [to[0] - from.at[0], to[1] - from.at[1]];
         // distance from the chord's midpoint to the centre, in half chord lengths
-        let perturbation = 0.5 * (1.0 / from.bulge - from.bulge);
+        let offset = 0.5 * (1.0 / from.bulge - from.bulge);
         let centre = [
-            from.at[0] + 0.5 * (chord[0] - perturbation * chord[1]),
-            from.at[1] + 0.5 * (chord[1] + perturbation * chord[0]),
+            from.at[0] + 0.5 * (chord[0] - offset * chord[1]),
+            from.at[1] + 0.5 * (chord[1] + offset * chord[0]),
         ];
         let [x, y] = [from.at[0] - centre[0], from.at[1] - centre[1]];
         let pieces = self.pieces(libm::hypot(x, y), angle.to_degrees());

@@ -2,8 +2,8 @@
 
 use super::Findings;
 use crate::Mesh;
-use crate::hierarchy::Hierarchy;
 use crate::topology::is_collapsed;
+use crate::tree::TriangleTree;
 use crate::triangle::{self, Meeting, Triangle};
 use rayweave_math::Vec3;
 
@@ -18,13 +18,13 @@ pub struct Intersection {
 
 /// The pairs that cross, and the coplanar pairs that overlap; both sorted.
 pub(super) fn intersections(mesh: &Mesh) -> (Findings<Intersection>, Findings<Intersection>) {
-    let (hierarchy, order) = Hierarchy::new(mesh);
+    let (tree, order) = TriangleTree::new(mesh);
     let (mut crossings, mut overlaps) = (Findings::default(), Findings::default());
     let mut others: Vec<u32> = Vec::new();
     for number in 0..mesh.triangles().len() as u32 {
         others.clear();
         let bounds = triangle::bounds(mesh.corners(number as usize));
-        hierarchy.within(&bounds, |range| {
+        tree.within(&bounds, |range| {
             others.extend(order[range].iter().filter(|&&other| other > number));
         });
         others.sort_unstable();

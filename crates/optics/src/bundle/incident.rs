@@ -4,9 +4,10 @@
 //! rays behind the face. The operations and their order are those of
 //! [`refract`](crate::interface::refract) and of the scalar loop, so that results agree to the bit.
 
-use crate::start_surfaces::{StartSurfaces, Tree};
+use crate::start_surfaces::StartSurfaces;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
+use rayweave_bvh::ExactBvh;
 use rayweave_math::Bounds;
 use rayweave_model::{Program, Rays, SurfaceId};
 use rayweave_shape::lanes::{Kernel, LANES, Lanes, Vec3Lanes, splat};
@@ -19,7 +20,7 @@ pub(crate) struct Refractor {
     surfaces: Vec<LaneSurface>,
     /// Index into `surfaces` by surface of the program; `None` for surfaces that no region uses.
     slots: Vec<Option<usize>>,
-    tree: Tree,
+    tree: ExactBvh,
     level: Level,
 }
 
@@ -91,7 +92,7 @@ impl Refractor {
             surfaces.push(LaneSurface { kernel, magnitude: entry.magnitude });
             boxes.push(bounds);
         }
-        Some(Refractor { surfaces, slots, tree: Tree::new(&boxes), level: Level::new() })
+        Some(Refractor { surfaces, slots, tree: ExactBvh::listed(&boxes), level: Level::new() })
     }
 
     /// Refracts rays `at..at + 8` that hit a surface at times `t`, with normals of either sense;

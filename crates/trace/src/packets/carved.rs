@@ -5,11 +5,11 @@
 //! the end of a span of one of them is a change if it lies in some leaf of each other union, in no other leaf
 //! of its own union, and in none of the subtracted leaves.
 
-use super::boxes::{Ahead, Boxes, Bundle, LaneIntervals, Slabs};
 use super::group::{BundleEvaluation, CODE};
 use super::plan::{MOST, NONE, leaf_facets};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use rayweave_bvh::{Bundle, BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
 use rayweave_math::Bounds;
 use rayweave_model::{Edge, Gate, LeafId, LeafKind, Program, Prototype, Rule, Window};
 use rayweave_shape::lanes::{Facet, LaneRay, Lanes, Mask, Uncertain, splat};
@@ -22,7 +22,7 @@ pub(super) struct Carved {
     facets: Vec<Facet>,
     /// The number of unions.
     unions: u32,
-    boxes: Boxes,
+    boxes: ExactBvh,
 }
 
 #[derive(Clone, Debug)]
@@ -54,8 +54,9 @@ impl Carved {
             waiting.extend_from_slice(&builder.take(edge)?);
         }
         let Builder { mut carved, bounds, .. } = builder;
-        carved.boxes = Boxes::new(&bounds);
-        carved.leaves = carved.boxes.reorder(&carved.leaves);
+        let (boxes, order) = ExactBvh::sorted(&bounds);
+        carved.leaves = order.iter().map(|&k| carved.leaves[k as usize].clone()).collect();
+        carved.boxes = boxes;
         (carved.unions > 0).then_some(carved)
     }
 
@@ -165,9 +166,9 @@ impl NearbyLeaves {
 /// Eight rays, their slabs and their bundle.
 pub(super) struct Bundled<'a, S: Simd> {
     pub ray: &'a LaneRay<S>,
-    pub slabs: &'a Slabs<S>,
+    pub slabs: &'a BundleSlabs<S>,
     pub bundle: &'a Bundle,
-    pub intervals: &'a LaneIntervals<S>,
+    pub intervals: &'a BundleWindow<S>,
 }
 
 impl<S: Simd> BundleEvaluation<'_, S> {
@@ -177,7 +178,7 @@ impl<S: Simd> BundleEvaluation<'_, S> {
         &mut self,
         carved: &Carved,
         rays: &Bundled<'_, S>,
-        ahead: &mut Ahead,
+        ahead: &mut BundleTraversal,
         window: Window,
     ) -> (Uncertain<S>, Mask<S>) {
         let simd = self.simd;
@@ -192,7 +193,7 @@ impl<S: Simd> BundleEvaluation<'_, S> {
         &mut self,
         carved: &Carved,
         rays: &Bundled<'_, S>,
-        ahead: &mut Ahead,
+        ahead: &mut BundleTraversal,
         window: Window,
     ) -> (Uncertain<S>, Mask<S>) {
         let (simd, mut near) = (self.simd, NearbyLeaves::new());

@@ -8,7 +8,6 @@
 //! uncertain: two events occur at the same time, two crossings are so close that they may have to be welded,
 //! or the ray may lie in a face.
 
-mod boxes;
 mod carved;
 mod group;
 mod logic;
@@ -21,13 +20,13 @@ mod starts;
 
 use crate::Weave;
 use crate::weave::WeaveScratch;
-use boxes::Ahead;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use group::{BundleEvaluation, Found, Memory, Row, load, whole};
 use normal::Hits;
 use objects::{First, Objects};
 use plan::{APART, Common, Plan, SMALL};
+use rayweave_bvh::BundleTraversal;
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink,
     StartLists, Window, attributes,
@@ -54,7 +53,7 @@ pub struct Packets {
 pub struct PacketsScratch {
     weave: WeaveScratch,
     memory: Option<Box<Memory>>,
-    ahead: [Ahead; 2],
+    ahead: [BundleTraversal; 2],
     crossings: Vec<Crossing>,
 }
 
@@ -450,7 +449,13 @@ impl Firsts<'_, '_> {
 
     /// First hits among many solids.
     #[inline(always)]
-    fn among<S: Simd>(&mut self, simd: S, objects: &Objects, memory: &mut Memory, ahead: &mut [Ahead; 2]) {
+    fn among<S: Simd>(
+        &mut self,
+        simd: S,
+        objects: &Objects,
+        memory: &mut Memory,
+        ahead: &mut [BundleTraversal; 2],
+    ) {
         let mut group = BundleEvaluation::new(simd, memory);
         for at in (0..self.rays.len()).step_by(LANES) {
             let count = LANES.min(self.rays.len() - at);

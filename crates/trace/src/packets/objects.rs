@@ -6,14 +6,14 @@
 //! entries occur at the same time, or if the entry and the next change are so close that they may have to be
 //! welded.
 
-use super::boxes::{Ahead, Boxes, LaneIntervals, Slabs};
 use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
-use super::places::{Carried, Step, unit_gradient};
+use super::places::{Carried, Step, slabs, unit_gradient};
 use super::plan::{Common, LARGE, MOST, Plan, SMALL, limits};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
 use rayweave_math::Bounds;
 use rayweave_model::weld::Trajectory;
 use rayweave_model::{
@@ -33,7 +33,7 @@ pub(super) struct Objects {
     parts: Vec<Part>,
     /// The transforms into the frames of placed solids.
     steps: Vec<Step>,
-    boxes: Boxes,
+    boxes: ExactBvh,
     condition: f64,
     /// True if there are so few leaves that all eight rays are traced together, however far apart they are.
     is_few: bool,
@@ -92,8 +92,8 @@ impl Objects {
         }
         let Gathered { parts, objects, steps, .. } = found;
         let bounds: Vec<Bounds> = objects.iter().map(|object| object.bounds).collect();
-        let mut boxes = Boxes::new(&bounds);
-        let mut objects = boxes.reorder(&objects);
+        let (boxes, order) = ExactBvh::sorted(&bounds);
+        let mut objects: Vec<Object> = order.iter().map(|&k| objects[k as usize].clone()).collect();
         let parts = reordered(&parts, &mut objects);
         let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
         let is_few = leaves.sum::<usize>() <= MOST;
@@ -373,7 +373,7 @@ impl Objects {
     pub fn first<S: Simd>(
         &self,
         group: &mut BundleEvaluation<'_, S>,
-        [ahead, inner]: &mut [Ahead; 2],
+        [ahead, inner]: &mut [BundleTraversal; 2],
         program: &Program,
         rays: Rays<'_>,
         at: usize,
@@ -384,7 +384,7 @@ impl Objects {
         let (ray, uncertain) = LaneRay::new(simd, origin, direction, &self.model.limits);
         let mut search = Search::new(simd, uncertain.always);
         let margin = ray.origin.taxicab() * (self.condition * MARGIN);
-        let slabs = Slabs::new(simd, ray.origin, ray.direction, margin);
+        let slabs = slabs(simd, ray.origin, ray.direction, margin);
         let behind = splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab();
         let mut left: u64 = (1 << LANES.min(rays.len() - at)) - 1;
         while left != 0 {
@@ -401,8 +401,8 @@ impl Objects {
     fn search<S: Simd>(
         &self,
         group: &mut BundleEvaluation<'_, S>,
-        [ahead, inner]: [&mut Ahead; 2],
-        (ray, slabs, behind): (&LaneRay<S>, &Slabs<S>, Lanes<S>),
+        [ahead, inner]: [&mut BundleTraversal; 2],
+        (ray, slabs, behind): (&LaneRay<S>, &BundleSlabs<S>, Lanes<S>),
         some: u64,
         window: Window,
         search: &mut Search<S>,
@@ -410,11 +410,8 @@ impl Objects {
         let simd = group.simd;
         let bundle = slabs.bundle(some);
         let (from, end) = (splat(simd, window.t_min()), splat(simd, window.t_max()));
-        let mut intervals = LaneIntervals {
-            rays: search.queried,
-            from: (from, window.t_min()),
-            until: (end, window.t_max()),
-        };
+        let mut intervals =
+            BundleWindow { rays: search.queried, from: (from, window.t_min()), until: (end, window.t_max()) };
         ahead.begin(simd, &self.boxes, &bundle, &intervals);
         while let Some(item) = ahead.next(simd, &self.boxes, (slabs, &bundle), &intervals) {
             let rays = Bundled { ray, slabs, bundle: &bundle, intervals: &intervals };
@@ -432,7 +429,7 @@ impl Objects {
         group: &mut BundleEvaluation<'_, S>,
         item: u32,
         rays: &Bundled<'_, S>,
-        ahead: &mut Ahead,
+        ahead: &mut BundleTraversal,
         window: Window,
         search: &mut Search<S>,
     ) -> bool {

@@ -1,9 +1,9 @@
 //! Transforms of eight rays into the frames of placed solids, and normals of hits there.
 
-use super::boxes::Slabs;
 use super::group::whole;
 use super::normal::{Slope, scaled_to_unit};
 use fearless_simd::Simd;
+use rayweave_bvh::BundleSlabs;
 use rayweave_math::Affine;
 use rayweave_model::{MARGIN, Place, Program};
 use rayweave_shape::lanes::{LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
@@ -45,9 +45,9 @@ impl<S: Simd> Carried<S> {
 
     /// Prepares slab tests against the boxes of a group with this condition.
     #[inline(always)]
-    pub fn slabs(&self, simd: S, condition: f64) -> Slabs<S> {
+    pub fn slabs(&self, simd: S, condition: f64) -> BundleSlabs<S> {
         let margin = (self.origin.taxicab() + self.magnitude) * (condition * MARGIN);
-        Slabs::new(simd, self.origin, self.direction, margin)
+        slabs(simd, self.origin, self.direction, margin)
     }
 
     /// Prepares the rays for the kernels.
@@ -55,6 +55,18 @@ impl<S: Simd> Carried<S> {
     pub fn ready(&self, simd: S, limits: &LaneLimits) -> (LaneRay<S>, Uncertain<S>) {
         LaneRay::carried(simd, self.origin, self.direction, limits, self.magnitude)
     }
+}
+
+/// Prepares slab tests of rays against boxes that are grown by `margin`.
+#[inline(always)]
+pub(super) fn slabs<S: Simd>(
+    simd: S,
+    origin: Vec3Lanes<S>,
+    direction: Vec3Lanes<S>,
+    margin: Lanes<S>,
+) -> BundleSlabs<S> {
+    let components = |v: Vec3Lanes<S>| [v.x, v.y, v.z];
+    BundleSlabs::new(simd, components(origin), components(direction), margin)
 }
 
 /// The images of vectors, as [`Affine::vector`].

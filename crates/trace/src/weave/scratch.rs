@@ -1,7 +1,7 @@
 //! Scratch memory of [`super::Weave`].
 
 use super::nearest::Coming;
-use crate::accel::Front;
+use rayweave_bvh::FrontToBack;
 use rayweave_model::gate::NetworkState;
 use rayweave_model::{Crossing, Event, Face, LeafEvents, Program, PrototypeId};
 use std::collections::BinaryHeap;
@@ -32,7 +32,7 @@ pub(super) struct Level {
 /// The buffers of a front-to-back sweep.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TraversalBuffers {
-    pub front: Front,
+    pub front: FrontToBack,
     /// Future boundary events of the leaves intersected so far, the earliest on top.
     pub coming: BinaryHeap<Coming>,
     /// The latest time of all boundary events found.

@@ -70,10 +70,10 @@ fn on_cube(rng: &mut Random) -> Target {
     if rng.chance(0.3) {
         along = (along + rng.between(-2.0, 2.0) * normal.cross(along)).normalize();
     }
-    let magnitude = rng.pick(&[0.0, 0.5, 0.9, 1.0]);
-    let level = rng.between(-magnitude, magnitude) * Vec3::AXES[(axis + 1) % 3];
+    let half_width = rng.pick(&[0.0, 0.5, 0.9, 1.0]);
+    let level = rng.between(-half_width, half_width) * Vec3::AXES[(axis + 1) % 3];
     Target::new(
-        normal + level + rng.between(-magnitude, magnitude) * Vec3::AXES[(axis + 2) % 3],
+        normal + level + rng.between(-half_width, half_width) * Vec3::AXES[(axis + 2) % 3],
         normal,
         along,
     )

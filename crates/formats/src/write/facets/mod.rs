@@ -63,21 +63,21 @@ pub(super) fn finite(shape: &Primitive, place: &Affine, clip: &Bounds) -> Option
         Primitive::Tube(_) => Tube::new(number("outer_radius")?, number("inner_radius")?, reach).ok()?.into(),
         Primitive::Paraboloid(_) => Paraboloid::new(number("focal_length")?, reach).ok()?.into(),
         Primitive::Sphere(_)
-            | Primitive::Ellipsoid(_)
-            | Primitive::CentredBox(_)
-            | Primitive::BoxFromCorners(_)
-            | Primitive::Cone(_)
-            | Primitive::HalfSpace(_)
-            | Primitive::Slab(_)
-            | Primitive::Torus(_)
-            | Primitive::Quadric(_)
-            | Primitive::Wedge(_)
-            | Primitive::Prism(_)
-            | Primitive::Convex(_)
-            | Primitive::Mesh(_)
-            | Primitive::Asphere(_)
-            | Primitive::Biconic(_)
-            | Primitive::Freeform(_) => return None,
+        | Primitive::Ellipsoid(_)
+        | Primitive::CentredBox(_)
+        | Primitive::BoxFromCorners(_)
+        | Primitive::Cone(_)
+        | Primitive::HalfSpace(_)
+        | Primitive::Slab(_)
+        | Primitive::Torus(_)
+        | Primitive::Quadric(_)
+        | Primitive::Wedge(_)
+        | Primitive::Prism(_)
+        | Primitive::Convex(_)
+        | Primitive::Mesh(_)
+        | Primitive::Asphere(_)
+        | Primitive::Biconic(_)
+        | Primitive::Freeform(_) => return None,
     })
 }
 
@@ -124,19 +124,19 @@ fn profile(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Pr
         }
         Primitive::Torus(_) => Profile::torus(number("major"), number("minor"), tolerance)?,
         Primitive::Ellipsoid(_)
-            | Primitive::CentredBox(_)
-            | Primitive::BoxFromCorners(_)
-            | Primitive::HalfSpace(_)
-            | Primitive::Slab(_)
-            | Primitive::Paraboloid(_)
-            | Primitive::Quadric(_)
-            | Primitive::Wedge(_)
-            | Primitive::Prism(_)
-            | Primitive::Convex(_)
-            | Primitive::Mesh(_)
-            | Primitive::Asphere(_)
-            | Primitive::Biconic(_)
-            | Primitive::Freeform(_) => return Ok(None),
+        | Primitive::CentredBox(_)
+        | Primitive::BoxFromCorners(_)
+        | Primitive::HalfSpace(_)
+        | Primitive::Slab(_)
+        | Primitive::Paraboloid(_)
+        | Primitive::Quadric(_)
+        | Primitive::Wedge(_)
+        | Primitive::Prism(_)
+        | Primitive::Convex(_)
+        | Primitive::Mesh(_)
+        | Primitive::Asphere(_)
+        | Primitive::Biconic(_)
+        | Primitive::Freeform(_) => return Ok(None),
     }))
 }
 
@@ -169,9 +169,13 @@ fn curved(
             body.placed(&Affine::translate(sphere.centre)).map(Some)
         }
         Some(surface @ Surface::Object(_)) => sag::body(surface, lowered, clip, tolerance),
-        Some(surface @ (Surface::Plane(_) | Surface::Cylinder(_) | Surface::Cone(_) | Surface::Torus(_) | Surface::AffineTorus(_))) => {
-            sections::implicit(surface, lowered, clip, tolerance)
-        }
+        Some(
+            surface @ (Surface::Plane(_)
+            | Surface::Cylinder(_)
+            | Surface::Cone(_)
+            | Surface::Torus(_)
+            | Surface::AffineTorus(_)),
+        ) => sections::implicit(surface, lowered, clip, tolerance),
         None => Err(format!("there are no facets for the shape `{}`", shape.name())),
     }
 }

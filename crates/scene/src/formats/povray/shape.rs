@@ -36,18 +36,18 @@ pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
         }),
         Primitive::Mesh(mesh) => Some(triangles(mesh.solid())),
         Primitive::Ellipsoid(_)
-            | Primitive::HalfSpace(_)
-            | Primitive::Slab(_)
-            | Primitive::Torus(_)
-            | Primitive::Paraboloid(_)
-            | Primitive::Quadric(_)
-            | Primitive::Tube(_)
-            | Primitive::Wedge(_)
-            | Primitive::Prism(_)
-            | Primitive::Convex(_)
-            | Primitive::Asphere(_)
-            | Primitive::Biconic(_)
-            | Primitive::Freeform(_) => None,
+        | Primitive::HalfSpace(_)
+        | Primitive::Slab(_)
+        | Primitive::Torus(_)
+        | Primitive::Paraboloid(_)
+        | Primitive::Quadric(_)
+        | Primitive::Tube(_)
+        | Primitive::Wedge(_)
+        | Primitive::Prism(_)
+        | Primitive::Convex(_)
+        | Primitive::Asphere(_)
+        | Primitive::Biconic(_)
+        | Primitive::Freeform(_) => None,
     };
     match own {
         Some(own) => Some(placed(own, place)),

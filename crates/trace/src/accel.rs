@@ -1,0 +1,74 @@
+//! Candidate leaves of a ray: a BVH for each group. It affects speed, never an answer.
+//!
+//! The box of a leaf is the region where the leaf can matter ([`Program::matters`]): outside of it no
+//! boundary event of the leaf changes a result. Boxes are grown by more than the largest error of any kernel.
+
+use rayweave_bvh::{Bvh, FrontToBack, Probe};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::drive::thread_count;
+use rayweave_model::{GroupPoint, GroupRay, MARGIN, Program, Prototype, Window};
+
+/// A BVH of the leaves of a group, with those that have no finite box.
+#[derive(Clone, Debug)]
+pub(crate) struct Accel {
+    tree: Bvh,
+    condition: f64,
+}
+
+/// Growth of every box due to the position of the ray's origin and to the transform into the frame of the
+/// group.
+fn ray_margin(origin: Vec3, magnitude: f64) -> f64 {
+    MARGIN * (origin.length() + magnitude)
+}
+
+impl Accel {
+    pub fn new(program: &Program, group: &Prototype) -> Accel {
+        let tree = Bvh::of_items(&program.matters(group), thread_count(None).get());
+        Accel { tree, condition: group.condition }
+    }
+
+    /// Memory in bytes.
+    pub fn bytes(&self) -> usize {
+        self.tree.bytes()
+    }
+
+    /// Largest extent of all boxes together.
+    pub fn size(&self) -> f64 {
+        self.tree.size()
+    }
+
+    /// Prepares a ray for the tree.
+    fn probe(&self, ray: &GroupRay<'_>, window: Window) -> Probe {
+        let margin = self.condition * ray_margin(ray.ray.origin, ray.magnitude);
+        self.tree.probe(ray.ray.origin, ray.ray.direction, margin, [window.t_min(), window.t_max()])
+    }
+
+    /// Appends the leaves that the ray can touch within the window.
+    pub fn touched(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
+        out.extend_from_slice(self.unbounded());
+        self.tree.touched(&self.probe(ray, window), out);
+    }
+
+    /// The leaves whose box is unbounded: candidates for every ray.
+    pub fn unbounded(&self) -> &[u32] {
+        self.tree.unbounded()
+    }
+
+    /// Starts a front-to-back traversal of the leaves with finite boxes.
+    pub fn begin(&self, ray: &GroupRay<'_>, window: Window, front: &mut FrontToBack) {
+        front.begin(&self.tree, self.probe(ray, window));
+    }
+
+    /// One step of the traversal; returns a leaf if the step reaches one.
+    pub fn next(&self, front: &mut FrontToBack) -> Option<u32> {
+        front.next(&self.tree)
+    }
+
+    /// Appends the leaves whose boxes contain a point.
+    pub fn around(&self, point: &GroupPoint, out: &mut Vec<u32>) {
+        out.extend_from_slice(self.unbounded());
+        let margin = self.condition * ray_margin(point.point, point.magnitude);
+        let place = Bounds { lo: point.point, hi: point.point };
+        self.tree.overlapping(&place, margin, |leaf| out.push(leaf.start as u32));
+    }
+}
