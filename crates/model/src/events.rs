@@ -1,6 +1,8 @@
 //! Boundary events of one leaf along a ray. All evaluators share them: they define the geometry of a leaf.
 
-use crate::{Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId, Start, SurfaceEntry, chord};
+use crate::{
+    Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId, Start, SurfaceEntry, chord,
+};
 use rayweave_math::Vec3;
 use rayweave_math::roots::Crossings;
 use rayweave_shape::Ray;

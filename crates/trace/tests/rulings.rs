@@ -75,7 +75,8 @@ fn tangent_cones_end_at_their_own_apexes() {
 fn the_answer_is_that_of_the_moved_points() {
     let (mut rng, mut tested) = (Random::new(11), 0);
     for round in 0..480 {
-        let (solid, ray) = if round % 2 == 0 { beside_a_cone(&mut rng) } else { beside_a_hyperboloid(&mut rng) };
+        let (solid, ray) =
+            if round % 2 == 0 { beside_a_cone(&mut rng) } else { beside_a_hyperboloid(&mut rng) };
         let map = Affine::rotation(rng.direction(), rng.between(0.0, 360.0));
         let (solid, ray) = match round % 3 {
             0 => (solid, ray),
@@ -85,7 +86,8 @@ fn the_answer_is_that_of_the_moved_points() {
         let answer = everyone::trace(&program, ray);
         for _ in 0..40 {
             let t = rng.between(-4.0, 6.0);
-            let moved = [1e-4, 1e-5, 1e-6].map(|by| contains(&program, ray.at(t) + by * PERTURBATION_DIRECTION));
+            let moved =
+                [1e-4, 1e-5, 1e-6].map(|by| contains(&program, ray.at(t) + by * PERTURBATION_DIRECTION));
             if moved[0] != moved[1] || moved[1] != moved[2] {
                 continue;
             }

@@ -40,8 +40,8 @@ pub use sag::Sag;
 pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;
 pub use tolerance::{
-    Chord, Perturbation, coincides_along, coincides_between, crossings_in, delta, delta_of, is_near,
-    lies_in, separated_along,
+    Chord, Perturbation, coincides_along, coincides_between, crossings_in, delta, delta_of, is_near, lies_in,
+    separated_along,
 };
 pub use torus::Torus;
 

@@ -225,7 +225,12 @@ pub fn lies_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -
 }
 
 /// [`Chord::crossings_in`] for the piece of the ray between two times.
-pub fn crossings_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -> Option<SurfaceCrossings> {
+pub fn crossings_in(
+    surface: &Surface,
+    magnitude: f64,
+    ray: &Ray,
+    ends: (f64, f64),
+) -> Option<SurfaceCrossings> {
     Chord::new(ray, ends).crossings_in(surface, magnitude, ray)
 }
 
