@@ -290,6 +290,16 @@ impl Surface {
         }
     }
 
+    /// `f` at a point and the length of its gradient; where the surface has a ridge, of the gradient beside it.
+    fn value_and_slope(&self, point: Vec3) -> (f64, f64) {
+        let (value, gradient) = match self {
+            Surface::Torus(s) => s.value_and_steepest(point),
+            Surface::AffineTorus(s) => s.value_and_steepest(point),
+            _ => self.value_and_gradient(point),
+        };
+        (value, gradient.length())
+    }
+
     /// The test of [`coincides_along`] per face, for surfaces of many faces.
     fn coincident_faces(&self, magnitude: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
         match self {

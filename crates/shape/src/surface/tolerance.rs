@@ -56,8 +56,8 @@ pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: 
         return coincides_along;
     }
     let near = |t: f64| {
-        let (value, gradient) = surface.value_and_gradient(ray.at(t));
-        is_near(value, gradient.length(), delta(magnitude, ray, t), bend(surface))
+        let (value, slope) = surface.value_and_slope(ray.at(t));
+        is_near(value, slope, delta(magnitude, ray, t), bend(surface))
     };
     let start = (ray.origin.length() + magnitude) / ray.direction.length();
     coincides_between(near, start, surface.degree(), a, b)
