@@ -98,7 +98,7 @@ impl<'a> GroupRay<'a> {
     pub fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> GroupRay<'a> {
         let (ray, magnitude) = carried(place, &self.ray, self.magnitude);
         let mut chord = chord(&inner.ball, &ray);
-        chord.perturbation = self.chord.perturbation.transformed(&place.local_from_world);
+        chord.perturbation = self.chord.perturbation.transformed(&place.local_from_world, magnitude);
         let placement = PlacementId(self.placement.0 + placement);
         GroupRay { ray, chord, magnitude, placement, starts: self.starts }
     }

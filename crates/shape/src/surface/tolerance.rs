@@ -7,31 +7,47 @@ use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 /// Perturbation directions for rays that lie in a surface: [`PERTURBATION_DIRECTION`] of the world and, for a surface that
 /// contains it, x, y or z. In the frame of a placed solid these world directions differ: each frame has its own `Perturbation`, so
 /// that two solids with a common face agree on the side of a ray in it, however they are placed.
+///
+/// A ray was rounded on its way into the frame, so the perturbation also carries the lengths of the maps that lead there, which
+/// surfaces that detect rays in their own faces add to their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Perturbation([Vec3; 4]);
+pub struct Perturbation {
+    directions: [Vec3; 4],
+    lengths: f64,
+}
 
 impl Perturbation {
     /// The directions in the frame of the world.
-    pub const WORLD: Perturbation = Perturbation([PERTURBATION_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z]);
+    pub const WORLD: Perturbation =
+        Perturbation { directions: [PERTURBATION_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z], lengths: 0.0 };
 
-    /// The same directions in another frame.
-    pub fn transformed(&self, local_from_world: &Affine) -> Perturbation {
-        Perturbation(self.0.map(|v| local_from_world.vector(v)))
+    /// The same directions in another frame, to whose surfaces the maps from the world add `lengths` in magnitude.
+    pub fn transformed(&self, local_from_world: &Affine, lengths: f64) -> Perturbation {
+        Perturbation { directions: self.directions.map(|v| local_from_world.vector(v)), lengths }
     }
 
     /// The directions; the first that leaves the surface determines the side.
     pub fn directions(&self) -> [Vec3; 4] {
-        self.0
+        self.directions
     }
 
-    /// The same directions after a linear map.
-    pub(super) fn mapped(&self, map: &Mat3) -> Perturbation {
-        Perturbation(self.0.map(|v| *map * v))
+    /// The length that the maps from the world into this frame add to the magnitude of surfaces.
+    pub fn lengths(&self) -> f64 {
+        self.lengths
+    }
+
+    /// The same directions in the frame of a form at `centre`. The difference of a point and the centre is rounded in proportion to
+    /// both; the length of the point is that of the difference and the centre.
+    pub(super) fn mapped(&self, map: &Mat3, centre: Vec3) -> Perturbation {
+        let norm =
+            [map.x_axis, map.y_axis, map.z_axis].iter().map(|v| v.length_squared()).sum::<f64>().sqrt();
+        let lengths = norm * (2.0 * centre.length() + self.lengths);
+        Perturbation { directions: self.directions.map(|v| *map * v), lengths }
     }
 
     /// True (inside) if the perturbation makes a function with this gradient negative.
     pub fn leads_inside(&self, gradient: Vec3) -> bool {
-        let mut slopes = self.0.iter().map(|v| v.dot(gradient));
+        let mut slopes = self.directions.iter().map(|v| v.dot(gradient));
         slopes.find(|&slope| slope != 0.0).unwrap_or(0.0) < 0.0
     }
 }
