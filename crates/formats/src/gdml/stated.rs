@@ -85,7 +85,7 @@ fn graph(told: &[Told]) -> Graph {
         name: String::new(),
         volume: placed.volume,
         maps: placed.maps.clone(),
-        copy: None,
+        copy: placed.copy,
         place: Place::default(),
     };
     let volume = |(told, content): (&Told, usize)| Volume {
