@@ -65,8 +65,8 @@ impl Program {
     /// assert_eq!(paths[31], "world/tower[3]/brick[3]/hole");
     ///
     /// let path = program.occurrence_path(program.occurrences().last().unwrap());
-    /// assert_eq!(path.placed().to_string(), "world/tower[3]/brick[3]");
     /// assert_eq!(path.steps()[1].copy, Some(3));
+    /// assert_eq!(path.placed().to_string(), "world/tower[3]/brick[3]");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn occurrence_path(&self, occurrence: Occurrence) -> OccurrencePath<'_> {
