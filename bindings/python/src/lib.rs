@@ -21,6 +21,7 @@ mod layout;
 mod measure;
 mod model;
 mod nearest;
+mod occurrences;
 mod optics;
 mod pickle;
 mod points;

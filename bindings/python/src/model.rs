@@ -8,7 +8,7 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBytes, PyDict, PyString, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
 use rayweave::formats::{self, Format, Options, WriteOptions};
 use rayweave::model::simplify::Preparation;
 use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
@@ -19,7 +19,7 @@ use crate::engine::{Engine, QueryOptions};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::solid::{PySolid, bounds_array};
-use crate::{along, crossings, hits, nearest, pickle, points};
+use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.
 ///
@@ -311,6 +311,18 @@ impl PyModel {
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
         points::contains(self.engine(points.py())?, points, &options)
+    }
+
+    /// Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
+    /// texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
+    /// of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+    #[pyo3(signature = (occurrences, *, placed = false))]
+    fn occurrence_paths<'py>(
+        &self,
+        occurrences: &Bound<'py, PyAny>,
+        placed: bool,
+    ) -> PyResult<Bound<'py, PyList>> {
+        occurrences::paths(&self.engine(occurrences.py())?.program, occurrences, placed)
     }
 
     /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read

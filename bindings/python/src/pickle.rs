@@ -6,7 +6,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
 use rayweave::math::{Affine, Vec3};
-use rayweave::model::{Node, Solid};
+use rayweave::model::{Copies, Node, Solid};
 use rayweave::shape::primitive::{Primitive, Value, build};
 
 /// Header of the bytes; the number is the version of the format.
@@ -62,7 +62,10 @@ fn hash_head(node: &Node, hasher: &mut DefaultHasher) {
     let mut number = |value: f64| (value + 0.0).to_bits().hash(hasher);
     match node {
         Node::Transformed(map, _) => numbers_of(map).into_iter().for_each(number),
-        Node::Placed(_, maps) => maps.iter().flat_map(numbers_of).for_each(number),
+        Node::Placed(_, copies) => {
+            copies.iter().flat_map(numbers_of).for_each(number);
+            (copies.name(), copies.numbers()).hash(hasher);
+        }
         Node::Primitive(primitive) => {
             for (_, value) in primitive.arguments() {
                 flat(&value).into_iter().for_each(&mut number);
@@ -157,10 +160,16 @@ impl Writer {
                 self.0.push(b'n');
                 self.text(name);
             }
-            Node::Placed(_, maps) => {
-                self.0.push(b'p');
-                self.count(maps.len());
-                maps.iter().for_each(|map| self.numbers(&numbers_of(map)));
+            Node::Placed(_, copies) => {
+                self.0.push(if copies.name().is_some() { b'l' } else { b'p' });
+                self.count(copies.len());
+                copies.iter().for_each(|map| self.numbers(&numbers_of(map)));
+                if let Some(name) = copies.name() {
+                    self.text(name);
+                    let numbers = copies.numbers().map_or(&[][..], |numbers| numbers);
+                    self.count(numbers.len());
+                    numbers.iter().for_each(|number| self.0.extend(number.to_le_bytes()));
+                }
             }
         }
     }
@@ -272,6 +281,16 @@ impl<'a> Reader<'a> {
                 let maps: Result<Arc<[Affine]>, String> = (0..count).map(|_| self.map()).collect();
                 let maps = maps?;
                 self.operand(solids)?.place(maps)
+            }
+            b'l' => {
+                let count = self.count()?;
+                let maps: Vec<Affine> = (0..count).map(|_| self.map()).collect::<Result<_, _>>()?;
+                let (name, count) = (self.text()?, self.count()?);
+                let bytes = self.take(count.checked_mul(8).ok_or_else(cut)?)?;
+                let words = bytes.as_chunks::<8>().0.iter();
+                let numbers: Arc<[i64]> = words.map(|word| i64::from_le_bytes(*word)).collect();
+                let numbers = (!numbers.is_empty()).then_some(numbers);
+                self.operand(solids)?.place_copies(Copies::labelled(maps, name, numbers))
             }
             _ => return Err(cut()),
         })

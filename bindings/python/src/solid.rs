@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use numpy::ndarray::arr2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyIterator};
+use pyo3::types::{PyBytes, PyDict, PyIterator, PyList};
 use rayweave::math::{Affine, Bounds, Vec3};
 use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
@@ -17,7 +17,7 @@ use crate::engine::{Engine, QueryOptions};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
-use crate::{along, crossings, hits, nearest, pickle, points};
+use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
 /// A solid: a boolean combination of shapes under affine maps. It never changes.
 ///
@@ -221,6 +221,18 @@ impl PySolid {
     ) -> PyResult<Bound<'py, PyAny>> {
         let options = QueryOptions::new(t_min, t_max, evaluator, threads)?;
         nearest::nearest(self.engine(origins.py())?, [origins, directions], &options)
+    }
+
+    /// Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
+    /// texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
+    /// of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+    #[pyo3(signature = (occurrences, *, placed = false))]
+    fn occurrence_paths<'py>(
+        &self,
+        occurrences: &Bound<'py, PyAny>,
+        placed: bool,
+    ) -> PyResult<Bound<'py, PyList>> {
+        occurrences::paths(&self.engine(occurrences.py())?.program, occurrences, placed)
     }
 
     /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read

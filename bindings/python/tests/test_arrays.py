@@ -12,7 +12,7 @@ import rayweave
 from rayweave import Crossings, RayweaveError, box, cylinder, half_space, sphere
 
 INF = math.inf
-FIELDS = ("ray", "t", "point", "normal", "enters", "surface", "leaf", "placement", "offsets", "start_inside")
+FIELDS = ("ray", "t", "point", "normal", "enters", "surface", "leaf", "placement", "occurrence", "offsets", "start_inside")
 REGIONS = ("region_before", "region_after", "medium_before", "medium_after")
 
 
@@ -135,7 +135,7 @@ def test_nearest_is_the_first_of_the_crossings(rng, name):
     for field in names:
         if field not in ("offsets", "start_inside"):
             assert_same(getattr(crossings, field)[first], getattr(nearest, field)[hit])
-    missed = {"t": INF, "enters": False, "surface": -1, "leaf": -1, "placement": -1}
+    missed = {"t": INF, "enters": False, "surface": -1, "leaf": -1, "placement": -1, "occurrence": -1}
     for field, value in missed.items():
         assert (getattr(nearest, field)[~hit] == value).all()
     assert np.isnan(nearest.point[~hit]).all() and np.isnan(nearest.normal[~hit]).all()

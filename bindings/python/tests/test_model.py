@@ -227,3 +227,20 @@ def test_losses_of_other_formats_are_reported(tmp_path: Path) -> None:
     path.write_text(DUMP[:30])
     with pytest.raises(rw.RayweaveError, match="is missing"):
         rw.load(path)
+
+
+def test_names_and_numbers_of_copies():
+    text = """
+    rayweave = 1
+    [solid.bulb]
+    sphere = { radius = 1 }
+    [solid.wall]
+    place = { solid = "bulb", at = [[0, 0, 0], [5, 0, 0]], name = "PMT", numbers = [17, 4] }
+    """
+    model = rw.loads(text)
+    found = model.nearest([[0, 0, -5], [5, 0, -5]], [0, 0, 1])
+    assert model.occurrence_paths(found.occurrence) == ["wall/PMT[17]/bulb", "wall/PMT[4]/bulb"]
+    wall, other = model.solids["wall"], rw.loads(text.replace("17", "3")).solids["wall"]
+    again = pickle.loads(pickle.dumps(wall))
+    assert again == wall and hash(again) == hash(wall) and other != wall
+    assert again.occurrence_paths(again.nearest([0, 0, -5], [0, 0, 1]).occurrence) == ["wall/PMT[17]/bulb"]

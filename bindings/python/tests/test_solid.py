@@ -97,6 +97,31 @@ def test_place():
     assert crossings.placement.tolist() == [1, 1, 2, 2, 3, 3, 4, 4, 5, 5]
 
 
+def test_occurrence_paths_name_the_copies():
+    brick = (box(2) - sphere(0.5).named("hole")).named("brick")
+    tower = place(brick, [[0, 0, 4 * k] for k in range(3)]).named("tower")
+    towers = place(tower, [[20 * k, 0, 0] for k in range(2)])
+    found = towers.crossings([[20, 0, -9], [0, 90, 0]], [0, 0, 1])
+    paths = [f"tower[1]/brick[{k}]/{leaf}" for k in range(3) for leaf in ("box", "hole", "hole", "box")]
+    assert found.occurrence.dtype == np.int64
+    assert towers.occurrence_paths(found.occurrence) == paths
+    assert towers.occurrence_paths(list(found.occurrence), placed=True) == [p.rpartition("/")[0] for p in paths]
+    nearest = towers.nearest([[20, 0, -9], [0, 90, 0]], [0, 0, 1])
+    assert nearest.occurrence[1] == -1
+    assert towers.occurrence_paths(nearest.occurrence) == [paths[0], ""]
+    np.testing.assert_array_equal(found.occurrence, found.placement.astype(np.int64) << 32 | found.leaf)
+    assert sphere(1).named("ball").occurrence_paths([0]) == ["ball"]
+
+
+def test_occurrences_are_checked():
+    with pytest.raises(ValueError, match=r"occurrences\[1\] is 7: there is no such occurrence"):
+        sphere(1).occurrence_paths([0, 7])
+    with pytest.raises(ValueError, match=r"occurrences\[0\] is -2"):
+        sphere(1).occurrence_paths([-2])
+    with pytest.raises(TypeError, match="occurrences is <class 'float'>"):
+        sphere(1).occurrence_paths(0.5)
+
+
 def test_solids_compare_by_how_they_are_built():
     a = (sphere(1) | box([1, 2, 3]).translate([0.0, 1, 2])).named("a")
     b = (sphere(1) | box([1, 2, 3]).translate([-0.0, 1, 2])).named("a")

@@ -184,12 +184,24 @@ impl Polyhedron {
     ///
     /// `found` is cleared first.
     pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<Crossing>) {
+        self.crossings_with(line, perturbation, 0.0, found);
+    }
+
+    /// [`Polyhedron::crossings`] of a line that was mapped into the frame of the mesh: `lengths` is added to the magnitude of
+    /// the mesh for the rounding of these maps.
+    pub fn crossings_with(
+        &self,
+        line: &Line,
+        perturbation: &Perturbation,
+        lengths: f64,
+        found: &mut Vec<Crossing>,
+    ) {
         found.clear();
         let Some(chord) = self.tree.chord(line) else {
             return;
         };
         let far = chord.0.abs().max(chord.1.abs());
-        let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.magnitude());
+        let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.magnitude() + lengths);
         let shift = self.gather(
             &Query { shear: Shear::new(line), line: *line, timed: *line, delta },
             chord,

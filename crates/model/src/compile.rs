@@ -8,6 +8,7 @@ use crate::lower::{Content, Group, lower};
 use crate::program::{Program, Prototype, RegionInfo, SurfaceEntry};
 use crate::simplify::Observer;
 use crate::tables::Tables;
+use crate::trail::Trail;
 use crate::{CompileError, Region, Solid};
 
 impl Program {
@@ -75,7 +76,7 @@ fn compile<W: Observer>(
 fn inner_first(groups: &[Group]) -> Vec<usize> {
     let inner = |id: usize| {
         groups[id].parts.iter().filter_map(|part| match part.content {
-            Content::Copies(prototype, _) => Some(prototype.index()),
+            Content::Copies(prototype, ..) => Some(prototype.index()),
             Content::Shape(_) => None,
         })
     };
@@ -105,6 +106,7 @@ struct GroupTables {
     prototype: Prototype,
     leaves: LeafTable,
     surfaces: Vec<SurfaceEntry>,
+    trail: Trail,
 }
 
 struct Compiler {
@@ -117,13 +119,14 @@ impl Compiler {
     fn group(
         &mut self,
         id: usize,
-        group: Group,
+        mut group: Group,
         first_leaf: u32,
         observer: &mut impl Observer,
     ) -> Result<GroupTables, CompileError> {
         let inner = |prototype: crate::PrototypeId| self.done[prototype.index()].unwrap_or_default();
         let mut tables = Tables::of(&group, &mut self.labels, inner)?;
         tables.share(&group, &self.labels)?;
+        let trail = std::mem::take(&mut group.trail);
         let prepared = tables.prepare(group, inner, observer);
         self.done[id] = Some(prepared.extent);
         let Tables { leaves, surfaces, .. } = tables;
@@ -138,13 +141,18 @@ impl Compiler {
             extent: prepared.extent,
             instances: 0..leaves.instances.len() as u32,
         };
-        Ok(GroupTables { prototype, leaves, surfaces })
+        Ok(GroupTables { prototype, leaves, surfaces, trail })
     }
 
     /// Concatenates the tables of all groups and shifts their numbers accordingly.
     fn assemble(self, tables: Vec<Option<GroupTables>>, regions: Vec<RegionInfo>) -> Program {
-        let mut program =
-            Program { prototypes: Vec::new(), surfaces: Vec::new(), leaves: LeafTable::default(), regions };
+        let mut program = Program {
+            prototypes: Vec::new(),
+            surfaces: Vec::new(),
+            leaves: LeafTable::default(),
+            regions,
+            trails: Vec::new(),
+        };
         for mut group in tables.into_iter().flatten() {
             let runs = program.leaves.instances.len() as u32;
             let instances = &mut group.prototype.instances;
@@ -158,6 +166,7 @@ impl Compiler {
                 program.surfaces.append(&mut group.surfaces);
             }
             program.prototypes.push(group.prototype);
+            program.trails.push(group.trail);
         }
         program.leaves.labels = self.labels.into_labels();
         program.leaves.shrink_to_fit();

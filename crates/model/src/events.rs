@@ -1,6 +1,8 @@
 //! Boundary events of one leaf along a ray. All evaluators share them: they define the geometry of a leaf.
 
-use crate::{Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId, Start, chord};
+use crate::{
+    Face, LeafFacet, Place, PlacementId, Program, Prototype, PrototypeId, Start, SurfaceEntry, chord,
+};
 use rayweave_math::Vec3;
 use rayweave_math::roots::Crossings;
 use rayweave_shape::Ray;
@@ -96,7 +98,7 @@ impl<'a> GroupRay<'a> {
     pub fn placed(&self, place: &Place, inner: &Prototype, placement: u32) -> GroupRay<'a> {
         let (ray, magnitude) = carried(place, &self.ray, self.magnitude);
         let mut chord = chord(&inner.ball, &ray);
-        chord.perturbation = self.chord.perturbation.transformed(&place.local_from_world);
+        chord.perturbation = self.chord.perturbation.transformed(&place.local_from_world, magnitude);
         let placement = PlacementId(self.placement.0 + placement);
         GroupRay { ray, chord, magnitude, placement, starts: self.starts }
     }
@@ -108,12 +110,17 @@ impl<'a> GroupRay<'a> {
             Some(start) => {
                 entry.surface.few_crossings_from(&self.ray, start.inside, &self.chord.perturbation)
             }
-            None => match self.chord.lies_in(&entry.surface, entry.magnitude + self.magnitude, &self.ray) {
-                Some(inside) => Some(SurfaceCrossings::constant(inside)),
+            None => match self.crossings_in(entry) {
+                Some(crossings) => Some(crossings),
                 None => entry.surface.few_crossings_in(&self.ray, &self.chord.perturbation),
             },
         };
         if facet.inside() { crossings } else { crossings.map(Crossings::negated) }
+    }
+
+    /// The crossings of the perturbed ray if the ray lies in the surface.
+    fn crossings_in(&self, entry: &SurfaceEntry) -> Option<SurfaceCrossings> {
+        self.chord.crossings_in(&entry.surface, entry.magnitude + self.magnitude, &self.ray)
     }
 
     fn start(&self, facet: LeafFacet) -> Option<&Start> {
@@ -129,8 +136,11 @@ impl<'a> GroupRay<'a> {
                 entry.surface.all_crossings_from(&self.ray, start.inside, &self.chord.perturbation, emit);
                 start.inside
             }
-            None => match self.chord.lies_in(&entry.surface, entry.magnitude + self.magnitude, &self.ray) {
-                Some(inside) => inside,
+            None => match self.crossings_in(entry) {
+                Some(crossings) => {
+                    crossings.times().iter().for_each(|&t| flip(t));
+                    crossings.starts_negative()
+                }
                 None => entry.surface.all_crossings_in(&self.ray, &self.chord.perturbation, emit),
             },
         };

@@ -121,6 +121,11 @@ impl<'p> Leaf<'p> {
         self.label().map(|label| label.kind)
     }
 
+    /// The name of a shape: the one given to it, or its kind after the name of the compound around it.
+    pub(crate) fn given_name(&self) -> Option<&'p str> {
+        self.label().map(|label| &*label.name)
+    }
+
     /// The name of a facet, as `rim.side`.
     pub fn face_name(&self, facet: usize) -> String {
         self.label().map_or_else(String::new, |label| label.face_name(facet))

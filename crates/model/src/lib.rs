@@ -19,6 +19,7 @@ mod boxes;
 mod chord;
 mod columns;
 mod compile;
+mod copies;
 mod error;
 mod evaluator;
 mod events;
@@ -28,6 +29,7 @@ mod instances;
 mod label;
 mod leaf;
 mod lower;
+mod occurrence;
 mod print;
 
 mod program;
@@ -35,10 +37,12 @@ mod rays;
 mod solid;
 mod sweep;
 mod tables;
+mod trail;
 
 pub use approximate::{ApproximateColumns, ApproximateEvaluator};
 pub use chord::{Ball, chord};
 pub use columns::{CrossingColumns, FirstHits, HitRows};
+pub use copies::Copies;
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{
     Collected, Crossing, Evaluator, Face, Limit, Query, RayAnswer, Sink, Start, StartLists, State, Window,
@@ -49,6 +53,7 @@ pub use expression::{Edge, Expression, Gate, Rule};
 pub use ids::{LeafId, NodeId, PlacementId, PrototypeId, RegionId, SurfaceId};
 pub use instances::Place;
 pub use leaf::{Leaf, LeafFacet, LeafKind};
+pub use occurrence::{Occurrence, OccurrencePath, PathStep};
 pub use program::{MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
 pub use rays::{BadRay, RayBatch, Rays};
 pub use solid::{Node, Region, Solid};

@@ -5,7 +5,8 @@
 
 use crate::leaf::MOST_LEAVES;
 use crate::simplify::{Formula, Op};
-use crate::{CompileError, CompileProblem, Edge, LeafId, Node, PrototypeId, Solid};
+use crate::trail::{Naming, TOP, Trail, TrailBuilder};
+use crate::{CompileError, CompileProblem, Copies, Edge, LeafId, Node, PrototypeId, Solid};
 use rayweave_math::Affine;
 use rayweave_shape::primitive::Primitive;
 use std::collections::HashMap;
@@ -20,7 +21,9 @@ pub(crate) struct Group<'a> {
     /// Leaves, or runs of instances, in order.
     pub parts: Vec<Part<'a>>,
     pub leaf_count: usize,
-    contexts: Vec<Context>,
+    /// The names around the leaves.
+    pub trail: Trail,
+    contexts: Vec<Context<'a>>,
 }
 
 impl Group<'_> {
@@ -59,22 +62,24 @@ pub(crate) struct Part<'a> {
     pub name: Arc<str>,
     /// The context: composed map and names.
     context: u32,
+    /// True if a name of the context is that of this part alone.
+    is_named: bool,
     pub content: Content<'a>,
 }
 
 /// The content of a part: a shape, or the maps of the copies of a placed solid.
 pub(crate) enum Content<'a> {
     Shape(&'a Primitive),
-    Copies(PrototypeId, &'a [Affine]),
+    Copies(PrototypeId, &'a Solid, &'a Copies),
 }
 
 /// Lowers solids, and all solids placed in them, to groups. The first group is the model itself.
 pub(crate) fn lower<'a>(solids: &[&'a Solid]) -> Result<Vec<Group<'a>>, CompileError> {
     let mut prototypes = Prototypes::default();
-    let mut groups = vec![Lowering::new(&mut prototypes).run(solids)?];
+    let mut groups = vec![Lowering::new(&mut prototypes, false).run(solids)?];
     while groups.len() <= prototypes.solids.len() {
         let solid = prototypes.solids[groups.len() - 1];
-        groups.push(Lowering::new(&mut prototypes).run(&[solid])?);
+        groups.push(Lowering::new(&mut prototypes, true).run(&[solid])?);
     }
     Ok(groups)
 }
@@ -96,9 +101,13 @@ impl<'a> Prototypes<'a> {
 }
 
 /// A position in the traversal: the composed map and the names on the path.
-struct Context {
+struct Context<'a> {
     parent: u32,
     name: Option<Arc<str>>,
+    /// The single copy with a label that this context is inside of.
+    copy: Option<&'a Copies>,
+    /// The innermost context with a name or a copy, this one included; 0 if there is none.
+    step: u32,
     /// The innermost name, and whether only maps and complements lie between it and this position.
     leaf_name: Option<Arc<str>>,
     direct: bool,
@@ -141,7 +150,11 @@ struct Lowering<'p, 'a> {
     names: HashMap<u32, Arc<str>>,
     parts: Vec<Part<'a>>,
     leaf_count: usize,
-    contexts: Vec<Context>,
+    contexts: Vec<Context<'a>>,
+    /// True until the first node that is not a map or complement: a name there is that of the whole group.
+    at_root: bool,
+    /// The context of the name of the whole group; 0 if there is none.
+    own: u32,
     leaf_names: LeafNames,
     context_of: HashMap<(u32, usize), u32>,
     leaf_of: HashMap<Key, Edge>,
@@ -153,10 +166,12 @@ struct Lowering<'p, 'a> {
 }
 
 impl<'p, 'a> Lowering<'p, 'a> {
-    fn new(prototypes: &'p mut Prototypes<'a>) -> Self {
+    fn new(prototypes: &'p mut Prototypes<'a>, is_placed: bool) -> Self {
         let root = Context {
             parent: 0,
             name: None,
+            copy: None,
+            step: 0,
             leaf_name: None,
             direct: false,
             world_from_local: Affine::IDENTITY,
@@ -169,6 +184,8 @@ impl<'p, 'a> Lowering<'p, 'a> {
             parts: Vec::new(),
             leaf_count: 0,
             contexts: vec![root],
+            at_root: is_placed,
+            own: 0,
             leaf_names: LeafNames::default(),
             context_of: HashMap::new(),
             leaf_of: HashMap::new(),
@@ -188,8 +205,9 @@ impl<'p, 'a> Lowering<'p, 'a> {
             }
         }
         self.operands.iter().for_each(|&output| self.formula.add_output(output));
-        let Lowering { formula, names, parts, leaf_count, contexts, .. } = self;
-        Ok(Group { formula, names, parts, leaf_count, contexts })
+        let Lowering { formula, names, parts, leaf_count, contexts, own, .. } = self;
+        let trail = trail(&contexts, &parts, own);
+        Ok(Group { formula, names, parts, leaf_count, trail, contexts })
     }
 
     /// Pushes operands onto the stack in reverse, so that they are visited in order.
@@ -201,17 +219,23 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     fn visit(&mut self, visit: Visit<'a>) -> Result<(), CompileError> {
         let Visit { solid, complemented, .. } = visit;
+        let at_root = std::mem::take(&mut self.at_root);
         match solid.node() {
             Node::Empty => self.operand(Edge::EMPTY, complemented),
             Node::Universe => self.operand(Edge::UNIVERSE, complemented),
             Node::Primitive(primitive) => self.shape(visit, primitive)?,
-            Node::Complement(inner) => self.pass(inner, Visit { complemented: !complemented, ..visit }),
+            Node::Complement(inner) => {
+                self.at_root = at_root;
+                self.pass(inner, Visit { complemented: !complemented, ..visit });
+            }
             Node::Transformed(map, inner) => {
-                let context = self.moved(&visit, map)?;
+                self.at_root = at_root;
+                let context = self.moved(&visit, map, None)?;
                 self.pass(inner, Visit { context, ..visit });
             }
             Node::Named(name, inner) => {
                 let context = self.named(&visit, name);
+                self.own = if at_root { context } else { self.own };
                 self.pass(inner, Visit { context, ..visit });
             }
             Node::Union(all) => self.join(Op::Union, visit, all.iter()),
@@ -270,7 +294,8 @@ impl<'p, 'a> Lowering<'p, 'a> {
             return Ok(());
         }
         let (name, what) = (self.leaf_name(context, primitive.name()), primitive.name());
-        let leaf = self.part(Part { name, context, content: Content::Shape(primitive) }, 1, what)?;
+        let (is_named, content) = (self.is_named(context), Content::Shape(primitive));
+        let leaf = self.part(Part { name, context, is_named, content }, 1, what)?;
         let edge = self.formula.leaf(leaf);
         if shared {
             self.leaf_of.insert(key, edge);
@@ -292,18 +317,13 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     /// The union of instances; a single one is lowered as an ordinary transform.
-    fn placed(
-        &mut self,
-        visit: Visit<'a>,
-        inner: &'a Solid,
-        maps: &'a Arc<[Affine]>,
-    ) -> Result<(), CompileError> {
+    fn placed(&mut self, visit: Visit<'a>, inner: &'a Solid, maps: &'a Copies) -> Result<(), CompileError> {
         let Visit { solid, context, complemented, .. } = visit;
         match maps[..] {
             // a solid without placements gets no group: nothing in the program would refer to it
             [] => self.operand(Edge::EMPTY, complemented),
             [ref map] => {
-                let context = self.moved(&visit, map)?;
+                let context = self.moved(&visit, map, maps.label().map(|_| maps))?;
                 self.pass(inner, Visit { context, ..visit });
             }
             _ => {
@@ -319,12 +339,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         Ok(())
     }
 
-    fn instances(
-        &mut self,
-        context: u32,
-        inner: &'a Solid,
-        maps: &'a Arc<[Affine]>,
-    ) -> Result<Edge, CompileError> {
+    fn instances(&mut self, context: u32, inner: &'a Solid, maps: &'a Copies) -> Result<Edge, CompileError> {
         let prototype = self.prototypes.of(inner);
         let name = self.leaf_name(context, "place");
         for (number, map) in maps.iter().enumerate() {
@@ -333,26 +348,34 @@ impl<'p, 'a> Lowering<'p, 'a> {
                 CompileError { path, problem: e.into() }
             })?;
         }
-        let content = Content::Copies(prototype, maps);
-        let first = self.part(Part { name, context, content }, maps.len(), "place")?;
+        let (is_named, content) = (self.is_named(context), Content::Copies(prototype, inner, maps));
+        let first = self.part(Part { name, context, is_named, content }, maps.len(), "place")?;
         let edges: Vec<Edge> =
             (0..maps.len() as u32).map(|k| self.formula.leaf(LeafId(first.0 + k))).collect();
         Ok(self.formula.join(Op::Union, &edges))
     }
 
-    /// The context under a map, the same for each visit of the node.
-    fn moved(&mut self, visit: &Visit<'a>, map: &Affine) -> Result<u32, CompileError> {
+    /// The context under a map, the same for each visit of the node. `copy` is set if the map is that of the
+    /// only copy of a solid and has a label.
+    fn moved(
+        &mut self,
+        visit: &Visit<'a>,
+        map: &Affine,
+        copy: Option<&'a Copies>,
+    ) -> Result<u32, CompileError> {
         map.inverse()
             .map_err(|e| CompileError { path: self.path(visit.context, "transform"), problem: e.into() })?;
-        let next = self.step(visit.context, map);
+        let next = Context { copy, ..self.step(visit.context, map) };
         Ok(self.enter(visit, next))
     }
 
-    fn step(&self, context: u32, map: &Affine) -> Context {
+    fn step(&self, context: u32, map: &Affine) -> Context<'a> {
         let outer = &self.contexts[context as usize];
         Context {
             parent: context,
             name: None,
+            copy: None,
+            step: outer.step,
             leaf_name: outer.leaf_name.clone(),
             direct: outer.direct,
             world_from_local: map.then(&outer.world_from_local),
@@ -366,7 +389,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         self.enter(visit, next)
     }
 
-    fn enter(&mut self, visit: &Visit<'a>, next: Context) -> u32 {
+    fn enter(&mut self, visit: &Visit<'a>, mut next: Context<'a>) -> u32 {
         let fresh = self.contexts.len() as u32;
         let context = match visit.shared {
             true => *self.context_of.entry((visit.context, visit.solid.address())).or_insert(fresh),
@@ -374,6 +397,9 @@ impl<'p, 'a> Lowering<'p, 'a> {
             false => fresh,
         };
         if context == fresh {
+            if next.name.is_some() || next.copy.is_some() {
+                next.step = fresh;
+            }
             self.contexts.push(next);
         }
         context
@@ -393,6 +419,12 @@ impl<'p, 'a> Lowering<'p, 'a> {
             Some(name) if *direct => name.clone(),
             name => self.leaf_names.of(name.as_ref(), kind),
         }
+    }
+
+    /// True if the innermost name or copy around a leaf is a name of the leaf alone.
+    fn is_named(&self, context: u32) -> bool {
+        let Context { direct, step, .. } = self.contexts[context as usize];
+        direct && self.contexts[step as usize].name.is_some()
     }
 
     fn path(&self, context: u32, what: &str) -> String {
@@ -416,8 +448,87 @@ impl LeafNames {
     }
 }
 
+/// The names around the leaves of a group. `own` is the context of the name of the whole group.
+fn trail(contexts: &[Context<'_>], parts: &[Part<'_>], own: u32) -> Trail {
+    let mut steps = Steps { contexts, node_of: HashMap::new(), builder: TrailBuilder::default() };
+    let place: Arc<str> = "place".into();
+    let mut leaf = 0;
+    for part in parts {
+        let step = contexts[part.context as usize].step;
+        let outer = contexts[contexts[step as usize].parent as usize].step;
+        match part.content {
+            Content::Shape(primitive) => {
+                let (step, naming, name) = match part.is_named {
+                    true if step == own => (step, Naming::Node, ""),
+                    true => (outer, Naming::Name, &*part.name),
+                    false => (step, Naming::Kind, primitive.name()),
+                };
+                let node = steps.node(step);
+                steps.builder.leaf(leaf, node, naming, name);
+                leaf += 1;
+            }
+            Content::Copies(_, inner, copies) => {
+                let (step, name) = match (own_name(inner), part.is_named && step != own) {
+                    (Some(name), _) => (step, name),
+                    (None, true) if copies.label().is_none() => (outer, &part.name),
+                    (None, _) => (step, &place),
+                };
+                let node = steps.node(step);
+                steps.builder.copies(node, copies.len(), copies.label(), name);
+                leaf += copies.len() as u32;
+            }
+        }
+    }
+    if own != 0 {
+        let node = steps.node(own);
+        steps.builder.own(node);
+    }
+    steps.builder.finish()
+}
+
+/// The contexts with names, which become nodes of the trail when a part needs them.
+struct Steps<'c, 'a> {
+    contexts: &'c [Context<'a>],
+    node_of: HashMap<u32, u32>,
+    builder: TrailBuilder<'c>,
+}
+
+impl Steps<'_, '_> {
+    /// The node of a context with a name or a copy; the top for context 0.
+    fn node(&mut self, step: u32) -> u32 {
+        let contexts = self.contexts;
+        let (mut missing, mut at) = (Vec::new(), step);
+        while at != 0 && !self.node_of.contains_key(&at) {
+            missing.push(at);
+            at = contexts[contexts[at as usize].parent as usize].step;
+        }
+        let mut node = self.node_of.get(&at).copied().unwrap_or(TOP);
+        for step in missing.into_iter().rev() {
+            let context = &contexts[step as usize];
+            node = match (&context.name, context.copy.and_then(Copies::label)) {
+                (Some(name), _) => self.builder.named(node, name),
+                (None, Some(label)) => self.builder.labelled(node, label),
+                (None, None) => node,
+            };
+            self.node_of.insert(step, node);
+        }
+        node
+    }
+}
+
+/// The name of a solid as a whole, through maps and complements.
+fn own_name(mut solid: &Solid) -> Option<&Arc<str>> {
+    loop {
+        solid = match solid.node() {
+            Node::Named(name, _) => return Some(name),
+            Node::Transformed(_, inner) | Node::Complement(inner) => inner,
+            _ => return None,
+        }
+    }
+}
+
 /// The names on the way to a part, joined by slashes.
-fn path(contexts: &[Context], mut context: u32, what: &str) -> String {
+fn path(contexts: &[Context<'_>], mut context: u32, what: &str) -> String {
     let mut names = vec![what];
     while context != 0 {
         names.extend(contexts[context as usize].name.as_deref());

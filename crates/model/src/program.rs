@@ -5,6 +5,7 @@ use crate::gate::Network;
 use crate::instances::Instances;
 use crate::leaf::LeafTable;
 use crate::simplify::{self, leaf_needs};
+use crate::trail::Trail;
 use crate::{
     Ball, Expression, Leaf, LeafFacet, LeafId, Place, PlacementId, PrototypeId, RegionId, SurfaceId,
 };
@@ -22,6 +23,8 @@ pub struct Program {
     pub(crate) surfaces: Vec<SurfaceEntry>,
     pub(crate) leaves: LeafTable,
     pub(crate) regions: Vec<RegionInfo>,
+    /// The names around the leaves, group by group.
+    pub(crate) trails: Vec<Trail>,
 }
 
 /// A group of leaves compiled in one frame: the model itself, or a solid that is placed many times.
@@ -207,22 +210,39 @@ impl Program {
 
     /// The maps that take a world ray into a placement's frame, outermost first.
     pub fn descend(&self, id: PlacementId) -> impl Iterator<Item = Place> {
+        self.descend_groups(id).map(|(place, _)| place)
+    }
+
+    /// Like [`Program::descend`], each map with the group into whose frame it leads.
+    pub(crate) fn descend_groups(&self, id: PlacementId) -> impl Iterator<Item = (Place, PrototypeId)> {
         let (mut rest, mut group) = (id.0, PrototypeId(0));
         std::iter::from_fn(move || {
             let (run, k) = self.instance_before(group, rest)?;
             (rest, group) = (rest - run.placement(k), run.prototype);
-            Some(run.place(k))
+            Some((run.place(k), group))
         })
     }
 
     /// The last instance of a group whose first placement number is at most `rest`; `None` for the group
     /// itself.
     fn instance_before(&self, group: PrototypeId, rest: u32) -> Option<(&Instances, usize)> {
-        let Range { start, end } = self.prototype(group).instances;
-        let runs = &self.leaves.instances[start as usize..end as usize];
-        let run = runs[..runs.partition_point(|run| run.first_placement <= rest)].last()?;
+        let (run, k) = self.instance_run_before(group, rest)?;
+        Some((&self.instances_of(group)[run], k))
+    }
+
+    /// Like `instance_before`, with the number of the run of instances in the group.
+    pub(crate) fn instance_run_before(&self, group: PrototypeId, rest: u32) -> Option<(usize, usize)> {
+        let runs = self.instances_of(group);
+        let number = runs.partition_point(|run| run.first_placement <= rest).checked_sub(1)?;
+        let run = &runs[number];
         let k = (rest - run.first_placement) / run.placements_each;
-        Some((run, (k as usize).min(run.len() - 1)))
+        Some((number, (k as usize).min(run.len() - 1)))
+    }
+
+    /// The runs of instances of a group.
+    pub(crate) fn instances_of(&self, group: PrototypeId) -> &[Instances] {
+        let Range { start, end } = self.prototype(group).instances;
+        &self.leaves.instances[start as usize..end as usize]
     }
 
     /// Sizes in bytes, by part. Names that are shared with solids are not counted.
@@ -234,6 +254,7 @@ impl Program {
             ("expression", sum(|group| group.expression.bytes())),
         ];
         parts.extend(self.leaves.bytes());
+        parts.push(("paths", self.trails.iter().map(Trail::bytes).sum()));
         parts
     }
 }

@@ -1,5 +1,6 @@
 //! Solids as users build them: trees of shapes and boolean operators.
 
+use crate::Copies;
 use rayweave_math::{Affine, Vec3};
 use rayweave_shape::primitive::Primitive;
 use std::ops::{BitAnd, BitOr, BitXor, Not, Sub};
@@ -44,7 +45,7 @@ pub enum Node {
     /// The same solid with a name, which leaves without a name of their own inherit.
     Named(Arc<str>, Solid),
     /// The union of the images under several maps: one prototype with many instances.
-    Placed(Solid, Arc<[Affine]>),
+    Placed(Solid, Copies),
 }
 
 /// A solid made of one medium, as part of a model.
@@ -154,7 +155,12 @@ impl Solid {
 
     /// The union of the images under several maps. The solid is compiled once, however many maps there are.
     pub fn place(&self, transforms: impl Into<Arc<[Affine]>>) -> Solid {
-        Solid::new(Node::Placed(self.clone(), transforms.into()))
+        self.place_copies(Copies::new(transforms))
+    }
+
+    /// Like [`Solid::place`], for copies that may have a name and numbers of their own.
+    pub fn place_copies(&self, copies: Copies) -> Solid {
+        Solid::new(Node::Placed(self.clone(), copies))
     }
 
     /// True if both handles refer to the same node.
@@ -225,6 +231,15 @@ impl PartialEq for Solid {
 }
 
 impl Node {
+    /// The map and the solid under it, for a transformed solid or a single copy.
+    pub fn single_map(&self) -> Option<(&Affine, &Solid)> {
+        match self {
+            Node::Transformed(map, inner) => Some((map, inner)),
+            Node::Placed(inner, copies) if copies.len() == 1 => Some((&copies[0], inner)),
+            _ => None,
+        }
+    }
+
     /// The operands in order, for every kind of node.
     pub fn operand_refs(&self) -> impl DoubleEndedIterator<Item = &Solid> {
         let (first, second): (&[Solid], Option<&Solid>) = match self {

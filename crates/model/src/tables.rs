@@ -136,7 +136,7 @@ impl Tables {
         inner: impl Fn(PrototypeId) -> Extent,
         placements: &mut u32,
     ) -> Result<(), CompileError> {
-        let Content::Copies(prototype, maps) = part.content else { return Ok(()) };
+        let Content::Copies(prototype, _, maps) = part.content else { return Ok(()) };
         let fail = |problem| CompileError { path: group.path(part), problem };
         let placements_each = inner(prototype).placements;
         let numbers = Numbers {

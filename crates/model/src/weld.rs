@@ -6,7 +6,7 @@
 //! within `delta` of both surfaces over its whole length. Every evaluator uses this one implementation, on
 //! the final list.
 
-use crate::{Crossing, Event, Face, PlacementId, Program, RegionId, State, carried};
+use crate::{Crossing, Event, Face, GroupRay, PlacementId, Program, RegionId, State, carried};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{coincides_along, separated_along};
 use std::ops::Range;
@@ -38,7 +38,11 @@ impl Trajectory for Ray {
     fn coincides_along(&self, program: &Program, face: Face, a: f64, b: f64) -> bool {
         let entry = program.surface(face.surface);
         let (ray, magnitude) = local_ray(program, self, face.placement);
-        coincides_along(&entry.surface, entry.magnitude + magnitude, &ray, a, b)
+        let magnitude = entry.magnitude + magnitude;
+        coincides_along(&entry.surface, magnitude, &ray, a, b)
+            && (a == b
+                || !entry.surface.turns_along_rulings()
+                || is_short_if_in_surface(program, self, face, (a, b)))
     }
 
     fn separated_along(&self, program: &Program, face: Face, a: f64, ends: (f64, f64)) -> bool {
@@ -46,6 +50,19 @@ impl Trajectory for Ray {
         let (ray, magnitude) = local_ray(program, self, face.placement);
         separated_along(&entry.surface, entry.magnitude + magnitude, &ray, a, ends)
     }
+}
+
+/// False if the ray lies in the surface and the piece between two times is long enough to have a side: tangent cones may
+/// be left at different times along a common ruling.
+fn is_short_if_in_surface(program: &Program, ray: &Ray, face: Face, piece: (f64, f64)) -> bool {
+    let mut group = GroupRay::world(program, *ray, &[]);
+    for (place, prototype) in program.descend_groups(face.placement) {
+        group = group.placed(&place, program.prototype(prototype), 0);
+    }
+    let entry = program.surface(face.surface);
+    let magnitude = entry.magnitude + group.magnitude;
+    !group.chord.lies_in(&entry.surface, magnitude, &group.ray)
+        || group.chord.side_is_uncertain(&entry.surface, magnitude, &group.ray, piece)
 }
 
 /// A time at which the state of the model changes.

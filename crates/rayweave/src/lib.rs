@@ -204,11 +204,11 @@ pub mod math {
 /// Solids, programs and queries. The building blocks of evaluators are in [`rayweave_model`].
 pub mod model {
     pub use rayweave_model::{
-        ApproximateColumns, ApproximateEvaluator, BadRay, Collected, CompileError, CompileProblem, Crossing,
-        CrossingColumns, Evaluator, Face, FirstHits, HitRows, Leaf, LeafFacet, LeafId, LeafKind, Limit,
-        Medium, Node, Place, PlacementId, Program, Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays,
-        Region, RegionId, RegionInfo, Sink, Solid, SurfaceEntry, SurfaceId, Window, WindowError, attributes,
-        drive, plain, simplify,
+        ApproximateColumns, ApproximateEvaluator, BadRay, Collected, CompileError, CompileProblem, Copies,
+        Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitRows, Leaf, LeafFacet, LeafId, LeafKind,
+        Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place, PlacementId, Program, Prototype,
+        PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId, RegionInfo, Sink, Solid,
+        SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, plain, simplify,
     };
 }
 

@@ -280,9 +280,15 @@ impl<'s> Decomposer<'s> {
     fn body(&mut self, solid: &'s Solid) -> Body {
         match solid.node() {
             Node::Primitive(primitive) => shape(primitive),
-            Node::Placed(inner, maps) => {
-                Body::Place(Box::new(Place { solid: self.name(inner).into(), layout: layout(maps) }))
-            }
+            Node::Placed(inner, copies) => Body::Place(Box::new(Place {
+                solid: self.name(inner).into(),
+                layout: layout(copies),
+                name: copies.name().map(|name| name.to_owned().into()),
+                numbers: copies.numbers().map(|numbers| {
+                    let numbers = numbers.iter().map(|&number| Spanned::<Number>::from(number as f64));
+                    numbers.collect::<Vec<_>>().into()
+                }),
+            })),
             _ => Body::Expression(self.expression(solid).to_string().into()),
         }
     }

@@ -133,6 +133,10 @@ pub struct Place {
     pub solid: Spanned<String>,
     /// Position.
     pub layout: Layout,
+    /// The name of the copies in occurrence paths; that of the solid by default.
+    pub name: Option<Spanned<String>>,
+    /// The copy numbers, which need a name; counted from 0 by default.
+    pub numbers: Option<Spanned<Vec<Spanned<Number>>>>,
 }
 
 /// Positions of the copies of a solid.

@@ -1,8 +1,8 @@
 //! Coincidence of rays and surfaces: rays that lie in a surface, and pieces of rays that coincide with one.
 
-use rayweave_math::{Affine, Mat3, Transform, Vec3};
+use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, Transform, Vec3};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{Surface, coincides_along, delta, lies_in};
+use rayweave_shape::surface::{Surface, coincides_along, crossings_in, delta, lies_in};
 
 fn turned(surface: &Surface, ray: &Ray, degrees: f64) -> (Surface, Ray) {
     let map = Affine::rotation(Vec3::new(0.3, -1.0, 0.7), degrees)
@@ -16,7 +16,7 @@ fn check(surface: &Surface, ray: Ray, lies: bool) {
     for degrees in [0.0, 1e-6, 17.0, 90.0, 133.7] {
         let (surface, ray) = turned(surface, &ray, degrees);
         let answer = lies_in(&surface, surface.magnitude() + 40.0, &ray, (-3.0, 5.0));
-        assert_eq!(answer.is_some(), lies, "{surface:?}\n{ray:?}");
+        assert_eq!(answer, lies, "{surface:?}\n{ray:?}");
     }
 }
 
@@ -57,11 +57,55 @@ fn no_ray_lies_in_a_curved_surface() {
 #[test]
 fn the_side_of_a_ray_in_a_face_is_that_of_the_fixed_direction() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    let side = |normal: Vec3| lies_in(&Surface::plane(normal, 0.0), 1.0, &ray, (-1.0, 1.0));
-    assert_eq!(side(Vec3::Z), Some(false));
-    assert_eq!(side(-Vec3::Z), Some(true));
-    assert_eq!(side(Vec3::new(0.0, 1.0, -1.0)), Some(false));
-    assert_eq!(side(Vec3::new(0.0, -1.0, 1.0)), Some(true));
+    let side = |normal: Vec3| {
+        let crossings = crossings_in(&Surface::plane(normal, 0.0), 1.0, &ray, (-1.0, 1.0)).unwrap();
+        assert!(crossings.times().is_empty());
+        crossings.starts_negative()
+    };
+    assert!(!side(Vec3::Z));
+    assert!(side(-Vec3::Z));
+    assert!(!side(Vec3::new(0.0, 1.0, -1.0)));
+    assert!(side(Vec3::new(0.0, -1.0, 1.0)));
+}
+
+/// Along a ruling the side is that of a ray moved by a small length: it changes at the apex of a cone, and once on a
+/// hyperboloid and on a hyperbolic paraboloid, wherever the chord is.
+#[test]
+fn the_side_along_a_ruling_is_that_of_the_moved_ray() {
+    let form = |x: f64, y: f64, z: f64| Mat3::from_diagonal(Vec3::new(x, y, z));
+    let cone = Surface::cone(Vec3::ZERO, Vec3::Z, 0.75);
+    let hyperboloid = Surface::quadric_about(Vec3::ZERO, form(1.0, 1.0, -1.0), Vec3::ZERO, -1.0);
+    // x y = z
+    let saddle = Surface::quadric(&[
+        [0.0, 0.5, 0.0, 0.0],
+        [0.5, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 0.0, -0.5],
+        [0.0, 0.0, -0.5, 0.0],
+    ]);
+    let rulings = [
+        (&cone, Ray::new(Vec3::new(3.0, 0.0, 4.0), Vec3::new(-3.0, 0.0, -4.0))),
+        (&cone, Ray::new(Vec3::new(0.0, 6.0, 8.0), Vec3::new(0.0, 3.0, 4.0))),
+        (&hyperboloid, Ray::new(Vec3::X, Vec3::new(0.0, 1.0, 1.0))),
+        (&hyperboloid, Ray::new(Vec3::new(0.0, 1.0, 0.0), Vec3::new(-1.0, 0.0, 1.0))),
+        (&saddle, Ray::new(Vec3::new(0.5, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.5))),
+    ];
+    for (surface, ray) in rulings {
+        for degrees in [0.0, 17.0, 133.7] {
+            let (surface, ray) = turned(surface, &ray, degrees);
+            let magnitude = surface.magnitude() + 40.0;
+            let moved = Ray::new(ray.origin + 1e-6 * PERTURBATION_DIRECTION, ray.direction);
+            for ends in [(-3.0, 5.0), (2.0, 9.0), (-40.0, -30.0)] {
+                let crossings = crossings_in(&surface, magnitude, &ray, ends).unwrap();
+                assert_eq!(crossings.times().len(), 1, "{surface:?} {ray:?}");
+                let turn = crossings.times()[0];
+                for t in (-80..80).map(|k| 0.5 * f64::from(k) + 0.1234) {
+                    let inside = surface.value_and_gradient(moved.at(t)).0 < 0.0;
+                    let expected = crossings.starts_negative() ^ (t > turn);
+                    assert!(inside == expected || (t - turn).abs() < 1e-4, "{surface:?} {ray:?} {t} {turn}");
+                }
+            }
+        }
+    }
 }
 
 /// Two tangent spheres: the ray through the point of contact crosses both there. Between the far crossings it coincides

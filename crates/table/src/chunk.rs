@@ -1,6 +1,7 @@
 //! Chunks of rows, stored by column.
 
 use crate::{DType, NO_NAME, Schema, TableError};
+use std::sync::Arc;
 
 /// The values of one column in one chunk.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +16,8 @@ pub enum Values {
     Bool(Vec<bool>),
     /// For [`DType::Name`]: indices into the column's table of names, or [`NO_NAME`].
     Name(Vec<u32>),
+    /// For [`DType::Text`]. Equal texts should share memory.
+    Text(Vec<Arc<str>>),
 }
 
 impl Values {
@@ -26,6 +29,7 @@ impl Values {
             DType::I32 => Self::I32(Vec::new()),
             DType::Bool => Self::Bool(Vec::new()),
             DType::Name(_) => Self::Name(Vec::new()),
+            DType::Text => Self::Text(Vec::new()),
         }
     }
 
@@ -37,6 +41,7 @@ impl Values {
             Self::I32(v) => v.len(),
             Self::Bool(v) => v.len(),
             Self::Name(v) => v.len(),
+            Self::Text(v) => v.len(),
         }
     }
 
@@ -52,6 +57,7 @@ impl Values {
             Self::I32(_) => "i32",
             Self::Bool(_) => "bool",
             Self::Name(_) => "name",
+            Self::Text(_) => "text",
         }
     }
 }
@@ -84,6 +90,12 @@ impl From<Vec<bool>> for Values {
 impl From<Vec<u32>> for Values {
     fn from(values: Vec<u32>) -> Self {
         Self::Name(values)
+    }
+}
+
+impl From<Vec<Arc<str>>> for Values {
+    fn from(values: Vec<Arc<str>>) -> Self {
+        Self::Text(values)
     }
 }
 
@@ -146,7 +158,8 @@ fn check_column(values: &Values, dtype: &DType) -> Result<(), String> {
         (Values::F64(_), DType::F64)
         | (Values::I64(_), DType::I64)
         | (Values::I32(_), DType::I32)
-        | (Values::Bool(_), DType::Bool) => Ok(()),
+        | (Values::Bool(_), DType::Bool)
+        | (Values::Text(_), DType::Text) => Ok(()),
         (Values::Name(ids), DType::Name(names)) => check_ids(ids, names.len()),
         _ => Err(format!("has values of type {}, the schema has {dtype}", values.dtype())),
     }

@@ -22,6 +22,8 @@ pub enum DType {
     Bool,
     /// An index into this table of names (a categorical value), or [`NO_NAME`].
     Name(Arc<[String]>),
+    /// Text that is not known in advance and may repeat.
+    Text,
 }
 
 impl DType {
@@ -32,7 +34,7 @@ impl DType {
             Self::I64 => "<i8",
             Self::I32 => "<i4",
             Self::Bool => "|b1",
-            Self::Name(_) => "<u4",
+            Self::Name(_) | Self::Text => "<u4",
         }
     }
 
@@ -40,7 +42,7 @@ impl DType {
     pub(crate) fn size(&self) -> usize {
         match self {
             Self::F64 | Self::I64 => 8,
-            Self::I32 | Self::Name(_) => 4,
+            Self::I32 | Self::Name(_) | Self::Text => 4,
             Self::Bool => 1,
         }
     }
@@ -54,6 +56,7 @@ impl fmt::Display for DType {
             Self::I32 => "i32",
             Self::Bool => "bool",
             Self::Name(_) => "name",
+            Self::Text => "text",
         })
     }
 }

@@ -5,16 +5,17 @@ use std::path::{Path, PathBuf};
 use crate::format::{self, Sink};
 use crate::{Chunk, Schema, TableError};
 
-/// Writes a table chunk by chunk, in memory that does not depend on the number of rows.
+/// Writes a table chunk by chunk, in memory that does not depend on the number of rows, except that NPY files need the
+/// distinct texts of columns of text.
 ///
 /// The extension of the path determines the format:
 ///
 /// - `.csv`: a header line, then one line per row (RFC 4180, but lines end with `\n`). Floats are the shortest decimals that
 ///   read back to the same bits, `inf`, `-inf` and `nan`; booleans are `true` and `false`; names are text. The path `-` is
 ///   standard output.
-/// - `.npy`: a packed one-dimensional structured array, little endian, with name indices as `<u4`
-///   ([`NO_NAME`](crate::NO_NAME) is 4294967295). If there are columns of names, `HITS.names.json` beside `HITS.npy` maps each
-///   column to its list of names.
+/// - `.npy`: a packed one-dimensional structured array, little endian, with indices of names and of texts as `<u4`
+///   ([`NO_NAME`](crate::NO_NAME) is 4294967295). If there are columns of names or of texts, `HITS.names.json` beside
+///   `HITS.npy` maps each column to its list; texts are in the order in which they first occur.
 /// - `.parquet`: row groups of about 100,000 rows, with names as text and units in the file metadata (`unit.COLUMN`).
 ///   Requires the cargo feature `parquet`.
 ///

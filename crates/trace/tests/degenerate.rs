@@ -307,6 +307,20 @@ fn chord_of_spindle(y: f64, z: f64) -> [f64; 2] {
     [5.0 - x, 5.0 + x]
 }
 
+/// Rays past the pinch of a horn torus, through a gap of z^2 in time, which is far below the tolerance.
+fn pinch_of_a_horn_torus(b: &Bench) {
+    let horn = shape("torus", &[("major", 1.0), ("minor", 1.0)]);
+    b.expect(&horn, [-3.0, 0.0, libm::ldexp(1.0, -25)], [1.0, 0.0, 0.0], &[1.0, 5.0]);
+    let mut rng = Random::new(4);
+    for _ in 0..300 {
+        let z = rng.pick(&[1.0, -1.0]) * libm::pow(10.0, rng.between(-16.0, -7.3));
+        let (sin, cos) = rng.pick(&[(0.0, 1.0), (1.0, 0.0), (0.6, 0.8), (-0.28, 0.96)]);
+        b.expect(&horn, [-3.0 * cos, -3.0 * sin, z], [cos, sin, 0.0], &[1.0, 5.0]);
+    }
+    let stretched = horn.apply(Affine::scale(Vec3::new(1.0, 2.0, 1.0)));
+    b.expect(&stretched, [-3.0, 0.0, libm::ldexp(1.0, -25)], [1.0, 0.0, 0.0], &[1.0, 5.0]);
+}
+
 fn coaxial_flush_cylinders(bench: &Bench) {
     let tube = shape("tube", &[("outer_radius", 1.0), ("inner_radius", 0.5), ("height", 2.0)]);
     let whole = &tube | &rod(0.5, 2.0);
@@ -665,6 +679,7 @@ bank! {
         torus_axis_and_equators
         quartic_with_double_roots
         horn_and_spindle_torus
+        pinch_of_a_horn_torus
         coaxial_flush_cylinders
         sphere_inscribed_in_a_box
         needle_boxes

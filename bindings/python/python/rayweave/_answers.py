@@ -33,6 +33,8 @@ class Crossings:
     """(M,) the shape that the face belongs to, in the order of declaration; -1 for a miss."""
     placement: NDArray[np.int32]
     """(M,) which placement of that shape it is: 0 for what is not placed; -1 for a miss."""
+    occurrence: NDArray[np.int64]
+    """(M,) `leaf` and `placement` in one number, which `occurrence_paths` turns into a path of names; -1 for a miss."""
     offsets: NDArray[np.int64]
     """(N + 1,) where the rows of each ray begin, and their total at the end."""
     start_inside: NDArray[np.bool_]
@@ -62,12 +64,18 @@ def _ray(rows: Crossings) -> NDArray[np.int64]:
     return np.repeat(rays, np.diff(rows.offsets)) if "offsets" in rows.__dict__ else rays
 
 
+def _occurrence(rows: Crossings) -> NDArray[np.int64]:
+    occurrence = rows.placement.astype(np.int64) << 32 | rows.leaf
+    return np.where(rows.surface < 0, np.int64(-1), occurrence)
+
+
 # `_leaves` has the leaf of each face, and -1 at the end for face -1
 _MADE: dict[str, Callable[[Any], NDArray[Any]]] = {
     "ray": _ray,
     "offsets": lambda rows: np.arange(len(rows.start_inside) + 1, dtype=np.int64),
     "leaf": lambda rows: rows.__dict__["_leaves"][rows.surface],
     "placement": lambda rows: np.minimum(rows.surface, np.int32(0)),
+    "occurrence": _occurrence,
 }
 
 

@@ -45,14 +45,15 @@ fn taken_apart(solid: &Solid) -> Result<Option<Vec<Part>>, AnalysisError> {
         if parts.len() + waiting.len() > MOST_PARTS {
             return Ok(None);
         }
+        if let Some((own, inner)) = solid.node().single_map() {
+            waiting.push(Waiting { solid: inner.clone(), map: own.then(&map), copy });
+            continue;
+        }
         match solid.node() {
             Node::Union(all) => {
                 waiting.extend(all.iter().rev().map(|solid| Waiting { solid: solid.clone(), map, copy }));
             }
             Node::Named(_, inner) => waiting.push(Waiting { solid: inner.clone(), map, copy }),
-            Node::Transformed(own, inner) => {
-                waiting.push(Waiting { solid: inner.clone(), map: own.then(&map), copy });
-            }
             Node::Placed(inner, maps) => {
                 let first = copies;
                 copies += maps.len();

@@ -33,6 +33,8 @@ pub struct TraceOptions {
     pub query: Query<'static>,
     /// The number of threads; by default that of [`thread_count`].
     pub threads: Option<NonZeroUsize>,
+    /// Adds the column `occurrence` to the table: see [`HitTable::with_occurrences`].
+    pub occurrences: bool,
     /// Cancels the run; the unfinished table is removed.
     pub cancel: Cancel,
 }
@@ -67,6 +69,7 @@ pub fn trace_rays<E: Evaluator>(
     mut progress: impl FnMut(Progress),
 ) -> Result<TraceSummary, AnalysisError> {
     let table = HitTable::new(compiled)?;
+    let table = if options.occurrences { table.with_occurrences()? } else { table };
     let mut writer = TableWriter::create(hits, table.schema())?;
     let mut traced = 0;
     drive(

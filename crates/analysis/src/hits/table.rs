@@ -1,8 +1,9 @@
 //! The table of hits: one row for each crossing.
 
-use rayweave_model::{Program, RayAnswer, Rays, RegionId, Sink, attributes};
+use rayweave_model::{Occurrence, Program, RayAnswer, Rays, RegionId, Sink, attributes};
 use rayweave_scene::Compiled;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The table of the crossings of many rays.
@@ -15,10 +16,13 @@ use std::sync::Arc;
 /// - `enters`: true where a region is entered, false where the ray leaves for the world;
 /// - `surface`: the crossed face, for example `rim.side`; `solid`: the region entered, or the one left for
 ///   the world;
-/// - `medium_before`, `medium_after`.
+/// - `medium_before`, `medium_after`;
+/// - only [with occurrences](HitTable::with_occurrences), `occurrence`: the path of names and copy numbers of the
+///   crossed shape, for example `tower[3]/brick[12]/rim`.
 #[derive(Clone, Debug)]
 pub struct HitTable {
     schema: Schema,
+    has_occurrences: bool,
 }
 
 impl HitTable {
@@ -39,7 +43,18 @@ impl HitTable {
         columns.push(Column::names("solid", solids));
         columns.push(Column::names("medium_before", compiled.media.clone()));
         columns.push(Column::names("medium_after", compiled.media.clone()));
-        Ok(HitTable { schema: Schema::new(columns)? })
+        Ok(HitTable { schema: Schema::new(columns)?, has_occurrences: false })
+    }
+
+    /// The table with the column `occurrence` at the end.
+    ///
+    /// # Errors
+    ///
+    /// None in practice: the names of the columns are fixed.
+    pub fn with_occurrences(self) -> Result<HitTable, TableError> {
+        let mut columns = self.schema.columns().to_vec();
+        columns.push(Column::new("occurrence", DType::Text));
+        Ok(HitTable { schema: Schema::new(columns)?, has_occurrences: true })
     }
 
     /// The columns.
@@ -57,6 +72,7 @@ impl HitTable {
             numbers: Default::default(),
             enters: Vec::new(),
             names: Default::default(),
+            occurrences: self.has_occurrences.then(Occurrences::default),
         }
     }
 }
@@ -74,6 +90,21 @@ pub struct HitRows<'a> {
     enters: Vec<bool>,
     /// `surface`, `solid` and the media.
     names: [Vec<u32>; 4],
+    occurrences: Option<Occurrences>,
+}
+
+/// The column `occurrence`. Each path is computed once.
+#[derive(Debug, Default)]
+struct Occurrences {
+    paths: Vec<Arc<str>>,
+    known: HashMap<Occurrence, Arc<str>>,
+}
+
+impl Occurrences {
+    fn push(&mut self, program: &Program, occurrence: Occurrence) {
+        let path = || program.occurrence_path(occurrence).to_string().into();
+        self.paths.push(self.known.entry(occurrence).or_insert_with(path).clone());
+    }
 }
 
 impl HitRows<'_> {
@@ -83,11 +114,12 @@ impl HitRows<'_> {
     ///
     /// None: the columns grow together.
     pub fn finish(self) -> Result<Chunk, TableError> {
-        let mut columns: Vec<Values> = Vec::with_capacity(14);
+        let mut columns: Vec<Values> = Vec::with_capacity(15);
         columns.extend(self.integers.map(Values::from));
         columns.extend(self.numbers.map(Values::from));
         columns.push(self.enters.into());
         columns.extend(self.names.map(Values::from));
+        columns.extend(self.occurrences.map(|occurrences| Values::from(occurrences.paths)));
         Chunk::new(columns)
     }
 }
@@ -115,6 +147,9 @@ impl Sink for HitRows<'_> {
             push_all(&mut self.numbers, values);
             self.enters.push(crossing.enters());
             push_all(&mut self.names, names);
+            if let Some(occurrences) = &mut self.occurrences {
+                occurrences.push(self.program, face.occurrence());
+            }
         }
     }
 }

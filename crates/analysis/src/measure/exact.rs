@@ -8,14 +8,15 @@ use rayweave_model::{Node, Solid};
 pub fn exact_volume(solid: &Solid) -> Option<f64> {
     let (mut solid, mut factor) = (solid, 1.0);
     loop {
+        if let Some((map, inner)) = solid.node().single_map() {
+            factor *= map.linear.determinant().abs();
+            solid = inner;
+            continue;
+        }
         match solid.node() {
             Node::Empty => return Some(0.0),
             Node::Universe => return Some(f64::INFINITY),
             Node::Primitive(primitive) => return Some(factor * primitive.volume()?),
-            Node::Transformed(map, inner) => {
-                factor *= map.linear.determinant().abs();
-                solid = inner;
-            }
             Node::Named(_, inner) => solid = inner,
             _ => return None,
         }

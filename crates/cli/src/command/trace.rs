@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// Trace a file of rays and write the table of their crossings
 ///
 /// Rays are CSV with the header ox,oy,oz,dx,dy,dz, or NPY of shape (N, 6). The table has the columns ray, crossing, t, x, y,
-/// z, nx, ny, nz, enters, surface, solid, medium_before, medium_after. Both files are streamed: memory does not grow with the
+/// z, nx, ny, nz, enters, surface, solid, medium_before, medium_after, and occurrence with --occurrence. Both files are streamed: memory does not grow with the
 /// number of rays. The output file appears when it is complete.
 #[derive(Args)]
 pub struct Trace {
@@ -46,6 +46,10 @@ pub struct Trace {
     /// Only crossings before this time [default: inf]
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     t_max: Option<f64>,
+
+    /// Add the column occurrence: which copy of which shape was hit, as tower[3]/brick[12]/hole
+    #[arg(long)]
+    occurrence: bool,
 }
 
 impl Trace {
@@ -56,7 +60,12 @@ impl Trace {
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let cancel = interrupt::token()?;
         let rays = open(&self.rays, &cancel).map_err(|error| input_failure(error, &cancel))?;
-        let options = TraceOptions { query, threads: global.threads, cancel: cancel.clone() };
+        let options = TraceOptions {
+            query,
+            threads: global.threads,
+            occurrences: self.occurrence,
+            cancel: cancel.clone(),
+        };
         let bar = terminal::progress_bar(rays.progress().total, Unit::Bytes, global.quiet);
         let traced = trace_rays(&compiled, &evaluator, rays, &self.out, &options, |progress| {
             bar.set_position(progress.done)

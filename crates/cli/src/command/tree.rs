@@ -95,7 +95,7 @@ impl Head {
             _ => (solid.clone(), String::new()),
         };
         let mut maps = Vec::new();
-        while let (Node::Transformed(map, next), true) = (inner.node(), maps.len() < MOST_TRANSFORMS) {
+        while let (Some((map, next)), true) = (inner.node().single_map(), maps.len() < MOST_TRANSFORMS) {
             let image = Solid::empty().apply(*map).to_string();
             maps.push(image.trim_start_matches("empty").to_owned());
             inner = next.clone();

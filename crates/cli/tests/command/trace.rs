@@ -66,6 +66,37 @@ fn any_number_of_threads_and_any_evaluator_write_the_same_bytes() {
     assert_eq!(one, with("single_hit.csv", &["--evaluator", "single_hit"]));
 }
 
+/// The paths of copies: the same for any number of threads, in text and by number.
+#[test]
+fn occurrences_name_the_copies() {
+    let bench = Bench::new();
+    let model = "rayweave = 1\n[solid.ball]\nsphere = { radius = 1 }\n[solid.row]\n\
+                 place = { solid = \"ball\", grid = [9, 1, 1], step = [4, 0, 0] }\n[solid.rows]\n\
+                 place = { solid = \"row\", at = [[0, 0, 0], [0, 9, 0]], name = \"tray\", numbers = [4, 2] }\n";
+    bench.write("rows.toml", model);
+    let lines: Vec<String> = (0..3000).map(|k| format!("{},{},-5,0,0,1\n", k % 9 * 4, k % 2 * 9)).collect();
+    bench.write("rays.csv", format!("{RAYS}{}", lines.concat()));
+    let with = |out: &str, threads: &str| {
+        let files = ["trace", "rows.toml", "--rays", "rays.csv", "-o", out, "--occurrence", "--nearest"];
+        bench.says(&[&files[..], &["--threads", threads]].concat());
+        bench.bytes(out)
+    };
+    let text = String::from_utf8(with("one.csv", "1")).unwrap();
+    assert_eq!(text.lines().next().unwrap(), format!("{HEADER},occurrence"));
+    for (k, row) in text.lines().skip(1).enumerate() {
+        let expected = format!("rows/tray[{}]/row/ball[{}]", [4, 2][k % 2], k % 9);
+        assert_eq!(row.rsplit(',').next(), Some(&*expected));
+    }
+    assert_eq!(text.as_bytes(), with("four.csv", "4"));
+    with("hits.npy", "4");
+    let names: serde_json::Value = serde_json::from_str(&bench.read("hits.names.json")).unwrap();
+    let paths = names["occurrence"].as_array().unwrap();
+    assert_eq!((paths.len(), &paths[1]), (18, &serde_json::json!("rows/tray[2]/row/ball[1]")));
+    bench.write("rows.toml", model.replace("[4, 2]", "[4]"));
+    let message = bench.fails(3, &["trace", "rows.toml", "--rays", "rays.csv", "-o", "-"]);
+    assert!(message.contains("`place` has 1 numbers") && message.contains("there are 2 copies"), "{message}");
+}
+
 #[test]
 fn nearest_and_windows() {
     let bench = Bench::new();

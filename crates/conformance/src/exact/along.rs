@@ -1,4 +1,4 @@
-//! A surface along a ray: its crossings, or the side of it on which the whole ray lies.
+//! A surface along a ray: its crossings, or the sides of a ray that lies in it.
 
 use super::root::{Root, SignChanges, sign_changes};
 use super::{Dyadic, Line, Surface};
@@ -61,6 +61,8 @@ pub(super) struct Along {
     pub(super) coefficients: [Dyadic; 3],
     pub(super) changes: SignChanges,
     pub(super) lies: bool,
+    /// `[rise, level]` of `w . grad f = rise t + level`, if the ray lies in the surface and its side changes.
+    turn: Option<[Dyadic; 2]>,
 }
 
 fn polynomial([a, b, c]: &[Dyadic; 3], t: &Dyadic) -> Dyadic {
@@ -88,11 +90,28 @@ impl Along {
         let coefficients = surface.along(line);
         let lies = coefficients.iter().all(Dyadic::is_zero)
             || Self::nearly_lies(surface, &coefficients, line, span)?;
-        let changes = match lies {
-            true => SignChanges { starts_negative: side_along_w(surface, line, span)?, roots: Vec::new() },
-            false => sign_changes(&coefficients),
+        let turn = if lies { turn(surface, line, span)? } else { None };
+        let changes = match (lies, &turn) {
+            (true, Some([rise, level])) => sign_changes(&[Dyadic::ZERO, rise.clone(), level.clone()]),
+            (true, None) => {
+                SignChanges { starts_negative: side_along_w(surface, line, span)?, roots: Vec::new() }
+            }
+            (false, _) => sign_changes(&coefficients),
         };
-        Ok(Along { coefficients, changes, lies })
+        Ok(Along { coefficients, changes, lies, turn })
+    }
+
+    /// The distance of the ray from the surface at a time, in units of the tolerance. For a ray in the surface whose side
+    /// changes it is `w . grad f` in units of its rounding, which bounds the time of the change.
+    pub(super) fn depth(&self, surface: &Surface, line: &Line, t: &Dyadic) -> f64 {
+        match &self.turn {
+            // the engine takes 2 (2 bend delta |w|) for rounding, where the bend here already has the factor 2 |w|
+            Some([rise, level]) => {
+                let slope = (&(rise * t) + level).to_f64().abs();
+                slope / (2.0 * surface.bend() * delta(surface, line, t.to_f64()))
+            }
+            None => depth(surface, &self.coefficients, line, t),
+        }
     }
 
     fn nearly_lies(surface: &Surface, c: &[Dyadic; 3], line: &Line, span: &Span) -> Result<bool, Uncertain> {
@@ -129,6 +148,9 @@ impl Along {
     /// Upper bound of the change of a root if the surface moves by `by`.
     pub(super) fn time_error(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
         let t = root.near();
+        if let Some([rise, _]) = &self.turn {
+            return 2.0 * by * surface.bend() / rise.to_f64().abs();
+        }
         let [a, b, _] = &self.coefficients;
         let error = by * surface.slope(&line.at(&t.rounded()));
         let speed = (&(a * t).scaled(1) + b).to_f64().abs();
@@ -161,6 +183,33 @@ impl Along {
         }
         distance(surface, &self.coefficients, line, &(-b).over(&a.scaled(1)))
     }
+}
+
+/// `[rise, level]` of `w . grad f` along a ray in the surface; `None` if it is constant up to rounding.
+fn turn(surface: &Surface, line: &Line, span: &Span) -> Result<Option<[Dyadic; 2]>, Uncertain> {
+    let slope = |t: Dyadic| {
+        let gradient = surface.gradient(&line.at(&t));
+        let w = W.map(Dyadic::from);
+        (0..3).fold(Dyadic::ZERO, |sum, k| &sum + &(&w[k] * &gradient[k]))
+    };
+    let level = slope(Dyadic::ZERO);
+    let rise = &slope(Dyadic::ONE) - &level;
+    if rise.is_zero() {
+        return Ok(None);
+    }
+    let mut verdicts = span.0.iter().map(|&(middle, half)| {
+        let change = rise.to_f64().abs() * 2.0 * half;
+        let noise = surface.bend() * delta(surface, line, middle.abs() + half);
+        match change / noise {
+            ratio if ratio > 8.0 * GREY => Ok(true),
+            ratio if ratio * GREY < 1.0 => Ok(false),
+            _ => Err(Uncertain::Side),
+        }
+    });
+    let first = verdicts.next().unwrap_or(Ok(false))?;
+    let turns =
+        verdicts.try_fold(first, |all, one| if one? == all { Ok(all) } else { Err(Uncertain::Side) })?;
+    Ok(turns.then_some([rise, level]))
 }
 
 /// True (negative) if moving along w makes f negative, in the middle of each chord.

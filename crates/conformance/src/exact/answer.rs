@@ -2,7 +2,7 @@
 //! surface is perturbed symbolically along the fixed direction w, and pieces within the tolerance are welded
 //! once.
 
-use super::along::{Along, GREY, Span, Uncertain, delta, depth, side_at};
+use super::along::{Along, GREY, Span, Uncertain, delta, side_at};
 use super::{Dyadic, Exact, Line, Root, Surface};
 use rayweave_math::Vec3;
 
@@ -213,7 +213,7 @@ impl<'a> Work<'a> {
         let (a, b) = (&self.moments[i], &self.moments[j]);
         let times = self.samples(&a.root, &b.root);
         let deepest = |s: &usize| {
-            let one = |t| depth(&self.exact.surfaces[*s], &self.along[*s].coefficients, self.line, t);
+            let one = |t| self.along[*s].depth(&self.exact.surfaces[*s], self.line, t);
             times.iter().map(one).fold(0.0, f64::max)
         };
         let (mut far, mut near) = (false, true);

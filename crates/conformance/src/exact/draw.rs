@@ -270,7 +270,13 @@ pub fn ray(rng: &mut Random) -> Ray {
         }
         4..7 => direction[rng.below(3)] = rng.pick(&[1.0, -1.0, 2.0, 0.125]),
         7..9 => direction = Vec3::from_array(std::array::from_fn(|_| rng.below(3) as f64 - 1.0)),
-        9..11 => direction = Vec3::new(whole(rng), whole(rng), whole(rng)),
+        9 => direction = Vec3::new(whole(rng), whole(rng), whole(rng)),
+        // along rulings of the cones of the grid, whose radii and heights are powers of two
+        10 => {
+            let axis = rng.below(3);
+            direction[axis] = 1.0;
+            direction[(axis + 1 + rng.below(2)) % 3] = rng.pick(&[1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 0.25]);
+        }
         // from a point of the grid in any direction
         11 => direction = rng.direction(),
         // at a tiny angle to an axis

@@ -104,6 +104,11 @@ fn leaves(solids: &[(String, Solid)]) -> Option<Vec<(String, Solid)>> {
         let Some(part) = waiting.pop() else {
             return Some(seen.into_iter().map(row).collect());
         };
+        if let Some((map, inner)) = part.solid.node().single_map() {
+            let world_from_local = map.then(&part.world_from_local);
+            waiting.push(Part { world_from_local, ..part.with(inner) });
+            continue;
+        }
         match part.solid.node() {
             Node::Empty | Node::Universe | Node::Primitive(_) | Node::Placed(..) => {
                 if !seen.iter().any(|other| other.is_same(&part)) {
@@ -112,10 +117,6 @@ fn leaves(solids: &[(String, Solid)]) -> Option<Vec<(String, Solid)>> {
             }
             Node::Named(name, inner) => {
                 waiting.push(Part { name: Some(name.clone()), ..part.with(inner) });
-            }
-            Node::Transformed(map, inner) => {
-                let world_from_local = map.then(&part.world_from_local);
-                waiting.push(Part { world_from_local, ..part.with(inner) });
             }
             node => waiting.extend(node.operand_refs().rev().map(|operand| part.with(operand))),
         }

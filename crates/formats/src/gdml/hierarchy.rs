@@ -1,15 +1,14 @@
 //! Volume hierarchy: conversion of the graph of logical volumes to regions.
 
 use super::context::Context;
-use super::graph::{Graph, Volume};
+use super::graph::{Daughter, Graph, Volume};
 use super::materials::Material;
 use super::table::table;
 use super::trouble::Trouble;
 use rayweave_math::Affine;
-use rayweave_model::Solid;
+use rayweave_model::{Copies, Solid};
 use rayweave_scene::{Colour, Medium, Scene, SceneRegion, Table, Unit};
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
 
 /// The scene, with one region per volume that is placed in the world.
 pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Option<(Scene, Table)> {
@@ -114,8 +113,8 @@ fn cycle_trouble(graph: &Graph, cycle: &[usize]) -> Trouble {
     Trouble::new(format!("the volume `{}` contains itself: {}.", names[0], names.join(" contains ")), place)
 }
 
-/// A mother, and the maps of a daughter into it.
-type Mother = (usize, Arc<[Affine]>);
+/// A mother, and the copies of a daughter in it.
+type Mother = (usize, Copies);
 
 /// Placements of all volumes in their mothers.
 pub(super) struct Ancestry {
@@ -130,17 +129,18 @@ impl Ancestry {
     pub fn new(graph: &Graph, order: &[usize]) -> Ancestry {
         let mut mothers: HashMap<usize, Vec<Mother>> = HashMap::new();
         for &mother in order {
-            let (mut maps, mut met): (HashMap<usize, Vec<Affine>>, Vec<usize>) = Default::default();
+            let (mut all, mut met): (HashMap<usize, Numbered>, Vec<usize>) = Default::default();
             for daughter in graph.daughters(mother) {
-                let all = maps.entry(daughter.volume).or_default();
-                if all.is_empty() {
+                let copies = all.entry(daughter.volume).or_default();
+                if copies.maps.is_empty() {
                     met.push(daughter.volume);
                 }
-                all.extend(&daughter.maps);
+                copies.extend(daughter);
             }
             for daughter in met {
-                let maps = maps.remove(&daughter).unwrap_or_default();
-                mothers.entry(daughter).or_default().push((mother, maps.into()));
+                let copies = all.remove(&daughter).unwrap_or_default();
+                let copies = copies.labelled(graph.volumes[daughter].bare_name());
+                mothers.entry(daughter).or_default().push((mother, copies));
             }
         }
         let rank = order.iter().enumerate().map(|(rank, volume)| (*volume, rank)).collect();
@@ -157,9 +157,9 @@ impl Ancestry {
             if rank == 0 {
                 return Some(all);
             }
-            for (mother, maps) in self.mothers.get(&self.order[rank]).into_iter().flatten() {
-                if !maps.is_empty() {
-                    waiting.entry(self.rank[mother]).or_default().push(copies(&all, maps));
+            for (mother, copies) in self.mothers.get(&self.order[rank]).into_iter().flatten() {
+                if !copies.is_empty() {
+                    waiting.entry(self.rank[mother]).or_default().push(all.place_copies(copies.clone()));
                 }
             }
         }
@@ -168,11 +168,37 @@ impl Ancestry {
     }
 }
 
-fn copies(solid: &Solid, maps: &Arc<[Affine]>) -> Solid {
-    match &maps[..] {
-        [map] if *map == Affine::IDENTITY => solid.clone(),
-        [map] => solid.apply(*map),
-        _ => solid.place(maps.clone()),
+/// The copies of a volume in one mother, with the copy numbers of the file.
+#[derive(Default)]
+struct Numbered {
+    maps: Vec<Affine>,
+    numbers: Vec<i64>,
+    /// True if a number differs from the position among the copies.
+    is_numbered: bool,
+}
+
+impl Numbered {
+    fn extend(&mut self, daughter: &Daughter) {
+        for (k, map) in daughter.maps.iter().enumerate() {
+            let counted = self.maps.len() as i64;
+            let number = daughter.copy.map_or(counted, |first| first.saturating_add(k as i64));
+            self.is_numbered |= number != counted;
+            self.maps.push(*map);
+            self.numbers.push(number);
+        }
+    }
+
+    /// The copies under the name of their volume. A copy with its own dimensions is a volume `name[k]`.
+    fn labelled(self, volume: &str) -> Copies {
+        let sized = volume.strip_suffix(']').and_then(|text| text.rsplit_once('['));
+        let sized = sized.and_then(|(name, k)| Some((name, k.parse::<i64>().ok()?)));
+        match sized {
+            Some((name, k)) if self.maps.len() == 1 => Copies::labelled(self.maps, name, Some([k].into())),
+            _ => {
+                let numbers = self.is_numbered.then(|| self.numbers.into());
+                Copies::labelled(self.maps, volume, numbers)
+            }
+        }
     }
 }
 

@@ -87,7 +87,7 @@ fn graph(records: &[VolumeRecord]) -> Graph {
         name: String::new(),
         volume: placed.volume,
         maps: placed.maps.clone(),
-        copy: None,
+        copy: placed.copy,
         place: Place::default(),
     };
     let volume = |(record, content): (&VolumeRecord, usize)| Volume {

@@ -140,6 +140,10 @@ fn enter<'s, B: Builder>(
             tasks.push(Task::Enter(inner, map.then(&place)));
             return Ok(None);
         }
+        Node::Placed(inner, maps) if maps.len() == 1 => {
+            tasks.push(Task::Enter(inner, maps[0].then(&place)));
+            return Ok(None);
+        }
         Node::Placed(inner, maps) => {
             tasks.push(Task::Join(Join::Plain(Operation::Union), maps.len()));
             tasks.extend(maps.iter().rev().map(|map| Task::Enter(inner, map.then(&place))));

@@ -408,3 +408,87 @@ fn many_placements_stay_small() {
     assert_eq!(program.prototypes().len(), 2);
     assert_eq!(program.prototypes()[0].placements, 4001);
 }
+
+/// The paths of the crossings along a ray, each without what is inside its innermost placement.
+fn placements_along(scene: &rayweave_scene::Scene, origin: [f64; 3], direction: [f64; 3]) -> Vec<String> {
+    let mut regions = scene.model_regions();
+    regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let ray = Ray { origin: Vec3::from_array(origin), direction: Vec3::from_array(direction) };
+    let found = Weave::new(program.clone()).one(ray, &Query::default()).unwrap();
+    let path = |crossing: &rayweave_model::Crossing| {
+        program.occurrence_path(crossing.face.occurrence()).placed().to_string()
+    };
+    found.crossings.iter().map(path).collect()
+}
+
+fn physvol(volume: &str, copy: &str, x: f64) -> String {
+    format!("<physvol{copy}><volumeref ref=\"{volume}\"/><position x=\"{x}\"/></physvol>")
+}
+
+/// Names of volumes with the copy numbers of the file, through any number of levels and formats.
+#[test]
+fn occurrence_paths_have_the_copy_numbers_of_the_file() {
+    let structure = [
+        volume("Tip0x55d0", "cube", ""),
+        volume(
+            "Arm",
+            "slab",
+            &(physvol("Tip0x55d0", " copynumber=\"4\"", -5.0) + &physvol("Tip0x55d0", "", 5.0)),
+        ),
+        volume(
+            "World",
+            "big",
+            &(physvol("Arm", " copynumber=\"17\"", -50.0) + &physvol("Arm", " copynumber=\"12\"", 50.0)),
+        ),
+    ];
+    let imported = parse(&model("", BOXES, &structure.concat())).unwrap();
+    let arm = |k: u32| {
+        let (own, tip) = (format!("Arm[{k}]"), |j: u32| format!("Arm[{k}]/Tip[{j}]"));
+        [own.clone(), tip(4), tip(4), tip(1), tip(1), own]
+    };
+    // the surface of the world is placed nowhere
+    let expected = [vec![String::new()], arm(17).to_vec(), arm(12).to_vec(), vec![String::new()]].concat();
+    let ray = ([-100.0, 0.1, 0.2], [1.0, 0.0, 0.0]);
+    assert_eq!(placements_along(&imported.scene, ray.0, ray.1), expected);
+    // a native file keeps names and numbers; the paths begin with the name of the solid of the region
+    let text = rayweave_scene::Document::from_scene(&imported.scene).to_toml();
+    let (_, scene) = rayweave_scene::parse(&text).unwrap();
+    let read = placements_along(&scene, ray.0, ray.1);
+    let below = |path: &String| path.split_once('/').map_or(String::new(), |(_, rest)| rest.to_owned());
+    assert_eq!(read.iter().map(below).collect::<Vec<_>>(), expected, "{text}");
+    assert_eq!(scene.regions[2].solid, imported.scene.regions[2].solid.named("Tip"));
+}
+
+#[test]
+fn replicas_and_divisions_are_counted() {
+    let replicas = "<replicavol number=\"4\"><volumeref ref=\"Cell\"/><replicate_along_axis><direction x=\"1\"/>\
+                    <width value=\"5\"/><offset value=\"0\"/></replicate_along_axis></replicavol>";
+    let structure = [
+        volume("Cell", "cube", ""),
+        volume("Row", "slab", replicas),
+        volume("World", "big", &physvol("Row", " copynumber=\"3\"", 0.0)),
+    ];
+    let imported = parse(&model("", BOXES, &structure.concat())).unwrap();
+    let cells = (0..4).flat_map(|k| [format!("Row[3]/Cell[{k}]"), format!("Row[3]/Cell[{k}]")]);
+    let row = || ["Row[3]".to_owned()];
+    let expected: Vec<String> = row().into_iter().chain(cells).chain(row()).collect();
+    let mut found = placements_along(&imported.scene, [-100.0, 0.1, 0.2], [1.0, 0.0, 0.0]);
+    found.retain(|path| !path.is_empty());
+    assert_eq!(found, expected);
+    // slices of a size of their own are volumes of their own, under the name of the one that is divided
+    let divided = "<divisionvol axis=\"kXAxis\" number=\"2\" width=\"0\" offset=\"0\" unit=\"mm\">\
+                   <volumeref ref=\"Cell\"/></divisionvol>";
+    let structure = [
+        volume("Cell", "cube", ""),
+        volume("Row", "slab", divided),
+        volume("World", "big", &physvol("Row", "", 0.0)),
+    ];
+    let imported = parse(&model("", BOXES, &structure.concat())).unwrap();
+    let program = Program::compile_regions(&imported.scene.model_regions()).unwrap();
+    let paths = program.occurrences().map(|k| program.occurrence_path(k).placed().to_string());
+    let mut found: Vec<String> = paths.filter(|path| path.contains("Cell")).collect();
+    found.sort();
+    found.dedup();
+    assert_eq!(found, ["Row/Cell[0]", "Row/Cell[1]"]);
+}

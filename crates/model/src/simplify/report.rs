@@ -266,7 +266,7 @@ fn distinct_names(group: &Group) -> Vec<Arc<str>> {
     for part in &group.parts {
         match &part.content {
             Content::Shape(_) => names.push(part.name.clone()),
-            Content::Copies(_, maps) => {
+            Content::Copies(_, _, maps) => {
                 names.extend((0..maps.len()).map(|k| Arc::from(format!("{}[{k}]", part.name))));
             }
         }

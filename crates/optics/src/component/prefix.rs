@@ -46,7 +46,7 @@ fn rebuilt(solid: &Solid, operands: Vec<Solid>, prefix: &str) -> Solid {
         (Node::Complement(_), Some(inner)) => !inner,
         (Node::Transformed(map, _), Some(inner)) => inner.apply(*map),
         (Node::Named(name, _), Some(inner)) => inner.named(&format!("{prefix}.{name}")),
-        (Node::Placed(_, maps), Some(inner)) => inner.place(maps.clone()),
+        (Node::Placed(_, maps), Some(inner)) => inner.place_copies(maps.clone()),
         _ => solid.clone(),
     }
 }

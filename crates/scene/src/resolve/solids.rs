@@ -8,12 +8,14 @@ use crate::diagnostic::Diagnostic;
 use crate::document::*;
 use crate::expression::{Expression, Operator, Term};
 use crate::fault::place_in;
+use crate::number::Number;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::Solid;
+use rayweave_model::{Copies, Solid};
 use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The maximum number of copies of one placement.
 const MOST_COPIES: u32 = 1 << 22;
@@ -200,9 +202,15 @@ impl<'d> Builder<'d> {
         place: &Place,
     ) -> Option<Solid> {
         let maps = layout(context, numbers, &place.layout);
+        let given = place.numbers.as_ref();
+        let given = given.map(|given| copy_numbers(context, numbers, given, maps.as_ref()));
         let needed = self.parts[index].needs[0].0?;
         let solid = self.solids.built[needed].as_ref()?;
-        Some(solid.place(maps?))
+        let given = given.map_or(Some(None), |given| given.map(Some))?;
+        Some(match &place.name {
+            Some(name) => solid.place_copies(Copies::labelled(maps?, &name.value, given)),
+            None => solid.place(maps?),
+        })
     }
 }
 
@@ -444,6 +452,25 @@ fn layout(context: &mut Context, numbers: &Numbers, layout: &Layout) -> Option<V
         }
         Layout::File(file) => files::transforms(context, file),
     }
+}
+
+/// The numbers of copies, one for each map.
+fn copy_numbers(
+    context: &mut Context,
+    numbers: &Numbers,
+    given: &Spanned<Vec<Spanned<Number>>>,
+    maps: Option<&Vec<Affine>>,
+) -> Option<Arc<[i64]>> {
+    let count = maps?.len();
+    if given.value.len() != count {
+        let problem = Diagnostic::error(format!("`place` has {} numbers", given.value.len()));
+        context.push(problem.why(format!("there are {count} copies")), given.span);
+        return None;
+    }
+    let is_whole = |value: f64| value.is_finite() && value.fract() == 0.0;
+    let each = given.value.iter().map(|number| numbers.checked(context, number, "a whole number", is_whole));
+    let values: Vec<Option<f64>> = each.collect();
+    values.into_iter().map(|value| value.map(|value| value as i64)).collect()
 }
 
 fn placed_matrix(context: &mut Context, numbers: &Numbers, rows: &Matrix) -> Option<Affine> {

@@ -143,9 +143,12 @@ fn place() -> Value {
             "at": { "type": "array", "items": reference("vector") },
             "matrices": { "type": "array", "items": reference("matrix") },
             "file": text("An NPY file beside the model: float64, (N, 3) or (N, 4, 4)."),
+            "name": text("The name of the copies in occurrence paths; that of the solid by default."),
+            "numbers": { "type": "array", "items": reference("number") },
         }),
         &["solid"],
     );
+    place["dependentRequired"] = json!({ "numbers": ["name"] });
     place["oneOf"] = json!([
         { "required": ["grid", "step"] },
         { "required": ["ring", "radius"] },

@@ -61,6 +61,13 @@ impl AffineTorus {
         (value, self.local_from_world.transpose() * gradient)
     }
 
+    /// Like [`Torus::value_and_steepest`].
+    pub fn value_and_steepest(&self, point: Vec3) -> (f64, Vec3) {
+        let local = self.local_from_world * (point - self.centre);
+        let (value, gradient) = self.torus.value_and_steepest(local);
+        (value, self.local_from_world.transpose() * gradient)
+    }
+
     /// Upper bound of the distance from the origin to the farthest point of the torus.
     pub fn magnitude(&self) -> f64 {
         let norm = Affine::from_linear(self.world_from_local).linear_norm();

@@ -41,15 +41,16 @@ impl MeshForm {
         &self.solid
     }
 
-    /// Tolerance within which a point counts as on the mesh.
-    fn delta(&self, point: Vec3) -> f64 {
-        64.0 * UNIT_ROUNDOFF * (point.length() + self.solid.magnitude())
+    /// Tolerance within which a point counts as on the mesh; `lengths` is that of [`Perturbation::lengths`].
+    fn delta(&self, point: Vec3, lengths: f64) -> f64 {
+        64.0 * UNIT_ROUNDOFF * (point.length() + self.solid.magnitude() + lengths)
     }
 
     /// Calls `take` with the crossings of a line, except pairs at the same time, which cancel.
     fn each_crossing(&self, line: &Line, perturbation: &Perturbation, mut take: impl FnMut(&Crossing)) {
         FOUND.with_borrow_mut(|found| {
-            self.solid.crossings(line, &perturbation.directions(), found);
+            let lengths = perturbation.lengths();
+            self.solid.crossings_with(line, &perturbation.directions(), lengths, found);
             for at_once in found.chunk_by(|a, b| a.t == b.t).filter(|at_once| at_once.len() % 2 == 1) {
                 take(&at_once[0]);
             }
@@ -80,8 +81,9 @@ impl MeshForm {
     }
 
     /// True if a crossing ahead is the one at the start, i.e. its triangle contains the start within rounding.
-    fn is_at_start(&self, crossing: &Crossing, start: Vec3) -> bool {
-        self.solid.distance_from(crossing.triangle, start) <= self.delta(start)
+    fn is_at_start(&self, crossing: &Crossing, start: &Departing<'_>) -> bool {
+        let (origin, lengths) = (start.ray.origin, start.perturbation.lengths());
+        self.solid.distance_from(crossing.triangle, origin) <= self.delta(origin, lengths)
     }
 }
 
@@ -103,8 +105,8 @@ impl Form for MeshForm {
     /// Crossings through triangles that contain the start are skipped. The parity of the others gives the side after the
     /// start, since the ray is outside far away.
     fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64)) {
-        let (line, origin) = (line(&start.ray), start.ray.origin);
-        let is_ahead = |crossing: &Crossing| crossing.t > 0.0 && !self.is_at_start(crossing, origin);
+        let line = line(&start.ray);
+        let is_ahead = |crossing: &Crossing| crossing.t > 0.0 && !self.is_at_start(crossing, start);
         let mut is_inside = false;
         self.each_crossing(&line, &start.perturbation, |crossing| is_inside ^= is_ahead(crossing));
         if is_inside != start.inside_after {
@@ -124,7 +126,7 @@ impl Form for MeshForm {
         };
         let away = point - nearest.point;
         let normal = self.solid.outward_normal(nearest.triangle);
-        if away.length() <= self.delta(point) && normal.is_finite() {
+        if away.length() <= self.delta(point, 0.0) && normal.is_finite() {
             return (away.dot(normal), normal);
         }
         let perturbation = Perturbation::WORLD.directions();
@@ -170,7 +172,7 @@ impl Form for MeshForm {
             return (Interval::ALL, [Interval::new(-1.0, 1.0); 3]);
         }
         let (value, _) = self.value_and_gradient(middle);
-        let radius = half.length() * (1.0 + 8.0 * UNIT_ROUNDOFF) + self.delta(middle);
+        let radius = half.length() * (1.0 + 8.0 * UNIT_ROUNDOFF) + self.delta(middle, 0.0);
         (Interval::around(value, radius), [Interval::new(-1.0, 1.0); 3])
     }
 

@@ -40,7 +40,7 @@ pub use sag::Sag;
 pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;
 pub use tolerance::{
-    Chord, Perturbation, coincides_along, coincides_between, delta, delta_of, is_near, lies_in,
+    Chord, Perturbation, coincides_along, coincides_between, crossings_in, delta, delta_of, is_near, lies_in,
     separated_along,
 };
 pub use torus::Torus;
@@ -249,6 +249,13 @@ impl Surface {
             value / gradient.dot(ray.direction)
         };
         let mut departure = self.departure(&ray);
+        if departure.negative_after.is_none() && self.turns_along_rulings() {
+            // in a ruling: from the start over the lengths of surface and ray
+            let end = (ray.origin.length() + self.magnitude()) / ray.direction.length();
+            let turns =
+                tolerance::perturbed_crossings(self, self.magnitude(), &ray, perturbation, (0.0, end));
+            departure.times = Crossings::new(false, turns.times().last().filter(|&&t| t > 0.0).as_slice());
+        }
         if self.degree() == 2 {
             departure = departure.polished(newton);
         }
@@ -283,6 +290,16 @@ impl Surface {
         }
     }
 
+    /// `f` at a point and the length of its gradient; where the surface has a ridge, of the gradient beside it.
+    fn value_and_slope(&self, point: Vec3) -> (f64, f64) {
+        let (value, gradient) = match self {
+            Surface::Torus(s) => s.value_and_steepest(point),
+            Surface::AffineTorus(s) => s.value_and_steepest(point),
+            _ => self.value_and_gradient(point),
+        };
+        (value, gradient.length())
+    }
+
     /// The test of [`coincides_along`] per face, for surfaces of many faces.
     fn coincident_faces(&self, magnitude: f64, ray: &Ray, a: f64, b: f64) -> Option<bool> {
         match self {
@@ -310,6 +327,12 @@ impl Surface {
             Surface::Sphere(_) | Surface::Torus(_) | Surface::AffineTorus(_) => false,
             Surface::Object(s) => s.form.is_ruled(),
         }
+    }
+
+    /// True if the normal may turn along a straight line in the surface: it does along the rulings of cones, hyperboloids and
+    /// hyperbolic paraboloids, but not in planes and along cylinders.
+    pub fn turns_along_rulings(&self) -> bool {
+        matches!(self, Surface::Cone(_) | Surface::Quadric(_))
     }
 
     /// Upper bound of the lengths that describe the surface, including its position relative to the origin.

@@ -124,7 +124,7 @@ impl Object {
     /// Passes the times at which f changes sign along the ray to `emit`, in order; returns true if f is negative at -inf.
     pub fn crossings(&self, ray: &Ray, perturbation: &Perturbation, mut emit: impl FnMut(f64)) -> bool {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
-        let perturbation = perturbation.mapped(&self.local_from_world);
+        let perturbation = perturbation.mapped(&self.local_from_world, self.centre);
         self.form
             .crossings_perturbation(&self.local(&ray), &perturbation, &mut |t| finite(t * rate, &mut emit))
     }
@@ -139,7 +139,7 @@ impl Object {
     ) {
         let (ray, rate) = ray.rescaled().unwrap_or((*ray, 1.0));
         let led_inside = || perturbation.leads_inside(self.value_and_gradient(ray.origin).1);
-        let local_perturbation = perturbation.mapped(&self.local_from_world);
+        let local_perturbation = perturbation.mapped(&self.local_from_world, self.centre);
         let ray = self.local(&ray);
         let start =
             Departing { ray, inside_after, perturbation: local_perturbation, led_inside: &led_inside };

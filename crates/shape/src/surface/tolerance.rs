@@ -1,37 +1,53 @@
 //! Tolerances: the distance `delta` for points *on* a surface, and tests for rays *in* one (`coincides_along`), for the whole project.
 
-use super::Surface;
+use super::{Surface, SurfaceCrossings};
 use crate::Ray;
 use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 
 /// Perturbation directions for rays that lie in a surface: [`PERTURBATION_DIRECTION`] of the world and, for a surface that
 /// contains it, x, y or z. In the frame of a placed solid these world directions differ: each frame has its own `Perturbation`, so
 /// that two solids with a common face agree on the side of a ray in it, however they are placed.
+///
+/// A ray was rounded on its way into the frame, so the perturbation also carries the lengths of the maps that lead there, which
+/// surfaces that detect rays in their own faces add to their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Perturbation([Vec3; 4]);
+pub struct Perturbation {
+    directions: [Vec3; 4],
+    lengths: f64,
+}
 
 impl Perturbation {
     /// The directions in the frame of the world.
-    pub const WORLD: Perturbation = Perturbation([PERTURBATION_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z]);
+    pub const WORLD: Perturbation =
+        Perturbation { directions: [PERTURBATION_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z], lengths: 0.0 };
 
-    /// The same directions in another frame.
-    pub fn transformed(&self, local_from_world: &Affine) -> Perturbation {
-        Perturbation(self.0.map(|v| local_from_world.vector(v)))
+    /// The same directions in another frame, to whose surfaces the maps from the world add `lengths` in magnitude.
+    pub fn transformed(&self, local_from_world: &Affine, lengths: f64) -> Perturbation {
+        Perturbation { directions: self.directions.map(|v| local_from_world.vector(v)), lengths }
     }
 
     /// The directions; the first that leaves the surface determines the side.
     pub fn directions(&self) -> [Vec3; 4] {
-        self.0
+        self.directions
     }
 
-    /// The same directions after a linear map.
-    pub(super) fn mapped(&self, map: &Mat3) -> Perturbation {
-        Perturbation(self.0.map(|v| *map * v))
+    /// The length that the maps from the world into this frame add to the magnitude of surfaces.
+    pub fn lengths(&self) -> f64 {
+        self.lengths
+    }
+
+    /// The same directions in the frame of a form at `centre`. The difference of a point and the centre is rounded in proportion to
+    /// both; the length of the point is that of the difference and the centre.
+    pub(super) fn mapped(&self, map: &Mat3, centre: Vec3) -> Perturbation {
+        let norm =
+            [map.x_axis, map.y_axis, map.z_axis].iter().map(|v| v.length_squared()).sum::<f64>().sqrt();
+        let lengths = norm * (2.0 * centre.length() + self.lengths);
+        Perturbation { directions: self.directions.map(|v| *map * v), lengths }
     }
 
     /// True (inside) if the perturbation makes a function with this gradient negative.
     pub fn leads_inside(&self, gradient: Vec3) -> bool {
-        let mut slopes = self.0.iter().map(|v| v.dot(gradient));
+        let mut slopes = self.directions.iter().map(|v| v.dot(gradient));
         slopes.find(|&slope| slope != 0.0).unwrap_or(0.0) < 0.0
     }
 }
@@ -56,8 +72,8 @@ pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: 
         return coincides_along;
     }
     let near = |t: f64| {
-        let (value, gradient) = surface.value_and_gradient(ray.at(t));
-        is_near(value, gradient.length(), delta(magnitude, ray, t), bend(surface))
+        let (value, slope) = surface.value_and_slope(ray.at(t));
+        is_near(value, slope, delta(magnitude, ray, t), bend(surface))
     };
     let start = (ray.origin.length() + magnitude) / ray.direction.length();
     coincides_between(near, start, surface.degree(), a, b)
@@ -145,29 +161,93 @@ impl Chord {
         }
     }
 
-    /// The side of a ray that lies in the surface along the whole chord: `Some(inside)`, or `None` if it does not lie in
-    /// it.
-    ///
-    /// The answer is that of the ray moved infinitesimally along [`PERTURBATION_DIRECTION`] (symbolic perturbation): the
-    /// sign of `w . grad f` in the middle of the chord or, if that is 0, of the first nonzero component of grad f.
-    pub fn lies_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> Option<bool> {
+    /// True if the ray lies in the surface along the whole chord.
+    pub fn lies_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> bool {
         if !surface.is_ruled() {
-            return None;
+            return false;
         }
         // fast path: a single value and no root decide for nearly every ray
         let (value, gradient) = surface.value_and_gradient(self.middle);
         let delta = self.delta + delta_of(magnitude);
-        if value * value > delta * delta * gradient.length_squared() {
-            return None;
-        }
-        coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
-            .then(|| self.perturbation.leads_inside(gradient))
+        value * value <= delta * delta * gradient.length_squared()
+            && coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
+    }
+
+    /// The crossings of a ray that lies in the surface along the whole chord, by symbolic perturbation; `None` if it does
+    /// not lie in it.
+    pub fn crossings_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> Option<SurfaceCrossings> {
+        self.lies_in(surface, magnitude, ray)
+            .then(|| perturbed_crossings(surface, magnitude, ray, &self.perturbation, self.ends))
+    }
+
+    /// True if the piece of a ray in the surface between two times is too short to determine the side of the perturbed
+    /// ray: `w . grad f` is 0 at both ends up to rounding.
+    pub fn side_is_uncertain(
+        &self,
+        surface: &Surface,
+        magnitude: f64,
+        ray: &Ray,
+        (a, b): (f64, f64),
+    ) -> bool {
+        let [w, ..] = self.perturbation.directions();
+        let noise = gradient_noise(surface, magnitude, ray, (a, b)) * w.length();
+        [a, b].into_iter().all(|t| w.dot(surface.value_and_gradient(ray.at(t)).1).abs() <= 2.0 * noise)
     }
 }
 
+/// Bound of the error of the gradient along a piece of a ray: a point of the ray is off by less than `delta`, and the
+/// gradient changes by at most `2 bend` per unit of length.
+fn gradient_noise(surface: &Surface, magnitude: f64, ray: &Ray, (a, b): (f64, f64)) -> f64 {
+    2.0 * bend(surface) * delta(magnitude, ray, a.abs().max(b.abs()))
+}
+
+/// The crossings of a ray that lies in a surface of degree 1 or 2 along the piece between two times, after an infinitesimal
+/// shift along `perturbation`: the sign changes of `w . grad f` for the first of its directions w with a nonzero result.
+///
+/// On the ray f is 0, so f of the shifted ray is proportional to `w . grad f`, a linear function of the time. In a plane
+/// and along a cylinder it is constant, and the whole ray is on one side. Along a ruling of a cone its sign changes at the
+/// apex, along a ruling of a hyperboloid at one point. (One side for the whole ray would depend on the point at which the
+/// gradient is computed, and thus on other parts of the model.) A rise within the rounding of the gradient counts as 0.
+pub(super) fn perturbed_crossings(
+    surface: &Surface,
+    magnitude: f64,
+    ray: &Ray,
+    perturbation: &Perturbation,
+    (a, b): (f64, f64),
+) -> SurfaceCrossings {
+    let gradient = |t: f64| surface.value_and_gradient(ray.at(t)).1;
+    let middle = gradient(0.5 * (a + b));
+    if !surface.turns_along_rulings() {
+        return SurfaceCrossings::constant(perturbation.leads_inside(middle));
+    }
+    let (first, last) = (gradient(a), gradient(b));
+    let noise = gradient_noise(surface, magnitude, ray, (a, b));
+    for w in perturbation.directions() {
+        let (start, rise) = (w.dot(first), w.dot(last) - w.dot(first));
+        if rise.abs() > 2.0 * noise * w.length() {
+            return SurfaceCrossings::new(rise > 0.0, &[a - start / rise * (b - a)]);
+        }
+        let slope = w.dot(middle);
+        if slope != 0.0 {
+            return SurfaceCrossings::constant(slope < 0.0);
+        }
+    }
+    SurfaceCrossings::constant(false)
+}
+
 /// [`Chord::lies_in`] for the piece of the ray between two times.
-pub fn lies_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -> Option<bool> {
+pub fn lies_in(surface: &Surface, magnitude: f64, ray: &Ray, ends: (f64, f64)) -> bool {
     Chord::new(ray, ends).lies_in(surface, magnitude, ray)
+}
+
+/// [`Chord::crossings_in`] for the piece of the ray between two times.
+pub fn crossings_in(
+    surface: &Surface,
+    magnitude: f64,
+    ray: &Ray,
+    ends: (f64, f64),
+) -> Option<SurfaceCrossings> {
+    Chord::new(ray, ends).crossings_in(surface, magnitude, ray)
 }
 
 #[cfg(test)]

@@ -64,15 +64,26 @@ impl Torus {
         Departure { negative_after: Some(inside), times: Crossings::new(inside, times.found()) }
     }
 
-    /// `(rho - major)^2 + z^2 - minor^2` and its gradient.
+    /// `(rho - major)^2 + z^2 - minor^2` and its gradient. On the axis g has a ridge, and the gradients of both sides
+    /// cancel across it.
     pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
+        self.value_and_gradient_on_axis(point, Vec3::ZERO)
+    }
+
+    /// The value and the gradient of one side of the ridge, whose length is twice the distance from the centre circle
+    /// everywhere. (At the pinch of a horn torus, `major = minor`, the gradients of both sides cancel to 0.)
+    pub fn value_and_steepest(&self, point: Vec3) -> (f64, Vec3) {
+        self.value_and_gradient_on_axis(point, self.axis.any_orthonormal_vector())
+    }
+
+    /// The value and gradient, with the direction away from the axis to be used on the axis.
+    fn value_and_gradient_on_axis(&self, point: Vec3, away: Vec3) -> (f64, Vec3) {
         let q = point - self.centre;
         let z = self.axis.dot(q);
         let across = q - z * self.axis;
         let rho = across.length();
         let ring = rho - self.major;
-        // on the axis g has a ridge: the gradients of both sides cancel across it
-        let outwards = if rho > 0.0 { across / rho } else { Vec3::ZERO };
+        let outwards = if rho > 0.0 { across / rho } else { away };
         (ring * ring + z * z - self.minor * self.minor, 2.0 * (ring * outwards + z * self.axis))
     }
 

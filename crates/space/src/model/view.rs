@@ -37,11 +37,12 @@ impl<'a> View<'a> {
     /// a ray ([`rayweave_model::carried`]), whose position is part of the curve's size.
     pub fn placed(&self, place: &Place, placement: u32) -> View<'a> {
         let down = &place.local_from_world;
+        let magnitude = down.linear_norm() * (place.path + self.magnitude);
         View {
             world: self.world,
             map: self.map.then(down),
-            magnitude: down.linear_norm() * (place.path + self.magnitude),
-            perturbation: self.perturbation.transformed(down),
+            magnitude,
+            perturbation: self.perturbation.transformed(down, magnitude),
             placement: PlacementId(self.placement.0 + placement),
         }
     }

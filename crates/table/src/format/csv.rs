@@ -66,6 +66,7 @@ impl CsvSink {
                     }
                 }
                 Values::Name(v) => name(&column.dtype, v[row]),
+                Values::Text(v) => &v[row],
             };
             self.csv.write_field(text)?;
         }

@@ -109,6 +109,7 @@ fn field(column: &Column) -> Result<TypePtr> {
         DType::I32 => (Physical::INT32, None, Repetition::REQUIRED),
         DType::Bool => (Physical::BOOLEAN, None, Repetition::REQUIRED),
         DType::Name(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::OPTIONAL),
+        DType::Text => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED),
     };
     let field = Type::primitive_type_builder(&column.name, physical)
         .with_logical_type(logical)
@@ -129,6 +130,10 @@ fn write_column(column: &mut SerializedColumnWriter, values: &Values, names: &[B
             let present = ids.iter().filter(|&&id| id != NO_NAME);
             let texts: Vec<_> = present.map(|&id| names[id as usize].clone()).collect();
             column.typed::<ByteArrayType>().write_batch(&texts, Some(&levels), None)
+        }
+        Values::Text(texts) => {
+            let texts: Vec<_> = texts.iter().map(|text| ByteArray::from(&**text)).collect();
+            column.typed::<ByteArrayType>().write_batch(&texts, None, None)
         }
     }
 }

@@ -41,6 +41,14 @@ fn no_rows_is_a_header() {
 }
 
 #[test]
+fn texts_are_quoted_where_needed() {
+    let schema = Schema::new(vec![Column::new("path", DType::Text)]).unwrap();
+    let texts: Vec<std::sync::Arc<str>> = vec!["a[1]/b".into(), "a, b".into(), "".into()];
+    let text = written(&schema, &Chunk::new(vec![texts.into()]).unwrap());
+    assert_eq!(text, "path\na[1]/b\n\"a, b\"\n\"\"\n");
+}
+
+#[test]
 fn special_floats() {
     let values = vec![f64::INFINITY, f64::NEG_INFINITY, f64::NAN, -f64::NAN, -0.0, 1e300, 5e-324];
     assert_eq!(floats(values), ["inf", "-inf", "nan", "nan", "-0.0", "1e300", "5e-324"]);

@@ -85,6 +85,21 @@ fn several_name_tables_are_one_object() {
 }
 
 #[test]
+fn texts_are_numbered_in_order_of_occurrence() {
+    let folder = Folder::new();
+    let text = |list: &[&str]| list.iter().map(|&text| text.into()).collect::<Vec<std::sync::Arc<str>>>();
+    let columns = vec![Column::new("path", DType::Text), Column::names("solid", ["a".to_owned()].into())];
+    let chunk = |list: &[&str]| Chunk::new(vec![text(list).into(), vec![0u32; list.len()].into()]).unwrap();
+    let schema = Schema::new(columns).unwrap();
+    let bytes = write(&folder, &schema, &[chunk(&["b[1]", "a", "b[1]"]), chunk(&["c", "a"])]);
+    let names = fs::read_to_string(folder.join("hits.names.json")).unwrap();
+    assert_eq!(names, "{\n  \"solid\": [\"a\"],\n  \"path\": [\"b[1]\",\"a\",\"c\"]\n}\n");
+    let rows = bytes[data_offset(&bytes)..].chunks_exact(8);
+    let ids: Vec<u32> = rows.map(|row| u32::from_le_bytes(row[..4].try_into().unwrap())).collect();
+    assert_eq!(ids, [0, 1, 0, 2, 1]);
+}
+
+#[test]
 fn without_names_there_is_no_second_file() {
     let folder = Folder::new();
     let schema = Schema::new(vec![Column::new("t", DType::F64)]).unwrap();

@@ -4,7 +4,8 @@ use std::fs::File;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
-use rayweave_table::{NO_NAME, TableWriter};
+use rayweave_table::{Chunk, Column, DType, NO_NAME, Schema, TableWriter};
+use std::sync::Arc;
 
 use crate::folder::Folder;
 use crate::table::{chunk, schema};
@@ -45,6 +46,21 @@ fn values_nulls_and_units_read_back() {
         rows += 1;
     }
     assert_eq!(rows, ROWS);
+}
+
+#[test]
+fn texts_read_back() {
+    let folder = Folder::new();
+    let path = folder.join("hits.parquet");
+    let schema = Schema::new(vec![Column::new("path", DType::Text)]).unwrap();
+    let mut table = TableWriter::create(&path, &schema).unwrap();
+    let texts: Vec<Arc<str>> = vec!["a[1]/b".into(), "".into(), "a[1]/b".into()];
+    table.write(&Chunk::new(vec![texts.clone().into()]).unwrap()).unwrap();
+    table.finish().unwrap();
+    let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+    let rows = reader.get_row_iter(None).unwrap().map(Result::unwrap);
+    let read: Vec<Field> = rows.map(|row| row.get_column_iter().next().unwrap().1.clone()).collect();
+    assert_eq!(read, texts.iter().map(|text| Field::Str(text.to_string())).collect::<Vec<_>>());
 }
 
 #[test]

@@ -140,3 +140,40 @@ fn placed_meshes_are_intersected_in_their_own_frames() {
     assert!(times(&tiles, Ray::new(Vec3::new(-1.0, 1.0, 0.4), Vec3::X)).is_empty());
     assert_eq!(times(&tiles, Ray::new(Vec3::new(-1.0, 0.0, 0.4), Vec3::X)), [1.0, 11.0]);
 }
+
+/// A mesh that touches a box, both moved far away, by a map of the model, by a placement, or by a map within a placement:
+/// rays in the common face find the intersection empty and the union without a gap.
+#[test]
+fn touching_boxes_far_away_agree() {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let mesh = solid(&cuboid(Vec3::ZERO, Vec3::ONE));
+    let touching = block(Vec3::new(1.0, 0.0, 0.0), Vec3::new(2.0, 1.0, 1.0));
+    for offset in [30.0, 1e3, 1e6] {
+        for round in 0..40 {
+            let turn = Affine::rotation(vector(&mut rng), rng.random_range(0.0..180.0));
+            let map = turn.then(&Affine::translate(offset * vector(&mut rng)));
+            let far = |solid: &Solid| match round % 3 {
+                0 => solid.apply(map),
+                1 => solid.place([map]),
+                _ => solid.apply(turn).place([turn.inverse().unwrap().then(&map)]),
+            };
+            let both = far(&(&mesh & &touching));
+            let either = far(&(&mesh | &touching));
+            let parts = [&mesh, &touching].map(&far);
+            let (apart, joined) = (&parts[0] & &parts[1], &parts[0] | &parts[1]);
+            for _ in 0..10 {
+                // in the plane x = 1, through both squares
+                let mut inner = || Vec3::new(1.0, rng.random_range(0.1..0.9), rng.random_range(0.1..0.9));
+                let (from, to) = (inner(), inner());
+                let direction = (to - from).normalize();
+                let ray = Ray::new(from - 3.0 * direction, direction).transformed(&map);
+                for empty in [&both, &apart] {
+                    assert_eq!(times(empty, ray), [0.0; 0], "{offset} {round} {ray:?}");
+                }
+                for whole in [&either, &joined] {
+                    assert_eq!(times(whole, ray).len(), 2, "{offset} {round} {ray:?}");
+                }
+            }
+        }
+    }
+}

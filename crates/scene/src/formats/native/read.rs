@@ -7,7 +7,7 @@ use crate::datum::{self, Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
 use crate::expression::is_reserved;
-use crate::number::written;
+use crate::number::{Number, written};
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use crate::unit::Unit;
@@ -468,9 +468,23 @@ fn place(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Place> {
     }
     let (key, datum) = found.remove(0);
     let layout = layout(&mut fields, &key.value, datum);
+    let name = fields.text("name");
+    let numbers = copy_numbers(&mut fields, name.is_some());
     fields.finish();
     let (solid, layout) = (solid?, layout?);
-    Some(Place { solid, layout })
+    Some(Place { solid, layout, name, numbers })
+}
+
+fn copy_numbers(fields: &mut Fields, has_name: bool) -> Option<Spanned<Vec<Spanned<Number>>>> {
+    let datum = fields.take("numbers")?;
+    let span = datum.span;
+    if !has_name {
+        let problem = Diagnostic::error("`place` has `numbers` and no `name`");
+        let reason = "numbers stand after the name of the copies in occurrence paths";
+        fields.problems.push(problem.why(reason), span);
+    }
+    let numbers = list(fields.problems, "numbers", datum, Problems::number)?;
+    Some(Spanned { value: numbers, span })
 }
 
 fn layout(fields: &mut Fields, key: &str, datum: Spanned<Datum>) -> Option<Layout> {

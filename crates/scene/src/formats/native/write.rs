@@ -115,7 +115,10 @@ fn place(place: &Place) -> String {
         Layout::Matrices(matrices) => format!("matrices = [{}]", joined(matrices, matrix)),
         Layout::File(file) => format!("file = {}", text(file)),
     };
-    format!("{{ solid = {solid}, {layout} }}")
+    let name = place.name.as_ref().map(|name| format!(", name = {}", text(name))).unwrap_or_default();
+    let numbers = place.numbers.as_ref();
+    let numbers = numbers.map(|numbers| format!(", numbers = [{}]", joined(&numbers.value, number)));
+    format!("{{ solid = {solid}, {layout}{name}{} }}", numbers.unwrap_or_default())
 }
 
 fn region(entry: &RegionEntry) -> String {

@@ -1,0 +1,74 @@
+//! The copies of a placed solid: their maps, and the name and numbers that a file gives them.
+
+use rayweave_math::Affine;
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// The copies of a placed solid: one map each, and optionally a name and copy numbers for
+/// [occurrence paths](crate::OccurrencePath). Dereferences to the maps.
+///
+/// Name and numbers affect no answer. Cheap to clone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Copies {
+    maps: Arc<[Affine]>,
+    label: Option<CopyLabel>,
+}
+
+/// The name and the numbers that copies have in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct CopyLabel {
+    pub name: Arc<str>,
+    pub numbers: Option<Arc<[i64]>>,
+}
+
+impl Copies {
+    /// Copies that have the name of the placed solid and are counted from 0.
+    pub fn new(maps: impl Into<Arc<[Affine]>>) -> Copies {
+        Copies { maps: maps.into(), label: None }
+    }
+
+    /// Copies with a name of their own, and with copy numbers, one for each map. Without numbers they are
+    /// counted from 0, and a single copy has no number. Numbers may repeat; copies without an entry in
+    /// `numbers` are counted.
+    pub fn labelled(maps: impl Into<Arc<[Affine]>>, name: &str, numbers: Option<Arc<[i64]>>) -> Copies {
+        let numbers = numbers.filter(|numbers| !numbers.is_empty());
+        Copies { maps: maps.into(), label: Some(CopyLabel { name: name.into(), numbers }) }
+    }
+
+    /// The maps, `world_from_local`.
+    pub fn maps(&self) -> &Arc<[Affine]> {
+        &self.maps
+    }
+
+    /// The name of the copies, if it is not that of the placed solid.
+    pub fn name(&self) -> Option<&str> {
+        self.label.as_ref().map(|label| &*label.name)
+    }
+
+    /// The copy numbers, if they are not counted from 0.
+    pub fn numbers(&self) -> Option<&Arc<[i64]>> {
+        self.label.as_ref()?.numbers.as_ref()
+    }
+
+    pub(crate) fn label(&self) -> Option<&CopyLabel> {
+        self.label.as_ref()
+    }
+}
+
+impl CopyLabel {
+    /// The number of a copy; `None` for the only copy of a solid without numbers.
+    pub fn number(&self, k: usize, count: usize) -> Option<i64> {
+        match self.numbers.as_ref().and_then(|numbers| numbers.get(k)) {
+            Some(&number) => Some(number),
+            None => (count > 1).then_some(k as i64),
+        }
+    }
+}
+
+impl Deref for Copies {
+    type Target = [Affine];
+
+    fn deref(&self) -> &[Affine] {
+        &self.maps
+    }
+}
