@@ -80,7 +80,7 @@ impl GroupPoint {
         let magnitude = down.linear_norm() * (self.point.length() + place.path + self.magnitude);
         GroupPoint {
             point: down.point(self.point),
-            perturbation: self.perturbation.transformed(down),
+            perturbation: self.perturbation.transformed(down, magnitude),
             magnitude,
         }
     }
@@ -138,7 +138,7 @@ impl<'a> GroupRay<'a> {
             }
             None => match self.crossings_in(entry) {
                 Some(crossings) => {
-                    crossings.times().iter().for_each(|&t| flip(t));
+                    crossings.times().iter().for_each(|&t| emit(t));
                     crossings.starts_negative()
                 }
                 None => entry.surface.all_crossings_in(&self.ray, &self.chord.perturbation, emit),

@@ -81,7 +81,8 @@ fn the_side_along_a_ruling_is_that_of_the_moved_ray() {
         [0.5, 0.0, 0.0, 0.0],
         [0.0, 0.0, 0.0, -0.5],
         [0.0, 0.0, -0.5, 0.0],
-    ]);
+    ])
+    .unwrap();
     let rulings = [
         (&cone, Ray::new(Vec3::new(3.0, 0.0, 4.0), Vec3::new(-3.0, 0.0, -4.0))),
         (&cone, Ray::new(Vec3::new(0.0, 6.0, 8.0), Vec3::new(0.0, 3.0, 4.0))),

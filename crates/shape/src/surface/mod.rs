@@ -254,7 +254,8 @@ impl Surface {
             let end = (ray.origin.length() + self.magnitude()) / ray.direction.length();
             let turns =
                 tolerance::perturbed_crossings(self, self.magnitude(), &ray, perturbation, (0.0, end));
-            departure.times = Crossings::new(false, turns.times().last().filter(|&&t| t > 0.0).as_slice());
+            let ahead = turns.times().last().copied().filter(|&t| t > 0.0);
+            departure.times = Crossings::new(false, ahead.as_slice());
         }
         if self.degree() == 2 {
             departure = departure.polished(newton);
