@@ -46,6 +46,11 @@ fn word_problem(
             let keys = argument.as_array()?.iter().filter_map(Value::as_str);
             keys.filter(|_| value.is_object()).find(|key| value.get(key).is_none()).map(str::to_owned)
         }
+        "dependentRequired" => {
+            let given = argument.as_object()?.iter().filter(|(key, _)| value.get(key).is_some());
+            let needed = given.filter_map(|(_, names)| names.as_array()).flatten().filter_map(Value::as_str);
+            needed.into_iter().find(|name| value.get(name).is_none()).map(|name| format!("{name} is missing"))
+        }
         "properties" => {
             let rules = argument.as_object()?.iter();
             rules
@@ -128,6 +133,7 @@ fn what_is_right_fits() {
         "[parameters]\na = 1\nb = 'a + 1'\n",
         "[solid.s]\nsphere = { radius = 'R' }\ntransform = { scale = [1, 2, 3] }\nname = 't'\n",
         "[solid.s]\nplace = { solid = 't', ring = 3, radius = 1 }\n",
+        "[solid.s]\nplace = { solid = 't', ring = 2, radius = 1, name = 'n', numbers = [4, 7] }\n",
         "[solid.s]\ncylinder = { radius = 1 }\n",
         "[medium.m]\nindex = 1.5\nanything = [1]\n",
         "[[light]]\nposition = [0, 0, 0]\n",
@@ -148,6 +154,7 @@ fn what_is_wrong_does_not_fit() {
         "rayweave = 2",
         "unit = 'furlong'",
         "foo = 3",
+        "[solid.s]\nplace = { solid = 't', ring = 2, radius = 1, numbers = [4, 7] }\n",
         "[parameters]\na = [1]\n",
         "[solid.s]\n",
         "[solid.s]\nsphre = { radius = 1 }\n",
