@@ -4,6 +4,7 @@
 //!
 //! - [`TableWriter`] writes a table (names, types, units) as CSV, NPY or, with the cargo feature `parquet`, Parquet.
 //! - [`AtomicFile`] is an output file that appears complete or not at all.
+//! - [`NpyArray`] is a whole array of float64 numbers, read from an NPY file.
 //! - [`RayReader`] reads rays from CSV or NPY in constant memory and reports every problem with its location.
 //!
 //! ```
@@ -28,6 +29,7 @@ mod atomic;
 mod chunk;
 mod error;
 mod format;
+mod npy_array;
 mod npy_header;
 mod rays;
 mod schema;
@@ -36,6 +38,7 @@ mod writer;
 pub use atomic::AtomicFile;
 pub use chunk::{Chunk, Values};
 pub use error::{RayProblem, RayProblems, TableError};
+pub use npy_array::{NpyArray, NpyArrayError};
 pub use rays::{LIGHT_COLUMNS, Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
 pub use schema::{Column, DType, NO_NAME, Schema};
 pub use writer::TableWriter;

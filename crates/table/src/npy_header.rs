@@ -127,7 +127,7 @@ fn read_some(source: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
     Ok(read.len())
 }
 
-fn abridged(text: &str) -> String {
+pub(crate) fn abridged(text: &str) -> String {
     let text = text.trim();
     match text.char_indices().nth(80) {
         Some((end, _)) => format!("{}...", &text[..end]),

@@ -4,11 +4,11 @@ use super::context::Context;
 use crate::diagnostic::Diagnostic;
 use crate::memory;
 use crate::source::Spanned;
-use npyz::{DType, NpyFile, Order};
 use rayweave_math::{Affine, Vec3};
 use rayweave_mesh::{MeshError, Polyhedron};
 use rayweave_mesh_io::{FileError, ReadOptions};
 use rayweave_shape::primitive::Mesh;
+use rayweave_table::{NpyArray, NpyArrayError};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -33,23 +33,11 @@ fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
     if opened.metadata().is_ok_and(|metadata| metadata.is_dir()) {
         return Err("it is a folder".to_owned());
     }
-    let array = NpyFile::new(BufReader::new(opened)).map_err(|error| format!("not an NPY file: {error}"))?;
-    let shape = array.shape().to_vec();
-    if let DType::Plain(kind) = array.dtype()
-        && kind.to_string().trim_start_matches(['<', '>', '=']) != "f8"
-    {
-        return Err(format!("its numbers are {kind}, they must be float64"));
-    }
-    if array.order() != Order::C {
-        return Err("its order is Fortran's, it must be C".to_owned());
-    }
-    let count = shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
-    if count.is_none_or(|count| count > MOST_NUMBERS) {
-        return Err(format!("it holds more than {MOST_NUMBERS} numbers"));
-    }
-    let numbers = array.data::<f64>().map_err(|error| error.to_string())?;
-    let numbers: Result<Vec<f64>, _> = numbers.collect();
-    Ok((numbers.map_err(|error| reason(&error))?, shape))
+    let array = NpyArray::read(&mut BufReader::new(opened), MOST_NUMBERS).map_err(|error| match error {
+        NpyArrayError::Io(error) => reason(&error),
+        other => other.to_string(),
+    })?;
+    Ok((array.numbers, array.shape))
 }
 
 /// The solid of a mesh in a file beside the model file. Defects of the mesh are reported as

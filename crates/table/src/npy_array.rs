@@ -1,0 +1,111 @@
+//! Reader of whole NPY arrays of float64 numbers, in constant depth and with a limit on their number.
+
+use std::io::{self, Read};
+
+use crate::npy_header;
+
+/// An array of float64 numbers in row-major order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NpyArray {
+    /// The numbers; as many as the product of `shape`.
+    pub numbers: Vec<f64>,
+    /// The length of each dimension.
+    pub shape: Vec<u64>,
+}
+
+/// A file that is not an NPY array of float64 numbers in row-major order.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum NpyArrayError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The header is damaged, or there is none.
+    #[error("not an NPY file: {0}")]
+    Header(String),
+    /// The numbers are not float64, by their type string.
+    #[error("its numbers are {0}, they must be float64")]
+    Type(String),
+    /// The array is in column-major order.
+    #[error("its order is Fortran's, it must be C")]
+    Order,
+    /// The array is larger than the limit.
+    #[error("it holds more than {0} numbers")]
+    TooLarge(u64),
+}
+
+impl NpyArray {
+    /// Reads an array of at most `most` numbers, of either byte order. Memory grows with the data that is read, not with the
+    /// size that the header states.
+    ///
+    /// # Errors
+    ///
+    /// [`NpyArrayError`]; a file that ends too early is an [`io::ErrorKind::UnexpectedEof`].
+    pub fn read(source: &mut impl Read, most: u64) -> Result<NpyArray, NpyArrayError> {
+        let header = npy_header::read(source)?.map_err(NpyArrayError::Header)?;
+        let decode = match header.descr.as_str() {
+            "<f8" | "=f8" if !header.structured => f64::from_le_bytes,
+            ">f8" if !header.structured => f64::from_be_bytes,
+            _ => return Err(NpyArrayError::Type(npy_header::abridged(&header.descr))),
+        };
+        if header.fortran_order {
+            return Err(NpyArrayError::Order);
+        }
+        let count = header.shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
+        let count = count.filter(|&count| count <= most).ok_or(NpyArrayError::TooLarge(most))?;
+        let mut bytes = Vec::new();
+        source.take(8 * count).read_to_end(&mut bytes)?;
+        let numbers: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|&number| decode(number)).collect();
+        if (numbers.len() as u64) < count {
+            return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
+        }
+        Ok(NpyArray { numbers, shape: header.shape })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(header: &str, numbers: &[f64], encode: fn(f64) -> [u8; 8]) -> Vec<u8> {
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.as_bytes());
+        bytes.extend(numbers.iter().flat_map(|&number| encode(number)));
+        bytes
+    }
+
+    fn header(descr: &str, shape: &str) -> String {
+        format!("{{'descr': {descr}, 'fortran_order': False, 'shape': {shape}, }}\n")
+    }
+
+    #[test]
+    fn arrays_of_both_byte_orders_are_read() {
+        let numbers = [1.0, -2.5, 1e300, 0.0, 5.0, 6.0];
+        for (descr, encode) in
+            [("'<f8'", f64::to_le_bytes as fn(f64) -> [u8; 8]), ("'>f8'", f64::to_be_bytes)]
+        {
+            let bytes = file(&header(descr, "(2, 3)"), &numbers, encode);
+            let array = NpyArray::read(&mut &bytes[..], 6).unwrap();
+            assert_eq!(array, NpyArray { numbers: numbers.to_vec(), shape: vec![2, 3] });
+            assert!(matches!(NpyArray::read(&mut &bytes[..], 5), Err(NpyArrayError::TooLarge(5))));
+        }
+    }
+
+    /// Nested brackets and huge sizes: parsers that recurse take exponential time for the first, or overflow the stack.
+    #[test]
+    fn hostile_headers_are_rejected_at_once() {
+        for depth in [40, 30_000] {
+            let nested = "[".repeat(depth) + &"]".repeat(depth);
+            let bytes = file(&header(&nested, "(1,)"), &[1.0], f64::to_le_bytes);
+            let error = NpyArray::read(&mut &bytes[..], 100).unwrap_err().to_string();
+            assert!(error.contains("must be float64") && error.len() < 200, "{error:.300}");
+        }
+        for shape in ["(4611686018427387904, 4)", "(99999999999,)"] {
+            let bytes = file(&header("'<f8'", shape), &[1.0], f64::to_le_bytes);
+            assert!(matches!(NpyArray::read(&mut &bytes[..], 100), Err(NpyArrayError::TooLarge(100))));
+        }
+        let bytes = file(&header("'<f8'", "(3,)"), &[1.0], f64::to_le_bytes);
+        assert!(matches!(NpyArray::read(&mut &bytes[..], 100), Err(NpyArrayError::Io(_))));
+    }
+}
