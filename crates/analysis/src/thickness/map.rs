@@ -44,6 +44,9 @@ fn optical_depth((length, mu): (&f64, &f64)) -> f64 {
     if *mu == 0.0 { 0.0 } else { length * mu }
 }
 
+/// The most path lengths of a map, one for each pixel and medium: 2 GiB of memory.
+pub const MOST_LENGTHS: usize = 1 << 28;
+
 /// The transmission of the darkest pixel if no medium has an attenuation. The attenuations are then
 /// proportional to the densities, or equal if no medium has a density.
 pub const FAINTEST: f64 = 0.05;
@@ -54,7 +57,7 @@ impl ThicknessMap {
     ///
     /// # Errors
     ///
-    /// [`AnalysisError::Cancelled`].
+    /// [`AnalysisError::Value`] for more than [`MOST_LENGTHS`] path lengths; [`AnalysisError::Cancelled`].
     pub fn new<E: Evaluator>(
         compiled: &Compiled,
         evaluator: &E,
@@ -63,6 +66,12 @@ impl ThicknessMap {
         run: &mut Run<'_>,
     ) -> Result<ThicknessMap, AnalysisError> {
         let media = compiled.media.to_vec();
+        let count = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(media.len()));
+        if count.is_none_or(|count| count > MOST_LENGTHS) {
+            let problem = format!("the size of the map is {width}x{height} with {} media", media.len());
+            let reason = format!("a map holds at most {MOST_LENGTHS} path lengths");
+            return Err(AnalysisError::Value(Message::new(problem, reason).suggest("Reduce the size.")));
+        }
         let ray = |k: usize| ray(k % width, k / width);
         let lengths = path_lengths(evaluator, media.len(), width * height, ray, run)?;
         Ok(ThicknessMap { size: [width, height], media, lengths })
@@ -184,6 +193,22 @@ mod tests {
             Ray::new(Vec3::new(0.18 * (x as f64 - 20.0), -9.0, 0.18 * (20.0 - y as f64)), Vec3::Y)
         };
         (ThicknessMap::new(&compiled, &evaluator, [41, 41], ray, &mut Run::default()).unwrap(), scene)
+    }
+
+    #[test]
+    fn maps_beyond_the_limit_are_refused_before_allocation() {
+        let (_, scene) =
+            rayweave_scene::parse("rayweave = 1\n[solid.ball]\nsphere = { radius = 2 }").unwrap();
+        let compiled = Compiled::new(&scene).unwrap();
+        let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
+        for size in [[20_000, 20_000], [usize::MAX, 2]] {
+            let ray = |_, _| Ray::new(Vec3::ZERO, Vec3::X);
+            let error = ThicknessMap::new(&compiled, &evaluator, size, ray, &mut Run::default()).unwrap_err();
+            assert!(
+                error.to_string().ends_with("at most 268435456 path lengths. Reduce the size."),
+                "{error}"
+            );
+        }
     }
 
     /// Along the centre 2 of water and 4 of steel; near a corner of the box 6 of water alone.
