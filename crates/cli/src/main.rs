@@ -13,17 +13,28 @@ mod terminal;
 
 use clap::{CommandFactory, FromArgMatches};
 use cli::Cli;
+use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // a negative number is parsed as the value of the option before it, which validates it
     let command = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
-    let cli = match Cli::from_arg_matches(&command.get_matches()) {
+    let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
-        Err(error) => error.exit(),
+        Err(error) => return print(&error),
     };
     match cli::run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => terminal::report(&failure),
+    }
+}
+
+/// Prints an error of the command line to standard error, or the help or version, which are errors for the parser, too, to
+/// standard output.
+fn print(error: &clap::Error) -> ExitCode {
+    match error.print().and_then(|()| std::io::stdout().flush()) {
+        Err(problem) if !error.use_stderr() => terminal::report(&failure::stdout_failure(&problem)),
+        _ => ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2)),
     }
 }

@@ -74,3 +74,17 @@ fn a_reader_that_goes_away_is_no_failure() {
         assert_eq!((done.code, done.err.as_str()), (0, ""), "{arguments:?}");
     }
 }
+
+/// A full disk: the version and the help are output like any other.
+#[test]
+#[cfg(target_os = "linux")]
+fn output_that_cannot_be_written_is_a_failure() {
+    for option in ["--version", "--help"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_rayweave"));
+        let done = command.arg(option).stdout(full).output().unwrap();
+        assert_eq!(done.status.code(), Some(1), "{option}");
+        let message = String::from_utf8(done.stderr).unwrap();
+        assert!(message.contains("cannot write to standard output"), "{message}");
+    }
+}
