@@ -1,4 +1,4 @@
-//! Ctrl-C: cancels runs, so that they remove their unfinished files.
+//! Ctrl-C and termination signals (SIGTERM, SIGHUP): cancel runs, so that they remove their unfinished files.
 
 use crate::failure::Failure;
 use rayweave::model::drive::Cancel;

@@ -1,4 +1,4 @@
-//! Ctrl-C in the middle of a run.
+//! Ctrl-C and termination signals in the middle of a run.
 #![cfg(target_os = "linux")]
 
 use crate::bench::{Bench, Done, RAYS, done, holds};
@@ -7,8 +7,12 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 fn interrupt(child: &Child) {
+    send(child, "-INT");
+}
+
+fn send(child: &Child, signal: &str) {
     let id = child.id().to_string();
-    let status = Command::new("kill").args(["-INT", &id]).status().unwrap();
+    let status = Command::new("kill").args([signal, &id]).status().unwrap();
     assert!(status.success());
 }
 
@@ -62,17 +66,19 @@ fn a_busy_trace_leaves_nothing() {
 
 #[test]
 fn a_trace_that_waits_for_rays_leaves_nothing() {
-    let bench = Bench::new();
-    let mut child = trace(&bench);
-    let mut stdin = child.stdin.take().unwrap();
-    stdin.write_all(RAYS.as_bytes()).unwrap();
-    stdin.write_all(b"-5,0,0,1,0,0\n").unwrap();
-    stdin.flush().unwrap();
-    let folder = bench.path("");
-    wait_until(|| holds(&folder, ".hits.csv."));
-    interrupt(&child);
-    assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
-    drop(stdin);
+    for signal in ["-INT", "-TERM", "-HUP"] {
+        let bench = Bench::new();
+        let mut child = trace(&bench);
+        let mut stdin = child.stdin.take().unwrap();
+        stdin.write_all(RAYS.as_bytes()).unwrap();
+        stdin.write_all(b"-5,0,0,1,0,0\n").unwrap();
+        stdin.flush().unwrap();
+        let folder = bench.path("");
+        wait_until(|| holds(&folder, ".hits.csv."));
+        send(&child, signal);
+        assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
+        drop(stdin);
+    }
 }
 
 #[test]
