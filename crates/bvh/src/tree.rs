@@ -1,4 +1,4 @@
-//! The tree with boxes in `f32`: queries by rays, boxes and points.
+//! BVH traversal with boxes in `f32`: queries by rays, boxes and points.
 
 use crate::build::{DEPTH, Item, Split, build};
 use crate::frame::{Frame, Probe};

@@ -1,5 +1,5 @@
-//! The command line program `rayweave`: rendering, measurement, ray and light tracing of solid
-//! models.
+//! The command-line program `rayweave`: rendering, measurement and checking of solid models, and ray and
+//! light tracing.
 
 mod arguments;
 mod cli;

@@ -1,4 +1,4 @@
-//! The part of a ray along which the engine decides whether the ray lies in a surface.
+//! In-surface rays: the part of a ray along which the engine decides whether the ray lies in a surface.
 
 use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::Ray;

@@ -1,5 +1,5 @@
-//! The weld: turns the exact list of changes of a ray into the crossings that are reported, and attributes
-//! each to a face.
+//! Coincidence welding: turns the exact list of changes of a ray into the crossings that are reported, and
+//! attributes each to a face.
 //!
 //! Boolean operations compare times exactly. Where two surfaces that should coincide differ by rounding, this
 //! leaves slivers. Neighbouring crossings are therefore *welded* if the piece of the ray between them stays

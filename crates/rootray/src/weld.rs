@@ -1,4 +1,4 @@
-//! Coincidence welding: maximal runs of neighbours, and the weld of root-rays at the end of a computation.
+//! Welding of lists: maximal runs of neighbours, and the weld of root-rays at the end of a computation.
 
 use std::iter::Peekable;
 use std::ops::Range;

@@ -31,7 +31,7 @@ impl Document {
         }
     }
 
-    /// A document equal to the scene, with values in place of parameters.
+    /// A document that describes the scene, with numbers in place of parameters and expressions.
     pub fn from_scene(scene: &Scene) -> Document {
         let mut roots: Vec<(String, &Solid)> =
             scene.solids.iter().map(|(name, solid)| (name.clone(), solid)).collect();
@@ -175,7 +175,7 @@ impl<'s> Decomposer<'s> {
         }
     }
 
-    /// All entries; parts come before the solids that refer to them.
+    /// All entries: unnamed or shared parts, then the roots. References may point forwards.
     fn entries(mut self, roots: &[(&str, &'s Solid)]) -> Vec<SolidEntry> {
         let named: Vec<SolidEntry> = roots.iter().map(|(name, solid)| self.root(name, solid)).collect();
         let mut parts = Vec::new();

@@ -97,7 +97,7 @@ fn hidden_and_empty() {
     assert!(report.of(Kind::Overlap).next().is_none(), "{report:?}");
 }
 
-/// A region outside the box of a check is neither empty nor proved so; a region that is empty everywhere is.
+/// A region outside the checked box is not reported as empty; a region that is empty everywhere is.
 #[test]
 fn what_is_beyond_the_box_is_not_empty() {
     let four = boxes(&[

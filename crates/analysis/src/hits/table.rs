@@ -30,7 +30,7 @@ impl HitTable {
     ///
     /// # Errors
     ///
-    /// None in practice: the names of the columns are fixed.
+    /// If the table already has the column `occurrence`.
     pub fn new(compiled: &Compiled) -> Result<HitTable, TableError> {
         let program = &compiled.program;
         let faces: Arc<[String]> = program.face_names().collect();

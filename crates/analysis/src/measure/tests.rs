@@ -67,7 +67,8 @@ fn what_is_flat_is_exact() {
     assert!(found.inertia[1][1].holds(expected), "{:?} {expected}", found.inertia[1][1]);
 }
 
-/// At 90 % one in ten intervals may miss: at most 35 of 200 do (binomial probability of more: 2e-4).
+/// With a confidence of 90 % each interval misses with probability 0.1; of 200, more than 35 miss with
+/// probability 4e-4.
 #[test]
 fn confidence_is_kept() {
     let torus = Solid::from(Primitive::from(Torus::new(1.0, 0.4).unwrap())).rotate_x(35.0);
@@ -118,7 +119,7 @@ fn within_a_box() {
     assert!((found.volume.value - 6.0).abs() < 1e-12 && (found.area.value - 6.0).abs() < 1e-12, "{found:?}");
 }
 
-/// No region gets more rays than `most_rays`, and the interval reflects their number.
+/// After the first round, no region gets more than `most_rays` rays.
 #[test]
 fn no_more_rays_than_requested() {
     let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;

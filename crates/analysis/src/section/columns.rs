@@ -28,7 +28,7 @@ impl Pass {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Column {
     pub u: f64,
-    /// The crossings from bottom to top; the world is outside all of them.
+    /// The crossings from bottom to top; below the first and above the last is the world.
     pub passes: Vec<Pass>,
 }
 
@@ -43,7 +43,8 @@ impl Column {
 pub enum Step {
     /// All crossings continue.
     Smooth(Column),
-    /// The two columns are within the tolerance, and may differ.
+    /// The two columns may differ, and the gap is not refined further: it is within the tolerance, or the limit of columns is
+    /// reached.
     Jump(Column),
 }
 
@@ -60,7 +61,7 @@ enum Gap {
     Jump,
 }
 
-/// The limit of columns per sweep.
+/// Refinement stops at this number of columns; a sweep has fewer than twice as many.
 const MOST: usize = 1 << 20;
 
 /// Columns per batch.
@@ -85,7 +86,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         Columns { evaluator, scratch: evaluator.scratch(), cut, window, sweep }
     }
 
-    /// Traces all columns, from left to right.
+    /// Traces and refines all columns; returns them from left to right.
     pub fn swept(&mut self) -> Result<Vec<Step>, SectionError> {
         let places = self.first_places();
         let columns = self.trace_columns(&places)?;

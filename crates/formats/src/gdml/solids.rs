@@ -1,4 +1,4 @@
-//! `<solids>`: GDML solids, including the boolean solids union, subtraction and intersection.
+//! `<solids>`: GDML solids, including GDML booleans (union, subtraction, intersection).
 
 use super::attributes::{Failure, Numbers, refused};
 use super::define::{Role, rotation};

@@ -19,7 +19,7 @@ pub enum AnalysisError {
     NoSheet(String),
     /// A required ray does not arrive.
     #[error(
-        "the {ray} ray of field {field} does not arrive at the image: it is stopped, lost or goes another way."
+        "the {ray} ray of field {field} does not reach the image: it is vignetted, misses a surface or takes another path."
     )]
     Stopped {
         /// The name of the ray.
@@ -29,7 +29,7 @@ pub enum AnalysisError {
     },
     /// Too few points for a fit.
     #[error(
-        "{points} points cannot tell {terms} terms apart: there have to be at least as many points. Fewer terms."
+        "{points} points do not determine {terms} terms: a fit needs at least one point per term. Use fewer terms."
     )]
     TooFew {
         /// The number of points.

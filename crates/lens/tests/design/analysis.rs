@@ -203,7 +203,7 @@ fn fits_find_what_was_put_in() {
     assert!(fit(&points, &sixth, &terms).unwrap().residual_rms > 0.8);
     assert_eq!(
         fit(&points[..4], &values[..4], &terms).unwrap_err().to_string(),
-        "4 points cannot tell 15 terms apart: there have to be at least as many points. Fewer terms."
+        "4 points do not determine 15 terms: a fit needs at least one point per term. Use fewer terms."
     );
 }
 

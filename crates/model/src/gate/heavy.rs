@@ -1,8 +1,8 @@
 //! Networks of deep trees: heavy-path decomposition with a segment tree on each path.
 //!
-//! The *heavy* operand of a gate is the one with most leaves below. The heavy edges divide the tree into
-//! paths, each of which starts at a leaf or at a gate without heavy operand, and the way from any node to the
-//! root passes through at most log2 n of them (Sleator & Tarjan, "A data structure for dynamic trees", 1983).
+//! The *heavy* operand of a gate is the one with the most leaves below it. The heavy edges divide the tree into
+//! paths, each of which starts at a leaf or at a gate without a heavy operand, and the way from any node to the
+//! root passes through at most 1 + log2 n of them, if no inner gate feeds an output (Sleator & Tarjan, "A data structure for dynamic trees", 1983).
 //! For fixed values of its other operands a gate is one of four functions of its heavy operand: constant 0,
 //! constant 1, identity, complement. A segment tree composes the functions of a path, so that a change costs
 //! O(log n) per path.
@@ -156,7 +156,8 @@ impl HeavyPaths {
         if complemented { compose(0b01, plain) } else { plain }
     }
 
-    /// Inverts the side of a leaf: updates the value of its path, then of the paths above, while values change.
+    /// Propagates the change of a leaf, already inverted in the state: updates the value of its path, then of the paths above, as
+    /// long as values change.
     pub fn toggle(&self, network: &Network, state: &mut NetworkState, leaf: u32) {
         let mut path = self.path_of[leaf as usize];
         loop {

@@ -4,11 +4,12 @@ use super::ComponentError;
 use super::error::{finite, positive};
 use super::face::Profile;
 
-/// The focal length of a thick lens in vacuum, in the unit of its radii; infinite for a window or
+/// The focal length of a thick lens in a uniform medium, in the unit of its radii; infinite for a window or
 /// an afocal lens, negative for a diverging lens.
 ///
-/// `1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2))`, with the refractive index n relative to
-/// the medium around, the thickness d on the axis and radii of the usual sign (E. Hecht, *Optics*,
+/// `1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2))`, with n the index of the lens divided by
+/// that of the medium, the thickness d on the axis and radii that are positive if the centre of
+/// curvature is on the side where light leaves (E. Hecht, *Optics*,
 /// section 6.1, thick lenses). With d = 0, which is allowed here, it is the equation of thin
 /// lenses.
 ///

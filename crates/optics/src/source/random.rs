@@ -1,4 +1,4 @@
-//! Counter-based random numbers of rays, independent of the range of a source that is generated.
+//! Random streams: counter-based random numbers of rays, independent of the range of a source that is generated.
 //!
 //! ChaCha is a counter-based generator: block number k of a stream, 64 bytes, is computed from key
 //! and counter alone. Ray k gets block k, eight numbers with 53 bits each. This is faster than a

@@ -106,7 +106,7 @@ mod tests {
         );
         assert_eq!(
             message(build("box", &[("size", Value::Vector(vec![1.0, 1.0]))])),
-            "box: size is a list of 2 numbers: size must be a number or a list of 3 numbers. Are there numbers missing or too many?"
+            "box: size is a list of 2 numbers: size must be a number or a list of 3 numbers. Are there too few or too many numbers?"
         );
     }
 }

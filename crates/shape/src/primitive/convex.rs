@@ -303,7 +303,7 @@ mod tests {
     fn refusals() {
         assert_eq!(
             message(Convex::new(vec![])),
-            "convex: planes is an empty list: planes must be 1 row or more of 4 numbers. Are there numbers missing or too many?"
+            "convex: planes is an empty list: planes must be 1 row or more of 4 numbers. Are there too few or too many numbers?"
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]])),

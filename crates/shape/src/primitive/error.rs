@@ -49,7 +49,7 @@ pub enum ShapeError {
         parameter: &'static str,
     },
     /// A number where a list is needed, a list of the wrong length, and so on.
-    #[error("{shape}: {parameter}{} is {found}: {parameter} must be {expected}. Are there numbers missing or too many?", at(.index))]
+    #[error("{shape}: {parameter}{} is {found}: {parameter} must be {expected}. Are there too few or too many numbers?", at(.index))]
     WrongKind {
         /// The primitive.
         shape: &'static str,

@@ -210,11 +210,11 @@ fn refusals_of_values() {
     let refuse = |name: &str, parameter: &str, value: Value| message(build(name, &[(parameter, value)]));
     assert_eq!(
         refuse("sphere", "radius", Value::Vector(vec![1.0, 2.0])),
-        "sphere: radius is a list of 2 numbers: radius must be a number. Are there numbers missing or too many?"
+        "sphere: radius is a list of 2 numbers: radius must be a number. Are there too few or too many numbers?"
     );
     assert_eq!(
         refuse("convex", "planes", Value::Rows(vec![vec![1.0; 4], vec![1.0; 3]])),
-        "convex: planes[1] is a list of 3 numbers: planes must be 1 row or more of 4 numbers. Are there numbers missing or too many?"
+        "convex: planes[1] is a list of 3 numbers: planes must be 1 row or more of 4 numbers. Are there too few or too many numbers?"
     );
     assert_eq!(
         refuse("box", "size", Value::Vector(vec![1.0, f64::NAN, 1.0])),

@@ -1,4 +1,5 @@
-//! Tolerances: the distance `delta` for points *on* a surface, and tests for rays *in* one (`coincides_along`), for the whole project.
+//! Tolerances and in-surface rays: the distance `delta` for points *on* a surface, the test for rays *in* one
+//! (`coincides_along`), and their crossings by symbolic perturbation.
 
 use super::{Surface, SurfaceCrossings};
 use crate::Ray;
