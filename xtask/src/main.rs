@@ -3,6 +3,7 @@
 mod accepted;
 mod allow;
 mod cycles;
+mod features;
 mod layers;
 mod lean;
 mod masked;
@@ -84,6 +85,7 @@ fn run() -> Result<ExitCode, String> {
             finish(arguments)?;
             layers::run(&Repository::find()?)?;
             lean::run(&Repository::find()?)?;
+            features::run(&Repository::find()?)?;
         }
         "help" => print!("{HELP}"),
         other => return Err(usage(&format!("no command '{other}'"))),

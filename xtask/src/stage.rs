@@ -9,7 +9,7 @@ mod primitive;
 use crate::outcome::Outcome;
 use crate::report::Counts;
 use crate::workshop::Workshop;
-use crate::{layers, lean, tidy};
+use crate::{features, layers, lean, tidy};
 
 /// One stage.
 pub struct Stage {
@@ -29,7 +29,8 @@ pub const STAGES: &[Stage] = &[
     stage("tidy", "the text of all files", |workshop, _| tidy::run(workshop.repository)),
     stage("layers", "the crates' dependencies", |workshop, _| {
         layers::run(workshop.repository)?;
-        lean::run(workshop.repository)
+        lean::run(workshop.repository)?;
+        features::run(workshop.repository)
     }),
     stage("deny", "licences and sources of all dependencies", cargo::deny),
     stage("clippy", "the linter has nothing to say", cargo::clippy),
