@@ -2,7 +2,7 @@
 
 use crate::arguments::GlobalArguments;
 use crate::command::{
-    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Optics, Probe, Render, Schema, Section,
+    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Optics, Photons, Probe, Render, Schema, Section,
     Shapes, Thickness, Trace, Volume,
 };
 use crate::failure::Failure;
@@ -47,6 +47,7 @@ pub enum Command {
     Probe(Probe),
     Trace(Trace),
     Optics(Optics),
+    Photons(Photons),
     Convert(Convert),
     Export(Export),
     Infill(Infill),
@@ -72,6 +73,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(global),
         Command::Optics(optics) => optics.run(global),
+        Command::Photons(photons) => photons.run(global),
         Command::Convert(convert) => convert.run(global),
         Command::Export(export) => export.run(),
         Command::Infill(infill) => infill.run(global),

@@ -49,7 +49,7 @@ mod scatter;
 mod segments;
 mod settings;
 pub mod source;
-mod start_surfaces;
+pub mod start_surfaces;
 mod system;
 pub mod table;
 mod trace;

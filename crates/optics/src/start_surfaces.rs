@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 
 /// The surfaces of a program, with the boxes in which they matter, for point queries.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct StartSurfaces {
+pub struct StartSurfaces {
     entries: Vec<PlacedSurface>,
     /// The boxes in which they matter.
     boxes: Vec<Bounds>,
@@ -30,7 +30,7 @@ struct PlacedSurface {
 
 /// The side of a surface on which a scattered ray leaves it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ExitSide {
+pub enum ExitSide {
     /// The side of the incident light: reflection.
     Incident,
     /// The other side: transmission.
@@ -38,6 +38,8 @@ pub(crate) enum ExitSide {
 }
 
 impl StartSurfaces {
+    /// Collects the surfaces of a program.
+    #[must_use]
     pub fn new(program: &Program) -> StartSurfaces {
         let (mut entries, mut boxes) = (Vec::new(), Vec::<Bounds>::new());
         let mut matters = HashMap::new();
@@ -68,7 +70,7 @@ impl StartSurfaces {
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.
-    pub fn unplaced(&self) -> Option<impl Iterator<Item = (Bounds, SurfaceId)> + '_> {
+    pub(crate) fn unplaced(&self) -> Option<impl Iterator<Item = (Bounds, SurfaceId)> + '_> {
         let is_unplaced = self.entries.iter().all(|entry| entry.placement == PlacementId(0));
         let surfaces = self.entries.iter().map(|entry| entry.surface);
         is_unplaced.then(|| self.boxes.iter().copied().zip(surfaces))
@@ -95,7 +97,7 @@ impl StartSurfaces {
 
     /// Appends the surfaces within the tolerance of a point of an incident ray to a start list that
     /// begins at `first`, except for those already in it.
-    pub fn append_others(
+    pub(crate) fn append_others(
         &self,
         program: &Program,
         (ray, t): (&Ray, f64),
@@ -158,7 +160,8 @@ pub(crate) fn starts_inside(slope: f64, value: f64, side: ExitSide) -> bool {
 }
 
 /// The point of a crossing, projected onto its surface by one Newton step along the normal.
-pub(crate) fn project(program: &Program, ray: &Ray, crossing: &Crossing, normal: Vec3) -> Vec3 {
+#[must_use]
+pub fn project(program: &Program, ray: &Ray, crossing: &Crossing, normal: Vec3) -> Vec3 {
     let (local, _) = local_ray(program, ray, crossing.face.placement);
     let surface = &program.surface(crossing.face.surface).surface;
     let (value, gradient) = surface.value_and_gradient(local.at(crossing.t));

@@ -264,6 +264,8 @@ pub use rayweave_mesh as mesh;
 pub use rayweave_mesh_io as mesh_io;
 #[cfg(feature = "optics")]
 pub use rayweave_optics as optics;
+#[cfg(feature = "photon")]
+pub use rayweave_photon as photon;
 #[cfg(feature = "space")]
 pub use rayweave_polygon as polygon;
 #[cfg(feature = "render")]

@@ -27,6 +27,37 @@ pub enum Datum {
 pub type Table = Vec<(Spanned<String>, Spanned<Datum>)>;
 
 impl Datum {
+    /// The value of a key, if this is a table that has it.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&Datum> {
+        let Datum::Table(table) = self else { return None };
+        table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
+    }
+
+    /// The number, if this is one.
+    #[must_use]
+    pub fn as_number(&self) -> Option<f64> {
+        if let Datum::Number(number) = self { Some(*number) } else { None }
+    }
+
+    /// The text, if this is one.
+    #[must_use]
+    pub fn as_text(&self) -> Option<&str> {
+        if let Datum::Text(text) = self { Some(text) } else { None }
+    }
+
+    /// The values of a list; none for anything else.
+    pub fn items(&self) -> impl Iterator<Item = &Datum> {
+        let list = if let Datum::List(list) = self { list.as_slice() } else { &[] };
+        list.iter().map(|item| &item.value)
+    }
+
+    /// The keys and values of a table; none for anything else.
+    pub fn entries(&self) -> impl Iterator<Item = (&str, &Datum)> {
+        let table = if let Datum::Table(table) = self { table.as_slice() } else { &[] };
+        table.iter().map(|(name, value)| (name.value.as_str(), &value.value))
+    }
+
     /// Kind of the value, for messages.
     pub(crate) fn description(&self) -> String {
         match self {

@@ -1,0 +1,149 @@
+//! The optical surface between two volumes: border surfaces first, then skin surfaces.
+
+use super::gdml::{Placement, Volumes};
+use super::properties::PropertyReader;
+use crate::surface::OpticalSurface;
+use rayweave_error::Message;
+use rayweave_model::{Crossing, Occurrence, Program};
+use rayweave_scene::Datum;
+use std::collections::{HashMap, HashSet};
+
+/// The surfaces of all boundaries.
+#[derive(Debug, Default)]
+pub(crate) struct SurfaceTable {
+    /// Border surfaces by the regions in front of and behind them.
+    borders: HashMap<(u32, u32), Vec<Border>>,
+    /// The skin surface of each region, if it has one.
+    skins: HashMap<u32, usize>,
+    /// Pairs of a mother and its daughter.
+    nested: HashSet<(u32, u32)>,
+}
+
+/// A border surface between two placements.
+#[derive(Debug)]
+struct Border {
+    surface: usize,
+    /// Volume name and copy numbers that the path of the crossed faces must contain, for volumes with several copies.
+    required: Vec<Placement>,
+}
+
+impl SurfaceTable {
+    /// Reads the surfaces that are attached to volumes and to pairs of placements.
+    pub fn new(
+        table: &Datum,
+        surfaces: &[OpticalSurface],
+        volumes: &Volumes,
+        properties: &mut PropertyReader,
+    ) -> SurfaceTable {
+        let mut found = SurfaceTable { nested: volumes.nested.clone(), ..SurfaceTable::default() };
+        let mut attached = HashSet::new();
+        let text = |row: &Datum, key: &str| row.get(key).and_then(Datum::as_text).unwrap_or_default().to_owned();
+        let number = |row: &Datum| {
+            let name = text(row, "surface");
+            surfaces.iter().position(|surface| surface.name == name)
+        };
+        for row in table.get("skin").into_iter().flat_map(Datum::items) {
+            let Some(surface) = number(row) else { continue };
+            attached.insert(surface);
+            for volume in row.get("volume").into_iter().flat_map(Datum::items).filter_map(Datum::as_text) {
+                // of several skins of a volume the first one counts
+                for &region in volumes.regions.get(volume).into_iter().flatten() {
+                    found.skins.entry(region).or_insert(surface);
+                }
+            }
+        }
+        for row in table.get("border").into_iter().flat_map(Datum::items) {
+            let Some(surface) = number(row) else { continue };
+            attached.insert(surface);
+            let names: Vec<&str> =
+                row.get("placements").into_iter().flat_map(Datum::items).filter_map(Datum::as_text).collect();
+            let [first, second] = names.as_slice() else {
+                let problem = format!("border surface `{}` names {} placements", text(row, "name"), names.len());
+                properties.problem(Message::new(problem, "a border lies between two"));
+                continue;
+            };
+            found.add_border(surface, (first, second), volumes, (&text(row, "name"), properties));
+        }
+        for (_, surface) in surfaces.iter().enumerate().filter(|(number, _)| !attached.contains(number)) {
+            properties.note(format!("optical surface `{}` is ignored: it is attached to no volume.", surface.name));
+        }
+        found
+    }
+
+    fn add_border(
+        &mut self,
+        surface: usize,
+        (first, second): (&str, &str),
+        volumes: &Volumes,
+        (name, properties): (&str, &mut PropertyReader),
+    ) {
+        let mut placements = |placement: &str| match volumes.placements.get(placement) {
+            Some(list) => list.clone(),
+            None => {
+                properties.note(format!(
+                    "border surface `{name}` is ignored: there is no placement named `{placement}`."
+                ));
+                Vec::new()
+            }
+        };
+        let (before, after) = (placements(first), placements(second));
+        for before in &before {
+            for after in &after {
+                let is_one_of_several =
+                    |placement: &&Placement| volumes.copies.get(&placement.volume).is_some_and(|&n| n > 1);
+                let required: Vec<Placement> =
+                    [before, after].into_iter().filter(is_one_of_several).cloned().collect();
+                let regions = |placement: &Placement| volumes.regions.get(&placement.volume).cloned().unwrap_or_default();
+                for from in regions(before) {
+                    for to in regions(after) {
+                        let border = Border { surface, required: required.clone() };
+                        self.borders.entry((from, to)).or_default().push(border);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The number of the surface at a crossing (`G4LogicalBorderSurface`, then `G4LogicalSkinSurface`): a border
+    /// surface from the volume in front to the one behind; else, if the photon enters a daughter, the skin of the daughter
+    /// and then that of its mother; otherwise the skin of the volume in front, then of the one behind.
+    pub fn find(&self, program: &Program, crossing: &Crossing) -> Option<usize> {
+        let (before, after) = (crossing.before.0, crossing.after.0);
+        let borders = self.borders.get(&(before, after));
+        if let Some(border) = borders.into_iter().flatten().find(|border| border.is_at(program, crossing)) {
+            return Some(border.surface);
+        }
+        let order = if self.nested.contains(&(before, after)) { [after, before] } else { [before, after] };
+        order.iter().find_map(|region| self.skins.get(region).copied())
+    }
+}
+
+impl Border {
+    /// True if the faces of a crossing belong to the required copies.
+    fn is_at(&self, program: &Program, crossing: &Crossing) -> bool {
+        if self.required.is_empty() {
+            return true;
+        }
+        let faces = [crossing.left, crossing.entered];
+        let paths = faces.map(|face| program.occurrence_path(Occurrence { placement: face.placement, leaf: face.leaf }));
+        let has = |placement: &Placement| {
+            let mut steps = paths.iter().flat_map(|path| path.steps());
+            steps.any(|step| {
+                step.name == bare(&placement.volume) && step.copy.is_some_and(|copy| placement.copies.contains(&copy))
+            })
+        };
+        self.required.iter().all(has)
+    }
+}
+
+/// A name without the pointer suffix that programs append to make it unique, as occurrence paths have it.
+fn bare(name: &str) -> &str {
+    match name.rsplit_once("0x") {
+        Some((bare, suffix))
+            if !bare.is_empty() && !suffix.is_empty() && suffix.bytes().all(|byte| byte.is_ascii_hexdigit()) =>
+        {
+            bare
+        }
+        _ => name,
+    }
+}

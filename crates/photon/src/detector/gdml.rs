@@ -1,0 +1,247 @@
+//! Optical materials and surfaces in the `[gdml]` table of a document.
+
+use super::properties::{Properties, PropertyReader};
+use crate::material::{
+    Compressibility, Mie, OpticalMaterial, WATER_COMPRESSIBILITY, WATER_TEMPERATURE, WavelengthShifter,
+    rayleigh_length,
+};
+use crate::property::group_velocity;
+use crate::surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
+use rayweave_error::Message;
+use rayweave_scene::{Datum, Scene};
+use std::collections::{HashMap, HashSet};
+
+/// The optical materials by the number of the medium.
+pub(super) fn materials(table: &Datum, media: &[String], properties: &mut PropertyReader) -> Vec<OpticalMaterial> {
+    let rows = || table.get("material").into_iter().flat_map(Datum::items);
+    let by_medium: HashMap<&str, &Datum> =
+        rows().filter_map(|row| Some((row.get("medium")?.as_text()?, row))).collect();
+    let read = |name: &String| match by_medium.get(name.as_str()) {
+        Some(row) => material(row, name, properties),
+        None => OpticalMaterial { name: name.clone(), ..OpticalMaterial::default() },
+    };
+    media.iter().map(read).collect()
+}
+
+fn material(row: &Datum, medium: &str, properties: &mut PropertyReader) -> OpticalMaterial {
+    let name = row.get("name").and_then(Datum::as_text).unwrap_or(medium);
+    // the reader of GDML removes pointer suffixes in the names of media
+    let is_water = medium == "Water";
+    let mut properties = properties.of(format!("material `{name}`"), row);
+    let index = properties.positive("RINDEX");
+    let own_velocity = properties.positive("GROUPVEL");
+    let group_velocity = own_velocity.or_else(|| index.as_ref().map(group_velocity));
+    let stated = properties.length("RAYLEIGH");
+    let compressibility = properties.constant("ISOTHERMAL_COMPRESSIBILITY");
+    let scale = properties.constant("RS_SCALE_FACTOR").unwrap_or(1.0);
+    let derived = || {
+        let temperature = row.get("temperature").and_then(Datum::as_number).unwrap_or(293.15);
+        let constants = match compressibility {
+            Some(value) => Compressibility { value, temperature, scale },
+            None if is_water => {
+                Compressibility { value: WATER_COMPRESSIBILITY, temperature: WATER_TEMPERATURE, scale }
+            }
+            None => return None,
+        };
+        index.as_ref().map(|index| rayleigh_length(index, constants))
+    };
+    let rayleigh_length = stated.or_else(derived);
+    let absorption_length = properties.length("ABSLENGTH");
+    let mie = mie(&mut properties);
+    let sets = [
+        ["WLSABSLENGTH", "WLSCOMPONENT", "WLSTIMECONSTANT", "WLSMEANNUMBERPHOTONS"],
+        ["WLSABSLENGTH2", "WLSCOMPONENT2", "WLSTIMECONSTANT2", "WLSMEANNUMBERPHOTONS2"],
+    ];
+    let shifters = sets.iter().filter_map(|names| shifter(&mut properties, names)).collect();
+    properties.finish();
+    OpticalMaterial {
+        name: name.to_owned(),
+        index,
+        group_velocity,
+        absorption_length,
+        rayleigh_length,
+        mie,
+        shifters,
+    }
+}
+
+fn mie(properties: &mut Properties<'_>) -> Option<Mie> {
+    let length = properties.length("MIEHG");
+    let mut constant = |name: &str| {
+        let value = properties.constant(name);
+        if let Some(value) = value.filter(|value| !(-1.0..=1.0).contains(value)) {
+            properties.problem(name, &format!("it is {value}: it must be from -1 to 1"));
+        }
+        value.unwrap_or(0.0)
+    };
+    let [forward, backward] = ["MIEHG_FORWARD", "MIEHG_BACKWARD"].map(&mut constant);
+    let forward_ratio = constant("MIEHG_FORWARD_RATIO");
+    length.map(|length| Mie { length, forward, backward, forward_ratio })
+}
+
+fn shifter(properties: &mut Properties<'_>, names: &[&str; 4]) -> Option<WavelengthShifter> {
+    if !properties.has(names[0]) {
+        return None;
+    }
+    let length = properties.length(names[0]);
+    if !properties.has(names[1]) {
+        properties.problem(names[0], &format!("there is no emission spectrum `{}`", names[1]));
+    }
+    let spectrum = properties.spectrum(names[1]);
+    let time = properties.constant(names[2]).unwrap_or(0.0);
+    let mean_photons = properties.constant(names[3]);
+    Some(WavelengthShifter { length: length?, spectrum: spectrum?, time, mean_photons })
+}
+
+/// The optical surfaces, in the order of the file.
+pub(super) fn surfaces(table: &Datum, properties: &mut PropertyReader) -> Vec<OpticalSurface> {
+    let rows = table.get("surface").into_iter().flat_map(Datum::items);
+    rows.map(|row| surface(row, properties)).collect()
+}
+
+/// The words of models, finishes and types, and their numbers, as Geant4's reader has them.
+const MODELS: [(&str, &str, SurfaceModel); 2] =
+    [("glisur", "0", SurfaceModel::Glisur), ("unified", "1", SurfaceModel::Unified)];
+
+const FINISHES: [(&str, &str, SurfaceFinish); 6] = [
+    ("polished", "0", SurfaceFinish::Polished),
+    ("polishedfrontpainted", "1", SurfaceFinish::PolishedFrontPainted),
+    ("polishedbackpainted", "2", SurfaceFinish::PolishedBackPainted),
+    ("ground", "3", SurfaceFinish::Ground),
+    ("groundfrontpainted", "4", SurfaceFinish::GroundFrontPainted),
+    ("groundbackpainted", "5", SurfaceFinish::GroundBackPainted),
+];
+
+const TYPES: [(&str, &str, SurfaceType); 2] = [
+    ("dielectric_metal", "0", SurfaceType::DielectricMetal),
+    ("dielectric_dielectric", "1", SurfaceType::DielectricDielectric),
+];
+
+fn surface(row: &Datum, properties: &mut PropertyReader) -> OpticalSurface {
+    let name = row.get("name").and_then(Datum::as_text).unwrap_or_default().to_owned();
+    let owner = format!("optical surface `{name}`");
+    let (model, finish, kind) = (
+        word(row, "model", &MODELS, &owner, properties),
+        word(row, "finish", &FINISHES, &owner, properties),
+        word(row, "type", &TYPES, &owner, properties),
+    );
+    let value = row.get("value").and_then(Datum::as_number).unwrap_or(1.0);
+    let mut properties = properties.of(owner, row);
+    let [reflectivity, transmittance, efficiency, lobe, spike, backscatter] = [
+        "REFLECTIVITY",
+        "TRANSMITTANCE",
+        "EFFICIENCY",
+        "SPECULARLOBECONSTANT",
+        "SPECULARSPIKECONSTANT",
+        "BACKSCATTERCONSTANT",
+    ]
+    .map(|name| properties.table_in(name, 0.0..=1.0));
+    let index = properties.positive("RINDEX");
+    let real = properties.table_in("REALRINDEX", 0.0..=f64::INFINITY);
+    let imaginary = properties.table_in("IMAGINARYRINDEX", 0.0..=f64::INFINITY);
+    let roughness = properties.constant("SURFACEROUGHNESS").unwrap_or(0.0);
+    properties.finish();
+    OpticalSurface {
+        name,
+        model,
+        finish,
+        kind,
+        value,
+        reflectivity,
+        transmittance,
+        efficiency,
+        index,
+        metal_index: real.zip(imaginary),
+        lobe,
+        spike,
+        backscatter,
+        roughness,
+    }
+}
+
+/// One of the words of an attribute, or its number; others are problems.
+fn word<T: Copy + Default>(
+    row: &Datum,
+    attribute: &str,
+    words: &[(&str, &str, T)],
+    owner: &str,
+    properties: &mut PropertyReader,
+) -> T {
+    let text = match row.get(attribute) {
+        Some(Datum::Text(text)) => text.as_str(),
+        _ => return T::default(),
+    };
+    match words.iter().find(|(word, number, _)| text == *word || text == *number) {
+        Some((_, _, value)) => *value,
+        None => {
+            let known = words.iter().map(|(word, ..)| *word).collect::<Vec<_>>().join(", ");
+            let problem = format!("the {attribute} `{text}` of {owner} is not supported");
+            properties.problem(Message::new(problem, format!("the supported ones are {known}")));
+            T::default()
+        }
+    }
+}
+
+/// The logical volumes: their regions and what is placed in them.
+#[derive(Debug, Default)]
+pub(crate) struct Volumes {
+    /// The regions (1 for the first) of each volume; several where a parameterised volume has several sizes.
+    pub regions: HashMap<String, Vec<u32>>,
+    /// Pairs of regions: a mother and its daughter. Assemblies have no region; their daughters are those of the mother.
+    pub nested: HashSet<(u32, u32)>,
+    /// The placements by name.
+    pub placements: HashMap<String, Vec<Placement>>,
+    /// The number of copies of each volume in all mothers.
+    pub copies: HashMap<String, usize>,
+}
+
+/// A physical volume.
+#[derive(Clone, Debug)]
+pub(crate) struct Placement {
+    /// The volume that is placed.
+    pub volume: String,
+    /// The numbers of its copies, as in occurrence paths; `None` if they are unknown.
+    pub copies: std::ops::Range<i64>,
+}
+
+/// Reads the volume graph.
+pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
+    let numbers: HashMap<&str, u32> =
+        scene.regions.iter().zip(1..).map(|(region, number)| (region.name.as_str(), number)).collect();
+    let rows: Vec<&Datum> = table.get("volume").into_iter().flat_map(Datum::items).collect();
+    let text = |row: &Datum, key: &str| row.get(key).and_then(Datum::as_text).unwrap_or_default().to_owned();
+    let mut volumes = Volumes::default();
+    let by_name: HashMap<String, &Datum> = rows.iter().map(|row| (text(row, "name"), *row)).collect();
+    for row in &rows {
+        let region = numbers.get(text(row, "region").as_str());
+        volumes.regions.entry(text(row, "name")).or_default().extend(region);
+        // positions among the copies of the same volume number those without a copy number
+        let mut counted: HashMap<String, i64> = HashMap::new();
+        for daughter in row.get("daughters").into_iter().flat_map(Datum::items) {
+            let volume = text(daughter, "volume");
+            let count = daughter.get("maps").into_iter().flat_map(Datum::items).count() as i64;
+            let next = counted.entry(volume.clone()).or_default();
+            let first = daughter.get("copy").and_then(Datum::as_number).map_or(*next, |copy| copy as i64);
+            *next += count;
+            *volumes.copies.entry(volume.clone()).or_default() += count as usize;
+            let placement = Placement { volume, copies: first..first.saturating_add(count) };
+            volumes.placements.entry(text(daughter, "name")).or_default().push(placement);
+        }
+    }
+    for row in &rows {
+        let Some(&mother) = numbers.get(text(row, "region").as_str()) else { continue };
+        // volumes without a region are transparent for the nesting
+        let (mut waiting, mut seen) = (vec![*row], HashSet::new());
+        while let Some(row) = waiting.pop() {
+            for daughter in row.get("daughters").into_iter().flat_map(Datum::items) {
+                let Some(inner) = by_name.get(&text(daughter, "volume")) else { continue };
+                match numbers.get(text(inner, "region").as_str()) {
+                    Some(&region) => drop(volumes.nested.insert((mother, region))),
+                    None if seen.insert(text(inner, "name")) => waiting.push(inner),
+                    None => {}
+                }
+            }
+        }
+    }
+    volumes
+}

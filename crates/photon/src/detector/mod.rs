@@ -1,0 +1,135 @@
+//! Detectors: compiled geometry with optical materials, surfaces and sensors.
+
+mod borders;
+mod gdml;
+mod properties;
+mod sensors;
+
+use crate::error::PhotonError;
+use crate::material::OpticalMaterial;
+use crate::surface::OpticalSurface;
+use borders::SurfaceTable;
+use rayweave_error::Message;
+use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, RegionId};
+use rayweave_optics::start_surfaces::StartSurfaces;
+use rayweave_scene::{Compiled, Document, Scene};
+use std::sync::Arc;
+
+/// What counts as the detection of a photon.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DetectionRule {
+    /// Absorption at a surface, with the probability `EFFICIENCY`.
+    Efficiency,
+    /// Entering a sensitive volume (auxiliary tag `SensDet`).
+    Volume,
+    /// Either of the two, whichever comes first.
+    #[default]
+    Both,
+}
+
+/// A detector, ready for simulation.
+#[derive(Debug)]
+pub struct Detector {
+    pub(crate) program: Arc<Program>,
+    /// The media by number; 0 is that of the world.
+    pub(crate) materials: Vec<OpticalMaterial>,
+    pub(crate) surfaces: Vec<OpticalSurface>,
+    pub(crate) boundaries: SurfaceTable,
+    pub(crate) starts: StartSurfaces,
+    /// The faces by number; the placements come with the crossings.
+    pub(crate) faces: Vec<Face>,
+    /// The name of the sensor of each region, if it is sensitive.
+    pub(crate) sensors: Vec<Option<String>>,
+    pub(crate) region_names: Arc<[String]>,
+    notes: Vec<String>,
+}
+
+impl Detector {
+    /// Compiles a scene and reads the optical properties in the `[gdml]` table of its document.
+    ///
+    /// # Errors
+    ///
+    /// [`PhotonError::Detector`] for invalid properties, all of them at once, and [`PhotonError::Compile`].
+    pub fn new(scene: &Scene, document: &Document) -> Result<Detector, PhotonError> {
+        let table = document.foreign("gdml").map(|foreign| &foreign.value.value);
+        let Some(table) = table else {
+            let message = Message::new("the model has no optical properties", "it has no table [gdml]");
+            let message = message.suggest("Use a GDML file, or a native model converted from one.");
+            return Err(PhotonError::Detector(vec![message]));
+        };
+        let compiled = match Compiled::new(scene) {
+            Ok(compiled) => compiled,
+            Err(rayweave_scene::SceneError::Compile(error)) => return Err(error.into()),
+            Err(other) => {
+                return Err(PhotonError::Detector(vec![Message::new("the detector is invalid", other.to_string())]));
+            }
+        };
+        let program = compiled.program;
+        let mut properties = properties::PropertyReader::new(table);
+        let materials = gdml::materials(table, &compiled.media, &mut properties);
+        let surfaces = gdml::surfaces(table, &mut properties);
+        let volumes = gdml::volumes(table, scene);
+        let boundaries = SurfaceTable::new(table, &surfaces, &volumes, &mut properties);
+        let sensors = sensors::names(table, scene);
+        let names = std::iter::once("").chain(scene.regions.iter().map(|region| region.name.as_str()));
+        let region_names = names.map(str::to_owned).collect();
+        let starts = StartSurfaces::new(&program);
+        let faces = faces(&program);
+        let notes = properties.finish()?;
+        Ok(Detector { faces, program, materials, surfaces, boundaries, starts, sensors, region_names, notes })
+    }
+
+    /// What the detector ignores, one sentence each: properties that no process uses, and surfaces that are attached
+    /// to nothing.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// The optical materials, by the number of the medium; 0 is the medium of the world.
+    #[must_use]
+    pub fn materials(&self) -> &[OpticalMaterial] {
+        &self.materials
+    }
+
+    /// The optical surfaces, in the order of the file.
+    #[must_use]
+    pub fn surfaces(&self) -> &[OpticalSurface] {
+        &self.surfaces
+    }
+
+    /// The compiled geometry.
+    #[must_use]
+    pub fn program(&self) -> &Arc<Program> {
+        &self.program
+    }
+
+    /// The number of sensitive volumes.
+    #[must_use]
+    pub fn sensor_count(&self) -> usize {
+        self.sensors.iter().flatten().count()
+    }
+
+    pub(crate) fn material(&self, region: RegionId) -> &OpticalMaterial {
+        &self.materials[self.program.medium_of(region) as usize]
+    }
+
+    /// The optical surface at a crossing, if there is one.
+    pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
+        self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
+    }
+}
+
+/// The faces of a program by number.
+fn faces(program: &Program) -> Vec<Face> {
+    let faces = program.leaves().flat_map(|leaf| {
+        let face = move |(facet, k): (&LeafFacet, u32)| Face {
+            leaf: leaf.id(),
+            facet: k,
+            surface: facet.surface(),
+            placement: PlacementId(0),
+        };
+        leaf.facets().iter().zip(0..).map(face)
+    });
+    faces.collect()
+}

@@ -1,0 +1,145 @@
+//! Hits: the detected photons as columns.
+
+use crate::detector::Detector;
+use crate::property::wavelength_nm;
+use crate::source::Photon;
+use rayweave_model::{Face, Occurrence};
+use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
+use std::collections::HashMap;
+
+/// The detected photons, in the order of their numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Hits {
+    /// The number of the photon in the run; photons of wavelength shifters have that of the absorbed one.
+    pub photon: Vec<i64>,
+    /// The position in mm: x, y, z.
+    pub position: [Vec<f64>; 3],
+    /// The time in ns.
+    pub time: Vec<f64>,
+    /// The direction: a unit vector.
+    pub direction: [Vec<f64>; 3],
+    /// The polarisation: a unit vector.
+    pub polarisation: [Vec<f64>; 3],
+    /// The wavelength in nm.
+    pub wavelength_nm: Vec<f64>,
+    /// The number of steps before the detection.
+    pub steps: Vec<i64>,
+    /// The path of the sensor: an index into [`Hits::paths`].
+    pub sensor: Vec<u32>,
+    /// The paths of sensors: the names and copy numbers of the placements that lead to the volume.
+    pub paths: Vec<String>,
+    numbers: HashMap<String, u32>,
+}
+
+impl Hits {
+    /// The number of hits.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.photon.len()
+    }
+
+    /// True without hits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.photon.is_empty()
+    }
+
+    pub(crate) fn push(&mut self, number: u64, steps: u32, photon: &Photon, path: String) {
+        self.photon.push(number as i64);
+        let vectors = [
+            (&mut self.position, photon.position),
+            (&mut self.direction, photon.direction),
+            (&mut self.polarisation, photon.polarisation),
+        ];
+        for (columns, vector) in vectors {
+            columns.iter_mut().zip(vector.to_array()).for_each(|(column, value)| column.push(value));
+        }
+        self.time.push(photon.time);
+        self.wavelength_nm.push(wavelength_nm(photon.energy));
+        self.steps.push(i64::from(steps));
+        let next = self.paths.len() as u32;
+        let number = *self.numbers.entry(path).or_insert_with_key(|path| {
+            self.paths.push(path.clone());
+            next
+        });
+        self.sensor.push(number);
+    }
+
+    /// Sorts by the number of the photon; equal numbers keep their order.
+    pub(crate) fn sort(&mut self) {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by_key(|&row| (self.photon[row], self.steps[row]));
+        let vectors = [&mut self.position, &mut self.direction, &mut self.polarisation];
+        let columns = vectors.into_iter().flatten().chain([&mut self.time, &mut self.wavelength_nm]);
+        columns.for_each(|column| *column = order.iter().map(|&row| column[row]).collect());
+        for column in [&mut self.photon, &mut self.steps] {
+            *column = order.iter().map(|&row| column[row]).collect();
+        }
+        self.sensor = order.iter().map(|&row| self.sensor[row]).collect();
+    }
+
+    /// Appends other hits.
+    pub(crate) fn append(&mut self, mut other: Hits) {
+        self.photon.append(&mut other.photon);
+        let pairs = [
+            (&mut self.position, &mut other.position),
+            (&mut self.direction, &mut other.direction),
+            (&mut self.polarisation, &mut other.polarisation),
+        ];
+        for (own, others) in pairs {
+            own.iter_mut().zip(others).for_each(|(own, other)| own.append(other));
+        }
+        self.time.append(&mut other.time);
+        self.wavelength_nm.append(&mut other.wavelength_nm);
+        self.steps.append(&mut other.steps);
+        let mut number = |path: &String| {
+            let next = self.paths.len() as u32;
+            *self.numbers.entry(path.clone()).or_insert_with(|| {
+                self.paths.push(path.clone());
+                next
+            })
+        };
+        let numbers: Vec<u32> = other.paths.iter().map(&mut number).collect();
+        self.sensor.extend(other.sensor.iter().map(|&sensor| numbers[sensor as usize]));
+    }
+
+    /// The hits as rows of a table with the columns of [`hit_schema`].
+    ///
+    /// # Errors
+    ///
+    /// None: the columns are of equal length.
+    pub fn to_rows(&self) -> Result<Chunk, TableError> {
+        let mut columns: Vec<Values> = vec![self.photon.clone().into()];
+        columns.extend(self.position.iter().cloned().map(Values::from));
+        columns.push(self.time.clone().into());
+        columns.extend(self.direction.iter().chain(&self.polarisation).cloned().map(Values::from));
+        columns.push(self.wavelength_nm.clone().into());
+        columns.push(self.steps.clone().into());
+        columns.push(self.sensor.clone().into());
+        Chunk::new(columns)
+    }
+}
+
+/// The columns of a table of hits: `photon`; `x`, `y`, `z` in mm; `time` in ns; the direction `dx`, `dy`, `dz`; the
+/// polarisation `px`, `py`, `pz`; `wavelength_nm`; `steps`; `sensor`, a path.
+///
+/// # Errors
+///
+/// None: the names are fixed.
+pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
+    let mut columns = vec![Column::new("photon", DType::I64)];
+    columns.extend(["x", "y", "z"].map(|name| Column::new(name, DType::F64).unit("mm")));
+    columns.push(Column::new("time", DType::F64).unit("ns"));
+    columns.extend(["dx", "dy", "dz", "px", "py", "pz"].map(|name| Column::new(name, DType::F64)));
+    columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
+    columns.push(Column::new("steps", DType::I64));
+    columns.push(Column::names("sensor", hits.paths.as_slice().into()));
+    Schema::new(columns)
+}
+
+/// The path of a volume: that of the placement of a face, or the name of the region for a volume that is not placed.
+pub(crate) fn sensor_path(detector: &Detector, face: Face, region: u32) -> String {
+    let occurrence = Occurrence { placement: face.placement, leaf: face.leaf };
+    let path = detector.program.occurrence_path(occurrence).placed().to_string();
+    if path.is_empty() { detector.region_names[region as usize].clone() } else { path }
+}

@@ -1,0 +1,34 @@
+//! Optical photons in detectors: simulation of single photons by Geant4's physics in exact geometry.
+//!
+//! A [`Detector`] is a compiled scene with optical materials and surfaces, read from the `[gdml]` table of a document.
+//! [`simulate`] propagates photons of a [`Source`] until each of them ends: absorbed, detected, escaped or at a limit.
+//! The result holds the [`Hits`] and the number of photons by way of ending.
+//!
+//! - Volumes are exact solids: no triangles, no offsets. A photon that leaves a boundary starts on it.
+//! - The history of a photon is a function of the detector, the seed and the number of the photon
+//!   ([`philox`]): it does not depend on threads, batches or on the other photons of a run.
+//! - Units are those of Geant4: mm, ns, MeV; wavelengths are in nm.
+//!
+//! *Sources*: Geant4 Physics Reference Manual 11.4, chapter "Optical photons"; Geant4 Book For
+//! Application Developers 11.4, section 5.2.5. The order of decisions is that of Geant4's
+//! `G4OpBoundaryProcess`, `G4OpAbsorption`, `G4OpRayleigh`, `G4OpMieHG` and `G4OpWLS`.
+
+mod boundary;
+mod detector;
+mod error;
+mod hits;
+mod material;
+pub mod philox;
+mod propagate;
+pub mod property;
+mod scatter;
+mod source;
+mod surface;
+
+pub use detector::{DetectionRule, Detector};
+pub use error::{PhotonError, PropertyError};
+pub use hits::{Hits, hit_schema};
+pub use material::{Compressibility, Mie, OpticalMaterial, WavelengthShifter, rayleigh_length};
+pub use propagate::{End, PhotonRun, RunSettings, simulate};
+pub use source::{Photon, PointSource, Source};
+pub use surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
