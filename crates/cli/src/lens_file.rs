@@ -3,9 +3,9 @@
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
-use crate::terminal;
-use rayweave::lens::analysis::hexapolar;
-use rayweave::lens::prescription::{IMAGE, Prescription, read_zmx};
+use crate::terminal::{self, short};
+use rayweave::lens::analysis::{NEEDS_AIMING, hexapolar};
+use rayweave::lens::prescription::{FieldKind, IMAGE, Prescription, PrescriptionError, read_zmx};
 use rayweave::optics::file::OpticalScene;
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
 use rayweave::optics::{Beam, Settings};
@@ -26,6 +26,8 @@ pub struct Bench {
     pub unit: &'static str,
     /// The name of the sheet at the image, if the model is a lens file.
     pub image: Option<&'static str>,
+    /// The coordinates of the fields of a lens file, one for each source; empty for other models.
+    pub fields: Vec<String>,
 }
 
 /// True if a file name is that of a lens file.
@@ -53,7 +55,7 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     }
     let lens = read.prescription;
     let assembly = lens.assembly().map_err(|error| wrong(&error))?.assembly;
-    let sources = (0..lens.fields.len()).map(|field| source(&lens, field));
+    let sources = (0..lens.fields.len()).map(|field| source(&lens, field, &name.to_string()));
     let sources = sources.collect::<Result<Vec<_>, _>>().map_err(|error| wrong(error.as_ref()))?;
     let near = |unit: &&Unit| (1e9 * unit.metres() / lens.unit_nm - 1.0).abs() < 1e-9;
     let units = Unit::ALL.map(|(unit, ..)| unit);
@@ -61,16 +63,25 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let rays = (hexapolar(RINGS).len() * lens.lines.len()) as f64;
     let settings = Settings { threshold: FAINTEST / rays, ..Settings::default() };
     let optics = OpticalScene { assembly, sources: Sources::new(sources), settings };
-    Ok(Bench { optics, unit, image: Some(IMAGE) })
+    let fields = lens.fields.iter().map(|&place| field_text(lens.field_kind, place, unit)).collect();
+    Ok(Bench { optics, unit, image: Some(IMAGE), fields })
+}
+
+/// The coordinates of a field with their unit.
+fn field_text(kind: FieldKind, place: [f64; 2], unit: &str) -> String {
+    let coordinates = place.map(short).join(", ");
+    match kind {
+        FieldKind::Angle => format!("({coordinates})\u{b0}"),
+        FieldKind::ObjectHeight | FieldKind::ImageHeight => format!("({coordinates}) {unit}"),
+    }
 }
 
 /// The light of a field, with a total power of 1, divided among the wavelengths by weight.
-fn source(lens: &Prescription, field: usize) -> Result<Source, Box<dyn std::error::Error>> {
-    let pupil = hexapolar(RINGS);
+fn source(lens: &Prescription, field: usize, name: &str) -> Result<Source, Box<dyn std::error::Error>> {
     let (mut origins, mut directions) = (Vec::new(), Vec::new());
     let (mut wavelengths, mut powers) = (Vec::new(), Vec::new());
     for line in &lens.lines {
-        let beam: Beam = lens.beam(field, line.wavelength_nm, &pupil)?;
+        let beam = beam(lens, field, line.wavelength_nm, name)?;
         for k in 0..beam.len() {
             let ray = beam.get(k).ray;
             origins.push(ray.origin);
@@ -82,4 +93,29 @@ fn source(lens: &Prescription, field: usize) -> Result<Source, Box<dyn std::erro
     let rays = ListedRays::new(origins, directions, Some(wavelengths), Some(powers))?;
     let total = rays.power().unwrap_or(1.0);
     Ok(Source::new(Pattern::Rays(rays))?.power(Power::PerRay(1.0 / total))?)
+}
+
+/// Rays through the entrance pupil, aimed at the stop where the real pupil is far from the paraxial one.
+fn beam(
+    lens: &Prescription,
+    field: usize,
+    wavelength_nm: f64,
+    name: &str,
+) -> Result<Beam, PrescriptionError> {
+    let pupil = hexapolar(RINGS);
+    let is_far = match lens.principal_point(field, wavelength_nm) {
+        Ok([x, y]) => x.hypot(y) > NEEDS_AIMING,
+        Err(PrescriptionError::Lost { .. }) => false,
+        Err(error) => return Err(error),
+    };
+    if !is_far {
+        return lens.beam(field, wavelength_nm, &pupil);
+    }
+    let aimed = pupil.iter().filter_map(|&point| lens.beam_at_stop(field, wavelength_nm, &[point]).ok());
+    let beam: Beam = aimed.map(|beam| beam.get(0)).collect();
+    let lost = pupil.len() - beam.len();
+    let lost = if lost > 0 { format!("; {lost} rays find no way to it") } else { String::new() };
+    let text = "rays are aimed at the stop, since the real entrance pupil is far from the paraxial one";
+    terminal::caution(&format!("{name}: field {field}, {wavelength_nm} nm: {text}{lost}"));
+    Ok(beam)
 }

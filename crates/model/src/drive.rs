@@ -2,12 +2,15 @@
 //!
 //! The chunks do not depend on the number of threads, and results are merged in the order of the chunks, so
 //! that every run gives the same bits on any machine. Chunks are pulled only as fast as results are merged:
-//! at most a few per thread exist at any time.
+//! at most a few per thread exist at any time. Work of one piece, such as reading a file, runs [`aside`].
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock};
+use std::time::Duration;
 
 /// A cancellation token: stops a run from another thread or a signal handler.
 #[derive(Clone, Debug, Default)]
@@ -27,6 +30,63 @@ impl Cancel {
     /// True after [`Cancel::cancel`] was called.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
+    }
+
+    /// The token of the work that this thread runs [`aside`]; elsewhere a new one, which nothing cancels.
+    pub fn current() -> Cancel {
+        CURRENT.with_borrow(|current| current.clone().unwrap_or_default())
+    }
+}
+
+thread_local! {
+    static CURRENT: RefCell<Option<Cancel>> = const { RefCell::new(None) };
+}
+
+/// Interval at which [`aside`] calls `look`.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Stack size of a thread for [`aside`], in bytes; that of main threads or more.
+const STACK: usize = 16 << 20;
+
+/// Runs `work` on a thread of its own and returns its result, for work that does not check a token often enough. Meanwhile the
+/// calling thread calls `look` every 50 ms.
+///
+/// An error of `look` is returned at once: the work is cancelled ([`Cancel::current`]) and its result dropped, but it may go on
+/// for a while. A panic in `work` is propagated.
+pub fn aside<T: Send + 'static, E>(
+    work: impl FnOnce() -> T + Send + 'static,
+    mut look: impl FnMut() -> Result<(), E>,
+) -> Result<T, E> {
+    let (sender, receiver) = sync_channel(1);
+    let cancel = Cancel::new();
+    let own = cancel.clone();
+    let work = Arc::new(Mutex::new(Some(work)));
+    let shared = work.clone();
+    let take = |work: &Mutex<Option<_>>| work.lock().ok().and_then(|mut work| work.take());
+    let run = move || {
+        CURRENT.set(Some(own));
+        if let Some(work) = take(&shared) {
+            // nobody receives it after an error of `look`
+            let _ = sender.send(work());
+        }
+    };
+    let thread = match std::thread::Builder::new().stack_size(STACK).spawn(run) {
+        Ok(thread) => thread,
+        // no thread is left: the work runs here, where it cannot be cancelled
+        Err(error) => match take(&work) {
+            Some(work) => return Ok(work()),
+            None => unreachable!("a thread that did not start took work: {error}"),
+        },
+    };
+    loop {
+        match receiver.recv_timeout(LOOK) {
+            Ok(result) => return Ok(result),
+            Err(RecvTimeoutError::Timeout) => look().inspect_err(|_| cancel.cancel())?,
+            Err(RecvTimeoutError::Disconnected) => match thread.join() {
+                Err(panic) => std::panic::resume_unwind(panic),
+                Ok(()) => unreachable!("the work ended without a result"),
+            },
+        }
     }
 }
 
@@ -317,6 +377,28 @@ mod tests {
             assert_eq!(drive(threads(n), &cancel, 0usize.., || (), |_, k| k, merge), Err(Stopped::Cancelled));
             assert_eq!(count, 5);
         }
+    }
+
+    #[test]
+    fn work_aside_is_abandoned_at_once_and_told_so() {
+        assert_eq!(aside(|| 7, || Err(())), Ok(7));
+        let (told, heard) = std::sync::mpsc::channel();
+        let work = move || {
+            let cancel = Cancel::current();
+            while !cancel.is_cancelled() {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            told.send(()).unwrap();
+            // longer than anyone waits
+            std::thread::sleep(Duration::from_secs(5));
+        };
+        let start = std::time::Instant::now();
+        assert_eq!(aside(work, || Err("stop")), Err("stop"));
+        assert!(start.elapsed() < Duration::from_secs(4));
+        heard.recv_timeout(Duration::from_secs(4)).unwrap();
+        assert!(!Cancel::current().is_cancelled());
+        let panics = || aside(|| assert!(LOOK.is_zero()), || Ok::<(), ()>(()));
+        assert!(std::panic::catch_unwind(panics).is_err());
     }
 
     #[test]

@@ -13,9 +13,18 @@ pub struct CompileError {
     pub problem: CompileProblem,
 }
 
+impl CompileError {
+    pub(crate) fn cancelled() -> CompileError {
+        CompileError { path: "model".to_owned(), problem: CompileProblem::Cancelled }
+    }
+}
+
 impl Classified for CompileError {
     fn kind(&self) -> ErrorKind {
-        ErrorKind::Compile
+        match self.problem {
+            CompileProblem::Cancelled => ErrorKind::Cancelled,
+            _ => ErrorKind::Compile,
+        }
     }
 }
 
@@ -34,6 +43,20 @@ pub enum CompileProblem {
         /// Leaves, surfaces or placements.
         what: &'static str,
     },
+    /// Repeated parts that make more leaves than the description justifies: about a million, and 64 more for each solid and
+    /// copy of the description.
+    #[error(
+        "its {nodes} solids and copies describe more than {limit} leaves: each use of a solid under another map copies all of its leaves. Place shared solids instead (`place`), which copies nothing."
+    )]
+    Repeated {
+        /// The number of solids and copies in the description.
+        nodes: u64,
+        /// The number of leaves that they may make.
+        limit: u64,
+    },
+    /// The compilation was cancelled.
+    #[error("the compilation was cancelled")]
+    Cancelled,
     /// A chain of nearly equal surfaces so long that its ends are not equal.
     #[error(
         "faces {first} and {second} are neither equal nor apart: a chain of nearly coincident faces joins them. Were they computed in different ways?"

@@ -31,9 +31,9 @@ mod leaf;
 mod lower;
 mod occurrence;
 mod print;
-
 mod program;
 mod rays;
+mod size;
 mod solid;
 mod sweep;
 mod tables;

@@ -3,8 +3,10 @@
 //! One traversal with an explicit stack: it composes transforms on the way down and numbers leaves and
 //! operators in the order of the traversal. Shared sub-trees are visited once per placement.
 
+use crate::drive::Cancel;
 use crate::leaf::MOST_LEAVES;
 use crate::simplify::{Formula, Op};
+use crate::size;
 use crate::trail::{Naming, TOP, Trail, TrailBuilder};
 use crate::{CompileError, CompileProblem, Copies, Edge, LeafId, Node, PrototypeId, Solid};
 use rayweave_math::Affine;
@@ -75,11 +77,13 @@ pub(crate) enum Content<'a> {
 
 /// Lowers solids, and all solids placed in them, to groups. The first group is the model itself.
 pub(crate) fn lower<'a>(solids: &[&'a Solid]) -> Result<Vec<Group<'a>>, CompileError> {
+    size::check(solids)?;
+    let cancel = Cancel::current();
     let mut prototypes = Prototypes::default();
-    let mut groups = vec![Lowering::new(&mut prototypes, false).run(solids)?];
+    let mut groups = vec![Lowering::new(&mut prototypes, false).run(solids, &cancel)?];
     while groups.len() <= prototypes.solids.len() {
         let solid = prototypes.solids[groups.len() - 1];
-        groups.push(Lowering::new(&mut prototypes, true).run(&[solid])?);
+        groups.push(Lowering::new(&mut prototypes, true).run(&[solid], &cancel)?);
     }
     Ok(groups)
 }
@@ -196,9 +200,12 @@ impl<'p, 'a> Lowering<'p, 'a> {
         }
     }
 
-    fn run(mut self, solids: &[&'a Solid]) -> Result<Group<'a>, CompileError> {
+    fn run(mut self, solids: &[&'a Solid], cancel: &Cancel) -> Result<Group<'a>, CompileError> {
         self.visit_all(solids.iter().copied(), 0);
         while let Some(task) = self.tasks.pop() {
+            if cancel.is_cancelled() {
+                return Err(CompileError::cancelled());
+            }
             match task {
                 Task::Visit(visit) => self.visit(visit)?,
                 Task::Close => self.close(),
@@ -275,10 +282,11 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let Some(Frame { op, complemented, first, key, name }) = self.frames.pop() else {
             return;
         };
-        let edge = self.formula.join(op, &self.operands[first..]);
+        let operands = &self.operands[first..];
+        let edge = repeated(op, operands).unwrap_or_else(|| self.formula.join(op, operands));
         self.operands.truncate(first);
         if let Some(name) = name {
-            self.names.insert(edge.node().0, name);
+            self.names.entry(edge.node().0).or_insert(name);
         }
         if let Some(key) = key {
             self.done.insert(key, edge);
@@ -356,13 +364,17 @@ impl<'p, 'a> Lowering<'p, 'a> {
     }
 
     /// The context under a map, the same for each visit of the node. `copy` is set if the map is that of the
-    /// only copy of a solid and has a label.
+    /// only copy of a solid and has a label. The identity makes no context of its own, so that a solid shares
+    /// its leaves with its unmoved copies.
     fn moved(
         &mut self,
         visit: &Visit<'a>,
         map: &Affine,
         copy: Option<&'a Copies>,
     ) -> Result<u32, CompileError> {
+        if *map == Affine::IDENTITY && copy.is_none() {
+            return Ok(visit.context);
+        }
         map.inverse()
             .map_err(|e| CompileError { path: self.path(visit.context, "transform"), problem: e.into() })?;
         let next = Context { copy, ..self.step(visit.context, map) };
@@ -429,6 +441,23 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     fn path(&self, context: u32, what: &str) -> String {
         path(&self.contexts, context, what)
+    }
+}
+
+/// The result of an operation on one operand that occurs several times; `None` for other operands.
+///
+/// The simplification does not find all of these: it joins chains of one operator first, which hides that two compound operands
+/// are equal.
+fn repeated(op: Op, operands: &[Edge]) -> Option<Edge> {
+    let (&first, others) = operands.split_first()?;
+    if others.is_empty() || others.iter().any(|&other| other != first) {
+        return None;
+    }
+    match op {
+        Op::Union | Op::Intersection => Some(first),
+        Op::Difference => Some(Edge::EMPTY),
+        Op::SymmetricDifference => Some(if others.len() % 2 == 0 { first } else { Edge::EMPTY }),
+        Op::AtLeast(_) => None,
     }
 }
 

@@ -56,7 +56,7 @@ impl Tables {
         let (mut tables, mut placements) = (Tables::default(), 1);
         let done = drive(
             threads,
-            &Cancel::new(),
+            &Cancel::current(),
             chunks,
             || (),
             |(), chunk| lowered(group, chunk),
@@ -69,7 +69,8 @@ impl Tables {
             },
         );
         match done {
-            Ok(()) | Err(Stopped::Cancelled) => Ok(tables),
+            Ok(()) => Ok(tables),
+            Err(Stopped::Cancelled) => Err(CompileError::cancelled()),
             Err(Stopped::Failed(error)) => Err(error),
         }
     }

@@ -256,3 +256,47 @@ fn models_out_of_reach_are_refused() {
     let text = CompileProblem::NotFinite.to_string();
     assert!(text.contains("beyond 1e100") && text.ends_with("Is a scale far too large or small?"), "{text}");
 }
+
+/// `s | s.translate(v)`, time and again: 2^steps leaves.
+fn doubled(steps: usize) -> Solid {
+    let ball = shape("sphere", &[("radius", 1.0)]);
+    (0..steps).fold(ball, |s, k| &s | s.translate([3.0 * 2f64.powi(k as i32), 0.0, 0.0]))
+}
+
+#[test]
+fn repeated_parts_are_counted_before_they_are_copied() {
+    assert_eq!(Program::compile(&doubled(10)).unwrap().leaves().len(), 1024);
+    assert!(doubled(10).has_more_leaves_than(1023) && !doubled(10).has_more_leaves_than(1024));
+    let few = shape("sphere", &[("radius", 1.0)]);
+    let chain = |step: &dyn Fn(&Solid) -> Solid| (0..60).fold(few.clone(), |s, _| step(&s));
+    let steps: [&dyn Fn(&Solid) -> Solid; 4] = [
+        &|s| s | s.translate([1.0, 0.0, 0.0]),
+        &|s| s.named("a") | s.named("b"),
+        &|s| Solid::union([s.rotate_x(10.0), s.clone(), s.rotate_x(20.0)]).place([Affine::scale([2.0; 3].into())]),
+        // without leaves, but with as many visits
+        &|s| (s & Solid::empty()) | s.translate([1.0, 0.0, 0.0]),
+    ];
+    for (number, step) in steps.iter().enumerate() {
+        let start = std::time::Instant::now();
+        let error = Program::compile(&chain(*step)).unwrap_err();
+        assert!(matches!(error.problem, CompileProblem::Repeated { .. }), "{number}: {error}");
+        assert!(start.elapsed().as_secs() < 5, "{number}");
+    }
+}
+
+#[test]
+fn unmoved_repetitions_share_their_leaves() {
+    let [ball, other] = row(0.5);
+    for step in [
+        &(|s: &Solid| s | s) as &dyn Fn(&Solid) -> Solid,
+        &|s| s & s,
+        &|s| s | s.translate([0.0; 3]),
+        &|s| s.rotate_x(0.0) & s.scale([1.0; 3]),
+        &|s| s.place([Affine::IDENTITY]) | s,
+    ] {
+        let solid = (0..60).fold(&ball | &other, |s, _| step(&s));
+        check(&solid, "any{0, 1}");
+    }
+    let gone = (0..60).fold(&ball | &other, |s, _| &s - s.translate([0.0; 3]));
+    check(&gone, "empty");
+}

@@ -7,7 +7,7 @@ use crate::interrupt;
 use crate::lens_file::{self, Bench};
 use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
-use rayweave::detector::{Detector, Detectors, irradiance_svg, spot_svg};
+use rayweave::detector::{Detector, Detectors, SpotDiagram, irradiance_svg, spot_svg, spots_svg};
 use rayweave::layout::{Layout, LayoutOptions, LayoutPlane, RayColour};
 use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::optics::table::{LightSummary, SegmentFile, trace_light, write_paths};
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 ///
 /// In other models the [optics] tables describe the sources, the media, the effect of faces and sheets on light, and the tracing.
 /// The summary lists the power absorbed by each element and, for each sheet, the number of rays, their centroid in the sheet's
-/// own x and y, and the RMS distance from it, both weighted by power.
+/// own x and y, and the RMS distance from it, both weighted by power. For a lens file, a second table lists them for each field.
 ///
 /// The table has a row for each piece of a ray between two events, with the columns id, parent, generation, source,
 /// wavelength_nm, intensity, index, x0, y0, z0, x1, y1, z1, x_tilt, y_tilt, z_tilt, path, element, surface, event. It is streamed:
@@ -68,7 +68,7 @@ pub struct Optics {
     #[arg(long, value_name = "WHAT", requires = "layout", default_value = "wavelength")]
     colour: Colours,
 
-    /// Spot diagram, .svg or .png: the points where light crosses a sheet
+    /// Spot diagram, .svg or .png: the points where light crosses a sheet; of a lens file, one diagram for each field
     #[arg(long, value_name = "DRAWING")]
     spot: Option<PathBuf>,
 
@@ -146,17 +146,20 @@ impl Optics {
         let is_piped = self.is_piped()?;
         let drawings = [&self.layout, &self.spot, &self.map];
         drawings.into_iter().flatten().try_for_each(|path| drawing::check(path))?;
-        let Bench { optics, unit, image } = self.bench()?;
+        let Bench { optics, unit, image, fields } = self.bench()?;
         let optics = self.resolved(global, optics)?;
         let system = optics.assembly.compile()?;
-        let mut detectors = Detectors::new(&system, self.map.is_some());
+        let mut detectors = Detectors::new(&system, self.map.is_some()).by_source(fields.len());
         let detector = self.detector(&detectors, image)?;
         let mut paths = self.paths.is_some().then(Paths::default);
         let summary = self.trace(global, &optics, &system, unit, (&mut detectors, &mut paths))?;
         self.draw_layout(&optics, &system, unit)?;
-        self.draw_detector(&detectors, detector, &summary.balance, unit)?;
+        let drawn = self.drawn(&detectors, detector, &summary.balance)?;
+        self.draw_detector(drawn, &fields, unit)?;
         self.write_paths(paths.as_ref(), &system, &summary.balance)?;
-        let report = Report { name: self.model.name(), unit, system: &system, summary, detectors };
+        let image = image.and_then(|name| detectors.list().iter().position(|own| own.name == name));
+        let report =
+            Report { name: self.model.name(), unit, system: &system, summary, detectors, fields, image };
         match self.json {
             true => terminal::print(&format!("{:#}\n", report.as_json())),
             false if global.quiet || is_piped => Ok(()),
@@ -174,7 +177,7 @@ impl Optics {
         if optics.sources.count() == 0 {
             return Err(no_source(&document).into());
         }
-        Ok(Bench { optics, unit: scene.unit.symbol(), image: None })
+        Ok(Bench { optics, unit: scene.unit.symbol(), image: None, fields: Vec::new() })
     }
 
     /// Whether standard output carries a file instead of the summary; at most one file can.
@@ -218,16 +221,15 @@ impl Optics {
         }
     }
 
-    /// Draws the light at a sheet: the selected one, or the one that absorbs most power.
-    fn draw_detector(
+    /// The sheet to draw, if one is: the selected one, or the one that absorbs most power.
+    fn drawn<'a>(
         &self,
-        detectors: &Detectors,
+        detectors: &'a Detectors,
         detector: Option<usize>,
         balance: &Balance,
-        unit: &str,
-    ) -> Result<(), Failure> {
+    ) -> Result<Option<&'a Detector>, Failure> {
         if self.spot.is_none() && self.map.is_none() {
-            return Ok(());
+            return Ok(None);
         }
         let list = detectors.list();
         let absorbed = |number: &usize| balance.absorbed.get(list[*number].element).copied().unwrap_or(0.0);
@@ -236,13 +238,27 @@ impl Optics {
                 .total_cmp(&absorbed(b))
                 .then(list[*a].spots.power().total_cmp(&list[*b].spots.power()))
         };
-        let Some(number) = detector.or_else(|| (0..list.len()).max_by(dimmest_first)) else {
-            let problem = "the model has no [[optics.sheet]]: --spot and --map show what arrives at one.";
-            return Err(Failure::Usage(problem.to_owned()));
-        };
-        let Detector { name, spots, irradiance, .. } = &list[number];
+        match detector.or_else(|| (0..list.len()).max_by(dimmest_first)) {
+            Some(number) => Ok(Some(&list[number])),
+            None => {
+                let problem = "the model has no [[optics.sheet]]: --spot and --map show what arrives at one.";
+                Err(Failure::Usage(problem.to_owned()))
+            }
+        }
+    }
+
+    /// Draws the light at a sheet; a lens has a spot for each field.
+    fn draw_detector(&self, drawn: Option<&Detector>, fields: &[String], unit: &str) -> Result<(), Failure> {
+        let Some(Detector { name, spots, by_source, irradiance, .. }) = drawn else { return Ok(()) };
         if let Some(path) = &self.spot {
-            drawing::save(path, &spot_svg(spots, name, unit))?;
+            let titles: Vec<String> =
+                fields.iter().enumerate().map(|(k, place)| format!("field {k} {place}")).collect();
+            let named: Vec<_> = titles.iter().map(String::as_str).zip(by_source).collect();
+            let drawing = match named.is_empty() {
+                true => spot_svg(spots, name, unit),
+                false => spots_svg(&named, name, unit),
+            };
+            drawing::save(path, &drawing)?;
         }
         match &self.map {
             Some(path) => {
@@ -302,6 +318,10 @@ struct Report<'a> {
     system: &'a System,
     summary: LightSummary,
     detectors: Detectors,
+    /// The fields of a lens.
+    fields: Vec<String>,
+    /// The number of the image of a lens among the detectors.
+    image: Option<usize>,
 }
 
 impl Report<'_> {
@@ -329,17 +349,33 @@ impl Report<'_> {
     fn sheets(&self) -> String {
         let place = format!("centroid / {}", self.unit);
         let radius = format!("RMS radius / {}", self.unit);
-        let row = |detector: &Detector| {
-            let spots = &detector.spots;
-            let mut row = vec![detector.name.clone(), spots.count().to_string()];
+        let row = |name: String, spots: &SpotDiagram, has_radius: bool| {
+            let radius = if has_radius { short(spots.rms_radius()) } else { "-".to_owned() };
+            let mut row = vec![name, spots.count().to_string()];
             row.extend(match spots.power() > 0.0 {
-                true => [format!("({})", spots.centroid().map(short).join(", ")), short(spots.rms_radius())],
+                true => [format!("({})", spots.centroid().map(short).join(", ")), radius],
                 false => ["-".to_owned(), "-".to_owned()],
             });
             row
         };
-        let rows: Vec<Vec<String>> = self.detectors.list().iter().map(row).collect();
-        terminal::table(&["sheet", "hits", &place, &radius], &rows, &[false, true, false, true])
+        let right = [false, true, false, true];
+        let sheets = self.detectors.list().iter();
+        let rows: Vec<Vec<String>> =
+            sheets.map(|own| row(own.name.clone(), &own.spots, self.is_one_spot())).collect();
+        let mut text = terminal::table(&["sheet", "hits", &place, &radius], &rows, &right);
+        if let Some(image) = self.image {
+            let spots = self.fields.iter().zip(&self.detectors.list()[image].by_source).enumerate();
+            let rows: Vec<Vec<String>> =
+                spots.map(|(k, (field, spots))| row(format!("{k} {field}"), spots, true)).collect();
+            let head = ["field on the image", "hits", &place, &radius];
+            text += &format!("\n{}", terminal::table(&head, &rows, &right));
+        }
+        text
+    }
+
+    /// False if the light of several fields arrives: it has no common spot.
+    fn is_one_spot(&self) -> bool {
+        self.fields.len() < 2
     }
 
     fn as_json(&self) -> Value {
@@ -347,16 +383,23 @@ impl Report<'_> {
         let elements = self.system.element_names().iter().zip(&balance.absorbed);
         let absorbed: Vec<Value> =
             elements.map(|(name, power)| json!({ "element": name, "power": power })).collect();
-        let sheet = |detector: &Detector| {
-            let spots = &detector.spots;
+        let spot = |spots: &SpotDiagram, has_radius: bool| {
             let is_lit = spots.power() > 0.0;
             json!({
-                "sheet": detector.name,
                 "hits": spots.count(),
                 "power": spots.power(),
                 "centroid": is_lit.then_some(spots.centroid()),
-                "rms_radius": is_lit.then(|| spots.rms_radius()),
+                "rms_radius": (is_lit && has_radius).then(|| spots.rms_radius()),
             })
+        };
+        let sheet = |detector: &Detector| {
+            let mut entry = spot(&detector.spots, self.is_one_spot());
+            entry["sheet"] = json!(detector.name);
+            if !self.fields.is_empty() {
+                let fields = detector.by_source.iter().map(|spots| spot(spots, true));
+                entry["fields"] = fields.collect();
+            }
+            entry
         };
         json!({
             "model": self.name,

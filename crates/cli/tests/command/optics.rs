@@ -327,6 +327,21 @@ fn a_lens_file() {
     // half the field of a degree, by the focal length of 96.75 mm: 50 / 0.5168
     let height: f64 = image[3].trim_end_matches(')').parse().unwrap();
     assert!((height - 0.5 * 96.75 * 1f64.to_radians().tan()).abs() < 2e-3, "{said}");
+    // one diagram and one radius for each field, not one of all fields
+    let fields: Vec<&str> = said.lines().skip_while(|line| !line.starts_with("field on the image")).collect();
+    assert!(fields.iter().any(|line| line.starts_with("0 (0, 0)\u{b0}")), "{said}");
+    assert!(fields.iter().any(|line| line.starts_with("1 (0, 1)\u{b0}")), "{said}");
+    let drawing = bench.read("spot.svg");
+    assert!(
+        drawing.contains(">field 0 (0, 0)\u{b0}<") && drawing.contains(">field 1 (0, 1)\u{b0}<"),
+        "{drawing}"
+    );
+    let found = bench.json(&["optics", "lens.ZMX", "--json"]);
+    let image = found["sheets"].as_array().unwrap().iter().find(|sheet| sheet["sheet"] == "image").unwrap();
+    assert!(image["rms_radius"].is_null() && image["hits"] == 662, "{image}");
+    // each spot is much smaller than the distance between the fields, 1.7 mm
+    let radii: Vec<f64> = (0..2).map(|k| image["fields"][k]["rms_radius"].as_f64().unwrap()).collect();
+    assert!(radii.iter().all(|radius| *radius < 0.02), "{radii:?}");
     // the number of ghosts is bounded
     let ghosts = bench.says(&["optics", "lens.ZMX", "--branches", "both", "--paths", "-"]);
     assert!(ghosts.contains("lens 1-2 lens 1-2* lens 1-2* lens 1-2 image"), "{ghosts}");

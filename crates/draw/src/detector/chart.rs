@@ -18,17 +18,26 @@ pub const MARGIN: f64 = 24.0;
 pub struct Chart {
     pub x: Axis,
     pub y: Axis,
+    /// The upper left corner of the chart with its margins.
+    corner: [f64; 2],
 }
 
 impl Chart {
     /// The chart of a window, which must not be empty.
     pub fn new(lo: [f64; 2], hi: [f64; 2]) -> Chart {
+        Chart::at([0.0; 2], SIDE, lo, hi)
+    }
+
+    /// The chart of a window in a larger drawing, with the length of its longer axis.
+    pub fn at(corner: [f64; 2], side: f64, lo: [f64; 2], hi: [f64; 2]) -> Chart {
         let size = [0, 1].map(|k| hi[k] - lo[k]);
-        let scale = SIDE / size[0].max(size[1]);
+        let scale = side / size[0].max(size[1]);
         let [width, height] = size.map(|side| scale * side);
+        let (left, top) = (corner[0] + LEFT, corner[1] + TOP);
         Chart {
-            x: Axis { min: lo[0], max: hi[0], start: LEFT, end: LEFT + width },
-            y: Axis { min: lo[1], max: hi[1], start: TOP + height, end: TOP },
+            x: Axis { min: lo[0], max: hi[0], start: left, end: left + width },
+            y: Axis { min: lo[1], max: hi[1], start: top + height, end: top },
+            corner,
         }
     }
 
@@ -44,8 +53,9 @@ impl Chart {
 
     /// Draws title, subtitle, and axes with ticks. `unit` is that of lengths.
     pub fn draw(&self, svg: &mut Svg, [title, subtitle]: [&str; 2], unit: &str) {
-        svg.text("title", [MARGIN, 30.0], Anchor::Start, title, title);
-        svg.text("tick", [MARGIN, 48.0], Anchor::Start, subtitle, subtitle);
+        let [x, y] = self.corner;
+        svg.text("title", [x + MARGIN, y + 30.0], Anchor::Start, title, title);
+        svg.text("tick", [x + MARGIN, y + 48.0], Anchor::Start, subtitle, subtitle);
         let [left, top, width, height] = self.frame();
         let (right, bottom) = (left + width, top + height);
         let mut path = format!(

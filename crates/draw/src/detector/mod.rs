@@ -5,4 +5,4 @@ mod irradiance;
 mod spot;
 
 pub use irradiance::irradiance_svg;
-pub use spot::spot_svg;
+pub use spot::{spot_svg, spots_svg};

@@ -1,9 +1,9 @@
 //! Spot diagrams as SVG.
 
-use super::chart::{BELOW, Chart, MARGIN};
+use super::chart::{BELOW, Chart, LEFT, MARGIN, TOP};
 use crate::axis::format_number;
 use crate::legend::{self, Wavelengths};
-use crate::svg::{Pixels, Svg};
+use crate::svg::{Anchor, Pixels, Svg};
 use rayweave_optics::detector::{SpotDiagram, SpotPoint};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -21,6 +21,11 @@ const FAR: f64 = 3.0;
 const BRIGHT: f64 = 0.99;
 /// The part of the power outside of the window from which on the subtitle reports it.
 const REPORTED: f64 = 5e-5;
+
+/// The length of an axis where several diagrams are drawn side by side, their columns, and the height of the title above.
+const PANEL: f64 = 300.0;
+const MOST_COLUMNS: usize = 3;
+const HEADING: f64 = 30.0;
 
 const STYLE: &str = "\
 .point { fill: none; stroke-linecap: round; stroke-width: 2.4; stroke-opacity: 0.7 }
@@ -40,21 +45,81 @@ const STYLE: &str = "\
 /// assert!(spot_svg(&spot, "screen", "mm").contains("100 rays"));
 /// ```
 pub fn spot_svg(spot: &SpotDiagram, name: &str, unit: &str) -> String {
-    let window = Window::new(spot);
+    let window = Window::around(spot, half_width(spot));
     let chart = Chart::new(window.lo, window.hi);
     let mut svg = Svg::default();
-    draw_points(spot.points(), &chart, &mut svg);
+    let (title, subtitle) = (format!("Spot diagram: {name}"), subtitle(spot, unit, &window));
+    draw_spot(spot, &chart, [&title, &subtitle], unit, &mut svg);
+    let [left, top, width, height] = chart.frame();
+    let wavelengths = Wavelengths::new(spot.points().iter().map(|point| point.wavelength_nm));
+    let right = (left + width + MARGIN).max(extent(&subtitle));
+    let bottom = legend::draw(&mut svg, &wavelengths.entries(), top + height + BELOW + 4.0, right);
+    svg.finish([right, bottom], &title, &subtitle, STYLE)
+}
+
+/// Draws spot diagrams of one detector side by side, for example one for each field of a lens. All have the same scale, each is
+/// centred at its own centroid, with its own RMS radius. `spots` are names and diagrams; `unit` is that of lengths.
+///
+/// ```
+/// use rayweave_draw::detector::spots_svg;
+/// use rayweave_optics::detector::SpotDiagram;
+///
+/// let mut spots = [SpotDiagram::default(), SpotDiagram::default()];
+/// (0..100).for_each(|k| spots[k % 2].add([(k % 10) as f64, 0.1 * (k / 10) as f64], 550.0, 1.0));
+/// let drawing = spots_svg(&[("axis", &spots[0]), ("rim", &spots[1])], "image", "mm");
+/// assert_eq!(drawing.matches("50 rays, ").count(), 4); // text and tooltip of each
+/// ```
+pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str) -> String {
+    let half = spots.iter().map(|(_, spot)| half_width(spot)).fold(0.0, f64::max);
+    let panels: Vec<Panel<'_>> =
+        spots.iter().map(|&(title, spot)| Panel::new(title, spot, half, unit)).collect();
+    let texts = panels.iter().map(|panel| extent(&panel.subtitle));
+    let [width, height] = [texts.fold(LEFT + PANEL + MARGIN, f64::max), TOP + PANEL + BELOW];
+    let columns = panels.len().clamp(1, MOST_COLUMNS);
+    let mut svg = Svg::default();
+    let (title, text) =
+        (format!("Spot diagrams: {name}"), format!("{} spots of the same scale", panels.len()));
+    svg.text("title", [MARGIN, 30.0], Anchor::Start, &title, &title);
+    for (k, Panel { title, subtitle, spot, window }) in panels.iter().enumerate() {
+        let corner = [width * (k % columns) as f64, HEADING + height * (k / columns) as f64];
+        let chart = Chart::at(corner, PANEL, window.lo, window.hi);
+        draw_spot(spot, &chart, [title, subtitle], unit, &mut svg);
+    }
+    let points = spots.iter().flat_map(|(_, spot)| spot.points());
+    let wavelengths = Wavelengths::new(points.map(|point| point.wavelength_nm));
+    let (right, bottom) = (width * columns as f64, HEADING + height * panels.len().div_ceil(columns) as f64);
+    let bottom = legend::draw(&mut svg, &wavelengths.entries(), bottom + 4.0, right);
+    svg.finish([right, bottom], &title, &text, STYLE)
+}
+
+/// A spot diagram among others.
+struct Panel<'a> {
+    title: &'a str,
+    subtitle: String,
+    spot: &'a SpotDiagram,
+    window: Window,
+}
+
+impl<'a> Panel<'a> {
+    fn new(title: &'a str, spot: &'a SpotDiagram, half: f64, unit: &str) -> Panel<'a> {
+        let window = Window::around(spot, half);
+        Panel { title, subtitle: subtitle(spot, unit, &window), spot, window }
+    }
+}
+
+/// Draws points, the circle of the RMS radius, and axes.
+fn draw_spot(spot: &SpotDiagram, chart: &Chart, titles: [&str; 2], unit: &str, svg: &mut Svg) {
+    draw_points(spot.points(), chart, svg);
     let [x0, x1] = [0.0, spot.rms_radius()].map(|x| chart.x.position(x));
     if x1 - x0 > 1.0 {
         svg.circle("circle", chart.position(spot.centroid()), x1 - x0, "");
     }
-    let (title, subtitle) = (format!("Spot diagram: {name}"), subtitle(spot, unit, &window));
-    chart.draw(&mut svg, [&title, &subtitle], unit);
-    let [left, top, width, height] = chart.frame();
-    let wavelengths = Wavelengths::new(spot.points().iter().map(|point| point.wavelength_nm));
-    let right = (left + width + MARGIN).max(2.0 * MARGIN + 6.0 * subtitle.chars().count() as f64);
-    let bottom = legend::draw(&mut svg, &wavelengths.entries(), top + height + BELOW + 4.0, right);
-    svg.finish([right, bottom], &title, &subtitle, STYLE)
+    chart.draw(svg, titles, unit);
+}
+
+/// The width of a subtitle with its margins.
+fn extent(subtitle: &str) -> f64 {
+    2.0 * MARGIN + 6.0 * subtitle.chars().count() as f64
 }
 
 fn subtitle(spot: &SpotDiagram, unit: &str, window: &Window) -> String {
@@ -71,31 +136,41 @@ fn subtitle(spot: &SpotDiagram, unit: &str, window: &Window) -> String {
     }
 }
 
+/// Half the width of a square around the centroid that holds all points but faint and distant ones.
+fn half_width(spot: &SpotDiagram) -> f64 {
+    let centroid = spot.centroid();
+    let mut points: Vec<(f64, f64)> =
+        spot.points().iter().map(|point| (distance(point.point, centroid), point.power)).collect();
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: f64 = points.iter().map(|point| point.1).sum();
+    let mut sum = 0.0;
+    let bright = points.iter().find(|point| {
+        sum += point.1;
+        sum >= BRIGHT * total
+    });
+    let (bright, last) = (bright.map_or(0.0, |point| point.0), points.last().map_or(0.0, |point| point.0));
+    let is_far = last > FAR * bright && total > 0.0;
+    let radius = if is_far { 0.5 * FAR * bright } else { last };
+    // a spot of the size of rounding errors is one point
+    let around = centroid.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let half = 1.08 * radius.max(1e-9 * around);
+    // no point, or one at the origin
+    if half > 0.0 { half } else { 1.0 }
+}
+
+/// The greater one of the distances along x and y.
+fn distance([x, y]: [f64; 2], centroid: [f64; 2]) -> f64 {
+    (x - centroid[0]).abs().max((y - centroid[1]).abs())
+}
+
 impl Window {
-    /// A square around all points but faint and distant ones.
-    fn new(spot: &SpotDiagram) -> Window {
+    /// A square about the centroid.
+    fn around(spot: &SpotDiagram, half: f64) -> Window {
         let centroid = spot.centroid();
-        let distance = |[x, y]: [f64; 2]| (x - centroid[0]).abs().max((y - centroid[1]).abs());
-        let mut points: Vec<(f64, f64)> =
-            spot.points().iter().map(|point| (distance(point.point), point.power)).collect();
-        points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let total: f64 = points.iter().map(|point| point.1).sum();
-        let mut sum = 0.0;
-        let bright = points.iter().find(|point| {
-            sum += point.1;
-            sum >= BRIGHT * total
-        });
-        let (bright, last) =
-            (bright.map_or(0.0, |point| point.0), points.last().map_or(0.0, |point| point.0));
-        let is_far = last > FAR * bright && total > 0.0;
-        let radius = if is_far { 0.5 * FAR * bright } else { last };
-        // a spot of the size of rounding errors is one point
-        let around = centroid.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let half = 1.08 * radius.max(1e-9 * around);
-        // no point, or one at the origin
-        let half = if half > 0.0 { half } else { 1.0 };
-        let outside = points.iter().filter(|point| point.0 > half).map(|point| point.1).sum::<f64>();
-        let outside = if is_far { outside / total } else { 0.0 };
+        let total: f64 = spot.points().iter().map(|point| point.power).sum();
+        let beside = spot.points().iter().filter(|point| distance(point.point, centroid) > half);
+        let outside = beside.map(|point| point.power).sum::<f64>();
+        let outside = if total > 0.0 { outside / total } else { 0.0 };
         Window { lo: centroid.map(|x| x - half), hi: centroid.map(|x| x + half), outside }
     }
 }
@@ -122,6 +197,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn diagrams_side_by_side_have_one_scale() {
+        let mut spots = [SpotDiagram::default(), SpotDiagram::default(), SpotDiagram::default()];
+        for k in 0..4 {
+            let angle = f64::from(k) * std::f64::consts::FRAC_PI_2;
+            let point = |size: f64, x: f64| [x + size * angle.cos(), size * angle.sin()];
+            spots[0].add(point(1.0, 0.0), 550.0, 1.0);
+            spots[1].add(point(4.0, 100.0), 550.0, 1.0);
+        }
+        let named: Vec<(&str, &SpotDiagram)> = ["a", "b", "c"].into_iter().zip(&spots).collect();
+        let drawing = spots_svg(&named, "image", "mm");
+        assert!(drawing.contains("centroid (0, 0) mm, RMS radius 1 mm"), "{drawing}");
+        assert!(drawing.contains("centroid (100, 0) mm, RMS radius 4 mm"), "{drawing}");
+        assert!(drawing.contains("no light arrives"), "{drawing}");
+        // the radii of the circles in pixels
+        let radii: Vec<f64> = drawing
+            .split(" r=\"")
+            .skip(1)
+            .map(|text| text[..text.find('"').unwrap()].parse().unwrap())
+            .collect();
+        assert_eq!(radii.len(), 2, "{drawing}");
+        assert!((radii[1] / radii[0] - 4.0).abs() < 0.05, "{radii:?}");
+    }
+
+    #[test]
     fn little_light() {
         let dark = SpotDiagram::default();
         assert!(spot_svg(&dark, "a", "mm").contains("no light arrives"));
@@ -129,7 +228,7 @@ mod tests {
         focus.add([0.0; 2], 500.0, 1.0);
         // axes of a legible range
         for diagram in [dark, focus] {
-            let window = Window::new(&diagram);
+            let window = Window::around(&diagram, half_width(&diagram));
             assert_eq!((window.lo, window.hi), ([-1.0; 2], [1.0; 2]));
         }
     }

@@ -10,9 +10,9 @@ impl<E: Evaluator> Study<'_, E> {
     /// to be the axis.
     ///
     /// # Errors
-    /// As of [`Study::principal`].
+    /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
     pub fn axial_focus(&self, wavelength_nm: f64, height: f64) -> Result<f64, AnalysisError> {
-        let arrival = self.one(0, wavelength_nm, [0.0, height], "axial")?;
+        let arrival = self.axial(wavelength_nm, height)?;
         Ok(arrival.position.z - arrival.position.y * arrival.direction.z / arrival.direction.y)
     }
 

@@ -2,6 +2,7 @@
 
 use crate::prescription::PrescriptionError;
 use rayweave_error::{Classified, ErrorKind};
+use rayweave_math::round_to_digits;
 use rayweave_optics::OpticsError;
 
 /// Error of an analysis, printed as `problem: reason. Suggestion.`.
@@ -26,6 +27,18 @@ pub enum AnalysisError {
         ray: &'static str,
         /// The number of the field, from 0.
         field: usize,
+    },
+    /// Rays through the paraxial entrance pupil of a field that miss the centre of the stop by far.
+    #[error(
+        "field {field} has its real entrance pupil {} semi-diameters beside the paraxial one: rays through the latter pass only a part of the stop. Aim the rays at the stop.",
+        round_to_digits(*off, 3)
+    )]
+    Unaimed {
+        /// The number of the field, from 0.
+        field: usize,
+        /// The distance of the principal ray from the centre of the paraxial entrance pupil, in units of its
+        /// semi-diameter.
+        off: f64,
     },
     /// Too few points for a fit.
     #[error(

@@ -7,7 +7,7 @@ use rayweave_model::Evaluator;
 /// the semi-diameter.
 const NEAR: f64 = 1e-3;
 
-/// The real and the paraxial height of a principal ray on the image.
+/// The real and the paraxial height of a principal ray, the one through the centre of the stop, on the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distortion {
     /// The distance from the axis of the real principal ray on the image.
@@ -34,7 +34,8 @@ pub struct FieldFoci {
 }
 
 impl<E: Evaluator> Study<'_, E> {
-    /// The distortion of a field at a wavelength.
+    /// The distortion of a field at a wavelength. The principal ray is aimed at the centre of the stop in any
+    /// study.
     ///
     /// # Errors
     /// As of [`Study::principal`].
@@ -75,8 +76,7 @@ impl<E: Evaluator> Study<'_, E> {
 
     /// The z at which two rays on both sides of the principal ray have the same coordinate along a direction.
     fn pencil(&self, field: usize, wavelength_nm: f64, [a, b]: [f64; 2]) -> Result<f64, AnalysisError> {
-        let ray =
-            |side: f64| self.one(field, wavelength_nm, [side * a, side * b], "neighbour of the principal");
+        let ray = |side: f64| self.beside_principal(field, wavelength_nm, [side * a, side * b]);
         let (one, other) = (ray(NEAR)?, ray(-NEAR)?);
         let slope = |d: rayweave_math::Vec3| (a * d.x + b * d.y) / d.z;
         // on a curved image the two rays end at different z

@@ -5,6 +5,10 @@ use crate::prescription::{IMAGE, Layout, Prescription, PrescriptionError};
 use rayweave_model::Evaluator;
 use rayweave_optics::{Beam, Settings, Tracer};
 
+/// The distance between the real and the paraxial entrance pupil, in units of the semi-diameter, above which
+/// rays that are not aimed at the stop illuminate the wrong part of it: a [`Study`] refuses to trace them.
+pub const NEEDS_AIMING: f64 = 0.25;
+
 /// Image analysis of a prescription on its traced system; fields are counted from 0.
 #[derive(Debug)]
 pub struct Study<'a, E> {
@@ -34,11 +38,20 @@ impl<'a, E: Evaluator> Study<'a, E> {
         Study { aims: true, ..self }
     }
 
-    fn beam(&self, field: usize, wavelength_nm: f64, pupil: &[[f64; 2]]) -> Result<Beam, PrescriptionError> {
-        match self.aims {
-            true => self.lens.beam_at_stop(field, wavelength_nm, pupil),
-            false => self.lens.beam(field, wavelength_nm, pupil),
+    /// The rays through points of the pupil or, if they are aimed, of the stop.
+    fn beam(&self, field: usize, wavelength_nm: f64, pupil: &[[f64; 2]]) -> Result<Beam, AnalysisError> {
+        if self.aims {
+            return Ok(self.lens.beam_at_stop(field, wavelength_nm, pupil)?);
         }
+        match self.lens.principal_point(field, wavelength_nm) {
+            Ok([x, y]) if libm::hypot(x, y) > NEEDS_AIMING => {
+                return Err(AnalysisError::Unaimed { field, off: libm::hypot(x, y) });
+            }
+            // a field without a principal ray can have other rays
+            Ok(_) | Err(PrescriptionError::Lost { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+        Ok(self.lens.beam(field, wavelength_nm, pupil)?)
     }
 
     /// Traces rays of a field through points of the pupil and returns those that arrive at the image through
@@ -46,17 +59,21 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// lossless and have power 1.
     ///
     /// # Errors
-    /// [`AnalysisError`] for fields that do not exist and beams that cannot be traced.
+    /// [`AnalysisError`] for fields that do not exist and beams that cannot be traced;
+    /// [`AnalysisError::Unaimed`] for rays that have to be aimed ([`Study::aimed`]) and are not.
     pub fn arrivals(
         &self,
         field: usize,
         wavelength_nm: f64,
         pupil: &[[f64; 2]],
     ) -> Result<Vec<Arrival>, AnalysisError> {
-        let beam = self.beam(field, wavelength_nm, pupil)?;
+        self.traced(&self.beam(field, wavelength_nm, pupil)?)
+    }
+
+    fn traced(&self, beam: &Beam) -> Result<Vec<Arrival>, AnalysisError> {
         let limit = 4 * self.layout.sequence.len() as u32 + 4;
         let settings = Settings { generation_limit: limit, keep_escaped: false, ..Settings::default() };
-        let trace = self.tracer.trace(&beam, &settings)?;
+        let trace = self.tracer.trace(beam, &settings)?;
         arrivals(self.tracer.system(), &trace.segments, IMAGE, Some(&self.layout.sequence))
     }
 
@@ -76,44 +93,62 @@ impl<'a, E: Evaluator> Study<'a, E> {
         Ok(all)
     }
 
-    /// The principal (chief) ray: the ray of a field through the centre of the entrance pupil.
+    /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in any study.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
+    /// As of [`Prescription::beam_at_stop`], and [`AnalysisError::Stopped`] if the ray does not arrive.
     pub fn principal(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, AnalysisError> {
-        self.one(field, wavelength_nm, [0.0; 2], "principal")
+        self.beside_principal(field, wavelength_nm, [0.0; 2])
     }
 
-    pub(super) fn one(
+    /// The ray through a point of the entrance pupil `off` from the principal ray.
+    pub(super) fn beside_principal(
         &self,
         field: usize,
         wavelength_nm: f64,
-        point: [f64; 2],
-        ray: &'static str,
+        off: [f64; 2],
     ) -> Result<Arrival, AnalysisError> {
-        let found = self.arrivals(field, wavelength_nm, &[point])?;
-        found
-            .first()
-            .copied()
-            .or_else(|| self.unobstructed(field, wavelength_nm, point))
-            .ok_or(AnalysisError::Stopped { ray, field })
+        let [x, y] = self.lens.principal_point(field, wavelength_nm)?;
+        let beam = self.lens.beam(field, wavelength_nm, &[[x + off[0], y + off[1]]])?;
+        let ray = if off == [0.0; 2] { "principal" } else { "neighbour of the principal" };
+        self.one(&beam, AnalysisError::Stopped { ray, field })
+    }
+
+    /// The ray through the centre of the pupil or, if rays are aimed, of the stop: the reference of the other
+    /// rays of the study.
+    fn central(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, AnalysisError> {
+        let beam = self.beam(field, wavelength_nm, &[[0.0; 2]])?;
+        self.one(&beam, AnalysisError::Stopped { ray: "principal", field })
+    }
+
+    /// The ray of the axis through a height in the pupil.
+    pub(super) fn axial(&self, wavelength_nm: f64, height: f64) -> Result<Arrival, AnalysisError> {
+        let beam = self.beam(0, wavelength_nm, &[[0.0, height]])?;
+        self.one(&beam, AnalysisError::Stopped { ray: "axial", field: 0 })
+    }
+
+    /// The arrival of the only ray of a beam.
+    fn one(&self, beam: &Beam, stopped: AnalysisError) -> Result<Arrival, AnalysisError> {
+        let found = self.traced(beam)?;
+        found.first().copied().or_else(|| self.unobstructed(beam)).ok_or(stopped)
     }
 
     /// The arrival of a ray without obstruction: the secondary mirror of a telescope blocks its principal
     /// ray.
-    fn unobstructed(&self, field: usize, wavelength_nm: f64, point: [f64; 2]) -> Option<Arrival> {
-        let beam = self.beam(field, wavelength_nm, &[point]).ok()?;
-        let passes = self.lens.follow(&beam.get(0).ray, wavelength_nm).ok()?;
-        Some(followed(&self.lens.resolved().ok()?, 0, passes.last()?, wavelength_nm))
+    fn unobstructed(&self, beam: &Beam) -> Option<Arrival> {
+        let light = beam.get(0);
+        let passes = self.lens.follow(&light.ray, light.wavelength_nm).ok()?;
+        Some(followed(&self.lens.resolved().ok()?, 0, passes.last()?, light.wavelength_nm))
     }
 
     /// A ray fan through points of the pupil such as those of [`fan_x`](super::fan_x) and
-    /// [`fan_y`](super::fan_y).
+    /// [`fan_y`](super::fan_y). The errors are those from the ray through the centre of the pupil or, if rays
+    /// are aimed, of the stop.
     ///
     /// # Errors
-    /// As of [`Study::principal`].
+    /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
     pub fn fan(&self, field: usize, wavelength_nm: f64, pupil: &[[f64; 2]]) -> Result<Fan, AnalysisError> {
-        let middle = self.principal(field, wavelength_nm)?.position;
+        let middle = self.central(field, wavelength_nm)?.position;
         let found = self.arrivals(field, wavelength_nm, pupil)?;
         let error = |arrival: &Arrival| [arrival.position.x - middle.x, arrival.position.y - middle.y];
         Ok(Fan {
@@ -122,18 +157,19 @@ impl<'a, E: Evaluator> Study<'a, E> {
         })
     }
 
-    /// The wavefront of a field. The radius of the reference sphere is the distance from the paraxial exit
-    /// pupil, on the axis, to the point of the principal ray on the image.
+    /// The wavefront of a field. The reference sphere is centred at the point on the image of the ray through
+    /// the centre of the pupil or, if rays are aimed, of the stop; its radius is the distance from the
+    /// paraxial exit pupil, on the axis, to that point.
     ///
     /// # Errors
-    /// As of [`Study::principal`].
+    /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
     pub fn wavefront(
         &self,
         field: usize,
         wavelength_nm: f64,
         pupil: &[[f64; 2]],
     ) -> Result<Wavefront, AnalysisError> {
-        let principal = self.principal(field, wavelength_nm)?;
+        let principal = self.central(field, wavelength_nm)?;
         let found = self.arrivals(field, wavelength_nm, pupil)?;
         let first_order = self.lens.first_order(wavelength_nm)?;
         let image = self.lens.surfaces.iter().map(|surface| surface.thickness).sum::<f64>();

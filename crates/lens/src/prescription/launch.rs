@@ -45,7 +45,7 @@ impl Launch {
 impl Prescription {
     /// Rays of a field (counted from 0) through points of the entrance pupil, in units of its semi-diameter.
     /// The pupil is the paraxial one at the primary wavelength for all fields and wavelengths: rays are not
-    /// aimed at the rim of the stop.
+    /// aimed at the stop. [`Prescription::principal_point`] tells how far off the real pupil is.
     ///
     /// # Errors
     /// [`PrescriptionError`] for a field that does not exist, an object inside the system, or an infinitely
@@ -78,21 +78,50 @@ impl Prescription {
         stop: &[[f64; 2]],
     ) -> Result<Beam, PrescriptionError> {
         let resolved = self.resolved()?;
-        let launch = self.launch(&resolved, field)?;
-        let semi_diameter = self.first_order_resolved(&resolved, self.primary_nm())?.stop_semi_diameter;
-        let aim = Aim { lens: self, resolved: &resolved, launch, wavelength_nm, semi_diameter };
+        let aim = self.aim(&resolved, field, wavelength_nm)?;
         let light = |&target: &[f64; 2]| {
-            let ray = launch.ray(aim.pupil_of(target)?);
+            let ray = aim.launch.ray(aim.pupil_of(target)?);
             Ok(Light { ray, ..Light::new([0.0; 3], [0.0; 3], wavelength_nm) })
         };
         stop.iter().map(light).collect()
     }
 
-    /// The launch data of a field.
-    pub(crate) fn launch(&self, resolved: &Resolved, field: usize) -> Result<Launch, PrescriptionError> {
+    /// The point of the entrance pupil, in units of its semi-diameter, through which the principal (chief)
+    /// ray of a field goes, the ray to the centre of the stop. Without pupil aberration it is the centre; in
+    /// wide-angle lenses it can be outside the paraxial pupil.
+    ///
+    /// # Errors
+    /// As of [`Prescription::beam_at_stop`].
+    pub fn principal_point(&self, field: usize, wavelength_nm: f64) -> Result<[f64; 2], PrescriptionError> {
+        self.aim(&self.resolved()?, field, wavelength_nm)?.pupil_of([0.0; 2])
+    }
+
+    /// Ray aiming for a field.
+    fn aim<'a>(
+        &'a self,
+        resolved: &'a Resolved,
+        field: usize,
+        wavelength_nm: f64,
+    ) -> Result<Aim<'a>, PrescriptionError> {
+        let place = self.place(field)?;
+        let launch = self.launch_from(resolved, place)?;
+        let semi_diameter = self.first_order_resolved(resolved, self.primary_nm())?.stop_semi_diameter;
+        Ok(Aim { lens: self, resolved, place, launch, wavelength_nm, semi_diameter })
+    }
+
+    fn place(&self, field: usize) -> Result<[f64; 2], PrescriptionError> {
         let count = self.fields.len();
         let no_such = PrescriptionError::NoSuch { what: "field", number: field, count };
-        let place = *self.fields.get(field).ok_or(no_such)?;
+        self.fields.get(field).copied().ok_or(no_such)
+    }
+
+    /// The launch data of a field.
+    pub(crate) fn launch(&self, resolved: &Resolved, field: usize) -> Result<Launch, PrescriptionError> {
+        self.launch_from(resolved, self.place(field)?)
+    }
+
+    /// The launch data of a field at these coordinates.
+    fn launch_from(&self, resolved: &Resolved, place: [f64; 2]) -> Result<Launch, PrescriptionError> {
         let first_order = self.first_order_resolved(resolved, self.primary_nm())?;
         let pupil = first_order.entrance_pupil.position;
         let semi_diameter = 0.5 * first_order.entrance_pupil.diameter;
@@ -131,14 +160,19 @@ impl Prescription {
         let [low, high] = resolved.vertices.iter().fold([0.0f64; 2], |[a, b], &z| [a.min(z), b.max(z)]);
         // a margin for the sags of the outer surfaces and for pupils behind the system
         let before = 2.0 * (high - low) + 4.0 * semi_diameter + (pupil - low).abs();
+        // along z, light of steep fields advances by less
+        let before = before / (2.0 * direction.z).min(1.0);
         Origin::Distant { direction, before }
     }
 }
 
 /// Ray aiming: the search for rays through points of the stop.
+#[derive(Clone, Copy)]
 struct Aim<'a> {
     lens: &'a Prescription,
     resolved: &'a Resolved,
+    /// The coordinates of the field.
+    place: [f64; 2],
     launch: Launch,
     wavelength_nm: f64,
     semi_diameter: f64,
@@ -148,18 +182,31 @@ struct Aim<'a> {
 const AIMED: f64 = 1e-11;
 const STEPS: usize = 40;
 
+/// The smallest fraction of a Newton step that is tried.
+const LEAST_STEP: f64 = 1e-3;
+
+/// The smallest step from field to field, as a fraction of the field.
+const LEAST_STRIDE: f64 = 1.0 / 256.0;
+
 impl Aim<'_> {
-    /// The pupil point whose ray goes through a point of the stop, by Newton's method with difference
-    /// quotients.
+    /// The pupil point whose ray goes through a point of the stop: by Newton's method from the paraxial pupil
+    /// or, where that leads nowhere, step by step from the axis to the field.
     fn pupil_of(&self, target: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
+        self.newton(target, target).or_else(|error| self.walk(target).ok_or(error))
+    }
+
+    /// Newton's method with difference quotients. A step is shortened if its end is worse or leads to no
+    /// point of the stop.
+    fn newton(&self, target: [f64; 2], start: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
         let miss = |[x, y]: [f64; 2]| {
             let [a, b] = self.stop_of([x, y])?;
             Ok::<_, PrescriptionError>([a - target[0], b - target[1]])
         };
-        let mut at = target;
+        let size = |[a, b]: [f64; 2]| libm::hypot(a, b);
+        let mut at = start;
         let mut off = miss(at)?;
         for _ in 0..STEPS {
-            if libm::hypot(off[0], off[1]) <= AIMED {
+            if size(off) <= AIMED {
                 return Ok(at);
             }
             let h = 1e-5;
@@ -167,20 +214,53 @@ impl Aim<'_> {
             let [a, c] = [by_x[0] - off[0], by_x[1] - off[1]].map(|change| change / h);
             let [b, d] = [by_y[0] - off[0], by_y[1] - off[1]].map(|change| change / h);
             let determinant = a * d - b * c;
-            at[0] -= (d * off[0] - b * off[1]) / determinant;
-            at[1] -= (a * off[1] - c * off[0]) / determinant;
-            off = miss(at)?;
+            let step = [(d * off[0] - b * off[1]) / determinant, (a * off[1] - c * off[0]) / determinant];
+            let shorter = std::iter::successors(Some(1.0), |part| Some(0.5 * part));
+            let tried = shorter.take_while(|&part| part >= LEAST_STEP).find_map(|part| {
+                let next = [at[0] - part * step[0], at[1] - part * step[1]];
+                miss(next).ok().filter(|&off_next| size(off_next) < size(off)).map(|off| (next, off))
+            });
+            (at, off) = tried.ok_or(self.nowhere())?;
         }
-        Err(PrescriptionError::Lost { surface: self.lens.stop, why: "no ray leads to the point of the stop" })
+        Err(self.nowhere())
     }
 
-    /// The stop point of the ray through a pupil point.
+    /// Continuation from the centre of the axial pupil to the target in the field; `None` if it is lost on
+    /// the way.
+    fn walk(&self, target: [f64; 2]) -> Option<[f64; 2]> {
+        let (mut part, mut stride) = (0.0_f64, 0.125);
+        let mut at = self.part_of_the_way(part)?.newton([0.0; 2], [0.0; 2]).ok()?;
+        while part < 1.0 {
+            let next = (part + stride).min(1.0);
+            let there = self.part_of_the_way(next)?;
+            match there.newton(target.map(|component| next * component), at) {
+                Ok(found) => (at, part, stride) = (found, next, 2.0 * stride),
+                Err(_) if stride > LEAST_STRIDE => stride *= 0.5,
+                Err(_) => return None,
+            }
+        }
+        Some(at)
+    }
+
+    /// The same for a field nearer to the axis.
+    fn part_of_the_way(&self, part: f64) -> Option<Self> {
+        let place = self.place.map(|coordinate| part * coordinate);
+        let launch = self.lens.launch_from(self.resolved, place).ok()?;
+        Some(Aim { place, launch, ..*self })
+    }
+
+    fn nowhere(&self) -> PrescriptionError {
+        PrescriptionError::Lost { surface: self.lens.stop, why: "no ray leads to the point of the stop" }
+    }
+
+    /// The stop point of the ray through a pupil point, in the coordinates of the stop.
     fn stop_of(&self, pupil: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
         let ray = self.launch.ray(pupil);
         let stop = self.lens.stop;
         let passes = self.lens.follow_part(self.resolved, &ray, self.wavelength_nm, stop)?;
         // the last point is that on the stop
         let point = passes.last().map_or(ray.origin, |pass| pass.point);
-        Ok([point.x / self.semi_diameter, point.y / self.semi_diameter])
+        let local = self.resolved.local(stop - 1, point);
+        Ok([local.x / self.semi_diameter, local.y / self.semi_diameter])
     }
 }

@@ -6,10 +6,11 @@ use rayweave_lens::analysis::{
     fan_y, fit, geometric_mtf, hexapolar, radius_of_energy, square, through_focus,
 };
 use rayweave_lens::paraxial::Seidel;
-use rayweave_lens::prescription::{Behind, Prescription, Surface};
+use rayweave_lens::prescription::{Behind, CoordinateBreak, Prescription, Surface};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::component::{Aperture, Sheet};
 use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
+use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 
 /// Compiles a prescription and applies `question` to its study.
@@ -293,9 +294,10 @@ fn colour_follows_dispersion() {
     let image = |nm: f64| lens.first_order(nm).unwrap().image_distance;
     near(shift, image(486.1327) - image(656.2725), 1e-6);
     assert!(shift < -0.5);
-    // C_II / (n' u') is the lateral colour between the outer wavelengths in the paraxial focus
+    // C_II / (n' u') is the lateral colour between the outer wavelengths in the paraxial focus, of a small
+    // field: the principal rays of the colours go through different points of a lens that aberrates
     let focused = {
-        let mut lens = lens.clone();
+        let mut lens = lens.clone().field_angles(&[0.0, 0.1]);
         lens.surfaces[2].thickness = image(D_NM);
         lens
     };
@@ -331,6 +333,114 @@ fn rays_are_aimed_at_the_stop() {
         Study::new(&stopped, &layout, &tracer).aimed().arrivals(1, D_NM, &points).unwrap().len()
     };
     assert_eq!((count(0.9999), count(1.0001)), (60, 36));
+}
+
+/// A lens of 100 degrees: a negative meniscus far in front of a stop and a positive lens. The coefficient of
+/// its third-order pupil aberration is so large that the paraxial pupil is useless.
+fn wide_angle() -> Prescription {
+    Prescription::new(vec![
+        Surface::new(45.0, 2.0, index(1.6)),
+        Surface::new(11.0, 16.0, Behind::Air),
+        Surface::dummy(1.0),
+        Surface::new(20.0, 3.0, index(1.7)),
+        Surface::new(-18.0, 20.0, Behind::Air),
+    ])
+    .entrance_pupil_diameter(1.0)
+    .field_angles(&[0.0, 25.0, 50.0])
+    .stop_at(3)
+}
+
+#[test]
+fn the_principal_ray_goes_through_the_centre_of_the_stop() {
+    // behind a plane plate the ray has its direction again: a stop there has no distortion at any angle
+    let plate = Prescription::new(vec![Surface::new(f64::INFINITY, 10.0, index(1.5)), Surface::dummy(50.0)])
+        .stop_at(2)
+        .field_angles(&[0.0, 30.0, 50.0]);
+    for field in [1, 2] {
+        let found = study(&plate, |study| study.distortion(field, D_NM).unwrap());
+        near(found.real, 50.0 * plate.fields[field][1].to_radians().tan(), 1e-9);
+        near(found.relative(), 0.0, 1e-11);
+        // the entrance pupil moves by T (tan a' - tan a / n) across the axis
+        let angle = plate.fields[field][1].to_radians();
+        let inside = (angle.sin() / 1.5).asin();
+        let [x, y] = plate.principal_point(field, D_NM).unwrap();
+        near(x, 0.0, 1e-10);
+        near(y, (10.0 * (angle.tan() / 1.5 - inside.tan())) / 0.5, 1e-9);
+    }
+
+    let lens = wide_angle();
+    for field in [1, 2] {
+        // the same ray by bisection for its height on the first vertex plane
+        let slope = lens.fields[field][1].to_radians().tan();
+        let ray = |height: f64| {
+            let direction = Vec3::new(0.0, slope, 1.0);
+            Ray::new(Vec3::Y * height - 100.0 * direction, direction)
+        };
+        let passes = |height: f64| lens.follow(&ray(height), D_NM).ok();
+        let (mut low, mut high) = (-16.0, 0.0);
+        for _ in 0..100 {
+            let middle = 0.5 * (low + high);
+            let is_low = passes(middle).is_none_or(|passes| passes[2].point.y < 0.0);
+            (low, high) = if is_low { (middle, high) } else { (low, middle) };
+        }
+        let expected = passes(high).unwrap()[5].point.y;
+        let found = study(&lens, |study| study.distortion(field, D_NM).unwrap());
+        near(found.real, expected.abs(), 1e-9);
+        let foci = study(&lens, |study| study.field_foci(field, D_NM).unwrap());
+        assert!(foci.tangential.is_finite() && foci.sagittal.is_finite(), "{foci:?}");
+    }
+}
+
+#[test]
+fn rays_that_have_to_be_aimed_are_not_traced_unaimed() {
+    let lens = wide_angle();
+    let points = hexapolar(3);
+    let refused = study(&lens, |study| study.arrivals(2, D_NM, &points).unwrap_err().to_string());
+    assert!(refused.starts_with("field 2 has its real entrance pupil "), "{refused}");
+    assert!(refused.ends_with(" of the stop. Aim the rays at the stop."), "{refused}");
+    let refusals = study(&lens, |study| {
+        [study.wavefront(2, D_NM, &points).is_err(), study.fan(2, D_NM, &fan_y(5)).is_err()]
+    });
+    assert_eq!(refusals, [true; 2]);
+    let aimed = |field: usize| {
+        let layout = lens.assembly().unwrap();
+        let system = layout.assembly.compile().unwrap();
+        let tracer = Tracer::new(&system, Packets::new);
+        let study = Study::new(&lens, &layout, &tracer).aimed();
+        // the rays at the rim of the stop touch it
+        let inside: Vec<[f64; 2]> = points.iter().map(|point| point.map(|x| 0.99 * x)).collect();
+        (
+            study.arrivals(field, D_NM, &inside).unwrap().len(),
+            study.wavefront(field, D_NM, &inside).unwrap().rms(),
+        )
+    };
+    for field in [0, 1, 2] {
+        let (count, rms) = aimed(field);
+        assert_eq!(count, points.len());
+        assert!(rms.is_finite());
+    }
+    // the pupil of the triplet aberrates little
+    assert!(study(&triplet(), |study| study.wavefront(1, D_NM, &points).is_ok()));
+}
+
+#[test]
+fn rays_are_aimed_at_a_stop_behind_a_mirror() {
+    let lens = |surfaces: Vec<Surface>| {
+        let stop = surfaces.len();
+        let lens = Prescription::new(surfaces).entrance_pupil_diameter(4.0).stop_at(stop);
+        Prescription { fields: vec![[0.0; 2], [4.0, 0.0]], ..lens }
+    };
+    let glass = [Surface::new(60.0, 5.0, index(1.5)), Surface::new(-60.0, 10.0, Behind::Air)];
+    let [front, back] = glass;
+    let straight = lens(vec![front.clone(), back.clone(), Surface::dummy(10.0), Surface::dummy(15.0)]);
+    let mirror = Surface::new(f64::INFINITY, 0.0, Behind::Mirror);
+    let tilt = |before| CoordinateBreak::new(before, [0.0; 2], [45.0, 0.0, 0.0]);
+    let folded = lens(vec![front, back, mirror, Surface::dummy(-10.0), Surface::dummy(-15.0)]);
+    let folded = folded.broken(tilt(3)).broken(tilt(4));
+    let [expected, found] = [&straight, &folded].map(|lens| lens.principal_point(1, D_NM).unwrap());
+    assert!(expected[0].abs() > 1e-3);
+    near(found[0], expected[0], 1e-9);
+    near(found[1], expected[1], 1e-9);
 }
 
 /// A system without a prescription: a grating, an ideal lens and a detector.

@@ -217,7 +217,7 @@ fn extended_aspheres_have_a_radius_of_their_own() {
         assert_eq!([found[1], found[3]], [0.0; 2]);
         assert_eq!(read.notes.len(), 1, "{:?}", read.notes);
         assert!(
-            read.notes[0].to_string().contains("the terms of the image beyond its conic are passed over")
+            read.notes[0].to_string().contains("the terms of the image beyond its conic are ignored")
         );
     }
     let refused = |lines: &str| read_zmx(file(lines).as_bytes()).unwrap_err().to_string();

@@ -42,10 +42,7 @@ fn files_are_read_in_any_encoding() {
         let read = read_zmx(bytes).unwrap();
         assert_eq!(read.prescription, singlet());
         let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
-        assert_eq!(
-            notes,
-            ["line 11: FWGN is passed over", "line 38: XDAT is passed over", "line 44: BLNK is passed over"]
-        );
+        assert_eq!(notes, ["line 38: XDAT is ignored, also on line 45", "line 44: BLNK is ignored"]);
     }
     let latin: Vec<u8> = SINGLET.replace("a singlet", "R\u{f6}ntgen").chars().map(|c| c as u8).collect();
     assert_eq!(read_zmx(&latin).unwrap().prescription.name, "R\u{f6}ntgen");
@@ -95,8 +92,8 @@ fn unknown_glasses_are_taken_from_their_indices() {
     assert_eq!(read.prescription.field_kind, FieldKind::ImageHeight);
     let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
     assert_eq!(notes[0], "line 8: real image heights of fields are taken for paraxial ones");
-    assert!(notes[2].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
-    assert!(notes[2].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is taken"));
+    assert!(notes[1].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
+    assert!(notes[1].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is taken"));
     // index and Abbe number that programs write as placeholders do not count
     let dummy = |name: &str| SINGLET.replace("N-BK7 0 0 1.5168 64.17", &format!("{name} 0 0 1.5 40"));
     assert!(read_zmx(dummy("BK8").as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
@@ -106,6 +103,95 @@ fn unknown_glasses_are_taken_from_their_indices() {
     let reported =
         read.notes.iter().any(|note| note.to_string().ends_with("; N-BK7, which took its place, is taken"));
     assert!(reported, "{:?}", read.notes);
+}
+
+/// Everything with an effect in Zemax that is not read is named with its line; neutral settings are not.
+#[test]
+fn what_is_ignored_is_reported() {
+    let notes = |file: &str| -> Vec<String> {
+        read_zmx(file.as_bytes()).unwrap().notes.iter().map(ToString::to_string).collect()
+    };
+    let file = SINGLET.replace("FTYP 0 0 2 3 0 0 0", "FTYP 0 1 2 3 0 0 1");
+    let found = notes(&file);
+    assert!(found[0].starts_with("line 8: the object space is telecentric"), "{found:?}");
+    assert!(found[1].starts_with("line 8: the image space is afocal"), "{found:?}");
+    let with = |lines: &str| {
+        let found = notes(&SINGLET.replace("PWAV 2\r\n", &format!("PWAV 2\r\n{lines}\r\n")));
+        found.into_iter().filter(|note| note.starts_with("line 17: ")).collect::<Vec<_>>()
+    };
+    let neutral = [
+        "ENVD 20 1 0",
+        "ENVD 20 1 1",
+        "ENVD 60 0 0",
+        "GFAC 0 0",
+        "RAIM 0 0 1 1 0 0 0 0 0 1",
+        "PUSH 0 0 0 0 0 0",
+        "ROPD 2",
+        "POLS 1 0 1 0 0 1 0",
+        "FWGN 2 2",
+        "VDXN 0 0",
+        "VCYN 0 0.0E+0",
+        "MNUM 1 1",
+        "SDMA 0 1 0",
+        "LANG 0",
+    ];
+    for line in neutral {
+        assert_eq!(with(line), [""; 0], "{line}");
+    }
+    let effects = [
+        ("ENVD 60 1 1", "temperature"),
+        ("GFAC 1 2", "apodisation"),
+        ("RAIM 0 2 1 1 0 1", "aimed"),
+        ("PUSH 0 0 0 1 0 0", "shift"),
+        ("ROPD 1", "exit pupil"),
+        ("POLS 0 1 0 0 0 1 0", "polarised"),
+        ("FWGN 1 3", "weight"),
+        ("VCYN 0 0.2", "vignetting"),
+        ("MNUM 4 1", "configurations"),
+        ("FNUM 4 1", "working F-number"),
+        ("ZZZZ 1", "ZZZZ is ignored"),
+    ];
+    for (line, text) in effects {
+        let found = with(line);
+        assert!(found.len() == 1 && found[0].contains(text), "{line}: {found:?}");
+    }
+    // apertures, coatings and tilts of surfaces: all their lines
+    let file = SINGLET.replace("  TYPE", "  COAT AR\r\n  SQAP 1 2 0\r\n  TYPE");
+    let found = notes(&file);
+    assert!(found.contains(&"line 18: COAT is ignored, also on lines 26, 38 and 46".to_owned()), "{found:?}");
+    assert!(
+        found.iter().any(|note| note.starts_with("line 19: SQAP is ignored, also on lines ")),
+        "{found:?}"
+    );
+}
+
+/// The outer radius of an aperture can be infinite.
+#[test]
+fn apertures_have_an_inner_and_an_outer_radius() {
+    let with = |line: &str| {
+        let file =
+            SINGLET.replace("DIAM 2.5E-1 1 0 0 1 \"\"", line).replace("N-BK7 0 0 1.5168 64.17", "MIRROR");
+        read_zmx(file.as_bytes())
+    };
+    let front = |line: &str| with(line).unwrap().prescription.surfaces[0].clone();
+    for infinite in ["INF", "INFINITY", "inf"] {
+        let surface = front(&format!("CLAP 3.81 {infinite}"));
+        assert_eq!((surface.hole, surface.semi_diameter), (3.81, None));
+        let surface = front(&format!("DIAM 9 1\r\n  CLAP 3.81 {infinite} 0"));
+        assert_eq!((surface.hole, surface.semi_diameter), (3.81, Some(9.0)));
+    }
+    assert_eq!(front("CLAP 0.5 4").semi_diameter, Some(4.0));
+    for wrong in ["CLAP INF 4", "CLAP 4 2", "CLAP -1 2", "CLAP 4 NaN"] {
+        let problem = with(wrong).unwrap_err().to_string();
+        assert!(problem.starts_with("line 32: "), "{wrong}: {problem}");
+    }
+    let glass = SINGLET.replace("DIAM 2.5E-1 1 0 0 1 \"\"", "CLAP 3.81 INF");
+    let notes = read_zmx(glass.as_bytes()).unwrap().notes;
+    let found = notes.iter().find(|note| note.line == 32).unwrap().to_string();
+    assert!(
+        found.contains("inner radius 3.81") && found.contains("only mirrors have a central hole"),
+        "{found}"
+    );
 }
 
 #[test]

@@ -44,6 +44,8 @@ pub struct Detector {
     pub name: String,
     /// The points at which light arrives.
     pub spots: SpotDiagram,
+    /// The points at which the light of each source arrives; empty unless requested by [`Detectors::by_source`].
+    pub by_source: Vec<SpotDiagram>,
     /// The power that arrives; empty if irradiance is not binned.
     pub irradiance: IrradianceBins,
     middle: Vec3,
@@ -63,6 +65,15 @@ impl Detectors {
         detectors
     }
 
+    /// Adds a spot diagram for each of the first `count` sources, for example the fields of a lens.
+    #[must_use]
+    pub fn by_source(mut self, count: usize) -> Detectors {
+        for detector in &mut self.list {
+            detector.by_source = vec![SpotDiagram::default(); count];
+        }
+        self
+    }
+
     /// Adds the light of all segments that end at a sheet.
     pub fn add(&mut self, segments: &Segments) {
         let [x, y, z] = &segments.end;
@@ -72,6 +83,9 @@ impl Detectors {
             let (detector, power) = (&mut self.list[sheet], segments.intensity[row]);
             let point = detector.coordinates(Vec3::new(x[row], y[row], z[row]));
             detector.spots.add(point, segments.wavelength_nm[row], power);
+            if let Some(spots) = detector.by_source.get_mut(segments.source[row] as usize) {
+                spots.add(point, segments.wavelength_nm[row], power);
+            }
             if self.bins_irradiance {
                 detector.irradiance.add(point, power);
             }
@@ -91,6 +105,7 @@ impl Detector {
             element,
             name: name.to_owned(),
             spots: SpotDiagram::default(),
+            by_source: Vec::new(),
             irradiance: IrradianceBins::default(),
             middle: frame.translation,
             axes: [axis(Vec3::X), axis(Vec3::Y)],

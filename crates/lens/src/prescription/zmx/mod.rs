@@ -20,7 +20,9 @@
 //! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is recomputed) |
 //! | `STOP` | the stop |
 //!
-//! `MODE` has to be `SEQ`. All other keywords are ignored, with a note. The format has no public
+//! `MODE` has to be `SEQ`. An outer radius `INF` of `CLAP` is none. Keywords without an effect on light (drawings, catalogues,
+//! mechanical data) are ignored silently, as are settings without an effect (vignetting factors of 0, equal weights, no ray
+//! aiming). All others are ignored with a note of their lines; so are the flags of telecentric and afocal systems in `FTYP`. The format has no public
 //! specification; the reader follows the Zemax OpticStudio user guide, "Lens data editor", and files
 //! published by lens makers.
 

@@ -8,7 +8,7 @@ use crate::prescription::{
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::glass::{Problem, decode_text};
-use std::collections::HashSet;
+use std::collections::BTreeMap;
 
 /// The units of lengths with their names, in nanometres.
 pub(super) const UNITS: [(&str, f64); 4] = [("MM", 1e6), ("CM", 1e7), ("IN", 2.54e7), ("METER", 1e9)];
@@ -18,7 +18,8 @@ pub(super) const UNITS: [(&str, f64); 4] = [("MM", 1e6), ("CM", 1e7), ("IN", 2.5
 pub struct Read {
     /// The prescription.
     pub prescription: Prescription,
-    /// The ignored keywords, each once with the line of its first occurrence, and the substitutions.
+    /// Everything in the file that can have an effect and is ignored or replaced, in the order of its lines. An unknown
+    /// keyword is listed once, with all its lines.
     pub notes: Vec<Problem>,
 }
 
@@ -63,11 +64,55 @@ pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
     reader.finish()
 }
 
-/// Keywords ignored without a note: irrelevant to the light, or redundant.
-const SILENT: [&str; 22] = [
-    "VERS", "PFIL", "LANG", "GCAT", "ENVD", "GFAC", "RAIM", "PUSH", "SDMA", "OMMA", "ROPD", "PICB", "POLS",
-    "GLRS", "GSTD", "NSCD", "COFN", "HIDE", "MIRR", "SLAB", "POPS", "FIMP",
+/// Keywords without any effect on the light: versions, drawings, catalogues (all are searched), margins of computed semi-diameters,
+/// mechanical ones, settings of other analyses.
+const SILENT: [&str; 20] = [
+    "VERS", "PFIL", "LANG", "GCAT", "SDMA", "OMMA", "PICB", "GLRS", "GSTD", "NSCD", "COFN", "COMM", "HIDE",
+    "MIRR", "SLAB", "POPS", "FIMP", "MEMA", "HYPR", "MOFF",
 ];
+
+/// What a keyword that is not read would change, for those that often hold a setting without an effect; the empty text if they do.
+/// `None` for other keywords.
+fn setting(keyword: &str, words: &[&str]) -> Option<&'static str> {
+    let is = |place: usize, value: f64| words.get(place).is_none_or(|word| word.parse() == Ok(value));
+    let are_zero = (0..words.len()).all(|place| is(place, 0.0));
+    let (has_effect, effect) = match keyword {
+        "ENVD" => (
+            !is(2, 0.0) && !(is(0, 20.0) && is(1, 1.0)),
+            "indices of glass are not adjusted to a temperature and a pressure",
+        ),
+        "GFAC" => (!is(0, 0.0), "the pupil is illuminated evenly, without apodisation"),
+        "RAIM" => (!is(1, 0.0), "rays are aimed at the stop only on request"),
+        "PUSH" => (!are_zero, "the shift of the pupil for ray aiming is not needed"),
+        "ROPD" => (!is(0, 2.0), "wavefronts are referred to the exit pupil"),
+        "POLS" => (!is(0, 1.0), "the light is not polarised"),
+        "FWGN" | "FWGT" => (
+            words.iter().any(|word| word.parse::<f64>() != words[0].parse()),
+            "all fields have the same weight",
+        ),
+        "VDXN" | "VDYN" | "VCXN" | "VCYN" | "VANN" | "VDXT" | "VDYT" | "VCXT" | "VCYT" | "VANT" => {
+            (!are_zero, "vignetting factors are not applied: the apertures of the surfaces vignette")
+        }
+        "FLAP" => (!is(0, 0.0), "the inner radius of a floating aperture is not applied"),
+        "MNUM" => (!is(0, 1.0), "of several configurations, the current one is read"),
+        _ => return None,
+    };
+    Some(if has_effect { effect } else { "" })
+}
+
+/// The number of lines that a note lists.
+const LISTED: usize = 12;
+
+/// Other lines to which a note applies, to follow its text.
+fn also_on(lines: &[usize]) -> String {
+    let listed: Vec<String> = lines.iter().take(LISTED).map(usize::to_string).collect();
+    match (lines.len(), listed.as_slice()) {
+        (0, _) => String::new(),
+        (1, _) => format!(", also on line {}", lines[0]),
+        (2..=LISTED, [first @ .., last]) => format!(", also on lines {} and {last}", first.join(", ")),
+        (count, _) => format!(", also on lines {} and {} more", listed.join(", "), count - LISTED),
+    }
+}
 
 /// The data of a surface read so far.
 #[derive(Default)]
@@ -83,6 +128,8 @@ struct Record {
     /// The `DIAM` value, fixed or computed.
     diam: f64,
     hole: f64,
+    /// The line of the hole.
+    hole_line: usize,
     /// True if the aperture is decentred.
     is_decentred: bool,
     is_stop: bool,
@@ -104,7 +151,8 @@ struct Reader {
     weights: Vec<f64>,
     primary: usize,
     surfaces: Vec<Record>,
-    passed_over: HashSet<String>,
+    /// The lines of each keyword that is not known.
+    unknown: BTreeMap<String, Vec<usize>>,
     ignored: Vec<Problem>,
     problems: Vec<Problem>,
 }
@@ -120,13 +168,28 @@ impl Reader {
                 Ok(())
             }
             _ if self.of_surface(keyword, &words)? || self.of_system(keyword, rest, &words)? => Ok(()),
+            _ if SILENT.contains(&keyword) => Ok(()),
             _ => {
-                if !SILENT.contains(&keyword) && self.passed_over.insert(keyword.to_owned()) {
-                    self.note(format!("{keyword} is passed over"));
+                match setting(keyword, &words) {
+                    Some("") => {}
+                    Some(effect) => self.note(format!("{keyword} is ignored: {effect}")),
+                    None => self.unknown.entry(keyword.to_owned()).or_default().push(self.line),
                 }
                 Ok(())
             }
         }
+    }
+
+    /// The notes in the order of their lines.
+    fn notes(&mut self) -> Vec<Problem> {
+        let mut notes = std::mem::take(&mut self.ignored);
+        let unknown = std::mem::take(&mut self.unknown);
+        notes.extend(unknown.into_iter().map(|(keyword, lines)| Problem {
+            line: lines[0],
+            text: format!("{keyword} is ignored{}", also_on(&lines[1..])),
+        }));
+        notes.sort_by_key(|note| note.line);
+        notes
     }
 
     /// Reads a system keyword; false if it is not one.
@@ -143,7 +206,14 @@ impl Reader {
             }
             "UNIT" => self.unit_nm = Some(unit(words.first().copied().unwrap_or(""))?),
             "ENPD" => self.aperture = Some(SystemAperture::EntrancePupilDiameter(number(words, 0)?)),
-            "FNUM" => self.aperture = Some(SystemAperture::FNumber(number(words, 0)?)),
+            "FNUM" => {
+                self.aperture = Some(SystemAperture::FNumber(number(words, 0)?));
+                if words.get(1) == Some(&"1") {
+                    self.note(
+                        "the paraxial working F-number is taken for the F-number at infinity".to_owned(),
+                    );
+                }
+            }
             "OBNA" if words.get(1) == Some(&"1") => {
                 return Err(
                     "the object aperture is an angle: only the numerical aperture is read.".to_owned()
@@ -155,6 +225,14 @@ impl Reader {
                 self.kind = Some(field_kind(words)?);
                 if words.first() == Some(&"3") {
                     self.note("real image heights of fields are taken for paraxial ones".to_owned());
+                }
+                if words.get(1).is_some_and(|flag| *flag != "0") {
+                    let text = "the object space is telecentric, which is ignored: principal rays go through the centre of the stop";
+                    self.note(text.to_owned());
+                }
+                if words.get(6).is_some_and(|flag| *flag != "0") {
+                    let text = "the image space is afocal, which is ignored: rays are taken where they meet the image surface";
+                    self.note(text.to_owned());
                 }
                 let count = |k: usize| words.get(k).and_then(|word| word.parse::<usize>().ok());
                 self.counts = count(2).zip(count(3)).map(|(fields, lines)| [fields, lines]);
@@ -194,6 +272,15 @@ impl Reader {
                 let (behind, note) = behind(words)?;
                 surface.behind = Some(behind);
                 note.into_iter().for_each(|note| self.note(note));
+                if words.get(1) == Some(&"4") {
+                    self.note("the offset of index and Abbe number, GLAS, is ignored".to_owned());
+                }
+                let deviation = number(words, 5).unwrap_or(0.0);
+                if words.first() == Some(&"___BLANK") && deviation != 0.0 {
+                    self.note(format!(
+                        "the deviation {deviation} of the partial dispersion, GLAS, is ignored"
+                    ));
+                }
             }
             "DIAM" => {
                 let is_fixed = words.get(1).is_some_and(|flag| *flag != "0");
@@ -202,9 +289,15 @@ impl Reader {
                 surface.semi_diameter = (is_fixed && value > 0.0).then_some(value).or(surface.semi_diameter);
             }
             "CLAP" => {
-                surface.hole = number(words, 0)?;
-                let outer = number(words, 1)?;
-                surface.semi_diameter = (outer > 0.0).then_some(outer).or(surface.semi_diameter);
+                let (inner, outer) = (number(words, 0)?, outer_radius(words, 1)?);
+                if inner < 0.0 || outer.is_some_and(|outer| outer > 0.0 && outer <= inner) {
+                    let text = words[..2].join(" to ");
+                    return Err(format!(
+                        "the aperture reaches from radius {text}: the outer one is the greater."
+                    ));
+                }
+                (surface.hole, surface.hole_line) = (inner, self.line);
+                surface.semi_diameter = outer.filter(|outer| *outer > 0.0).or(surface.semi_diameter);
             }
             "OBDC" if numbers(&words[..words.len().min(2)])?.iter().any(|&place| place != 0.0) => {
                 surface.is_decentred = true;
@@ -270,6 +363,8 @@ impl Reader {
         match (self.problems.is_empty(), stop, self.aperture) {
             (true, Some(stop), Some(aperture)) => {
                 self.note_ends(&surfaces);
+                self.note_holes();
+                self.ignored = self.notes();
                 let Read { prescription, notes } = self.prescription(surfaces, (stop, aperture), lines);
                 Ok(Read { prescription: Prescription { breaks, ..prescription }, notes })
             }
@@ -357,8 +452,21 @@ impl Reader {
         for (k, name) in [(0, "object"), (last, "image")] {
             if surfaces.get(k).is_some_and(|surface| !surface.is_conic()) {
                 let line = self.surfaces[k].type_line;
-                let text = format!("the terms of the {name} beyond its conic are passed over");
+                let text = format!("the terms of the {name} beyond its conic are ignored");
                 self.ignored.push(Problem { line, text });
+            }
+        }
+    }
+
+    /// Notes that only mirrors have a hole.
+    fn note_holes(&mut self) {
+        for record in &self.surfaces {
+            if record.hole > 0.0 && record.behind != Some(Behind::Mirror) {
+                let text = format!(
+                    "the inner radius {} of the aperture, CLAP, is ignored: only mirrors have a central hole",
+                    record.hole
+                );
+                self.ignored.push(Problem { line: record.hole_line, text });
             }
         }
     }
@@ -481,6 +589,12 @@ fn number(words: &[&str], place: usize) -> Result<f64, String> {
         Ok(value) if value.is_finite() => Ok(value),
         _ => Err(format!("{word:?} is no number")),
     }
+}
+
+/// The outer radius of an aperture; `None` if it is infinite.
+fn outer_radius(words: &[&str], place: usize) -> Result<Option<f64>, String> {
+    let is_infinite = |word: &&str| ["INF", "INFINITY"].iter().any(|name| word.eq_ignore_ascii_case(name));
+    if words.get(place).is_some_and(is_infinite) { Ok(None) } else { number(words, place).map(Some) }
 }
 
 fn whole(words: &[&str], place: usize) -> Result<usize, String> {

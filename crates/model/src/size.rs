@@ -1,0 +1,177 @@
+//! The number of leaves of a model, counted before they are made.
+//!
+//! A solid may be used many times, and each use under another map makes leaves of its own: forty steps of
+//! `s = s | s.translate(v)` describe 2^40 of them. The count visits each shared solid once.
+
+use crate::{CompileError, CompileProblem, Node, Solid};
+use rayweave_math::Affine;
+use std::collections::{HashMap, HashSet};
+
+/// The number of leaves that any model may have.
+const ALWAYS_ALLOWED: u64 = 1 << 20;
+
+/// The number of further leaves for each solid and copy of the description: limits the leaves that come from repetition, not
+/// those that were described one by one.
+const PER_NODE: u64 = 64;
+
+/// The number of nodes that lowering may visit for each leaf: maps, names and operators.
+const VISITS_PER_LEAF: u64 = 16;
+
+/// Rejects solids whose repeated parts make too many leaves.
+pub(crate) fn check(solids: &[&Solid]) -> Result<(), CompileError> {
+    if expanded(solids, ALWAYS_ALLOWED).is_some() {
+        return Ok(());
+    }
+    let nodes = distinct(solids);
+    let limit = ALWAYS_ALLOWED.saturating_add(PER_NODE.saturating_mul(nodes));
+    if expanded(solids, limit).is_some() {
+        return Ok(());
+    }
+    Err(CompileError { path: "model".to_owned(), problem: CompileProblem::Repeated { nodes, limit } })
+}
+
+impl Solid {
+    /// True if compiling the solid makes more leaves than this; takes time in proportion to `most` at worst.
+    pub fn has_more_leaves_than(&self, most: u64) -> bool {
+        expanded(&[self], most).is_none()
+    }
+}
+
+/// The work of lowering a solid in one context.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    leaves: u64,
+    visits: u64,
+}
+
+impl Size {
+    fn add(&mut self, other: Size) {
+        self.leaves = self.leaves.saturating_add(other.leaves);
+        self.visits = self.visits.saturating_add(other.visits);
+    }
+
+    fn is_within(self, most_leaves: u64) -> bool {
+        self.leaves <= most_leaves && self.visits <= most_leaves.saturating_mul(VISITS_PER_LEAF)
+    }
+}
+
+/// A solid in a context of its own, under a map or name: there each of its parts is lowered once, as in `lower`.
+struct Frame<'a> {
+    /// The address of the solid; 0 for the whole group.
+    address: usize,
+    size: Size,
+    waiting: Vec<&'a Solid>,
+    seen: HashSet<usize>,
+}
+
+impl<'a> Frame<'a> {
+    fn new(address: usize, waiting: Vec<&'a Solid>) -> Frame<'a> {
+        Frame { address, size: Size::default(), waiting, seen: HashSet::new() }
+    }
+}
+
+/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or the visits exceed theirs.
+fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
+    let mut total = Size::default();
+    let mut known: HashMap<usize, Size> = HashMap::new();
+    let mut prototypes: Vec<&Solid> = Vec::new();
+    let mut is_prototype: HashSet<usize> = HashSet::new();
+    let mut next = 0;
+    let mut roots: Vec<&Solid> = solids.to_vec();
+    loop {
+        total.add(group(roots, &mut known, most, |inner| {
+            if is_prototype.insert(inner.address()) {
+                prototypes.push(inner);
+            }
+        })?);
+        if !total.is_within(most) {
+            return None;
+        }
+        let Some(&prototype) = prototypes.get(next) else { return Some(total.leaves) };
+        next += 1;
+        roots = vec![prototype];
+    }
+}
+
+/// The size of one group. `place` receives the solids that are placed several times.
+fn group<'a>(
+    roots: Vec<&'a Solid>,
+    known: &mut HashMap<usize, Size>,
+    most: u64,
+    mut place: impl FnMut(&'a Solid),
+) -> Option<Size> {
+    let mut frames = vec![Frame::new(0, roots)];
+    while let Some(frame) = frames.last_mut() {
+        // each finished or open frame is a part of the whole, so that the first one above the limit decides
+        if !frame.size.is_within(most) {
+            return None;
+        }
+        let Some(solid) = frame.waiting.pop() else {
+            let (address, size) = (frame.address, frame.size);
+            frames.pop();
+            let Some(outer) = frames.last_mut() else { return Some(size) };
+            outer.size.add(size);
+            known.insert(address, size);
+            continue;
+        };
+        if solid.is_shared() && !frame.seen.insert(solid.address()) {
+            continue;
+        }
+        frame.size.visits += 1;
+        match solid.node() {
+            Node::Empty | Node::Universe => {}
+            Node::Primitive(_) => frame.size.leaves += 1,
+            Node::Placed(inner, copies) if copies.len() != 1 => {
+                frame.size.leaves = frame.size.leaves.saturating_add(copies.len() as u64);
+                if !copies.is_empty() {
+                    place(inner);
+                }
+            }
+            // the identity makes no context
+            Node::Transformed(map, inner) if *map == Affine::IDENTITY => frame.waiting.push(inner),
+            Node::Placed(inner, copies) if copies.label().is_none() && copies[0] == Affine::IDENTITY => {
+                frame.waiting.push(inner);
+            }
+            Node::Transformed(_, inner) | Node::Named(_, inner) | Node::Placed(inner, _) => {
+                match (inner.node(), known.get(&inner.address())) {
+                    (Node::Primitive(_), _) => frame.size.add(Size { leaves: 1, visits: 1 }),
+                    (_, Some(&size)) => frame.size.add(size),
+                    (_, None) => frames.push(Frame::new(inner.address(), vec![inner])),
+                }
+            }
+            other => frame.waiting.extend(other.operand_refs()),
+        }
+    }
+    None
+}
+
+/// The number of different nodes and copies of the description.
+fn distinct(solids: &[&Solid]) -> u64 {
+    let (mut waiting, mut seen, mut copies) = (solids.to_vec(), HashSet::new(), 0u64);
+    while let Some(solid) = waiting.pop() {
+        if seen.insert(solid.address()) {
+            if let Node::Placed(_, maps) = solid.node() {
+                copies = copies.saturating_add(maps.len() as u64);
+            }
+            waiting.extend(solid.node().operand_refs());
+        }
+    }
+    copies.saturating_add(seen.len() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave_shape::primitive::build;
+
+    #[test]
+    fn many_different_parts_are_not_repetitions() {
+        let ball = Solid::from(build("sphere", &[("radius", 1.0.into())]).unwrap());
+        let pair = &ball | ball.translate([3.0, 0.0, 0.0]);
+        let rows = Solid::union((0..600_000).map(|k| pair.translate([f64::from(k), 0.0, 0.0])));
+        assert!(rows.has_more_leaves_than(ALWAYS_ALLOWED));
+        let placed = ball.place(vec![Affine::translate([1.0, 0.0, 0.0].into()); 1 << 21]);
+        // compiling them would take seconds
+        check(&[&rows, &placed]).unwrap();
+    }
+}
