@@ -36,6 +36,7 @@ pub use report::{Loss, LossKind, Report};
 pub use save::save;
 pub use write::{Remark, RemarkKind, WriteError, WriteOptions, Written, write};
 
+use rayweave_error::with_limited_suggestions;
 use rayweave_scene::{Diagnostics, Document, Scene, Source};
 use std::path::Path;
 use std::sync::Arc;
@@ -99,7 +100,7 @@ fn understand(
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     let source = Arc::new(source);
-    match format {
+    with_limited_suggestions(|| match format {
         Format::Native => rayweave_scene::parse_with(source.text(), overrides).map(native),
         Format::OpenScad => {
             report::refuse_overrides(&source, format, overrides)?;
@@ -116,5 +117,5 @@ fn understand(
             report::refuse_overrides(&source, format, overrides)?;
             mesh::parse(&source, kind, options)
         }
-    }
+    })
 }

@@ -42,7 +42,7 @@ fn read_from(
         MeshFormat::Obj => obj::read(from, options),
         MeshFormat::Ply => ply::read(from, length, options),
         MeshFormat::Off => off::read(from, length, options),
-        MeshFormat::ThreeMf => threemf::read(from, options),
+        MeshFormat::ThreeMf => threemf::read(from, length, options),
         MeshFormat::Gltf | MeshFormat::Glb => gltf::read(from, length, folder, options),
     }
 }

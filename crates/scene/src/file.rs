@@ -6,6 +6,7 @@ use crate::formats::native;
 use crate::resolve::{reason, resolve};
 use crate::scene::Scene;
 use crate::source::{Source, Span};
+use rayweave_error::with_limited_suggestions;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -45,6 +46,13 @@ pub fn parse_with(text: &str, overrides: &[(String, String)]) -> Result<(Documen
 }
 
 fn understand(source: Arc<Source>, overrides: &[(String, String)]) -> Result<(Document, Scene), Diagnostics> {
+    with_limited_suggestions(|| read_and_resolve(source, overrides))
+}
+
+fn read_and_resolve(
+    source: Arc<Source>,
+    overrides: &[(String, String)],
+) -> Result<(Document, Scene), Diagnostics> {
     let reading = native::read(source);
     if reading.broken {
         return Err(Diagnostics::new(reading.problems));

@@ -79,7 +79,8 @@ pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>,
 /// Points and triangles of a `polyhedron`.
 pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
     let (points, faces) = points_and_faces(arguments)?;
-    let triangles = faces.iter().flat_map(|face| cut(&points, face)).collect();
+    let mut ears = rayweave_mesh::EarBudget::default();
+    let triangles = faces.iter().flat_map(|face| cut(&points, face, &mut ears)).collect();
     Ok((points, triangles))
 }
 
@@ -141,13 +142,13 @@ fn faces(value: &Value) -> Option<Vec<Vec<usize>>> {
 }
 
 /// Triangulation of a face.
-fn cut(points: &[Vec3], face: &[usize]) -> Vec<[usize; 3]> {
+fn cut(points: &[Vec3], face: &[usize], ears: &mut rayweave_mesh::EarBudget) -> Vec<[usize; 3]> {
     match face.len() {
         0..3 => Vec::new(),
         3 => vec![[face[0], face[1], face[2]]],
         _ => {
             let corners: Vec<u32> = face.iter().map(|k| *k as u32).collect();
-            let (triangles, _) = rayweave_mesh::triangulate_polygon(points, &corners);
+            let (triangles, _) = rayweave_mesh::triangulate_polygon(points, &corners, ears);
             triangles.into_iter().map(|t| t.map(|k| k as usize)).collect()
         }
     }

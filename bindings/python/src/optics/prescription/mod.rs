@@ -9,7 +9,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Packets;
-use rayweave::lens::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, square};
+use rayweave::lens::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, needs_aiming, square};
 use rayweave::lens::paraxial::Meridian;
 use rayweave::lens::prescription::{CoordinateBreak, Layout, Prescription, read_zmx, write_zmx};
 use rayweave::optics::{System, Tracer};
@@ -166,6 +166,19 @@ impl PyPrescription {
         let (py, points) = (pupil.py(), points(pupil, "pupil")?);
         let wavefront = self.study(py, aimed, |study| study.wavefront(field, wavelength_nm, &points))?;
         Ok((pairs(py, &wavefront.pupil), PyArray1::from_vec(py, wavefront.waves)))
+    }
+
+    /// The point of the paraxial entrance pupil through which the principal ray goes.
+    #[pyo3(signature = (field, wavelength_nm))]
+    fn principal_point(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<(f64, f64)> {
+        let [x, y] = py.detach(|| self.lens.principal_point(field, wavelength_nm)).map_err(bad_value)?;
+        Ok((x, y))
+    }
+
+    /// Whether rays of a field have to be aimed at the stop.
+    #[pyo3(signature = (field, wavelength_nm))]
+    fn needs_aiming(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<bool> {
+        py.detach(|| needs_aiming(&self.lens, field, wavelength_nm)).map_err(bad_value)
     }
 
     /// The heights of the real and the paraxial principal ray on the image, and the tangential and the sagittal focus.
