@@ -595,13 +595,16 @@ fn twist(numbers: &mut Numbers, e: &Element) -> Made {
         }
     };
     let angle = numbers.angle(e, "PhiTwist", 0.0)?;
-    let solid = twisted(&trapezoid, angle)?;
+    let made = twisted(&trapezoid, angle)?;
     let message = format!(
-        "the twisted solid `{}` is a stack of slices of at most 2 degrees: its corners are off by at most 1.6e-4 of their distance from the axis.",
-        e.text("name")
+        "the twisted solid `{}` is a stack of {} layers with quadrics as side faces: these are off by at most {:.1e} mm.",
+        e.text("name"),
+        made.layers,
+        // two digits, not rounded down
+        1.06 * made.deviation
     );
     numbers.context.lose(LossKind::Approximated, &e.name, Trouble::new(message, e.place));
-    Ok(solid)
+    Ok(made.solid)
 }
 
 fn twisted_tubs(numbers: &mut Numbers, e: &Element) -> Made {
