@@ -26,6 +26,7 @@ mod graph;
 mod hierarchy;
 mod materials;
 mod optical;
+mod schema;
 mod shape;
 mod solids;
 mod source;
