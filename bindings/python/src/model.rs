@@ -14,8 +14,8 @@ use rayweave::model::simplify::Preparation;
 use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
 use rayweave::{Classified, Compiled, ErrorKind};
 
-use crate::drawing::{Subject, notebook_png};
-use crate::engine::{Engine, QueryOptions};
+use crate::drawing::{Subject, notebook_png, render_method};
+use crate::engine::{Engine, QueryOptions, computed};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::solid::{PySolid, bounds_array};
@@ -55,16 +55,11 @@ impl PyModel {
 
     /// The compiled model.
     pub fn compiled(&self, py: Python<'_>) -> PyResult<&(Compiled, Engine)> {
-        if self.compiled.get().is_none() {
-            let both = py.detach(|| {
-                let compiled = Compiled::new(&self.scene).map_err(bad_value)?;
-                let engine = Engine::of_model(&compiled)?;
-                Ok::<_, PyErr>((compiled, engine))
-            })?;
-            // another thread may have compiled it first
-            let _ = self.compiled.set(both);
-        }
-        self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
+        computed(py, &self.compiled, || {
+            let compiled = Compiled::new(&self.scene).map_err(bad_value)?;
+            let engine = Engine::of_model(&compiled)?;
+            Ok((compiled, engine))
+        })
     }
 
     /// Evaluator of queries.
@@ -401,8 +396,7 @@ impl PyModel {
         slf: &Bound<'py, Self>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let render = slf.py().import("rayweave._picture")?.getattr("render")?;
-        render.call((slf,), options)
+        render_method(slf.as_any(), options)
     }
 
     /// The picture that a notebook shows.

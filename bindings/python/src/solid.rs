@@ -12,8 +12,8 @@ use rayweave::math::{Affine, Bounds, Vec3};
 use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
 
-use crate::drawing::{Subject, notebook_png};
-use crate::engine::{Engine, QueryOptions};
+use crate::drawing::{Subject, notebook_png, render_method};
+use crate::engine::{Engine, QueryOptions, computed};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
@@ -50,13 +50,8 @@ impl PySolid {
 
     /// The compiled solid.
     pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
-        if self.engine.get().is_none() {
-            let compile = || Engine::of_solid(Program::compile(&self.solid).map_err(bad_value)?);
-            let engine = py.detach(compile)?;
-            // another thread may have compiled it first
-            let _ = self.engine.set(engine);
-        }
-        self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
+        let compile = || Engine::of_solid(Program::compile(&self.solid).map_err(bad_value)?);
+        computed(py, &self.engine, compile)
     }
 
     fn apply(&self, map: Affine) -> Self {
@@ -294,8 +289,7 @@ impl PySolid {
         slf: &Bound<'py, Self>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let render = slf.py().import("rayweave._picture")?.getattr("render")?;
-        render.call((slf,), options)
+        render_method(slf.as_any(), options)
     }
 
     /// The picture that a notebook shows.

@@ -15,6 +15,7 @@ use rayweave::lens::prescription::{CoordinateBreak, Layout, Prescription, read_z
 use rayweave::optics::{System, Tracer};
 use std::sync::OnceLock;
 
+use crate::engine::computed;
 use crate::error::bad_value;
 use crate::optics::arrivals::PyArrivals;
 use crate::optics::parts::parts;
@@ -199,15 +200,11 @@ impl PyPrescription {
     }
 
     fn built(&self, py: Python<'_>) -> PyResult<&(Layout, System)> {
-        if let Some(built) = self.built.get() {
-            return Ok(built);
-        }
-        let made = py.detach(|| {
+        computed(py, &self.built, || {
             let layout = self.lens.assembly().map_err(bad_value)?;
             let system = layout.assembly.compile().map_err(bad_value)?;
-            Ok::<_, PyErr>((layout, system))
-        })?;
-        Ok(self.built.get_or_init(|| made))
+            Ok((layout, system))
+        })
     }
 
     fn study<T: Send>(
