@@ -63,17 +63,19 @@ impl PyPrescription {
     }
 
     /// The surfaces, as the constructor takes them.
+    #[pyo3(signature = () -> "list[tuple[Any, ...]]")]
     fn rows<'py>(&self, py: Python<'py>) -> PyResult<Vec<RowOut<'py>>> {
         self.lens.surfaces.iter().map(|surface| row_of(py, surface)).collect()
     }
 
     /// The numbers that belong to no single surface, in the form that the constructor takes.
+    #[pyo3(signature = () -> "dict[str, Any]")]
     fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         frame_table(py, &self.lens)
     }
 
     /// First-order data at a wavelength by name, with the matrix (a, b, c, d); pupils are (position, diameter).
-    #[pyo3(signature = (wavelength_nm, along))]
+    #[pyo3(signature = (wavelength_nm, along) -> "dict[str, Any]")]
     fn first_order<'py>(
         &self,
         py: Python<'py>,
@@ -89,11 +91,13 @@ impl PyPrescription {
     }
 
     /// The Seidel sums of every surface, as columns.
+    #[pyo3(signature = () -> "dict[str, NDArray[np.float64]]")]
     fn seidel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         seidel_table(py, &self.lens.seidel().map_err(bad_value)?)
     }
 
     /// Its solids, stop and image.
+    #[pyo3(signature = () -> "list[tuple[str, Any, Any, Any, Any]]")]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let (layout, _) = self.built(py)?;
         parts(py, &layout.assembly)?.into_iter().map(|part| part.into_bound_py_any(py)).collect()
@@ -105,7 +109,7 @@ impl PyPrescription {
     }
 
     /// Origins and directions of the rays of a field through points of the pupil, (N, 2).
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn rays<'py>(
         &self,
@@ -123,7 +127,7 @@ impl PyPrescription {
     }
 
     /// The rays of a field on the image, at one wavelength or at all of them with their weights.
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     fn arrivals(
         &self,
         field: usize,
@@ -140,7 +144,7 @@ impl PyPrescription {
     }
 
     /// A ray fan: points of the pupil and transverse errors, both (N, 2).
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn fan<'py>(
         &self,
@@ -155,7 +159,7 @@ impl PyPrescription {
     }
 
     /// A wavefront: points of the pupil (N, 2) and differences in waves (N,).
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn wavefront<'py>(
         &self,
