@@ -20,7 +20,9 @@ type Loaded<'py> = (PySystem, Vec<PyElement>, Vec<PySource>, Bound<'py, PyDict>,
 
 /// Reads the `[optics]` tables of a model file.
 #[pyfunction]
-#[pyo3(signature = (path, parameters=None))]
+#[pyo3(signature = (
+    path, parameters: "dict[str, float | str] | None" = None
+) -> "tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]")]
 pub fn load_optics<'py>(
     py: Python<'py>,
     path: PathBuf,
@@ -32,7 +34,9 @@ pub fn load_optics<'py>(
 
 /// Reads the `[optics]` tables of the text of a model file.
 #[pyfunction]
-#[pyo3(signature = (text, parameters=None))]
+#[pyo3(signature = (
+    text, parameters: "dict[str, float | str] | None" = None
+) -> "tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]")]
 pub fn loads_optics<'py>(
     py: Python<'py>,
     text: &str,

@@ -112,6 +112,7 @@ impl PyStream {
     }
 
     /// The next table, whose parents are rows of the whole run.
+    #[cfg_attr(false, stub("() -> dict[str, NDArray[Any]]"))]
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         if self.state().balance.is_some() {
             return Ok(None);
@@ -151,6 +152,7 @@ impl PyStream {
 
     /// The balance of power, once the run is over.
     #[getter]
+    #[cfg_attr(false, stub("() -> dict[str, Any] | None"))]
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let balance = self.state().balance.clone();
         balance.map(|balance| accounts(py, &balance)).transpose()
