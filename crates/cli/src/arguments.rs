@@ -46,6 +46,11 @@ pub struct ModelArguments {
     #[arg(long, value_name = "UNIT", value_parser = Unit::ALL.map(|(_, symbol, _)| symbol))]
     pub unit: Option<String>,
 
+    /// Let the model read this file, or the files in this folder and below; otherwise it reads only files in its own folder and
+    /// below. May be repeated
+    #[arg(long = "allow-path", value_name = "PATH")]
+    pub allow: Vec<PathBuf>,
+
     /// Set a parameter of the model; the value may be an arithmetic expression of other parameters.
     /// May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
@@ -85,6 +90,7 @@ impl ModelArguments {
             facets: self.facets,
             fonts: self.fonts.clone(),
             repair: self.repair,
+            allow: self.allow.clone(),
             unit: unit.and_then(Unit::parse),
         };
         let imported = formats::load(path, format.and_then(Format::from_name), definitions, &options);

@@ -58,7 +58,7 @@ pub fn load(
             let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
             report::refuse_unit(&source, Format::Native, options)?;
             report::refuse_program(&source, path, format)?;
-            rayweave_scene::load(path, overrides).map(native)
+            rayweave_scene::load_allowing(path, overrides, &options.allow).map(native)
         }
         Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
         Format::Mesh(kind) => {
@@ -82,7 +82,7 @@ pub fn parse(
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     match format {
-        Format::Native => rayweave_scene::parse_with(text, overrides).map(native),
+        Format::Native => rayweave_scene::parse_allowing(text, overrides, &options.allow).map(native),
         other => understand(Source::new(None, text.to_owned()), other, overrides, options),
     }
 }
@@ -100,7 +100,7 @@ fn understand(
 ) -> Result<Imported, Diagnostics> {
     let source = Arc::new(source);
     match format {
-        Format::Native => rayweave_scene::parse_with(source.text(), overrides).map(native),
+        Format::Native => rayweave_scene::parse_allowing(source.text(), overrides, &options.allow).map(native),
         Format::OpenScad => {
             report::refuse_overrides(&source, format, overrides)?;
             let (mut scene, report) = openscad::read(&source, options)?;

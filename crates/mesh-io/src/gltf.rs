@@ -10,6 +10,7 @@ use crate::{FileError, LoadedMesh, Location, ReadOptions};
 use rayweave_error::Message;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_mesh::Mesh;
+use rayweave_table::{AllowedFiles, RefusedFile};
 use serde_json::{Value, json};
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -32,7 +33,7 @@ const FLOAT: u64 = 5126;
 pub fn read(
     mut from: impl Read,
     length: u64,
-    folder: Option<&Path>,
+    folder: Option<(&Path, &AllowedFiles)>,
     options: &ReadOptions,
 ) -> Result<LoadedMesh, FileError> {
     if length > MAX_BYTES {
@@ -142,7 +143,11 @@ fn entry<'a>(root: &'a Value, name: &str, index: &Value) -> Result<&'a Value, Fi
 }
 
 /// The contents of all buffers: the binary chunk, a data URI, or a file beside the document.
-fn buffers(root: &Value, binary: Option<&[u8]>, folder: Option<&Path>) -> Result<Vec<Vec<u8>>, FileError> {
+fn buffers(
+    root: &Value,
+    binary: Option<&[u8]>,
+    folder: Option<(&Path, &AllowedFiles)>,
+) -> Result<Vec<Vec<u8>>, FileError> {
     let mut all = Vec::new();
     for (index, buffer) in list(root, "buffers").iter().enumerate() {
         all.push(match (buffer["uri"].as_str(), binary) {
@@ -165,21 +170,21 @@ fn buffers(root: &Value, binary: Option<&[u8]>, folder: Option<&Path>) -> Result
     Ok(all)
 }
 
-/// The contents of an external buffer, which must be in the folder of the document or below it.
-fn read_external(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, FileError> {
-    let is_plain = |part| matches!(part, std::path::Component::Normal(_));
-    let path = folder.filter(|_| Path::new(uri).components().all(is_plain)).map(|folder| folder.join(uri));
-    let outside =
-        || invalid(format!("the buffer `{uri}` is not read"), "it is outside the folder of the file");
-    let path = path.ok_or_else(outside)?;
-    let named = |error: io::Error| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
-    if std::fs::metadata(&path).map_err(named)?.len() > MAX_BYTES {
+/// The contents of an external buffer, with its name relative to the folder of the document.
+fn read_external(uri: &str, folder: Option<(&Path, &AllowedFiles)>) -> Result<Vec<u8>, FileError> {
+    let refused = |error: RefusedFile| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
+    let (folder, files) = folder.ok_or_else(|| refused(RefusedFile::Outside))?;
+    let file = files.open(&folder.join(uri)).map_err(refused)?;
+    let unreadable = |error: io::Error| refused(RefusedFile::Io(error));
+    if file.metadata().map_err(unreadable)?.len() > MAX_BYTES {
         return Err(invalid(
             format!("the buffer `{uri}` is too large"),
             format!("the limit is {MAX_BYTES} bytes"),
         ));
     }
-    std::fs::read(&path).map_err(named)
+    let mut bytes = Vec::new();
+    file.take(MAX_BYTES).read_to_end(&mut bytes).map_err(unreadable)?;
+    Ok(bytes)
 }
 
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
