@@ -16,6 +16,8 @@ pub struct Options {
     /// Files and folders that a model may read besides those in its folder and below. A model without a file may read files in
     /// the current folder and below.
     pub allow: Vec<PathBuf>,
+    /// Whether warnings are errors.
+    pub strict: bool,
     /// Unit of length for formats without units (STL, OBJ, PLY, OFF and OpenSCAD dumps); default: millimetres.
     pub unit: Option<Unit>,
 }

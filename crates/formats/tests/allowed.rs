@@ -146,10 +146,15 @@ fn models_read_regular_files_only() {
             symlink("/dev/zero", &device).expect("a link");
         }
         for name in ["fifo", "device"] {
-            tree.write(&format!("model/{model}"), text.replace("FILE", &format!("{name}.{ending}")).as_bytes());
+            tree.write(
+                &format!("model/{model}"),
+                text.replace("FILE", &format!("{name}.{ending}")).as_bytes(),
+            );
             let allowed: Vec<&Path> = [Path::new("/dev/zero")].into();
-            let options =
-                Options { allow: allowed.iter().map(|path| path.to_path_buf()).collect(), ..Options::default() };
+            let options = Options {
+                allow: allowed.iter().map(|path| path.to_path_buf()).collect(),
+                ..Options::default()
+            };
             let problems = load(tree.0.join("model").join(model), None, &[], &options).expect_err("no file");
             let message = problems.to_string();
             assert!(message.contains("a pipe or a device, not a regular file"), "{model} {name}: {message}");

@@ -172,7 +172,8 @@ fn buffers(
 
 /// The contents of an external buffer, with its name relative to the folder of the document.
 fn read_external(uri: &str, folder: Option<(&Path, &AllowedFiles)>) -> Result<Vec<u8>, FileError> {
-    let refused = |error: RefusedFile| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
+    let refused =
+        |error: RefusedFile| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
     let (folder, files) = folder.ok_or_else(|| refused(RefusedFile::Outside))?;
     let file = files.open(&folder.join(uri)).map_err(refused)?;
     let unreadable = |error: io::Error| refused(RefusedFile::Io(error));

@@ -484,8 +484,16 @@ def load(
     fonts: Sequence[str | PathLike[str]] = ...,
     repair: bool = False,
     unit: str | None = None,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
 ) -> Model: ...
-def loads(text: str, parameters: dict[str, float | str] | None = None) -> Model: ...
+def loads(
+    text: str,
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+) -> Model: ...
 def render(subject: Solid | Model, kind: str, arguments: dict[str, Any]) -> NDArray[Any]: ...
 def sheet_svg(subject: Solid | Model, title: str, is_one: bool, arguments: dict[str, Any]) -> str: ...
 def from_polygons(contours: Iterable[ArrayLike], outside: int = 1) -> Polygons: ...
@@ -819,9 +827,19 @@ _LoadedOptics = tuple[
 ]
 
 def load_optics(
-    path: str | PathLike[str], parameters: dict[str, float | str] | None = None
+    path: str | PathLike[str],
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
 ) -> _LoadedOptics: ...
-def loads_optics(text: str, parameters: dict[str, float | str] | None = None) -> _LoadedOptics: ...
+def loads_optics(
+    text: str,
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+) -> _LoadedOptics: ...
 def optical_component(
     kind: str,
     numbers: Sequence[float],

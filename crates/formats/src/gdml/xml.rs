@@ -320,12 +320,13 @@ impl Tree<'_> {
                 source
             }
             Entity::File(path) => {
-                let source = Arc::new(super::source::included(&self.files.allowed, &path).map_err(|reason| {
-                    Trouble::new(
-                        format!("the entity `{name}` cannot be read ({}: {reason})", path.display()),
-                        place,
-                    )
-                })?);
+                let source =
+                    Arc::new(super::source::included(&self.files.allowed, &path).map_err(|reason| {
+                        Trouble::new(
+                            format!("the entity `{name}` cannot be read ({}: {reason})", path.display()),
+                            place,
+                        )
+                    })?);
                 self.included += source.text().len();
                 if self.included > MOST_INCLUDED {
                     return Err(Trouble::new(

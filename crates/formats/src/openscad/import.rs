@@ -32,7 +32,9 @@ pub(super) fn file(arguments: &Arguments, files: &AllowedFiles) -> Result<(PathB
         Err(RefusedFile::Io(error)) => {
             Err(arguments.refusal(&format!("its file `{name}` cannot be read: {error}")))
         }
-        Err(refused) => Err(arguments.error(&format!("its file `{name}` may not be used, because {refused}"))),
+        Err(refused) => {
+            Err(arguments.error(&format!("its file `{name}` may not be used, because {refused}")))
+        }
     }
 }
 

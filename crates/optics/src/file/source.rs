@@ -107,7 +107,9 @@ fn pattern_source(
 fn listed(reader: &mut Reader, keys: &mut Keys, files: &AllowedFiles) -> Option<Pattern> {
     let datum = reader.need(keys, "file")?;
     let file = reader.text("file", datum)?;
-    reader.accept(ListedRays::read_allowed(files.folder().join(&file.value), files), file.span).map(Pattern::Rays)
+    reader
+        .accept(ListedRays::read_allowed(files.folder().join(&file.value), files), file.span)
+        .map(Pattern::Rays)
 }
 
 fn pattern(reader: &mut Reader, kind: &str, keys: &mut Keys) -> Option<Pattern> {

@@ -18,7 +18,9 @@ const MOST_NUMBERS: u64 = 1 << 26;
 /// Reads the maps of a file beside the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
 pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Option<Vec<Affine>> {
     let files = context.document.files();
-    match read(&files, &files.folder().join(&file.value)).and_then(|(numbers, shape)| to_maps(&numbers, &shape)) {
+    match read(&files, &files.folder().join(&file.value))
+        .and_then(|(numbers, shape)| to_maps(&numbers, &shape))
+    {
         Ok(maps) => Some(maps),
         Err(reason) => {
             let problem = Diagnostic::error(format!("the placements in `{}` cannot be used", file.value));
