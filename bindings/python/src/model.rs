@@ -84,11 +84,12 @@ impl PyModel {
 /// shapes become the facets that their own program uses; by default they are exactly round. The model's `warnings` list parts
 /// that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
 /// `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
-/// of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm".
+/// of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
+/// files and folders in `allow`. With `strict`, warnings are errors.
 #[pyfunction]
 #[pyo3(name = "load", signature = (
     path, parameters: "dict[str, float | str] | None" = None, *, format = None, facets = false,
-    fonts = Vec::new(), repair = false, unit = None
+    fonts = Vec::new(), repair = false, unit = None, allow = Vec::new(), strict = false
 ))]
 #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
 pub fn load_model(
@@ -100,11 +101,13 @@ pub fn load_model(
     fonts: Vec<PathBuf>,
     repair: bool,
     unit: Option<&str>,
+    allow: Vec<PathBuf>,
+    strict: bool,
 ) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
     let format = format.map(format_of).transpose()?;
     let unit = unit.map(unit_of).transpose()?;
-    let options = Options { facets, fonts, repair, unit };
+    let options = Options { facets, fonts, repair, unit, allow, strict };
     let read = py.detach(|| formats::load(&path, format, &overrides, &options));
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), !overrides.is_empty())
 }
@@ -120,13 +123,23 @@ fn unit_of(symbol: &str) -> PyResult<Unit> {
     Unit::parse(symbol).ok_or_else(|| bad_value(format!("no unit is called '{symbol}': there is {known}.")))
 }
 
-/// Reads a model from the text of a model file. Relative file names refer to the current folder.
+/// Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
+/// and below, and the files and folders in `allow`. With `strict`, warnings are errors.
 #[pyfunction]
-#[pyo3(signature = (text, parameters: "dict[str, float | str] | None" = None))]
-pub fn loads(py: Python<'_>, text: &str, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<PyModel> {
+#[pyo3(signature = (
+    text, parameters: "dict[str, float | str] | None" = None, *, allow = Vec::new(), strict = false
+))]
+pub fn loads(
+    py: Python<'_>,
+    text: &str,
+    parameters: Option<&Bound<'_, PyDict>>,
+    allow: Vec<PathBuf>,
+    strict: bool,
+) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
-    let read = py.detach(|| parse_with(text, &overrides));
-    PyModel::new(read.map(|(document, scene)| (Some(document), scene)), !overrides.is_empty())
+    let options = Options { allow, strict, ..Options::default() };
+    let read = py.detach(|| formats::parse(text, Format::Native, &overrides, &options));
+    PyModel::new(read.map(|imported| (imported.stated, imported.scene)), !overrides.is_empty())
 }
 
 /// Converts overrides of parameters for the readers of model files.

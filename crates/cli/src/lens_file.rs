@@ -50,6 +50,9 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
         Failure::Input(lines.join("\nerror: "))
     };
     let read = read_zmx(&bytes).map_err(|error| wrong(&error))?;
+    if let (true, Some(note)) = (model.strict, read.notes.first()) {
+        return Err(Failure::Input(format!("{name}: {note}")));
+    }
     for note in &read.notes {
         terminal::caution(&format!("{name}: {note}"));
     }

@@ -17,6 +17,7 @@ use rayweave_scene::{
     Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit, memory,
 };
 use rayweave_shape::primitive::{self, Primitive};
+use rayweave_table::AllowedFiles;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
@@ -25,7 +26,8 @@ use std::sync::Arc;
 pub(crate) fn load(path: &Path, format: MeshFormat, options: &Options) -> Result<Imported, Diagnostics> {
     let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
     let limits = limits();
-    let loaded = mesh_io::read(path, Some(format), &limits);
+    let files = AllowedFiles::of_model(Some(path), &options.allow);
+    let loaded = mesh_io::read_allowed(path, Some(format), &limits, &files);
     Import::new(&source, format, options).scene(loaded, &limits)
 }
 

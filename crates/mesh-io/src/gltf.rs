@@ -11,6 +11,7 @@ use crate::{FileError, LoadedMesh, Location, ReadOptions};
 use rayweave_error::Message;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_mesh::Mesh;
+use rayweave_table::{AllowedFiles, RefusedFile};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -39,7 +40,7 @@ const FLOAT: u64 = 5126;
 pub fn read(
     mut from: impl Read,
     length: u64,
-    folder: Option<&Path>,
+    folder: Option<(&Path, &AllowedFiles)>,
     options: &ReadOptions,
 ) -> Result<LoadedMesh, FileError> {
     if length > MAX_BYTES {
@@ -52,8 +53,7 @@ pub fn read(
     reject_version_1(root["asset"]["version"].as_str(), root["meshes"].is_object())?;
     reject_extensions(&root)?;
     let buffers = buffers(&root, binary, folder)?;
-    let mut scene =
-        SceneReader::new(&root, buffers, length, options);
+    let mut scene = SceneReader::new(&root, buffers, length, options);
     scene.read()?;
     let SceneReader { mut builder, ignored, .. } = scene;
     if ignored > 0 {
@@ -152,7 +152,7 @@ fn entry<'a>(root: &'a Value, name: &str, index: &Value) -> Result<&'a Value, Fi
 fn buffers<'a>(
     root: &'a Value,
     binary: Option<&'a [u8]>,
-    folder: Option<&Path>,
+    folder: Option<(&Path, &AllowedFiles)>,
 ) -> Result<Vec<Rc<Cow<'a, [u8]>>>, FileError> {
     let mut all: Vec<Rc<Cow<[u8]>>> = Vec::new();
     let mut known: HashMap<&str, Rc<Cow<[u8]>>> = HashMap::new();
@@ -183,7 +183,12 @@ fn buffers<'a>(
 }
 
 /// The contents of a buffer with a URI, at most `left` bytes.
-fn contents(index: usize, uri: &str, folder: Option<&Path>, left: u64) -> Result<Vec<u8>, FileError> {
+fn contents(
+    index: usize,
+    uri: &str,
+    folder: Option<(&Path, &AllowedFiles)>,
+    left: u64,
+) -> Result<Vec<u8>, FileError> {
     match uri.split_once(";base64,") {
         Some((head, text)) if head.starts_with("data:") => {
             if text.len() as u64 / 4 * 3 > left {
@@ -201,20 +206,24 @@ fn too_large(index: usize) -> FileError {
     invalid(format!("buffer {index} is too large"), reason)
 }
 
-/// The contents of an external buffer, which must be in the folder of the document or below it.
-fn read_external(index: usize, uri: &str, folder: Option<&Path>, left: u64) -> Result<Vec<u8>, FileError> {
-    let is_plain = |part| matches!(part, std::path::Component::Normal(_));
-    let path = folder.filter(|_| Path::new(uri).components().all(is_plain)).map(|folder| folder.join(uri));
-    let outside =
-        || invalid(format!("the buffer `{uri}` is not read"), "it is outside the folder of the file");
-    let path = path.ok_or_else(outside)?;
-    let named = |error: io::Error| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
-    if std::fs::metadata(&path).map_err(named)?.len() > left {
+/// The contents of an external buffer, with its name relative to the folder of the document.
+fn read_external(
+    index: usize,
+    uri: &str,
+    folder: Option<(&Path, &AllowedFiles)>,
+    left: u64,
+) -> Result<Vec<u8>, FileError> {
+    let refused =
+        |error: RefusedFile| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
+    let (folder, files) = folder.ok_or_else(|| refused(RefusedFile::Outside))?;
+    let file = files.open(&folder.join(uri)).map_err(refused)?;
+    let unreadable = |error: io::Error| refused(RefusedFile::Io(error));
+    if file.metadata().map_err(unreadable)?.len() > left {
         return Err(too_large(index));
     }
-    // the file may grow meanwhile, or be none of a known length
+    // the file may grow meanwhile
     let mut bytes = Vec::new();
-    std::fs::File::open(&path).and_then(|file| file.take(left + 1).read_to_end(&mut bytes)).map_err(named)?;
+    file.take(left + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     if bytes.len() as u64 > left { Err(too_large(index)) } else { Ok(bytes) }
 }
 

@@ -44,5 +44,5 @@ pub use error::{FileError, Location};
 pub use format::MeshFormat;
 pub use loaded::{LoadedMesh, MeshObject};
 pub use options::{ReadOptions, WriteOptions};
-pub use read::{read, read_bytes};
+pub use read::{read, read_allowed, read_bytes};
 pub use write::{save, write, write_objects};

@@ -205,6 +205,12 @@ impl Diagnostics {
         self.list.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
+    /// The same problems, all as errors.
+    pub fn into_errors(mut self) -> Diagnostics {
+        self.list.iter_mut().for_each(|diagnostic| diagnostic.severity = Severity::Error);
+        self
+    }
+
     /// Renders as text: each problem with its file, line and column and the source line underlined,
     /// optionally with terminal colours.
     pub fn render(&self, colour: bool) -> String {

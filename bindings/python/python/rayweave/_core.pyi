@@ -392,6 +392,8 @@ def load(
     fonts: Sequence[str | PathLike[str]] = ...,
     repair: bool = False,
     unit: str | None = None,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
 ) -> Model:
     """Reads a model file: a native one (.toml), one of another program (OpenSCAD's .csg, Geant4's .gdml), or a mesh (.stl, .obj, .ply,
     .off, .3mf, .gltf, .glb). The ending selects the format, unless `format` names it: "native", "openscad", "gdml", or the
@@ -399,11 +401,20 @@ def load(
     shapes become the facets that their own program uses; by default they are exactly round. The model's `warnings` list parts
     that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
     `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
-    of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm".
+    of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
+    files and folders in `allow`. With `strict`, warnings are errors.
     """
 
-def loads(text: str, parameters: dict[str, float | str] | None = None) -> Model:
-    """Reads a model from the text of a model file. Relative file names refer to the current folder."""
+def loads(
+    text: str,
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+) -> Model:
+    """Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
+    and below, and the files and folders in `allow`. With `strict`, warnings are errors.
+    """
 
 @final
 class Arrivals:
@@ -503,12 +514,20 @@ class ReadElement:
         """The element with a finish, on all faces or on those of a name."""
 
 def load_optics(
-    path: str | PathLike[str], parameters: dict[str, float | str] | None = None
+    path: str | PathLike[str],
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
 ) -> tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]:
     """Reads the `[optics]` tables of a model file."""
 
 def loads_optics(
-    text: str, parameters: dict[str, float | str] | None = None
+    text: str,
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
 ) -> tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]:
     """Reads the `[optics]` tables of the text of a model file."""
 
@@ -721,7 +740,7 @@ class SegmentStream:
         """The next table, whose parents are rows of the whole run."""
 
     def cancel(self) -> None:
-        """Stops the run."""
+        """Stops the run: there are no further tables."""
 
     @property
     def rays(self) -> int:

@@ -406,7 +406,12 @@ impl Builder<'_, '_> {
                 format!("the file {} includes itself: through {} files.", path.display(), context.open.len());
             return Err(self.numbers.tell(Trouble::new(message, attribute.place)));
         }
-        let source = super::source::source_of(&path).map_err(|reason| {
+        let source = super::source::included(&context.files.allowed, &path);
+        let source = source.and_then(|source| match source.text().contains("<gdml") {
+            true => Ok(source),
+            false => Err("it is not GDML, because it has no element `gdml`".to_owned()),
+        });
+        let source = source.map_err(|reason| {
             let message = format!("the file {} cannot be read: {reason}.", path.display());
             self.numbers.tell(Trouble::new(message, attribute.place))
         })?;

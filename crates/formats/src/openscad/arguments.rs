@@ -27,6 +27,12 @@ impl<'a> Arguments<'a> {
         Box::new(problem.why(reason).at(self.source, self.node.span))
     }
 
+    /// An error: the dump is rejected as a whole.
+    pub fn error(&self, reason: &str) -> Refusal {
+        let problem = Diagnostic::error(format!("{}() cannot be read", self.node.name));
+        Box::new(problem.why(reason).at(self.source, self.node.span))
+    }
+
     /// A warning that the item was replaced by an approximation.
     pub fn approximation(&self, message: &str) -> Diagnostic {
         Diagnostic::warning(format!("{}() {message}", self.node.name)).at(self.source, self.node.span)

@@ -49,8 +49,9 @@ use std::sync::Arc;
 ///
 /// # Errors
 ///
-/// Syntax errors: misplaced tokens, unbalanced braces, numbers beyond the range of `f64`.
+/// Syntax errors: misplaced tokens, unbalanced braces, numbers beyond the range of `f64`. Names of files that the dump may not
+/// read.
 pub fn read(source: &Arc<Source>, options: &Options) -> Result<(Scene, Report), Diagnostics> {
     let tree = syntax::parse(source)?;
-    Ok(state::Reader::new(source, options, &tree).scene())
+    state::Reader::new(source, options, &tree).scene()
 }

@@ -23,11 +23,17 @@ use super::{
 use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
-use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Unit};
+use rayweave_scene::{
+    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Severity, Unit,
+};
 
 impl<'a> Reader<'a> {
     /// The scene of all items, with one region per colour.
-    pub fn scene(mut self) -> (Scene, Report) {
+    ///
+    /// # Errors
+    ///
+    /// The dump names files that it may not read.
+    pub fn scene(mut self) -> Result<(Scene, Report), Diagnostics> {
         self.find_live();
         let mut roots = self.tree.nodes.iter().zip(&self.live);
         let root = roots.position(|(node, live)| node.modifiers.root && *live).unwrap_or(0);
@@ -47,7 +53,10 @@ impl<'a> Reader<'a> {
             let nothing = Diagnostic::warning("the model is empty").why("no item of it has a volume");
             self.report.add(LossKind::Dropped, "model", nothing.in_file(self.source));
         }
-        (scene(pieces), self.report)
+        match self.errors.is_empty() {
+            true => Ok((scene(pieces), self.report)),
+            false => Err(Diagnostics::new(self.errors)),
+        }
     }
 
     /// Marks the nodes that take part in the model: those that are not below a `*` or a `%`.
@@ -88,6 +97,7 @@ impl<'a> Reader<'a> {
         match part {
             Ok(Part::Refused) => {}
             Ok(part) => return part,
+            Err(why) if why.severity() == Severity::Error => self.errors.push(*why),
             Err(why) => self.report.add(LossKind::Refused, &item(node), *why),
         }
         // traversals of the subtree of an ancestor skip refused nodes
@@ -119,7 +129,7 @@ impl<'a> Reader<'a> {
             "polyhedron" => self.polyhedron(&arguments),
             "import" => self.import(number, &arguments),
             "surface" => {
-                let shell = relief::surface(&arguments, self.source)?;
+                let shell = relief::surface(&arguments, &self.files)?;
                 self.within(number, &arguments, shell)
             }
             "projection" => self.projection(number, node, &arguments),
@@ -350,7 +360,7 @@ impl<'a> Reader<'a> {
 
     fn import(&mut self, number: usize, arguments: &Arguments) -> Result<Part, Refusal> {
         let facets = self.options.facets;
-        match import::import(arguments, self.source, facets, &mut self.flats, &mut self.report)? {
+        match import::import(arguments, &self.files, facets, &mut self.flats, &mut self.report)? {
             Imported::Drawing(part) => Ok(part),
             Imported::Mesh(shell) => self.within(number, arguments, shell),
         }

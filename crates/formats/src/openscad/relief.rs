@@ -4,8 +4,8 @@ use super::arguments::{Arguments, Refusal};
 use super::import::{file, text_of};
 use super::shell::Shell;
 use rayweave_math::Vec3;
-use rayweave_scene::Source;
-use std::path::Path;
+use rayweave_table::AllowedFiles;
+use std::fs::File;
 
 /// Largest height map file in bytes.
 const LARGEST_MAP: u64 = 64 << 20;
@@ -15,10 +15,10 @@ const MOST_PIXELS: usize = 4_000_000;
 const MOST_BYTES: usize = 256 << 20;
 
 /// `surface(file, center, invert)`: the solid below a height map from a text or an image.
-pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, Refusal> {
-    let path = file(arguments, source)?;
+pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<Shell, Refusal> {
+    let (path, file) = file(arguments, files)?;
     let is_picture = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-    let mut rows = if is_picture { brightness(arguments, &path)? } else { heights(arguments, &path)? };
+    let mut rows = if is_picture { brightness(arguments, file)? } else { heights(arguments, file)? };
     // the floor is at 0, or at the lowest height minus 1 if that height is below 1
     let lowest = rows.iter().flatten().copied().fold(1.0, f64::min);
     let (width, depth) = (rows.iter().map(Vec::len).max().unwrap_or(0), rows.len());
@@ -37,11 +37,10 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, R
 }
 
 /// Brightness of an image in percent, lowest row first. With `invert` it is 1 - b for a byte b, as in OpenSCAD.
-fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
+fn brightness(arguments: &Arguments, file: File) -> Result<Vec<Vec<f64>>, Refusal> {
     let invert = arguments.boolean("invert", false)?;
     let unreadable =
         |error: &dyn std::fmt::Display| arguments.refusal(&format!("its picture cannot be read: {error}"));
-    let file = std::fs::File::open(path).map_err(|error| unreadable(&error))?;
     let mut decoder =
         png::Decoder::new_with_limits(std::io::BufReader::new(file), png::Limits { bytes: MOST_BYTES });
     decoder.set_transformations(png::Transformations::normalize_to_color8());
@@ -66,8 +65,8 @@ fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refus
 }
 
 /// Rows of a text height map, the first at y = 0, each with its own length.
-fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
-    let text = text_of(arguments, path, LARGEST_MAP)?;
+fn heights(arguments: &Arguments, file: File) -> Result<Vec<Vec<f64>>, Refusal> {
+    let text = text_of(arguments, file, LARGEST_MAP)?;
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with('#')) {
         let height = |word: &str| word.parse().ok().filter(|height: &f64| height.is_finite());

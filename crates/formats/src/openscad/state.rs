@@ -8,9 +8,11 @@ use super::syntax::Tree;
 use super::text::Fonts;
 use crate::{Options, Report};
 use rayweave_math::Affine;
-use rayweave_scene::Source;
+use rayweave_scene::{Diagnostic, Source};
+use rayweave_table::AllowedFiles;
 use std::cell::Cell;
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Most steps, about half a minute: nested hulls would take quadratic time.
@@ -20,6 +22,8 @@ const MOST_WORK: u64 = 2_000_000_000;
 pub(super) struct Reader<'a> {
     pub source: &'a Arc<Source>,
     pub options: &'a Options,
+    /// The files that the dump may name.
+    pub files: AllowedFiles,
     pub tree: &'a Tree,
     /// Nodes that take part in the model.
     pub live: Vec<bool>,
@@ -38,6 +42,8 @@ pub(super) struct Reader<'a> {
     /// Steps spent on hulls and shells so far.
     pub work: Cell<u64>,
     pub report: Report,
+    /// Problems that reject the dump as a whole.
+    pub errors: Vec<Diagnostic>,
 }
 
 impl<'a> Reader<'a> {
@@ -45,6 +51,7 @@ impl<'a> Reader<'a> {
         Reader {
             source,
             options,
+            files: AllowedFiles::of_model(source.path().map(PathBuf::as_path), &options.allow),
             tree,
             live: vec![true; tree.nodes.len()],
             parts: vec![Part::Empty; tree.nodes.len()],
@@ -56,6 +63,7 @@ impl<'a> Reader<'a> {
             fonts: Fonts::new(&options.fonts),
             work: Cell::new(0),
             report: Report::default(),
+            errors: Vec::new(),
         }
     }
 

@@ -226,7 +226,10 @@ impl fmt::Display for Diagnosis {
             write!(f, "; {what}: {count}{place}")?;
         }
         if let Some(triangle) = self.uncompared {
-            write!(f, "; too many triangles are close together to look for intersections from triangle {triangle} on")?;
+            write!(
+                f,
+                "; too many triangles are close together to look for intersections from triangle {triangle} on"
+            )?;
         }
         Ok(())
     }
