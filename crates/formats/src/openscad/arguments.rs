@@ -1,5 +1,6 @@
 //! Arguments by name, with type checks.
 
+use super::budget::{Budget, Exceeded};
 use super::syntax::Node;
 use super::value::{Argument, Value};
 use rayweave_math::Vec3;
@@ -14,11 +15,41 @@ pub(super) type Refusal = Box<Diagnostic>;
 pub(super) struct Arguments<'a> {
     source: &'a Arc<Source>,
     node: &'a Node,
+    budget: &'a Budget,
 }
 
 impl<'a> Arguments<'a> {
-    pub fn new(source: &'a Arc<Source>, node: &'a Node) -> Arguments<'a> {
-        Arguments { source, node }
+    pub fn new(source: &'a Arc<Source>, node: &'a Node, budget: &'a Budget) -> Arguments<'a> {
+        Arguments { source, node, budget }
+    }
+
+    pub fn budget(&self) -> &'a Budget {
+        self.budget
+    }
+
+    /// Counts steps of work on the item.
+    pub fn spend(&self, steps: usize) -> Result<(), Refusal> {
+        self.budget.spend(steps).map_err(|limit| self.exceeded(limit))
+    }
+
+    /// Counts points or triangles of the item, before they are made.
+    pub fn hold(&self, items: usize) -> Result<(), Refusal> {
+        self.budget.hold(items).map_err(|limit| self.exceeded(limit))
+    }
+
+    /// A result of something that only knows the budget.
+    pub fn limited<T>(&self, result: Result<T, Exceeded>) -> Result<T, Refusal> {
+        result.map_err(|limit| self.exceeded(limit))
+    }
+
+    /// The error that the file exceeds its budget here.
+    fn exceeded(&self, limit: Exceeded) -> Refusal {
+        let problem = Diagnostic::error(format!("{}() exceeds the limits of the file", self.node.name));
+        let advice = "Do smaller `$fn`, fewer slices or less nesting help?".to_owned();
+        let problem = problem.why(limit.reason()).suggest(Some(advice)).at(self.source, self.node.span);
+        let refusal = Box::new(problem);
+        self.budget.note(&refusal);
+        refusal
     }
 
     /// A warning about the item as a whole, with the reason.

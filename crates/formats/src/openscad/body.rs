@@ -20,8 +20,8 @@ pub(super) fn body(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal
         let made = all.and_then(|all| Body::union(all.into_iter().flatten().collect()));
         made.map(Ok).map_err(|why| arguments.refusal(&format!("its facets cannot be joined: {why}")))
     };
-    let made = fold(reader, from, of_shells, join)?;
-    let arguments = Arguments::new(reader.source, &reader.tree.nodes[from.number()]);
+    let made = fold(reader, from, of_shells, |operation, parts| Ok(join(operation, parts)))?;
+    let arguments = reader.arguments(from.number());
     made.map_err(|why| arguments.refusal(&format!("the facets of its parts cannot be joined: {why}")))
 }
 

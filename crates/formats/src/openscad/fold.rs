@@ -45,7 +45,7 @@ pub(super) fn fold<T>(
     reader: &Reader,
     from: Start,
     mut make: impl FnMut(&Arguments, &[Shell], &Affine) -> Result<T, Refusal>,
-    mut join: impl FnMut(Operation, Vec<T>) -> T,
+    mut join: impl FnMut(Operation, Vec<T>) -> Result<T, Refusal>,
 ) -> Result<T, Refusal> {
     let mut tasks = vec![Task::Visit(from.number(), Affine::IDENTITY)];
     let mut made = Vec::new();
@@ -53,14 +53,14 @@ pub(super) fn fold<T>(
         let (number, map) = match task {
             Task::Join(operation, count) => {
                 let operands = made.split_off(made.len() - count.min(made.len()));
-                made.push(join(operation, operands));
+                made.push(join(operation, operands)?);
                 continue;
             }
             Task::Visit(number, map) => (number, map),
         };
         let node = &reader.tree.nodes[number];
-        let arguments = Arguments::new(reader.source, node);
-        reader.spend(&arguments, 20)?;
+        let arguments = reader.arguments(number);
+        arguments.spend(100)?;
         match structure(reader, number, from, &arguments)? {
             Some((operation, inner)) => {
                 let children: Vec<usize> =
@@ -72,7 +72,7 @@ pub(super) fn fold<T>(
             None => {
                 let shells = shells(reader, number, &arguments)?;
                 let triangles = shells.iter().map(|shell| shell.triangles.len()).sum::<usize>();
-                reader.spend(&arguments, 20 * triangles)?;
+                arguments.spend(300 * triangles)?;
                 if triangles > MOST_TRIANGLES {
                     return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
                 }
@@ -82,7 +82,7 @@ pub(super) fn fold<T>(
     }
     // the first task produced the only remaining result
     made.pop().ok_or_else(|| {
-        Arguments::new(reader.source, &reader.tree.nodes[from.number()]).refusal("nothing is in it")
+        reader.arguments(from.number()).refusal("nothing is in it")
     })
 }
 
@@ -119,7 +119,7 @@ pub(super) fn is_union(reader: &Reader, root: usize) -> Result<bool, Refusal> {
         Start::Below(root),
         |_, _, _| Ok(true),
         |operation, parts| {
-            (operation == Operation::Union || parts.len() < 2) && parts.iter().all(|part| *part)
+            Ok((operation == Operation::Union || parts.len() < 2) && parts.iter().all(|part| *part))
         },
     )
 }
@@ -127,6 +127,7 @@ pub(super) fn is_union(reader: &Reader, root: usize) -> Result<bool, Refusal> {
 /// The shells of a node, whose union it is.
 fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<Shell>, Refusal> {
     if let Some(known) = reader.shells.get(&number) {
+        arguments.spend(50 * known.iter().map(|shell| shell.triangles.len()).sum::<usize>())?;
         return Ok(known.clone());
     }
     let fragments = |radius: f64| Ok::<_, Refusal>(round(reader, Fineness::of(arguments)?.fragments(radius)));
@@ -139,6 +140,7 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
         "sphere" => {
             let radius = arguments.number("r", 1.0)?;
             let fragments = fragments(radius)?;
+            arguments.spend(100 * fragments * fragments)?;
             if radius > 0.0 { rings(&sphere_rings(radius, fragments), fragments) } else { Vec::new() }
         }
         "cylinder" => match CylinderSizes::of(arguments)? {
@@ -190,6 +192,7 @@ fn turned(arguments: &Arguments, contours: &Contours, full: usize) -> Result<She
     if n.saturating_mul(2 * rings) > MOST_TRIANGLES {
         return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
     }
+    arguments.spend(100 * n * rings)?;
     let ring = |k: usize| {
         let (sin, cos) = sin_cos_degrees(start + angle * k as f64 / steps as f64);
         contours.iter().flatten().map(move |p| Vec3::new(cos * p[0], sin * p[0], p[1]))

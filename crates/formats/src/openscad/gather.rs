@@ -5,7 +5,7 @@ use super::extent::Way;
 use super::extrude::is_convex as is_one_cell;
 use super::facets::{Fineness, ring_points, sphere_rings};
 use super::flat::{Flat, Flats, Leaf, image, simple};
-use super::hull::Generator;
+use super::hull::{Generator, check_count};
 use super::hull2::touching_points;
 use super::operation::Operation;
 use super::part::Part;
@@ -26,9 +26,9 @@ pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Ve
             continue;
         }
         let node = &reader.tree.nodes[number];
-        let arguments = Arguments::new(reader.source, node);
+        let arguments = reader.arguments(number);
         // a node costs a map, names and numbers
-        reader.spend(&arguments, 20)?;
+        arguments.spend(100)?;
         let mut inner = map;
         match node.name.as_str() {
             "group" | "union" | "render" | "color" | "hull" => {}
@@ -57,7 +57,7 @@ pub(super) fn convex_parts(reader: &Reader, root: usize) -> Result<Vec<Vec<Gener
             continue;
         }
         let node = &reader.tree.nodes[number];
-        let arguments = Arguments::new(reader.source, node);
+        let arguments = reader.arguments(number);
         let inner = match node.name.as_str() {
             "group" | "union" | "render" | "color" => map,
             "multmatrix" => transform::matrix(&arguments)?.then(&map),
@@ -99,7 +99,11 @@ fn leaf(
     let mut points = |all: Vec<Vec3>| found.extend(all.into_iter().map(|p| Generator::point(map.point(p))));
     match name {
         "cube" => points(cube(arguments)?),
-        "polyhedron" => points(polyhedron(arguments)?),
+        "polyhedron" => {
+            let corners = polyhedron(arguments)?;
+            arguments.spend(100 * corners.len())?;
+            points(corners);
+        }
         "sphere" => {
             let radius = arguments.number("r", 1.0)?;
             let fragments = Fineness::of(arguments)?.fragments(radius);
@@ -111,7 +115,10 @@ fn leaf(
                         fragments,
                     });
                 }
-                None if radius > 0.0 => points(ring_points(&sphere_rings(radius, fragments), fragments)),
+                None if radius > 0.0 => {
+                    check_count(arguments, fragments * fragments.div_ceil(2))?;
+                    points(ring_points(&sphere_rings(radius, fragments), fragments));
+                }
                 _ => {}
             }
         }
@@ -206,7 +213,7 @@ pub(super) type Round = (Point, f64, usize);
 /// Discs and points that generate the convex hull of a region: those of its leaves, or for differences and intersections
 /// the vertices of its boundary.
 pub(super) fn round(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Vec<Round>, Refusal> {
-    if !flats.is_union(flat) {
+    if !flats.is_union(arguments, flat)? {
         let contours = boundary(arguments, flats, flat)?;
         return Ok(contours.into_iter().flatten().map(|p| (p, 0.0, 1)).collect());
     }
@@ -219,14 +226,18 @@ pub(super) fn round(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<
             _ => leaf.contours().iter().flatten().map(point).collect(),
         })
     };
-    flats.fold(flat, of_leaf, |_, parts| parts.concat())
+    flats.fold(arguments, flat, of_leaf, |_, parts| Ok(parts.concat()))
 }
 
 /// Convex hull of discs and points of the plane: the union of the discs and of the polygon of tangent points.
-pub(super) fn hull_of_discs(flats: &mut Flats, discs: &[Round]) -> Part {
+pub(super) fn hull_of_discs(
+    arguments: &Arguments,
+    flats: &mut Flats,
+    discs: &[Round],
+) -> Result<Part, Refusal> {
     let bare: Vec<(Point, f64)> = discs.iter().map(|(centre, radius, _)| (*centre, *radius)).collect();
     let mut parts = Vec::new();
-    let corners = touching_points(&bare);
+    let corners = touching_points(&bare, |steps| arguments.spend(20 * steps))?;
     if corners.len() >= 3 {
         parts.push(flats.leaf(Leaf::Outline(vec![corners])));
     }
@@ -234,10 +245,12 @@ pub(super) fn hull_of_discs(flats: &mut Flats, discs: &[Round]) -> Part {
         let disc = flats.leaf(Leaf::Disc { radius: *radius, fragments: *fragments });
         parts.push(flats.moved(Affine::translate(Vec3::new(centre[0], centre[1], 0.0)), disc));
     }
-    match parts.is_empty() {
+    // later operations go over all parts
+    arguments.spend(500 * parts.len())?;
+    Ok(match parts.is_empty() {
         true => Part::Empty,
         false => flats.join(Operation::Union, parts).into(),
-    }
+    })
 }
 
 /// The leaves of a union, with their maps.
@@ -246,15 +259,15 @@ pub(super) fn leaves(
     flats: &Flats,
     flat: Flat,
 ) -> Result<Vec<(Leaf, Affine)>, Refusal> {
-    if !flats.is_union(flat) {
+    if !flats.is_union(arguments, flat)? {
         return Err(arguments.refusal("the boundary of what is cut out of something is not known"));
     }
-    flats.fold(flat, |leaf, map| Ok(vec![(leaf.clone(), *map)]), |_, parts| parts.concat())
+    flats.fold(arguments, flat, |leaf, map| Ok(vec![(leaf.clone(), *map)]), |_, parts| Ok(parts.concat()))
 }
 
 /// True if the region is a single convex leaf.
 pub(super) fn is_convex(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<bool, Refusal> {
-    match flats.is_union(flat) {
+    match flats.is_union(arguments, flat)? {
         true => match &leaves(arguments, flats, flat)?[..] {
             [(leaf, _)] => is_convex_leaf(arguments, leaf),
             _ => Ok(false),

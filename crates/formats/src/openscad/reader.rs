@@ -18,7 +18,7 @@ use super::state::Reader;
 use super::syntax::Node;
 use super::text::text;
 use super::{
-    gather, hull, hull2, import, mesh, offset, primitive, projection, region, relief, sum, transform,
+    gather, hull, import, mesh, offset, primitive, projection, region, relief, sum, transform,
 };
 use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
@@ -27,7 +27,11 @@ use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Sc
 
 impl<'a> Reader<'a> {
     /// The scene of all items, with one region per colour.
-    pub fn scene(mut self) -> (Scene, Report) {
+    ///
+    /// # Errors
+    ///
+    /// The item at which the file exceeds its budget.
+    pub fn scene(mut self) -> Result<(Scene, Report), Diagnostics> {
         self.find_live();
         let mut roots = self.tree.nodes.iter().zip(&self.live);
         let root = roots.position(|(node, live)| node.modifiers.root && *live).unwrap_or(0);
@@ -36,6 +40,9 @@ impl<'a> Reader<'a> {
         for number in (0..self.tree.nodes.len()).rev() {
             if self.live[number] {
                 self.parts[number] = self.part(number);
+            }
+            if let Some(limit) = self.budget.exceeded() {
+                return Err(Diagnostics::new(vec![*limit]));
             }
         }
         let pieces = match std::mem::replace(&mut self.parts[root], Part::Empty) {
@@ -47,7 +54,10 @@ impl<'a> Reader<'a> {
             let nothing = Diagnostic::warning("the model is empty").why("no item of it has a volume");
             self.report.add(LossKind::Dropped, "model", nothing.in_file(self.source));
         }
-        (scene(pieces), self.report)
+        if let Some(limit) = self.budget.exceeded() {
+            return Err(Diagnostics::new(vec![*limit]));
+        }
+        Ok((scene(pieces), self.report))
     }
 
     /// Marks the nodes that take part in the model: those that are not below a `*` or a `%`.
@@ -81,7 +91,7 @@ impl<'a> Reader<'a> {
         let node = &self.tree.nodes[number];
         let part = self.read(number, node);
         if self.flats.has_chords.take() {
-            let arguments = Arguments::new(self.source, node);
+            let arguments = self.arguments(number);
             let why = format!("has chords in place of circles, off by at most {TOLERANCE:e} of their radius");
             self.report.add(LossKind::Approximated, &item(node), arguments.approximation(&why));
         }
@@ -96,12 +106,12 @@ impl<'a> Reader<'a> {
     }
 
     fn read(&mut self, number: usize, node: &'a Node) -> Result<Part, Refusal> {
-        let arguments = Arguments::new(self.source, node);
+        let arguments = self.arguments(number);
         let facets = self.options.facets;
         match node.name.as_str() {
-            "group" | "union" | "render" => Ok(self.joined(node, Operation::Union)),
-            "difference" => Ok(self.joined(node, Operation::Difference)),
-            "intersection" => Ok(self.joined(node, Operation::Intersection)),
+            "group" | "union" | "render" => self.joined(&arguments, node, Operation::Union),
+            "difference" => self.joined(&arguments, node, Operation::Difference),
+            "intersection" => self.joined(&arguments, node, Operation::Intersection),
             "multmatrix" => self.transformed(node, &arguments),
             "color" => self.coloured(node, &arguments),
             "cube" => primitive::cube(&arguments),
@@ -142,7 +152,13 @@ impl<'a> Reader<'a> {
     }
 
     /// The boolean of the children of a node.
-    pub fn joined(&mut self, node: &Node, operation: Operation) -> Part {
+    fn joined(&mut self, arguments: &Arguments, node: &Node, operation: Operation) -> Result<Part, Refusal> {
+        let count = node.children.iter().map(|child| self.parts[*child as usize].piece_count()).sum::<usize>();
+        arguments.spend(200 * (node.children.len() + count))?;
+        Ok(self.joined_parts(node, operation))
+    }
+
+    fn joined_parts(&mut self, node: &Node, operation: Operation) -> Part {
         let (mut solids, mut flats) = (Vec::new(), Vec::new());
         let (mut other_dimension, mut is_first) = (false, true);
         for child in &node.children {
@@ -184,7 +200,7 @@ impl<'a> Reader<'a> {
 
     fn transformed(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let map = transform::matrix(arguments)?;
-        let part = self.joined(node, Operation::Union);
+        let part = self.joined(arguments, node, Operation::Union)?;
         let map = if matches!(part, Part::Flat(_)) { transform::of_the_plane(&map) } else { map };
         if map.inverse().is_err() && matches!(part, Part::Solid(_) | Part::Flat(_)) {
             let why = arguments.approximation("leaves nothing: its matrix has no inverse: a scale of 0?");
@@ -194,6 +210,7 @@ impl<'a> Reader<'a> {
         if map == Affine::IDENTITY {
             return Ok(part);
         }
+        arguments.spend(500 * part.piece_count())?;
         Ok(match part {
             Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
             Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
@@ -203,7 +220,7 @@ impl<'a> Reader<'a> {
 
     fn coloured(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let colour = transform::colour(arguments)?;
-        let part = self.joined(node, Operation::Union);
+        let part = self.joined(arguments, node, Operation::Union)?;
         if colour.is_none() {
             return Ok(part);
         }
@@ -241,7 +258,7 @@ impl<'a> Reader<'a> {
     ) -> Result<Result<Flat, Part>, Refusal> {
         // older dumps name the drawing in the extrusion itself
         let part = match import::word(arguments, "file")? {
-            Some("") | None => self.joined(node, Operation::Union),
+            Some("") | None => self.joined(arguments, node, Operation::Union)?,
             _ => self.import(number, arguments)?,
         };
         match part {
@@ -291,10 +308,10 @@ impl<'a> Reader<'a> {
     }
 
     fn hull(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(node, Operation::Union) {
+        match self.joined(arguments, node, Operation::Union)? {
             Part::Solid(_) => {
                 let generators = self.generators(number)?;
-                self.spend(arguments, hull::cost(&generators))?;
+                arguments.spend(hull::cost(&generators))?;
                 let found = hull::hull(arguments, &generators)?;
                 if !found.is_exact && !self.options.facets {
                     let why = arguments.approximation("is the hull of the facets of its parts");
@@ -306,8 +323,7 @@ impl<'a> Reader<'a> {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
                 let discs = gather::round(arguments, &self.flats, flat)?;
-                self.spend(arguments, hull2::cost(&discs))?;
-                Ok(gather::hull_of_discs(&mut self.flats, &discs))
+                gather::hull_of_discs(arguments, &mut self.flats, &discs)
             }
             other => Ok(other),
         }
@@ -357,7 +373,7 @@ impl<'a> Reader<'a> {
     }
 
     fn projection(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(node, Operation::Union) {
+        match self.joined(arguments, node, Operation::Union)? {
             Part::Solid(_) => {}
             Part::Flat(_) => {
                 return Err(arguments.refusal("its children are regions of the plane, not solids"));
@@ -368,6 +384,7 @@ impl<'a> Reader<'a> {
             true => projection::section(self, number)?,
             false => projection::shadow(self, number)?,
         };
+        arguments.hold(contours.iter().map(Vec::len).sum())?;
         match contours.is_empty() {
             true => Ok(Part::Empty),
             false => Ok(self.flats.leaf(Leaf::Outline(contours)).into()),
@@ -375,7 +392,7 @@ impl<'a> Reader<'a> {
     }
 
     fn resize(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        let part = self.joined(node, Operation::Union);
+        let part = self.joined(arguments, node, Operation::Union)?;
         let size = match &part {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces.clone());
@@ -396,8 +413,8 @@ impl<'a> Reader<'a> {
     }
 
     fn flat_bounds(&self, arguments: &Arguments, flat: Flat) -> Result<Option<[[f64; 2]; 2]>, Refusal> {
-        let [lo, hi] = match self.flats.is_union(flat) {
-            true => self.flats.bounds(flat),
+        let [lo, hi] = match self.flats.is_union(arguments, flat)? {
+            true => self.flats.bounds(arguments, flat)?,
             false => {
                 let contours = region::boundary(arguments, &self.flats, flat)?;
                 Leaf::Outline(contours).bounds(&Affine::IDENTITY)
@@ -448,7 +465,6 @@ impl<'a> Reader<'a> {
         arguments: &Arguments,
         parts: Vec<Vec<Vec<Generator>>>,
     ) -> Result<Part, Refusal> {
-        self.spend(arguments, sum::cost(&parts))?;
         let found = sum::sum(arguments, parts)?;
         if !found.is_exact && !self.options.facets {
             let why = arguments.approximation("is the sum of the facets of its parts");
@@ -479,6 +495,7 @@ impl<'a> Reader<'a> {
                 true => {
                     let discs = gather::round(arguments, &self.flats, *other)?;
                     let flat = offset::plain(arguments, &mut self.flats, flat)?;
+                    let flat = offset::few(arguments, &mut self.flats, flat)?;
                     sum::flat_sum(arguments, &mut self.flats, flat, &discs)?
                 }
                 false => {
@@ -493,7 +510,7 @@ impl<'a> Reader<'a> {
     }
 
     fn offset(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(node, Operation::Union) {
+        match self.joined(arguments, node, Operation::Union)? {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
                 offset::offset(arguments, &mut self.flats, flat)
@@ -505,8 +522,7 @@ impl<'a> Reader<'a> {
 
     /// Plane regions as plates of thickness 1, like in OpenSCAD's preview.
     fn plates(&mut self, pieces: &[Piece<Flat>]) -> Vec<Piece<Solid>> {
-        let root = &self.tree.nodes[0];
-        let arguments = Arguments::new(self.source, root);
+        let arguments = self.arguments(0);
         let way = Way { bottom: -0.5, top: 0.5, scale: [1.0; 2] };
         let mut plates = Vec::new();
         for Piece { colour, body } in pieces {

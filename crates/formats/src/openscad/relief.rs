@@ -22,7 +22,8 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, R
     // the floor is at 0, or at the lowest height minus 1 if that height is below 1
     let lowest = rows.iter().flatten().copied().fold(1.0, f64::min);
     let (width, depth) = (rows.iter().map(Vec::len).max().unwrap_or(0), rows.len());
-    // short rows are padded with zeros, which do not lower the floor
+    // four triangles per cell; short rows are padded with zeros, which do not lower the floor
+    arguments.hold(width.saturating_mul(depth).saturating_mul(4))?;
     rows.iter_mut().for_each(|row| row.resize(width, 0.0));
     if width < 2 || depth < 2 {
         return Ok(Shell::default());
@@ -50,6 +51,9 @@ fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refus
     if width.saturating_mul(height) > MOST_PIXELS {
         return Err(arguments.refusal(&format!("it has more than {MOST_PIXELS} pixels")));
     }
+    let bytes = std::fs::metadata(path).map_or(0, |data| data.len());
+    arguments.limited(arguments.budget().read_file(path, bytes))?;
+    arguments.spend(50 * width * height)?;
     let size = reader.output_buffer_size().ok_or_else(|| unreadable(&"it is too large"))?;
     let mut bytes = vec![0; size];
     let frame = reader.next_frame(&mut bytes).map_err(|error| unreadable(&error))?;
