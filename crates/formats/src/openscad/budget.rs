@@ -15,12 +15,12 @@ const ITEMS: u64 = 1_500_000;
 const BYTES_PER_ITEM: u64 = 8;
 
 /// What an edge costs in a boolean operation of regions, and a pair of edges that may cross.
-pub(super) const EDGE: usize = 700;
-pub(super) const CROSSING: usize = 1500;
+pub(super) const EDGE: usize = 300;
+pub(super) const CROSSING: usize = 500;
 
 /// What a triangle costs in the solid inside a mesh, and in an operation of the mesh kernel.
 pub(super) const TRIANGLE: usize = 1000;
-pub(super) const KERNEL_TRIANGLE: usize = 10_000;
+pub(super) const KERNEL_TRIANGLE: usize = 1500;
 
 /// Counters that all items of a file share. Work is counted, not timed, so that results do not depend on the machine.
 #[derive(Debug)]

@@ -13,6 +13,7 @@ use super::state::Reader;
 use super::{gather, transform};
 use crate::kernel::triangulated;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
+use rayweave_polygon::Point;
 
 /// Most triangles of a node; more take too long.
 const MOST_TRIANGLES: usize = 500_000;
@@ -61,7 +62,10 @@ pub(super) fn fold<T>(
         let node = &reader.tree.nodes[number];
         let arguments = reader.arguments(number);
         arguments.spend(100)?;
-        match structure(reader, number, from, &arguments)? {
+        // a `resize` whose shell is known need not be computed again
+        let is_known = from != Start::Below(number) && reader.shells.contains_key(&number);
+        let structure = if is_known { None } else { structure(reader, number, from, &arguments)? };
+        match structure {
             Some((operation, inner)) => {
                 let children: Vec<usize> =
                     node.children.iter().map(|k| *k as usize).filter(|k| reader.live[*k]).collect();
@@ -162,9 +166,8 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
         "rotate_extrude" => match reader.extruded.get(&number) {
             Some(flat) => {
                 let contours = boundary(arguments, &reader.flats, *flat)?;
-                let reach = contours.iter().flatten().fold(0f64, |reach, p| reach.max(p[0].abs()));
-                let count = fragments(reach)?;
-                vec![turned(arguments, &contours, count)?]
+                let sectors = Sectors::of(reader, arguments, &contours)?;
+                vec![turned(arguments, &contours, &sectors)?]
             }
             None => Vec::new(),
         },
@@ -181,22 +184,43 @@ fn round(reader: &Reader, fragments: usize) -> usize {
     fragments.max(chords(360.0))
 }
 
-/// Contours revolved about the z axis, in rings that start at the same angle as in OpenSCAD.
-fn turned(arguments: &Arguments, contours: &Contours, full: usize) -> Result<Shell, Refusal> {
-    let angle = arguments.number("angle", 360.0)?.clamp(-360.0, 360.0);
-    let is_whole = angle.abs() >= 360.0;
-    let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
-    let steps = ((full as f64 * angle.abs() / 360.0).floor() as usize).max(1);
+/// Equal sectors of a revolution about the z axis, which start at the same angle as in OpenSCAD.
+pub(super) struct Sectors {
+    pub count: usize,
+    pub is_whole: bool,
+    start: f64,
+    angle: f64,
+}
+
+impl Sectors {
+    /// The sectors of a `rotate_extrude` of contours.
+    pub fn of(reader: &Reader, arguments: &Arguments, contours: &Contours) -> Result<Sectors, Refusal> {
+        let reach = contours.iter().flatten().fold(0f64, |reach, p| reach.max(p[0].abs()));
+        let full = round(reader, Fineness::of(arguments)?.fragments(reach));
+        let angle = arguments.number("angle", 360.0)?.clamp(-360.0, 360.0);
+        let is_whole = angle.abs() >= 360.0;
+        let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
+        let count = ((full as f64 * angle.abs() / 360.0).floor() as usize).max(1);
+        Ok(Sectors { count, is_whole, start, angle })
+    }
+
+    /// A point of the region at the start of sector `k`.
+    pub fn point(&self, k: usize, p: Point) -> Vec3 {
+        let (sin, cos) = sin_cos_degrees(self.start + self.angle * k as f64 / self.count as f64);
+        Vec3::new(cos * p[0], sin * p[0], p[1])
+    }
+}
+
+/// Contours revolved about the z axis.
+fn turned(arguments: &Arguments, contours: &Contours, sectors: &Sectors) -> Result<Shell, Refusal> {
+    let (steps, is_whole) = (sectors.count, sectors.is_whole);
     let rings = if is_whole { steps } else { steps + 1 };
     let n = contours.iter().map(Vec::len).sum::<usize>();
     if n.saturating_mul(2 * rings) > MOST_TRIANGLES {
         return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
     }
     arguments.spend(100 * n * rings)?;
-    let ring = |k: usize| {
-        let (sin, cos) = sin_cos_degrees(start + angle * k as f64 / steps as f64);
-        contours.iter().flatten().map(move |p| Vec3::new(cos * p[0], sin * p[0], p[1]))
-    };
+    let ring = |k: usize| contours.iter().flatten().map(move |p| sectors.point(k, *p));
     let n = n as u32;
     let mut triangles = Vec::new();
     for k in 0..steps as u32 {

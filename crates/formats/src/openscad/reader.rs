@@ -7,6 +7,7 @@ use super::drawing::TOLERANCE;
 use super::extent::Way;
 use super::extrude::extruded;
 use super::flat::{self, Flat, Leaf};
+use super::fold::{Start, is_union};
 use super::hull::Generator;
 use super::import::Imported;
 use super::mesh::Twist;
@@ -20,6 +21,7 @@ use super::text::text;
 use super::{
     gather, hull, import, mesh, offset, primitive, projection, region, relief, sum, transform,
 };
+use crate::kernel::Body;
 use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
@@ -89,6 +91,9 @@ impl<'a> Reader<'a> {
 
     fn part(&mut self, number: usize) -> Part {
         let node = &self.tree.nodes[number];
+        for warning in self.arguments(number).unused() {
+            self.report.add(LossKind::Dropped, &item(node), warning);
+        }
         let part = self.read(number, node);
         if self.flats.has_chords.take() {
             let arguments = self.arguments(number);
@@ -393,18 +398,32 @@ impl<'a> Reader<'a> {
 
     fn resize(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let part = self.joined(arguments, node, Operation::Union)?;
+        let mut kept = None;
         let size = match &part {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces.clone());
                 let bounds = self.flat_bounds(arguments, flat)?;
                 bounds.map(|[lo, hi]| vec![hi[0] - lo[0], hi[1] - lo[1]])
             }
-            Part::Solid(_) => self.solid_bounds(number)?.map(|[lo, hi]| (hi - lo).to_array().to_vec()),
+            Part::Solid(_) => match self.solid_extent(number)? {
+                Extent::Box(bounds) => bounds.map(|[lo, hi]| (hi - lo).to_array().to_vec()),
+                Extent::Body(body) => {
+                    let shell = Shell::of_body(&body);
+                    let points = shell.vertices.iter().map(|p| [*p; 2]);
+                    let bounds = points.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+                    kept = Some(shell);
+                    bounds.map(|[lo, hi]| (hi - lo).to_array().to_vec())
+                }
+            },
             _ => return Ok(part),
         };
         let Some(size) = size else { return Ok(Part::Empty) };
         let map = transform::resizing(arguments, &size)?;
         self.resized.insert(number, map);
+        if let Some(mut shell) = kept.filter(|_| self.wanted[number]) {
+            shell.vertices.iter_mut().for_each(|p| *p = map.point(*p));
+            self.shells.insert(number, vec![shell]);
+        }
         Ok(match part {
             Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
             Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
@@ -423,13 +442,21 @@ impl<'a> Reader<'a> {
         Ok((lo[0] < hi[0] && lo[1] < hi[1]).then_some([lo, hi]))
     }
 
-    fn solid_bounds(&self, number: usize) -> Result<Option<[Vec3; 2]>, Refusal> {
+    /// The bounding box of the children of a node, or the body that has it.
+    fn solid_extent(&self, number: usize) -> Result<Extent, Refusal> {
+        let arguments = self.arguments(number);
         if let Ok(all) = gather::generators(self, number, Affine::IDENTITY) {
             let all = all.iter().map(Generator::bounds);
-            return Ok(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]));
+            return Ok(Extent::Box(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])));
+        }
+        // a limit is no reason to try in another way
+        arguments.spend(0)?;
+        if !is_union(self, number)? {
+            return Ok(body::body(self, Start::Below(number))?.map_or(Extent::Box(None), Extent::Body));
         }
         let points = projection::corner_points(self, number)?;
-        Ok(points.iter().map(|p| [*p; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]))
+        let points = points.iter().map(|p| [*p; 2]);
+        Ok(Extent::Box(points.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])))
     }
 
     fn minkowski(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
@@ -536,6 +563,13 @@ impl<'a> Reader<'a> {
         self.report.add(LossKind::Approximated, "model", why.in_file(self.source));
         plates
     }
+}
+
+/// The extent of a solid.
+enum Extent {
+    Box(Option<[Vec3; 2]>),
+    /// A body of facets.
+    Body(Body),
 }
 
 fn mapped<T>(pieces: Vec<Piece<T>>, mut map: impl FnMut(T) -> T) -> Vec<Piece<T>> {

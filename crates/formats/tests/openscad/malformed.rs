@@ -125,7 +125,7 @@ fn explosive_items_are_errors() {
         }
         let (message, place) = limit(&text, facets);
         assert!(message.starts_with(item) && message.contains("all together"), "{message}");
-        assert!(place.is_some(), "{message}");
+        assert!(place.is_some(), "{message}: {place:?}");
     }
 }
 
