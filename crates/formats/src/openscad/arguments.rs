@@ -181,9 +181,7 @@ fn parameters(item: &str) -> Option<&'static [&'static str]> {
         "multmatrix" | "color" | "cube" | "square" | "sphere" | "circle" | "cylinder" => &[],
         "polygon" | "resize" => &[],
         "polyhedron" => &["triangles"],
-        "text" => {
-            &["text", "size", "font", "spacing", "direction", "language", "script", "halign", "valign"]
-        }
+        "text" => &["text", "size", "font", "spacing", "direction", "language", "script", "halign", "valign"],
         "linear_extrude" => {
             &["height", "center", "twist", "slices", "scale", "file", "layer", "origin", "timestamp"]
         }

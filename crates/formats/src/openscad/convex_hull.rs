@@ -216,7 +216,8 @@ mod tests {
         let source = Arc::new(Source::new(None, "group();".to_owned()));
         let tree = parse(&source).expect("a dump");
         let budget = Budget::new(0);
-        super::convex_hull(&Arguments::new(&source, &tree.nodes[0], &budget), points).expect("within the budget")
+        super::convex_hull(&Arguments::new(&source, &tree.nodes[0], &budget), points)
+            .expect("within the budget")
     }
 
     /// The corners of a lattice on a sphere: 100 000 points are few steps, and every one is a vertex.

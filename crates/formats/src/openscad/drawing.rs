@@ -136,7 +136,10 @@ mod tests {
         let head = "xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\"";
         let page = "width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\"";
         let text = format!("<svg {head} {page}>{body}</svg>");
-        area_of(svg::read(&text, SvgOptions { facets, dpi: 72.0, budget: &Budget::new(0) }).expect("a drawing"), facets)
+        area_of(
+            svg::read(&text, SvgOptions { facets, dpi: 72.0, budget: &Budget::new(0) }).expect("a drawing"),
+            facets,
+        )
     }
 
     fn dxf_area(text: &str, layer: &str, facets: bool) -> f64 {

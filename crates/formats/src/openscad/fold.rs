@@ -85,9 +85,7 @@ pub(super) fn fold<T>(
         }
     }
     // the first task produced the only remaining result
-    made.pop().ok_or_else(|| {
-        reader.arguments(from.number()).refusal("nothing is in it")
-    })
+    made.pop().ok_or_else(|| reader.arguments(from.number()).refusal("nothing is in it"))
 }
 
 /// Boolean operation and map of the children of a node; `None` for nodes with shells of their own.

@@ -5,8 +5,8 @@ use super::extent::Way;
 use super::extrude::is_convex as is_one_cell;
 use super::facets::{Fineness, ring_points, sphere_rings};
 use super::flat::{Flat, Flats, Leaf, image, simple};
-use super::hull::{Generator, check_count};
 use super::fold::Sectors;
+use super::hull::{Generator, check_count};
 use super::hull2::{corners, touching_points};
 use super::operation::Operation;
 use super::part::Part;
@@ -121,9 +121,9 @@ fn pieces_of(
         let [factor, _] = way.scale;
         for piece in pieces {
             let ends = [(way.bottom, 1.0), (way.top, factor)];
-            let corners = ends.into_iter().flat_map(|(z, by)| {
-                piece.iter().map(move |p| Vec3::new(by * p[0], by * p[1], z))
-            });
+            let corners = ends
+                .into_iter()
+                .flat_map(|(z, by)| piece.iter().map(move |p| Vec3::new(by * p[0], by * p[1], z)));
             parts.push(corners.map(|p| Generator::point(map.point(p))).collect());
         }
         return Ok(parts);

@@ -81,7 +81,11 @@ pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>
     for face in &faces {
         // ears are searched for among all corners; in larger faces none are
         let corners = face.len();
-        arguments.spend(if corners > 1000 { 100 * corners } else { corners * corners * (10 + corners / 5) })?;
+        arguments.spend(if corners > 1000 {
+            100 * corners
+        } else {
+            corners * corners * (10 + corners / 5)
+        })?;
     }
     let triangles: Vec<[usize; 3]> = faces.iter().flat_map(|face| cut(&points, face)).collect();
     Ok((points, triangles))
@@ -126,7 +130,9 @@ pub(super) fn polyhedron(arguments: &Arguments) -> Result<Part, Refusal> {
     if triangles.is_empty() {
         return Ok(Part::Empty);
     }
-    if let Some(planes) = convex_planes(arguments, &points, &triangles)?.filter(|planes| planes.len() <= MOST_PLANES) {
+    if let Some(planes) =
+        convex_planes(arguments, &points, &triangles)?.filter(|planes| planes.len() <= MOST_PLANES)
+    {
         return Ok(solid(arguments, Convex::new(planes))?.into());
     }
     let triangles = triangles.iter().map(|corners| corners.map(|k| k as u32)).collect();

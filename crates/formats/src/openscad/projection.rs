@@ -26,7 +26,11 @@ enum Side {
 pub(super) fn section(reader: &Reader, root: usize) -> Result<Contours, Refusal> {
     let above = section_at(reader, root, 0.0, Side::Above)?;
     let below = section_at(reader, root, 0.0, Side::Below)?;
-    Ok(if above == below { above } else { join_contours(&reader.arguments(root), Operation::Union, vec![above, below])? })
+    Ok(if above == below {
+        above
+    } else {
+        join_contours(&reader.arguments(root), Operation::Union, vec![above, below])?
+    })
 }
 
 fn section_at(reader: &Reader, root: usize, height: f64, side: Side) -> Result<Contours, Refusal> {

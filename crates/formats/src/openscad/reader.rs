@@ -18,9 +18,7 @@ use super::shell::Shell;
 use super::state::Reader;
 use super::syntax::Node;
 use super::text::text;
-use super::{
-    gather, hull, import, mesh, offset, primitive, projection, region, relief, sum, transform,
-};
+use super::{gather, hull, import, mesh, offset, primitive, projection, region, relief, sum, transform};
 use crate::kernel::Body;
 use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
@@ -158,7 +156,8 @@ impl<'a> Reader<'a> {
 
     /// The boolean of the children of a node.
     fn joined(&mut self, arguments: &Arguments, node: &Node, operation: Operation) -> Result<Part, Refusal> {
-        let count = node.children.iter().map(|child| self.parts[*child as usize].piece_count()).sum::<usize>();
+        let count =
+            node.children.iter().map(|child| self.parts[*child as usize].piece_count()).sum::<usize>();
         arguments.spend(200 * (node.children.len() + count))?;
         Ok(self.joined_parts(node, operation))
     }

@@ -115,9 +115,8 @@ fn may_cross([p, q]: &[Point; 2], [r, s]: &[Point; 2]) -> bool {
     if p == r || p == s || q == r || q == s {
         return false;
     }
-    let turn = |a: &Point, b: &Point, c: &Point| {
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    };
+    let turn =
+        |a: &Point, b: &Point, c: &Point| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     turn(p, q, r) * turn(p, q, s) <= 0.0 && turn(r, s, p) * turn(r, s, q) <= 0.0
 }
 
@@ -147,12 +146,7 @@ pub(super) fn join_contours(
     Ok(first)
 }
 
-fn overlaid(
-    budget: &Budget,
-    a: &Contours,
-    b: &Contours,
-    rule: OverlayRule,
-) -> Result<Contours, Exceeded> {
+fn overlaid(budget: &Budget, a: &Contours, b: &Contours, rule: OverlayRule) -> Result<Contours, Exceeded> {
     count_crossings(budget, a.iter().chain(b))?;
     Ok(a.overlay_as::<i64>(b, rule, FillRule::NonZero).into_iter().flatten().collect())
 }
@@ -172,12 +166,7 @@ pub(super) fn faceted_boundary(
     boundary_of(arguments, flats, flat, false)
 }
 
-fn boundary_of(
-    arguments: &Arguments,
-    flats: &Flats,
-    flat: Flat,
-    is_fine: bool,
-) -> Result<Contours, Refusal> {
+fn boundary_of(arguments: &Arguments, flats: &Flats, flat: Flat, is_fine: bool) -> Result<Contours, Refusal> {
     let mut points = 0;
     let size = size_of_leaves(arguments, flats, flat)?;
     let outline = |leaf: &Leaf, map: &Affine| {

@@ -89,7 +89,12 @@ impl<'a> Turn<'a> {
         if self.facets {
             return self.sectors(flats, flat);
         }
-        let turned = flats.fold(self.arguments, flat, |leaf, map| self.leaf(leaf, map), |operation, parts| Ok(join_solids(operation, parts)))?;
+        let turned = flats.fold(
+            self.arguments,
+            flat,
+            |leaf, map| self.leaf(leaf, map),
+            |operation, parts| Ok(join_solids(operation, parts)),
+        )?;
         let bounds = self.around()?;
         Ok(match self.angle < 360.0 {
             true => turned & bounds & solid(self.arguments, Wedge::new(self.start, self.angle))?,

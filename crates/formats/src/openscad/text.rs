@@ -200,12 +200,7 @@ impl Setting<'_> {
     }
 
     /// The outlines in their positions.
-    fn leaves(
-        &self,
-        arguments: &Arguments,
-        face: &Face,
-        glyphs: &GlyphBuffer,
-    ) -> Result<Vec<Leaf>, Refusal> {
+    fn leaves(&self, arguments: &Arguments, face: &Face, glyphs: &GlyphBuffer) -> Result<Vec<Leaf>, Refusal> {
         let unit = self.size * EM / f64::from(face.units_per_em());
         let start = self.start(face, glyphs);
         let mut at = [0.0; 2];

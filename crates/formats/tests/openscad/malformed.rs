@@ -102,12 +102,11 @@ fn explosive_items_are_errors() {
         let points: Vec<String> = (0..count).map(|_| format!("[{}, {}]", number(), number())).collect();
         format!("polygon(points = [{}]);", points.join(", "))
     };
-    let colours: String = (0..9000)
-        .map(|k| format!("color([0.{}, 0.{}, 0, 1]) cube();", k / 100 + 10, k % 100 + 10))
-        .collect();
+    let colours: String =
+        (0..9000).map(|k| format!("color([0.{}, 0.{}, 0, 1]) cube();", k / 100 + 10, k % 100 + 10)).collect();
     let cases = [
         ("sphere(r = 5, $fn = 5000);".to_owned(), true, "sphere()"),
-        ("hull() sphere(r = 5, $fn = 9000);".to_owned(), true, "hull()"),
+        ("hull() sphere(r = 5, $fn = 9000);".to_owned(), true, "sphere()"),
         ("linear_extrude(height = 1) text(\"oooooooooooooooooooooooo\", $fn = 10000);".repeat(90), true, ""),
         ("linear_extrude(height = 1, twist = 9, slices = 20000) circle(r = 3, $fn = 500);".into(), false, ""),
         (nested("hull() ", 100_000, "cube(1);"), false, "hull()"),
@@ -120,7 +119,9 @@ fn explosive_items_are_errors() {
     ];
     for (text, facets, item) in cases {
         // without fonts there is no text
-        if text.contains("text(") && read(&text[..100.min(text.len())], facets).report.count(LossKind::Refused) > 0 {
+        if text.contains("text(")
+            && read(&text[..100.min(text.len())], facets).report.count(LossKind::Refused) > 0
+        {
             continue;
         }
         let (message, place) = limit(&text, facets);

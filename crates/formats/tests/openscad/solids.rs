@@ -158,7 +158,12 @@ fn a_region_of_the_plane_empties_an_intersection_of_solids() {
 fn unknown_arguments_are_warnings() {
     let cases = [
         ("cylinder(hh = 3, r1 = 1, r2 = 1);", "`hh` of cylinder() is ignored", Some("Did you mean `h`?"), 10),
-        ("cube(size = 2, centre = true);", "`centre` of cube() is ignored", Some("Did you mean `center`?"), 16),
+        (
+            "cube(size = 2, centre = true);",
+            "`centre` of cube() is ignored",
+            Some("Did you mean `center`?"),
+            16,
+        ),
         ("cube(size = 2, rotate = \"3\");", "`rotate` of cube() is ignored", None, 16),
         ("linear_extrude(heigth = 3) square(1);", "`heigth`", Some("Did you mean `height`?"), 16),
         ("sphere(1, 2);", "takes 1 arguments without a name", None, 11),
