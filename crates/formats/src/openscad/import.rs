@@ -47,11 +47,17 @@ pub(super) fn word<'a>(arguments: &Arguments<'a>, name: &str) -> Result<Option<&
 }
 
 /// Text of a file of limited size.
-pub(super) fn text_of(arguments: &Arguments, file: File, largest: u64) -> Result<String, Refusal> {
+pub(super) fn text_of(
+    arguments: &Arguments,
+    (path, file): (&Path, File),
+    largest: u64,
+) -> Result<String, Refusal> {
     let unreadable = |error: std::io::Error| arguments.refusal(&format!("its file cannot be read: {error}"));
-    if file.metadata().map_err(unreadable)?.len() > largest {
+    let length = file.metadata().map_err(unreadable)?.len();
+    if length > largest {
         return Err(arguments.refusal(&format!("its file is larger than {} MiB", largest >> 20)));
     }
+    arguments.limited(arguments.budget().read_file(path, length))?;
     let mut bytes = Vec::new();
     file.take(largest).read_to_end(&mut bytes).map_err(unreadable)?;
     // old drawings have names in other encodings, which do not matter
@@ -77,36 +83,54 @@ pub(super) fn import(
     match ending.to_str() {
         Some("svg") => {
             let dpi = arguments.number("dpi", 72.0)?;
-            let options = SvgOptions { facets, dpi: if dpi > 0.0 { dpi } else { 72.0 } };
-            let drawing = svg::read(&text_of(arguments, file, LARGEST)?, options);
-            drawn(arguments, drawing, flats, report).map(Imported::Drawing)
+            let dpi = if dpi > 0.0 { dpi } else { 72.0 };
+            let options = SvgOptions { facets, dpi, budget: arguments.budget() };
+            let drawing = svg::read(&text_of(arguments, (&path, file), LARGEST)?, options);
+            drawn(arguments, readable(arguments, drawing)?, flats, report).map(Imported::Drawing)
         }
         Some("dxf") => {
             let layer = word(arguments, "layer")?.unwrap_or_default();
-            let options = DxfOptions { facets, fineness: Fineness::of(arguments)?, layer };
-            let drawing = dxf::read(&text_of(arguments, file, LARGEST)?, &options);
-            let mut drawing = drawing.map_err(|why| arguments.refusal(&why))?;
-            let origin: [f64; 2] = arguments.point("origin", 0.0)?;
             let scale = arguments.point::<2>("scale", 1.0)?[0];
+            // as in OpenSCAD
+            let scale = if scale > 0.0 { scale } else { 1.0 };
+            let fineness = Fineness::of(arguments)?;
+            let options = DxfOptions { facets, fineness, layer, scale, budget: arguments.budget() };
+            let drawing = dxf::read(&text_of(arguments, (&path, file), LARGEST)?, &options);
+            let mut drawing = readable(arguments, drawing)?;
+            let origin: [f64; 2] = arguments.point("origin", 0.0)?;
             let map = shift(origin.map(|x| -x)).then(&Affine::scale(Vec3::new(scale, scale, 1.0)));
             drawing.leaves.iter_mut().for_each(|(_, own)| *own = own.then(&map));
-            drawn(arguments, Ok(drawing), flats, report).map(Imported::Drawing)
+            drawn(arguments, drawing, flats, report).map(Imported::Drawing)
         }
         _ => mesh(arguments, &path, files).map(Imported::Mesh),
     }
 }
 
+/// A drawing that could be read.
+fn readable(arguments: &Arguments, drawing: Result<Drawing, String>) -> Result<Drawing, Refusal> {
+    drawing.map_err(|why| match arguments.spend(0) {
+        Ok(()) => arguments.refusal(&why),
+        // the budget ran out within the drawing
+        Err(limit) => limit,
+    })
+}
+
 /// The union of the regions of a drawing.
 fn drawn(
     arguments: &Arguments,
-    drawing: Result<Drawing, String>,
+    drawing: Drawing,
     flats: &mut Flats,
     report: &mut Report,
 ) -> Result<Part, Refusal> {
-    let drawing = drawing.map_err(|why| arguments.refusal(&why))?;
+    arguments.hold(drawing.leaves.iter().map(|(leaf, _)| leaf.point_count()).sum())?;
     for (what, why, line) in &drawing.refused {
         let problem = arguments.approximation(&format!("leaves out `{what}` in line {line} of its file"));
         report.add(LossKind::Refused, "import()", problem.why(why));
+    }
+    if drawing.unlisted > 0 {
+        let count = drawing.unlisted;
+        let problem = arguments.approximation(&format!("leaves out {count} more entities of its file"));
+        report.add(LossKind::Refused, "import()", problem.why("no more are listed"));
     }
     if drawing.has_chords {
         let why = format!("has chords in place of curves, off by at most {TOLERANCE:e} of their size");
@@ -128,7 +152,7 @@ fn drawn(
     if !arguments.boolean("center", false)? {
         return Ok(flat.into());
     }
-    let [lo, hi] = flats.bounds(flat);
+    let [lo, hi] = flats.bounds(arguments, flat)?;
     let middle = [0, 1].map(|k| -0.5 * (lo[k] + hi[k]));
     Ok(flats.moved(shift(middle), flat).into())
 }
@@ -139,8 +163,11 @@ fn mesh(arguments: &Arguments, path: &Path, files: &AllowedFiles) -> Result<Shel
     let format = format.ok_or_else(|| {
         arguments.refusal("only meshes (STL, OFF, 3MF, OBJ, PLY) and drawings (SVG, DXF) can be imported")
     })?;
+    let length = std::fs::metadata(path).map_or(0, |data| data.len());
+    arguments.limited(arguments.budget().read_file(path, length))?;
     let loaded = read_allowed(path, Some(format), &ReadOptions::default(), files);
     let loaded = loaded.map_err(|error| arguments.refusal(&error.to_string()))?;
+    arguments.hold(loaded.mesh.triangles().len())?;
     let (vertices, triangles) = loaded.mesh.into_parts();
     Ok(Shell { vertices, triangles, is_convex: false })
 }
