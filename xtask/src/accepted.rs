@@ -40,14 +40,8 @@ pub const GENERATED: Accepted = Accepted {
 };
 
 /// Runs the tests; with `--accept` they write their files and print what changed.
-pub fn run(repository: &Repository, accepted: &Accepted, mut arguments: lexopt::Parser) -> Outcome {
-    let mut accept = false;
-    while let Some(argument) = arguments.next().map_err(|error| usage(&error.to_string()))? {
-        match argument {
-            Long("accept") => accept = true,
-            other => return Err(usage(&other.unexpected().to_string())),
-        }
-    }
+pub fn run(repository: &Repository, accepted: &Accepted, arguments: lexopt::Parser) -> Outcome {
+    let accept = accept_flag(arguments)?;
     let mut cargo = Command::new("cargo");
     // the release build is several times faster and must give the same results, to the bit
     cargo.current_dir(&repository.root).args(["test", "--release", "--package", "rayweave"]);
@@ -61,4 +55,16 @@ pub fn run(repository: &Repository, accepted: &Accepted, mut arguments: lexopt::
         println!("accepted: {}", accepted.next);
     }
     Ok(())
+}
+
+/// Parses the only argument, `--accept`.
+pub fn accept_flag(mut arguments: lexopt::Parser) -> Result<bool, String> {
+    let mut accept = false;
+    while let Some(argument) = arguments.next().map_err(|error| usage(&error.to_string()))? {
+        match argument {
+            Long("accept") => accept = true,
+            other => return Err(usage(&other.unexpected().to_string())),
+        }
+    }
+    Ok(accept)
 }

@@ -15,6 +15,7 @@ mod report;
 mod repository;
 mod slowest;
 mod stage;
+mod stub;
 mod suite;
 mod tidy;
 mod workshop;
@@ -37,6 +38,7 @@ Commands:
   golden [--accept]    compare the pictures of all models with those accepted, or accept them
   answers [--accept]   compare the hashes of answers with those recorded, or record them
   generated [--accept] compare the sources generated from the registry of primitives, or write them
+  stub [--accept]      compare the stub of the Python package with the sources of the binding, or write it
   help                 print this text
 
 Options of test:
@@ -77,6 +79,10 @@ fn run() -> Result<ExitCode, String> {
         "golden" => accepted::run(&Repository::find()?, &accepted::GOLDEN, arguments)?,
         "answers" => accepted::run(&Repository::find()?, &accepted::ANSWERS, arguments)?,
         "generated" => accepted::run(&Repository::find()?, &accepted::GENERATED, arguments)?,
+        "stub" => match accepted::accept_flag(arguments)? {
+            true => stub::accept(&Repository::find()?)?,
+            false => stub::compare(&Repository::find()?)?,
+        },
         "tidy" => {
             finish(arguments)?;
             tidy::run(&Repository::find()?)?;

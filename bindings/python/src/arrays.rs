@@ -65,7 +65,7 @@ pub fn list(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
 /// A one-dimensional array as a list of numbers, for argument checks of functions written in
 /// Python.
 #[pyfunction]
-#[pyo3(signature = (values, name))]
+#[pyo3(signature = (values: "ArrayLike", name))]
 pub fn number_list(values: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     list(values, name)
 }

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 use rayweave::model::Solid;
 use rayweave::model::drive::Cancel;
 use rayweave::picture::{Picture, PictureKind, PictureOptions, arrange};
@@ -79,4 +79,12 @@ pub fn notebook_png<'py>(py: Python<'py>, subject: &Subject) -> PyResult<Bound<'
     let options = PictureOptions { size: Some(size), ..PictureOptions::default() };
     let picture = draw(py, subject, PictureKind::Colour, &options, None)?;
     Ok(PyBytes::new(py, &py.detach(|| picture.to_png())))
+}
+
+/// The method `render` of solids and models: `rayweave.render` of the object.
+pub fn render_method<'py>(
+    subject: &Bound<'py, PyAny>,
+    options: Option<&Bound<'py, PyDict>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    subject.py().import("rayweave._picture")?.getattr("render")?.call((subject,), options)
 }

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::num::NonZeroUsize;
 use std::ops::Range;
-use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use numpy::PyArray1;
@@ -154,6 +154,20 @@ pub struct QueryOptions {
     /// `None` for the default, which is cached.
     evaluator: Option<String>,
     threads: Option<NonZeroUsize>,
+}
+
+/// The value of a cell, computed at the first use without the GIL.
+pub fn computed<'a, T: Send + Sync>(
+    py: Python<'_>,
+    cell: &'a OnceLock<T>,
+    compute: impl FnOnce() -> PyResult<T> + Send,
+) -> PyResult<&'a T> {
+    if let Some(value) = cell.get() {
+        return Ok(value);
+    }
+    let value = py.detach(compute)?;
+    // another thread may have computed it first
+    Ok(cell.get_or_init(|| value))
 }
 
 impl QueryOptions {

@@ -53,6 +53,7 @@ impl PyExplanation {
 
     /// Queries to the model, in order: see `Question`.
     #[getter]
+    #[cfg_attr(false, stub("() -> tuple[Question, ...]"))]
     fn questions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let make = || -> PyResult<Py<PyTuple>> {
             let text = self.explanation.text(usize::MAX);
@@ -65,6 +66,7 @@ impl PyExplanation {
 
     /// The crossings, which are the answer: see `Passage`.
     #[getter]
+    #[cfg_attr(false, stub("() -> tuple[Passage, ...]"))]
     fn crossings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let passage = |Found { crossing, face }: &Found| {
             let fields = PyDict::new(py);

@@ -186,7 +186,10 @@ fn regularize_from(object: &Bound<'_, PyAny>) -> PyResult<Regularize<f64>> {
 
 /// The hits of `array1 operation array2`: see `rayweave.array_csg`.
 #[pyfunction]
-#[pyo3(signature = (array1, array2, operation, sort_output, regularize, out, threads))]
+#[pyo3(signature = (
+    array1: "ArrayLike", array2: "ArrayLike", operation, sort_output, regularize: "bool | float",
+    out: "NDArray[Any] | None", threads: "int | None"
+) -> "NDArray[Any]")]
 pub fn array_csg<'py>(
     array1: &Bound<'py, PyAny>,
     array2: &Bound<'py, PyAny>,
@@ -213,7 +216,9 @@ pub fn array_csg<'py>(
 
 /// The merged entries of two hit arrays and the count after each: see `rayweave.count_array`.
 #[pyfunction]
-#[pyo3(signature = (array1, array2, operation))]
+#[pyo3(signature = (
+    array1: "ArrayLike", array2: "ArrayLike", operation
+) -> "tuple[NDArray[Any], NDArray[np.int64]]")]
 pub fn count_array<'py>(
     array1: &Bound<'py, PyAny>,
     array2: &Bound<'py, PyAny>,

@@ -14,8 +14,8 @@ use rayweave::model::simplify::Preparation;
 use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
 use rayweave::{Classified, Compiled, ErrorKind};
 
-use crate::drawing::{Subject, notebook_png};
-use crate::engine::{Engine, QueryOptions};
+use crate::drawing::{Subject, notebook_png, render_method};
+use crate::engine::{Engine, QueryOptions, computed};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::solid::{PySolid, bounds_array};
@@ -55,16 +55,11 @@ impl PyModel {
 
     /// The compiled model.
     pub fn compiled(&self, py: Python<'_>) -> PyResult<&(Compiled, Engine)> {
-        if self.compiled.get().is_none() {
-            let both = py.detach(|| {
-                let compiled = Compiled::new(&self.scene).map_err(bad_value)?;
-                let engine = Engine::of_model(&compiled)?;
-                Ok::<_, PyErr>((compiled, engine))
-            })?;
-            // another thread may have compiled it first
-            let _ = self.compiled.set(both);
-        }
-        self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
+        computed(py, &self.compiled, || {
+            let compiled = Compiled::new(&self.scene).map_err(bad_value)?;
+            let engine = Engine::of_model(&compiled)?;
+            Ok((compiled, engine))
+        })
     }
 
     /// Evaluator of queries.
@@ -89,9 +84,13 @@ impl PyModel {
 /// shapes become the facets that their own program uses; by default they are exactly round. The model's `warnings` list parts
 /// that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
 /// `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
-/// of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm".
+/// of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
+/// files and folders in `allow`. With `strict`, warnings are errors.
 #[pyfunction]
-#[pyo3(name = "load", signature = (path, parameters = None, *, format = None, facets = false, fonts = Vec::new(), repair = false, unit = None))]
+#[pyo3(name = "load", signature = (
+    path, parameters: "dict[str, float | str] | None" = None, *, format = None, facets = false,
+    fonts = Vec::new(), repair = false, unit = None, allow = Vec::new(), strict = false
+))]
 #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
 pub fn load_model(
     py: Python<'_>,
@@ -102,11 +101,13 @@ pub fn load_model(
     fonts: Vec<PathBuf>,
     repair: bool,
     unit: Option<&str>,
+    allow: Vec<PathBuf>,
+    strict: bool,
 ) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
     let format = format.map(format_of).transpose()?;
     let unit = unit.map(unit_of).transpose()?;
-    let options = Options { facets, fonts, repair, unit };
+    let options = Options { facets, fonts, repair, unit, allow, strict };
     let read = py.detach(|| formats::load(&path, format, &overrides, &options));
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), !overrides.is_empty())
 }
@@ -122,13 +123,23 @@ fn unit_of(symbol: &str) -> PyResult<Unit> {
     Unit::parse(symbol).ok_or_else(|| bad_value(format!("no unit is called '{symbol}': there is {known}.")))
 }
 
-/// Reads a model from the text of a model file. Relative file names refer to the current folder.
+/// Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
+/// and below, and the files and folders in `allow`. With `strict`, warnings are errors.
 #[pyfunction]
-#[pyo3(signature = (text, parameters = None))]
-pub fn loads(py: Python<'_>, text: &str, parameters: Option<&Bound<'_, PyDict>>) -> PyResult<PyModel> {
+#[pyo3(signature = (
+    text, parameters: "dict[str, float | str] | None" = None, *, allow = Vec::new(), strict = false
+))]
+pub fn loads(
+    py: Python<'_>,
+    text: &str,
+    parameters: Option<&Bound<'_, PyDict>>,
+    allow: Vec<PathBuf>,
+    strict: bool,
+) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
-    let read = py.detach(|| parse_with(text, &overrides));
-    PyModel::new(read.map(|(document, scene)| (Some(document), scene)), !overrides.is_empty())
+    let options = Options { allow, strict, ..Options::default() };
+    let read = py.detach(|| formats::parse(text, Format::Native, &overrides, &options));
+    PyModel::new(read.map(|imported| (imported.stated, imported.scene)), !overrides.is_empty())
 }
 
 /// Converts overrides of parameters for the readers of model files.
@@ -155,6 +166,7 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
 impl PyModel {
     /// The solids by their names, in the order of the file.
     #[getter]
+    #[cfg_attr(false, stub("() -> dict[str, Solid]"))]
     fn solids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let make = || -> PyResult<Py<PyDict>> {
             let solids = PyDict::new(py);
@@ -170,6 +182,7 @@ impl PyModel {
     /// The regions in order; where they overlap, the later one has priority. Region k of this list
     /// has the number k + 1.
     #[getter]
+    #[cfg_attr(false, stub("() -> tuple[Region, ...]"))]
     fn regions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
         let class = CLASS.import(py, "rayweave._model", "Region")?;
@@ -185,6 +198,7 @@ impl PyModel {
 
     /// The media by their numbers; number 0 is that of the world.
     #[getter]
+    #[cfg_attr(false, stub("() -> tuple[Medium, ...]"))]
     fn media<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
         let class = CLASS.import(py, "rayweave._model", "Medium")?;
@@ -201,6 +215,7 @@ impl PyModel {
 
     /// The parameters with their values, in the order of the file.
     #[getter]
+    #[cfg_attr(false, stub("() -> dict[str, float]"))]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let parameters = PyDict::new(py);
         for (name, value) in &self.scene.parameters {
@@ -222,7 +237,24 @@ impl PyModel {
     }
 
     /// When rays enter and leave the medium of the world: see `Solid.hits`.
-    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, return_surfaces = false, out = None, evaluator = None, threads = None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
+        return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
+    ))]
+    #[cfg_attr(
+        false,
+        stub(
+            "(return_surfaces: Literal[False] = False, out: NDArray[np.float64] | None = None) -> NDArray[np.float64]"
+        )
+    )]
+    #[cfg_attr(
+        false,
+        stub(
+            "(return_surfaces: Literal[True],
+          out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None)
+          -> tuple[NDArray[np.float64], NDArray[np.int32]]"
+        )
+    )]
     #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn hits<'py>(
         &self,
@@ -240,7 +272,10 @@ impl PyModel {
     }
 
     /// All changes of the medium, sorted by ray, then t: see `ModelCrossings`.
-    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
+        evaluator = None, threads: "int | None" = None
+    ) -> "ModelCrossings")]
     fn crossings<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -259,7 +294,10 @@ impl PyModel {
     /// `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
     /// Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
     /// `acceleration_bound(t0, t1)`.
-    #[pyo3(signature = (curves, t_min, t_max, *, threads = None))]
+    #[pyo3(signature = (
+        curves: "Trajectory | Iterable[Trajectory]", t_min: "float | ArrayLike", t_max: "float | ArrayLike",
+        *, threads: "int | None" = None
+    ) -> "ModelCrossings")]
     fn crossings_along<'py>(
         &self,
         curves: &Bound<'py, PyAny>,
@@ -271,7 +309,10 @@ impl PyModel {
     }
 
     /// The first change of the medium of each ray after t_min: see `ModelCrossings`.
-    #[pyo3(signature = (origins, directions, t_min = 0.0, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", t_min = 0.0, t_max = f64::INFINITY, *,
+        evaluator = None, threads: "int | None" = None
+    ) -> "ModelCrossings")]
     fn nearest<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -286,7 +327,10 @@ impl PyModel {
     }
 
     /// The pieces of each ray in one medium, from t_min to t_max: see `Partition`.
-    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
+        evaluator = None, threads: "int | None" = None
+    ) -> "Partition")]
     fn partition<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -302,7 +346,7 @@ impl PyModel {
     }
 
     /// Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,).
-    #[pyo3(signature = (points, *, evaluator = None, threads = None))]
+    #[pyo3(signature = (points: "ArrayLike", *, evaluator = None, threads: "int | None" = None))]
     fn contains<'py>(
         &self,
         points: &Bound<'py, PyAny>,
@@ -316,7 +360,9 @@ impl PyModel {
     /// Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
     /// texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
     /// of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
-    #[pyo3(signature = (occurrences, *, placed = false))]
+    #[pyo3(signature = (
+        occurrences: "NDArray[np.integer[Any]] | Sequence[int]", *, placed = false
+    ) -> "list[str]")]
     fn occurrence_paths<'py>(
         &self,
         occurrences: &Bound<'py, PyAny>,
@@ -327,7 +373,9 @@ impl PyModel {
 
     /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read
     /// it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
-    #[pyo3(signature = (origin, direction, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY))]
+    #[pyo3(signature = (
+        origin: "ArrayLike", direction: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY
+    ))]
     fn explain(
         &self,
         origin: &Bound<'_, PyAny>,
@@ -396,13 +444,12 @@ impl PyModel {
     }
 
     /// A picture of the model as an array: see `rayweave.render`, whose options these are.
-    #[pyo3(signature = (**options))]
+    #[pyo3(signature = (**options: "Any") -> "NDArray[Any]")]
     fn render<'py>(
         slf: &Bound<'py, Self>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let render = slf.py().import("rayweave._picture")?.getattr("render")?;
-        render.call((slf,), options)
+        render_method(slf.as_any(), options)
     }
 
     /// The picture that a notebook shows.
@@ -415,6 +462,7 @@ impl PyModel {
         slf
     }
 
+    #[pyo3(signature = (_memo: "dict[int, Any]"))]
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyDict>) -> Py<Self> {
         slf
     }

@@ -32,7 +32,7 @@ impl PyPolygons {
 /// The region bounded by closed contours, arrays of shape (N, 2): islands go around counter-clockwise, holes clockwise.
 /// `outside` is +1 or, if the outermost contours are holes, -1.
 #[pyfunction]
-#[pyo3(name = "from_polygons", signature = (contours, outside = 1))]
+#[pyo3(name = "from_polygons", signature = (contours: "Iterable[ArrayLike]", outside = 1))]
 pub fn region_from_polygons(
     py: Python<'_>,
     contours: &Bound<'_, PyAny>,
@@ -89,6 +89,7 @@ impl PyPolygons {
     /// The contours after simplification, without vertices that are not corners: arrays of shape
     /// (N, 2).
     #[getter]
+    #[cfg_attr(false, stub("() -> tuple[NDArray[np.float64], ...]"))]
     fn contours<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let array = |corners: &[[f64; 2]]| {
             let array = Array2::from_shape_fn((corners.len(), 2), |(k, axis)| corners[k][axis]);
@@ -98,6 +99,7 @@ impl PyPolygons {
     }
 
     /// The line origin + t direction: when it is inside.
+    #[pyo3(signature = (origin: "ArrayLike", direction: "ArrayLike"))]
     fn trace(&self, origin: &Bound<'_, PyAny>, direction: &Bound<'_, PyAny>) -> PyResult<PyRootRay> {
         let (origin, direction) = (pair(origin, "origin")?, pair(direction, "direction")?);
         let traced = self.0.trace(origin, direction).map_err(bad_value)?;
@@ -107,6 +109,7 @@ impl PyPolygons {
 
     /// Whether points (N, 2) or (2,) are inside: bool (N,). A point on the boundary has the side
     /// that the line along +x has just after it.
+    #[pyo3(signature = (points: "ArrayLike"))]
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let py = points.py();
         let rows = table::points::<2>(points, "points")?;
@@ -143,6 +146,7 @@ impl PyPolygons {
         slf
     }
 
+    #[pyo3(signature = (_memo: "dict[int, Any]"))]
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
         slf
     }

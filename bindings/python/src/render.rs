@@ -118,7 +118,7 @@ fn style(name: &str) -> PyResult<Style> {
 
 /// A picture of a solid or a model: see `rayweave.render`.
 #[pyfunction]
-#[pyo3(name = "render", signature = (subject, kind, arguments))]
+#[pyo3(name = "render", signature = (subject: "Solid | Model", kind, arguments) -> "NDArray[Any]")]
 pub fn render_array<'py>(
     subject: &Bound<'py, PyAny>,
     kind: &str,
@@ -132,7 +132,7 @@ pub fn render_array<'py>(
 
 /// A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`.
 #[pyfunction]
-#[pyo3(signature = (subject, title, is_one, arguments))]
+#[pyo3(signature = (subject: "Solid | Model", title, is_one, arguments))]
 pub fn sheet_svg(
     subject: &Bound<'_, PyAny>,
     title: &str,
@@ -175,7 +175,7 @@ fn with_channels<T: Element, const N: usize>(
 
 /// A picture as a PNG file for notebooks.
 #[pyfunction]
-#[pyo3(name = "notebook_png", signature = (subject))]
+#[pyo3(name = "notebook_png", signature = (subject: "Solid | Model"))]
 pub fn notebook_picture<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     notebook_png(subject.py(), &subject_of(subject)?)
 }

@@ -19,7 +19,7 @@ pub struct PyRootRay(RootRay);
 #[pymethods]
 impl PyRootRay {
     #[new]
-    #[pyo3(signature = (start, roots))]
+    #[pyo3(signature = (start: "int | Literal['outside', 'inside']", roots: "ArrayLike"))]
     fn new(start: &Bound<'_, PyAny>, roots: &Bound<'_, PyAny>) -> PyResult<Self> {
         let roots = list(roots, "roots")?;
         RootRay::from_times(side(start)?, roots)
@@ -29,7 +29,7 @@ impl PyRootRay {
 
     /// The root-ray of one column of a hit array: -inf entries give the start, equal entries cancel, +inf is dropped.
     #[staticmethod]
-    #[pyo3(signature = (column))]
+    #[pyo3(signature = (column: "ArrayLike"))]
     fn from_hits(column: &Bound<'_, PyAny>) -> PyResult<Self> {
         let column = list(column, "column")?;
         from_column(&column).map(PyRootRay).map_err(bad_value)
@@ -117,6 +117,8 @@ impl PyRootRay {
         2
     }
 
+    #[cfg_attr(false, stub("(index: Literal[0, -2]) -> int"))]
+    #[cfg_attr(false, stub("(index: Literal[1, -1]) -> list[float]"))]
     fn __getitem__<'py>(&self, py: Python<'py>, index: isize) -> PyResult<Bound<'py, PyAny>> {
         self.pair(py)?.as_any().get_item(index)
     }
@@ -203,7 +205,7 @@ pub fn least_separation(t1: f64, t2: f64) -> PyResult<f64> {
 
 /// All problems of a list of root times, as messages: see `rayweave.rootray.validate`.
 #[pyfunction]
-#[pyo3(signature = (roots))]
+#[pyo3(signature = (roots: "ArrayLike"))]
 pub fn root_problems(roots: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     let roots = list(roots, "roots")?;
     Ok(validate_times(roots).iter().map(ToString::to_string).collect())

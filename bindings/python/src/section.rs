@@ -74,6 +74,7 @@ impl PySection {
     }
 
     /// The contours of a part, each (N, 2): outlines counter-clockwise, holes clockwise; the last point is not the first again.
+    #[pyo3(signature = (name) -> "tuple[NDArray[np.float64], ...]")]
     fn contours<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyTuple>> {
         let Some(part) = self.section.part(name) else {
             let known = self.names().join(", ");
@@ -111,7 +112,10 @@ impl PySection {
 
 /// Sections of a solid or a model by a plane at some offsets: see `rayweave.section`.
 #[pyfunction]
-#[pyo3(signature = (subject, plane, point, normal, offsets, by, tolerance, columns, within, evaluator, threads))]
+#[pyo3(signature = (
+    subject: "Solid | Model", plane, point: "Sequence[float]", normal: "Sequence[float] | None", offsets, by,
+    tolerance, columns, within: "Sequence[Sequence[float]] | None", evaluator, threads: "int | None"
+))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]
 pub fn section_list(
     subject: &Bound<'_, PyAny>,

@@ -11,6 +11,7 @@ use crate::solid::PySolid;
 
 /// The manual pages of all shapes: dicts with the fields `name`, `parameters`, `equation`, `faces` and `text`.
 #[pyfunction]
+#[pyo3(signature = () -> "list[dict[str, Any]]")]
 pub fn manuals(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     MANUALS.iter().map(|manual| page(py, manual)).collect()
 }
@@ -30,6 +31,7 @@ fn parameter<'py>(py: Python<'py>, parameter: &Parameter) -> PyResult<Bound<'py,
     let dict = PyDict::new(py);
     dict.set_item("name", parameter.name)?;
     dict.set_item("kind", parameter.kind.to_string())?;
+    dict.set_item("type", parameter.kind.python_type())?;
     dict.set_item("unit", parameter.unit.to_string())?;
     dict.set_item("range", parameter.range.to_string())?;
     match parameter.kind {
@@ -44,7 +46,7 @@ fn parameter<'py>(py: Python<'py>, parameter: &Parameter) -> PyResult<Bound<'py,
 /// The shape of this name; `values` are those of all its parameters, in the order of the manual
 /// page.
 #[pyfunction]
-#[pyo3(signature = (name, values))]
+#[pyo3(signature = (name, values: "Sequence[Any]"))]
 pub fn shape(name: &str, values: Vec<Bound<'_, PyAny>>) -> PyResult<PySolid> {
     let parameters = manual(name).map_or(&[][..], |manual| manual.parameters);
     let arguments: PyResult<Vec<(&str, Value)>> = (parameters.iter().zip(&values))

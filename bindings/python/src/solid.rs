@@ -12,8 +12,8 @@ use rayweave::math::{Affine, Bounds, Vec3};
 use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
 
-use crate::drawing::{Subject, notebook_png};
-use crate::engine::{Engine, QueryOptions};
+use crate::drawing::{Subject, notebook_png, render_method};
+use crate::engine::{Engine, QueryOptions, computed};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
@@ -50,13 +50,8 @@ impl PySolid {
 
     /// The compiled solid.
     pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
-        if self.engine.get().is_none() {
-            let compile = || Engine::of_solid(Program::compile(&self.solid).map_err(bad_value)?);
-            let engine = py.detach(compile)?;
-            // another thread may have compiled it first
-            let _ = self.engine.set(engine);
-        }
-        self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
+        let compile = || Engine::of_solid(Program::compile(&self.solid).map_err(bad_value)?);
+        computed(py, &self.engine, compile)
     }
 
     fn apply(&self, map: Affine) -> Self {
@@ -67,14 +62,14 @@ impl PySolid {
 #[pymethods]
 impl PySolid {
     /// The solid moved by a vector.
-    #[pyo3(signature = (v))]
+    #[pyo3(signature = (v: "ArrayLike"))]
     fn translate(&self, v: &Bound<'_, PyAny>) -> PyResult<Self> {
         Ok(self.apply(Affine::translate(vector(v, "v")?)))
     }
 
     /// The solid turned about an axis through the origin, right-handed, by an angle in degrees. The axis need not be of unit
     /// length.
-    #[pyo3(signature = (axis, degrees))]
+    #[pyo3(signature = (axis: "ArrayLike", degrees))]
     fn rotate(&self, axis: &Bound<'_, PyAny>, degrees: f64) -> PyResult<Self> {
         let (axis, degrees) = (direction(axis, "axis")?, finite(degrees, "degrees")?);
         Ok(self.apply(Affine::rotation(axis, degrees)))
@@ -99,7 +94,7 @@ impl PySolid {
     }
 
     /// The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror.
-    #[pyo3(signature = (s))]
+    #[pyo3(signature = (s: "float | ArrayLike"))]
     fn scale(&self, s: &Bound<'_, PyAny>) -> PyResult<Self> {
         let factors = match s.extract::<f64>() {
             Ok(factor) => Vec3::splat(finite(factor, "s")?),
@@ -109,13 +104,13 @@ impl PySolid {
     }
 
     /// The solid mirrored in the plane through the origin with this normal, which need not be of unit length.
-    #[pyo3(signature = (normal))]
+    #[pyo3(signature = (normal: "ArrayLike"))]
     fn mirror(&self, normal: &Bound<'_, PyAny>) -> PyResult<Self> {
         Ok(self.apply(Affine::mirror(direction(normal, "normal")?)))
     }
 
     /// The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns, with the last row 0, 0, 0, 1.
-    #[pyo3(name = "transform", signature = (matrix))]
+    #[pyo3(name = "transform", signature = (matrix: "ArrayLike"))]
     fn transformed(&self, #[pyo3(from_py_with = matrix_argument)] matrix: Affine) -> Self {
         self.apply(matrix)
     }
@@ -159,7 +154,24 @@ impl PySolid {
     /// `out` is a float64 array of an even number of rows, enough for all columns, or with `return_surfaces` a pair of it and an
     /// int32 array of the same shape. The hits are written into it, and it is returned in place of a new one. It is fastest where
     /// its rows have no gaps. If there is an error, it may hold anything.
-    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, return_surfaces = false, out = None, evaluator = None, threads = None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
+        return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
+    ))]
+    #[cfg_attr(
+        false,
+        stub(
+            "(return_surfaces: Literal[False] = False, out: NDArray[np.float64] | None = None) -> NDArray[np.float64]"
+        )
+    )]
+    #[cfg_attr(
+        false,
+        stub(
+            "(return_surfaces: Literal[True],
+          out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None)
+          -> tuple[NDArray[np.float64], NDArray[np.int32]]"
+        )
+    )]
     #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn hits<'py>(
         &self,
@@ -177,7 +189,10 @@ impl PySolid {
     }
 
     /// All crossings of the surface, sorted by ray, then t: see `Crossings`.
-    #[pyo3(signature = (origins, directions, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
+        evaluator = None, threads: "int | None" = None
+    ) -> "Crossings")]
     fn crossings<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -196,7 +211,10 @@ impl PySolid {
     /// `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
     /// Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
     /// `acceleration_bound(t0, t1)`.
-    #[pyo3(signature = (curves, t_min, t_max, *, threads = None))]
+    #[pyo3(signature = (
+        curves: "Trajectory | Iterable[Trajectory]", t_min: "float | ArrayLike", t_max: "float | ArrayLike",
+        *, threads: "int | None" = None
+    ) -> "Crossings")]
     fn crossings_along<'py>(
         &self,
         curves: &Bound<'py, PyAny>,
@@ -209,7 +227,10 @@ impl PySolid {
 
     /// The first crossing of each ray after t_min: see `Crossings`. A ray that crosses nothing has t = inf, surface = -1, and NaN
     /// for point and normal.
-    #[pyo3(signature = (origins, directions, t_min = 0.0, t_max = f64::INFINITY, *, evaluator = None, threads = None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", t_min = 0.0, t_max = f64::INFINITY, *,
+        evaluator = None, threads: "int | None" = None
+    ) -> "Crossings")]
     fn nearest<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -226,7 +247,9 @@ impl PySolid {
     /// Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
     /// texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
     /// of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
-    #[pyo3(signature = (occurrences, *, placed = false))]
+    #[pyo3(signature = (
+        occurrences: "NDArray[np.integer[Any]] | Sequence[int]", *, placed = false
+    ) -> "list[str]")]
     fn occurrence_paths<'py>(
         &self,
         occurrences: &Bound<'py, PyAny>,
@@ -237,7 +260,9 @@ impl PySolid {
 
     /// Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read
     /// it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
-    #[pyo3(signature = (origin, direction, t_min = f64::NEG_INFINITY, t_max = f64::INFINITY))]
+    #[pyo3(signature = (
+        origin: "ArrayLike", direction: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY
+    ))]
     fn explain(
         &self,
         origin: &Bound<'_, PyAny>,
@@ -250,7 +275,7 @@ impl PySolid {
 
     /// Whether points (N, 3) or (3,) are inside: bool (N,). A point on the surface has the side of
     /// a ray that lies in the surface.
-    #[pyo3(signature = (points, *, evaluator = None, threads = None))]
+    #[pyo3(signature = (points: "ArrayLike", *, evaluator = None, threads: "int | None" = None))]
     fn contains<'py>(
         &self,
         points: &Bound<'py, PyAny>,
@@ -289,13 +314,12 @@ impl PySolid {
     }
 
     /// A picture of the solid as an array: see `rayweave.render`, whose options these are.
-    #[pyo3(signature = (**options))]
+    #[pyo3(signature = (**options: "Any") -> "NDArray[Any]")]
     fn render<'py>(
         slf: &Bound<'py, Self>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let render = slf.py().import("rayweave._picture")?.getattr("render")?;
-        render.call((slf,), options)
+        render_method(slf.as_any(), options)
     }
 
     /// The picture that a notebook shows.
@@ -308,6 +332,7 @@ impl PySolid {
         slf
     }
 
+    #[pyo3(signature = (_memo: "dict[int, Any]"))]
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyDict>) -> Py<Self> {
         slf
     }
@@ -374,14 +399,14 @@ pub fn universe() -> PySolid {
 
 /// The union of the solids; `empty()` if there are none.
 #[pyfunction]
-#[pyo3(signature = (solids))]
+#[pyo3(signature = (solids: "Iterable[Solid]"))]
 pub fn union(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(Solid::union(operands(solids)?)))
 }
 
 /// The intersection of the solids; `universe()` if there are none.
 #[pyfunction]
-#[pyo3(signature = (solids))]
+#[pyo3(signature = (solids: "Iterable[Solid]"))]
 pub fn intersection(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(Solid::intersection(operands(solids)?)))
 }
@@ -389,7 +414,7 @@ pub fn intersection(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
 /// The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The solid is
 /// compiled once, however many they are.
 #[pyfunction]
-#[pyo3(signature = (solid, transforms))]
+#[pyo3(signature = (solid, transforms: "ArrayLike"))]
 pub fn place(solid: PyRef<'_, PySolid>, transforms: &Bound<'_, PyAny>) -> PyResult<PySolid> {
     let maps = maps(transforms, "transforms")?;
     Ok(PySolid::from_solid(solid.solid.place(maps)))

@@ -49,7 +49,7 @@ fn draw(mut timeline: Timeline, window: Option<(f64, f64)>) -> PyResult<String> 
 
 /// Time line of one ray through a solid or a model, as SVG: see `rayweave.ray_timeline`.
 #[pyfunction]
-#[pyo3(signature = (subject, origin, direction, title, window))]
+#[pyo3(signature = (subject: "Solid | Model", origin: "ArrayLike", direction: "ArrayLike", title, window))]
 pub fn ray_timeline_svg(
     subject: &Bound<'_, PyAny>,
     origin: &Bound<'_, PyAny>,

@@ -244,3 +244,32 @@ def test_names_and_numbers_of_copies():
     again = pickle.loads(pickle.dumps(wall))
     assert again == wall and hash(again) == hash(wall) and other != wall
     assert again.occurrence_paths(again.nearest([0, 0, -5], [0, 0, 1]).occurrence) == ["wall/PMT[17]/bulb"]
+
+
+def test_files_elsewhere_need_permission(tmp_path: Path) -> None:
+    (tmp_path / "model").mkdir()
+    ball = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n"
+    (tmp_path / "part.off").write_text(ball)
+    path = tmp_path / "model" / "part.toml"
+    for name in ("../part.off", str(tmp_path / "part.off")):
+        text = f"rayweave = 1\n[solid.a]\nmesh = {{ file = '{name}' }}\n"
+        path.write_text(text)
+        with pytest.raises(rw.RayweaveError, match="outside the folder of the model.*`allow`"):
+            rw.load(path)
+        assert list(rw.load(path, allow=[tmp_path]).solids) == ["a"]
+    with pytest.raises(rw.RayweaveError, match="outside the folder of the model"):
+        rw.loads(text)
+    assert list(rw.loads(text, allow=[tmp_path / "part.off"]).solids) == ["a"]
+
+
+def test_warnings_are_errors_if_asked(tmp_path: Path) -> None:
+    (warning,) = rw.loads("rayweave = 1").warnings
+    assert "the model is empty" in warning
+    with pytest.raises(rw.RayweaveError, match="error: the model is empty"):
+        rw.loads("rayweave = 1", strict=True)
+    path = tmp_path / "part.csg"
+    path.write_text(DUMP + 'import(file = "gone.stl");\n')
+    with pytest.raises(rw.RayweaveError, match=r"error: import\(\) is left out"):
+        rw.load(path, strict=True)
+    with pytest.raises(rw.RayweaveError, match="unknown parameter `heavy`"):
+        rw.loads(TEXT.replace("index = 1.5", "index = 1.5\ndensity = 'heavy'"))

@@ -290,3 +290,44 @@ def test_phases_are_columns_on_request(tmp_path):
     system.trace_to(tmp_path / "rays.csv", light, phases=True)
     head = (tmp_path / "rays.csv").read_text().splitlines()[0]
     assert head.endswith("event,phase_s,phase_p")
+
+
+def in_threads(count, work):
+    """The results of `work` in some threads at once; an exception in one of them is raised here."""
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(count) as pool:
+        return [future.result(timeout=60) for future in [pool.submit(work) for _ in range(count)]]
+
+
+def test_threads_share_a_stream():
+    system = bench()
+    whole = system.trace(beams(), **SETTINGS)
+    stream = system.stream(beams(), rows=4_000, **SETTINGS)
+    parts = [part for some in in_threads(4, lambda: list(stream)) for part in some]
+    assert sum(part.rows for part in parts) == whole.rows
+    # each batch has consecutive rows
+    parts.sort(key=lambda part: part["id"][0])
+    np.testing.assert_array_equal(np.concatenate([part["id"] for part in parts]), whole["id"])
+    np.testing.assert_array_equal(np.concatenate([part["x1"] for part in parts]), whole["x1"])
+    assert stream.balance == whole.balance
+
+
+def test_a_closed_stream_ends_in_all_threads():
+    stream = bench().stream(beams(2_000_000), rows=1_000, **SETTINGS)
+    taken = threading.Semaphore(0)
+
+    def work():
+        count = 0
+        for _ in stream:
+            count += 1
+            taken.release()
+            if count == 3:
+                stream.close()
+        return count
+
+    counts = in_threads(4, work)
+    assert sum(counts) >= 3
+    assert list(stream) == []
+    with pytest.raises(RayweaveError, match="take all batches first"):
+        stream.balance  # noqa: B018

@@ -95,6 +95,8 @@ def test_a_paraboloid_out_of_focus() -> None:
     h = 0.5 * aperture * np.arange(9) / 8
     reach = h * shift / (f - h**2 / (4 * f))
     weights = [1, *(6 * k for k in range(1, 9))]
+    centroid = image.spot().centroid
+    assert isinstance(centroid, tuple) and centroid == pytest.approx((0, 0), abs=1e-9)
     assert image.spot().rms == pytest.approx(math.sqrt(np.average(reach**2, weights=weights)), rel=1e-9)
     assert image.spot().geometric == pytest.approx(reach[-1], rel=1e-9)
     # light travels back: the image moves along the axis of the world

@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use clap::Args;
-use rayweave::formats::{self, Format, Imported, Options};
+use rayweave::formats::{self, Format, Imported, LossKind, Options};
 use rayweave::scene::{Document, Scene, Unit};
 use rayweave::{Bounds, Vec3};
 use std::num::NonZeroUsize;
@@ -46,6 +46,19 @@ pub struct ModelArguments {
     #[arg(long, value_name = "UNIT", value_parser = Unit::ALL.map(|(_, symbol, _)| symbol))]
     pub unit: Option<String>,
 
+    /// Let the model read this file, or the files in this folder and below; otherwise it reads only files in its own folder and
+    /// below. May be repeated
+    #[arg(long = "allow-path", value_name = "PATH")]
+    pub allow: Vec<PathBuf>,
+
+    /// Treat warnings as errors
+    #[arg(long)]
+    pub strict: bool,
+
+    /// Answer although parts of the geometry of the model are missing, such as imported files or items that are not supported
+    #[arg(long)]
+    pub allow_missing: bool,
+
     /// Set a parameter of the model; the value may be an arithmetic expression of other parameters.
     /// May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
@@ -53,12 +66,32 @@ pub struct ModelArguments {
 }
 
 impl ModelArguments {
-    /// Reads the model file. Warnings go to standard error.
+    /// Reads the model file for an answer that depends on all of its geometry. Warnings go to standard error.
     pub fn load(&self) -> Result<Scene, Failure> {
-        self.import().map(|imported| imported.scene)
+        self.import_all().map(|imported| imported.scene)
     }
 
-    /// Reads the model file, and records the losses of the import. Warnings go to standard error.
+    /// Reads the model file like [`load`](Self::load), and records the losses of the import.
+    pub fn import_all(&self) -> Result<Imported, Failure> {
+        self.all_of(&self.model, self.import()?)
+    }
+
+    /// Rejects a model of which a part of the geometry is missing: numbers about it would be wrong.
+    fn all_of(&self, path: &Path, imported: Imported) -> Result<Imported, Failure> {
+        let missing = imported.report.count(LossKind::Refused);
+        if missing == 0 || self.allow_missing {
+            return Ok(imported);
+        }
+        let items = if missing == 1 { "one item is left out" } else { "several items are left out" };
+        let text = format!(
+            "{}: a part of the geometry is missing: {items}, and the answer would be wrong. Correct the model, or accept it \
+             with --allow-missing.",
+            path.display()
+        );
+        Err(Failure::Input(text))
+    }
+
+    /// Reads what there is of the model file, and records the losses of the import. Warnings go to standard error.
     pub fn import(&self) -> Result<Imported, Failure> {
         self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions)
     }
@@ -71,7 +104,7 @@ impl ModelArguments {
         format: Option<&str>,
         unit: Option<&str>,
     ) -> Result<Scene, Failure> {
-        self.read(path, format, unit, &[]).map(|imported| imported.scene)
+        self.all_of(path, self.read(path, format, unit, &[])?).map(|imported| imported.scene)
     }
 
     fn read(
@@ -85,6 +118,8 @@ impl ModelArguments {
             facets: self.facets,
             fonts: self.fonts.clone(),
             repair: self.repair,
+            allow: self.allow.clone(),
+            strict: self.strict,
             unit: unit.and_then(Unit::parse),
         };
         let imported = formats::load(path, format.and_then(Format::from_name), definitions, &options);
@@ -95,7 +130,7 @@ impl ModelArguments {
 
     /// Reads the model file and keeps its document, for commands that read additional tables.
     pub fn load_document(&self) -> Result<(Document, Scene), Failure> {
-        let imported = self.import()?;
+        let imported = self.import_all()?;
         Ok((imported.document(), imported.scene))
     }
 

@@ -2,6 +2,7 @@
 
 use rayweave::{Error, ErrorKind};
 use std::io;
+use std::path::Path;
 
 /// The reason why a run ended early.
 pub enum Failure {
@@ -57,6 +58,15 @@ impl<E: Into<Error>> From<E> for Failure {
             () => Failure::Library(error),
         }
     }
+}
+
+/// The failure of a strict run that would not write all of a model.
+pub fn lossy(out: &Path) -> Failure {
+    let text = format!(
+        "{} is not written: it would not hold all of the model, and --strict is given.",
+        out.display()
+    );
+    Failure::Input(text)
 }
 
 /// Converts an error of writing to standard output.

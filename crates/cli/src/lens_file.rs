@@ -4,7 +4,7 @@
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
 use crate::terminal::{self, short};
-use rayweave::lens::analysis::{NEEDS_AIMING, hexapolar};
+use rayweave::lens::analysis::{hexapolar, needs_aiming};
 use rayweave::lens::prescription::{FieldKind, IMAGE, Prescription, PrescriptionError, read_zmx};
 use rayweave::optics::file::OpticalScene;
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
@@ -50,6 +50,9 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
         Failure::Input(lines.join("\nerror: "))
     };
     let read = read_zmx(&bytes).map_err(|error| wrong(&error))?;
+    if let (true, Some(note)) = (model.strict, read.notes.first()) {
+        return Err(Failure::Input(format!("{name}: {note}")));
+    }
     for note in &read.notes {
         terminal::caution(&format!("{name}: {note}"));
     }
@@ -103,12 +106,7 @@ fn beam(
     name: &str,
 ) -> Result<Beam, PrescriptionError> {
     let pupil = hexapolar(RINGS);
-    let is_far = match lens.principal_point(field, wavelength_nm) {
-        Ok([x, y]) => x.hypot(y) > NEEDS_AIMING,
-        Err(PrescriptionError::Lost { .. }) => false,
-        Err(error) => return Err(error),
-    };
-    if !is_far {
+    if !needs_aiming(lens, field, wavelength_nm)? {
         return lens.beam(field, wavelength_nm, &pupil);
     }
     let aimed = pupil.iter().filter_map(|&point| lens.beam_at_stop(field, wavelength_nm, &[point]).ok());

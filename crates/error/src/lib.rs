@@ -9,4 +9,4 @@ mod similar;
 
 pub use kind::{Classified, ErrorKind};
 pub use message::Message;
-pub use similar::{closest, did_you_mean};
+pub use similar::{closest, did_you_mean, with_limited_suggestions};

@@ -1,7 +1,43 @@
 //! Names that are spelt alike.
 
+use std::cell::Cell;
+
 /// The most characters of a name that is compared: an edit distance takes time in proportion to the product of the lengths.
 const MOST_CHARACTERS: usize = 64;
+
+/// The work that [`with_limited_suggestions`] allows: pairs of characters compared, and candidates looked at. It takes about a
+/// second.
+const MOST_WORK: usize = 20_000_000;
+
+thread_local! {
+    /// The work that is left for suggestions on this thread; without a limit, `None`.
+    static LEFT: Cell<Option<usize>> = const { Cell::new(None) };
+}
+
+/// Reads a file with a limit for the work on suggestions: a file with many misspelt names gets them for the first ones only. Where
+/// calls are nested, the outermost one sets the limit.
+pub fn with_limited_suggestions<T>(read: impl FnOnce() -> T) -> T {
+    /// Restores the limit, even after a panic.
+    struct Restore(Option<usize>);
+    impl Drop for Restore {
+        fn drop(&mut self) {
+            LEFT.set(self.0);
+        }
+    }
+    if LEFT.get().is_some() {
+        return read();
+    }
+    let _restore = Restore(LEFT.replace(Some(MOST_WORK)));
+    read()
+}
+
+/// Uses up some work; false if there is not enough left.
+fn take_work(amount: usize) -> bool {
+    let Some(left) = LEFT.get() else { return true };
+    let rest = left.checked_sub(amount);
+    LEFT.set(Some(rest.unwrap_or(0)));
+    rest.is_some()
+}
 
 /// The candidate that a name is probably a misspelling of, if there is one: at most a third of the letters differ, whatever
 /// their case. `None` for names of more than 64 characters.
@@ -20,7 +56,8 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
 
 /// The candidates with the fewest edits from a name, whatever the case of letters; first those that share the most pairs of
 /// letters with it (`n-bk7` rather than `k7` for `bk7`), then in alphabetical order. `most_edits` bounds the edits of a
-/// candidate. Names of more than 64 characters match nothing.
+/// candidate. Names of more than 64 characters match nothing, and no name does after the work that
+/// [`with_limited_suggestions`] allows.
 ///
 /// Edits are the Damerau-Levenshtein distance: letters left out, added, changed, or swapped with their neighbour.
 pub fn closest<'a>(
@@ -35,10 +72,16 @@ pub fn closest<'a>(
     let lower = name.to_lowercase();
     let mut found: Vec<(Unlikeness, &str)> = Vec::new();
     for candidate in candidates {
+        if !take_work(1) {
+            return Vec::new();
+        }
         let (most, other) = (most_edits(candidate), candidate.chars().count());
         // the distance is at least the difference of the lengths, which costs much less to compute
         if other > MOST_CHARACTERS || other.abs_diff(length) > most {
             continue;
+        }
+        if !take_work(length * other) {
+            return Vec::new();
         }
         let unlikeness = Unlikeness::between(&lower, &candidate.to_lowercase());
         if unlikeness.edits <= most {
@@ -89,6 +132,23 @@ mod tests {
     fn ties_go_to_shared_pairs_of_letters_then_to_the_alphabet() {
         assert_eq!(closest("bk7", ["k7", "nbk7", "sf11"], |_| 1), ["nbk7", "k7"]);
         assert_eq!(closest("az", ["ac", "ab"], |_| 1), ["ab", "ac"]);
+    }
+
+    #[test]
+    fn the_work_for_one_file_has_a_limit() {
+        let names: Vec<String> = (0..2000).map(|k| format!("volume_with_a_long_name_{k:04}")).collect();
+        let ask = |k: usize| {
+            did_you_mean(&format!("volume_with_a_lnog_name_{k:04}"), names.iter().map(String::as_str))
+        };
+        let found = with_limited_suggestions(|| (0..2000).filter(|&k| ask(k).is_some()).count());
+        assert!((1..100).contains(&found), "{found}");
+        // the next file has a limit of its own, and there is none outside
+        assert!(with_limited_suggestions(|| ask(7)).is_some());
+        assert_eq!(ask(7), Some(names[7].as_str()));
+        let nested = with_limited_suggestions(|| {
+            (0..2000).filter(|&k| with_limited_suggestions(|| ask(k)).is_some()).count()
+        });
+        assert_eq!(nested, found);
     }
 
     #[test]

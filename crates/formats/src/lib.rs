@@ -36,6 +36,7 @@ pub use report::{Loss, LossKind, Report};
 pub use save::save;
 pub use write::{Remark, RemarkKind, WriteError, WriteOptions, Written, write};
 
+use rayweave_error::with_limited_suggestions;
 use rayweave_scene::{Diagnostics, Document, Scene, Source};
 use std::path::Path;
 use std::sync::Arc;
@@ -45,7 +46,8 @@ use std::sync::Arc;
 ///
 /// # Errors
 ///
-/// All problems of the file at once, if it does not have the format or too much of it is wrong.
+/// All problems of the file at once, if it does not have the format or too much of it is wrong; all warnings, if they are
+/// errors ([`Options::strict`]).
 pub fn load(
     path: impl AsRef<Path>,
     format: Option<Format>,
@@ -53,12 +55,12 @@ pub fn load(
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     let path = path.as_ref();
-    match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
+    let imported = match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
         Format::Native => {
             let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
             report::refuse_unit(&source, Format::Native, options)?;
             report::refuse_program(&source, path, format)?;
-            rayweave_scene::load(path, overrides).map(native)
+            rayweave_scene::load_allowing(path, overrides, &options.allow).map(native)
         }
         Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
         Format::Mesh(kind) => {
@@ -67,7 +69,8 @@ pub fn load(
             mesh::load(path, kind, options)
         }
         other => understand(Source::read(path)?, other, overrides, options),
-    }
+    };
+    strictly(imported?, options)
 }
 
 /// Reads a model from text. File names in it are relative to the current folder.
@@ -81,9 +84,18 @@ pub fn parse(
     overrides: &[(String, String)],
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
-    match format {
-        Format::Native => rayweave_scene::parse_with(text, overrides).map(native),
+    let imported = match format {
+        Format::Native => rayweave_scene::parse_allowing(text, overrides, &options.allow).map(native),
         other => understand(Source::new(None, text.to_owned()), other, overrides, options),
+    };
+    strictly(imported?, options)
+}
+
+/// Rejects a model with warnings, if they are errors.
+fn strictly(imported: Imported, options: &Options) -> Result<Imported, Diagnostics> {
+    match options.strict && !imported.scene.warnings.is_empty() {
+        true => Err(imported.scene.warnings.into_errors()),
+        false => Ok(imported),
     }
 }
 
@@ -99,8 +111,10 @@ fn understand(
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     let source = Arc::new(source);
-    match format {
-        Format::Native => rayweave_scene::parse_with(source.text(), overrides).map(native),
+    with_limited_suggestions(|| match format {
+        Format::Native => {
+            rayweave_scene::parse_allowing(source.text(), overrides, &options.allow).map(native)
+        }
         Format::OpenScad => {
             report::refuse_overrides(&source, format, overrides)?;
             let (mut scene, report) = openscad::read(&source, options)?;
@@ -116,5 +130,5 @@ fn understand(
             report::refuse_overrides(&source, format, overrides)?;
             mesh::parse(&source, kind, options)
         }
-    }
+    })
 }

@@ -10,13 +10,15 @@
 
 use crate::{Format, Imported, LossKind, Options, Report};
 use rayweave_math::Vec3;
-use rayweave_mesh::{Diagnosis, Mesh, MeshError, Polyhedron, Repair};
+use rayweave_mesh::{Diagnosis, Mesh, MeshError, PairBudget, Polyhedron, Repair};
 use rayweave_mesh_io::{self as mesh_io, FileError, LoadedMesh, MeshFormat, ReadOptions};
 use rayweave_model::Solid;
 use rayweave_scene::{
     Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit, memory,
 };
 use rayweave_shape::primitive::{self, Primitive};
+use rayweave_table::AllowedFiles;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,7 +26,8 @@ use std::sync::Arc;
 pub(crate) fn load(path: &Path, format: MeshFormat, options: &Options) -> Result<Imported, Diagnostics> {
     let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
     let limits = limits();
-    let loaded = mesh_io::read(path, Some(format), &limits);
+    let files = AllowedFiles::of_model(Some(path), &options.allow);
+    let loaded = mesh_io::read_allowed(path, Some(format), &limits, &files);
     Import::new(&source, format, options).scene(loaded, &limits)
 }
 
@@ -50,14 +53,16 @@ struct Import<'a> {
     format: MeshFormat,
     options: &'a Options,
     report: Report,
+    /// For all objects of the file together.
+    pairs: PairBudget,
     warnings: Vec<Diagnostic>,
     problems: Vec<Diagnostic>,
 }
 
 impl<'a> Import<'a> {
     fn new(source: &'a Arc<Source>, format: MeshFormat, options: &'a Options) -> Import<'a> {
-        let report = Report::default();
-        Import { source, format, options, report, warnings: Vec::new(), problems: Vec::new() }
+        let (report, pairs) = (Report::default(), PairBudget::default());
+        Import { source, format, options, report, pairs, warnings: Vec::new(), problems: Vec::new() }
     }
 
     fn scene(
@@ -147,7 +152,7 @@ impl<'a> Import<'a> {
             mesh = mended;
             self.tell_repairs(&what, &done);
         }
-        let diagnosis = mesh.diagnose();
+        let diagnosis = mesh.diagnose_within(&mut self.pairs);
         match Polyhedron::closed(&mesh, &diagnosis) {
             Ok(solid) => {
                 self.warn(&what, &diagnosis);
@@ -183,8 +188,9 @@ impl<'a> Import<'a> {
 fn scene(solids: Vec<(String, Polyhedron)>, unit: Unit) -> Scene {
     let mut media = vec![Medium { name: "world".to_owned(), ..Medium::default() }];
     let mut regions: Vec<SceneRegion> = Vec::new();
+    let mut names = Names::default();
     for (number, (name, polyhedron)) in solids.into_iter().enumerate() {
-        let name = free_name(&name, &regions);
+        let name = names.free(&name);
         media.push(Medium { name: name.clone(), ..Medium::default() });
         let solid = Solid::from(Primitive::from(primitive::Mesh::from(polyhedron))).named(&name);
         let colour = Colour::numbered(number);
@@ -203,11 +209,24 @@ fn scene(solids: Vec<(String, Polyhedron)>, unit: Unit) -> Scene {
     }
 }
 
-/// The name, or `part` if it is empty, with a number if it is taken.
-fn free_name(name: &str, regions: &[SceneRegion]) -> String {
-    let name = if name.is_empty() || name == "world" { "part" } else { name };
-    let numbered = (2..).map(|k| format!("{name}{k}"));
-    let mut names = std::iter::once(name.to_owned()).chain(numbered);
-    let is_free = |name: &String| regions.iter().all(|region| region.name != *name);
-    names.find(is_free).unwrap_or_default()
+/// The names of regions so far.
+#[derive(Default)]
+struct Names {
+    taken: HashSet<String>,
+    /// For a name that was asked for several times the next number to try: thousands of objects may have one name.
+    next: HashMap<String, u64>,
+}
+
+impl Names {
+    /// The name, or `part` if it is empty, with a number if it is taken.
+    fn free(&mut self, name: &str) -> String {
+        let name = if name.is_empty() || name == "world" { "part" } else { name };
+        let mut free = name.to_owned();
+        while !self.taken.insert(free.clone()) {
+            let next = self.next.entry(name.to_owned()).or_insert(2);
+            free = format!("{name}{next}");
+            *next += 1;
+        }
+        free
+    }
 }

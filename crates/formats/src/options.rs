@@ -13,6 +13,11 @@ pub struct Options {
     pub fonts: Vec<PathBuf>,
     /// Repair of meshes that are not closed or not consistently oriented, as far as that is safe.
     pub repair: bool,
+    /// Files and folders that a model may read besides those in its folder and below. A model without a file may read files in
+    /// the current folder and below.
+    pub allow: Vec<PathBuf>,
+    /// Whether warnings are errors.
+    pub strict: bool,
     /// Unit of length for formats without units (STL, OBJ, PLY, OFF and OpenSCAD dumps); default: millimetres.
     pub unit: Option<Unit>,
 }

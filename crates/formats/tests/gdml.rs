@@ -10,6 +10,8 @@ mod skip;
 mod solids;
 #[path = "gdml/structure.rs"]
 mod structure;
+#[path = "gdml/warned.rs"]
+mod warned;
 #[path = "gdml/written.rs"]
 mod written;
 

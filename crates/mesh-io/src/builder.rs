@@ -3,7 +3,7 @@
 use crate::loaded::MeshObject;
 use crate::{FileError, LoadedMesh, Location, ReadOptions};
 use rayweave_math::Vec3;
-use rayweave_mesh::{Mesh, MeshError, VertexWelder, triangulate_polygon};
+use rayweave_mesh::{EarBudget, Mesh, MeshError, VertexWelder, triangulate_polygon};
 
 /// Collector for formats with numbered vertices.
 pub struct MeshBuilder<'a> {
@@ -12,6 +12,8 @@ pub struct MeshBuilder<'a> {
     pub triangles: Vec<[u32; 3]>,
     /// Number of faces with more than three corners that do not lie in a plane.
     non_planar: usize,
+    /// For all polygons of the file together.
+    ears: EarBudget,
     pub warnings: Vec<String>,
     /// Names of objects and the index of their first triangle.
     pub object_starts: Vec<(String, usize)>,
@@ -24,6 +26,7 @@ impl<'a> MeshBuilder<'a> {
             vertices: Vec::new(),
             triangles: Vec::new(),
             non_planar: 0,
+            ears: EarBudget::default(),
             warnings: Vec::new(),
             object_starts: Vec::new(),
         }
@@ -53,7 +56,7 @@ impl<'a> MeshBuilder<'a> {
             3 => self.triangles.push([0, 1, 2].map(corner)),
             _ => {
                 let corners: Vec<u32> = corners.iter().map(|&vertex| vertex as u32).collect();
-                let (triangles, is_plane) = triangulate_polygon(&self.vertices, &corners);
+                let (triangles, is_plane) = triangulate_polygon(&self.vertices, &corners, &mut self.ears);
                 self.non_planar += usize::from(!is_plane);
                 self.triangles.extend(triangles);
             }

@@ -2,6 +2,7 @@
 
 use rayweave_error::Message;
 use rayweave_mesh::MeshError;
+use rayweave_table::RefusedFile;
 use std::fmt;
 
 /// A place in a file.
@@ -38,6 +39,9 @@ pub enum FileError {
     /// The operating system reports an error.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// The file may not be read, or is not a regular file.
+    #[error("{0}")]
+    Refused(RefusedFile),
     /// The file violates its format, or uses a part of the format that is not supported.
     #[error("{location}: {message}")]
     Syntax {
@@ -54,6 +58,15 @@ pub enum FileError {
         /// The reason.
         error: MeshError,
     },
+}
+
+impl From<RefusedFile> for FileError {
+    fn from(refused: RefusedFile) -> FileError {
+        match refused {
+            RefusedFile::Io(error) => FileError::Io(error),
+            other => FileError::Refused(other),
+        }
+    }
 }
 
 impl FileError {

@@ -5,21 +5,29 @@
 //! materials and animations do not affect the solid. Coordinates are kept as they are: in metres, y up. Compressed and sparse
 //! accessors are rejected.
 
+use crate::budget::check_repetition;
 use crate::builder::{MeshBuilder, check_limit};
 use crate::{FileError, LoadedMesh, Location, ReadOptions};
 use rayweave_error::Message;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_mesh::Mesh;
+use rayweave_table::{AllowedFiles, RefusedFile};
 use serde_json::{Value, json};
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::io::{self, Read, Write};
 use std::path::Path;
+use std::rc::Rc;
 
 /// The magic numbers of a GLB file and of its two chunks.
 const MAGIC: &[u8; 4] = b"glTF";
 const JSON: u32 = 0x4e4f_534a;
 const BINARY: u32 = 0x004e_4942;
-/// The maximal size of a file or buffer, which is read into memory, in bytes.
+/// The maximal size of a file, which is read into memory, in bytes.
 const MAX_BYTES: u64 = 1 << 31;
+/// The maximal size of all buffers outside of the binary chunk together, in bytes: coordinates and corners of 20 million vertices
+/// and triangles take 480 MB.
+const MAX_BUFFER_BYTES: u64 = 1 << 29;
 
 /// Component types of accessors.
 const BYTE: u64 = 5120;
@@ -32,7 +40,7 @@ const FLOAT: u64 = 5126;
 pub fn read(
     mut from: impl Read,
     length: u64,
-    folder: Option<&Path>,
+    folder: Option<(&Path, &AllowedFiles)>,
     options: &ReadOptions,
 ) -> Result<LoadedMesh, FileError> {
     if length > MAX_BYTES {
@@ -45,8 +53,7 @@ pub fn read(
     reject_version_1(root["asset"]["version"].as_str(), root["meshes"].is_object())?;
     reject_extensions(&root)?;
     let buffers = buffers(&root, binary, folder)?;
-    let mut scene =
-        SceneReader { root: &root, buffers, builder: MeshBuilder::new(options), ignored: 0, options };
+    let mut scene = SceneReader::new(&root, buffers, length, options);
     scene.read()?;
     let SceneReader { mut builder, ignored, .. } = scene;
     if ignored > 0 {
@@ -141,45 +148,83 @@ fn entry<'a>(root: &'a Value, name: &str, index: &Value) -> Result<&'a Value, Fi
     })
 }
 
-/// The contents of all buffers: the binary chunk, a data URI, or a file beside the document.
-fn buffers(root: &Value, binary: Option<&[u8]>, folder: Option<&Path>) -> Result<Vec<Vec<u8>>, FileError> {
-    let mut all = Vec::new();
+/// The contents of all buffers: the binary chunk, a data URI, or a file beside the document. Buffers of the same URI share them.
+fn buffers<'a>(
+    root: &'a Value,
+    binary: Option<&'a [u8]>,
+    folder: Option<(&Path, &AllowedFiles)>,
+) -> Result<Vec<Rc<Cow<'a, [u8]>>>, FileError> {
+    let mut all: Vec<Rc<Cow<[u8]>>> = Vec::new();
+    let mut known: HashMap<&str, Rc<Cow<[u8]>>> = HashMap::new();
+    let mut left = MAX_BUFFER_BYTES;
     for (index, buffer) in list(root, "buffers").iter().enumerate() {
-        all.push(match (buffer["uri"].as_str(), binary) {
-            (None, Some(binary)) if index == 0 => binary.to_vec(),
+        let contents = match (buffer["uri"].as_str(), binary) {
+            (None, Some(binary)) if index == 0 => Rc::new(Cow::Borrowed(binary)),
             (None, _) => {
                 return Err(invalid(
                     format!("buffer {index} has no data"),
                     "it has no URI, and no binary chunk is left",
                 ));
             }
-            (Some(uri), _) => match uri.split_once(";base64,") {
-                Some((head, text)) if head.starts_with("data:") => {
-                    let problem = || invalid(format!("buffer {index} is invalid"), "its URI is not base64");
-                    from_base64(text).ok_or_else(problem)?
+            (Some(uri), _) => match known.get(uri) {
+                Some(contents) => contents.clone(),
+                None => {
+                    let contents = contents(index, uri, folder, left)?;
+                    left -= (contents.len() as u64).min(left);
+                    let contents = Rc::new(Cow::<[u8]>::Owned(contents));
+                    known.insert(uri, contents.clone());
+                    contents
                 }
-                _ => read_external(uri, folder)?,
             },
-        });
+        };
+        all.push(contents);
     }
     Ok(all)
 }
 
-/// The contents of an external buffer, which must be in the folder of the document or below it.
-fn read_external(uri: &str, folder: Option<&Path>) -> Result<Vec<u8>, FileError> {
-    let is_plain = |part| matches!(part, std::path::Component::Normal(_));
-    let path = folder.filter(|_| Path::new(uri).components().all(is_plain)).map(|folder| folder.join(uri));
-    let outside =
-        || invalid(format!("the buffer `{uri}` is not read"), "it is outside the folder of the file");
-    let path = path.ok_or_else(outside)?;
-    let named = |error: io::Error| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
-    if std::fs::metadata(&path).map_err(named)?.len() > MAX_BYTES {
-        return Err(invalid(
-            format!("the buffer `{uri}` is too large"),
-            format!("the limit is {MAX_BYTES} bytes"),
-        ));
+/// The contents of a buffer with a URI, at most `left` bytes.
+fn contents(
+    index: usize,
+    uri: &str,
+    folder: Option<(&Path, &AllowedFiles)>,
+    left: u64,
+) -> Result<Vec<u8>, FileError> {
+    match uri.split_once(";base64,") {
+        Some((head, text)) if head.starts_with("data:") => {
+            if text.len() as u64 / 4 * 3 > left {
+                return Err(too_large(index));
+            }
+            let problem = || invalid(format!("buffer {index} is invalid"), "its URI is not base64");
+            from_base64(text).ok_or_else(problem)
+        }
+        _ => read_external(index, uri, folder, left),
     }
-    std::fs::read(&path).map_err(named)
+}
+
+fn too_large(index: usize) -> FileError {
+    let reason = format!("together the buffers may have {MAX_BUFFER_BYTES} bytes");
+    invalid(format!("buffer {index} is too large"), reason)
+}
+
+/// The contents of an external buffer, with its name relative to the folder of the document.
+fn read_external(
+    index: usize,
+    uri: &str,
+    folder: Option<(&Path, &AllowedFiles)>,
+    left: u64,
+) -> Result<Vec<u8>, FileError> {
+    let refused =
+        |error: RefusedFile| invalid(format!("the buffer `{uri}` cannot be read"), error.to_string());
+    let (folder, files) = folder.ok_or_else(|| refused(RefusedFile::Outside))?;
+    let file = files.open(&folder.join(uri)).map_err(refused)?;
+    let unreadable = |error: io::Error| refused(RefusedFile::Io(error));
+    if file.metadata().map_err(unreadable)?.len() > left {
+        return Err(too_large(index));
+    }
+    // the file may grow meanwhile
+    let mut bytes = Vec::new();
+    file.take(left + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    if bytes.len() as u64 > left { Err(too_large(index)) } else { Ok(bytes) }
 }
 
 const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -213,14 +258,28 @@ fn to_base64(bytes: &[u8]) -> String {
 /// Reader of the scene graph.
 struct SceneReader<'a> {
     root: &'a Value,
-    buffers: Vec<Vec<u8>>,
+    buffers: Vec<Rc<Cow<'a, [u8]>>>,
     builder: MeshBuilder<'a>,
     /// Number of primitives without triangles.
     ignored: usize,
+    /// The length of the file with its external buffers, in bytes.
+    length: u64,
     options: &'a ReadOptions,
 }
 
-impl SceneReader<'_> {
+impl<'a> SceneReader<'a> {
+    fn new(
+        root: &'a Value,
+        buffers: Vec<Rc<Cow<'a, [u8]>>>,
+        length: u64,
+        options: &'a ReadOptions,
+    ) -> SceneReader<'a> {
+        let mut seen = HashSet::new();
+        let external = buffers.iter().filter(|buffer| seen.insert(buffer.as_ptr()));
+        let length = length + external.map(|buffer| buffer.len() as u64).sum::<u64>();
+        SceneReader { root, buffers, builder: MeshBuilder::new(options), ignored: 0, length, options }
+    }
+
     /// Reads the meshes of all nodes of the scene, or of all root nodes if there is no scene.
     fn read(&mut self) -> Result<(), FileError> {
         let root = self.root;
@@ -264,6 +323,7 @@ impl SceneReader<'_> {
                 continue;
             }
             let first = self.builder.vertices.len() as u64;
+            self.check_repetition(primitive)?;
             let positions = self.numbers(&primitive["attributes"]["POSITION"], "VEC3")?;
             for p in positions.chunks_exact(3) {
                 self.builder.add_vertex(map.point(Vec3::new(p[0], p[1], p[2])), Location::Byte(0))?;
@@ -277,6 +337,17 @@ impl SceneReader<'_> {
             self.triangles(&corners, mode, first, is_mirror)?;
         }
         Ok(())
+    }
+
+    /// Rejects a primitive that makes more elements than a file of this length may.
+    fn check_repetition(&self, primitive: &Value) -> Result<(), FileError> {
+        let count = |index: &Value| match index {
+            Value::Null => Ok::<_, FileError>(0),
+            index => Ok(entry(self.root, "accessors", index)?["count"].as_u64().unwrap_or(0)),
+        };
+        let more = count(&primitive["attributes"]["POSITION"])?.max(count(&primitive["indices"])?);
+        let made = self.builder.vertices.len().max(self.builder.triangles.len()) as u64;
+        check_repetition("vertices and triangles", made.saturating_add(more), self.length, Location::Byte(0))
     }
 
     fn triangles(
@@ -372,7 +443,7 @@ fn number(bytes: &[u8], at: usize, component: u64) -> f64 {
 
 /// The nodes without a parent.
 fn root_nodes(nodes: &[Value]) -> impl Iterator<Item = u64> {
-    let children: Vec<u64> =
+    let children: HashSet<u64> =
         nodes.iter().flat_map(|node| list(node, "children")).filter_map(Value::as_u64).collect();
     (0..nodes.len() as u64).filter(move |k| !children.contains(k))
 }

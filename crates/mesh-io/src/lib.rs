@@ -2,7 +2,8 @@
 //!
 //! Readers are safe on malformed input: a count in a header is compared with the length of the file before anything is
 //! allocated, the length of lines is limited, and NaN or infinite numbers are rejected with their location. Faces with more than
-//! three corners are triangulated.
+//! three corners are triangulated. The parts of an archive may expand to 16 MiB or 32 times its length; meshes that a file uses
+//! several times may make a million vertices and triangles, or 2 for each byte of the file.
 //!
 //! | format | read | written | unit |
 //! | --- | --- | --- | --- |
@@ -22,6 +23,7 @@
 //! # Ok::<(), rayweave_mesh_io::FileError>(())
 //! ```
 
+mod budget;
 mod builder;
 mod error;
 mod format;
@@ -42,5 +44,5 @@ pub use error::{FileError, Location};
 pub use format::MeshFormat;
 pub use loaded::{LoadedMesh, MeshObject};
 pub use options::{ReadOptions, WriteOptions};
-pub use read::{read, read_bytes};
+pub use read::{read, read_allowed, read_bytes};
 pub use write::{save, write, write_objects};

@@ -5,7 +5,7 @@
 
 use crate::builder::{MeshBuilder, check_limit};
 use crate::text::write_point;
-use crate::tokens::{Tokens, excerpt};
+use crate::tokens::Tokens;
 use crate::{FileError, LoadedMesh, Location, ReadOptions};
 use rayweave_mesh::Mesh;
 use std::io::{self, BufRead, Write};
@@ -46,7 +46,8 @@ fn header(tokens: &mut Tokens<impl BufRead>) -> Result<(), FileError> {
     let prefix = keyword.strip_suffix("OFF").map(|prefix| prefix.replace("ST", "").replace(['C', 'N'], ""));
     let location = tokens.location();
     if prefix.as_deref() != Some("") {
-        let problem = format!("the file begins with `{}`", excerpt(&keyword));
+        // a file of another format may be secret, so that nothing of it is quoted
+        let problem = "the file is not OFF";
         let reason = "three-dimensional OFF begins with OFF, COFF, NOFF, STOFF or a combination of these";
         return Err(FileError::syntax(location, problem, reason));
     }

@@ -89,7 +89,11 @@ fn read_text(from: impl BufRead, options: &ReadOptions) -> Result<LoadedMesh, Fi
             }
             "facet" if is_open => soup.add(facet(&mut tokens)?),
             _ => {
-                let problem = format!("`{}` is not expected here", excerpt(token));
+                // a file of another format may be secret, so that nothing of it is quoted
+                let problem = match solids.is_empty() {
+                    true => "the file is not STL".to_owned(),
+                    false => format!("`{}` is not expected here", excerpt(token)),
+                };
                 let reason = "STL requires `facet` or `endsolid`";
                 return Err(FileError::syntax(tokens.location(), problem, reason));
             }

@@ -5,6 +5,7 @@
 //! components, also from further model parts ("3MF Production Extension" 1.1.2, 2018, which slicers use). Materials, slices and
 //! other extensions do not affect the solid.
 
+use crate::budget::{Metered, check_repetition, expanded_bytes};
 use crate::builder::{check_limit, objects};
 use crate::text::printable;
 use crate::tokens::excerpt;
@@ -14,14 +15,18 @@ use quick_xml::events::{BytesStart, Event};
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_mesh::{Mesh, MeshError};
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::cell::Cell;
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, Write};
+use std::rc::Rc;
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
-/// The maximal size of an uncompressed model part, in bytes.
-const MAX_BYTES: u64 = 1 << 32;
 /// The maximal number of instances. Components may nest, so that a small file can describe exponentially many.
 const MAX_INSTANCES: usize = 1 << 20;
+/// The maximal number of objects, components and build items of all parts.
+const MAX_ITEMS: usize = 1 << 20;
+/// The maximal number of model parts: slicers write one for each object.
+const MAX_PARTS: usize = 1 << 12;
 
 /// An object resource.
 #[derive(Default)]
@@ -35,13 +40,15 @@ struct Object {
 }
 
 /// Identity of an object: its part of the archive and its id there.
-type ObjectKey = (String, String);
+type ObjectKey = (Rc<str>, Rc<str>);
 
 /// An object under a transform.
 type Instance = (ObjectKey, Affine);
 
 #[derive(Default)]
 struct Model {
+    /// The length of the archive in bytes.
+    length: u64,
     unit: String,
     objects: FxHashMap<ObjectKey, Object>,
     build: Vec<Instance>,
@@ -49,19 +56,38 @@ struct Model {
     vertices: u64,
     /// Number of triangles of all objects.
     triangles: u64,
+    /// Number of objects, components and build items.
+    items: usize,
+    /// The parts of the archive that the build and components refer to, in the order in which they occur.
+    parts: Vec<Rc<str>>,
+    known_parts: FxHashSet<Rc<str>>,
 }
 
 impl Model {
-    /// The parts of the archive that the build and components refer to.
-    fn referenced_parts(&self) -> impl Iterator<Item = &String> {
-        let components = self.objects.values().flat_map(|object| &object.components);
-        self.build.iter().chain(components).map(|((part, _), _)| part)
+    /// The part with a name, which is read if it was not.
+    fn part(&mut self, name: &str) -> Rc<str> {
+        if let Some(known) = self.known_parts.get(name) {
+            return known.clone();
+        }
+        let part: Rc<str> = name.into();
+        self.known_parts.insert(part.clone());
+        self.parts.push(part.clone());
+        part
+    }
+
+    fn count_item(&mut self, location: Location) -> Result<(), FileError> {
+        self.items += 1;
+        if self.items > MAX_ITEMS {
+            let problem = format!("the model has more than {MAX_ITEMS} objects, components and build items");
+            return Err(FileError::syntax(location, problem, "so many are not supported"));
+        }
+        Ok(())
     }
 }
 
-pub fn read(from: impl BufRead + Seek, options: &ReadOptions) -> Result<LoadedMesh, FileError> {
+pub fn read(from: impl BufRead + Seek, length: u64, options: &ReadOptions) -> Result<LoadedMesh, FileError> {
     let mut archive = ZipArchive::new(from).map_err(archive_error)?;
-    let model = whole_model(&mut archive, options)?;
+    let model = whole_model(&mut archive, length, options)?;
     let (mut assembly, mut starts) = (Assembly::default(), Vec::new());
     let mut warnings = Vec::new();
     for (key, transform) in &model.build {
@@ -95,17 +121,33 @@ pub fn read(from: impl BufRead + Seek, options: &ReadOptions) -> Result<LoadedMe
 /// The model in the root part of the archive, with all parts that it refers to.
 fn whole_model(
     archive: &mut ZipArchive<impl BufRead + Seek>,
+    length: u64,
     options: &ReadOptions,
 ) -> Result<Model, FileError> {
-    let mut model = Model::default();
-    let mut waiting = vec![model_name(archive)?];
-    let mut known: FxHashSet<String> = waiting.iter().cloned().collect();
-    while let Some(name) = waiting.pop() {
+    // entries of an archive may overlap: the budget counts what is read, by all of them together
+    let limit = expanded_bytes(length);
+    let (left, event) = (Cell::new(limit), Cell::new(0));
+    let mut model = Model { length, ..Model::default() };
+    let root = model_name(archive)?;
+    model.part(&root);
+    let mut next = 0;
+    while let Some(name) = model.parts.get(next).cloned() {
+        if next >= MAX_PARTS {
+            let problem = format!("the model has more than {MAX_PARTS} parts");
+            return Err(FileError::syntax(Location::Byte(0), problem, "so many are not supported"));
+        }
         let part = archive.by_name(&name).map_err(archive_error)?;
-        let part = BufReader::new(part.take(MAX_BYTES));
-        let is_root = known.len() == 1;
-        ModelParser::new(name.clone(), is_root, &mut model, options).parse(part)?;
-        waiting.extend(model.referenced_parts().filter(|part| known.insert((*part).clone())).cloned());
+        let part = Metered::new(BufReader::new(part), &left, limit, &event);
+        ModelParser::new(name.clone(), next == 0, &mut model, options).parse(part, &event).map_err(
+            |error| match error {
+                FileError::Syntax { location, message } if next > 0 => {
+                    let problem = format!("part `{}` of the archive: {}", excerpt(&name), message.problem());
+                    FileError::syntax(location, problem, message.reason())
+                }
+                error => error,
+            },
+        )?;
+        next += 1;
     }
     Ok(model)
 }
@@ -115,7 +157,12 @@ fn archive_error(error: zip::result::ZipError) -> FileError {
 }
 
 fn xml_error(location: Location, error: &quick_xml::Error) -> FileError {
-    FileError::syntax(location, "the XML is invalid", error.to_string())
+    match error {
+        quick_xml::Error::Io(error) => {
+            FileError::syntax(location, "a part of the archive cannot be read", error.to_string())
+        }
+        error => FileError::syntax(location, "the XML is invalid", error.to_string()),
+    }
 }
 
 /// The part that the relationships of the archive name as the root model.
@@ -153,7 +200,7 @@ fn attribute(element: &BytesStart, name: &str) -> Option<String> {
 
 /// Parser of one model part of the archive.
 struct ModelParser<'a> {
-    part: String,
+    part: Rc<str>,
     /// True for the root model, which defines the unit and the build.
     is_root: bool,
     model: &'a mut Model,
@@ -166,15 +213,17 @@ struct ModelParser<'a> {
 }
 
 impl<'a> ModelParser<'a> {
-    fn new(part: String, is_root: bool, model: &'a mut Model, options: &'a ReadOptions) -> ModelParser<'a> {
-        let open = (part.clone(), String::new());
+    fn new(part: Rc<str>, is_root: bool, model: &'a mut Model, options: &'a ReadOptions) -> ModelParser<'a> {
+        let open = (part.clone(), "".into());
         ModelParser { part, is_root, model, options, prefix: None, open, is_complete: false }
     }
 
-    fn parse(mut self, from: impl BufRead) -> Result<(), FileError> {
+    /// Parses the part. `read` counts the bytes of one XML event.
+    fn parse(mut self, from: impl BufRead, read: &Cell<u64>) -> Result<(), FileError> {
         let mut reader = Reader::from_reader(from);
         let mut buffer = Vec::new();
         loop {
+            read.set(0);
             let event = reader.read_event_into(&mut buffer);
             let location = Location::Byte(reader.buffer_position());
             match event.map_err(|error| xml_error(location, &error))? {
@@ -208,11 +257,13 @@ impl<'a> ModelParser<'a> {
             "vertex" => self.vertex(&attributes),
             "triangle" => self.triangle(&attributes),
             "component" => {
+                self.model.count_item(location)?;
                 let instance = self.instance(&attributes)?;
                 self.open_object().components.push(instance);
                 Ok(())
             }
             "item" if self.is_root => {
+                self.model.count_item(location)?;
                 let instance = self.instance(&attributes)?;
                 self.model.build.push(instance);
                 Ok(())
@@ -227,7 +278,8 @@ impl<'a> ModelParser<'a> {
     }
 
     fn object(&mut self, attributes: &Attributes) -> Result<(), FileError> {
-        self.open.1 = attributes.required("id")?;
+        self.model.count_item(attributes.location)?;
+        self.open.1 = attributes.required("id")?.into();
         let name = attribute(attributes.e, "name").unwrap_or_default();
         // a name with invalid entities is kept as it is
         let name = quick_xml::escape::unescape(&name).map(|name| name.into_owned()).unwrap_or(name);
@@ -251,11 +303,14 @@ impl<'a> ModelParser<'a> {
     }
 
     /// The instance that a component or a build item describes.
-    fn instance(&self, attributes: &Attributes) -> Result<Instance, FileError> {
+    fn instance(&mut self, attributes: &Attributes) -> Result<Instance, FileError> {
         let path = attribute(attributes.e, "path");
-        let part = path.map_or_else(|| self.part.clone(), |path| path.trim_start_matches('/').to_owned());
+        let part = match path {
+            Some(path) => self.model.part(path.trim_start_matches('/')),
+            None => self.part.clone(),
+        };
         let transform = transform(attribute(attributes.e, "transform"), attributes.location)?;
-        Ok(((part, attributes.required("objectid")?), transform))
+        Ok(((part, attributes.required("objectid")?.into()), transform))
     }
 }
 
@@ -346,6 +401,7 @@ fn add_instance(
             ("triangles", (triangles.len() + object.triangles.len()) as u64),
         ] {
             check_limit(options, what, sum, location)?;
+            check_repetition(what, sum, model.length, location)?;
             Mesh::check_count(what, sum).map_err(|error| FileError::Mesh { location, error })?;
         }
         vertices.extend(object.vertices.iter().map(|&point| transform.point(point)));

@@ -118,11 +118,11 @@ fn errors_give_the_line() {
         (Obj, "v 0 0 0\nf 1 1 2\n", "line 2: triangle 0 refers to vertex 1"),
         (Obj, "v 0 0 0\nf 1 1\n", "line 2: a face has 2 corners: a face needs at least three."),
         (Obj, "v 0 0 0\nf 1 0 1\n", "line 2: `0` is not a corner"),
-        (Obj, "{\"asset\": 1}", "line 1: `{\"asset\":` is not a statement"),
+        (Obj, "{\"asset\": 1}", "line 1: the file is not OBJ: a line does not begin with a statement"),
         (Off, "OFF\n99999999 3 0\n", "line 2: the mesh has 99999999 vertices: the limit is 20000000."),
         (Off, "OFF\n9999999 3 0\n", "line 2: the file announces 9999999 vertices: it has 16 bytes."),
         (Off, "OFF\n1 1 0\n0 0 0\n4000000000 0 0", "line 4: the file announces 4000000000 corners: it has"),
-        (Off, "4OFF\n", "line 1: the file begins with `4OFF`"),
+        (Off, "4OFF\n", "line 1: the file is not OFF"),
         (Off, "OFF BINARY\n", "line 1: the file is binary OFF"),
         (Off, "OFF\n-1 0 0\n", "line 2: the number of vertices is `-1`"),
         (Ply, "plx\n", "line 1: the first line is not `ply`"),
@@ -306,7 +306,7 @@ fn nodes_of_gltf_are_transformed() {
     );
     assert!(error("\"count\":36", "\"count\":36000000000").contains("the limit is 20000000"));
     assert!(error("base64,", "base64,!").contains("buffer 0 is invalid: its URI is not base64"));
-    assert!(error("data:application", "../data").contains("is outside the folder of the file"));
+    assert!(error("data:application", "../data").contains("is outside the folder of the model"));
 }
 
 /// A wrong count in a header does not cause an allocation.

@@ -23,10 +23,10 @@ mod tree;
 mod triangle;
 mod triangulate;
 
-pub use diagnosis::{Component, Diagnosis, Findings, Hole, Intersection};
+pub use diagnosis::{Component, Diagnosis, Findings, Hole, Intersection, PairBudget};
 pub use error::MeshError;
 pub use line::{Crossing, Line, Perturbation};
 pub use mesh::{Mesh, VertexWelder};
 pub use polyhedron::{Nearest, Polyhedron};
 pub use repair::{Repair, RepairOptions};
-pub use triangulate::triangulate_polygon;
+pub use triangulate::{EarBudget, triangulate_polygon};

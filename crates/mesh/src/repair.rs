@@ -2,7 +2,7 @@
 
 use crate::diagnosis::{holes, shells};
 use crate::topology::{edge_uses, is_collapsed};
-use crate::triangulate::{area_vector, clip_ears};
+use crate::triangulate::{EarBudget, area_vector, clip_ears};
 use crate::{Mesh, MeshError};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -156,8 +156,9 @@ fn without_duplicates(mesh: Mesh, done: &mut Repair) -> Mesh {
 
 fn filled(mesh: Mesh, tolerance: f64, done: &mut Repair) -> Mesh {
     let loops = holes::boundary_loops(&mesh, &edge_uses(&mesh));
+    let mut budget = EarBudget::default();
     let caps: Vec<Vec<[u32; 3]>> =
-        loops.iter().filter_map(|corners| cap(&mesh, corners, tolerance)).collect();
+        loops.iter().filter_map(|corners| cap(&mesh, corners, tolerance, &mut budget)).collect();
     done.filled = caps.len();
     if caps.is_empty() {
         return mesh;
@@ -169,7 +170,7 @@ fn filled(mesh: Mesh, tolerance: f64, done: &mut Repair) -> Mesh {
 const MAX_LOOP_LENGTH: usize = 1000;
 
 /// Triangles that fill a boundary loop, if it lies in one plane and does not intersect itself.
-fn cap(mesh: &Mesh, corners: &[u32], tolerance: f64) -> Option<Vec<[u32; 3]>> {
+fn cap(mesh: &Mesh, corners: &[u32], tolerance: f64, budget: &mut EarBudget) -> Option<Vec<[u32; 3]>> {
     let point = |vertex: u32| mesh.vertices()[vertex as usize];
     let normal = area_vector(mesh.vertices(), corners).normalize_or_zero();
     let magnitude = corners.iter().map(|&vertex| point(vertex).length()).fold(0.0, f64::max);
@@ -177,7 +178,7 @@ fn cap(mesh: &Mesh, corners: &[u32], tolerance: f64) -> Option<Vec<[u32; 3]>> {
     let is_in_plane = |&v: &u32| normal.dot(point(v) - point(corners[0])).abs() <= near;
     let is_plane =
         corners.len() <= MAX_LOOP_LENGTH && normal != Vec3::ZERO && corners.iter().all(is_in_plane);
-    if is_plane { clip_ears(mesh.vertices(), corners, normal) } else { None }
+    if is_plane { clip_ears(mesh.vertices(), corners, normal, budget) } else { None }
 }
 
 /// Makes the orientation of each shell consistent and outward, by its nesting depth.

@@ -74,6 +74,10 @@ fn closest_on_edge([a, b]: [Vec3; 2], p: Vec3) -> Vec3 {
 
 /// The side of a triangle's plane on which a point lies, exactly: 1 on the side of the normal, -1 behind, 0 in the plane.
 pub(crate) fn side_of(triangle: Triangle, p: Vec3) -> i8 {
+    // the exact arithmetic takes long for points in one plane, most of which are perpendicular to an axis
+    if (0..3).any(|axis| triangle.iter().all(|corner| corner[axis] == p[axis])) {
+        return 0;
+    }
     let [a, b, c] = triangle.map(coord3);
     // `robust` has the opposite sign convention
     sign(-orient3d(a, b, c, coord3(p)))

@@ -2,14 +2,52 @@
 
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 
-/// The maximal number of corners for ear clipping, which takes at least quadratic time. Larger polygons become fans.
-const MAX_CORNERS: usize = 1000;
+/// The number of corners up to which ears are clipped from the start of the polygon, which gives fans where it is convex. The ears
+/// of larger polygons are clipped all around, so that triangles stay small.
+const MAX_FAN: usize = 1000;
+
+/// The work that the triangulation of the polygons of one file or mesh may take: ear clipping takes quadratic time, and cubic time for
+/// polygons with few ears. Polygons that exceed it become fans.
+#[derive(Clone, Copy, Debug)]
+pub struct EarBudget {
+    /// Number of corners that may still be compared with a triangle.
+    left: u64,
+}
+
+impl EarBudget {
+    /// Comparisons for every file: about half a second.
+    const BASE: u64 = 50_000_000;
+    /// Further comparisons for each corner: enough for any number of convex polygons with 128 corners.
+    const PER_CORNER: u64 = 64;
+
+    /// True if this many comparisons are left, which are then used up.
+    fn take(&mut self, comparisons: usize) -> bool {
+        let left = self.left.checked_sub(comparisons as u64);
+        self.left = left.unwrap_or(0);
+        left.is_some()
+    }
+
+    fn add_corners(&mut self, count: usize) {
+        self.left = self.left.saturating_add(Self::PER_CORNER * count as u64);
+    }
+}
+
+impl Default for EarBudget {
+    /// The budget of a file that is yet to be read.
+    fn default() -> EarBudget {
+        EarBudget { left: Self::BASE }
+    }
+}
 
 /// Triangulates a polygon; also returns whether it is plane, within rounding to single precision.
 ///
 /// A polygon without ears, such as one that intersects itself, becomes a fan around its first corner: this has the same boundary
-/// and, by the even-odd rule, the same interior.
-pub fn triangulate_polygon(vertices: &[Vec3], corners: &[u32]) -> (Vec<[u32; 3]>, bool) {
+/// and, by the even-odd rule, the same interior. So does one for which the budget is too small.
+pub fn triangulate_polygon(
+    vertices: &[Vec3],
+    corners: &[u32],
+    budget: &mut EarBudget,
+) -> (Vec<[u32; 3]>, bool) {
     let area = area_vector(vertices, corners);
     let normal = area.normalize_or_zero();
     let size = area.length().sqrt();
@@ -18,7 +56,7 @@ pub fn triangulate_polygon(vertices: &[Vec3], corners: &[u32]) -> (Vec<[u32; 3]>
         let point = vertices[v as usize];
         normal.dot(point - first).abs() <= 1e-5 * size + 16.0 * UNIT_ROUNDOFF * point.length()
     };
-    let clipped = if corners.len() > MAX_CORNERS { None } else { clip_ears(vertices, corners, normal) };
+    let clipped = clip_ears(vertices, corners, normal, budget);
     (clipped.unwrap_or_else(|| fan(corners)), corners.iter().all(is_near))
 }
 
@@ -33,14 +71,36 @@ fn fan(corners: &[u32]) -> Vec<[u32; 3]> {
 }
 
 /// Ear clipping of a polygon without holes, projected along `normal` (G. H. Meisters, "Polygons have ears", 1975). `None` if a
-/// remaining polygon has no ear.
-pub fn clip_ears(vertices: &[Vec3], corners: &[u32], normal: Vec3) -> Option<Vec<[u32; 3]>> {
+/// remaining polygon has no ear, or the budget is used up.
+pub fn clip_ears(
+    vertices: &[Vec3],
+    corners: &[u32],
+    normal: Vec3,
+    budget: &mut EarBudget,
+) -> Option<Vec<[u32; 3]>> {
+    budget.add_corners(corners.len());
     let mut left = corners.to_vec();
     let mut triangles = Vec::with_capacity(corners.len());
+    let is_large = corners.len() > MAX_FAN;
+    let mut start = 0;
     while left.len() > 3 {
-        let ear = (0..left.len()).find(|&k| is_ear(vertices, &left, k, normal))?;
+        let mut ear = None;
+        for k in (0..left.len()).map(|k| (start + k) % left.len()) {
+            let [a, b, c] = neighbours(&left, k);
+            // the comparison with all other corners is due for convex corners only
+            let is_convex = orientation(vertices, [a, b, c], normal) > 0.0;
+            if !budget.take(if is_convex { left.len() } else { 1 }) {
+                return None;
+            }
+            if is_convex && is_ear(vertices, &left, [a, b, c], normal) {
+                ear = Some(k);
+                break;
+            }
+        }
+        let ear = ear?;
         triangles.push(neighbours(&left, ear));
         left.remove(ear);
+        start = if is_large { ear + 1 } else { 0 };
     }
     let last = neighbours(&left, 1);
     triangles.push(last);
@@ -53,13 +113,12 @@ fn neighbours(corners: &[u32], k: usize) -> [u32; 3] {
     [corners[(k + count - 1) % count], corners[k], corners[(k + 1) % count]]
 }
 
-/// True if the triangle at a corner is counter-clockwise and contains no other corner of the polygon.
-fn is_ear(vertices: &[Vec3], corners: &[u32], k: usize, normal: Vec3) -> bool {
-    let [a, b, c] = neighbours(corners, k);
+/// True if the triangle at a convex corner contains no other corner of the polygon.
+fn is_ear(vertices: &[Vec3], corners: &[u32], [a, b, c]: [u32; 3], normal: Vec3) -> bool {
     let is_left = |triangle: [u32; 3]| orientation(vertices, triangle, normal) >= 0.0;
     let contains = |&p: &u32| [[a, b, p], [b, c, p], [c, a, p]].into_iter().all(is_left);
     let mut others = corners.iter().filter(|vertex| ![a, b, c].contains(vertex));
-    orientation(vertices, [a, b, c], normal) > 0.0 && !others.any(contains)
+    !others.any(contains)
 }
 
 fn orientation(vertices: &[Vec3], triangle: [u32; 3], normal: Vec3) -> f64 {

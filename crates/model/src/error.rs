@@ -43,8 +43,8 @@ pub enum CompileProblem {
         /// Leaves, surfaces or placements.
         what: &'static str,
     },
-    /// Repeated parts that make more leaves than the description justifies: about a million, and 64 more for each solid and
-    /// copy of the description.
+    /// Repeated parts that make more leaves than the description justifies: 2^24, or 64 for each solid and copy of the
+    /// description; in model files 500,000, or 8 for each.
     #[error(
         "its {nodes} solids and copies describe more than {limit} leaves: each use of a solid under another map copies all of its leaves. Place shared solids instead (`place`), which copies nothing."
     )]

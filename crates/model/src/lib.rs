@@ -56,5 +56,6 @@ pub use leaf::{Leaf, LeafFacet, LeafKind};
 pub use occurrence::{Occurrence, OccurrencePath, PathStep};
 pub use program::{MARGIN, Medium, Program, Prototype, RegionInfo, SurfaceEntry};
 pub use rays::{BadRay, RayBatch, Rays};
+pub use size::check_repetition;
 pub use solid::{Node, Region, Solid};
 pub use sweep::{NetworkLeafStates, Sweep};

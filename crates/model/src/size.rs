@@ -7,27 +7,54 @@ use crate::{CompileError, CompileProblem, Node, Solid};
 use rayweave_math::Affine;
 use std::collections::{HashMap, HashSet};
 
-/// The number of leaves that any model may have.
-const ALWAYS_ALLOWED: u64 = 1 << 20;
+/// The number of leaves that a description of this size may make.
+struct Allowance {
+    /// The number that any description may make.
+    always: u64,
+    /// The number for each solid and copy of the description. It limits leaves that come from repetition, not those that were
+    /// described one by one.
+    per_node: u64,
+}
 
-/// The number of further leaves for each solid and copy of the description: limits the leaves that come from repetition, not
-/// those that were described one by one.
-const PER_NODE: u64 = 64;
+/// For solids built by a program.
+const BUILT: Allowance = Allowance { always: 1 << 24, per_node: 64 };
+
+/// For model files, where a small file must not cost much: compiling takes up to 2 kB for each leaf.
+const READ: Allowance = Allowance { always: 500_000, per_node: 8 };
 
 /// The number of nodes that lowering may visit for each leaf: maps, names and operators.
 const VISITS_PER_LEAF: u64 = 16;
 
-/// Rejects solids whose repeated parts make too many leaves.
+/// Rejects solids whose repeated parts make too many leaves to compile.
 pub(crate) fn check(solids: &[&Solid]) -> Result<(), CompileError> {
-    if expanded(solids, ALWAYS_ALLOWED).is_some() {
-        return Ok(());
+    BUILT.check(solids)
+}
+
+/// Rejects solids whose repeated parts make more leaves than a file may: 500,000, or 8 for each solid and copy that the file
+/// describes. Takes less time than compiling the solids.
+///
+/// # Errors
+///
+/// [`CompileProblem::Repeated`].
+pub fn check_repetition(solids: &[&Solid]) -> Result<(), CompileError> {
+    READ.check(solids)
+}
+
+impl Allowance {
+    fn check(&self, solids: &[&Solid]) -> Result<(), CompileError> {
+        if expanded(solids, self.always).is_some() {
+            return Ok(());
+        }
+        let nodes = distinct(solids);
+        let limit = self.always.max(self.per_node.saturating_mul(nodes));
+        match limit > self.always && expanded(solids, limit).is_some() {
+            true => Ok(()),
+            false => Err(CompileError {
+                path: "model".to_owned(),
+                problem: CompileProblem::Repeated { nodes, limit },
+            }),
+        }
     }
-    let nodes = distinct(solids);
-    let limit = ALWAYS_ALLOWED.saturating_add(PER_NODE.saturating_mul(nodes));
-    if expanded(solids, limit).is_some() {
-        return Ok(());
-    }
-    Err(CompileError { path: "model".to_owned(), problem: CompileProblem::Repeated { nodes, limit } })
 }
 
 impl Solid {
@@ -168,10 +195,20 @@ mod tests {
     fn many_different_parts_are_not_repetitions() {
         let ball = Solid::from(build("sphere", &[("radius", 1.0.into())]).unwrap());
         let pair = &ball | ball.translate([3.0, 0.0, 0.0]);
-        let rows = Solid::union((0..600_000).map(|k| pair.translate([f64::from(k), 0.0, 0.0])));
-        assert!(rows.has_more_leaves_than(ALWAYS_ALLOWED));
-        let placed = ball.place(vec![Affine::translate([1.0, 0.0, 0.0].into()); 1 << 21]);
+        let rows = Solid::union((0..300_000).map(|k| pair.translate([f64::from(k), 0.0, 0.0])));
+        assert!(rows.has_more_leaves_than(READ.always));
+        let placed = ball.place(vec![Affine::translate([1.0, 0.0, 0.0].into()); 1 << 20]);
         // compiling them would take seconds
+        check_repetition(&[&rows, &placed]).unwrap();
         check(&[&rows, &placed]).unwrap();
+    }
+
+    #[test]
+    fn files_may_repeat_less_than_programs() {
+        let ball = Solid::from(build("sphere", &[("radius", 1.0.into())]).unwrap());
+        let doubled = (0..20).fold(ball, |s, k| &s | s.translate([f64::from(k), 0.0, 0.0]));
+        check(&[&doubled]).unwrap();
+        let error = check_repetition(&[&doubled]).unwrap_err();
+        assert_eq!(error.problem, CompileProblem::Repeated { nodes: 41, limit: 500_000 });
     }
 }

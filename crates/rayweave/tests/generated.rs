@@ -99,23 +99,10 @@ fn rust_constructors() {
 
 // ---- Python ----
 
-fn python_type(kind: ParameterKind) -> &'static str {
-    match kind {
-        ParameterKind::Number => "float",
-        ParameterKind::Count => "int",
-        ParameterKind::NumberOrVector3 => "float | ArrayLike",
-        ParameterKind::Vector3
-        | ParameterKind::Planes
-        | ParameterKind::Triples
-        | ParameterKind::Matrix4
-        | ParameterKind::Numbers => "ArrayLike",
-    }
-}
-
 fn stub(page: &Manual) -> String {
     let parameters = page.parameters.iter().map(|own| {
         let optional = own.default_value().is_some();
-        format!("    {}: {}{},\n", own.name, python_type(own.kind), if optional { " = ..." } else { "" })
+        format!("    {}: {}{},\n", own.name, own.kind.python_type(), if optional { " = ..." } else { "" })
     });
     format!("def {}(\n{}) -> Solid: ...\n", page.name, parameters.collect::<String>())
 }

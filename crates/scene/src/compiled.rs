@@ -2,7 +2,7 @@
 
 use crate::{Colour, Medium, Scene, SceneError, SceneRegion};
 use rayweave_error::Message;
-use rayweave_model::{Program, RegionId, Solid};
+use rayweave_model::{Program, RegionId, Solid, check_repetition};
 use std::sync::Arc;
 
 /// A compiled scene with the names of its media.
@@ -19,8 +19,11 @@ impl Compiled {
     ///
     /// # Errors
     ///
-    /// [`SceneError::Compile`], for example for a singular transform.
+    /// [`SceneError::Compile`], for example for a singular transform, or for solids that the file repeats so often that they
+    /// make too many leaves ([`check_repetition`]).
     pub fn new(scene: &Scene) -> Result<Compiled, SceneError> {
+        let solids: Vec<&Solid> = scene.regions.iter().map(|region| &region.solid).collect();
+        check_repetition(&solids)?;
         let program = Program::compile_regions(&scene.model_regions())?;
         let media = scene.medium_names().into_iter().map(str::to_owned).collect();
         Ok(Compiled { program: Arc::new(program), media })

@@ -124,9 +124,14 @@ impl Diagnostic {
             None => {}
             Some((source, None)) => report = report.element(annotate_snippets::Origin::path(source.name())),
             Some((source, Some(span))) => {
-                report = report.element(snippet(source, *span, AnnotationKind::Primary, None));
-                for (span, text) in &self.notes {
-                    report = report.element(snippet(source, *span, AnnotationKind::Context, Some(text)));
+                let all = std::iter::once((*span, AnnotationKind::Primary, None));
+                let notes = self.notes.iter();
+                let notes = notes.map(|(span, text)| (*span, AnnotationKind::Context, Some(text.as_str())));
+                for (span, kind, label) in all.chain(notes) {
+                    report = match snippet(source, span, kind, label) {
+                        Some(snippet) => report.element(snippet),
+                        None => report.element(origin(source, span)),
+                    };
                 }
             }
         }
@@ -134,19 +139,31 @@ impl Diagnostic {
     }
 }
 
-/// The lines that a range overlaps, with the range underlined. The renderer receives only these
+/// The maximum length of the lines that a problem shows, in bytes: a file of one line may have thousands of problems.
+const LONGEST: usize = 4096;
+
+/// The position of a range, for lines too long to show.
+fn origin(source: &Source, span: Span) -> annotate_snippets::Origin<'_> {
+    let (line, column) = source.line_column(span.start);
+    annotate_snippets::Origin::path(source.name()).line(line).char_column(column)
+}
+
+/// The lines that a range overlaps, with the range underlined; `None` if they are too long. The renderer receives only these
 /// lines, so that the time per problem does not depend on the length of the file.
 fn snippet<'a>(
     source: &'a Source,
     span: Span,
     kind: AnnotationKind,
     label: Option<&'a str>,
-) -> Snippet<'a, annotate_snippets::Annotation<'a>> {
+) -> Option<Snippet<'a, annotate_snippets::Annotation<'a>>> {
     let (line, text, within) = source.lines_of(span);
-    Snippet::source(text)
-        .line_start(line)
-        .path(source.name())
-        .annotation(kind.span(within.range()).label(label))
+    let snippet = || {
+        Snippet::source(text)
+            .line_start(line)
+            .path(source.name())
+            .annotation(kind.span(within.range()).label(label))
+    };
+    (text.len() <= LONGEST).then(snippet)
 }
 
 /// All problems of a file, in the order of the file.
@@ -186,6 +203,12 @@ impl Diagnostics {
     /// True if one of them is an error.
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    /// The same problems, all as errors.
+    pub fn into_errors(mut self) -> Diagnostics {
+        self.list.iter_mut().for_each(|diagnostic| diagnostic.severity = Severity::Error);
+        self
     }
 
     /// Renders as text: each problem with its file, line and column and the source line underlined,

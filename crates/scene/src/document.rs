@@ -5,16 +5,20 @@ use crate::datum::{Datum, Table, key, to_toml};
 use crate::number::Number;
 use crate::source::{Source, Spanned};
 use crate::unit::Unit;
+use rayweave_table::AllowedFiles;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The syntax tree of a model file: names, numbers and texts with their source spans, unevaluated.
 /// Every importer creates one.
 ///
-/// Equality ignores the spans.
+/// Equality ignores the spans, the source and the allowed files.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     /// The text that the spans refer to.
     pub source: Arc<Source>,
+    /// Files and folders that the document may read besides those in the folder of its source and below.
+    pub allowed: Vec<PathBuf>,
     /// The comment at the head of the file, without the `#`.
     pub heading: Vec<String>,
     /// The unit of all lengths.
@@ -53,6 +57,11 @@ impl PartialEq for Document {
 }
 
 impl Document {
+    /// The files that the document may name.
+    pub fn files(&self) -> AllowedFiles {
+        AllowedFiles::of_model(self.source.path().map(PathBuf::as_path), &self.allowed)
+    }
+
     /// A solid by its name.
     pub fn solid(&self, name: &str) -> Option<&SolidEntry> {
         self.solids.iter().find(|solid| solid.name.value == name)

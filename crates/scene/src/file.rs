@@ -6,6 +6,7 @@ use crate::formats::native;
 use crate::resolve::{reason, resolve};
 use crate::scene::Scene;
 use crate::source::{Source, Span};
+use rayweave_error::with_limited_suggestions;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -16,6 +17,8 @@ const LARGEST_FILE: u64 = 256 << 20;
 
 /// Reads a model file, with overrides of some of its parameters (name, arithmetic expression).
 ///
+/// Files that the model names must be in its folder or below.
+///
 /// # Errors
 ///
 /// All problems of the file at once.
@@ -23,10 +26,23 @@ pub fn load(
     path: impl AsRef<Path>,
     overrides: &[(String, String)],
 ) -> Result<(Document, Scene), Diagnostics> {
-    understand(Arc::new(Source::read(path.as_ref())?), overrides)
+    load_allowing(path, overrides, &[])
 }
 
-/// Reads a model from text. Relative file names refer to the current folder.
+/// Reads a model file that may name files in its folder, in the given files and folders, and below.
+///
+/// # Errors
+///
+/// All problems of the file at once.
+pub fn load_allowing(
+    path: impl AsRef<Path>,
+    overrides: &[(String, String)],
+    allowed: &[PathBuf],
+) -> Result<(Document, Scene), Diagnostics> {
+    understand(Arc::new(Source::read(path.as_ref())?), overrides, allowed)
+}
+
+/// Reads a model from text. Names of files are relative to the current folder, and the files must be there or below.
 ///
 /// # Errors
 ///
@@ -41,11 +57,37 @@ pub fn parse(text: &str) -> Result<(Document, Scene), Diagnostics> {
 ///
 /// All problems of the text at once.
 pub fn parse_with(text: &str, overrides: &[(String, String)]) -> Result<(Document, Scene), Diagnostics> {
-    understand(Arc::new(Source::new(None, text.to_owned())), overrides)
+    parse_allowing(text, overrides, &[])
 }
 
-fn understand(source: Arc<Source>, overrides: &[(String, String)]) -> Result<(Document, Scene), Diagnostics> {
-    let reading = native::read(source);
+/// Reads a model from text that may name files in the current folder, in the given files and folders, and below.
+///
+/// # Errors
+///
+/// All problems of the text at once.
+pub fn parse_allowing(
+    text: &str,
+    overrides: &[(String, String)],
+    allowed: &[PathBuf],
+) -> Result<(Document, Scene), Diagnostics> {
+    understand(Arc::new(Source::new(None, text.to_owned())), overrides, allowed)
+}
+
+fn understand(
+    source: Arc<Source>,
+    overrides: &[(String, String)],
+    allowed: &[PathBuf],
+) -> Result<(Document, Scene), Diagnostics> {
+    with_limited_suggestions(|| read_and_resolve(source, overrides, allowed))
+}
+
+fn read_and_resolve(
+    source: Arc<Source>,
+    overrides: &[(String, String)],
+    allowed: &[PathBuf],
+) -> Result<(Document, Scene), Diagnostics> {
+    let mut reading = native::read(source);
+    reading.document.allowed = allowed.to_vec();
     if reading.broken {
         return Err(Diagnostics::new(reading.problems));
     }

@@ -96,8 +96,8 @@ fn the_top_level() {
         "2:1 unknown key `solis`: outside tables there are only rayweave and unit. Did you mean `solid`?",
     );
     check(
-        "[solids.a]\n",
-        "2:2 warning: the table `solids` is not used: tables of other names are kept for those who know them. Did you mean `solid`?",
+        "[solids.a]\n[optics]\n",
+        "2:2 warning: the table `solids` is not used: the tables are parameters, solid, region, medium, camera, light, render, optics, gdml. Did you mean `solid`?",
     );
     check("[optics]\nanything = 1\n", "");
     check("[solid]\nsphere = 3", "3:10 `solid.sphere` is the number 3: it must be a table.");
@@ -120,7 +120,8 @@ fn versions() {
     assert_eq!(
         message(""),
         "0:0 warning: the file does not say which version of the format it is written in: formats change. \
-         Begin with `rayweave = 1`."
+         Begin with `rayweave = 1`.\n0:0 warning: the model is empty: it has no solid. \
+         Define one, as `[solid.ball]` with `sphere = { radius = 1 }`."
     );
 }
 
@@ -139,7 +140,7 @@ fn parameters() {
         "5:26 unknown parameter `raduis`: it does not stand in [parameters]. Did you mean `radius`?",
     );
     check(
-        "[parameters]\nx = 1\n",
+        "[parameters]\nx = 1\n[optics]\n",
         "3:1 warning: the parameter `x` is not used: nothing in the file refers to it.",
     );
     check("[parameters]\nx = 1\n[optics]\ny = 'x'\n", "");
@@ -431,4 +432,42 @@ fn a_byte_order_mark_and_line_ends_of_windows_are_read() {
     assert_eq!(scene.solids.len(), 1);
     let problems = parse(&text.replace("radius = 1", "radius = 0")).unwrap_err();
     assert_eq!(problems.iter().next().unwrap().line_column(), Some((4, 21)));
+}
+
+#[test]
+fn physical_numbers_of_media() {
+    let model = |density: &str| {
+        format!(
+            "rayweave = 1\n[parameters]\nrho = 2\n[solid.a]\nsphere = {{ radius = 'rho' }}\n[medium.a]\ndensity = {density}\n"
+        )
+    };
+    for (density, expected) in [("7.8", 7.8), ("'2 * rho'", 4.0), ("0", 0.0)] {
+        let (_, scene) = parse(&model(density)).unwrap();
+        assert_eq!(scene.media[1].numbers, [("density".to_owned(), expected)], "{density}");
+        assert!(scene.warnings.is_empty(), "{}", scene.warnings);
+    }
+    for (density, expected) in [
+        ("'heavy'", "7:12 unknown parameter `heavy`"),
+        ("true", "7:11 `density` is `true`: a number or arithmetic text is needed."),
+        ("-1", "7:11 the number is -1: it must be finite and at least 0."),
+        ("inf", "7:11 the number is inf: it must be finite and at least 0."),
+    ] {
+        let found = listed(&parse(&model(density)).unwrap_err());
+        assert!(found.starts_with(expected), "{density}: {found}");
+    }
+}
+
+#[test]
+fn tables_that_nothing_reads() {
+    let found = |table: &str| {
+        let text = format!("rayweave = 1\n[solid.a]\nsphere = {{ radius = 1 }}\n[{table}]\nx = 1\n");
+        listed(&parse(&text).unwrap().1.warnings)
+    };
+    assert_eq!(
+        found("soild"),
+        "4:2 warning: the table `soild` is not used: the tables are parameters, solid, region, medium, camera, light, render, \
+         optics, gdml. Did you mean `solid`?"
+    );
+    assert!(found("lamp").starts_with("4:2 warning: the table `lamp` is not used"));
+    assert_eq!((found("optics"), found("gdml")), (String::new(), String::new()));
 }

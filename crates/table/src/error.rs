@@ -1,5 +1,6 @@
 //! Errors of tables, output files and ray files.
 
+use crate::allowed::RefusedFile;
 use rayweave_error::{Classified, ErrorKind, Message};
 use std::fmt;
 use std::io;
@@ -28,6 +29,14 @@ pub enum TableError {
         /// The problem, its reason and a suggestion.
         message: Message,
     },
+    /// The model may not read the file.
+    #[error("cannot read {path}: {reason}.")]
+    Refused {
+        /// The path as given by the caller.
+        path: String,
+        /// The reason.
+        reason: RefusedFile,
+    },
     /// The columns do not form a valid schema.
     #[error("the schema is invalid: {0}.")]
     Schema(String),
@@ -43,7 +52,9 @@ impl Classified for TableError {
     fn kind(&self) -> ErrorKind {
         match self {
             TableError::Format { .. } => ErrorKind::Format,
-            TableError::Rays(_) | TableError::Io { action: "read", .. } => ErrorKind::Input,
+            TableError::Rays(_) | TableError::Refused { .. } | TableError::Io { action: "read", .. } => {
+                ErrorKind::Input
+            }
             _ => ErrorKind::Output,
         }
     }
@@ -62,13 +73,20 @@ impl TableError {
         Self::Io { action, path: path.display().to_string(), error }
     }
 
+    pub(crate) fn refused(path: &Path, refused: RefusedFile) -> Self {
+        match refused {
+            RefusedFile::Io(error) => Self::io("read", path, error),
+            reason => Self::Refused { path: path.display().to_string(), reason },
+        }
+    }
+
     pub(crate) fn format(path: &Path, message: Message) -> Self {
         Self::Format { path: path.display().to_string(), message }
     }
 }
 
 /// The reason of an I/O error, without the error number for common kinds.
-fn reason(error: &io::Error) -> String {
+pub(crate) fn reason(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::NotFound => "there is no such file or folder".into(),
         io::ErrorKind::PermissionDenied => "permission denied".into(),

@@ -4,6 +4,7 @@
 //!
 //! - [`TableWriter`] writes a table (names, types, units) as CSV, NPY or, with the cargo feature `parquet`, Parquet.
 //! - [`AtomicFile`] is an output file that appears complete or not at all.
+//! - [`AllowedFiles`] decides which files a model may read.
 //! - [`NpyArray`] is a whole array of float64 numbers, read from an NPY file.
 //! - [`RayReader`] reads rays from CSV or NPY in constant memory and reports every problem with its location.
 //!
@@ -25,6 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod allowed;
 mod atomic;
 mod chunk;
 mod error;
@@ -35,6 +37,7 @@ mod rays;
 mod schema;
 mod writer;
 
+pub use allowed::{AllowedFiles, RefusedFile};
 pub use atomic::AtomicFile;
 pub use chunk::{Chunk, Values};
 pub use error::{RayProblem, RayProblems, TableError};

@@ -1,9 +1,10 @@
-//! The stage of the Python package: build, install, test, check the types.
+//! The stage of the Python package: build, install, test, check the types and their stub.
 
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::BINDING;
 use crate::report::Counts;
+use crate::stub;
 use crate::workshop::Workshop;
 
 /// A file that uses the whole typed interface, relative to the root.
@@ -15,7 +16,12 @@ const STUBTEST_ALLOWLIST: &str = "bindings/python/stubtest-allowlist.txt";
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     workshop.python.install_package()?;
     workshop.python.install(&["pytest", "numpy", "mypy", "matplotlib", "pandas", "pyarrow", "polars"])?;
-    let outcomes = [tests(workshop, counts), types(workshop, counts), stubs(workshop, counts)];
+    let outcomes = [
+        tests(workshop, counts),
+        types(workshop, counts),
+        stubs(workshop, counts),
+        one(stub::compare(workshop.repository), counts),
+    ];
     let failures: Vec<String> = outcomes.into_iter().filter_map(Result::err).collect();
     if failures.is_empty() { Ok(()) } else { Err(failures.join("\n")) }
 }

@@ -21,6 +21,8 @@ def convert(
     fonts: Sequence[str | PathLike[str]] = (),
     repair: bool = False,
     unit: str | None = None,
+    allow: Sequence[str | PathLike[str]] = (),
+    strict: bool = False,
 ) -> list[str]:
     """Write the model in the file ``source`` to the file ``target``, complete or not at all.
 
@@ -31,6 +33,14 @@ def convert(
     >>> rayweave.convert("lens.toml", "lens.stl", tolerance=0.001)  # doctest: +SKIP
     """
     model = load(
-        source, parameters, format=format, facets=facets, fonts=list(fonts), repair=repair, unit=unit
+        source,
+        parameters,
+        format=format,
+        facets=facets,
+        fonts=list(fonts),
+        repair=repair,
+        unit=unit,
+        allow=list(allow),
+        strict=strict,
     )
     return [*model.warnings, *model.save(target, format=to, tolerance=tolerance, text=text)]

@@ -1,3 +1,5 @@
+# Generated from the sources of the binding: run `cargo xtask stub --accept` instead of editing.
+
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, Self, final, overload
@@ -41,6 +43,7 @@ __all__ = [
     "coordinate_break",
     "count_array",
     "diff_columns",
+    "empty",
     "event_names",
     "from_polygons",
     "glass_names",
@@ -59,7 +62,6 @@ __all__ = [
     "optical_component",
     "optimise",
     "place",
-    "universe",
     "pupil_points",
     "ray_timeline_svg",
     "render",
@@ -79,49 +81,94 @@ __all__ = [
     "timeline_svg",
     "tolerance",
     "union",
-    "empty",
+    "universe",
     "zernike_fit",
     "zernike_term",
     "zernike_values",
 ]
 
-class RayweaveError(ValueError): ...
+_ErrorOf = tuple[str, str, float]
+_GoalOf = tuple[str, Sequence[float], str, float, float]
+_MaterialBehind = Glass | str | float | tuple[float, float]
+_Outline = tuple[str, float, float]
+_Part = (
+    tuple[str, Solid, str, _Substance | None, _Spec, Sequence[tuple[str, _Spec]]]
+    | tuple[str, Sheet, _Spec]
+    | tuple[str, ReadElement]
+)
+_Row = (
+    tuple[float, float, _MaterialBehind, float, float | None, float, Sequence[float], Sequence[float], _Spec]
+)
+_Spec = tuple[str, Sequence[float]]
+_Substance = Glass | GradedMedium | tuple[float, float]
+
+def number_list(values: ArrayLike, name: str) -> list[float]:
+    """A one-dimensional array as a list of numbers, for argument checks of functions written in
+    Python.
+    """
+
+def check_rows(
+    subject: Solid | Model,
+    wall: float | None,
+    gap: float | None,
+    distance: float | None,
+    cells: int,
+    confidence: float,
+    most_pairs: int,
+    within: Sequence[Sequence[float]] | None,
+    seed: int,
+    pictures: bool,
+    threads: int | None,
+) -> tuple[list[CheckRow], str, dict[str, float]]:
+    """Probable faults of a model, with the unit and the scope of the check: see `rayweave.check`."""
+
+def diff_columns(
+    a: Solid | Model,
+    b: Solid | Model,
+    by: str | None,
+    distance: float | None,
+    cells: int,
+    precision: float,
+    confidence: float,
+    most_rays: int,
+    within: Sequence[Sequence[float]] | None,
+    seed: int,
+    threads: int | None,
+) -> tuple[list[str], list[NDArray[np.bool_]], NDArray[np.float64], tuple[bool, str, float, int], Section]:
+    """Common and different parts of two models: see `rayweave.diff`."""
+
+class RayweaveError(ValueError):
+    """A value that cannot be used: the message says which one, where, and why.
+
+    A wrong type is a TypeError.
+    """
 
 @final
-class RootRay:
-    def __new__(cls, start: int | Literal["outside", "inside"], roots: ArrayLike) -> RootRay: ...
-    @staticmethod
-    def from_hits(column: ArrayLike) -> RootRay: ...
-    def to_hits(self) -> NDArray[np.float64]: ...
+class Explanation:
+    """Explanation of the answer for one ray: printed as text, with the same contents as data in its attributes."""
+
     @property
-    def start(self) -> int: ...
+    def start(self) -> str:
+        """The name of the region just after t_min: "the world" where there is none."""
+
     @property
-    def roots(self) -> list[float]: ...
+    def questions(self) -> tuple[Question, ...]:
+        """Queries to the model, in order: see `Question`."""
+
     @property
-    def starts_inside(self) -> bool: ...
+    def crossings(self) -> tuple[Passage, ...]:
+        """The crossings, which are the answer: see `Passage`."""
+
     @property
-    def ends_inside(self) -> bool: ...
-    def is_inside(self, t: float) -> bool: ...
-    def spans(self) -> list[tuple[float, float]]: ...
-    def clip(self, t_min: float = ..., t_max: float = ...) -> RootRay: ...
-    def weld(self, min_sep: float | None = None) -> RootRay: ...
-    def __or__(self, other: RootRay, /) -> RootRay: ...
-    def __and__(self, other: RootRay, /) -> RootRay: ...
-    def __sub__(self, other: RootRay, /) -> RootRay: ...
-    def __xor__(self, other: RootRay, /) -> RootRay: ...
-    def __ror__(self, other: RootRay, /) -> RootRay: ...
-    def __rand__(self, other: RootRay, /) -> RootRay: ...
-    def __rsub__(self, other: RootRay, /) -> RootRay: ...
-    def __rxor__(self, other: RootRay, /) -> RootRay: ...
-    def __invert__(self) -> RootRay: ...
-    def __len__(self) -> int: ...
-    @overload
-    def __getitem__(self, index: Literal[0, -2], /) -> int: ...
-    @overload
-    def __getitem__(self, index: Literal[1, -1], /) -> list[float]: ...
-    def __iter__(self) -> Iterator[Any]: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
+    def welded(self) -> int:
+        """Number of changes of medium that were welded with their neighbours, because the ray keeps to both surfaces between them."""
+
+    @property
+    def steps(self) -> int:
+        """Number of shapes queried and decisions made, over all queries."""
+
+    def story(self, lines: int | None = ...) -> str:
+        """The text with at most `lines` lines of decisions, None for all of them; omitted lines are counted."""
 
 def array_csg(
     array1: ArrayLike,
@@ -131,364 +178,14 @@ def array_csg(
     regularize: bool | float,
     out: NDArray[Any] | None,
     threads: int | None,
-) -> NDArray[Any]: ...
+) -> NDArray[Any]:
+    """The hits of `array1 operation array2`: see `rayweave.array_csg`."""
+
 def count_array(
     array1: ArrayLike, array2: ArrayLike, operation: int
-) -> tuple[NDArray[Any], NDArray[np.int64]]: ...
-def min_sep(t1: float, t2: float) -> float: ...
-def root_problems(roots: ArrayLike) -> list[str]: ...
-def surface_count(rays: Sequence[RootRay]) -> tuple[int, list[tuple[float, int]]]: ...
+) -> tuple[NDArray[Any], NDArray[np.int64]]:
+    """The merged entries of two hit arrays and the count after each: see `rayweave.count_array`."""
 
-@final
-class Solid:
-    def translate(self, v: ArrayLike) -> Solid: ...
-    def rotate(self, axis: ArrayLike, degrees: float) -> Solid: ...
-    def rotate_x(self, degrees: float) -> Solid: ...
-    def rotate_y(self, degrees: float) -> Solid: ...
-    def rotate_z(self, degrees: float) -> Solid: ...
-    def scale(self, s: float | ArrayLike) -> Solid: ...
-    def mirror(self, normal: ArrayLike) -> Solid: ...
-    def transform(self, matrix: ArrayLike) -> Solid: ...
-    def named(self, name: str) -> Solid: ...
-    def __or__(self, other: Solid, /) -> Solid: ...
-    def __and__(self, other: Solid, /) -> Solid: ...
-    def __sub__(self, other: Solid, /) -> Solid: ...
-    def __xor__(self, other: Solid, /) -> Solid: ...
-    def __ror__(self, other: Solid, /) -> Solid: ...
-    def __rand__(self, other: Solid, /) -> Solid: ...
-    def __rsub__(self, other: Solid, /) -> Solid: ...
-    def __rxor__(self, other: Solid, /) -> Solid: ...
-    def __invert__(self) -> Solid: ...
-    @overload
-    def hits(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = ...,
-        t_max: float = ...,
-        *,
-        return_surfaces: Literal[False] = False,
-        out: NDArray[np.float64] | None = None,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> NDArray[np.float64]: ...
-    @overload
-    def hits(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = ...,
-        t_max: float = ...,
-        *,
-        return_surfaces: Literal[True],
-        out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
-    def crossings(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = ...,
-        t_max: float = ...,
-        *,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> Crossings: ...
-    def crossings_along(
-        self,
-        curves: Trajectory | Iterable[Trajectory],
-        t_min: float | ArrayLike,
-        t_max: float | ArrayLike,
-        *,
-        threads: int | None = None,
-    ) -> Crossings: ...
-    def nearest(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = 0.0,
-        t_max: float = ...,
-        *,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> Crossings: ...
-    def contains(
-        self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
-    ) -> NDArray[np.bool_]: ...
-    def occurrence_paths(
-        self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
-    ) -> list[str]: ...
-    def explain(
-        self, origin: ArrayLike, direction: ArrayLike, t_min: float = ..., t_max: float = ...
-    ) -> Explanation: ...
-    def bounds(self) -> NDArray[np.float64]: ...
-    def save(self, path: str | PathLike[str], name: str | None = None) -> None: ...
-    def render(self, **options: Any) -> NDArray[Any]: ...
-    def _repr_png_(self) -> bytes: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __copy__(self) -> Solid: ...
-    def __deepcopy__(self, _memo: dict[int, Any]) -> Solid: ...
-
-def empty() -> Solid: ...
-def universe() -> Solid: ...
-def union(solids: Iterable[Solid]) -> Solid: ...
-def intersection(solids: Iterable[Solid]) -> Solid: ...
-def place(solid: Solid, transforms: ArrayLike) -> Solid: ...
-def shape(name: str, values: Sequence[Any]) -> Solid: ...
-def manuals() -> list[dict[str, Any]]: ...
-def solid_from_bytes(data: bytes) -> Solid: ...
-
-@final
-class Model:
-    @property
-    def solids(self) -> dict[str, Solid]: ...
-    @property
-    def regions(self) -> tuple[Region, ...]: ...
-    @property
-    def media(self) -> tuple[Medium, ...]: ...
-    @property
-    def parameters(self) -> dict[str, float]: ...
-    @property
-    def unit(self) -> str: ...
-    @property
-    def warnings(self) -> list[str]: ...
-    @overload
-    def hits(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = ...,
-        t_max: float = ...,
-        *,
-        return_surfaces: Literal[False] = False,
-        out: NDArray[np.float64] | None = None,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> NDArray[np.float64]: ...
-    @overload
-    def hits(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = ...,
-        t_max: float = ...,
-        *,
-        return_surfaces: Literal[True],
-        out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
-    def crossings(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = ...,
-        t_max: float = ...,
-        *,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> ModelCrossings: ...
-    def crossings_along(
-        self,
-        curves: Trajectory | Iterable[Trajectory],
-        t_min: float | ArrayLike,
-        t_max: float | ArrayLike,
-        *,
-        threads: int | None = None,
-    ) -> ModelCrossings: ...
-    def nearest(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = 0.0,
-        t_max: float = ...,
-        *,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> ModelCrossings: ...
-    def partition(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        t_min: float = ...,
-        t_max: float = ...,
-        *,
-        evaluator: str | None = None,
-        threads: int | None = None,
-    ) -> Partition: ...
-    def contains(
-        self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
-    ) -> NDArray[np.bool_]: ...
-    def occurrence_paths(
-        self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
-    ) -> list[str]: ...
-    def explain(
-        self, origin: ArrayLike, direction: ArrayLike, t_min: float = ..., t_max: float = ...
-    ) -> Explanation: ...
-    def preparation(self, *, lines: int = 200) -> str: ...
-    def bounds(self) -> NDArray[np.float64]: ...
-    def save(
-        self,
-        path: str | PathLike[str],
-        *,
-        format: str | None = None,
-        tolerance: float | None = None,
-        text: bool = False,
-    ) -> list[str]: ...
-    def to_toml(self) -> str: ...
-    def render(self, **options: Any) -> NDArray[Any]: ...
-    def _repr_png_(self) -> bytes: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __copy__(self) -> Model: ...
-    def __deepcopy__(self, _memo: dict[int, Any]) -> Model: ...
-
-@final
-class Polygons:
-    @property
-    def outside(self) -> int: ...
-    @property
-    def area(self) -> float: ...
-    @property
-    def contours(self) -> tuple[NDArray[np.float64], ...]: ...
-    def trace(self, origin: ArrayLike, direction: ArrayLike) -> RootRay: ...
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]: ...
-    def solid(self, d: int = 2) -> SpaceSolid: ...
-    def extrude(self, lo: float, hi: float) -> Solid: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __copy__(self) -> Polygons: ...
-    def __deepcopy__(self, _memo: dict[int, Any]) -> Polygons: ...
-
-@final
-class SpaceSolid:
-    @property
-    def dimension(self) -> int: ...
-    def translate(self, v: ArrayLike) -> SpaceSolid: ...
-    def scale(self, s: float | ArrayLike) -> SpaceSolid: ...
-    def rotate(self, from_axis: int, to_axis: int, degrees: float) -> SpaceSolid: ...
-    def affine(self, matrix: ArrayLike, offset: ArrayLike | None = None) -> SpaceSolid: ...
-    def extrude(self, d: int) -> SpaceSolid: ...
-    def named(self, name: str) -> SpaceSolid: ...
-    def __or__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __and__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __sub__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __xor__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __ror__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __rand__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __rsub__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __rxor__(self, other: SpaceSolid, /) -> SpaceSolid: ...
-    def __invert__(self) -> SpaceSolid: ...
-    def crossings(
-        self, p: ArrayLike, q: ArrayLike, *, threads: int | None = None
-    ) -> PointCrossings: ...
-    def crossings_along(
-        self,
-        curves: Trajectory | Iterable[Trajectory],
-        t_min: float | ArrayLike,
-        t_max: float | ArrayLike,
-        *,
-        threads: int | None = None,
-    ) -> PointCrossings: ...
-    def contains(self, points: ArrayLike) -> NDArray[np.bool_]: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __copy__(self) -> SpaceSolid: ...
-    def __deepcopy__(self, _memo: dict[int, Any]) -> SpaceSolid: ...
-
-def space_shape(
-    call: str, d: int, counts: list[tuple[str, int]], numbers: list[float]
-) -> SpaceSolid: ...
-def space_join(call: str, solids: Iterable[SpaceSolid]) -> SpaceSolid: ...
-def space_solid_from_steps(
-    steps: list[tuple[str, int, list[float], str | None, list[int]]],
-) -> SpaceSolid: ...
-def space_trace(p: ArrayLike, q: ArrayLike, solid: SpaceSolid) -> RootRay: ...
-def space_trace_along(
-    curve: Trajectory, solid: SpaceSolid, t_min: float, t_max: float
-) -> RootRay: ...
-def number_list(values: ArrayLike, name: str) -> list[float]: ...
-
-@disjoint_base
-class Curve:
-    @property
-    def dimension(self) -> int: ...
-    @property
-    def domain(self) -> tuple[float, float]: ...
-    def position(self, t: ArrayLike) -> NDArray[np.float64]: ...
-    def velocity(self, t: ArrayLike) -> NDArray[np.float64]: ...
-    def acceleration_bound(self, t0: float, t1: float) -> float: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __hash__(self) -> int: ...
-    def __copy__(self) -> Self: ...
-    def __deepcopy__(self, _memo: dict[int, Any]) -> Self: ...
-
-@final
-class Line(Curve):
-    def __new__(cls, origin: ArrayLike, direction: ArrayLike) -> Line: ...
-
-@final
-class Parabola(Curve):
-    def __new__(cls, position: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike) -> Parabola: ...
-
-@final
-class Arc(Curve):
-    def __new__(cls, centre: ArrayLike, axes: ArrayLike, speed: float = 1.0) -> Arc: ...
-    @staticmethod
-    def about(centre: ArrayLike, normal: ArrayLike, start: ArrayLike, speed: float = 1.0) -> Arc: ...
-
-@final
-class Helix(Curve):
-    def __new__(
-        cls, position: ArrayLike, velocity: ArrayLike, axis: ArrayLike, radius: float
-    ) -> Helix: ...
-    @staticmethod
-    def with_frequency(
-        position: ArrayLike, velocity: ArrayLike, axis: ArrayLike, frequency: float
-    ) -> Helix: ...
-    @staticmethod
-    def about(centre: ArrayLike, axis: ArrayLike, start: ArrayLike, pitch: float) -> Helix: ...
-
-@final
-class Spline(Curve):
-    def __new__(
-        cls,
-        knots: ArrayLike,
-        points: ArrayLike,
-        ends: Literal["natural", "clamped", "periodic"] = "natural",
-        velocities: ArrayLike | None = None,
-    ) -> Spline: ...
-
-@final
-class Explanation:
-    @property
-    def start(self) -> str: ...
-    @property
-    def questions(self) -> tuple[Question, ...]: ...
-    @property
-    def crossings(self) -> tuple[Passage, ...]: ...
-    @property
-    def welded(self) -> int: ...
-    @property
-    def steps(self) -> int: ...
-    def story(self, lines: int | None = ...) -> str: ...
-
-def load(
-    path: str | PathLike[str],
-    parameters: dict[str, float | str] | None = None,
-    *,
-    format: str | None = None,
-    facets: bool = False,
-    fonts: Sequence[str | PathLike[str]] = ...,
-    repair: bool = False,
-    unit: str | None = None,
-) -> Model: ...
-def loads(text: str, parameters: dict[str, float | str] | None = None) -> Model: ...
-def render(subject: Solid | Model, kind: str, arguments: dict[str, Any]) -> NDArray[Any]: ...
-def sheet_svg(subject: Solid | Model, title: str, is_one: bool, arguments: dict[str, Any]) -> str: ...
-def from_polygons(contours: Iterable[ArrayLike], outside: int = 1) -> Polygons: ...
 def infill_columns(
     subject: Solid | Model | Polygons,
     spacing: float,
@@ -500,163 +197,492 @@ def infill_columns(
     layer_height: float | None,
     evaluator: str | None,
     threads: int | None,
-) -> tuple[list[NDArray[np.int64]], list[NDArray[np.float64]]]: ...
+) -> tuple[list[NDArray[np.int64]], list[NDArray[np.float64]]]:
+    """The traces that fill a solid, a model or a region: see `rayweave.infill`."""
+
 def measure_columns(
     subject: Solid | Model,
     precision: float,
     confidence: float,
     most_rays: int,
-    within: list[list[float]] | None,
+    within: Sequence[Sequence[float]] | None,
     seed: int,
     evaluator: str | None,
     threads: int | None,
-) -> tuple[
-    list[str],
-    list[str],
-    tuple[NDArray[np.uint64], NDArray[np.bool_]],
-    list[NDArray[np.float64]],
-]: ...
-@final
-class Section:
-    @property
-    def names(self) -> list[str]: ...
-    @property
-    def plane(self) -> str: ...
-    @property
-    def offset(self) -> float: ...
-    @property
-    def tolerance(self) -> float: ...
-    @property
-    def areas(self) -> NDArray[np.float64]: ...
-    @property
-    def perimeters(self) -> NDArray[np.float64]: ...
-    def contours(self, name: str) -> tuple[NDArray[np.float64], ...]: ...
-    @property
-    def frame(self) -> NDArray[np.float64]: ...
-    def _repr_svg_(self) -> str: ...
-
-def section_list(
-    subject: Solid | Model,
-    plane: str,
-    point: list[float],
-    normal: list[float] | None,
-    offsets: list[float] | None,
-    by: str,
-    tolerance: float | None,
-    columns: int,
-    within: list[list[float]] | None,
-    evaluator: str | None,
-    threads: int | None,
-) -> list[Section]: ...
-def section_text(sections: Sequence[Section], format: str, title: str) -> str: ...
-def diff_columns(
-    a: Solid | Model,
-    b: Solid | Model,
-    by: str | None,
-    distance: float | None,
-    cells: int,
-    precision: float,
-    confidence: float,
-    most_rays: int,
-    within: list[list[float]] | None,
-    seed: int,
-    threads: int | None,
-) -> tuple[
-    list[str],
-    list[NDArray[np.bool_]],
-    NDArray[np.float64],
-    tuple[bool, str, float, int],
-    Section,
-]: ...
-
-def check_rows(
-    subject: Solid | Model,
-    wall: float | None,
-    gap: float | None,
-    distance: float | None,
-    cells: int,
-    confidence: float,
-    most_pairs: int,
-    within: list[list[float]] | None,
-    seed: int,
-    pictures: bool,
-    threads: int | None,
-) -> tuple[list[CheckRow], str, dict[str, float]]: ...
-def thickness_maps(
-    subject: Solid | Model,
-    view: str | None,
-    size: tuple[int, int] | None,
-    evaluator: str | None,
-    threads: int | None,
-) -> tuple[list[str], list[float], NDArray[np.float64], NDArray[np.float64], str]: ...
-def notebook_png(subject: Solid | Model) -> bytes: ...
-def timeline_svg(
-    operands: Sequence[tuple[str, RootRay]],
-    results: Sequence[tuple[str, RootRay]],
-    title: str,
-    window: tuple[float, float] | None,
-    count: bool,
-) -> str: ...
-def ray_timeline_svg(
-    subject: Solid | Model,
-    origin: ArrayLike,
-    direction: ArrayLike,
-    title: str,
-    window: tuple[float, float] | None,
-) -> str: ...
-
-_Outline = tuple[str, float, float]
-_Spec = tuple[str, list[float]]
-_Substance = Glass | GradedMedium | tuple[float, float]
+) -> tuple[list[str], list[str], tuple[NDArray[np.uint64], NDArray[np.bool_]], list[NDArray[np.float64]]]:
+    """Volume, area, mass and moments of the regions of a solid or a model: see `rayweave.measure`."""
 
 @final
-class GradedMedium:
-    def __new__(
-        cls, base: _Substance, law: tuple[str, Sequence[float]], world_from_local: ArrayLike
-    ) -> GradedMedium: ...
-    def index(self, wavelength_nm: float, point: tuple[float, float, float]) -> float: ...
+class Model:
+    """A model: an ordered list of regions, each a solid made of a medium. It never changes.
 
-@final
-class Glass:
-    def __new__(cls, name: str) -> Glass: ...
-    @staticmethod
-    def sellmeier(name: str, b: Sequence[float], c: Sequence[float]) -> Glass: ...
-    @staticmethod
-    def from_abbe(n_d: float, v_d: float) -> Glass: ...
-    @overload
-    def index(self, wavelength_nm: float) -> float: ...
-    @overload
-    def index(self, wavelength_nm: ArrayLike) -> Any: ...
-    @overload
-    def extinction(self, wavelength_nm: float) -> float: ...
-    @overload
-    def extinction(self, wavelength_nm: ArrayLike) -> Any: ...
-    def abbe_number(self) -> float: ...
-    def extrapolated(self) -> Glass: ...
+    Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. Models come from `load`
+    and `loads`. The questions are those of `Solid`; inside is where the medium is not that of the world.
+    """
+
     @property
-    def name(self) -> str: ...
+    def solids(self) -> dict[str, Solid]:
+        """The solids by their names, in the order of the file."""
+
     @property
-    def maker(self) -> str: ...
+    def regions(self) -> tuple[Region, ...]:
+        """The regions in order; where they overlap, the later one has priority. Region k of this list
+        has the number k + 1.
+        """
+
     @property
-    def source(self) -> str: ...
+    def media(self) -> tuple[Medium, ...]:
+        """The media by their numbers; number 0 is that of the world."""
+
     @property
-    def range_nm(self) -> tuple[float, float]: ...
-    def __eq__(self, other: object, /) -> bool: ...
-    def __ne__(self, other: object, /) -> bool: ...
+    def parameters(self) -> dict[str, float]:
+        """The parameters with their values, in the order of the file."""
+
+    @property
+    def unit(self) -> str:
+        """The unit of all lengths: "nm", "um", "mm", "cm", "m", "km", "in" or "ft"."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings about the file, as text."""
+
+    @overload
+    def hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        return_surfaces: Literal[False] = False,
+        out: NDArray[np.float64] | None = None,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> NDArray[np.float64]:
+        """When rays enter and leave the medium of the world: see `Solid.hits`."""
+    @overload
+    def hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        return_surfaces: Literal[True],
+        out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
+
+    def crossings(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> ModelCrossings:
+        """All changes of the medium, sorted by ray, then t: see `ModelCrossings`."""
+
+    def crossings_along(
+        self,
+        curves: Trajectory | Iterable[Trajectory],
+        t_min: float | ArrayLike,
+        t_max: float | ArrayLike,
+        *,
+        threads: int | None = None,
+    ) -> ModelCrossings:
+        """All changes of the medium by one curve, or by each in a list of curves, strictly between two times: see `ModelCrossings`, where
+        `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
+        Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
+        `acceleration_bound(t0, t1)`.
+        """
+
+    def nearest(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = 0.0,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> ModelCrossings:
+        """The first change of the medium of each ray after t_min: see `ModelCrossings`."""
+
+    def partition(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> Partition:
+        """The pieces of each ray in one medium, from t_min to t_max: see `Partition`."""
+
+    def contains(
+        self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
+    ) -> NDArray[np.bool_]:
+        """Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,)."""
+
+    def occurrence_paths(
+        self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
+    ) -> list[str]:
+        """Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
+        texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
+        of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+        """
+
+    def explain(
+        self, origin: ArrayLike, direction: ArrayLike, t_min: float = ..., t_max: float = ...
+    ) -> Explanation:
+        """Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read
+        it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
+        """
+
+    def preparation(self, *, lines: int = 200) -> str:
+        """Explains the compilation of the model: the effect of each pass on its tree, and the pruned parts, with reasons: the text
+        of `rayweave info --explain`, with at most `lines` parts for each solid.
+        """
+
+    def bounds(self) -> NDArray[np.float64]:
+        """A box that holds all regions: float64 (2, 3), the least and the greatest coordinates."""
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        format: str | None = None,
+        tolerance: float | None = None,
+        text: bool = False,
+    ) -> list[str]:
+        """Writes the model to a file, complete or not at all, in the format of its ending (native for unknown endings) or the one
+        that `format` names, as in `load`. Curved faces that the format does not support become triangles within `tolerance`, in
+        the unit of the model; default 1/5000 of its diagonal. With `text`, STL and PLY are written as text. Returns sentences
+        about parts that were approximated, dropped or written in another form.
+        """
+
+    def to_toml(self) -> str:
+        """The model file as text."""
+
+    def __eq__(self, other: object, /) -> bool:
+        """Equal if they mean the same: solids, regions, media and pictures, whatever parameters they came from."""
+
     def __hash__(self) -> int: ...
+
+    def render(self, **options: Any) -> NDArray[Any]:
+        """A picture of the model as an array: see `rayweave.render`, whose options these are."""
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows."""
+
+    def __copy__(self) -> Model: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Model: ...
+
+def load(
+    path: str | PathLike[str],
+    parameters: dict[str, float | str] | None = None,
+    *,
+    format: str | None = None,
+    facets: bool = False,
+    fonts: Sequence[str | PathLike[str]] = ...,
+    repair: bool = False,
+    unit: str | None = None,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+) -> Model:
+    """Reads a model file: a native one (.toml), one of another program (OpenSCAD's .csg, Geant4's .gdml), or a mesh (.stl, .obj, .ply,
+    .off, .3mf, .gltf, .glb). The ending selects the format, unless `format` names it: "native", "openscad", "gdml", or the
+    ending of a mesh. `parameters` overrides parameters of a native file by numbers or arithmetic text. With `facets`, round
+    shapes become the facets that their own program uses; by default they are exactly round. The model's `warnings` list parts
+    that were approximated, dropped or rejected. `fonts` are font files and folders, searched before the system's fonts. With
+    `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
+    of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
+    files and folders in `allow`. With `strict`, warnings are errors.
+    """
+
+def loads(
+    text: str,
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+) -> Model:
+    """Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
+    and below, and the files and folders in `allow`. With `strict`, warnings are errors.
+    """
+
+@final
+class Arrivals:
+    """Rays on the image: see `rayweave.optics.Rays`."""
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Their columns by name."""
+
+    def moved(self, shift: float) -> Arrivals:
+        """The same rays on a plane moved along the axis."""
+
+    def spot(self) -> tuple[int, tuple[float, float], tuple[float, float, float], float]:
+        """The number of rays, the centroid (x, y), the RMS radii (both, x, y) and the geometric radius."""
+
+    def encircled_energy(self, radii: Sequence[float]) -> NDArray[np.float64]:
+        """The fraction of the power within circles about the centroid."""
+
+    def radius_of_energy(self, fraction: float) -> float:
+        """The radius of the smallest circle about the centroid with a fraction of the power; NaN if there is no light."""
+
+    def mtf(self, direction: tuple[float, float], frequencies: Sequence[float]) -> NDArray[np.float64]:
+        """The geometric modulation of lines across a direction."""
+
+    def best_focus(self) -> float:
+        """By how much the plane has to move for the least RMS radius; NaN for parallel rays."""
+
+def optical_component(
+    kind: str,
+    numbers: Sequence[float],
+    outline: _Outline | None = None,
+    off_axis: tuple[float, float] = ...,
+    terms: Sequence[tuple[Sequence[float], Sequence[float]]] = ...,
+) -> list[Solid]:
+    """The solids of a component, usually one: `numbers` are the parameters of the function of that
+    name in their order, without the apertures.
+    """
+
+def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
+    """The focal length of a thick lens in air (see `rayweave.optics.lensmaker`)."""
 
 @final
 class Sheet:
+    """A sheet: a surface trimmed by a solid, with its frame."""
+
     def __new__(
         cls, outline: _Outline, opening: _Outline | None = None, curvature: float = 0.0, conic: float = 0.0
-    ) -> Sheet: ...
+    ) -> Sheet:
+        """`curvature` is that of the surface at its vertex, 1 over its radius; an opening makes a stop of it."""
+
     @staticmethod
-    def from_solids(surface: Solid, trim: Solid) -> Sheet: ...
-    def apply(self, world_from_local: ArrayLike) -> Sheet: ...
-    def solids(self) -> tuple[Solid, Solid]: ...
+    def from_solids(surface: Solid, trim: Solid) -> Sheet:
+        """A sheet: the part of the boundary of a solid that lies within another one."""
+
+    def apply(self, world_from_local: ArrayLike) -> Sheet:
+        """The sheet moved by an affine map, a 4 x 4 matrix."""
+
+    def solids(self) -> tuple[Solid, Solid]:
+        """Its surface and its trim."""
+
+def tolerance(
+    lens: CompiledPrescription,
+    errors: Sequence[_ErrorOf],
+    merit: str,
+    trials: int,
+    *,
+    refocus: bool,
+    vignette: bool,
+    rings: int,
+    seed: int,
+    threads: int | None,
+) -> dict[str, Any]:
+    """The merits of trials with their deviations, and the effect of each parameter alone."""
+
+def optimise(
+    lens: CompiledPrescription,
+    parameters: Sequence[str],
+    goals: Sequence[_GoalOf],
+    *,
+    rings: int,
+    patience: int,
+) -> tuple[CompiledPrescription, dict[str, Any]]:
+    """The prescription that an optimisation finds, the values of the parameters, and the course of the
+    optimisation.
+    """
+
+@final
+class ReadElement:
+    """An element of a model file: see `rayweave.optics.Element`."""
+
+    def parts(self) -> tuple[str, Solid | Sheet, str, NDArray[np.float64]]:
+        """Its name, its solid or sheet, the name of its material, and the frame of a sheet."""
+
+    def apply(self, world_from_local: ArrayLike) -> ReadElement:
+        """The element moved by an affine map, a 4 x 4 matrix."""
+
+    def with_finish(self, finish: _Spec, face: str | None = None) -> ReadElement:
+        """The element with a finish, on all faces or on those of a name."""
+
+def load_optics(
+    path: str | PathLike[str],
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+) -> tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]:
+    """Reads the `[optics]` tables of a model file."""
+
+def loads_optics(
+    text: str,
+    parameters: dict[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+) -> tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]:
+    """Reads the `[optics]` tables of the text of a model file."""
+
+@final
+class Glass:
+    """A material with its refractive index by wavelength: a glass, a crystal, a liquid, a metal.
+
+    `index(wavelength_nm)` and `extinction(wavelength_nm)` take a number or an array of vacuum wavelengths in nanometres. A
+    wavelength that the data do not reach is an error; `extrapolated()` is the same material without that check.
+    """
+
+    def __new__(cls, name: str) -> Glass:
+        """A material of the built-in catalogue, by name; upper and lower case, spaces and dashes do not matter."""
+
+    @staticmethod
+    def sellmeier(name: str, b: Sequence[float], c: Sequence[float]) -> Glass:
+        """A material by Sellmeier's formula n^2 - 1 = sum of b l^2 / (l^2 - c), l in micrometres, c in square micrometres."""
+
+    @staticmethod
+    def from_abbe(n_d: float, v_d: float) -> Glass:
+        """A material by its index at 587.5618 nm and its Abbe number."""
+
+    @overload
+    def index(self, wavelength_nm: float) -> float:
+        """The refractive index at a vacuum wavelength in nanometres, or at each of an array of them."""
+    @overload
+    def index(self, wavelength_nm: ArrayLike) -> Any: ...
+
+    @overload
+    def extinction(self, wavelength_nm: float) -> float:
+        """The extinction coefficient at a vacuum wavelength in nanometres, or at each of an array of them."""
+    @overload
+    def extinction(self, wavelength_nm: ArrayLike) -> Any: ...
+
+    def abbe_number(self) -> float:
+        """The Abbe number (n_d - 1) / (n_F - n_C)."""
+
+    def extrapolated(self) -> Glass:
+        """The same material without a check of the range of its data."""
+
+    @property
+    def name(self) -> str:
+        """Name."""
+
+    @property
+    def maker(self) -> str:
+        """Manufacturer; empty if there is none."""
+
+    @property
+    def source(self) -> str:
+        """Source of the data."""
+
+    @property
+    def range_nm(self) -> tuple[float, float]:
+        """Range of wavelengths with a known index, in nanometres."""
+
+    def __hash__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+
+def glass_names() -> list[str]:
+    """The names of all materials of the catalogue."""
+
+@final
+class GradedMedium:
+    """A medium with a gradient: see `rayweave.optics.graded`."""
+
+    def __new__(cls, base: _Substance, law: _Spec, world_from_local: ArrayLike) -> GradedMedium: ...
+
+    def index(self, wavelength_nm: float, point: tuple[float, float, float]) -> float:
+        """The index at a point, a vector of three numbers, at a vacuum wavelength in nanometres; NaN where there is none."""
+
+@final
+class CompiledPrescription:
+    """A prescription, with a system that is compiled on demand: see `rayweave.optics.Prescription`."""
+
+    def __new__(cls, rows: Sequence[_Row], frame: Mapping[str, Any]) -> CompiledPrescription: ...
+
+    @staticmethod
+    def read_zmx(file: bytes) -> tuple[CompiledPrescription, list[str]]:
+        """The prescription in the bytes of a Zemax file, and notes on ignored entries."""
+
+    def write_zmx(self) -> str:
+        """The text of a Zemax file."""
+
+    def rows(self) -> list[tuple[Any, ...]]:
+        """The surfaces, as the constructor takes them."""
+
+    def frame(self) -> dict[str, Any]:
+        """The numbers that belong to no single surface, in the form that the constructor takes."""
+
+    def first_order(self, wavelength_nm: float, along: str) -> dict[str, Any]:
+        """First-order data at a wavelength by name, with the matrix (a, b, c, d); pupils are (position, diameter)."""
+
+    def seidel(self) -> dict[str, NDArray[np.float64]]:
+        """The Seidel sums of every surface, as columns."""
+
+    def parts(self) -> list[tuple[str, Any, Any, Any, Any]]:
+        """Its solids, stop and image."""
+
+    def semi_diameters(self) -> NDArray[np.float64]:
+        """The clear semi-diameters of the surfaces and of the image."""
+
+    def rays(
+        self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Origins and directions of the rays of a field through points of the pupil, (N, 2)."""
+
+    def arrivals(
+        self, field: int, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool
+    ) -> Arrivals:
+        """The rays of a field on the image, at one wavelength or at all of them with their weights."""
+
+    def fan(
+        self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """A ray fan: points of the pupil and transverse errors, both (N, 2)."""
+
+    def wavefront(
+        self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """A wavefront: points of the pupil (N, 2) and differences in waves (N,)."""
+
+    def principal_point(self, field: int, wavelength_nm: float) -> tuple[float, float]:
+        """The point of the paraxial entrance pupil through which the principal ray goes."""
+
+    def needs_aiming(self, field: int, wavelength_nm: float) -> bool:
+        """Whether rays of a field have to be aimed at the stop."""
+
+    def principal(self, field: int, wavelength_nm: float) -> list[float]:
+        """The heights of the real and the paraxial principal ray on the image, and the tangential and the sagittal focus."""
+
+    def axial_focus(self, wavelength_nm: float, height: float) -> float:
+        """The intersection with the axis of the ray of the first field, on the axis, through a height
+        in the pupil.
+        """
+
+    def lateral_colour(self, field: int, wavelength_nm: float) -> float:
+        """The height of the principal ray less that at the primary wavelength."""
+
+def coordinate_break(
+    decentre: tuple[float, float], tilt_degrees: tuple[float, float, float], tilts_first: bool
+) -> list[list[float]]:
+    """The matrix of a coordinate break: coordinates in front of it from those behind, row by row."""
+
+def pupil_points(kind: str, count: int) -> NDArray[np.float64]:
+    """Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with that of points across."""
+
+def event_names() -> list[str]:
+    """The names of events by their numbers."""
 
 @final
 class LightSource:
+    """A source of light: see `rayweave.optics.Source`."""
+
     def __new__(
         cls,
         kind: str,
@@ -669,102 +695,75 @@ class LightSource:
         outline: _Outline | None,
         sampling: str,
     ) -> LightSource: ...
+
     @staticmethod
     def listed(
         origins: ArrayLike,
         directions: ArrayLike,
         wavelength_nm: Sequence[float] | None = None,
         power: Sequence[float] | None = None,
-    ) -> LightSource: ...
+    ) -> LightSource:
+        """Rays given one by one, optionally with their own wavelengths and powers."""
+
     @staticmethod
-    def from_file(path: str | PathLike[str]) -> LightSource: ...
-    def with_spectrum(self, spectrum: _Spec) -> LightSource: ...
-    def with_power(self, power: float, is_total: bool) -> LightSource: ...
-    def with_stokes(self, parameters: tuple[float, float, float, float]) -> LightSource: ...
-    def apply(self, world_from_local: ArrayLike) -> LightSource: ...
+    def from_file(path: str | PathLike[str]) -> LightSource:
+        """The rays of a file."""
+
+    def with_spectrum(self, spectrum: _Spec) -> LightSource:
+        """The source with another spectrum."""
+
+    def with_power(self, power: float, is_total: bool) -> LightSource:
+        """The source with another power, of each ray or of all together."""
+
+    def with_stokes(self, parameters: tuple[float, float, float, float]) -> LightSource:
+        """The source with polarised light: the parameters of Stokes."""
+
+    def apply(self, world_from_local: ArrayLike) -> LightSource:
+        """The source moved by an affine map, a 4 x 4 matrix."""
+
     @property
-    def count(self) -> int: ...
+    def count(self) -> int:
+        """The number of rays."""
+
     def rays(
         self,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Its rays: origins, directions, wavelengths and powers."""
 
 @final
-class Arrivals:
-    def columns(self) -> dict[str, NDArray[Any]]: ...
-    def moved(self, shift: float) -> Arrivals: ...
-    def spot(self) -> tuple[int, tuple[float, float], tuple[float, float, float], float]: ...
-    def encircled_energy(self, radii: Sequence[float]) -> NDArray[np.float64]: ...
-    def radius_of_energy(self, fraction: float) -> float: ...
-    def mtf(self, direction: Sequence[float], frequencies: Sequence[float]) -> NDArray[np.float64]: ...
-    def best_focus(self) -> float: ...
+class SegmentStream:
+    """The segments of a run as an iterator of tables: see `rayweave.optics.Stream`."""
 
-@final
-class CompiledPrescription:
-    def __new__(cls, rows: Sequence[tuple[Any, ...]], frame: Mapping[str, Any]) -> CompiledPrescription: ...
-    @staticmethod
-    def read_zmx(file: bytes) -> tuple[CompiledPrescription, list[str]]: ...
-    def write_zmx(self) -> str: ...
-    def rows(self) -> list[tuple[Any, ...]]: ...
-    def frame(self) -> dict[str, Any]: ...
-    def first_order(self, wavelength_nm: float, along: str) -> dict[str, Any]: ...
-    def seidel(self) -> dict[str, NDArray[np.float64]]: ...
-    def parts(self) -> list[tuple[str, Any, Any, Any, Any]]: ...
-    def semi_diameters(self) -> NDArray[np.float64]: ...
-    def rays(
-        self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-    def arrivals(
-        self, field: int, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool
-    ) -> Arrivals: ...
-    def fan(
-        self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-    def wavefront(
-        self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-    def principal(self, field: int, wavelength_nm: float) -> list[float]: ...
-    def axial_focus(self, wavelength_nm: float, height: float) -> float: ...
-    def lateral_colour(self, field: int, wavelength_nm: float) -> float: ...
+    def __iter__(self) -> SegmentStream: ...
 
-def tolerance(
-    lens: CompiledPrescription,
-    errors: Sequence[tuple[str, str, float]],
-    merit: str,
-    trials: int,
-    *,
-    refocus: bool,
-    vignette: bool,
-    rings: int,
-    seed: int,
-    threads: int | None,
-) -> dict[str, Any]: ...
-def optimise(
-    lens: CompiledPrescription,
-    parameters: Sequence[str],
-    goals: Sequence[tuple[Any, ...]],
-    *,
-    rings: int,
-    patience: int,
-) -> tuple[CompiledPrescription, dict[str, Any]]: ...
-def coordinate_break(
-    decentre: tuple[float, float], tilt_degrees: tuple[float, float, float], tilts_first: bool
-) -> list[list[float]]: ...
-def pupil_points(kind: str, count: int) -> NDArray[np.float64]: ...
-def zernike_term(scheme: str, index: int) -> tuple[int, int]: ...
-def zernike_values(term: tuple[int, int], pupil: ArrayLike) -> NDArray[np.float64]: ...
-def zernike_fit(
-    pupil: ArrayLike, values: ArrayLike, terms: Sequence[tuple[int, int]]
-) -> tuple[NDArray[np.float64], float]: ...
+    def __next__(self) -> dict[str, NDArray[Any]]:
+        """The next table, whose parents are rows of the whole run."""
+
+    def cancel(self) -> None:
+        """Stops the run: there are no further tables."""
+
+    @property
+    def rays(self) -> int:
+        """About how many rays have been traced."""
+
+    @property
+    def balance(self) -> dict[str, Any] | None:
+        """The balance of power, once the run is over."""
 
 @final
 class CompiledSystem:
-    def __new__(
-        cls, parts: Sequence[tuple[Any, ...]], world: _Substance, unit_nm: float
-    ) -> CompiledSystem: ...
+    """An optical system, compiled: see `rayweave.optics.System`."""
+
+    def __new__(cls, parts: Sequence[_Part], world: _Substance, unit_nm: float) -> CompiledSystem: ...
+
     @property
-    def element_names(self) -> list[str]: ...
+    def element_names(self) -> list[str]:
+        """The names of the elements."""
+
     @property
-    def surface_names(self) -> list[str]: ...
+    def surface_names(self) -> list[str]:
+        """The names of all surfaces."""
+
     def trace(
         self,
         origins: ArrayLike,
@@ -773,62 +772,661 @@ class CompiledSystem:
         power: ArrayLike,
         source: ArrayLike,
         stokes: ArrayLike | None,
-        settings: dict[str, Any],
+        settings: Mapping[str, Any],
         progress: Callable[[int, int], object] | None = None,
-    ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]: ...
+    ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+        """Traces rays: columns by name, and the balance of power."""
+
     def trace_sources(
         self,
         sources: Sequence[LightSource],
-        settings: dict[str, Any],
+        settings: Mapping[str, Any],
         progress: Callable[[int, int], object] | None = None,
-    ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]: ...
-    def phases(
-        self, columns: dict[str, NDArray[Any]]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    ) -> tuple[dict[str, NDArray[Any]], dict[str, Any]]:
+        """Traces the light of sources: columns by name, and the balance of power."""
+
+    def phases(self, columns: dict[str, NDArray[Any]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The phases of s and p of the rows of a whole trace, whose columns are given, in degrees."""
+
     def stream(
-        self, sources: Sequence[LightSource], settings: dict[str, Any], rows: int, phases: bool
-    ) -> SegmentStream: ...
+        self, sources: Sequence[LightSource], settings: Mapping[str, Any], rows: int, phases: bool
+    ) -> SegmentStream:
+        """Traces the light of sources in the background, in tables of at least `rows` rows."""
+
     def trace_to(
         self,
         path: str | PathLike[str],
         unit: str,
         sources: Sequence[LightSource],
-        settings: dict[str, Any],
+        settings: Mapping[str, Any],
         phases: bool,
         progress: Callable[[int, int], object] | None = None,
-    ) -> dict[str, Any]: ...
+    ) -> dict[str, Any]:
+        """Traces the light of sources into a file, `.csv` or `.npy`; lengths are in a unit. The balance of power."""
+
+def zernike_term(scheme: str, index: int) -> tuple[int, int]:
+    """The order and the frequency by an index: "noll" from 1, "osa" from 0."""
+
+def zernike_values(term: tuple[int, int], pupil: ArrayLike) -> NDArray[np.float64]:
+    """The values of a polynomial at points (N, 2) of the unit disk."""
+
+def zernike_fit(
+    pupil: ArrayLike, values: ArrayLike, terms: Sequence[tuple[int, int]]
+) -> tuple[NDArray[np.float64], float]:
+    """The coefficients of the least-squares fit, and the RMS of the residual."""
 
 @final
-class SegmentStream:
-    def __iter__(self) -> SegmentStream: ...
-    def __next__(self) -> dict[str, NDArray[Any]]: ...
-    def cancel(self) -> None: ...
+class Polygons:
+    """A region of the plane bounded by polygons. It never changes; `from_polygons` makes one."""
+
     @property
-    def rays(self) -> int: ...
+    def outside(self) -> int:
+        """The side far away from all contours: +1 outside, -1 inside."""
+
     @property
-    def balance(self) -> dict[str, Any] | None: ...
+    def area(self) -> float:
+        """The area, inf if the region is unbounded."""
+
+    @property
+    def contours(self) -> tuple[NDArray[np.float64], ...]:
+        """The contours after simplification, without vertices that are not corners: arrays of shape
+        (N, 2).
+        """
+
+    def trace(self, origin: ArrayLike, direction: ArrayLike) -> RootRay:
+        """The line origin + t direction: when it is inside."""
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points (N, 2) or (2,) are inside: bool (N,). A point on the boundary has the side
+        that the line along +x has just after it.
+        """
+
+    def solid(self, d: int = 2) -> SpaceSolid:
+        """The region as a solid of `rayweave.space`: of the plane or, unbounded along the other axes, of a space of `d` dimensions."""
+
+    def extrude(self, lo: float, hi: float) -> Solid:
+        """The prism over the region, lo < z < hi, as a solid."""
+
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __copy__(self) -> Polygons: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Polygons: ...
+
+def from_polygons(contours: Iterable[ArrayLike], outside: int = 1) -> Polygons:
+    """The region bounded by closed contours, arrays of shape (N, 2): islands go around counter-clockwise, holes clockwise.
+    `outside` is +1 or, if the outermost contours are holes, -1.
+    """
+
+def render(subject: Solid | Model, kind: str, arguments: Mapping[str, Any]) -> NDArray[Any]:
+    """A picture of a solid or a model: see `rayweave.render`."""
+
+def sheet_svg(subject: Solid | Model, title: str, is_one: bool, arguments: Mapping[str, Any]) -> str:
+    """A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`."""
+
+def notebook_png(subject: Solid | Model) -> bytes:
+    """A picture as a PNG file for notebooks."""
 
 @final
-class ReadElement:
-    def parts(self) -> tuple[str, Solid | Sheet, str, NDArray[np.float64]]: ...
-    def apply(self, world_from_local: ArrayLike) -> ReadElement: ...
-    def with_finish(self, finish: _Spec, face: str | None = None) -> ReadElement: ...
+class RootRay:
+    """Which parts of one trajectory are inside one solid: the side on which it starts and the times at which it changes sides.
 
-_LoadedOptics = tuple[
-    CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]
-]
+    `start` is +1 or "outside", -1 or "inside": the side as t goes to -inf. `roots` are the times of the crossings: finite and
+    strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, nothing is compared with a tolerance.
+    It unpacks and compares as the pair `(start, list of roots)`.
+    """
 
-def load_optics(
-    path: str | PathLike[str], parameters: dict[str, float | str] | None = None
-) -> _LoadedOptics: ...
-def loads_optics(text: str, parameters: dict[str, float | str] | None = None) -> _LoadedOptics: ...
-def optical_component(
-    kind: str,
-    numbers: Sequence[float],
-    outline: _Outline | None = None,
-    off_axis: tuple[float, float] = ...,
-    terms: Sequence[tuple[Sequence[float], Sequence[float]]] = ...,
-) -> list[Solid]: ...
-def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float: ...
-def glass_names() -> list[str]: ...
-def event_names() -> list[str]: ...
+    def __new__(cls, start: int | Literal["outside", "inside"], roots: ArrayLike) -> RootRay: ...
+
+    @staticmethod
+    def from_hits(column: ArrayLike) -> RootRay:
+        """The root-ray of one column of a hit array: -inf entries give the start, equal entries cancel, +inf is dropped."""
+
+    def to_hits(self) -> NDArray[np.float64]:
+        """The root-ray as a column of a hit array: float64 (H,), -inf first if it starts inside, padded with +inf."""
+
+    @property
+    def start(self) -> int:
+        """+1 if the trajectory starts outside, -1 if it starts inside."""
+
+    @property
+    def roots(self) -> list[float]:
+        """The times of the crossings, in order."""
+
+    @property
+    def starts_inside(self) -> bool:
+        """Whether the trajectory starts inside, as t goes to -inf."""
+
+    @property
+    def ends_inside(self) -> bool:
+        """Whether the trajectory ends inside, as t goes to +inf."""
+
+    def is_inside(self, t: float) -> bool:
+        """Whether the trajectory is inside just after `t`."""
+
+    def spans(self) -> list[tuple[float, float]]:
+        """The open intervals of times spent inside, in order; the ends may be infinite."""
+
+    def clip(self, t_min: float = ..., t_max: float = ...) -> RootRay:
+        """The crossings with t_min < t < t_max; the side just after t_min becomes the start."""
+
+    def weld(self, min_sep: float | None = None) -> RootRay:
+        """Without the pieces shorter than `min_sep`; by default, than `rayweave.rootray.min_sep` of their ends."""
+
+    def __or__(self, other: RootRay, /) -> RootRay: ...
+    def __ror__(self, other: RootRay, /) -> RootRay: ...
+    def __and__(self, other: RootRay, /) -> RootRay: ...
+    def __rand__(self, other: RootRay, /) -> RootRay: ...
+    def __sub__(self, other: RootRay, /) -> RootRay: ...
+    def __rsub__(self, other: RootRay, /) -> RootRay: ...
+    def __xor__(self, other: RootRay, /) -> RootRay: ...
+    def __rxor__(self, other: RootRay, /) -> RootRay: ...
+    def __invert__(self) -> RootRay: ...
+    def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, index: Literal[0, -2], /) -> int: ...
+    @overload
+    def __getitem__(self, index: Literal[1, -1], /) -> list[float]: ...
+    def __iter__(self) -> Iterator[Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+def min_sep(t1: float, t2: float) -> float:
+    """The least separation of two root times: see `rayweave.rootray.min_sep`."""
+
+def root_problems(roots: ArrayLike) -> list[str]:
+    """All problems of a list of root times, as messages: see `rayweave.rootray.validate`."""
+
+def surface_count(rays: Sequence[RootRay]) -> tuple[int, list[tuple[float, int]]]:
+    """The number of root-rays that are inside: see `rayweave.rootray.surface_count`."""
+
+@final
+class Section:
+    """Plane section of a model: areas and contours of each medium or region.
+
+    A notebook shows it as a picture.
+    """
+
+    @property
+    def names(self) -> list[str]:
+        """The names of the media or regions that the plane intersects, in their order."""
+
+    @property
+    def plane(self) -> str:
+        """The plane in words: `z = 0.5`."""
+
+    @property
+    def offset(self) -> float:
+        """The coordinate along the axis of the plane, or the distance from its point along its normal."""
+
+    @property
+    def tolerance(self) -> float:
+        """Maximum distance of contours from the surfaces; the error of an area is at most this times the perimeter."""
+
+    @property
+    def areas(self) -> NDArray[np.float64]:
+        """(P,) areas of the parts."""
+
+    @property
+    def perimeters(self) -> NDArray[np.float64]:
+        """(P,) lengths of all lines around the parts."""
+
+    def contours(self, name: str) -> tuple[NDArray[np.float64], ...]:
+        """The contours of a part, each (N, 2): outlines counter-clockwise, holes clockwise; the last point is not the first again."""
+
+    @property
+    def frame(self) -> NDArray[np.float64]:
+        """A point of the plane and its axes, to the right and up, (3, 3): `frame[0] + u * frame[1] + v * frame[2]` is a point of space."""
+
+    def _repr_svg_(self) -> str: ...
+
+def section_list(
+    subject: Solid | Model,
+    plane: str,
+    point: Sequence[float],
+    normal: Sequence[float] | None,
+    offsets: Sequence[float] | None,
+    by: str,
+    tolerance: float | None,
+    columns: int,
+    within: Sequence[Sequence[float]] | None,
+    evaluator: str | None,
+    threads: int | None,
+) -> list[Section]:
+    """Sections of a solid or a model by a plane at some offsets: see `rayweave.section`."""
+
+def section_text(sections: Sequence[Section], format: str, title: str) -> str:
+    """Sections as one document, "svg" or "dxf"."""
+
+def manuals() -> list[dict[str, Any]]:
+    """The manual pages of all shapes: dicts with the fields `name`, `parameters`, `equation`, `faces` and `text`."""
+
+def shape(name: str, values: Sequence[Any]) -> Solid:
+    """The shape of this name; `values` are those of all its parameters, in the order of the manual
+    page.
+    """
+
+@final
+class Solid:
+    """A solid: a boolean combination of shapes under affine maps. It never changes.
+
+    Make solids with the functions `sphere`, `box`, ... and join them with `|` (union), `&` (intersection), `-` (difference),
+    `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new solid; matrices are
+    world_from_local and act on columns.
+
+    Questions take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` counts in units of the
+    direction, which need not be of unit length. `t_min` and `t_max` cut a window out of every ray, strictly between them.
+    `evaluator` is "packets" (the default), "weave" (sweep by sweep), "reference" (slow, obvious) or "single_hit" (crossing by
+    crossing); all give the same answers to the bit. `threads` is by default the variable
+    RAYWEAVE_THREADS, else the number of cores; answers do not depend on it.
+    """
+
+    def translate(self, v: ArrayLike) -> Solid:
+        """The solid moved by a vector."""
+
+    def rotate(self, axis: ArrayLike, degrees: float) -> Solid:
+        """The solid turned about an axis through the origin, right-handed, by an angle in degrees. The axis need not be of unit
+        length.
+        """
+
+    def rotate_x(self, degrees: float) -> Solid:
+        """The solid turned about the x axis, +y towards +z, by an angle in degrees."""
+
+    def rotate_y(self, degrees: float) -> Solid:
+        """The solid turned about the y axis, +z towards +x, by an angle in degrees."""
+
+    def rotate_z(self, degrees: float) -> Solid:
+        """The solid turned about the z axis, +x towards +y, by an angle in degrees."""
+
+    def scale(self, s: float | ArrayLike) -> Solid:
+        """The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror."""
+
+    def mirror(self, normal: ArrayLike) -> Solid:
+        """The solid mirrored in the plane through the origin with this normal, which need not be of unit length."""
+
+    def transform(self, matrix: ArrayLike) -> Solid:
+        """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns, with the last row 0, 0, 0, 1."""
+
+    def named(self, name: str) -> Solid:
+        """The same solid under a name, by which its faces are called in answers."""
+
+    def __or__(self, other: Solid, /) -> Solid: ...
+    def __ror__(self, other: Solid, /) -> Solid: ...
+    def __and__(self, other: Solid, /) -> Solid: ...
+    def __rand__(self, other: Solid, /) -> Solid: ...
+    def __sub__(self, other: Solid, /) -> Solid: ...
+    def __rsub__(self, other: Solid, /) -> Solid: ...
+    def __xor__(self, other: Solid, /) -> Solid: ...
+    def __rxor__(self, other: Solid, /) -> Solid: ...
+    def __invert__(self) -> Solid: ...
+
+    @overload
+    def hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        return_surfaces: Literal[False] = False,
+        out: NDArray[np.float64] | None = None,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> NDArray[np.float64]:
+        """Times at which rays enter and leave the solid: a float64 array (H, N), or a pair of it and the surfaces.
+
+        Column = ray, row = k-th entry, each column in order and padded with +inf; H is the least even number, at least 2, that
+        holds all columns. The column of a ray that is inside just after t_min begins with -inf; a ray that is inside just
+        before t_max has no entry for that end. With `return_surfaces`, an int32 array (H, N) has the face of each entry
+        (`surface_names` of `crossings` has their names), or -1.
+
+        `out` is a float64 array of an even number of rows, enough for all columns, or with `return_surfaces` a pair of it and an
+        int32 array of the same shape. The hits are written into it, and it is returned in place of a new one. It is fastest where
+        its rows have no gaps. If there is an error, it may hold anything.
+        """
+    @overload
+    def hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        return_surfaces: Literal[True],
+        out: NDArray[np.float64] | tuple[NDArray[np.float64], NDArray[np.int32]] | None = None,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
+
+    def crossings(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = ...,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> Crossings:
+        """All crossings of the surface, sorted by ray, then t: see `Crossings`."""
+
+    def crossings_along(
+        self,
+        curves: Trajectory | Iterable[Trajectory],
+        t_min: float | ArrayLike,
+        t_max: float | ArrayLike,
+        *,
+        threads: int | None = None,
+    ) -> Crossings:
+        """All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where
+        `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
+        Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
+        `acceleration_bound(t0, t1)`.
+        """
+
+    def nearest(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_min: float = 0.0,
+        t_max: float = ...,
+        *,
+        evaluator: str | None = None,
+        threads: int | None = None,
+    ) -> Crossings:
+        """The first crossing of each ray after t_min: see `Crossings`. A ray that crosses nothing has t = inf, surface = -1, and NaN
+        for point and normal.
+        """
+
+    def occurrence_paths(
+        self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
+    ) -> list[str]:
+        """Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
+        texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
+        of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+        """
+
+    def explain(
+        self, origin: ArrayLike, direction: ArrayLike, t_min: float = ..., t_max: float = ...
+    ) -> Explanation:
+        """Explains the crossings of one ray: every decision of the single-hit evaluator, with its reason. Print the result to read
+        it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
+        """
+
+    def contains(
+        self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
+    ) -> NDArray[np.bool_]:
+        """Whether points (N, 3) or (3,) are inside: bool (N,). A point on the surface has the side of
+        a ray that lies in the surface.
+        """
+
+    def bounds(self) -> NDArray[np.float64]:
+        """A box that holds the solid: float64 (2, 3), the least and the greatest coordinates. The box
+        of the empty solid is (+inf, -inf). The box is conservative and may be larger than the
+        solid.
+        """
+
+    def __eq__(self, other: object, /) -> bool:
+        """Equal if built in the same way from equal parts (not: if they fill the same space)."""
+
+    def __hash__(self) -> int: ...
+
+    def save(self, path: str | PathLike[str], name: str | None = None) -> None:
+        """Writes the solid as a model file (.toml), under the name it has or under this one."""
+
+    def render(self, **options: Any) -> NDArray[Any]:
+        """A picture of the solid as an array: see `rayweave.render`, whose options these are."""
+
+    def _repr_png_(self) -> bytes:
+        """The picture that a notebook shows."""
+
+    def __copy__(self) -> Solid: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Solid: ...
+
+def solid_from_bytes(data: bytes) -> Solid:
+    """A solid from its pickled bytes."""
+
+def empty() -> Solid:
+    """The empty solid: the neutral element of union."""
+
+def universe() -> Solid:
+    """All of space: the neutral element of intersection."""
+
+def union(solids: Iterable[Solid]) -> Solid:
+    """The union of the solids; `empty()` if there are none."""
+
+def intersection(solids: Iterable[Solid]) -> Solid:
+    """The intersection of the solids; `universe()` if there are none."""
+
+def place(solid: Solid, transforms: ArrayLike) -> Solid:
+    """The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The solid is
+    compiled once, however many they are.
+    """
+
+@disjoint_base
+class Curve:
+    """A trajectory r(t) in R^d: the base class of `Line`, `Parabola`, `Arc`, `Helix` and `Spline`.
+    Immutable.
+    """
+
+    @property
+    def dimension(self) -> int:
+        """The dimension of the space: 2, 3 or 4."""
+
+    @property
+    def domain(self) -> tuple[float, float]:
+        """The first and the last time at which the curve is defined; infinite if it is unbounded."""
+
+    def position(self, t: ArrayLike) -> NDArray[np.float64]:
+        """r(t): (d,), or (N, d) for times (N,)."""
+
+    def velocity(self, t: ArrayLike) -> NDArray[np.float64]:
+        """r'(t): (d,), or (N, d) for times (N,)."""
+
+    def acceleration_bound(self, t0: float, t1: float) -> float:
+        """A number that the length of r'' nowhere exceeds between two times, t0 < t1."""
+
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+    def __copy__(self) -> Self: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Self: ...
+
+@final
+class Line(Curve):
+    """The straight line origin + t direction.
+
+    Both are of shape (d,), d = 2, 3 or 4. `t` is counted in units of the direction, which need not be of unit length; of length
+    zero, it stays where it is. Raises `RayweaveError` for numbers that are not finite.
+    """
+
+    def __new__(cls, origin: ArrayLike, direction: ArrayLike) -> Line: ...
+
+@final
+class Parabola(Curve):
+    """The path of a projectile, position + t velocity + t^2 / 2 acceleration.
+
+    All are of shape (d,), d = 2, 3 or 4: where and how fast it is at t = 0, and its constant acceleration, in units of length
+    and of t. Raises `RayweaveError` for numbers that are not finite.
+    """
+
+    def __new__(cls, position: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike) -> Parabola: ...
+
+@final
+class Arc(Curve):
+    """A circle or an ellipse, centre + cos(speed t) axes[0] + sin(speed t) axes[1]: an arc of it by the window of times.
+
+    `centre` is of shape (d,), d = 2, 3 or 4, `axes` of shape (2, d): two perpendicular ones of the length of the radius give a
+    circle, any others an ellipse (its conjugate semi-diameters). `speed` is in degrees per unit of t: with 1, the default, `t`
+    is the angle in degrees. Raises `RayweaveError` for numbers that are not finite.
+    """
+
+    def __new__(cls, centre: ArrayLike, axes: ArrayLike, speed: float = 1.0) -> Arc: ...
+
+    @staticmethod
+    def about(centre: ArrayLike, normal: ArrayLike, start: ArrayLike, speed: float = 1.0) -> Arc:
+        """The circle in space about `centre` from `start`, by the right hand about `normal` (of any length but 0), with `speed`
+        degrees per unit of t. The part of start - centre along the normal is dropped.
+        """
+
+@final
+class Helix(Curve):
+    """The path of a charged particle in a uniform magnetic field: a helix about the field.
+
+    `position` and `velocity`, of shape (3,), are those at t = 0; `axis` is the direction of the field, of any length but 0;
+    `radius` is the gyro radius, the velocity across the field by the signed gyro frequency: positive turns clockwise as seen
+    against the field, as a positive charge does, negative the other way; infinite is a straight line. For a particle of charge q
+    and momentum p across a field B it is p / (q B). Raises `RayweaveError` for numbers that are not finite, an axis of length
+    zero, a radius of 0.
+    """
+
+    def __new__(cls, position: ArrayLike, velocity: ArrayLike, axis: ArrayLike, radius: float) -> Helix: ...
+
+    @staticmethod
+    def with_frequency(
+        position: ArrayLike, velocity: ArrayLike, axis: ArrayLike, frequency: float
+    ) -> Helix:
+        """The same by the signed gyro frequency, in degrees per unit of t."""
+
+    @staticmethod
+    def about(centre: ArrayLike, axis: ArrayLike, start: ArrayLike, pitch: float) -> Helix:
+        """The helix from `start` about the line through `centre` along `axis`, by the right hand, rising along the axis by `pitch` in
+        every turn of 360 units of t: `t` is the angle in degrees. A pitch of 0 is a circle; a negative one makes the helix
+        left-handed.
+        """
+
+@final
+class Spline(Curve):
+    """A cubic spline: at `points[k]` at time `knots[k]`, with r' and r'' continuous; defined from the first to the last knot.
+
+    `knots` are (N,), at least two and strictly increasing, `points` (N, d), d = 2, 3 or 4. `ends` is "natural" (r'' = 0 at both
+    ends), "periodic" (r' and r'' are the same at both ends; so must the points be) or "clamped", with `velocities` (2, d) at the
+    two ends. Raises `RayweaveError` that names the first bad knot or point.
+    """
+
+    def __new__(
+        cls,
+        knots: ArrayLike,
+        points: ArrayLike,
+        ends: Literal["natural", "clamped", "periodic"] = "natural",
+        velocities: ArrayLike | None = None,
+    ) -> Spline: ...
+
+@final
+class SpaceSolid:
+    """A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
+    changes.
+
+    Make solids with the functions of `rayweave.space` and join them with `|` (union), `&` (intersection), `-` (difference),
+    `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are about the origin and
+    return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60 and 1e60.
+    """
+
+    @property
+    def dimension(self) -> int:
+        """The dimension of the space: 2, 3 or 4."""
+
+    def translate(self, v: ArrayLike) -> SpaceSolid:
+        """The solid moved by a vector (d,)."""
+
+    def scale(self, s: float | ArrayLike) -> SpaceSolid:
+        """The solid scaled about the origin by a number, or by one number per axis (d,); negative numbers mirror, 0 is an error."""
+
+    def rotate(self, from_axis: int, to_axis: int, degrees: float) -> SpaceSolid:
+        """The solid turned about the origin in a coordinate plane, from one axis towards another, by an angle in degrees. (In space,
+        from axis 0 to axis 1 is the rotation about z.) Quarter turns are exact.
+        """
+
+    def affine(self, matrix: ArrayLike, offset: ArrayLike | None = None) -> SpaceSolid:
+        """The image under an invertible affine map, p -> matrix p + offset: matrix (d, d), acting on columns, offset (d,)."""
+
+    def extrude(self, d: int) -> SpaceSolid:
+        """The same solid in a space of more dimensions, unbounded along the axes that are new."""
+
+    def named(self, name: str) -> SpaceSolid:
+        """The same solid under a name, by which its faces are called in answers."""
+
+    def __or__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __ror__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __and__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __rand__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __sub__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __rsub__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __xor__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __rxor__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+    def __invert__(self) -> SpaceSolid: ...
+
+    def crossings(self, p: ArrayLike, q: ArrayLike, *, threads: int | None = None) -> PointCrossings:
+        """All crossings of the lines through pairs of points, t = 0 at p and t = 1 at q, over all t: see `PointCrossings`. `p` and `q`
+        are of shape (N, d) or (d,), broadcast against each other; no pair may be one point twice.
+        """
+
+    def crossings_along(
+        self,
+        curves: Trajectory | Iterable[Trajectory],
+        t_min: float | ArrayLike,
+        t_max: float | ArrayLike,
+        *,
+        threads: int | None = None,
+    ) -> PointCrossings:
+        """All crossings of one curve, or of each in a list of curves, strictly between two times: see `PointCrossings`. The times
+        are finite numbers, or (N,) arrays with one for each curve. Curves are described in `rayweave.space`.
+        """
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points (N, d) or (d,) are inside: bool (N,). A point on the surface has the side of
+        a ray that lies in the surface.
+        """
+
+    def __eq__(self, other: object, /) -> bool:
+        """Equal if built in the same way from equal parts (not: if they fill the same space)."""
+
+    def __hash__(self) -> int: ...
+    def __copy__(self) -> SpaceSolid: ...
+    def __deepcopy__(self, _memo: dict[int, Any]) -> SpaceSolid: ...
+
+def space_solid_from_steps(
+    steps: Sequence[tuple[str, int, Sequence[float], str | None, Sequence[int]]],
+) -> SpaceSolid:
+    """A solid of R^d from its pickled steps."""
+
+def space_shape(call: str, d: int, counts: list[tuple[str, int]], numbers: Sequence[float]) -> SpaceSolid:
+    """A solid of R^d without operands. The functions of `rayweave.space` define the meaning of the
+    numbers.
+    """
+
+def space_join(call: str, solids: Iterable[SpaceSolid]) -> SpaceSolid:
+    """The union or the intersection of the solids. There must be at least one, because it determines
+    the dimension.
+    """
+
+def space_trace(p: ArrayLike, q: ArrayLike, solid: SpaceSolid) -> RootRay:
+    """The root-ray of the line through p and q: see `rayweave.space.trace`."""
+
+def space_trace_along(curve: Trajectory, solid: SpaceSolid, t_min: float, t_max: float) -> RootRay:
+    """The root-ray of a curve: see `rayweave.space.trace_along`."""
+
+def thickness_maps(
+    subject: Solid | Model,
+    view: str | None,
+    size: tuple[int, int] | None,
+    evaluator: str | None,
+    threads: int | None,
+) -> tuple[list[str], list[float], NDArray[np.float64], NDArray[np.float64], str]:
+    """Path lengths of rays through each medium: see `rayweave.thickness`."""
+
+def timeline_svg(
+    operands: Sequence[tuple[str, RootRay]],
+    results: Sequence[tuple[str, RootRay]],
+    title: str,
+    window: tuple[float, float] | None,
+    count: bool,
+) -> str:
+    """Root-rays drawn over time, as SVG: see `rayweave.timeline`."""
+
+def ray_timeline_svg(
+    subject: Solid | Model,
+    origin: ArrayLike,
+    direction: ArrayLike,
+    title: str,
+    window: tuple[float, float] | None,
+) -> str:
+    """Time line of one ray through a solid or a model, as SVG: see `rayweave.ray_timeline`."""

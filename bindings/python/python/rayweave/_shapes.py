@@ -9,22 +9,11 @@ from typing import Any
 
 from rayweave import _core
 
-_TYPES = {
-    "a number": "float",
-    "a whole number": "int",
-    "a list of 3 numbers": "ArrayLike",
-    "a number or a list of 3 numbers": "float | ArrayLike",
-    "1 row or more of 4 numbers": "ArrayLike",
-    "rows of 3 numbers": "ArrayLike",
-    "4 rows of 4 numbers": "ArrayLike",
-    "a list of numbers": "ArrayLike",
-}
-
 
 def _describe(parameter: dict[str, Any]) -> str:
     unit = "" if parameter["unit"] in ("none", "count") else f", {parameter['unit']}"
     text = f"{parameter['summary']}; {parameter['kind']}{unit}, {parameter['range']}"
-    return f"{parameter['name']} : {_TYPES[parameter['kind']]}\n{textwrap.indent(textwrap.fill(text, 110), '    ')}\n"
+    return f"{parameter['name']} : {parameter['type']}\n{textwrap.indent(textwrap.fill(text, 110), '    ')}\n"
 
 
 def _docstring(page: dict[str, Any]) -> str:

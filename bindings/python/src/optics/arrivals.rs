@@ -12,6 +12,9 @@ use crate::error::bad_value;
 /// A function that returns a number of a `T`.
 pub(super) type Of<T> = fn(&T) -> f64;
 
+/// Number of rays, centroid, RMS radii, geometric radius.
+type Sizes = (usize, (f64, f64), (f64, f64, f64), f64);
+
 /// Rays on the image: see `rayweave.optics.Rays`.
 #[pyclass(frozen, module = "rayweave.optics", name = "Arrivals")]
 pub struct PyArrivals(pub Vec<Arrival>);
@@ -19,6 +22,7 @@ pub struct PyArrivals(pub Vec<Arrival>);
 #[pymethods]
 impl PyArrivals {
     /// Their columns by name.
+    #[pyo3(signature = () -> "dict[str, NDArray[Any]]")]
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let table = PyDict::new(py);
         let whole = self.0.iter().map(|ray| ray.id as i64);
@@ -48,11 +52,11 @@ impl PyArrivals {
     }
 
     /// The number of rays, the centroid (x, y), the RMS radii (both, x, y) and the geometric radius.
-    fn spot(&self) -> PyResult<(usize, [f64; 2], [f64; 3], f64)> {
+    fn spot(&self) -> PyResult<Sizes> {
         let dark = || bad_value("no light arrives at the image: a spot needs some.");
         let spot = Spot::of(&self.0).ok_or_else(dark)?;
-        let [x, y] = spot.rms_xy;
-        Ok((spot.rays, spot.centroid, [spot.rms, x, y], spot.geometric))
+        let ([x, y], [rms_x, rms_y]) = (spot.centroid, spot.rms_xy);
+        Ok((spot.rays, (x, y), (spot.rms, rms_x, rms_y), spot.geometric))
     }
 
     /// The fraction of the power within circles about the centroid.

@@ -133,7 +133,7 @@ impl PySheet {
     }
 
     /// The sheet moved by an affine map, a 4 x 4 matrix.
-    #[pyo3(signature = (world_from_local))]
+    #[pyo3(signature = (world_from_local: "ArrayLike"))]
     fn apply(&self, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
         let map = matrix(world_from_local, "matrix")?;
         self.0.apply(&map).map(PySheet).map_err(bad_value)

@@ -49,7 +49,9 @@ fn named<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
 
 /// The merits of trials with their deviations, and the effect of each parameter alone.
 #[pyfunction]
-#[pyo3(signature = (lens, errors, merit, trials, *, refocus, vignette, rings, seed, threads))]
+#[pyo3(signature = (
+    lens, errors, merit, trials, *, refocus, vignette, rings, seed, threads: "int | None"
+) -> "dict[str, Any]")]
 #[allow(clippy::too_many_arguments)] // those of the function in Python
 pub fn tolerance<'py>(
     lens: &Bound<'py, PyPrescription>,
@@ -150,7 +152,9 @@ impl GoalOf {
 /// The prescription that an optimisation finds, the values of the parameters, and the course of the
 /// optimisation.
 #[pyfunction]
-#[pyo3(signature = (lens, parameters, goals, *, rings, patience))]
+#[pyo3(signature = (
+    lens, parameters, goals, *, rings, patience
+) -> "tuple[CompiledPrescription, dict[str, Any]]")]
 pub fn optimise<'py>(
     lens: &Bound<'py, PyPrescription>,
     parameters: Vec<String>,

@@ -55,6 +55,7 @@ pub struct PyElement(pub Element);
 #[pymethods]
 impl PyElement {
     /// Its name, its solid or sheet, the name of its material, and the frame of a sheet.
+    #[pyo3(signature = () -> "tuple[str, Solid | Sheet, str, NDArray[np.float64]]")]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
         let name = self.0.name().to_owned();
         let frame = self.0.as_sheet().map_or(Affine::IDENTITY, |sheet| sheet.frame);
@@ -68,6 +69,7 @@ impl PyElement {
     }
 
     /// The element moved by an affine map, a 4 x 4 matrix.
+    #[pyo3(signature = (world_from_local: "ArrayLike"))]
     fn apply(&self, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
         let map = matrix(world_from_local, "matrix")?;
         self.0.clone().apply(&map).map(PyElement).map_err(bad_value)

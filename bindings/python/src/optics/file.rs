@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::optics::Branches;
 use rayweave::optics::file::{OpticalScene, optics_of};
-use rayweave::scene::{Diagnostics, Document, Scene, load, parse_with};
+use rayweave::scene::{Diagnostics, Document, Scene, load_allowing, parse_allowing};
 
 use crate::error::bad_value;
 use crate::model::overrides;
@@ -20,34 +20,46 @@ type Loaded<'py> = (PySystem, Vec<PyElement>, Vec<PySource>, Bound<'py, PyDict>,
 
 /// Reads the `[optics]` tables of a model file.
 #[pyfunction]
-#[pyo3(signature = (path, parameters=None))]
+#[pyo3(signature = (
+    path, parameters: "dict[str, float | str] | None" = None, *, allow = Vec::new(), strict = false
+) -> "tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]")]
 pub fn load_optics<'py>(
     py: Python<'py>,
     path: PathBuf,
     parameters: Option<&Bound<'py, PyDict>>,
+    allow: Vec<PathBuf>,
+    strict: bool,
 ) -> PyResult<Loaded<'py>> {
     let overrides = overrides(parameters)?;
-    read(py, move || load(&path, &overrides))
+    read(py, strict, move || load_allowing(&path, &overrides, &allow))
 }
 
 /// Reads the `[optics]` tables of the text of a model file.
 #[pyfunction]
-#[pyo3(signature = (text, parameters=None))]
+#[pyo3(signature = (
+    text, parameters: "dict[str, float | str] | None" = None, *, allow = Vec::new(), strict = false
+) -> "tuple[CompiledSystem, list[ReadElement], list[LightSource], dict[str, Any], str, list[str]]")]
 pub fn loads_optics<'py>(
     py: Python<'py>,
     text: &str,
     parameters: Option<&Bound<'py, PyDict>>,
+    allow: Vec<PathBuf>,
+    strict: bool,
 ) -> PyResult<Loaded<'py>> {
     let overrides = overrides(parameters)?;
-    read(py, move || parse_with(text, &overrides))
+    read(py, strict, move || parse_allowing(text, &overrides, &allow))
 }
 
 fn read<'py>(
     py: Python<'py>,
+    strict: bool,
     model: impl Send + FnOnce() -> Result<(Document, Scene), Diagnostics>,
 ) -> PyResult<Loaded<'py>> {
     let (optics, system, unit, warnings) = py.detach(|| {
         let (document, scene) = model().map_err(bad_value)?;
+        if strict && !scene.warnings.is_empty() {
+            return Err(bad_value(scene.warnings.into_errors()));
+        }
         let optics = optics_of(&document, &scene).map_err(bad_value)?;
         let system = optics.assembly.compile().map_err(bad_value)?;
         let rendered =

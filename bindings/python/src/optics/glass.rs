@@ -46,12 +46,16 @@ impl PyGlass {
 
     /// The refractive index at a vacuum wavelength in nanometres, or at each of an array of them.
     #[pyo3(signature = (wavelength_nm))]
+    #[cfg_attr(false, stub("(wavelength_nm: float) -> float"))]
+    #[cfg_attr(false, stub("(wavelength_nm: ArrayLike) -> Any"))]
     fn index<'py>(&self, wavelength_nm: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         each(wavelength_nm, |wavelength| self.0.index(wavelength))
     }
 
     /// The extinction coefficient at a vacuum wavelength in nanometres, or at each of an array of them.
     #[pyo3(signature = (wavelength_nm))]
+    #[cfg_attr(false, stub("(wavelength_nm: float) -> float"))]
+    #[cfg_attr(false, stub("(wavelength_nm: ArrayLike) -> Any"))]
     fn extinction<'py>(&self, wavelength_nm: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         each(wavelength_nm, |wavelength| self.0.extinction(wavelength))
     }

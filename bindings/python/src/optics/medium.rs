@@ -37,7 +37,7 @@ pub struct PyGradedMedium(pub Medium);
 #[pymethods]
 impl PyGradedMedium {
     #[new]
-    #[pyo3(signature = (base, law, world_from_local))]
+    #[pyo3(signature = (base, law, world_from_local: "ArrayLike"))]
     fn new(base: Substance<'_>, law: Spec, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
         let map = matrix(world_from_local, "matrix")?;
         let gradient = gradient(&law)?.and_then(|gradient| gradient.placed(&map)).map_err(bad_value)?;

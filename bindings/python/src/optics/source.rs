@@ -50,7 +50,7 @@ impl PySource {
 
     /// Rays given one by one, optionally with their own wavelengths and powers.
     #[staticmethod]
-    #[pyo3(signature = (origins, directions, wavelength_nm=None, power=None))]
+    #[pyo3(signature = (origins: "ArrayLike", directions: "ArrayLike", wavelength_nm = None, power = None))]
     fn listed(
         origins: &Bound<'_, PyAny>,
         directions: &Bound<'_, PyAny>,
@@ -90,7 +90,7 @@ impl PySource {
     }
 
     /// The source moved by an affine map, a 4 x 4 matrix.
-    #[pyo3(signature = (world_from_local))]
+    #[pyo3(signature = (world_from_local: "ArrayLike"))]
     fn apply(&self, world_from_local: &Bound<'_, PyAny>) -> PyResult<Self> {
         let map = matrix(world_from_local, "matrix")?;
         self.0.clone().apply(&map).map(PySource).map_err(bad_value)

@@ -1,7 +1,7 @@
 //! Light traced in the background, batch by batch in bounded memory.
 
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::thread;
 use std::time::Duration;
 
@@ -19,6 +19,9 @@ use crate::optics::segments::{accounts, columns};
 /// The interval at which a waiting reader checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
+/// The interval at which a thread looks whether another one has taken its table.
+const TURN: Duration = Duration::from_millis(1);
+
 /// The maximum number of chunks, of a few thousand rays each, that wait for the reader.
 const WAITING: usize = 8;
 
@@ -30,6 +33,8 @@ enum Message {
 /// The segments of a run as an iterator of tables: see `rayweave.optics.Stream`.
 #[pyclass(frozen, module = "rayweave.optics", name = "SegmentStream")]
 pub struct PyStream {
+    /// Held by the thread that takes a table: tables consist of consecutive rows, whichever thread takes them.
+    turn: Mutex<()>,
     messages: Mutex<Receiver<Message>>,
     cancel: Cancel,
     system: Arc<System>,
@@ -52,6 +57,8 @@ struct State {
     before: i64,
     /// The number of rays that have been traced.
     rays: u64,
+    /// Whether the run is over, stopped or failed.
+    ended: bool,
     balance: Option<Balance>,
 }
 
@@ -70,7 +77,26 @@ impl PyStream {
             // the receiver may have been dropped
             let _ = sender.send(Message::End(ended));
         });
-        PyStream { messages: Mutex::new(messages), cancel, system, batch, state: Mutex::default() }
+        PyStream {
+            turn: Mutex::default(),
+            messages: Mutex::new(messages),
+            cancel,
+            system,
+            batch,
+            state: Mutex::default(),
+        }
+    }
+
+    /// Waits until no other thread is taking a table.
+    fn turn(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, ()>> {
+        loop {
+            match self.turn.try_lock() {
+                Ok(turn) => return Ok(turn),
+                Err(TryLockError::Poisoned(poisoned)) => return Ok(poisoned.into_inner()),
+                Err(TryLockError::WouldBlock) => py.detach(|| thread::sleep(TURN)),
+            }
+            py.check_signals().inspect_err(|_| self.cancel.cancel())?;
+        }
     }
 
     /// The next message; `None` if Python has to check its signals first.
@@ -91,7 +117,13 @@ impl PyStream {
                 None => {}
                 Some(Message::Part(part)) => gathered.append(&part),
                 Some(Message::End(ended)) => {
-                    self.state().balance = Some(ended.map_err(bad_value)?);
+                    self.state().ended = true;
+                    match ended {
+                        Ok(balance) => self.state().balance = Some(balance),
+                        // a stream that was closed has no further rows, in any thread
+                        Err(OpticsError::Cancelled) => return Ok(Segments::default()),
+                        Err(error) => return Err(bad_value(error)),
+                    }
                     break;
                 }
             }
@@ -100,7 +132,7 @@ impl PyStream {
         Ok(gathered)
     }
 
-    fn state(&self) -> std::sync::MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -112,8 +144,10 @@ impl PyStream {
     }
 
     /// The next table, whose parents are rows of the whole run.
+    #[cfg_attr(false, stub("() -> dict[str, NDArray[Any]]"))]
     fn __next__<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        if self.state().balance.is_some() {
+        let _turn = self.turn(py)?;
+        if self.state().ended || self.cancel.is_cancelled() {
             return Ok(None);
         }
         let mut segments = self.gather(py)?;
@@ -138,7 +172,7 @@ impl PyStream {
         Ok(Some(table))
     }
 
-    /// Stops the run.
+    /// Stops the run: there are no further tables.
     fn cancel(&self) {
         self.cancel.cancel();
     }
@@ -151,6 +185,7 @@ impl PyStream {
 
     /// The balance of power, once the run is over.
     #[getter]
+    #[cfg_attr(false, stub("() -> dict[str, Any] | None"))]
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let balance = self.state().balance.clone();
         balance.map(|balance| accounts(py, &balance)).transpose()

@@ -51,7 +51,11 @@ impl PySystem {
     }
 
     /// Traces rays: columns by name, and the balance of power.
-    #[pyo3(signature = (origins, directions, wavelength_nm, power, source, stokes, settings, progress=None))]
+    #[pyo3(signature = (
+        origins: "ArrayLike", directions: "ArrayLike", wavelength_nm: "ArrayLike", power: "ArrayLike",
+        source: "ArrayLike", stokes: "ArrayLike | None", settings,
+        progress: "Callable[[int, int], object] | None" = None
+    ) -> "tuple[dict[str, NDArray[Any]], dict[str, Any]]")]
     #[allow(clippy::too_many_arguments)] // those of the function in Python
     fn trace<'py>(
         &self,
@@ -72,7 +76,9 @@ impl PySystem {
     }
 
     /// Traces the light of sources: columns by name, and the balance of power.
-    #[pyo3(signature = (sources, settings, progress=None))]
+    #[pyo3(signature = (
+        sources, settings, progress: "Callable[[int, int], object] | None" = None
+    ) -> "tuple[dict[str, NDArray[Any]], dict[str, Any]]")]
     fn trace_sources<'py>(
         &self,
         py: Python<'py>,
@@ -86,7 +92,7 @@ impl PySystem {
     }
 
     /// The phases of s and p of the rows of a whole trace, whose columns are given, in degrees.
-    #[pyo3(signature = (columns))]
+    #[pyo3(signature = (columns: "dict[str, NDArray[Any]]"))]
     #[allow(clippy::type_complexity)] // two arrays
     fn phases<'py>(
         &self,
@@ -111,7 +117,9 @@ impl PySystem {
     }
 
     /// Traces the light of sources into a file, `.csv` or `.npy`; lengths are in a unit. The balance of power.
-    #[pyo3(signature = (path, unit, sources, settings, phases, progress=None))]
+    #[pyo3(signature = (
+        path, unit, sources, settings, phases, progress: "Callable[[int, int], object] | None" = None
+    ) -> "dict[str, Any]")]
     #[allow(clippy::too_many_arguments)] // those of the function in Python
     fn trace_to<'py>(
         &self,

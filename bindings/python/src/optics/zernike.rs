@@ -33,7 +33,7 @@ pub fn zernike_term(scheme: &str, index: u32) -> PyResult<(u32, i32)> {
 
 /// The values of a polynomial at points (N, 2) of the unit disk.
 #[pyfunction]
-#[pyo3(signature = (term, pupil))]
+#[pyo3(signature = (term, pupil: "ArrayLike"))]
 pub fn zernike_values<'py>(
     term: (u32, i32),
     pupil: &Bound<'py, PyAny>,
@@ -45,7 +45,7 @@ pub fn zernike_values<'py>(
 
 /// The coefficients of the least-squares fit, and the RMS of the residual.
 #[pyfunction]
-#[pyo3(signature = (pupil, values, terms))]
+#[pyo3(signature = (pupil: "ArrayLike", values: "ArrayLike", terms))]
 pub fn zernike_fit<'py>(
     pupil: &Bound<'py, PyAny>,
     values: &Bound<'py, PyAny>,

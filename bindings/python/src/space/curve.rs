@@ -91,13 +91,13 @@ impl PyCurve {
     }
 
     /// r(t): (d,), or (N, d) for times (N,).
-    #[pyo3(signature = (t))]
+    #[pyo3(signature = (t: "ArrayLike") -> "NDArray[np.float64]")]
     fn position<'py>(&self, t: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         self.at(t, false)
     }
 
     /// r'(t): (d,), or (N, d) for times (N,).
-    #[pyo3(signature = (t))]
+    #[pyo3(signature = (t: "ArrayLike") -> "NDArray[np.float64]")]
     fn velocity<'py>(&self, t: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
         self.at(t, true)
     }
@@ -133,6 +133,7 @@ impl PyCurve {
         slf
     }
 
+    #[pyo3(signature = (_memo: "dict[int, Any]"))]
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyDict>) -> Py<Self> {
         slf
     }
@@ -195,7 +196,7 @@ pub struct PyLine;
 #[pymethods]
 impl PyLine {
     #[new]
-    #[pyo3(signature = (origin, direction))]
+    #[pyo3(signature = (origin: "ArrayLike", direction: "ArrayLike"))]
     fn new(origin: &Bound<'_, PyAny>, direction: &Bound<'_, PyAny>) -> PyResult<PyClassInitializer<PyLine>> {
         let vectors = [finite(origin, "origin")?, finite(direction, "direction")?];
         let curve = in_dimension!(same_length(&["origin", "direction"], &vectors)?, D => {
@@ -216,7 +217,7 @@ pub struct PyParabola;
 #[pymethods]
 impl PyParabola {
     #[new]
-    #[pyo3(signature = (position, velocity, acceleration))]
+    #[pyo3(signature = (position: "ArrayLike", velocity: "ArrayLike", acceleration: "ArrayLike"))]
     fn new(
         position: &Bound<'_, PyAny>,
         velocity: &Bound<'_, PyAny>,
@@ -245,7 +246,7 @@ pub struct PyArc;
 #[pymethods]
 impl PyArc {
     #[new]
-    #[pyo3(signature = (centre, axes, speed = 1.0))]
+    #[pyo3(signature = (centre: "ArrayLike", axes: "ArrayLike", speed = 1.0))]
     fn new(
         centre: &Bound<'_, PyAny>,
         axes: &Bound<'_, PyAny>,
@@ -272,7 +273,7 @@ impl PyArc {
     /// The circle in space about `centre` from `start`, by the right hand about `normal` (of any length but 0), with `speed`
     /// degrees per unit of t. The part of start - centre along the normal is dropped.
     #[staticmethod]
-    #[pyo3(signature = (centre, normal, start, speed = 1.0))]
+    #[pyo3(signature = (centre: "ArrayLike", normal: "ArrayLike", start: "ArrayLike", speed = 1.0))]
     fn about(
         py: Python<'_>,
         centre: &Bound<'_, PyAny>,
@@ -306,7 +307,7 @@ const MOTION: [&str; 3] = ["position", "velocity", "axis"];
 #[pymethods]
 impl PyHelix {
     #[new]
-    #[pyo3(signature = (position, velocity, axis, radius))]
+    #[pyo3(signature = (position: "ArrayLike", velocity: "ArrayLike", axis: "ArrayLike", radius))]
     fn new(
         position: &Bound<'_, PyAny>,
         velocity: &Bound<'_, PyAny>,
@@ -323,7 +324,7 @@ impl PyHelix {
 
     /// The same by the signed gyro frequency, in degrees per unit of t.
     #[staticmethod]
-    #[pyo3(signature = (position, velocity, axis, frequency))]
+    #[pyo3(signature = (position: "ArrayLike", velocity: "ArrayLike", axis: "ArrayLike", frequency))]
     fn with_frequency(
         py: Python<'_>,
         position: &Bound<'_, PyAny>,
@@ -343,7 +344,7 @@ impl PyHelix {
     /// every turn of 360 units of t: `t` is the angle in degrees. A pitch of 0 is a circle; a negative one makes the helix
     /// left-handed.
     #[staticmethod]
-    #[pyo3(signature = (centre, axis, start, pitch))]
+    #[pyo3(signature = (centre: "ArrayLike", axis: "ArrayLike", start: "ArrayLike", pitch))]
     fn about(
         py: Python<'_>,
         centre: &Bound<'_, PyAny>,
@@ -386,7 +387,11 @@ pub struct PySpline;
 #[pymethods]
 impl PySpline {
     #[new]
-    #[pyo3(signature = (knots, points, ends = "natural", velocities = None))]
+    #[pyo3(signature = (
+        knots: "ArrayLike", points: "ArrayLike",
+        ends: "Literal['natural', 'clamped', 'periodic']" = "natural",
+        velocities: "ArrayLike | None" = None
+    ))]
     fn new(
         knots: &Bound<'_, PyAny>,
         points: &Bound<'_, PyAny>,

@@ -86,13 +86,13 @@ impl PySpaceSolid {
     }
 
     /// The solid moved by a vector (d,).
-    #[pyo3(signature = (v))]
+    #[pyo3(signature = (v: "ArrayLike"))]
     fn translate(&self, v: &Bound<'_, PyAny>) -> PyResult<Self> {
         self.image("translate", self.vector(v, "v")?)
     }
 
     /// The solid scaled about the origin by a number, or by one number per axis (d,); negative numbers mirror, 0 is an error.
-    #[pyo3(signature = (s))]
+    #[pyo3(signature = (s: "float | ArrayLike"))]
     fn scale(&self, s: &Bound<'_, PyAny>) -> PyResult<Self> {
         let factors = match s.extract::<f64>() {
             Ok(factor) => vec![factor; self.any.dimension()],
@@ -103,7 +103,7 @@ impl PySpaceSolid {
 
     /// The solid turned about the origin in a coordinate plane, from one axis towards another, by an angle in degrees. (In space,
     /// from axis 0 to axis 1 is the rotation about z.) Quarter turns are exact.
-    #[pyo3(signature = (from_axis, to_axis, degrees))]
+    #[pyo3(signature = (from_axis: "int", to_axis: "int", degrees))]
     fn rotate(
         &self,
         from_axis: &Bound<'_, PyAny>,
@@ -115,7 +115,7 @@ impl PySpaceSolid {
     }
 
     /// The image under an invertible affine map, p -> matrix p + offset: matrix (d, d), acting on columns, offset (d,).
-    #[pyo3(signature = (matrix, offset = None))]
+    #[pyo3(signature = (matrix: "ArrayLike", offset: "ArrayLike | None" = None))]
     fn affine(&self, matrix: &Bound<'_, PyAny>, offset: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         let (d, matrix) = (self.any.dimension(), double_array(matrix, "matrix")?);
         if matrix.shape() != [d, d] {
@@ -132,7 +132,7 @@ impl PySpaceSolid {
     }
 
     /// The same solid in a space of more dimensions, unbounded along the axes that are new.
-    #[pyo3(signature = (d))]
+    #[pyo3(signature = (d: "int"))]
     fn extrude(&self, d: &Bound<'_, PyAny>) -> PyResult<Self> {
         Self::make("extrude", count(d, "d")? as usize, Vec::new(), None, &[self])
     }
@@ -168,7 +168,7 @@ impl PySpaceSolid {
 
     /// All crossings of the lines through pairs of points, t = 0 at p and t = 1 at q, over all t: see `PointCrossings`. `p` and `q`
     /// are of shape (N, d) or (d,), broadcast against each other; no pair may be one point twice.
-    #[pyo3(signature = (p, q, *, threads = None))]
+    #[pyo3(signature = (p: "ArrayLike", q: "ArrayLike", *, threads: "int | None" = None) -> "PointCrossings")]
     fn crossings<'py>(
         &self,
         p: &Bound<'py, PyAny>,
@@ -181,7 +181,10 @@ impl PySpaceSolid {
 
     /// All crossings of one curve, or of each in a list of curves, strictly between two times: see `PointCrossings`. The times
     /// are finite numbers, or (N,) arrays with one for each curve. Curves are described in `rayweave.space`.
-    #[pyo3(signature = (curves, t_min, t_max, *, threads = None))]
+    #[pyo3(signature = (
+        curves: "Trajectory | Iterable[Trajectory]", t_min: "float | ArrayLike", t_max: "float | ArrayLike",
+        *, threads: "int | None" = None
+    ) -> "PointCrossings")]
     fn crossings_along<'py>(
         &self,
         curves: &Bound<'py, PyAny>,
@@ -195,7 +198,7 @@ impl PySpaceSolid {
 
     /// Whether points (N, d) or (d,) are inside: bool (N,). A point on the surface has the side of
     /// a ray that lies in the surface.
-    #[pyo3(signature = (points))]
+    #[pyo3(signature = (points: "ArrayLike"))]
     fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         each!(AnySolid, &self.any, solid => contains(solid, points))
     }
@@ -215,6 +218,7 @@ impl PySpaceSolid {
         slf
     }
 
+    #[pyo3(signature = (_memo: "dict[int, Any]"))]
     fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyDict>) -> Py<Self> {
         slf
     }
@@ -257,7 +261,7 @@ pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
 /// A solid of R^d without operands. The functions of `rayweave.space` define the meaning of the
 /// numbers.
 #[pyfunction]
-#[pyo3(signature = (call, d, counts, numbers))]
+#[pyo3(signature = (call, d: "int", counts: "list[tuple[str, int]]", numbers))]
 pub fn space_shape(
     call: &str,
     d: &Bound<'_, PyAny>,
@@ -276,7 +280,7 @@ pub fn space_shape(
 /// The union or the intersection of the solids. There must be at least one, because it determines
 /// the dimension.
 #[pyfunction]
-#[pyo3(signature = (call, solids))]
+#[pyo3(signature = (call, solids: "Iterable[SpaceSolid]"))]
 pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSolid> {
     let call = call_named(call).ok_or_else(|| bad_value(format!("there is no operator {call}")))?;
     let wrong = || bad_type(format!("solids is {}: an iterable of solids is needed.", solids.get_type()));
@@ -305,7 +309,7 @@ pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSoli
 
 /// The root-ray of the line through p and q: see `rayweave.space.trace`.
 #[pyfunction]
-#[pyo3(signature = (p, q, solid))]
+#[pyo3(signature = (p: "ArrayLike", q: "ArrayLike", solid))]
 pub fn space_trace(
     p: &Bound<'_, PyAny>,
     q: &Bound<'_, PyAny>,
@@ -323,7 +327,7 @@ fn line_through<const D: usize>(solid: &Solid<D>, [p, q]: [&[f64]; 2]) -> Result
 
 /// The root-ray of a curve: see `rayweave.space.trace_along`.
 #[pyfunction]
-#[pyo3(signature = (curve, solid, t_min, t_max))]
+#[pyo3(signature = (curve: "Trajectory", solid, t_min: "float", t_max: "float"))]
 pub fn space_trace_along(
     curve: &Bound<'_, PyAny>,
     solid: PyRef<'_, PySpaceSolid>,

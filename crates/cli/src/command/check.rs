@@ -108,7 +108,7 @@ impl Kinds {
 
 impl Check {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        let imported = self.model.import()?;
+        let imported = self.model.import_all()?;
         let scene = imported.scene;
         let settings = CheckSettings {
             wall: self.wall,

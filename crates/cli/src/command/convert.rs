@@ -4,13 +4,14 @@ use crate::arguments::{GlobalArguments, ModelArguments};
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
-use rayweave::formats::{self, Format, WriteOptions};
+use rayweave::formats::{self, Format, RemarkKind, WriteOptions};
 use std::path::{Path, PathBuf};
 
 /// Write a model in another format: native, OpenSCAD, GDML, or a mesh
 ///
 /// Shapes that the format supports are written exactly, others as triangles within a tolerance. Standard error lists the parts that
-/// were approximated, dropped or written in another form, and the losses when the model was read.
+/// were approximated, dropped or, unless --quiet, written in another form, and the losses when the model was read. With --strict, a
+/// model that cannot be written exactly is not written.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -54,8 +55,15 @@ impl Convert {
         let options = WriteOptions { tolerance: self.tolerance, text: self.text };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);
         let written = written.map_err(rayweave::Error::from)?;
+        // what is not exact is told to everybody
+        let (changes, losses): (Vec<_>, Vec<_>) =
+            written.remarks.iter().partition(|remark| remark.kind == RemarkKind::Changed);
         if !global.quiet {
-            written.remarks.iter().for_each(|remark| terminal::note(&remark.to_string()));
+            changes.iter().for_each(|change| terminal::note(&change.to_string()));
+        }
+        losses.iter().for_each(|loss| terminal::note(&loss.to_string()));
+        if self.model.strict && !losses.is_empty() {
+            return Err(crate::failure::lossy(&self.out));
         }
         terminal::save(&self.out, &written.bytes)
     }

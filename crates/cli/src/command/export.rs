@@ -37,7 +37,7 @@ impl Export {
                 self.out.display()
             )));
         }
-        let mut scene = self.model.load()?;
+        let mut scene = self.model.import()?.scene;
         let compiled = Compiled::new(&scene)?;
         let (camera, settings) = arrange(&scene, &compiled, &PictureOptions::default())?;
         let size = (settings.size.width() as u32, settings.size.height() as u32);
@@ -45,6 +45,9 @@ impl Export {
         let written = scene.to_povray().map_err(|problem| Failure::Run(problem.to_string()))?;
         for loss in &written.losses {
             terminal::note(&format!("lost: {loss}"));
+        }
+        if self.model.strict && !written.losses.is_empty() {
+            return Err(crate::failure::lossy(&self.out));
         }
         terminal::save(&self.out, written.text.as_bytes())
     }

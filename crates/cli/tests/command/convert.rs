@@ -29,8 +29,21 @@ fn every_format_is_written_and_read() {
         assert_eq!(crossings(&bench, &out), 4, "{ending}");
     }
     // format by name, to standard output
-    let text = bench.says(&["convert", "part.toml", "-", "--to", "openscad", "--quiet"]);
-    assert!(text.contains("difference() {") && text.contains("cylinder("), "{text}");
+    let done = bench.run(&["convert", "part.toml", "-", "--to", "openscad", "--quiet"]);
+    assert!(
+        done.code == 0 && done.out.contains("difference() {") && done.out.contains("cylinder("),
+        "{}",
+        done.out
+    );
+    // losses are told in any case, changes of the form are not
+    assert!(done.err.starts_with("dropped: names of regions"), "{}", done.err);
+    let strict =
+        bench.fails(3, &["convert", "part.toml", "part.stl", "--tolerance", "0.01", "--strict", "-q"]);
+    assert!(
+        strict.contains("approximated: curved faces") && strict.contains("part.stl is not written"),
+        "{strict}"
+    );
+    bench.says(&["convert", "part.toml", "same.toml", "--strict"]);
 }
 
 #[test]

@@ -34,3 +34,56 @@ fn losses_are_reported_with_their_places() {
     bench.write("cut.csg", &DUMP[..40]);
     assert!(bench.fails(3, &["info", "cut.csg"]).contains("cut.csg:2:"));
 }
+
+/// Numbers about a part of a model would be wrong.
+#[test]
+fn answers_need_all_of_the_geometry() {
+    let bench = Bench::new();
+    bench.write("part.csg", format!("{DUMP}import(file = \"gone.stl\");\n"));
+    let missing = bench.fails(3, &["volume", "part.csg"]);
+    assert!(missing.contains("no file `gone.stl`"), "{missing}");
+    assert!(missing.contains("error: part.csg: a part of the geometry is missing"), "{missing}");
+    let allowed = bench.run(&["volume", "part.csg", "--allow-missing", "--precision", "0.1"]);
+    assert!(
+        allowed.code == 0 && allowed.out.contains("model") && allowed.err.contains("no file"),
+        "{}",
+        allowed.err
+    );
+    for command in ["info", "volume"] {
+        let strict = bench.fails(3, &[command, "part.csg", "--strict", "--allow-missing"]);
+        assert!(strict.starts_with("error: import() is left out"), "{strict}");
+    }
+}
+
+#[test]
+fn warnings_are_errors_if_asked() {
+    let bench = Bench::new();
+    bench.write("empty.toml", "");
+    for command in ["info", "volume", "check"] {
+        let done = bench.run(&[command, "empty.toml"]);
+        assert!(done.err.contains("warning: the model is empty"), "{command}: {}", done.err);
+        assert!(bench.fails(3, &[command, "empty.toml", "--strict"]).contains("error: the model is empty"));
+    }
+    bench.write(
+        "heavy.toml",
+        "rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n[medium.a]\ndensity = \"heavy\"\n",
+    );
+    assert!(bench.fails(3, &["volume", "heavy.toml"]).contains("unknown parameter `heavy`"));
+}
+
+#[test]
+fn files_elsewhere_need_permission() {
+    let bench = Bench::new();
+    let folder = bench.path("model");
+    std::fs::create_dir_all(&folder).unwrap();
+    bench.write("ball.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n");
+    bench.write("model/part.toml", "rayweave = 1\n[solid.a]\nmesh = { file = '../ball.off' }\n");
+    let refused = bench.fails(3, &["info", "model/part.toml"]);
+    assert!(
+        refused.contains("outside the folder of the model") && refused.contains("--allow-path"),
+        "{refused}"
+    );
+    let here = bench.path("");
+    bench.says(&["info", "model/part.toml", "--allow-path", here.to_str().unwrap()]);
+    bench.says(&["info", "model/part.toml", "--allow-path", "nowhere", "--allow-path", "ball.off"]);
+}

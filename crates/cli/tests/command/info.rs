@@ -81,8 +81,17 @@ fn solids_without_bounds_and_without_anything() {
     let facts = bench.json(&["info", "half.toml", "--json"]);
     assert_eq!(facts["bounds"], json!([[null, null, null], [null, null, 2.0]]));
     bench.write("none.toml", "rayweave = 1\n");
-    let none = bench.says(&["info", "none.toml"]);
-    assert!(none.contains("0 regions, 0 solids, 0 media") && none.contains("nothing"), "{none}");
+    let none = bench.run(&["info", "none.toml"]);
+    assert!(
+        none.code == 0 && none.err.starts_with("warning: the model is empty: it has no solid."),
+        "{}",
+        none.err
+    );
+    assert!(
+        none.out.contains("0 regions, 0 solids, 0 media") && none.out.contains("nothing"),
+        "{}",
+        none.out
+    );
 }
 
 /// A plate with a hole inside and one outside it, and two disjoint parts.

@@ -55,6 +55,11 @@ pub(super) struct Part {
     pub is_count: bool,
 }
 
+/// Wavelength of the refractive indices of media, in nanometres: the sodium D line.
+const SODIUM_NM: f64 = 589.3;
+/// Relative rounding error of photon energies: four digits are usual.
+const ROUNDED: f64 = 5e-5;
+
 /// Prefix of the predefined (NIST) materials of Geant4.
 const BUILT_IN: &str = "G4_";
 
@@ -99,8 +104,10 @@ pub(super) fn read(numbers: &mut Numbers, materials: &mut Materials, section: &E
         }
         "define" => numbers.define(element),
         other => {
-            let message = format!("`{other}` is nothing that stands among materials");
-            numbers.context.lose(crate::LossKind::Dropped, other, Trouble::new(message, element.place));
+            let message = format!("`{other}` is nothing that stands among materials.");
+            let known = ["material", "element", "isotope", "define", "loop"];
+            let trouble = Trouble::new(message, element.place).did_you_mean(other, known);
+            numbers.context.lose(crate::LossKind::Dropped, other, trouble);
         }
     });
 }
@@ -146,6 +153,16 @@ fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Re
         material.numbers.push(((*name).to_owned(), value * unit / one));
         return Ok(());
     }
+    if let Some((_, name, _, one)) = QUANTITIES.iter().find(|row| tag.strip_suffix("ref") == Some(row.0)) {
+        // defined quantities include their unit
+        let (quantity, place) = numbers.reference(child, "ref")?;
+        let Some(value) = numbers.names.value(&quantity) else {
+            let trouble = Trouble::new(format!("unknown quantity `{quantity}`: it is not defined."), place);
+            return Err(numbers.tell(trouble.did_you_mean(&quantity, numbers.names.all())));
+        };
+        material.numbers.push(((*name).to_owned(), value / one));
+        return Ok(());
+    }
     match tag {
         "fraction" | "composite" => {
             let (name, _) = numbers.reference(child, "ref")?;
@@ -154,7 +171,14 @@ fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Re
         }
         "property" => {
             let (name, property) = property(numbers, child)?;
-            material.index = if name == "RINDEX" { index(numbers, &property) } else { material.index };
+            if name == "RINDEX" {
+                material.index = index(numbers, &property).unwrap_or_else(|reason| {
+                    let message =
+                        format!("the material `{}` has no refractive index: {reason}.", material.name);
+                    numbers.context.warn(Trouble::new(message, child.place));
+                    None
+                });
+            }
             material.properties.push((name, property));
         }
         _ => {}
@@ -178,32 +202,50 @@ pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String
     Ok((name, Property::Matrix(matrix)))
 }
 
-/// Refractive index of a property.
-fn index(numbers: &Numbers, property: &Property) -> Option<f64> {
-    match property {
-        Property::Number(value) => Some(*value),
-        Property::Matrix(name) => {
-            let matrix = numbers.names.matrix(name)?;
-            index_of(&matrix.values, matrix.columns)
-        }
+/// Refractive index of a property; `None` if its matrix is unknown, which is reported elsewhere.
+///
+/// # Errors
+///
+/// The reason why there is no index.
+fn index(numbers: &Numbers, property: &Property) -> Result<Option<f64>, String> {
+    let index = match property {
+        Property::Number(value) => *value,
+        Property::Matrix(name) => match numbers.names.matrix(name) {
+            Some(matrix) => index_of(&matrix.values, matrix.columns)?,
+            None => return Ok(None),
+        },
+    };
+    match index.is_finite() && index > 0.0 {
+        true => Ok(Some(index)),
+        false => Err(format!("its value at {SODIUM_NM} nm is {index}")),
     }
 }
 
-/// Refractive index at the sodium D line: linear interpolation over the energy, constant beyond the ends.
-fn index_of(values: &[f64], columns: usize) -> Option<f64> {
+/// Refractive index at the sodium D line: linear interpolation over the energy. Beyond the ends there is none, because a
+/// value for other wavelengths says little about it.
+fn index_of(values: &[f64], columns: usize) -> Result<f64, String> {
     if columns != 2 {
-        return None;
+        return Err(format!("its `RINDEX` has {columns} columns, not 2 (photon energy and index)"));
     }
     let mut rows: Vec<(f64, f64)> = values.chunks_exact(2).map(|row| (row[0], row[1])).collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let energy = define::sodium_energy();
+    // a limit of 589.3 nm may be rounded
+    let (least, most) = (rows[0].0, rows[rows.len() - 1].0);
+    if !(least * (1.0 - ROUNDED) <= energy && energy <= most * (1.0 + ROUNDED)) {
+        let nm = |energy: f64| define::sodium_energy() * SODIUM_NM / energy;
+        return Err(format!(
+            "its `RINDEX` covers {:.4} to {:.4} nm, which does not include {SODIUM_NM} nm",
+            nm(most),
+            nm(least)
+        ));
+    }
     let after = rows.partition_point(|row| row.0 < energy);
-    let index = match (after.checked_sub(1).and_then(|before| rows.get(before)), rows.get(after)) {
+    Ok(match (after.checked_sub(1).and_then(|before| rows.get(before)), rows.get(after)) {
         (Some(&(e0, n0)), Some(&(e1, n1))) => n0 + (n1 - n0) * (energy - e0) / (e1 - e0),
         (Some(&(_, n)), None) | (None, Some(&(_, n))) => n,
-        (None, None) => return None,
-    };
-    (index.is_finite() && index > 0.0).then_some(index)
+        (None, None) => f64::NAN,
+    })
 }
 
 impl Material {

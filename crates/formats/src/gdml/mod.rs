@@ -26,6 +26,7 @@ mod graph;
 mod hierarchy;
 mod materials;
 mod optical;
+mod schema;
 mod shape;
 mod solids;
 mod source;
@@ -40,6 +41,8 @@ use crate::{Imported, Options};
 use context::Context;
 use rayweave_scene::memory;
 use rayweave_scene::{Diagnostic, Diagnostics, Foreign, Scene, Source};
+use rayweave_table::AllowedFiles;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 pub(crate) use hierarchy::{NO_REGION, UNSPECIFIED};
@@ -54,9 +57,10 @@ const MEMORY_A_BYTE: u64 = 20;
 /// # Errors
 ///
 /// All problems at once: XML that is not well-formed, undefined references, numbers that cannot be computed.
-pub fn read(source: &Arc<Source>, _options: &Options) -> Result<Imported, Diagnostics> {
+pub fn read(source: &Arc<Source>, options: &Options) -> Result<Imported, Diagnostics> {
     check_memory(source, memory::available())?;
     let mut context = Context::default();
+    context.files.allowed = AllowedFiles::of_model(source.path().map(PathBuf::as_path), &options.allow);
     match context.model(source) {
         Some((scene, table)) if context.problems.is_empty() => {
             let mut imported = Imported::from_scene(scene, context.report);

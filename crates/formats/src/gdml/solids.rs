@@ -57,7 +57,7 @@ impl Sizes {
 }
 
 /// Element names of solids.
-const TAGS: [&str; 34] = [
+pub(super) const TAGS: [&str; 34] = [
     "box",
     "tube",
     "cutTube",
@@ -475,15 +475,59 @@ fn section_of(numbers: &mut Numbers, child: &Element, unit: f64) -> Result<Secti
 }
 
 fn facets(numbers: &mut Numbers, e: &Element) -> Made {
-    let (mut facets, mut failure) = (Vec::new(), None);
-    numbers.each(e, &mut |numbers, child| match facet(numbers, child) {
-        Ok(facet) => facets.push(facet),
-        Err(other) => failure = Some(other),
+    let (mut facets, mut places, mut failure) = (Vec::new(), Vec::new(), None);
+    numbers.each(e, &mut |numbers, child| {
+        if !["triangular", "quadrangular"].contains(&child.name.as_str()) {
+            return;
+        }
+        match facet(numbers, child) {
+            Ok(facet) => {
+                facets.push(facet);
+                places.push(child.place);
+            }
+            Err(other) => failure = Some(other),
+        }
     });
     match failure {
         Some(failure) => Err(failure),
         None if facets.len() < 4 => refused("it has fewer than 4 facets"),
-        None => tessellated(&facets),
+        None => {
+            let solid = tessellated(&facets)?;
+            warn_of_defects(numbers, e, &facets, &places);
+            Ok(solid)
+        }
+    }
+}
+
+/// Warns about the defects that Geant4 warns about. The inside of a solid does not depend on the order of the vertices here.
+fn warn_of_defects(numbers: &mut Numbers, e: &Element, facets: &[Vec<Vec3>], places: &[Place]) {
+    let (name, defects) = (e.text("name"), Defects::of(facets));
+    if defects.volume <= 0.0 {
+        let message = format!(
+            "the tessellated solid `{name}` is inside out: its facets are clockwise seen from outside. Here the inside does \
+             not depend on their order; in Geant4 it does."
+        );
+        numbers.context.warn(Trouble::new(message, e.place));
+    }
+    if let Some((facet, count)) = defects.reversed {
+        let message = format!(
+            "facet {facet} (counted from 0) of the tessellated solid `{name}` has the wrong orientation: it and a neighbour \
+             run along {} in the same direction. Here the inside does not depend on the order of the vertices; in Geant4 it \
+             does.",
+            if count == 1 {
+                "their common edge".to_owned()
+            } else {
+                format!("common edges, {count} in all,")
+            }
+        );
+        numbers.context.warn(Trouble::new(message, places[facet]));
+    }
+    if let Some((facet, count)) = defects.open {
+        let message = format!(
+            "the tessellated solid `{name}` has holes: {count} of its edges are not edges of two facets, the first of them \
+             of facet {facet} (counted from 0)."
+        );
+        numbers.context.warn(Trouble::new(message, places[facet]));
     }
 }
 
@@ -551,13 +595,16 @@ fn twist(numbers: &mut Numbers, e: &Element) -> Made {
         }
     };
     let angle = numbers.angle(e, "PhiTwist", 0.0)?;
-    let solid = twisted(&trapezoid, angle)?;
+    let made = twisted(&trapezoid, angle)?;
     let message = format!(
-        "the twisted solid `{}` is a stack of slices of at most 2 degrees: its corners are off by at most 1.6e-4 of their distance from the axis.",
-        e.text("name")
+        "the twisted solid `{}` is a stack of {} layers with quadrics as side faces: these are off by at most {:.1e} mm.",
+        e.text("name"),
+        made.layers,
+        // two digits, not rounded down
+        1.06 * made.deviation
     );
     numbers.context.lose(LossKind::Approximated, &e.name, Trouble::new(message, e.place));
-    Ok(solid)
+    Ok(made.solid)
 }
 
 fn twisted_tubs(numbers: &mut Numbers, e: &Element) -> Made {

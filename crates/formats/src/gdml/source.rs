@@ -1,6 +1,7 @@
 //! Texts of GDML files.
 
 use rayweave_scene::{Diagnostics, Source};
+use rayweave_table::AllowedFiles;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -15,12 +16,22 @@ const LARGEST_FILE: u64 = 256 << 20;
 /// One problem: the file cannot be read, is too large, or is not text.
 pub(crate) fn source(path: &Path) -> Result<Source, Diagnostics> {
     // the common reader of all formats reports the problem
-    Source::read(path).or_else(|problems| source_of(path).map_err(|_| problems))
+    let latin_1 = || File::open(path).ok().and_then(|file| source_of(file, path).ok());
+    Source::read(path).or_else(|problems| latin_1().ok_or(problems))
 }
 
-/// Text of an included file.
-pub fn source_of(path: &Path) -> Result<Source, String> {
-    let file = File::open(path).map_err(|error| error.to_string())?;
+/// Text of an included file, if it may be read and looks like XML. Nothing of a file of another format is quoted in messages.
+pub fn included(files: &AllowedFiles, path: &Path) -> Result<Source, String> {
+    let file = files.open(path).map_err(|refused| refused.to_string())?;
+    let source = source_of(file, path)?;
+    let text = source.text().trim_start_matches('\u{feff}').trim_start();
+    match text.is_empty() || text.starts_with('<') {
+        true => Ok(source),
+        false => Err("it is not XML".to_owned()),
+    }
+}
+
+fn source_of(file: File, path: &Path) -> Result<Source, String> {
     let mut bytes = Vec::new();
     file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
     if bytes.len() as u64 > LARGEST_FILE {

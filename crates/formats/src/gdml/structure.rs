@@ -6,6 +6,7 @@ use super::define::{Role, inverse_rotation};
 use super::graph::{Auxiliary, Daughter, Graph, Volume};
 use super::materials;
 use super::optical;
+use super::schema;
 use super::solids::{Library, Shape, with_dimensions};
 use super::trouble::Place;
 use super::trouble::Trouble;
@@ -22,8 +23,14 @@ mod row;
 
 use pending::{Copies, Pending};
 
+/// Deviation of a scale factor from 1 or -1 that rounding explains.
+const UNIT_SCALE: f64 = 1e-9;
+
 /// Maximal nesting depth of included files.
 const DEEPEST_FILE: usize = 20;
+
+/// The sections of a file.
+const SECTIONS: [&str; 6] = ["define", "materials", "solids", "structure", "setup", "userinfo"];
 
 /// Reads a file or text into the graph. Returns the requested volume, by default the world.
 pub(super) fn read_file(
@@ -40,10 +47,19 @@ pub(super) fn read_file(
         }
     };
     if root.name != "gdml" {
-        let message = format!("the file is no GDML: its outermost element is `{}`, not `gdml`.", root.name);
-        context.error(Trouble::new(message, root.place));
-        return None;
+        if !root.children.iter().any(|child| SECTIONS.contains(&child.name.as_str())) {
+            let message =
+                format!("the file is no GDML: its outermost element is `{}`, not `gdml`.", root.name);
+            context.error(Trouble::new(message, root.place));
+            return None;
+        }
+        let message = format!(
+            "the outermost element is `{}`, not `gdml`: the file is read as an extension of GDML, as by Geant4.",
+            root.name
+        );
+        context.warn(Trouble::new(message, root.place));
     }
+    schema::check(context, &root);
     let mut reader = StructureReader {
         numbers: Numbers::new(context),
         graph,
@@ -82,9 +98,20 @@ impl StructureReader<'_, '_> {
                 "structure" => self.structure(section),
                 "setup" => self.setup(section),
                 "userinfo" => self.graph.auxiliary.extend(auxiliaries(section)),
+                "extension" => {
+                    let message =
+                        "the section `extension` is ignored: its meaning is that of another program.";
+                    self.numbers.context.lose(
+                        LossKind::Dropped,
+                        "extension",
+                        Trouble::new(message, section.place),
+                    );
+                }
                 other => {
-                    let message = format!("the section `{other}` is not understood");
-                    self.numbers.context.lose(LossKind::Dropped, other, Trouble::new(message, section.place));
+                    let trouble =
+                        Trouble::new(format!("the section `{other}` is not understood."), section.place);
+                    let trouble = trouble.did_you_mean(other, SECTIONS);
+                    self.numbers.context.lose(LossKind::Dropped, other, trouble);
                 }
             }
         }
@@ -121,12 +148,10 @@ impl StructureReader<'_, '_> {
                 }
                 "skinsurface" | "bordersurface" => builder.graph.surfaces.add_link(builder.numbers, element),
                 other => {
-                    let message = format!("`{other}` is nothing that stands in a structure");
-                    builder.numbers.context.lose(
-                        LossKind::Dropped,
-                        other,
-                        Trouble::new(message, element.place),
-                    );
+                    let message = format!("`{other}` is nothing that stands in a structure.");
+                    let known = ["volume", "assembly", "skinsurface", "bordersurface", "loop"];
+                    let trouble = Trouble::new(message, element.place).did_you_mean(other, known);
+                    builder.numbers.context.lose(LossKind::Dropped, other, trouble);
                 }
             }
         });
@@ -271,9 +296,18 @@ impl Builder<'_, '_> {
             "divisionvol" => self.divisions(mother, element),
             "paramvol" => self.parameterised(mother, element),
             "materialref" | "solidref" | "auxiliary" => Ok(()),
+            // Geant4 treats them as an extension that it does not know
+            "opticalsurface" | "skinsurface" | "bordersurface" => {
+                let (tag, section) = (element.name.as_str(), section_of_surface(&element.name));
+                let message = format!(
+                    "`{tag}` has no effect in a volume: Geant4 ignores it there. Move it to `{section}`."
+                );
+                self.numbers.context.lose(LossKind::Dropped, tag, Trouble::new(message, element.place));
+                Ok(())
+            }
             other => {
                 let trouble =
-                    Trouble::new(format!("`{other}` is nothing that stands in a volume"), element.place);
+                    Trouble::new(format!("`{other}` is nothing that stands in a volume."), element.place);
                 let known = [
                     "physvol",
                     "replicavol",
@@ -331,7 +365,8 @@ impl Builder<'_, '_> {
     }
 
     /// Map of a placement. GDML gives the rotation of the mother's frame relative to the daughter, so that the inverse
-    /// rotates the daughter. A scale, which may be a reflection, is applied first.
+    /// rotates the daughter. A scale is applied first. As in Geant4 only its signs count: `G4ReflectionFactory` decomposes
+    /// the map and drops the lengths of a scale that does not reflect, and rejects those of one that does.
     fn map(&mut self, element: &Element) -> Result<Affine, Failure> {
         let placement = self.numbers.placement(element, "");
         let scale = self.numbers.child_vector(element, "scale", Role::Scale)?.unwrap_or(Vec3::ONE);
@@ -341,7 +376,19 @@ impl Builder<'_, '_> {
                 .numbers
                 .tell(Trouble::new("a scale factor is 0: a volume would be flat.", element.place)));
         }
-        Ok(Affine::scale(scale).then(&inverse_rotation(angles)).then(&Affine::translate(position)))
+        let signs = Vec3::from_array(scale.to_array().map(f64::signum));
+        if (scale - signs).abs().max_element() > UNIT_SCALE {
+            let child = element.children.iter().find(|child| matches!(&*child.name, "scale" | "scaleref"));
+            let [x, y, z] = signs.to_array();
+            let geant4 = if x * y * z > 0.0 { "as by Geant4" } else { "and Geant4 refuses the file" };
+            let message = format!(
+                "the placement has the scale ({}, {}, {}): only the signs are used, {geant4}. A `scaledSolid` stretches a solid.",
+                scale.x, scale.y, scale.z
+            );
+            let place = child.map_or(element.place, |child| child.place);
+            self.numbers.context.warn(Trouble::new(message, place));
+        }
+        Ok(Affine::scale(signs).then(&inverse_rotation(angles)).then(&Affine::translate(position)))
     }
 
     /// The volume of an included file; `None` if that has problems, which are reported.
@@ -359,7 +406,12 @@ impl Builder<'_, '_> {
                 format!("the file {} includes itself: through {} files.", path.display(), context.open.len());
             return Err(self.numbers.tell(Trouble::new(message, attribute.place)));
         }
-        let source = super::source::source_of(&path).map_err(|reason| {
+        let source = super::source::included(&context.files.allowed, &path);
+        let source = source.and_then(|source| match source.text().contains("<gdml") {
+            true => Ok(source),
+            false => Err("it is not GDML, because it has no element `gdml`".to_owned()),
+        });
+        let source = source.map_err(|reason| {
             let message = format!("the file {} cannot be read: {reason}.", path.display());
             self.numbers.tell(Trouble::new(message, attribute.place))
         })?;
@@ -453,6 +505,11 @@ impl Builder<'_, '_> {
             ),
         }
     }
+}
+
+/// The section of optical surfaces and of their attachments.
+fn section_of_surface(tag: &str) -> &'static str {
+    if tag == "opticalsurface" { "solids" } else { "structure" }
 }
 
 /// A daughter without copies yet.

@@ -9,8 +9,9 @@ use super::trouble::{Place, Trouble};
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Error, Reader};
 use rayweave_scene::{Diagnostic, Source, Span};
+use rayweave_table::AllowedFiles;
 use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Maximal nesting depth of elements: those of GDML nest to about ten, multiplied by entities.
@@ -125,6 +126,8 @@ impl Element {
 /// The texts of a document.
 #[derive(Debug, Default)]
 pub(super) struct Files {
+    /// The files that may be included.
+    pub allowed: AllowedFiles,
     sources: Vec<Arc<Source>>,
 }
 
@@ -149,8 +152,9 @@ impl Files {
     /// Path of a file named in another one, relative to that.
     pub fn beside(&self, file: u32, name: &str) -> PathBuf {
         let name = name.strip_prefix("file:").unwrap_or(name);
-        let folder = self.path(file).and_then(|path| path.parent());
-        folder.unwrap_or(Path::new("")).join(name)
+        // the main file may be a pipe, whose folder is not the model's
+        let path = self.path(file).filter(|_| file > 0);
+        path.and_then(|path| path.parent()).unwrap_or(self.allowed.folder()).join(name)
     }
 }
 
@@ -316,12 +320,13 @@ impl Tree<'_> {
                 source
             }
             Entity::File(path) => {
-                let source = Arc::new(super::source::source_of(&path).map_err(|reason| {
-                    Trouble::new(
-                        format!("the entity `{name}` cannot be read ({}: {reason})", path.display()),
-                        place,
-                    )
-                })?);
+                let source =
+                    Arc::new(super::source::included(&self.files.allowed, &path).map_err(|reason| {
+                        Trouble::new(
+                            format!("the entity `{name}` cannot be read ({}: {reason})", path.display()),
+                            place,
+                        )
+                    })?);
                 self.included += source.text().len();
                 if self.included > MOST_INCLUDED {
                     return Err(Trouble::new(

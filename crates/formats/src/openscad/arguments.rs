@@ -1,9 +1,12 @@
 //! Arguments by name, with type checks.
 
+use super::budget::{Budget, Exceeded};
 use super::syntax::Node;
 use super::value::{Argument, Value};
+use rayweave_error::closest;
 use rayweave_math::Vec3;
 use rayweave_scene::{Diagnostic, Source};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// The reason why an item is refused.
@@ -14,16 +17,52 @@ pub(super) type Refusal = Box<Diagnostic>;
 pub(super) struct Arguments<'a> {
     source: &'a Arc<Source>,
     node: &'a Node,
+    budget: &'a Budget,
 }
 
 impl<'a> Arguments<'a> {
-    pub fn new(source: &'a Arc<Source>, node: &'a Node) -> Arguments<'a> {
-        Arguments { source, node }
+    pub fn new(source: &'a Arc<Source>, node: &'a Node, budget: &'a Budget) -> Arguments<'a> {
+        Arguments { source, node, budget }
+    }
+
+    pub fn budget(&self) -> &'a Budget {
+        self.budget
+    }
+
+    /// Counts steps of work on the item.
+    pub fn spend(&self, steps: usize) -> Result<(), Refusal> {
+        self.budget.spend(steps).map_err(|limit| self.exceeded(limit))
+    }
+
+    /// Counts points or triangles of the item, before they are made.
+    pub fn hold(&self, items: usize) -> Result<(), Refusal> {
+        self.budget.hold(items).map_err(|limit| self.exceeded(limit))
+    }
+
+    /// A result of something that only knows the budget.
+    pub fn limited<T>(&self, result: Result<T, Exceeded>) -> Result<T, Refusal> {
+        result.map_err(|limit| self.exceeded(limit))
+    }
+
+    /// The error that the file exceeds its budget here.
+    fn exceeded(&self, limit: Exceeded) -> Refusal {
+        let problem = Diagnostic::error(format!("{}() exceeds the limits of the file", self.node.name));
+        let advice = "Do smaller `$fn`, fewer slices or less nesting help?".to_owned();
+        let problem = problem.why(limit.reason()).suggest(Some(advice)).at(self.source, self.node.span);
+        let refusal = Box::new(problem);
+        self.budget.note(&refusal);
+        refusal
     }
 
     /// A warning about the item as a whole, with the reason.
     pub fn refusal(&self, reason: &str) -> Refusal {
         let problem = Diagnostic::warning(format!("{}() is left out", self.node.name));
+        Box::new(problem.why(reason).at(self.source, self.node.span))
+    }
+
+    /// An error: the dump is rejected as a whole.
+    pub fn error(&self, reason: &str) -> Refusal {
+        let problem = Diagnostic::error(format!("{}() cannot be read", self.node.name));
         Box::new(problem.why(reason).at(self.source, self.node.span))
     }
 
@@ -89,6 +128,43 @@ impl<'a> Arguments<'a> {
     }
 }
 
+impl Arguments<'_> {
+    /// A warning for each argument that is not read: one with an unknown name, one given twice, or one that has no place.
+    pub fn unused(&self) -> Vec<Diagnostic> {
+        let Some(known) = parameters(&self.node.name) else { return Vec::new() };
+        let names = || known.iter().copied().chain(order(&self.node.name).iter().copied()).chain(ANYWHERE);
+        let mut warnings = Vec::new();
+        let mut seen: HashSet<&str> = HashSet::new();
+        let mut places = order(&self.node.name).len();
+        for argument in &self.node.arguments {
+            let name = argument.name.as_str();
+            let ignored = |what: String, why: String| {
+                let problem = Diagnostic::warning(format!("{what} of {}() is ignored", self.node.name));
+                problem.why(why).at(self.source, argument.span)
+            };
+            if name.is_empty() {
+                match places.checked_sub(1) {
+                    Some(rest) => places = rest,
+                    None => warnings.push(ignored(
+                        "an argument".to_owned(),
+                        format!("it takes {} arguments without a name", order(&self.node.name).len()),
+                    )),
+                }
+            } else if !names().any(|known| known == name) {
+                let why = format!("it has no parameter `{name}`");
+                // most names are short: one edit is always allowed
+                let edits = |known: &str| (name.len().max(known.len()) / 3).max(1);
+                let meant = closest(name, names(), edits).first().copied();
+                let meant = meant.map(|meant| format!("Did you mean `{meant}`?"));
+                warnings.push(ignored(format!("the argument `{name}`"), why).suggest(meant));
+            } else if !seen.insert(name) {
+                warnings.push(ignored(format!("the second `{name}`"), "the first one counts".to_owned()));
+            }
+        }
+        warnings
+    }
+}
+
 /// A list of N finite numbers.
 pub(super) fn finite<const N: usize>(value: &Value) -> Option<[f64; N]> {
     let numbers = value.numbers()?;
@@ -99,6 +175,29 @@ pub(super) fn finite<const N: usize>(value: &Value) -> Option<[f64; N]> {
 /// A vector of three finite numbers.
 pub(super) fn vector(value: &Value) -> Option<Vec3> {
     finite::<3>(value).map(Vec3::from_array)
+}
+
+/// Parameters that every item accepts, whether or not it is round.
+const ANYWHERE: [&str; 4] = ["$fn", "$fa", "$fs", "convexity"];
+
+/// Names of the other parameters of an item, apart from those that may be given by position; `None` for unknown items.
+fn parameters(item: &str) -> Option<&'static [&'static str]> {
+    Some(match item {
+        "group" | "union" | "render" | "difference" | "intersection" | "hull" | "minkowski" => &[],
+        "multmatrix" | "color" | "cube" | "square" | "sphere" | "circle" | "cylinder" => &[],
+        "polygon" | "resize" => &[],
+        "polyhedron" => &["triangles"],
+        "text" => &["text", "size", "font", "spacing", "direction", "language", "script", "halign", "valign"],
+        "linear_extrude" => {
+            &["height", "center", "twist", "slices", "scale", "file", "layer", "origin", "timestamp"]
+        }
+        "rotate_extrude" => &["angle", "start", "file", "layer", "origin", "scale", "timestamp"],
+        "offset" => &["r", "delta", "chamfer"],
+        "import" => &["file", "layer", "origin", "scale", "center", "dpi", "timestamp"],
+        "surface" => &["file", "center", "invert", "timestamp"],
+        "projection" => &["cut"],
+        _ => return None,
+    })
 }
 
 /// Names of the arguments that may be given by position. OpenSCAD itself omits the names of two items only.

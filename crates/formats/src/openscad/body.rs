@@ -2,55 +2,118 @@
 //! sums of items with differences or intersections need it.
 
 use super::arguments::{Arguments, Refusal};
+use super::budget::KERNEL_TRIANGLE;
 use super::fold::{Start, fold};
 use super::operation::Operation;
 use super::shell::Shell;
 use super::state::Reader;
 use crate::kernel::Body;
-use rayweave_math::Affine;
+use rayweave_math::{Affine, Vec3};
 use rayweave_mesh::{Mesh, RepairOptions};
 
-/// Result of a kernel operation: nothing, or a body.
-type Made = Result<Option<Body>, String>;
+/// What a pair of triangles with overlapping boxes costs, in steps.
+const OVERLAP: usize = 300;
 
 /// The union of the facets below `from`.
 pub(super) fn body(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal> {
     let of_shells = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
-        let all: Result<Vec<_>, _> = shells.iter().map(|shell| of_shell(shell, map)).collect();
-        let made = all.and_then(|all| Body::union(all.into_iter().flatten().collect()));
-        made.map(Ok).map_err(|why| arguments.refusal(&format!("its facets cannot be joined: {why}")))
+        let all: Result<Vec<_>, _> = shells.iter().map(|shell| of_shell(arguments, shell, map)).collect();
+        union(arguments, all?.into_iter().flatten().collect())
     };
-    let made = fold(reader, from, of_shells, join)?;
-    let arguments = Arguments::new(reader.source, &reader.tree.nodes[from.number()]);
-    made.map_err(|why| arguments.refusal(&format!("the facets of its parts cannot be joined: {why}")))
+    let arguments = reader.arguments(from.number());
+    fold(reader, from, of_shells, |operation, parts| join(&arguments, operation, parts))
 }
 
-fn of_shell(shell: &Shell, map: &Affine) -> Made {
+fn failed(arguments: &Arguments, why: &str) -> Refusal {
+    arguments.refusal(&format!("its facets cannot be joined: {why}"))
+}
+
+fn of_shell(arguments: &Arguments, shell: &Shell, map: &Affine) -> Result<Option<Body>, Refusal> {
+    arguments.spend(shell.triangles.len().saturating_mul(KERNEL_TRIANGLE))?;
     let points = shell.vertices.iter().map(|p| map.point(*p)).collect();
-    let mesh = Mesh::new(points, shell.triangles.clone()).map_err(|error| error.to_string())?;
-    let turned = mesh.repaired(&RepairOptions::default().with_fill(false));
-    let (points, triangles) = turned.map_err(|error| error.to_string())?.0.into_parts();
+    let mesh = Mesh::new(points, shell.triangles.clone());
+    let turned = mesh.and_then(|mesh| mesh.repaired(&RepairOptions::default().with_fill(false)));
+    let (points, triangles) = turned.map_err(|error| failed(arguments, &error.to_string()))?.0.into_parts();
     match triangles.is_empty() {
         true => Ok(None),
-        false => Body::from_triangles(points, triangles).map(Some),
+        false => match Body::from_triangles(points, triangles) {
+            Ok(body) => Ok(Some(body)),
+            Err(why) => Err(failed(arguments, &why)),
+        },
     }
 }
 
-fn join(operation: Operation, parts: Vec<Made>) -> Made {
-    let mut parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter();
-    if operation == Operation::Union {
-        return Body::union(parts.flatten().collect());
+/// An operation of the mesh kernel on two bodies, after its cost is counted.
+fn combined(
+    arguments: &Arguments,
+    a: &Body,
+    b: &Body,
+    operation: impl Fn(&Body, &Body) -> Result<Option<Body>, String>,
+) -> Result<Option<Body>, Refusal> {
+    count_overlaps(arguments, a, b)?;
+    operation(a, b).map_err(|why| failed(arguments, &why))
+}
+
+/// Counts the cost of an operation on two bodies: their triangles, and the pairs of triangles with overlapping boxes.
+fn count_overlaps(arguments: &Arguments, a: &Body, b: &Body) -> Result<(), Refusal> {
+    arguments.spend((a.triangle_count() + b.triangle_count()).saturating_mul(KERNEL_TRIANGLE))?;
+    let boxes = |body: &Body, is_first: bool| {
+        let (points, triangles) = body.triangles();
+        let bounds = move |t: &[u32; 3]| {
+            let [p, q, r] = t.map(|k| points[k as usize]);
+            (p.min(q).min(r), p.max(q).max(r), is_first)
+        };
+        triangles.iter().map(bounds).collect::<Vec<(Vec3, Vec3, bool)>>()
+    };
+    let mut all = boxes(a, true);
+    all.extend(boxes(b, false));
+    all.sort_unstable_by(|(lo, ..), (other, ..)| lo.x.total_cmp(&other.x));
+    for (k, (lo, hi, is_first)) in all.iter().enumerate() {
+        let (mut passed, mut near) = (0, 0);
+        for (low, high, other) in all[k + 1..].iter().take_while(|(low, ..)| low.x <= hi.x) {
+            passed += 1;
+            let overlap = low.y <= hi.y && lo.y <= high.y && low.z <= hi.z && lo.z <= high.z;
+            near += usize::from(other != is_first && overlap);
+        }
+        arguments.spend(3 * passed + OVERLAP * near)?;
     }
+    Ok(())
+}
+
+/// The union of all bodies, computed pairwise so that operands stay small until the last step.
+fn union(arguments: &Arguments, mut all: Vec<Body>) -> Result<Option<Body>, Refusal> {
+    while all.len() > 1 {
+        let mut joined = Vec::with_capacity(all.len().div_ceil(2));
+        for pair in all.chunks(2) {
+            match pair {
+                [a, b] => joined.extend(combined(arguments, a, b, Body::joined)?),
+                rest => joined.extend(rest.first().cloned()),
+            }
+        }
+        all = joined;
+    }
+    Ok(all.pop())
+}
+
+fn join(
+    arguments: &Arguments,
+    operation: Operation,
+    parts: Vec<Option<Body>>,
+) -> Result<Option<Body>, Refusal> {
+    if operation == Operation::Union {
+        return union(arguments, parts.into_iter().flatten().collect());
+    }
+    let mut parts = parts.into_iter();
     let Some(mut first) = parts.next().flatten() else { return Ok(None) };
     if operation == Operation::Difference {
-        return match Body::union(parts.flatten().collect())? {
-            Some(others) => first.less(&others),
+        return match union(arguments, parts.flatten().collect())? {
+            Some(others) => combined(arguments, &first, &others, Body::less),
             None => Ok(Some(first)),
         };
     }
     for part in parts {
         let common = match part {
-            Some(part) => first.common(&part)?,
+            Some(part) => combined(arguments, &first, &part, Body::common)?,
             None => None,
         };
         let Some(common) = common else { return Ok(None) };
@@ -67,9 +130,6 @@ impl Shell {
     }
 }
 
-/// Most pairs of facets in a Minkowski sum; more take minutes.
-const MOST_PAIRS: usize = 20_000;
-
 /// The Minkowski sum of some nodes, in facets.
 pub(super) fn sum(
     reader: &Reader,
@@ -83,7 +143,7 @@ pub(super) fn sum(
         all = match all {
             None => Some(next),
             Some(so_far) => {
-                check(arguments, &so_far, &next)?;
+                count_sum(arguments, &so_far, &next)?;
                 let made = so_far.sum(&next);
                 made.map_err(|why| arguments.refusal(&format!("its facets cannot be summed up: {why}")))?
             }
@@ -92,11 +152,12 @@ pub(super) fn sum(
     Ok(all)
 }
 
-/// Refuses sums that would take too long.
-fn check(arguments: &Arguments, a: &Body, b: &Body) -> Result<(), Refusal> {
-    let count = |body: &Body| if body.is_convex() { 1 } else { body.triangle_count() };
-    match count(a).saturating_mul(count(b)) > MOST_PAIRS {
-        true => Err(arguments.refusal(&format!("it is a sum of more than {MOST_PAIRS} pairs of facets"))),
-        false => Ok(()),
-    }
+/// Counts the cost of a sum: a hull for each pair of facets (a convex body counts as one), and their unions in pairs.
+fn count_sum(arguments: &Arguments, a: &Body, b: &Body) -> Result<(), Refusal> {
+    let facets = |body: &Body| if body.is_convex() { 1 } else { body.triangle_count() };
+    let corners = |body: &Body| if body.is_convex() { body.triangle_count() } else { 3 };
+    let pairs = facets(a).saturating_mul(facets(b));
+    let triangles = pairs.saturating_mul(2 * corners(a).saturating_mul(corners(b)).min(2000));
+    let rounds = usize::BITS - pairs.leading_zeros();
+    arguments.spend(triangles.saturating_mul(rounds as usize).saturating_mul(KERNEL_TRIANGLE))
 }

@@ -1,13 +1,15 @@
 //! Convex hull of points in space.
 //!
-//! *Source*: the incremental ("beneath-beyond") construction, M. de Berg et al., *Computational Geometry*, chapter 11. The
-//! orientation test is exact (Shewchuk 1997, crate `robust`), so that coplanar and collinear points are handled correctly.
+//! *Source*: C. B. Barber, D. P. Dobkin, H. Huhdanpaa, "The Quickhull algorithm for convex hulls", ACM Trans. Math. Softw.
+//! 22 (1996). The orientation test is exact (Shewchuk 1997, crate `robust`), so that coplanar and collinear points are
+//! handled correctly.
 
+use super::arguments::{Arguments, Refusal};
 use rayweave_math::Vec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
-/// Most points of a hull; more take too long.
-pub(super) const MOST_POINTS: usize = 20_000;
+/// What an orientation test costs, in steps.
+const TEST: usize = 25;
 
 /// Signed height of `p` above the plane of a triangle that is counter-clockwise seen from above; the sign is exact.
 fn height(points: &[Vec3], [a, b, c]: [usize; 3], p: usize) -> f64 {
@@ -15,22 +17,136 @@ fn height(points: &[Vec3], [a, b, c]: [usize; 3], p: usize) -> f64 {
     -robust::orient3d(at(a), at(b), at(c), at(p))
 }
 
+/// A triangle of a hull under construction.
+struct Face {
+    corners: [usize; 3],
+    /// Neighbours across the edges from each corner to the next.
+    next: [usize; 3],
+    /// Points above the face, each of which is above one face only, and the highest of them.
+    above: Vec<usize>,
+    highest: (f64, usize),
+    is_kept: bool,
+}
+
+impl Face {
+    fn new(corners: [usize; 3]) -> Face {
+        Face { corners, next: [0; 3], above: Vec::new(), highest: (0.0, 0), is_kept: true }
+    }
+
+    fn take(&mut self, height: f64, p: usize) {
+        if height > self.highest.0 {
+            self.highest = (height, p);
+        }
+        self.above.push(p);
+    }
+}
+
 /// Triangles of the convex hull, counter-clockwise seen from outside; `None` if all points lie in a plane.
-pub(super) fn convex_hull(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
-    let mut faces = first_faces(points)?;
-    for p in 0..points.len() {
-        let (seen, unseen): (Vec<_>, Vec<_>) = faces.iter().partition(|face| height(points, **face, p) > 0.0);
-        if seen.is_empty() {
+///
+/// # Errors
+///
+/// The number of orientation tests, on the order of n log n except for unusual points, exceeds the budget.
+pub(super) fn convex_hull(
+    arguments: &Arguments,
+    points: &[Vec3],
+) -> Result<Option<Vec<[usize; 3]>>, Refusal> {
+    arguments.spend(10 * TEST * points.len())?;
+    let Some(first) = first_faces(points) else { return Ok(None) };
+    let mut faces: Vec<Face> = first.into_iter().map(Face::new).collect();
+    for (k, next) in [[3, 2, 1], [0, 2, 3], [0, 3, 1], [0, 1, 2]].into_iter().enumerate() {
+        // checked by the edges that the faces share
+        let [a, b, c] = faces[k].corners;
+        let across = |p: usize, q: usize| {
+            next.into_iter().find(|n| edges(faces[*n].corners).contains(&(q, p))).unwrap_or(k)
+        };
+        faces[k].next = [across(a, b), across(b, c), across(c, a)];
+    }
+    give(arguments, points, &mut faces, &[0, 1, 2, 3], 0..points.len())?;
+    let mut waiting: Vec<usize> = (0..4).collect();
+    while let Some(from) = waiting.pop() {
+        if !faces[from].is_kept || faces[from].above.is_empty() {
             continue;
         }
-        let edges: HashSet<(usize, usize)> = seen.iter().flat_map(|face| edges(*face)).collect();
-        faces = unseen;
-        // horizon: the boundary edges of the visible faces
-        let mut horizon: Vec<_> = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))).copied().collect();
-        horizon.sort_unstable();
-        faces.extend(horizon.into_iter().map(|(a, b)| [a, b, p]));
+        let p = faces[from].highest.1;
+        let (seen, horizon) = seen_from(arguments, points, &mut faces, from, p)?;
+        // a fan of new faces from the horizon to the point
+        let start = faces.len();
+        let mut at: HashMap<usize, usize> = HashMap::new();
+        for (k, &(a, b, beyond)) in horizon.iter().enumerate() {
+            let mut face = Face::new([a, b, p]);
+            face.next[0] = beyond;
+            at.insert(a, start + k);
+            let side = edges(faces[beyond].corners).iter().position(|edge| *edge == (b, a)).unwrap_or(0);
+            faces[beyond].next[side] = start + k;
+            faces.push(face);
+        }
+        for k in start..faces.len() {
+            let [_, b, _] = faces[k].corners;
+            let after = at.get(&b).copied().unwrap_or(k);
+            faces[k].next[1] = after;
+            faces[after].next[2] = k;
+        }
+        let new: Vec<usize> = (start..faces.len()).collect();
+        let orphans: Vec<usize> =
+            seen.iter().flat_map(|k| std::mem::take(&mut faces[*k].above)).filter(|q| *q != p).collect();
+        give(arguments, points, &mut faces, &new, orphans.into_iter())?;
+        waiting.extend(new);
     }
-    Some(faces)
+    Ok(Some(faces.into_iter().filter(|face| face.is_kept).map(|face| face.corners).collect()))
+}
+
+/// Gives each point to one of the faces that it is above; points within the hull are dropped.
+fn give(
+    arguments: &Arguments,
+    points: &[Vec3],
+    faces: &mut [Face],
+    among: &[usize],
+    given: impl Iterator<Item = usize>,
+) -> Result<(), Refusal> {
+    for p in given {
+        let mut tests = 0;
+        for &k in among {
+            tests += 1;
+            let height = height(points, faces[k].corners, p);
+            if height > 0.0 {
+                faces[k].take(height, p);
+                break;
+            }
+        }
+        arguments.spend(TEST * tests)?;
+    }
+    Ok(())
+}
+
+/// The faces that see a point, which they cease to be faces of the hull for, and their boundary: edges, each with the face
+/// beyond.
+#[expect(clippy::type_complexity, reason = "two lists that belong together")]
+fn seen_from(
+    arguments: &Arguments,
+    points: &[Vec3],
+    faces: &mut [Face],
+    from: usize,
+    p: usize,
+) -> Result<(Vec<usize>, Vec<(usize, usize, usize)>), Refusal> {
+    faces[from].is_kept = false;
+    let (mut seen, mut horizon, mut done) = (vec![from], Vec::new(), 0);
+    while let Some(&k) = seen.get(done) {
+        done += 1;
+        let (next, sides) = (faces[k].next, edges(faces[k].corners));
+        for (beyond, (a, b)) in next.into_iter().zip(sides) {
+            if !faces[beyond].is_kept {
+                continue;
+            }
+            if height(points, faces[beyond].corners, p) > 0.0 {
+                faces[beyond].is_kept = false;
+                seen.push(beyond);
+            } else {
+                horizon.push((a, b, beyond));
+            }
+        }
+    }
+    arguments.spend(10 * TEST * done)?;
+    Ok((seen, horizon))
 }
 
 fn edges([a, b, c]: [usize; 3]) -> [(usize, usize); 3] {
@@ -89,7 +205,33 @@ pub(super) fn volume(points: &[Vec3], faces: &[[usize; 3]]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::budget::Budget;
+    use super::super::syntax::parse;
     use super::*;
+    use rayweave_scene::Source;
+    use std::sync::Arc;
+
+    /// The hull, and whether it is within the budget of a small file.
+    fn convex_hull(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
+        let source = Arc::new(Source::new(None, "group();".to_owned()));
+        let tree = parse(&source).expect("a dump");
+        let budget = Budget::new(0);
+        super::convex_hull(&Arguments::new(&source, &tree.nodes[0], &budget), points)
+            .expect("within the budget")
+    }
+
+    /// The corners of a lattice on a sphere: 100 000 points are few steps, and every one is a vertex.
+    #[test]
+    fn many_points_take_little_work() {
+        let n = 100_000;
+        let point = |k: usize| {
+            let z = 1.0 - (2 * k + 1) as f64 / n as f64;
+            let (sin, cos) = libm::sincos(2.399_963_229_728_653 * k as f64);
+            Vec3::new((1.0 - z * z).sqrt() * cos, (1.0 - z * z).sqrt() * sin, z)
+        };
+        let points: Vec<Vec3> = (0..n).map(point).collect();
+        assert_eq!(convex_hull(&points).map(|faces| faces.len()), Some(2 * n - 4));
+    }
 
     /// A cube with extra points on its edges, on its faces and inside.
     #[test]

@@ -4,6 +4,7 @@ use super::facets::direction;
 use super::flat::Leaf;
 use rayweave_math::{Affine, Vec3};
 use rayweave_polygon::Point;
+use std::collections::HashSet;
 
 /// Largest drawing file in bytes.
 pub(super) const LARGEST: u64 = 64 << 20;
@@ -22,8 +23,27 @@ pub(super) struct Drawing {
     pub has_chords: bool,
     /// Number of open chains that were closed by a straight line.
     pub closed: usize,
-    /// Omitted entities: name, reason, and line in the file.
+    /// The first omitted entities of each kind: name, reason, and line in the file.
     pub refused: Vec<(String, String, usize)>,
+    /// Names and reasons of these.
+    known: HashSet<(String, String)>,
+    /// Number of omitted entities that are not listed.
+    pub unlisted: usize,
+}
+
+/// Most omitted entities that are listed.
+const MOST_LISTED: usize = 100;
+
+impl Drawing {
+    /// Omits an entity; its line is only needed if it is the first of its kind.
+    pub fn refuse(&mut self, name: &str, why: &str, line: impl FnOnce() -> usize) {
+        let name: String = name.chars().take(40).collect();
+        if self.refused.len() < MOST_LISTED && self.known.insert((name.clone(), why.to_owned())) {
+            self.refused.push((name, why.to_owned(), line()));
+        } else {
+            self.unlisted += 1;
+        }
+    }
 }
 
 /// The plane map that takes (x, y) to (a x + c y + e, b x + d y + f).
@@ -82,6 +102,7 @@ pub(super) fn pieces<const N: usize>(control: &[Point; N], within: f64) -> usize
 #[cfg(test)]
 mod tests {
     use super::super::arguments::Arguments;
+    use super::super::budget::Budget;
     use super::super::dxf::{self, DxfOptions};
     use super::super::facets::Fineness;
     use super::super::flat::Flats;
@@ -99,7 +120,8 @@ mod tests {
         assert!(drawing.refused.is_empty(), "{:?}", drawing.refused);
         let source = Arc::new(Source::new(None, "group();".to_owned()));
         let tree = parse(&source).expect("a dump");
-        let arguments = Arguments::new(&source, &tree.nodes[0]);
+        let budget = Budget::new(0);
+        let arguments = Arguments::new(&source, &tree.nodes[0], &budget);
         let mut flats = Flats::new(facets);
         let all = drawing.leaves.into_iter().map(|(leaf, map)| {
             let leaf = flats.leaf(leaf);
@@ -114,14 +136,18 @@ mod tests {
         let head = "xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\"";
         let page = "width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\"";
         let text = format!("<svg {head} {page}>{body}</svg>");
-        area_of(svg::read(&text, SvgOptions { facets, dpi: 72.0 }).expect("a drawing"), facets)
+        area_of(
+            svg::read(&text, SvgOptions { facets, dpi: 72.0, budget: &Budget::new(0) }).expect("a drawing"),
+            facets,
+        )
     }
 
     fn dxf_area(text: &str, layer: &str, facets: bool) -> f64 {
         let source = Arc::new(Source::new(None, "group();".to_owned()));
         let tree = parse(&source).expect("a dump");
-        let fineness = Fineness::of(&Arguments::new(&source, &tree.nodes[0])).expect("defaults");
-        let options = DxfOptions { facets, fineness, layer };
+        let budget = Budget::new(0);
+        let fineness = Fineness::of(&Arguments::new(&source, &tree.nodes[0], &budget)).expect("defaults");
+        let options = DxfOptions { facets, fineness, layer, scale: 1.0, budget: &budget };
         area_of(dxf::read(text, &options).expect("a drawing"), facets)
     }
 

@@ -4,6 +4,7 @@
 //! *Source*: Autodesk, *DXF Reference*, chapters "ENTITIES section", "BLOCKS section". A file is a sequence of pairs of a
 //! group code and a value, each on its own line.
 
+use super::budget::Budget;
 use super::drawing::{Drawing, MOST_POINTS, arc, chords, plane_map, shift};
 use super::facets::Fineness;
 use super::flat::{Leaf, image};
@@ -28,6 +29,10 @@ pub(super) struct DxfOptions<'a> {
     pub fineness: Fineness,
     /// Name of the layer to read; all layers if it is empty.
     pub layer: &'a str,
+    /// Factor by which the drawing is scaled afterwards, positive. OpenSCAD divides round shapes outside of blocks by their
+    /// scaled radius.
+    pub scale: f64,
+    pub budget: &'a Budget,
 }
 
 /// An entity: name, line in the file, and pairs.
@@ -131,6 +136,7 @@ pub(super) fn read(text: &str, options: &DxfOptions) -> Result<Drawing, String> 
         leaves: Vec::new(),
         rounds: Vec::new(),
         points: 0,
+        scale: options.scale,
         drawing: Drawing::default(),
     };
     reader.entities()?;
@@ -147,6 +153,8 @@ struct Reader<'a> {
     /// Circles and ellipses: half axes, map and number of facets.
     rounds: Vec<(Point, Affine, usize)>,
     points: usize,
+    /// Scale of the radii that determine numbers of facets.
+    scale: f64,
     drawing: Drawing,
 }
 
@@ -166,8 +174,11 @@ impl<'a> Reader<'a> {
             let is_wanted = |entity: &Entity| {
                 depth > 0 || self.options.layer.is_empty() || entity.text(8) == self.options.layer
             };
+            self.scale = if depth == 0 { self.options.scale } else { 1.0 };
             let mut polyline: Option<(bool, Vec<Vertex>)> = None;
             for entity in entities {
+                // entities of a block are read once per use; each value is searched for among the pairs
+                self.options.budget.spend(200 + 50 * entity.pairs.len())?;
                 match entity.name {
                     "VERTEX" => polyline.iter_mut().for_each(|(_, all)| all.push(Vertex::of(entity))),
                     "SEQEND" => {
@@ -223,7 +234,7 @@ impl<'a> Reader<'a> {
             | "RAY" | "XLINE" | "CIRCLE" | "ARC" => Ok(()),
             name => {
                 let why = "entities of this kind cannot be read".to_owned();
-                self.drawing.refused.push((name.chars().take(40).collect(), why, entity.line));
+                self.drawing.refuse(name, &why, || entity.line);
                 Ok(())
             }
         }
@@ -231,6 +242,7 @@ impl<'a> Reader<'a> {
 
     fn count(&mut self, points: usize) -> Result<(), String> {
         self.points += points;
+        self.options.budget.spend(100 * points)?;
         match self.points > MOST_POINTS {
             true => Err(format!("it has more than {MOST_POINTS} points")),
             false => Ok(()),
@@ -248,7 +260,7 @@ impl<'a> Reader<'a> {
         self.drawing.has_chords |= !self.options.facets;
         match self.options.facets {
             true => {
-                let full = self.options.fineness.fragments(radius) as f64;
+                let full = self.options.fineness.fragments(self.scale * radius) as f64;
                 (full * degrees.abs() / 360.0).ceil().max(1.0) as usize
             }
             false => chords(degrees),
@@ -257,7 +269,7 @@ impl<'a> Reader<'a> {
 
     /// OpenSCAD divides an ellipse into one more piece than a circle.
     fn ellipse(&mut self, radii: Point, map: &Affine, more: usize) -> Result<(), String> {
-        let fragments = self.options.fineness.fragments(radii[0]) + more;
+        let fragments = self.options.fineness.fragments(self.scale * radii[0]) + more;
         if !self.options.facets {
             self.rounds.push((radii, *map, fragments));
             return self.count(chords(360.0));
@@ -316,12 +328,13 @@ impl<'a> Reader<'a> {
             (1..=20).contains(&degree) && points.len() > degree && knots.len() == points.len() + degree + 1;
         if !is_spline || knots.windows(2).any(|pair| pair[1] < pair[0]) {
             let why = "its knots and points do not fit each other".to_owned();
-            self.drawing.refused.push(("SPLINE".to_owned(), why, entity.line));
+            self.drawing.refuse("SPLINE", &why, || entity.line);
             return Ok(());
         }
         self.drawing.has_chords |= degree > 1;
         let pieces = if degree == 1 { 1 } else { SPLINE_PIECES };
         self.count(points.len() * pieces)?;
+        self.options.budget.spend(5 * points.len() * pieces * degree * degree)?;
         let weight = |k: usize| weights.get(k).copied().filter(|w| *w > 0.0).unwrap_or(1.0);
         let control: Vec<Vec3> =
             points.iter().enumerate().map(|(k, p)| weight(k) * Vec3::new(p[0], p[1], 1.0)).collect();
@@ -431,6 +444,8 @@ fn joined(mut chains: Chains) -> (Chains, Chains) {
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes.count];
     ends.iter().enumerate().for_each(|(k, pair)| pair.iter().for_each(|node| at[*node].push(k)));
     let mut used = vec![false; chains.len()];
+    // number of chains at each node that are known to be used, so that a node with many is not searched repeatedly
+    let mut passed = vec![0; nodes.count];
     let (mut closed, mut open) = (Vec::new(), Vec::new());
     // open chains start at nodes with only one chain end
     let single = (0..chains.len()).filter(|k| ends[*k].iter().any(|node| at[*node].len() == 1));
@@ -451,7 +466,11 @@ fn joined(mut chains: Chains) -> (Chains, Chains) {
                 _ => way.extend(piece.rev().take(chains[k].len() - 1)),
             }
             node = ends[k][1 - side];
-            next = if node == first { None } else { at[node].iter().copied().find(|k| !used[*k]) };
+            next = None;
+            while node != first && next.is_none() && passed[node] < at[node].len() {
+                next = Some(at[node][passed[node]]).filter(|k| !used[*k]);
+                passed[node] += usize::from(next.is_none());
+            }
             if next.is_none() && node != first {
                 let last = if side == 0 { chains[k].last() } else { chains[k].first() };
                 way.extend(last);

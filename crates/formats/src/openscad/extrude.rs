@@ -4,9 +4,9 @@ use super::arguments::{Arguments, Refusal};
 use super::boolean::join_solids;
 use super::extent::Way;
 use super::flat::{Flat, Flats, Leaf, simple};
-use super::mesh::Twist;
+use super::mesh::{MOST_PLANES, Twist};
 use super::part::solid;
-use super::region::{filled_near, placed};
+use super::region::{filled, placed};
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
@@ -28,7 +28,7 @@ pub(super) fn extruded(
         true => prism(arguments, leaf, map, way),
         false => pyramid(arguments, leaf, map, way),
     };
-    flats.fold(flat, leaf, join_solids)
+    flats.fold(arguments, flat, leaf, |operation, parts| Ok(join_solids(operation, parts)))
 }
 
 /// Straight extrusion of a mapped leaf.
@@ -39,6 +39,10 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
             let middle = 0.5 * (way.bottom + way.top);
             if middle == 0.0 { rod } else { rod.translate([0.0, 0.0, middle]) }
         }
+        // a mesh has a BVH, and other programs can read it as one shape
+        Leaf::Outline(contours) if leaf.point_count() > MOST_PLANES => {
+            Twist::plain(way).over(arguments, contours)?
+        }
         Leaf::Outline(contours) => {
             let mut parts = Vec::with_capacity(contours.len());
             for contour in contours {
@@ -46,7 +50,7 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
                     Ok(None) => continue,
                     Ok(Some(polygons)) => prism_over(arguments, &polygons, way)?,
                     // a contour that crosses or touches itself: even-odd rule
-                    Err(_) => tangled(arguments, contour, &Affine::IDENTITY, way)?,
+                    Err(_) => tangled(arguments, contour, way)?,
                 });
             }
             odd(parts)
@@ -56,8 +60,8 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
 }
 
 /// Extrusion of a contour that crosses or touches itself, as a mesh.
-fn tangled(arguments: &Arguments, contour: &[Point], map: &Affine, way: &Way) -> Result<Solid, Refusal> {
-    Twist::plain(way).leaf(arguments, &Leaf::Outline(vec![contour.to_vec()]), map)
+fn tangled(arguments: &Arguments, contour: &[Point], way: &Way) -> Result<Solid, Refusal> {
+    Twist::plain(way).over(arguments, &vec![contour.to_vec()])
 }
 
 /// Even-odd combination: inside an odd number of the solids.
@@ -136,7 +140,7 @@ fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Resul
     let mut contours = placed(arguments, leaf.contours(), map, (hi[0] - lo[0]).max(hi[1] - lo[1]))?;
     if contours.iter().any(|contour| simple(arguments, contour.clone()).is_err()) {
         // crossings of edges must be vertices: walls other than those through the crossing are curved
-        contours = filled_near(&contours, FillRule::EvenOdd);
+        contours = filled(arguments, &contours, FillRule::EvenOdd)?;
     }
     let mut parts = Vec::new();
     for contour in contours {
@@ -145,7 +149,7 @@ fn pyramid(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Resul
             Ok(Some(polygons)) => polygons,
             // plane walls, which triangles represent exactly
             Err(_) if way.is_even() => {
-                parts.push(tangled(arguments, &contour, &Affine::IDENTITY, way)?);
+                parts.push(tangled(arguments, &contour, way)?);
                 continue;
             }
             Err(why) => return Err(why),

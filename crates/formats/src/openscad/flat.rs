@@ -10,9 +10,10 @@ use rayweave_polygon::Point;
 use rayweave_polygon::{PolygonError, Polygons, from_polygons};
 use rayweave_rootray::Side;
 use std::cell::Cell;
+use std::collections::HashMap;
 
 /// Index of a plane region in [`Flats`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Flat(u32);
 
 /// A leaf of the boolean tree of a region.
@@ -37,6 +38,8 @@ pub(super) struct Flats {
     nodes: Vec<Node>,
     /// True if discs are divided as in OpenSCAD.
     pub facets: bool,
+    /// Regions that are the sum of another region and a disc: that region and the radius.
+    grown: HashMap<Flat, (Flat, f64)>,
     /// Set when a disc is approximated by chords; the reader resets it after each item.
     pub has_chords: Cell<bool>,
 }
@@ -65,6 +68,15 @@ impl Flats {
         self.add(Node::Join(operation, operands))
     }
 
+    /// The region and the radius of which a region is known to be the sum.
+    pub fn grown(&self, flat: Flat) -> Option<(Flat, f64)> {
+        self.grown.get(&flat).copied()
+    }
+
+    pub fn set_grown(&mut self, flat: Flat, original: Flat, by: f64) {
+        self.grown.insert(flat, (original, by));
+    }
+
     /// A region under a plane map.
     pub fn moved(&mut self, map: Affine, flat: Flat) -> Flat {
         self.add(Node::Moved(map, flat))
@@ -73,16 +85,22 @@ impl Flats {
     /// Folds the boolean tree: `make` converts each mapped leaf, `join` combines the results.
     pub fn fold<T>(
         &self,
+        arguments: &Arguments,
         root: Flat,
         mut make: impl FnMut(&Leaf, &Affine) -> Result<T, Refusal>,
-        mut join: impl FnMut(Operation, Vec<T>) -> T,
+        mut join: impl FnMut(Operation, Vec<T>) -> Result<T, Refusal>,
     ) -> Result<T, Refusal> {
         let mut tasks = vec![Task::Visit(root, Affine::IDENTITY)];
         let mut made = Vec::new();
         while let Some(task) = tasks.pop() {
+            // regions may share parts, each of which is visited once per use
+            arguments.spend(100)?;
             match task {
                 Task::Visit(flat, map) => match &self.nodes[flat.0 as usize] {
-                    Node::Leaf(leaf) => made.push(make(leaf, &map)?),
+                    Node::Leaf(leaf) => {
+                        arguments.spend(20 * leaf.point_count())?;
+                        made.push(make(leaf, &map)?);
+                    }
                     Node::Moved(inner, flat) => tasks.push(Task::Visit(*flat, inner.then(&map))),
                     Node::Join(operation, flats) => {
                         tasks.push(Task::Join(*operation, flats.len()));
@@ -91,7 +109,7 @@ impl Flats {
                 },
                 Task::Join(operation, count) => {
                     let operands = made.split_off(made.len() - count.min(made.len()));
-                    made.push(join(operation, operands));
+                    made.push(join(operation, operands)?);
                 }
             }
         }
@@ -100,24 +118,26 @@ impl Flats {
     }
 
     /// Bounding box of the leaves of the region: lo, hi.
-    pub fn bounds(&self, flat: Flat) -> [Point; 2] {
-        let found = self.fold(
+    pub fn bounds(&self, arguments: &Arguments, flat: Flat) -> Result<[Point; 2], Refusal> {
+        self.fold(
+            arguments,
             flat,
             |leaf, map| Ok(leaf.bounds(map)),
-            |operation, all| match operation {
-                Operation::Union => all.into_iter().fold(NOWHERE, hull),
-                Operation::Intersection => all.into_iter().fold(EVERYWHERE, overlap),
-                Operation::Difference => all.first().copied().unwrap_or(NOWHERE),
+            |operation, all| {
+                Ok(match operation {
+                    Operation::Union => all.into_iter().fold(NOWHERE, hull),
+                    Operation::Intersection => all.into_iter().fold(EVERYWHERE, overlap),
+                    Operation::Difference => all.first().copied().unwrap_or(NOWHERE),
+                })
             },
-        );
-        found.unwrap_or(NOWHERE)
+        )
     }
 
     /// True if the region is a union of its leaves; its convex hull is then the hull of the leaves.
-    pub fn is_union(&self, flat: Flat) -> bool {
+    pub fn is_union(&self, arguments: &Arguments, flat: Flat) -> Result<bool, Refusal> {
         let is_union =
-            |operation, parts: Vec<bool>| operation == Operation::Union && parts.iter().all(|part| *part);
-        self.fold(flat, |_, _| Ok(true), is_union).unwrap_or(false)
+            |operation, parts: Vec<bool>| Ok(operation == Operation::Union && parts.iter().all(|part| *part));
+        self.fold(arguments, flat, |_, _| Ok(true), is_union)
     }
 }
 
@@ -152,6 +172,14 @@ impl Leaf {
                 let reach = [0, 1].map(|k| radius * libm::hypot(map.linear.x_axis[k], map.linear.y_axis[k]));
                 [[0, 1].map(|k| centre[k] - reach[k]), [0, 1].map(|k| centre[k] + reach[k])]
             }
+        }
+    }
+
+    /// Number of points of the contours.
+    pub fn point_count(&self) -> usize {
+        match self {
+            Leaf::Outline(contours) => contours.iter().map(Vec::len).sum(),
+            Leaf::Disc { fragments, .. } => *fragments,
         }
     }
 

@@ -13,6 +13,7 @@ use super::state::Reader;
 use super::{gather, transform};
 use crate::kernel::triangulated;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
+use rayweave_polygon::Point;
 
 /// Most triangles of a node; more take too long.
 const MOST_TRIANGLES: usize = 500_000;
@@ -45,7 +46,7 @@ pub(super) fn fold<T>(
     reader: &Reader,
     from: Start,
     mut make: impl FnMut(&Arguments, &[Shell], &Affine) -> Result<T, Refusal>,
-    mut join: impl FnMut(Operation, Vec<T>) -> T,
+    mut join: impl FnMut(Operation, Vec<T>) -> Result<T, Refusal>,
 ) -> Result<T, Refusal> {
     let mut tasks = vec![Task::Visit(from.number(), Affine::IDENTITY)];
     let mut made = Vec::new();
@@ -53,15 +54,18 @@ pub(super) fn fold<T>(
         let (number, map) = match task {
             Task::Join(operation, count) => {
                 let operands = made.split_off(made.len() - count.min(made.len()));
-                made.push(join(operation, operands));
+                made.push(join(operation, operands)?);
                 continue;
             }
             Task::Visit(number, map) => (number, map),
         };
         let node = &reader.tree.nodes[number];
-        let arguments = Arguments::new(reader.source, node);
-        reader.spend(&arguments, 20)?;
-        match structure(reader, number, from, &arguments)? {
+        let arguments = reader.arguments(number);
+        arguments.spend(100)?;
+        // a `resize` whose shell is known need not be computed again
+        let is_known = from != Start::Below(number) && reader.shells.contains_key(&number);
+        let structure = if is_known { None } else { structure(reader, number, from, &arguments)? };
+        match structure {
             Some((operation, inner)) => {
                 let children: Vec<usize> =
                     node.children.iter().map(|k| *k as usize).filter(|k| reader.live[*k]).collect();
@@ -72,7 +76,7 @@ pub(super) fn fold<T>(
             None => {
                 let shells = shells(reader, number, &arguments)?;
                 let triangles = shells.iter().map(|shell| shell.triangles.len()).sum::<usize>();
-                reader.spend(&arguments, 20 * triangles)?;
+                arguments.spend(300 * triangles)?;
                 if triangles > MOST_TRIANGLES {
                     return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
                 }
@@ -81,9 +85,7 @@ pub(super) fn fold<T>(
         }
     }
     // the first task produced the only remaining result
-    made.pop().ok_or_else(|| {
-        Arguments::new(reader.source, &reader.tree.nodes[from.number()]).refusal("nothing is in it")
-    })
+    made.pop().ok_or_else(|| reader.arguments(from.number()).refusal("nothing is in it"))
 }
 
 /// Boolean operation and map of the children of a node; `None` for nodes with shells of their own.
@@ -119,7 +121,7 @@ pub(super) fn is_union(reader: &Reader, root: usize) -> Result<bool, Refusal> {
         Start::Below(root),
         |_, _, _| Ok(true),
         |operation, parts| {
-            (operation == Operation::Union || parts.len() < 2) && parts.iter().all(|part| *part)
+            Ok((operation == Operation::Union || parts.len() < 2) && parts.iter().all(|part| *part))
         },
     )
 }
@@ -127,6 +129,7 @@ pub(super) fn is_union(reader: &Reader, root: usize) -> Result<bool, Refusal> {
 /// The shells of a node, whose union it is.
 fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<Shell>, Refusal> {
     if let Some(known) = reader.shells.get(&number) {
+        arguments.spend(50 * known.iter().map(|shell| shell.triangles.len()).sum::<usize>())?;
         return Ok(known.clone());
     }
     let fragments = |radius: f64| Ok::<_, Refusal>(round(reader, Fineness::of(arguments)?.fragments(radius)));
@@ -139,6 +142,7 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
         "sphere" => {
             let radius = arguments.number("r", 1.0)?;
             let fragments = fragments(radius)?;
+            arguments.spend(100 * fragments * fragments)?;
             if radius > 0.0 { rings(&sphere_rings(radius, fragments), fragments) } else { Vec::new() }
         }
         "cylinder" => match CylinderSizes::of(arguments)? {
@@ -160,9 +164,8 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
         "rotate_extrude" => match reader.extruded.get(&number) {
             Some(flat) => {
                 let contours = boundary(arguments, &reader.flats, *flat)?;
-                let reach = contours.iter().flatten().fold(0f64, |reach, p| reach.max(p[0].abs()));
-                let count = fragments(reach)?;
-                vec![turned(arguments, &contours, count)?]
+                let sectors = Sectors::of(reader, arguments, &contours)?;
+                vec![turned(arguments, &contours, &sectors)?]
             }
             None => Vec::new(),
         },
@@ -179,21 +182,43 @@ fn round(reader: &Reader, fragments: usize) -> usize {
     fragments.max(chords(360.0))
 }
 
-/// Contours revolved about the z axis, in rings that start at the same angle as in OpenSCAD.
-fn turned(arguments: &Arguments, contours: &Contours, full: usize) -> Result<Shell, Refusal> {
-    let angle = arguments.number("angle", 360.0)?.clamp(-360.0, 360.0);
-    let is_whole = angle.abs() >= 360.0;
-    let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
-    let steps = ((full as f64 * angle.abs() / 360.0).floor() as usize).max(1);
+/// Equal sectors of a revolution about the z axis, which start at the same angle as in OpenSCAD.
+pub(super) struct Sectors {
+    pub count: usize,
+    pub is_whole: bool,
+    start: f64,
+    angle: f64,
+}
+
+impl Sectors {
+    /// The sectors of a `rotate_extrude` of contours.
+    pub fn of(reader: &Reader, arguments: &Arguments, contours: &Contours) -> Result<Sectors, Refusal> {
+        let reach = contours.iter().flatten().fold(0f64, |reach, p| reach.max(p[0].abs()));
+        let full = round(reader, Fineness::of(arguments)?.fragments(reach));
+        let angle = arguments.number("angle", 360.0)?.clamp(-360.0, 360.0);
+        let is_whole = angle.abs() >= 360.0;
+        let start = arguments.number("start", if is_whole { 180.0 } else { 0.0 })?;
+        let count = ((full as f64 * angle.abs() / 360.0).floor() as usize).max(1);
+        Ok(Sectors { count, is_whole, start, angle })
+    }
+
+    /// A point of the region at the start of sector `k`.
+    pub fn point(&self, k: usize, p: Point) -> Vec3 {
+        let (sin, cos) = sin_cos_degrees(self.start + self.angle * k as f64 / self.count as f64);
+        Vec3::new(cos * p[0], sin * p[0], p[1])
+    }
+}
+
+/// Contours revolved about the z axis.
+fn turned(arguments: &Arguments, contours: &Contours, sectors: &Sectors) -> Result<Shell, Refusal> {
+    let (steps, is_whole) = (sectors.count, sectors.is_whole);
     let rings = if is_whole { steps } else { steps + 1 };
     let n = contours.iter().map(Vec::len).sum::<usize>();
     if n.saturating_mul(2 * rings) > MOST_TRIANGLES {
         return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
     }
-    let ring = |k: usize| {
-        let (sin, cos) = sin_cos_degrees(start + angle * k as f64 / steps as f64);
-        contours.iter().flatten().map(move |p| Vec3::new(cos * p[0], sin * p[0], p[1]))
-    };
+    arguments.spend(100 * n * rings)?;
+    let ring = |k: usize| contours.iter().flatten().map(move |p| sectors.point(k, *p));
     let n = n as u32;
     let mut triangles = Vec::new();
     for k in 0..steps as u32 {

@@ -6,7 +6,7 @@
 //! that also contains the rim of the piece.
 
 use super::arguments::{Arguments, Refusal};
-use super::convex_hull::{MOST_POINTS, convex_hull, planes};
+use super::convex_hull::{convex_hull, planes};
 use super::facets::{direction, ring_points, sphere_rings};
 use super::mesh::convex;
 use super::part::solid;
@@ -59,7 +59,7 @@ impl Generator {
         [self.centre() - reach, self.centre() + reach]
     }
 
-    fn vertex_count(&self) -> usize {
+    pub fn vertex_count(&self) -> usize {
         match *self {
             Generator::Ball { radius: 0.0, .. } => 1,
             Generator::Ball { fragments, .. } => fragments * fragments.div_ceil(2),
@@ -94,17 +94,16 @@ pub(super) struct Hull {
     pub is_exact: bool,
 }
 
-/// Approximate number of steps to compute a hull.
+/// Approximate number of steps to compute an exact hull, without that of points.
 pub(super) fn cost(generators: &[Generator]) -> usize {
+    let n = generators.len();
     let is_round = |g: &&Generator| matches!(g, Generator::Ball { radius, .. } if *radius > 0.0);
     let rounds = generators.iter().filter(is_round).count();
     let discs = generators.iter().filter(|g| matches!(g, Generator::Disc { .. })).count();
-    let points = match rounds > 0 && discs > 0 || rounds > MOST_BALLS {
-        true => generators.iter().map(Generator::vertex_count).sum(),
-        false => generators.len(),
-    };
-    let balls = rounds.min(MOST_BALLS);
-    points.saturating_mul(points).saturating_add(balls * generators.len() * balls)
+    // pairs are compared, of discs for twins and of balls for one that contains the other; triples of balls are tested
+    let pairs = if discs > 0 || rounds > 0 { n.saturating_mul(n).saturating_mul(10) } else { 0 };
+    let balls = if discs > 0 { 0 } else { rounds.min(MOST_BALLS) };
+    pairs.saturating_add(100 * balls * balls * n.min(MOST_BALLS))
 }
 
 /// Convex hull of generators; without a solid if it has no volume.
@@ -116,20 +115,36 @@ pub(super) fn hull(arguments: &Arguments, generators: &[Generator]) -> Result<Hu
     if let Some(solid) = exact {
         return Ok(Hull { solid: Some(solid), is_exact: true });
     }
-    let points: Vec<Vec3> = generators.iter().flat_map(Generator::vertices).collect();
+    let points = vertices(arguments, generators)?;
     let is_exact = generators.iter().all(|g| g.radius() == 0.0);
     Ok(Hull { solid: of_points(arguments, points)?, is_exact })
+}
+
+/// The vertices of the tessellations of all generators.
+pub(super) fn vertices(arguments: &Arguments, generators: &[Generator]) -> Result<Vec<Vec3>, Refusal> {
+    let count = generators.iter().map(Generator::vertex_count).fold(0, usize::saturating_add);
+    check_count(arguments, count)?;
+    Ok(generators.iter().flat_map(Generator::vertices).collect())
+}
+
+/// Most points that are collected for one hull.
+const MOST_POINTS: usize = 2_000_000;
+
+/// Refuses a number of points that would exhaust memory, before they are made, and counts their cost.
+pub(super) fn check_count(arguments: &Arguments, count: usize) -> Result<(), Refusal> {
+    match count > MOST_POINTS {
+        true => Err(arguments.refusal(&format!("it has more than {MOST_POINTS} points"))),
+        false => arguments.spend(100 * count),
+    }
 }
 
 /// Convex polyhedron of points.
 pub(super) fn of_points(arguments: &Arguments, points: Vec<Vec3>) -> Result<Option<Solid>, Refusal> {
     let points = distinct(points);
-    if points.len() > MOST_POINTS {
-        return Err(arguments.refusal(&format!("it has more than {MOST_POINTS} points")));
-    }
-    match convex_hull(&points) {
+    match convex_hull(arguments, &points)? {
         None => Ok(None),
         Some(faces) => {
+            arguments.hold(faces.len())?;
             let planes = planes(&points, &faces);
             let triangles = || faces.iter().map(|corners| corners.map(|k| k as u32)).collect();
             convex(arguments, planes, || (points.clone(), triangles())).map(Some)
@@ -330,7 +345,7 @@ fn prism(
             ([p.x, p.y], g.radius())
         })
         .collect();
-    let corners = super::hull2::touching_points(&discs);
+    let corners = super::hull2::touching_points(&discs, |steps| arguments.spend(20 * steps))?;
     let mut parts = Vec::new();
     if corners.len() >= 3 {
         let points = corners.iter().flat_map(|c| [Vec3::new(c[0], c[1], lo), Vec3::new(c[0], c[1], hi)]);

@@ -2,37 +2,41 @@
 
 use rayweave_polygon::Point;
 
-/// Approximate number of steps to compute a hull.
-pub(super) fn cost(discs: &[(Point, f64, usize)]) -> usize {
-    let round = discs.iter().filter(|disc| disc.1 > 0.0).count();
-    discs.len().saturating_mul(1 + round.saturating_mul(discs.len()))
-}
-
 /// Tangent points of the convex hull of discs, in order: the points where supporting lines touch the discs. The hull is the
 /// union of the polygon of these points and the discs. A disc of radius 0 is a point.
-pub(super) fn touching_points(discs: &[(Point, f64)]) -> Vec<Point> {
+///
+/// Every line that touches two discs is compared with the others, mostly with a few of them; `spend` counts the
+/// comparisons and may end the search.
+pub(super) fn touching_points<E>(
+    discs: &[(Point, f64)],
+    mut spend: impl FnMut(usize) -> Result<(), E>,
+) -> Result<Vec<Point>, E> {
+    spend(discs.len())?;
     let points: Vec<Point> = discs.iter().filter(|disc| disc.1 == 0.0).map(|disc| disc.0).collect();
     let points = corners(points);
     let round: Vec<(Point, f64)> = discs.iter().filter(|disc| disc.1 > 0.0).copied().collect();
     if round.is_empty() {
-        return points;
+        return Ok(points);
     }
     let all: Vec<(Point, f64)> = points.into_iter().map(|p| (p, 0.0)).chain(round).collect();
     let size = all.iter().fold(0f64, |size, (p, r)| size.max(p[0].abs()).max(p[1].abs()).max(*r));
     let mut touched = Vec::new();
     for (i, a) in all.iter().enumerate() {
         for b in all.iter().skip(i + 1) {
+            spend(1)?;
             for normal in normals(a, b) {
                 let reach = |(p, r): &(Point, f64)| normal[0] * p[0] + normal[1] * p[1] + r;
                 let (most, near) = (reach(a), 1e-9 * size);
-                if all.iter().all(|disc| reach(disc) <= most + near) {
+                let beyond = all.iter().position(|disc| reach(disc) > most + near);
+                spend(beyond.unwrap_or(all.len()))?;
+                if beyond.is_none() {
                     let on_line = all.iter().filter(|disc| reach(disc) >= most - near);
                     touched.extend(on_line.map(|(p, r)| [p[0] + r * normal[0], p[1] + r * normal[1]]));
                 }
             }
         }
     }
-    corners(touched)
+    Ok(corners(touched))
 }
 
 /// Unit normals of the two lines that touch two discs from the same side: n . (q - p) = r - s.
@@ -83,6 +87,12 @@ fn turn(a: Point, b: Point, c: Point) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::convert::Infallible;
+
+    fn touching_points(discs: &[(Point, f64)]) -> Vec<Point> {
+        let Ok(points) = super::touching_points(discs, |_| Ok::<(), Infallible>(()));
+        points
+    }
 
     #[test]
     fn a_square_with_points_within_and_on_its_edges() {

@@ -4,24 +4,22 @@
 //! overlap if the face is not convex.
 
 use super::arguments::{Arguments, Refusal, vector};
-use super::boolean::join_solids;
-use super::convex_hull::{MOST_POINTS, convex_hull, planes, volume};
+use super::budget::TRIANGLE;
+use super::convex_hull::{convex_hull, planes, volume};
 use super::extent::Way;
 use super::facets::{Fineness, ring_points};
-use super::flat::{Flat, Flats, Leaf, image, index};
+use super::flat::{Flat, Flats, index};
 use super::part::Part;
 use super::part::solid;
-use super::region::Contours;
+use super::region::{Contours, faceted_boundary, filled};
 use super::shell::Shell;
 use super::value::Value;
 use crate::kernel::triangulated;
-use rayweave_math::{Affine, Vec3, sin_cos_degrees};
+use i_overlay::core::fill_rule::FillRule;
+use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_polygon::Point;
 use rayweave_shape::primitive::{Convex, Mesh};
-
-/// Most triangles of an item; more indicate wrong numbers in the file.
-const MOST_TRIANGLES: usize = 20_000_000;
 
 /// Most slices of an extrusion, for the same reason.
 const MOST_SLICES: f64 = 20_000.0;
@@ -30,13 +28,14 @@ const MOST_SLICES: f64 = 20_000.0;
 const DIGITS: f64 = 2e-5;
 
 /// Most faces of a convex solid of planes; larger polyhedra are faster as a mesh, which has a BVH.
-const MOST_PLANES: usize = 64;
+pub(super) const MOST_PLANES: usize = 64;
 
 pub(super) fn within(
     arguments: &Arguments,
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
 ) -> Result<Solid, Refusal> {
+    arguments.spend(TRIANGLE * triangles.len())?;
     let mesh = rayweave_mesh::Mesh::new(vertices, triangles);
     let mesh = mesh.map_err(|error| arguments.refusal(&error.to_string()))?;
     solid(arguments, Mesh::new(&mesh))
@@ -79,7 +78,17 @@ pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>,
 /// Points and triangles of a `polyhedron`.
 pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
     let (points, faces) = points_and_faces(arguments)?;
-    let triangles = faces.iter().flat_map(|face| cut(&points, face)).collect();
+    for face in &faces {
+        // ears are searched for among all corners; in larger faces none are
+        let corners = face.len();
+        arguments.spend(if corners > 1000 {
+            100 * corners
+        } else {
+            corners * corners * (10 + corners / 5)
+        })?;
+    }
+    let mut ears = rayweave_mesh::EarBudget::default();
+    let triangles = faces.iter().flat_map(|face| cut(&points, face, &mut ears)).collect();
     Ok((points, triangles))
 }
 
@@ -122,7 +131,9 @@ pub(super) fn polyhedron(arguments: &Arguments) -> Result<Part, Refusal> {
     if triangles.is_empty() {
         return Ok(Part::Empty);
     }
-    if let Some(planes) = convex_planes(&points, &triangles).filter(|planes| planes.len() <= MOST_PLANES) {
+    if let Some(planes) =
+        convex_planes(arguments, &points, &triangles)?.filter(|planes| planes.len() <= MOST_PLANES)
+    {
         return Ok(solid(arguments, Convex::new(planes))?.into());
     }
     let triangles = triangles.iter().map(|corners| corners.map(|k| k as u32)).collect();
@@ -132,7 +143,7 @@ pub(super) fn polyhedron(arguments: &Arguments) -> Result<Part, Refusal> {
 /// True if a `polyhedron` is the convex hull of its points.
 pub(super) fn is_convex(arguments: &Arguments) -> Result<bool, Refusal> {
     let (points, triangles) = parts(arguments)?;
-    Ok(convex_planes(&points, &triangles).is_some())
+    Ok(convex_planes(arguments, &points, &triangles)?.is_some())
 }
 
 fn faces(value: &Value) -> Option<Vec<Vec<usize>>> {
@@ -141,26 +152,27 @@ fn faces(value: &Value) -> Option<Vec<Vec<usize>>> {
 }
 
 /// Triangulation of a face.
-fn cut(points: &[Vec3], face: &[usize]) -> Vec<[usize; 3]> {
+fn cut(points: &[Vec3], face: &[usize], ears: &mut rayweave_mesh::EarBudget) -> Vec<[usize; 3]> {
     match face.len() {
         0..3 => Vec::new(),
         3 => vec![[face[0], face[1], face[2]]],
         _ => {
             let corners: Vec<u32> = face.iter().map(|k| *k as u32).collect();
-            let (triangles, _) = rayweave_mesh::triangulate_polygon(points, &corners);
+            let (triangles, _) = rayweave_mesh::triangulate_polygon(points, &corners, ears);
             triangles.into_iter().map(|t| t.map(|k| k as usize)).collect()
         }
     }
 }
 
 /// The planes of a polyhedron that equals the convex hull of its points, else `None`.
-fn convex_planes(points: &[Vec3], triangles: &[[usize; 3]]) -> Option<Vec<[f64; 4]>> {
-    if points.len() > MOST_POINTS {
-        return None;
-    }
-    let hull = convex_hull(points)?;
+fn convex_planes(
+    arguments: &Arguments,
+    points: &[Vec3],
+    triangles: &[[usize; 3]],
+) -> Result<Option<Vec<[f64; 4]>>, Refusal> {
+    let Some(hull) = convex_hull(arguments, points)? else { return Ok(None) };
     let (own, whole) = (volume(points, triangles).abs(), volume(points, &hull));
-    ((whole - own).abs() <= 1e-9 * whole).then(|| planes(points, &hull))
+    Ok(((whole - own).abs() <= 1e-9 * whole).then(|| planes(points, &hull)))
 }
 
 /// Twist of a linear extrusion, and its number of slices.
@@ -177,7 +189,7 @@ impl Twist {
     pub fn new(arguments: &Arguments, flats: &Flats, flat: Flat, way: &Way) -> Result<Twist, Refusal> {
         let degrees = arguments.number("twist", 0.0)?;
         let fineness = Fineness::of(arguments)?;
-        let [lo, hi] = flats.bounds(flat);
+        let [lo, hi] = flats.bounds(arguments, flat)?;
         let reach = [0, 1].map(|k| hi[k].abs().max(lo[k].abs()));
         let slices = match arguments.number("slices", 0.0)? {
             given if given > MOST_SLICES => {
@@ -194,33 +206,25 @@ impl Twist {
         Twist { way: *way, degrees: 0.0, slices: 1 }
     }
 
-    /// Twisted extrusion of a region.
+    /// Twisted extrusion of a region. Its parts are united before they are twisted, as in OpenSCAD: walls between them would
+    /// not coincide with each other in every slice.
     pub fn solid(&self, arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Solid, Refusal> {
-        flats.fold(flat, |leaf, map| self.leaf(arguments, leaf, map), join_solids)
+        let contours = faceted_boundary(arguments, flats, flat)?;
+        self.within(arguments, contours)
     }
 
-    pub fn leaf(&self, arguments: &Arguments, leaf: &Leaf, map: &Affine) -> Result<Solid, Refusal> {
-        let mut contours = leaf.contours();
-        contours.iter_mut().flatten().for_each(|p| *p = image(map, *p));
-        let (vertices, triangles) = self.towers(arguments, contours)?;
-        match triangles.is_empty() {
+    /// Extrusion of contours that may cross, filled by the even-odd rule.
+    pub fn over(&self, arguments: &Arguments, contours: &Contours) -> Result<Solid, Refusal> {
+        let contours = filled(arguments, contours, FillRule::EvenOdd)?;
+        self.within(arguments, contours)
+    }
+
+    fn within(&self, arguments: &Arguments, contours: Contours) -> Result<Solid, Refusal> {
+        let shell = self.shell(arguments, contours)?;
+        match shell.triangles.is_empty() {
             true => Ok(Solid::empty()),
-            false => within(arguments, vertices, triangles),
+            false => within(arguments, shell.vertices, shell.triangles),
         }
-    }
-
-    /// Vertices and triangles of the extrusions of contours.
-    pub fn towers(
-        &self,
-        arguments: &Arguments,
-        contours: Vec<Vec<Point>>,
-    ) -> Result<(Vec<Vec3>, Vec<[u32; 3]>), Refusal> {
-        self.check(arguments, contours.iter().map(Vec::len).sum())?;
-        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        for contour in turned(contours) {
-            self.tower(&contour, &mut vertices, &mut triangles);
-        }
-        Ok((vertices, triangles))
     }
 
     /// Extrusion of contours that do not cross (outlines counter-clockwise, holes clockwise), as a mesh without
@@ -242,24 +246,7 @@ impl Twist {
     }
 
     fn check(&self, arguments: &Arguments, points: usize) -> Result<(), Refusal> {
-        match points.saturating_mul(2 * (self.slices + 1)) > MOST_TRIANGLES {
-            true => Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets"))),
-            false => Ok(()),
-        }
-    }
-
-    /// Adds the extrusion of a contour, with its ends.
-    fn tower(&self, contour: &[Point], vertices: &mut Vec<Vec3>, triangles: &mut Vec<[u32; 3]>) {
-        let (n, start) = (contour.len() as u32, vertices.len() as u32);
-        if n < 3 {
-            return;
-        }
-        self.walls(contour, vertices, triangles);
-        let top = start + n * self.slices as u32;
-        for k in 1..n - 1 {
-            triangles.push([start, start + k + 1, start + k]);
-            triangles.push([top, top + k, top + k + 1]);
-        }
+        arguments.hold(points.saturating_mul(2 * (self.slices + 1)))
     }
 
     /// Adds the walls over a contour. Each quadrilateral is divided along its shorter diagonal (for equal ones by
@@ -295,21 +282,6 @@ impl Twist {
     }
 }
 
-/// Orients outlines counter-clockwise and holes clockwise. A contour inside an odd number of others is a hole.
-fn turned(mut contours: Vec<Vec<Point>>) -> Vec<Vec<Point>> {
-    let is_hole = |k: usize| {
-        let others = contours.iter().enumerate().filter(|(other, _)| *other != k);
-        contours[k].first().is_some_and(|p| others.filter(|(_, other)| is_within(other, p)).count() % 2 == 1)
-    };
-    let holes: Vec<bool> = (0..contours.len()).map(is_hole).collect();
-    for (contour, hole) in contours.iter_mut().zip(holes) {
-        if (signed_area(contour) < 0.0) != hole {
-            contour.reverse();
-        }
-    }
-    contours
-}
-
 /// Edges of a closed chain of points.
 fn edges(contour: &[Point]) -> impl Iterator<Item = (&Point, &Point)> {
     contour.iter().zip(contour.iter().skip(1).chain(contour.first()))
@@ -318,14 +290,6 @@ fn edges(contour: &[Point]) -> impl Iterator<Item = (&Point, &Point)> {
 /// Twice the signed area, negative for a clockwise contour.
 fn signed_area(contour: &[Point]) -> f64 {
     edges(contour).map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum()
-}
-
-/// True if a point is inside a contour by the even-odd rule.
-fn is_within(contour: &[Point], p: &Point) -> bool {
-    let crosses = |(a, b): &(&Point, &Point)| {
-        (a[1] > p[1]) != (b[1] > p[1]) && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-    };
-    edges(contour).filter(crosses).count() % 2 == 1
 }
 
 /// Distance between the projections of two points onto the plane.

@@ -9,6 +9,7 @@
 mod arguments;
 mod body;
 mod boolean;
+mod budget;
 mod convex_hull;
 mod drawing;
 mod dxf;
@@ -49,8 +50,10 @@ use std::sync::Arc;
 ///
 /// # Errors
 ///
-/// Syntax errors: misplaced tokens, unbalanced braces, numbers beyond the range of `f64`.
+/// Syntax errors: misplaced tokens, unbalanced braces, numbers beyond the range of `f64`; an item that exceeds the work or the
+/// memory that a file of this size may take; names of files that the dump may not read.
 pub fn read(source: &Arc<Source>, options: &Options) -> Result<(Scene, Report), Diagnostics> {
     let tree = syntax::parse(source)?;
-    Ok(state::Reader::new(source, options, &tree).scene())
+    let budget = budget::Budget::new(source.text().len());
+    state::Reader::new(source, options, &tree, &budget).scene()
 }

@@ -19,6 +19,17 @@ pub(super) enum Part {
     Solid(Vec<Piece<Solid>>),
 }
 
+impl Part {
+    /// Number of pieces of different colours.
+    pub fn piece_count(&self) -> usize {
+        match self {
+            Part::Empty | Part::Refused => 0,
+            Part::Flat(pieces) => pieces.len(),
+            Part::Solid(pieces) => pieces.len(),
+        }
+    }
+}
+
 /// A piece of a solid or of a plane region, with its colour if it has one.
 #[derive(Clone, Debug)]
 pub(super) struct Piece<T> {

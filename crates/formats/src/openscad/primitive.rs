@@ -33,6 +33,7 @@ pub(super) fn sphere(arguments: &Arguments, facets: bool) -> Result<Part, Refusa
 
 /// Convex solid between rings.
 fn faceted(arguments: &Arguments, rings: &[[f64; 2]], fragments: usize) -> Result<Solid, Refusal> {
+    arguments.hold(rings.len().saturating_mul(2 * fragments))?;
     convex(arguments, ring_planes(rings, fragments), || between_rings(rings, fragments))
 }
 

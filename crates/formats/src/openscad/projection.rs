@@ -26,16 +26,21 @@ enum Side {
 pub(super) fn section(reader: &Reader, root: usize) -> Result<Contours, Refusal> {
     let above = section_at(reader, root, 0.0, Side::Above)?;
     let below = section_at(reader, root, 0.0, Side::Below)?;
-    Ok(if above == below { above } else { join_contours(Operation::Union, vec![above, below]) })
+    Ok(if above == below {
+        above
+    } else {
+        join_contours(&reader.arguments(root), Operation::Union, vec![above, below])?
+    })
 }
 
 fn section_at(reader: &Reader, root: usize, height: f64, side: Side) -> Result<Contours, Refusal> {
     let cut = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
         let section = |shell| filled(arguments, &cut(shell, map, height, side), FillRule::EvenOdd);
         let all = shells.iter().map(section).collect::<Result<Vec<_>, _>>()?;
-        Ok(join_contours(Operation::Union, all))
+        join_contours(arguments, Operation::Union, all)
     };
-    fold(reader, Start::Below(root), cut, join_contours)
+    let join = |operation, parts| join_contours(&reader.arguments(root), operation, parts);
+    fold(reader, Start::Below(root), cut, join)
 }
 
 /// Closed chains where a plane intersects a shell.
@@ -94,15 +99,16 @@ fn snapped(x: f64, size: f64) -> f64 {
 pub(super) fn shadow(reader: &Reader, root: usize) -> Result<Contours, Refusal> {
     if !is_union(reader, root)? {
         let body = body(reader, Start::Below(root))?;
-        let arguments = Arguments::new(reader.source, &reader.tree.nodes[root]);
+        let arguments = reader.arguments(root);
         let shade = |body| shade(&arguments, &Shell::of_body(&body), &Affine::IDENTITY);
         return body.map_or_else(|| Ok(Contours::new()), shade);
     }
     let of_shells = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
         let all = shells.iter().map(|shell| shade(arguments, shell, map)).collect::<Result<_, _>>()?;
-        Ok(join_contours(Operation::Union, all))
+        join_contours(arguments, Operation::Union, all)
     };
-    fold(reader, Start::Below(root), of_shells, join_contours)
+    let join = |operation, parts| join_contours(&reader.arguments(root), operation, parts);
+    fold(reader, Start::Below(root), of_shells, join)
 }
 
 /// Projection of a shell: the convex hull of the points of a convex shell, otherwise the union of the projected triangles.
@@ -137,11 +143,12 @@ pub(super) fn corner_points(reader: &Reader, root: usize) -> Result<Vec<Vec3>, R
         };
         Ok(shells.iter().flat_map(of_shell).collect())
     };
-    fold(reader, Start::Below(root), of_shells, |_, parts: Vec<Vec<Vec3>>| parts.concat())
+    fold(reader, Start::Below(root), of_shells, |_, parts: Vec<Vec<Vec3>>| Ok(parts.concat()))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::budget::Budget;
     use super::super::region::filled_near;
     use super::*;
 
@@ -151,7 +158,8 @@ mod tests {
         let (vertices, triangles) = super::super::mesh::between_rings(&rings, 4);
         let shell = Shell { vertices, triangles, is_convex: true };
         let size = |height, side| {
-            let contours = filled_near(&cut(&shell, &Affine::IDENTITY, height, side), FillRule::EvenOdd);
+            let chains = cut(&shell, &Affine::IDENTITY, height, side);
+            let contours = filled_near(&Budget::new(0), &chains, FillRule::EvenOdd).expect("few edges");
             contours.iter().map(|contour| area(contour)).sum::<f64>()
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;

@@ -7,6 +7,7 @@ use super::drawing::TOLERANCE;
 use super::extent::Way;
 use super::extrude::extruded;
 use super::flat::{self, Flat, Leaf};
+use super::fold::{Start, is_union};
 use super::hull::Generator;
 use super::import::Imported;
 use super::mesh::Twist;
@@ -17,17 +18,22 @@ use super::shell::Shell;
 use super::state::Reader;
 use super::syntax::Node;
 use super::text::text;
-use super::{
-    gather, hull, hull2, import, mesh, offset, primitive, projection, region, relief, sum, transform,
-};
+use super::{gather, hull, import, mesh, offset, primitive, projection, region, relief, sum, transform};
+use crate::kernel::Body;
 use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
-use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Unit};
+use rayweave_scene::{
+    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Severity, Unit,
+};
 
 impl<'a> Reader<'a> {
     /// The scene of all items, with one region per colour.
-    pub fn scene(mut self) -> (Scene, Report) {
+    ///
+    /// # Errors
+    ///
+    /// The dump names files that it may not read, or an item exceeds the budget of the file.
+    pub fn scene(mut self) -> Result<(Scene, Report), Diagnostics> {
         self.find_live();
         let mut roots = self.tree.nodes.iter().zip(&self.live);
         let root = roots.position(|(node, live)| node.modifiers.root && *live).unwrap_or(0);
@@ -36,6 +42,9 @@ impl<'a> Reader<'a> {
         for number in (0..self.tree.nodes.len()).rev() {
             if self.live[number] {
                 self.parts[number] = self.part(number);
+            }
+            if let Some(limit) = self.budget.exceeded() {
+                return Err(Diagnostics::new(vec![*limit]));
             }
         }
         let pieces = match std::mem::replace(&mut self.parts[root], Part::Empty) {
@@ -47,7 +56,13 @@ impl<'a> Reader<'a> {
             let nothing = Diagnostic::warning("the model is empty").why("no item of it has a volume");
             self.report.add(LossKind::Dropped, "model", nothing.in_file(self.source));
         }
-        (scene(pieces), self.report)
+        if let Some(limit) = self.budget.exceeded() {
+            self.errors.push(*limit);
+        }
+        match self.errors.is_empty() {
+            true => Ok((scene(pieces), self.report)),
+            false => Err(Diagnostics::new(self.errors)),
+        }
     }
 
     /// Marks the nodes that take part in the model: those that are not below a `*` or a `%`.
@@ -79,15 +94,19 @@ impl<'a> Reader<'a> {
 
     fn part(&mut self, number: usize) -> Part {
         let node = &self.tree.nodes[number];
+        for warning in self.arguments(number).unused() {
+            self.report.add(LossKind::Dropped, &item(node), warning);
+        }
         let part = self.read(number, node);
         if self.flats.has_chords.take() {
-            let arguments = Arguments::new(self.source, node);
+            let arguments = self.arguments(number);
             let why = format!("has chords in place of circles, off by at most {TOLERANCE:e} of their radius");
             self.report.add(LossKind::Approximated, &item(node), arguments.approximation(&why));
         }
         match part {
             Ok(Part::Refused) => {}
             Ok(part) => return part,
+            Err(why) if why.severity() == Severity::Error => self.errors.push(*why),
             Err(why) => self.report.add(LossKind::Refused, &item(node), *why),
         }
         // traversals of the subtree of an ancestor skip refused nodes
@@ -96,12 +115,12 @@ impl<'a> Reader<'a> {
     }
 
     fn read(&mut self, number: usize, node: &'a Node) -> Result<Part, Refusal> {
-        let arguments = Arguments::new(self.source, node);
+        let arguments = self.arguments(number);
         let facets = self.options.facets;
         match node.name.as_str() {
-            "group" | "union" | "render" => Ok(self.joined(node, Operation::Union)),
-            "difference" => Ok(self.joined(node, Operation::Difference)),
-            "intersection" => Ok(self.joined(node, Operation::Intersection)),
+            "group" | "union" | "render" => self.joined(&arguments, node, Operation::Union),
+            "difference" => self.joined(&arguments, node, Operation::Difference),
+            "intersection" => self.joined(&arguments, node, Operation::Intersection),
             "multmatrix" => self.transformed(node, &arguments),
             "color" => self.coloured(node, &arguments),
             "cube" => primitive::cube(&arguments),
@@ -119,7 +138,7 @@ impl<'a> Reader<'a> {
             "polyhedron" => self.polyhedron(&arguments),
             "import" => self.import(number, &arguments),
             "surface" => {
-                let shell = relief::surface(&arguments, self.source)?;
+                let shell = relief::surface(&arguments, &self.files)?;
                 self.within(number, &arguments, shell)
             }
             "projection" => self.projection(number, node, &arguments),
@@ -142,7 +161,14 @@ impl<'a> Reader<'a> {
     }
 
     /// The boolean of the children of a node.
-    pub fn joined(&mut self, node: &Node, operation: Operation) -> Part {
+    fn joined(&mut self, arguments: &Arguments, node: &Node, operation: Operation) -> Result<Part, Refusal> {
+        let count =
+            node.children.iter().map(|child| self.parts[*child as usize].piece_count()).sum::<usize>();
+        arguments.spend(200 * (node.children.len() + count))?;
+        Ok(self.joined_parts(node, operation))
+    }
+
+    fn joined_parts(&mut self, node: &Node, operation: Operation) -> Part {
         let (mut solids, mut flats) = (Vec::new(), Vec::new());
         let (mut other_dimension, mut is_first) = (false, true);
         for child in &node.children {
@@ -184,7 +210,7 @@ impl<'a> Reader<'a> {
 
     fn transformed(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let map = transform::matrix(arguments)?;
-        let part = self.joined(node, Operation::Union);
+        let part = self.joined(arguments, node, Operation::Union)?;
         let map = if matches!(part, Part::Flat(_)) { transform::of_the_plane(&map) } else { map };
         if map.inverse().is_err() && matches!(part, Part::Solid(_) | Part::Flat(_)) {
             let why = arguments.approximation("leaves nothing: its matrix has no inverse: a scale of 0?");
@@ -194,6 +220,7 @@ impl<'a> Reader<'a> {
         if map == Affine::IDENTITY {
             return Ok(part);
         }
+        arguments.spend(500 * part.piece_count())?;
         Ok(match part {
             Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
             Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
@@ -203,7 +230,7 @@ impl<'a> Reader<'a> {
 
     fn coloured(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let colour = transform::colour(arguments)?;
-        let part = self.joined(node, Operation::Union);
+        let part = self.joined(arguments, node, Operation::Union)?;
         if colour.is_none() {
             return Ok(part);
         }
@@ -241,7 +268,7 @@ impl<'a> Reader<'a> {
     ) -> Result<Result<Flat, Part>, Refusal> {
         // older dumps name the drawing in the extrusion itself
         let part = match import::word(arguments, "file")? {
-            Some("") | None => self.joined(node, Operation::Union),
+            Some("") | None => self.joined(arguments, node, Operation::Union)?,
             _ => self.import(number, arguments)?,
         };
         match part {
@@ -291,10 +318,10 @@ impl<'a> Reader<'a> {
     }
 
     fn hull(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(node, Operation::Union) {
+        match self.joined(arguments, node, Operation::Union)? {
             Part::Solid(_) => {
                 let generators = self.generators(number)?;
-                self.spend(arguments, hull::cost(&generators))?;
+                arguments.spend(hull::cost(&generators))?;
                 let found = hull::hull(arguments, &generators)?;
                 if !found.is_exact && !self.options.facets {
                     let why = arguments.approximation("is the hull of the facets of its parts");
@@ -306,8 +333,7 @@ impl<'a> Reader<'a> {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
                 let discs = gather::round(arguments, &self.flats, flat)?;
-                self.spend(arguments, hull2::cost(&discs))?;
-                Ok(gather::hull_of_discs(&mut self.flats, &discs))
+                gather::hull_of_discs(arguments, &mut self.flats, &discs)
             }
             other => Ok(other),
         }
@@ -350,14 +376,14 @@ impl<'a> Reader<'a> {
 
     fn import(&mut self, number: usize, arguments: &Arguments) -> Result<Part, Refusal> {
         let facets = self.options.facets;
-        match import::import(arguments, self.source, facets, &mut self.flats, &mut self.report)? {
+        match import::import(arguments, &self.files, facets, &mut self.flats, &mut self.report)? {
             Imported::Drawing(part) => Ok(part),
             Imported::Mesh(shell) => self.within(number, arguments, shell),
         }
     }
 
     fn projection(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(node, Operation::Union) {
+        match self.joined(arguments, node, Operation::Union)? {
             Part::Solid(_) => {}
             Part::Flat(_) => {
                 return Err(arguments.refusal("its children are regions of the plane, not solids"));
@@ -368,6 +394,7 @@ impl<'a> Reader<'a> {
             true => projection::section(self, number)?,
             false => projection::shadow(self, number)?,
         };
+        arguments.hold(contours.iter().map(Vec::len).sum())?;
         match contours.is_empty() {
             true => Ok(Part::Empty),
             false => Ok(self.flats.leaf(Leaf::Outline(contours)).into()),
@@ -375,19 +402,33 @@ impl<'a> Reader<'a> {
     }
 
     fn resize(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        let part = self.joined(node, Operation::Union);
+        let part = self.joined(arguments, node, Operation::Union)?;
+        let mut kept = None;
         let size = match &part {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces.clone());
                 let bounds = self.flat_bounds(arguments, flat)?;
                 bounds.map(|[lo, hi]| vec![hi[0] - lo[0], hi[1] - lo[1]])
             }
-            Part::Solid(_) => self.solid_bounds(number)?.map(|[lo, hi]| (hi - lo).to_array().to_vec()),
+            Part::Solid(_) => match self.solid_extent(number)? {
+                Extent::Box(bounds) => bounds.map(|[lo, hi]| (hi - lo).to_array().to_vec()),
+                Extent::Body(body) => {
+                    let shell = Shell::of_body(&body);
+                    let points = shell.vertices.iter().map(|p| [*p; 2]);
+                    let bounds = points.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+                    kept = Some(shell);
+                    bounds.map(|[lo, hi]| (hi - lo).to_array().to_vec())
+                }
+            },
             _ => return Ok(part),
         };
         let Some(size) = size else { return Ok(Part::Empty) };
         let map = transform::resizing(arguments, &size)?;
         self.resized.insert(number, map);
+        if let Some(mut shell) = kept.filter(|_| self.wanted[number]) {
+            shell.vertices.iter_mut().for_each(|p| *p = map.point(*p));
+            self.shells.insert(number, vec![shell]);
+        }
         Ok(match part {
             Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
             Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
@@ -396,8 +437,8 @@ impl<'a> Reader<'a> {
     }
 
     fn flat_bounds(&self, arguments: &Arguments, flat: Flat) -> Result<Option<[[f64; 2]; 2]>, Refusal> {
-        let [lo, hi] = match self.flats.is_union(flat) {
-            true => self.flats.bounds(flat),
+        let [lo, hi] = match self.flats.is_union(arguments, flat)? {
+            true => self.flats.bounds(arguments, flat)?,
             false => {
                 let contours = region::boundary(arguments, &self.flats, flat)?;
                 Leaf::Outline(contours).bounds(&Affine::IDENTITY)
@@ -406,13 +447,21 @@ impl<'a> Reader<'a> {
         Ok((lo[0] < hi[0] && lo[1] < hi[1]).then_some([lo, hi]))
     }
 
-    fn solid_bounds(&self, number: usize) -> Result<Option<[Vec3; 2]>, Refusal> {
+    /// The bounding box of the children of a node, or the body that has it.
+    fn solid_extent(&self, number: usize) -> Result<Extent, Refusal> {
+        let arguments = self.arguments(number);
         if let Ok(all) = gather::generators(self, number, Affine::IDENTITY) {
             let all = all.iter().map(Generator::bounds);
-            return Ok(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]));
+            return Ok(Extent::Box(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])));
+        }
+        // a limit is no reason to try in another way
+        arguments.spend(0)?;
+        if !is_union(self, number)? {
+            return Ok(body::body(self, Start::Below(number))?.map_or(Extent::Box(None), Extent::Body));
         }
         let points = projection::corner_points(self, number)?;
-        Ok(points.iter().map(|p| [*p; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]))
+        let points = points.iter().map(|p| [*p; 2]);
+        Ok(Extent::Box(points.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])))
     }
 
     fn minkowski(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
@@ -448,7 +497,6 @@ impl<'a> Reader<'a> {
         arguments: &Arguments,
         parts: Vec<Vec<Vec<Generator>>>,
     ) -> Result<Part, Refusal> {
-        self.spend(arguments, sum::cost(&parts))?;
         let found = sum::sum(arguments, parts)?;
         if !found.is_exact && !self.options.facets {
             let why = arguments.approximation("is the sum of the facets of its parts");
@@ -479,6 +527,7 @@ impl<'a> Reader<'a> {
                 true => {
                     let discs = gather::round(arguments, &self.flats, *other)?;
                     let flat = offset::plain(arguments, &mut self.flats, flat)?;
+                    let flat = offset::few(arguments, &mut self.flats, flat)?;
                     sum::flat_sum(arguments, &mut self.flats, flat, &discs)?
                 }
                 false => {
@@ -493,7 +542,7 @@ impl<'a> Reader<'a> {
     }
 
     fn offset(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(node, Operation::Union) {
+        match self.joined(arguments, node, Operation::Union)? {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
                 offset::offset(arguments, &mut self.flats, flat)
@@ -505,8 +554,7 @@ impl<'a> Reader<'a> {
 
     /// Plane regions as plates of thickness 1, like in OpenSCAD's preview.
     fn plates(&mut self, pieces: &[Piece<Flat>]) -> Vec<Piece<Solid>> {
-        let root = &self.tree.nodes[0];
-        let arguments = Arguments::new(self.source, root);
+        let arguments = self.arguments(0);
         let way = Way { bottom: -0.5, top: 0.5, scale: [1.0; 2] };
         let mut plates = Vec::new();
         for Piece { colour, body } in pieces {
@@ -520,6 +568,13 @@ impl<'a> Reader<'a> {
         self.report.add(LossKind::Approximated, "model", why.in_file(self.source));
         plates
     }
+}
+
+/// The extent of a solid.
+enum Extent {
+    Box(Option<[Vec3; 2]>),
+    /// A body of facets.
+    Body(Body),
 }
 
 fn mapped<T>(pieces: Vec<Piece<T>>, mut map: impl FnMut(T) -> T) -> Vec<Piece<T>> {

@@ -3,6 +3,7 @@
 //! The booleans are those of the crate `i_overlay`, which rounds points to a grid of 2^-50 of the drawing or finer.
 
 use super::arguments::{Arguments, Refusal};
+use super::budget::{Budget, CROSSING, EDGE, Exceeded};
 use super::drawing::chords;
 use super::flat::{Flat, Flats, Leaf, NOWHERE, hull, image};
 use super::operation::Operation;
@@ -33,47 +34,144 @@ pub(super) fn filled(
     rule: FillRule,
 ) -> Result<Contours, Refusal> {
     check_near(arguments, contours)?;
-    Ok(filled_near(contours, rule))
+    arguments.limited(filled_near(arguments.budget(), contours, rule))
 }
 
 /// [`filled`] for contours that pass [`is_near`].
-pub(super) fn filled_near(contours: &Contours, rule: FillRule) -> Contours {
-    match contours.iter().all(|contour| contour.len() < 3) {
-        true => Vec::new(),
-        false => contours.simplify_shape_as::<i64>(rule).into_iter().flatten().collect(),
+pub(super) fn filled_near(
+    budget: &Budget,
+    contours: &Contours,
+    rule: FillRule,
+) -> Result<Contours, Exceeded> {
+    if contours.iter().all(|contour| contour.len() < 3) {
+        return Ok(Vec::new());
     }
+    count_crossings(budget, contours.iter())?;
+    Ok(contours.simplify_shape_as::<i64>(rule).into_iter().flatten().collect())
+}
+
+/// Counts what a boolean of regions costs: their edges, and the pairs of edges that cross, of which there may be
+/// quadratically many. A sweep finds the pairs, along the axis on which the edges overlap less.
+pub(super) fn count_crossings<'c>(
+    budget: &Budget,
+    contours: impl Iterator<Item = &'c Vec<Point>>,
+) -> Result<(), Exceeded> {
+    let mut edges: Vec<[Point; 2]> = contours.flat_map(|contour| edges_of(contour)).collect();
+    budget.spend(edges.len().saturating_mul(EDGE))?;
+    let extent = |axis: usize| edges.iter().map(|[p, q]| (p[axis] - q[axis]).abs()).sum::<f64>();
+    let range = |axis: usize| {
+        let ends = edges.iter().flatten().map(|p| p[axis]);
+        ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
+    };
+    let share = |axis: usize| {
+        let [lo, hi] = range(axis);
+        extent(axis) / (hi - lo)
+    };
+    let (along, across) = if share(0) <= share(1) { (0, 1) } else { (1, 0) };
+    let span = |[p, q]: &[Point; 2], axis: usize| [p[axis].min(q[axis]), p[axis].max(q[axis])];
+    edges.sort_unstable_by(|a, b| span(a, along)[0].total_cmp(&span(b, along)[0]));
+    for (k, edge) in edges.iter().enumerate() {
+        let (end, [lo, hi]) = (span(edge, along)[1], span(edge, across));
+        let (mut passed, mut crossed) = (0, 0);
+        for other in edges[k + 1..].iter().take_while(|other| span(other, along)[0] <= end) {
+            passed += 1;
+            let [low, high] = span(other, across);
+            crossed += usize::from(low <= hi && lo <= high && may_cross(edge, other));
+        }
+        budget.spend(3 * passed + CROSSING * crossed)?;
+    }
+    Ok(())
+}
+
+/// Counts what the stroke of a chain of points costs: its pieces overlap where edges are near each other.
+pub(super) fn count_near(budget: &Budget, chain: &[Point], width: f64) -> Result<(), Exceeded> {
+    budget.spend(chain.len().saturating_mul(10 * EDGE))?;
+    let mut boxes: Vec<[Point; 2]> = chain
+        .windows(2)
+        .map(|pair| [[0, 1].map(|k| pair[0][k].min(pair[1][k])), [0, 1].map(|k| pair[0][k].max(pair[1][k]))])
+        .collect();
+    let extent = |axis: usize| {
+        let range = boxes.iter().map(|[lo, hi]| hi[axis] - lo[axis] + width).sum::<f64>();
+        let all = boxes.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [lo, hi]| {
+            [low.min(lo[axis]), high.max(hi[axis])]
+        });
+        range / (all[1] - all[0])
+    };
+    let (along, across) = if extent(0) <= extent(1) { (0, 1) } else { (1, 0) };
+    boxes.sort_unstable_by(|a, b| a[0][along].total_cmp(&b[0][along]));
+    for (k, [lo, hi]) in boxes.iter().enumerate() {
+        let (mut passed, mut near) = (0, 0);
+        for [low, high] in boxes[k + 1..].iter().take_while(|other| other[0][along] <= hi[along] + width) {
+            passed += 1;
+            near += usize::from(low[across] <= hi[across] + width && lo[across] <= high[across] + width);
+        }
+        budget.spend(3 * passed + CROSSING * near)?;
+    }
+    Ok(())
+}
+
+/// True if two edges cross or touch each other, apart from common ends and up to rounding.
+fn may_cross([p, q]: &[Point; 2], [r, s]: &[Point; 2]) -> bool {
+    if p == r || p == s || q == r || q == s {
+        return false;
+    }
+    let turn =
+        |a: &Point, b: &Point, c: &Point| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    turn(p, q, r) * turn(p, q, s) <= 0.0 && turn(r, s, p) * turn(r, s, q) <= 0.0
 }
 
 /// Boolean of regions without crossings.
-pub(super) fn join_contours(operation: Operation, operands: Vec<Contours>) -> Contours {
+pub(super) fn join_contours(
+    arguments: &Arguments,
+    operation: Operation,
+    operands: Vec<Contours>,
+) -> Result<Contours, Refusal> {
+    let budget = arguments.budget();
+    let united =
+        |all: Vec<Contours>| arguments.limited(filled_near(budget, &all.concat(), FillRule::NonZero));
     let rule = match operation {
-        Operation::Union => return filled_near(&operands.concat(), FillRule::NonZero),
+        Operation::Union => return united(operands),
         Operation::Difference => OverlayRule::Difference,
         Operation::Intersection => OverlayRule::Intersect,
     };
     let mut operands = operands.into_iter();
     let mut first = operands.next().unwrap_or_default();
     if operation == Operation::Difference {
-        let others = filled_near(&operands.collect::<Vec<_>>().concat(), FillRule::NonZero);
-        return overlaid(&first, &others, rule);
+        let others = united(operands.collect())?;
+        return arguments.limited(overlaid(budget, &first, &others, rule));
     }
     for other in operands {
-        first = overlaid(&first, &other, rule);
+        first = arguments.limited(overlaid(budget, &first, &other, rule))?;
     }
-    first
+    Ok(first)
 }
 
-fn overlaid(a: &Contours, b: &Contours, rule: OverlayRule) -> Contours {
-    a.overlay_as::<i64>(b, rule, FillRule::NonZero).into_iter().flatten().collect()
+fn overlaid(budget: &Budget, a: &Contours, b: &Contours, rule: OverlayRule) -> Result<Contours, Exceeded> {
+    count_crossings(budget, a.iter().chain(b))?;
+    Ok(a.overlay_as::<i64>(b, rule, FillRule::NonZero).into_iter().flatten().collect())
 }
 
 /// Boundary of a region. Discs have their facets or, if they are exact, chords; this sets `Flats::has_chords`.
 pub(super) fn boundary(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Contours, Refusal> {
+    let is_fine = !flats.facets;
+    boundary_of(arguments, flats, flat, is_fine)
+}
+
+/// Boundary of a region in which all discs have the facets of OpenSCAD.
+pub(super) fn faceted_boundary(
+    arguments: &Arguments,
+    flats: &Flats,
+    flat: Flat,
+) -> Result<Contours, Refusal> {
+    boundary_of(arguments, flats, flat, false)
+}
+
+fn boundary_of(arguments: &Arguments, flats: &Flats, flat: Flat, is_fine: bool) -> Result<Contours, Refusal> {
     let mut points = 0;
-    let size = size_of_leaves(flats, flat)?;
+    let size = size_of_leaves(arguments, flats, flat)?;
     let outline = |leaf: &Leaf, map: &Affine| {
         let contours = match leaf {
-            Leaf::Disc { radius, fragments } if !flats.facets => {
+            Leaf::Disc { radius, fragments } if is_fine => {
                 flats.has_chords.set(true);
                 Leaf::Disc { radius: *radius, fragments: chords(360.0).max(*fragments) }.contours()
             }
@@ -83,15 +181,16 @@ pub(super) fn boundary(arguments: &Arguments, flats: &Flats, flat: Flat) -> Resu
         if points > MOST_POINTS {
             return Err(arguments.refusal(&format!("its outline has more than {MOST_POINTS} points")));
         }
-        Ok(filled_near(&placed(arguments, contours, map, size)?, FillRule::EvenOdd))
+        filled(arguments, &placed(arguments, contours, map, size)?, FillRule::EvenOdd)
     };
-    flats.fold(flat, outline, join_contours)
+    let join = |operation, parts| join_contours(arguments, operation, parts);
+    flats.fold(arguments, flat, outline, join)
 }
 
 /// Larger side of the bounding box of all leaves, including subtracted ones.
-pub(super) fn size_of_leaves(flats: &Flats, flat: Flat) -> Result<f64, Refusal> {
-    let hull = |_, all: Vec<[Point; 2]>| all.into_iter().fold(NOWHERE, hull);
-    let [lo, hi] = flats.fold(flat, |leaf, map| Ok(leaf.bounds(map)), hull)?;
+pub(super) fn size_of_leaves(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<f64, Refusal> {
+    let hull = |_, all: Vec<[Point; 2]>| Ok(all.into_iter().fold(NOWHERE, hull));
+    let [lo, hi] = flats.fold(arguments, flat, |leaf, map| Ok(leaf.bounds(map)), hull)?;
     Ok((hi[0] - lo[0]).max(hi[1] - lo[1]))
 }
 
@@ -217,6 +316,11 @@ fn around(p: Point, m: Point, n: Point, by: f64, corner: Corner, points: &mut Ve
         Corner::Round(fragments) => {
             let step = TAU / fragments as f64;
             let angle = libm::atan2(sine, cosine);
+            if angle.abs() < 0.75 * step {
+                // a corner of a chain of chords: two points would double the corners at each of several nested offsets
+                points.push(at([m[0] + n[0], m[1] + n[1]], by / (1.0 + cosine)));
+                return;
+            }
             let pieces = (angle.abs() / step).round().max(1.0) as usize;
             points.extend((0..pieces).map(|k| {
                 let (sin, cos) = libm::sincos((k as f64 * step).copysign(angle));

@@ -4,7 +4,8 @@ use super::arguments::{Arguments, Refusal};
 use super::import::{file, text_of};
 use super::shell::Shell;
 use rayweave_math::Vec3;
-use rayweave_scene::Source;
+use rayweave_table::AllowedFiles;
+use std::fs::File;
 use std::path::Path;
 
 /// Largest height map file in bytes.
@@ -15,14 +16,16 @@ const MOST_PIXELS: usize = 4_000_000;
 const MOST_BYTES: usize = 256 << 20;
 
 /// `surface(file, center, invert)`: the solid below a height map from a text or an image.
-pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, Refusal> {
-    let path = file(arguments, source)?;
+pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<Shell, Refusal> {
+    let (path, file) = file(arguments, files)?;
     let is_picture = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
-    let mut rows = if is_picture { brightness(arguments, &path)? } else { heights(arguments, &path)? };
+    let mut rows =
+        if is_picture { brightness(arguments, &path, file)? } else { heights(arguments, &path, file)? };
     // the floor is at 0, or at the lowest height minus 1 if that height is below 1
     let lowest = rows.iter().flatten().copied().fold(1.0, f64::min);
     let (width, depth) = (rows.iter().map(Vec::len).max().unwrap_or(0), rows.len());
-    // short rows are padded with zeros, which do not lower the floor
+    // four triangles per cell; short rows are padded with zeros, which do not lower the floor
+    arguments.hold(width.saturating_mul(depth).saturating_mul(4))?;
     rows.iter_mut().for_each(|row| row.resize(width, 0.0));
     if width < 2 || depth < 2 {
         return Ok(Shell::default());
@@ -37,11 +40,10 @@ pub(super) fn surface(arguments: &Arguments, source: &Source) -> Result<Shell, R
 }
 
 /// Brightness of an image in percent, lowest row first. With `invert` it is 1 - b for a byte b, as in OpenSCAD.
-fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
+fn brightness(arguments: &Arguments, path: &Path, file: File) -> Result<Vec<Vec<f64>>, Refusal> {
     let invert = arguments.boolean("invert", false)?;
     let unreadable =
         |error: &dyn std::fmt::Display| arguments.refusal(&format!("its picture cannot be read: {error}"));
-    let file = std::fs::File::open(path).map_err(|error| unreadable(&error))?;
     let mut decoder =
         png::Decoder::new_with_limits(std::io::BufReader::new(file), png::Limits { bytes: MOST_BYTES });
     decoder.set_transformations(png::Transformations::normalize_to_color8());
@@ -50,6 +52,9 @@ fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refus
     if width.saturating_mul(height) > MOST_PIXELS {
         return Err(arguments.refusal(&format!("it has more than {MOST_PIXELS} pixels")));
     }
+    let bytes = std::fs::metadata(path).map_or(0, |data| data.len());
+    arguments.limited(arguments.budget().read_file(path, bytes))?;
+    arguments.spend(50 * width * height)?;
     let size = reader.output_buffer_size().ok_or_else(|| unreadable(&"it is too large"))?;
     let mut bytes = vec![0; size];
     let frame = reader.next_frame(&mut bytes).map_err(|error| unreadable(&error))?;
@@ -66,8 +71,8 @@ fn brightness(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refus
 }
 
 /// Rows of a text height map, the first at y = 0, each with its own length.
-fn heights(arguments: &Arguments, path: &Path) -> Result<Vec<Vec<f64>>, Refusal> {
-    let text = text_of(arguments, path, LARGEST_MAP)?;
+fn heights(arguments: &Arguments, path: &Path, file: File) -> Result<Vec<Vec<f64>>, Refusal> {
+    let text = text_of(arguments, (path, file), LARGEST_MAP)?;
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with('#')) {
         let height = |word: &str| word.parse().ok().filter(|height: &f64| height.is_finite());

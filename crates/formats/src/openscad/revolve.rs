@@ -8,7 +8,7 @@ use super::facets::Fineness;
 use super::flat::{Flat, Flats, Leaf, simple};
 use super::operation::Operation;
 use super::part::solid;
-use super::region::{Contours, boundary, filled_near, placed, size_of_leaves};
+use super::region::{Contours, boundary, filled, placed, size_of_leaves};
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
@@ -46,7 +46,7 @@ impl<'a> Turn<'a> {
         flat: Flat,
     ) -> Result<Option<Turn<'a>>, Refusal> {
         let angle = arguments.number("angle", 360.0)?;
-        let [mut lo, mut hi] = flats.bounds(flat);
+        let [mut lo, mut hi] = flats.bounds(arguments, flat)?;
         if angle == 0.0 || lo[0] >= hi[0] || lo[1] >= hi[1] {
             return Ok(None);
         }
@@ -81,7 +81,7 @@ impl<'a> Turn<'a> {
             map,
             reach: hi[0].max(-lo[0]),
             ends: [lo[1], hi[1]],
-            size: size_of_leaves(flats, flat)?,
+            size: size_of_leaves(arguments, flats, flat)?,
         }))
     }
 
@@ -89,7 +89,12 @@ impl<'a> Turn<'a> {
         if self.facets {
             return self.sectors(flats, flat);
         }
-        let turned = flats.fold(flat, |leaf, map| self.leaf(leaf, map), join_solids)?;
+        let turned = flats.fold(
+            self.arguments,
+            flat,
+            |leaf, map| self.leaf(leaf, map),
+            |operation, parts| Ok(join_solids(operation, parts)),
+        )?;
         let bounds = self.around()?;
         Ok(match self.angle < 360.0 {
             true => turned & bounds & solid(self.arguments, Wedge::new(self.start, self.angle))?,
@@ -126,7 +131,7 @@ impl<'a> Turn<'a> {
     ) -> Result<Solid, Refusal> {
         let mut contours = placed(self.arguments, leaf.contours(), map, self.size)?;
         if contours.iter().any(|contour| simple(self.arguments, contour.clone()).is_err()) {
-            contours = filled_near(&contours, FillRule::EvenOdd);
+            contours = filled(self.arguments, &contours, FillRule::EvenOdd)?;
         }
         let mut parts = Vec::new();
         for contour in contours {
@@ -165,9 +170,10 @@ impl<'a> Turn<'a> {
             solid(arguments, HalfSpace::new(normal, c))
         };
         let sector = flats.fold(
+            arguments,
             flat,
             |leaf, map| self.contours(leaf, &map.then(&self.map), wall),
-            |operation: Operation, parts| join_solids(operation, parts),
+            |operation: Operation, parts| Ok(join_solids(operation, parts)),
         )?;
         let maps: Vec<Affine> =
             (0..count as usize).map(|k| Affine::rotation(Vec3::Z, self.start + step * k as f64)).collect();

@@ -1,7 +1,7 @@
 //! Faceted boundaries of solids.
 
 use super::arguments::{Arguments, Refusal};
-use super::convex_hull::{MOST_POINTS, convex_hull};
+use super::convex_hull::convex_hull;
 use rayweave_math::Vec3;
 
 /// A triangle mesh; inside and outside follow the even-odd rule along a ray.
@@ -16,10 +16,7 @@ pub(super) struct Shell {
 impl Shell {
     /// Convex hull of points; empty if they are coplanar.
     pub fn hull(arguments: &Arguments, points: Vec<Vec3>) -> Result<Shell, Refusal> {
-        if points.len() > MOST_POINTS {
-            return Err(arguments.refusal(&format!("it has more than {MOST_POINTS} points")));
-        }
-        let faces = convex_hull(&points).unwrap_or_default();
+        let faces = convex_hull(arguments, &points)?.unwrap_or_default();
         let triangles = faces.into_iter().map(|corners| corners.map(|k| k as u32)).collect();
         Ok(Shell { vertices: points, triangles, is_convex: true })
     }

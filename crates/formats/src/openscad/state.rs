@@ -1,6 +1,7 @@
 //! State of the conversion of a dump.
 
-use super::arguments::{Arguments, Refusal};
+use super::arguments::Arguments;
+use super::budget::Budget;
 use super::flat::{Flat, Flats};
 use super::part::Part;
 use super::shell::Shell;
@@ -8,18 +9,18 @@ use super::syntax::Tree;
 use super::text::Fonts;
 use crate::{Options, Report};
 use rayweave_math::Affine;
-use rayweave_scene::Source;
-use std::cell::Cell;
+use rayweave_scene::{Diagnostic, Source};
+use rayweave_table::AllowedFiles;
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
-
-/// Most steps, about half a minute: nested hulls would take quadratic time.
-const MOST_WORK: u64 = 2_000_000_000;
 
 /// The tree of a dump, with the geometry of the nodes that were read.
 pub(super) struct Reader<'a> {
     pub source: &'a Arc<Source>,
     pub options: &'a Options,
+    /// The files that the dump may name.
+    pub files: AllowedFiles,
     pub tree: &'a Tree,
     /// Nodes that take part in the model.
     pub live: Vec<bool>,
@@ -35,16 +36,23 @@ pub(super) struct Reader<'a> {
     /// Scaling map of each `resize`.
     pub resized: HashMap<usize, Affine>,
     pub fonts: Fonts,
-    /// Steps spent on hulls and shells so far.
-    pub work: Cell<u64>,
+    pub budget: &'a Budget,
     pub report: Report,
+    /// Problems that reject the dump as a whole.
+    pub errors: Vec<Diagnostic>,
 }
 
 impl<'a> Reader<'a> {
-    pub fn new(source: &'a Arc<Source>, options: &'a Options, tree: &'a Tree) -> Reader<'a> {
+    pub fn new(
+        source: &'a Arc<Source>,
+        options: &'a Options,
+        tree: &'a Tree,
+        budget: &'a Budget,
+    ) -> Reader<'a> {
         Reader {
             source,
             options,
+            files: AllowedFiles::of_model(source.path().map(PathBuf::as_path), &options.allow),
             tree,
             live: vec![true; tree.nodes.len()],
             parts: vec![Part::Empty; tree.nodes.len()],
@@ -54,18 +62,15 @@ impl<'a> Reader<'a> {
             shells: HashMap::new(),
             resized: HashMap::new(),
             fonts: Fonts::new(&options.fonts),
-            work: Cell::new(0),
+            budget,
             report: Report::default(),
+            errors: Vec::new(),
         }
     }
 
-    /// Counts steps, and refuses the item when the limit is exceeded.
-    pub fn spend(&self, arguments: &Arguments, steps: usize) -> Result<(), Refusal> {
-        self.work.set(self.work.get().saturating_add(steps as u64));
-        match self.work.get() > MOST_WORK {
-            true => Err(arguments.refusal("the hulls of the file, all together, would take too long")),
-            false => Ok(()),
-        }
+    /// The arguments of a node.
+    pub fn arguments(&self, number: usize) -> Arguments<'a> {
+        Arguments::new(self.source, &self.tree.nodes[number], self.budget)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::arguments::{Arguments, Refusal};
 use super::flat::{Flat, Flats, Leaf, image};
 use super::gather::{Round, hull_of_discs, is_convex_leaf, leaves, round};
-use super::hull::{Generator, cost as cost_of_hull, hull};
+use super::hull::{Generator, check_count, cost as cost_of_hull, hull};
 use super::operation::Operation;
 use super::part::{Part, union};
 use rayweave_math::{Affine, Vec3};
@@ -25,14 +25,6 @@ pub(super) fn pairs(operands: &[Vec<Vec<Generator>>]) -> usize {
     operands.iter().map(Vec::len).fold(1, usize::saturating_mul)
 }
 
-/// Approximate number of steps to compute a sum.
-pub(super) fn cost(operands: &[Vec<Vec<Generator>>]) -> usize {
-    let of_all = |parts: &Vec<Vec<Generator>>| {
-        parts.iter().map(|part| cost_of_hull(part)).fold(0, usize::saturating_add)
-    };
-    operands.iter().map(of_all).fold(1, usize::saturating_mul)
-}
-
 /// Minkowski sum of solids, each given as a union of convex parts.
 pub(super) fn sum(arguments: &Arguments, operands: Vec<Vec<Vec<Generator>>>) -> Result<Sum, Refusal> {
     let mut operands = operands.into_iter();
@@ -40,10 +32,11 @@ pub(super) fn sum(arguments: &Arguments, operands: Vec<Vec<Vec<Generator>>>) -> 
     let mut is_exact = true;
     for operand in operands {
         let pairs = sums.iter().flat_map(|a| operand.iter().map(move |b| (a, b)));
-        sums = pairs.map(|(a, b)| all_sums(a, b, &mut is_exact)).collect();
+        sums = pairs.map(|(a, b)| all_sums(arguments, a, b, &mut is_exact)).collect::<Result<_, _>>()?;
     }
     let mut parts = Vec::new();
     for generators in &sums {
+        arguments.spend(cost_of_hull(generators))?;
         let found = hull(arguments, generators)?;
         is_exact &= found.is_exact;
         parts.extend(found.solid);
@@ -51,14 +44,22 @@ pub(super) fn sum(arguments: &Arguments, operands: Vec<Vec<Vec<Generator>>>) -> 
     Ok(Sum { solid: (!parts.is_empty()).then(|| union(parts)), is_exact, parts: sums })
 }
 
-fn all_sums(a: &[Generator], b: &[Generator], is_exact: &mut bool) -> Vec<Generator> {
-    let mut sums = Vec::with_capacity(a.len() * b.len());
+fn all_sums(
+    arguments: &Arguments,
+    a: &[Generator],
+    b: &[Generator],
+    is_exact: &mut bool,
+) -> Result<Vec<Generator>, Refusal> {
+    check_count(arguments, a.len().saturating_mul(b.len()))?;
+    let mut sums = Vec::new();
     for x in a {
         for y in b {
             match sum_of(x, y) {
                 Some(sum) => sums.push(sum),
                 None => {
                     *is_exact = false;
+                    let count = x.vertex_count().saturating_mul(y.vertex_count());
+                    check_count(arguments, count.saturating_add(sums.len()))?;
                     let (v, w) = (x.vertices(), y.vertices());
                     let pairs = v.iter().flat_map(|v| w.iter().map(move |w| *v + *w));
                     sums.extend(pairs.map(Generator::point));
@@ -66,7 +67,7 @@ fn all_sums(a: &[Generator], b: &[Generator], is_exact: &mut bool) -> Vec<Genera
             }
         }
     }
-    sums
+    Ok(sums)
 }
 
 /// The sum of two generators if it is a generator, else `None`.
@@ -101,7 +102,8 @@ pub(super) fn flat_sum(
     let mut parts = Vec::new();
     for (leaf, map) in leaves {
         for discs in convex_pieces(arguments, &leaf, &map)? {
-            parts.push(hull_of_discs(flats, &round_sums(&discs, other)));
+            check_count(arguments, discs.len().saturating_mul(other.len()))?;
+            parts.push(hull_of_discs(arguments, flats, &round_sums(&discs, other))?);
         }
         if let (Leaf::Outline(_), Some(first)) = (&leaf, other.first()) {
             // the interior of the leaf, farther from the boundary

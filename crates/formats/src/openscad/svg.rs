@@ -5,9 +5,10 @@
 //! with facets are those of OpenSCAD 2021.01. As in SVG, but not in OpenSCAD, hidden elements (`display`, `visibility`) and
 //! definitions are skipped, and `use` is followed.
 
+use super::budget::{Budget, Exceeded};
 use super::drawing::{Drawing, MOST_POINTS, TOLERANCE, arc, chords, curve, pieces, plane_map};
 use super::flat::Leaf;
-use super::region::{Contours, filled_near, is_near};
+use super::region::{Contours, count_near, filled_near, is_near};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::mesh::float::stroke::offset::StrokeOffset;
 use i_overlay::mesh::float::style::{LineCap, LineJoin, StrokeStyle};
@@ -32,11 +33,12 @@ const FACETS: (usize, usize) = (40, 20);
 
 /// Options for reading an SVG drawing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SvgOptions {
+pub(super) struct SvgOptions<'a> {
     /// Curves with the number of chords of OpenSCAD.
     pub facets: bool,
     /// Pixels per inch, positive.
     pub dpi: f64,
+    pub budget: &'a Budget,
 }
 
 /// An element to be read, with its inherited properties.
@@ -64,7 +66,7 @@ enum Cap {
 struct Reader<'a, 'input> {
     document: &'a Document<'input>,
     named: HashMap<&'a str, Node<'a, 'input>>,
-    options: SvgOptions,
+    options: SvgOptions<'a>,
     /// Chord tolerance in units of the drawing.
     within: f64,
     points: usize,
@@ -72,7 +74,7 @@ struct Reader<'a, 'input> {
 }
 
 /// Reads an SVG text; an error holds the problem and its line.
-pub(super) fn read(text: &str, options: SvgOptions) -> Result<Drawing, String> {
+pub(super) fn read(text: &str, options: SvgOptions<'_>) -> Result<Drawing, String> {
     let limits = ParsingOptions { allow_dtd: true, nodes_limit: 4_000_000, entity_resolver: None };
     check_depth(text)?;
     let document =
@@ -93,13 +95,19 @@ pub(super) fn read(text: &str, options: SvgOptions) -> Result<Drawing, String> {
 /// Refuses nesting (opening minus closing tags) that would overflow the call stack of the XML parser.
 fn check_depth(text: &str) -> Result<(), String> {
     let (mut depth, bytes) = (0usize, text.as_bytes());
-    for (k, _) in text.match_indices('<') {
-        match bytes.get(k + 1) {
-            Some(b'/') => depth = depth.saturating_sub(1),
-            Some(b'!' | b'?') => {}
+    // an opening tag whose end has not been found
+    let mut is_open = false;
+    for (k, mark) in text.match_indices(['<', '>']) {
+        match (mark, bytes.get(k + 1)) {
+            (">", _) => {
+                depth -= usize::from(is_open && bytes[k - 1] == b'/');
+                is_open = false;
+            }
+            (_, Some(b'/')) => (depth, is_open) = (depth.saturating_sub(1), false),
+            (_, Some(b'!' | b'?')) => is_open = false,
             _ => {
-                let end = text[k..].find('>').map_or(text.len(), |end| k + end);
-                depth += usize::from(bytes.get(end.wrapping_sub(1)) != Some(&b'/'));
+                is_open = true;
+                depth += 1;
             }
         }
         if depth > 10 * DEEPEST {
@@ -195,6 +203,9 @@ impl<'a, 'input> Reader<'a, 'input> {
 
     fn element(&mut self, task: Task<'a, 'input>, waiting: &mut Vec<Task<'a, 'input>>) -> Result<(), String> {
         let Task { node, mut map, style, depth } = task;
+        // an element that is used repeatedly is read repeatedly
+        let length: usize = node.attributes().map(|attribute| attribute.value().len()).sum();
+        self.options.budget.spend(1000 + 50 * length)?;
         if !node.is_element()
             || property(node, "display") == Some("none")
             || property(node, "visibility") == Some("hidden")
@@ -234,8 +245,8 @@ impl<'a, 'input> Reader<'a, 'input> {
     }
 
     fn refuse(&mut self, node: Node, why: &str) -> Result<(), String> {
-        let line = self.document.text_pos_at(node.range().start).row as usize;
-        self.drawing.refused.push((node.tag_name().name().to_owned(), why.to_owned(), line));
+        let line = || self.document.text_pos_at(node.range().start).row as usize;
+        self.drawing.refuse(node.tag_name().name(), why, line);
         Ok(())
     }
 
@@ -369,16 +380,17 @@ impl<'a, 'input> Reader<'a, 'input> {
         for (chain, is_closed) in chains {
             match is_closed || (chain.len() > 2 && chain.first() == chain.last()) {
                 true => closed.push(chain),
-                false if chain.len() > 1 => strokes.extend(style.stroke(chain)),
+                false if chain.len() > 1 => strokes.extend(style.stroke(self.options.budget, chain)?),
                 false => {}
             }
         }
-        self.push(filled_near(&closed, FillRule::EvenOdd), map)?;
-        self.push(filled_near(&strokes, FillRule::NonZero), map)
+        let budget = self.options.budget;
+        self.push(filled_near(budget, &closed, FillRule::EvenOdd)?, map)?;
+        self.push(filled_near(budget, &strokes, FillRule::NonZero)?, map)
     }
 }
 
-impl SvgOptions {
+impl SvgOptions<'_> {
     fn pieces<const N: usize>(&self, control: &[Point; N], within: f64) -> usize {
         if self.facets { FACETS.1 } else { pieces(control, within) }
     }
@@ -397,12 +409,13 @@ impl Style {
     }
 
     /// The stroke of an open chain; empty if it is beyond the range of `i_overlay`.
-    fn stroke(&self, chain: Vec<Point>) -> Contours {
+    fn stroke(&self, budget: &Budget, chain: Vec<Point>) -> Result<Contours, Exceeded> {
         // the library panics if it cannot scale the coordinates to integers
         let is_far = |length: &f64| length.is_nan() || length.abs() > FARTHEST;
         if self.width <= 0.0 || is_far(&self.width) || chain.iter().flatten().any(is_far) {
-            return Contours::new();
+            return Ok(Contours::new());
         }
+        count_near(budget, &chain, self.width)?;
         let cap = match self.cap {
             Cap::Butt => LineCap::Butt,
             Cap::Round => LineCap::Round(0.1),
@@ -410,6 +423,6 @@ impl Style {
         };
         let style =
             StrokeStyle::new(self.width).line_join(LineJoin::Miter(0.0)).start_cap(cap.clone()).end_cap(cap);
-        vec![chain].stroke_as::<i64>(style, false).into_iter().flatten().collect()
+        Ok(vec![chain].stroke_as::<i64>(style, false).into_iter().flatten().collect())
     }
 }

@@ -159,12 +159,14 @@ pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, 
             wanted.family
         )));
     };
+    // a font is parsed for each text
+    arguments.spend(1_000_000 + 10_000 * setting.text.len())?;
     let leaves = database.with_face_data(id, |data, index| {
         let face = Face::parse(data, index).ok()?;
         let glyphs = setting.shaped(&FontRef::from_index(data, index).ok()?);
-        Some(setting.leaves(&face, &glyphs))
+        Some(setting.leaves(arguments, &face, &glyphs))
     });
-    let leaves = leaves.flatten().ok_or_else(|| arguments.refusal("its font cannot be read"))?;
+    let leaves = leaves.flatten().ok_or_else(|| arguments.refusal("its font cannot be read"))??;
     Ok(Letters {
         leaves,
         stand_in: stand_in.map(|name| format!("has the font `{name}` instead of `{}`", wanted.family)),
@@ -198,7 +200,7 @@ impl Setting<'_> {
     }
 
     /// The outlines in their positions.
-    fn leaves(&self, face: &Face, glyphs: &GlyphBuffer) -> Vec<Leaf> {
+    fn leaves(&self, arguments: &Arguments, face: &Face, glyphs: &GlyphBuffer) -> Result<Vec<Leaf>, Refusal> {
         let unit = self.size * EM / f64::from(face.units_per_em());
         let start = self.start(face, glyphs);
         let mut at = [0.0; 2];
@@ -206,11 +208,13 @@ impl Setting<'_> {
         for (info, place) in glyphs.glyph_infos().iter().zip(glyphs.glyph_positions()) {
             let offset = [place.x_offset, place.y_offset].map(f64::from);
             let by = [0, 1].map(|axis| TIGHT * (start[axis] + at[axis] + offset[axis]));
-            leaves.extend(self.outline(face, glyph_id(info.glyph_id), unit, by));
+            let outline = self.outline(face, glyph_id(info.glyph_id), unit, by);
+            arguments.hold(outline.as_ref().map_or(0, Leaf::point_count))?;
+            leaves.extend(outline);
             at[0] += self.spacing * f64::from(place.x_advance);
             at[1] += self.spacing * f64::from(place.y_advance);
         }
-        leaves
+        Ok(leaves)
     }
 
     /// Position of the first glyph in font units: alignment uses advances along the line and bounding boxes across it.

@@ -30,13 +30,15 @@ struct Writer<'m, 's> {
     remarks: &'m mut Remarks,
     region: usize,
     pieces: Vec<Piece>,
+    /// Number of shapes so far that were cut to a box.
+    cut: u32,
     /// The part of each region written so far.
     known: HashMap<usize, Option<usize>>,
 }
 
 pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
     model.tell_cuts(remarks);
-    let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), known: HashMap::new() };
+    let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), cut: 0, known: HashMap::new() };
     let mut text = String::new();
     let scale = model.millimetres();
     for (number, region) in model.regions() {
@@ -125,6 +127,19 @@ impl Writer<'_, '_> {
     fn fragments(&self, place: &Affine, radius: f64) -> usize {
         let request = 0.5 * self.model.tolerance / place.similarity().unwrap_or(place.linear_norm());
         facets::circle_count(radius, request).unwrap_or(facets::MOST_AROUND)
+    }
+
+    /// The box to which a shape is cut: for an unbounded shape with plane faces one of its own around the clip box. The faces
+    /// of the boxes would coincide up to rounding otherwise, and readers cannot tell whether such faces are equal.
+    fn room(&mut self, shape: &Primitive) -> Bounds {
+        let lowered = shape.lower();
+        if lowered.bounds.is_finite() || facets::planes_of(&lowered).is_none() {
+            return self.model.clip;
+        }
+        self.cut += 1;
+        // multiples of the golden ratio modulo 1 keep apart from each other
+        let share = (f64::from(self.cut) * 0.618_033_988_749_894_9).fract();
+        self.model.clip.grown((0.05 + 0.5 * share) * self.model.clip.size().length())
     }
 
     fn plain(&self, shape: &Primitive, place: &Affine) -> Option<String> {
@@ -223,7 +238,8 @@ impl Builder for Writer<'_, '_> {
             );
             self.remarks.add(RemarkKind::Approximated, what);
         }
-        let request = Request { shape, place, clip: &self.model.clip, tolerance: self.model.tolerance };
+        let room = self.room(shape);
+        let request = Request { shape, place, clip: &room, tolerance: self.model.tolerance };
         let failed = |why: String| WriteError::Kernel {
             region: self.model.scene.regions[self.region].name.clone(),
             why: format!("`{}`: {why}", shape.name()),

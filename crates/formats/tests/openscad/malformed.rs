@@ -74,14 +74,60 @@ fn deep_nesting_uses_no_call_stack() {
     worker.expect("a thread").join().expect("no overflow");
 }
 
-/// Deeply nested hulls are refused before they take quadratic time.
+/// Message of the error that a dump exceeds the limits of its file, with the position.
+fn limit(text: &str, facets: bool) -> (String, Option<(usize, usize)>) {
+    let options = Options { facets, ..Options::default() };
+    let start: String = text.chars().take(80).collect();
+    match parse(text, Format::OpenScad, &[], &options) {
+        Ok(imported) => panic!("{start} is read: {}", imported.report.warnings()),
+        Err(problems) => {
+            let first = problems.iter().next().expect("there is one");
+            (first.message().to_owned(), first.line_column())
+        }
+    }
+}
+
+/// Items of few bytes that would take minutes or gigabytes end with an error that names the item. The limits count work, so
+/// that the test does not depend on the machine.
 #[test]
-fn deep_hulls_end() {
-    let text = format!("{}cube(1);", "hull() ".repeat(100_000));
-    let start = Instant::now();
-    let report = read(&text, false).report;
-    assert!(start.elapsed() < Duration::from_secs(120));
-    assert!(report.warnings().to_string().contains("would take too long"));
+fn explosive_items_are_errors() {
+    let nested = |item: &str, count: usize, inner: &str| format!("{}{inner}", item.repeat(count));
+    let map = "multmatrix([[1, 0, 0, 1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]) ";
+    let random = |count: usize| {
+        let mut state = 1u64;
+        let mut number = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state >> 54
+        };
+        let points: Vec<String> = (0..count).map(|_| format!("[{}, {}]", number(), number())).collect();
+        format!("polygon(points = [{}]);", points.join(", "))
+    };
+    let colours: String =
+        (0..9000).map(|k| format!("color([0.{}, 0.{}, 0, 1]) cube();", k / 100 + 10, k % 100 + 10)).collect();
+    let cases = [
+        ("sphere(r = 5, $fn = 5000);".to_owned(), true, "sphere()"),
+        ("hull() sphere(r = 5, $fn = 9000);".to_owned(), true, "sphere()"),
+        ("linear_extrude(height = 1) text(\"oooooooooooooooooooooooo\", $fn = 10000);".repeat(90), true, ""),
+        ("linear_extrude(height = 1, twist = 9, slices = 20000) circle(r = 3, $fn = 500);".into(), false, ""),
+        (nested("hull() ", 100_000, "cube(1);"), false, "hull()"),
+        (nested("resize([2, 2, 2]) ", 40_000, "cube(1);"), false, "resize()"),
+        (nested("resize([2, 2, 2]) ", 40_000, "square(1);"), false, "resize()"),
+        (format!("{} {{ {colours} }}", map.repeat(5000)), false, "multmatrix()"),
+        (format!("linear_extrude(height = 1) {}", random(40_000)), false, "linear_extrude()"),
+        (format!("linear_extrude(height = 1) offset(delta = 1) {}", random(40_000)), false, "offset()"),
+        (format!("rotate_extrude() {}", random(40_000)), false, "rotate_extrude()"),
+    ];
+    for (text, facets, item) in cases {
+        // without fonts there is no text
+        if text.contains("text(")
+            && read(&text[..100.min(text.len())], facets).report.count(LossKind::Refused) > 0
+        {
+            continue;
+        }
+        let (message, place) = limit(&text, facets);
+        assert!(message.starts_with(item) && message.contains("all together"), "{message}");
+        assert!(place.is_some(), "{message}: {place:?}");
+    }
 }
 
 /// Huge counts, which would exhaust memory, are refused with their item.

@@ -11,7 +11,10 @@ use std::sync::Arc;
 /// Reads a text that must be a dump.
 pub fn read(text: &str, facets: bool) -> Imported {
     let options = Options { facets, ..Options::default() };
-    parse(text, Format::OpenScad, &[], &options).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
+    parse(text, Format::OpenScad, &[], &options).unwrap_or_else(|problems| {
+        let start: String = text.chars().take(200).collect();
+        panic!("{start}\n{problems}")
+    })
 }
 
 /// Reads a text without losses.

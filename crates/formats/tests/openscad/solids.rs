@@ -152,3 +152,35 @@ fn a_region_of_the_plane_empties_an_intersection_of_solids() {
     assert!(imported.scene.regions.is_empty());
     assert!(imported.report.warnings().to_string().contains("side by side"));
 }
+
+/// Arguments that are not read are warnings with their position, and misspelt ones with a suggestion.
+#[test]
+fn unknown_arguments_are_warnings() {
+    let cases = [
+        ("cylinder(hh = 3, r1 = 1, r2 = 1);", "`hh` of cylinder() is ignored", Some("Did you mean `h`?"), 10),
+        (
+            "cube(size = 2, centre = true);",
+            "`centre` of cube() is ignored",
+            Some("Did you mean `center`?"),
+            16,
+        ),
+        ("cube(size = 2, rotate = \"3\");", "`rotate` of cube() is ignored", None, 16),
+        ("linear_extrude(heigth = 3) square(1);", "`heigth`", Some("Did you mean `height`?"), 16),
+        ("sphere(1, 2);", "takes 1 arguments without a name", None, 11),
+        ("sphere(r = 1, r = 2);", "the second `r` of sphere()", None, 15),
+        ("group(size = 2) cube(1);", "`size` of group()", None, 7),
+    ];
+    for (text, message, suggestion, column) in cases {
+        let report = read(text, false).report;
+        let losses: Vec<_> = report.iter().collect();
+        assert_eq!(losses.len(), 1, "{text}: {}", report.warnings());
+        assert_eq!(losses[0].kind, LossKind::Dropped, "{text}");
+        let found = losses[0].first.message().to_owned();
+        assert!(found.contains(message), "{text}: {found}");
+        assert!(suggestion.is_none_or(|meant| found.contains(meant)), "{text}: {found}");
+        assert_eq!(suggestion.is_none(), !found.contains("Did you mean"), "{text}: {found}");
+        assert_eq!(losses[0].first.line_column(), Some((1, column)), "{text}");
+    }
+    // a shadowed argument does not matter where the item itself is not part of the model
+    assert!(read("cube(1); *sphere(rr = 1);", false).report.is_empty());
+}

@@ -37,7 +37,8 @@ pub fn radius_of_energy(arrivals: &[Arrival], fraction: f64) -> Option<f64> {
 /// The geometric MTF along a direction (x, y of the sheet) at frequencies in cycles per unit of length: the
 /// modulus of the Fourier transform of the spot, `|sum p exp(2 pi i v s)| / sum p`, with the coordinate s
 /// along the direction (W. J. Smith, *Modern Optical Engineering*, section on the modulation transfer
-/// function). Diffraction is not included. NaN if there is no light.
+/// function). Diffraction is not included: close to the diffraction limit the result is too high, and it can
+/// exceed that limit. NaN if there is no light.
 pub fn geometric_mtf(arrivals: &[Arrival], direction: [f64; 2], frequencies: &[f64]) -> Vec<f64> {
     let length = libm::hypot(direction[0], direction[1]);
     let [a, b] = direction.map(|component| component / length);

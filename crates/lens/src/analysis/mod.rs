@@ -53,7 +53,7 @@ pub(crate) use focus::focal_moments;
 pub use focus::{best_focus, moved, through_focus};
 pub use pupil::{fan_x, fan_y, hexapolar, square};
 pub use spot::Spot;
-pub use study::{Fan, NEEDS_AIMING, Study};
+pub use study::{Fan, Study, needs_aiming};
 pub use wavefront::Wavefront;
 pub(crate) use wavefront::reference_radius;
 pub use zernike::{Fit, Zernike, fit};

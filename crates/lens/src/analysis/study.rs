@@ -6,8 +6,36 @@ use rayweave_model::Evaluator;
 use rayweave_optics::{Beam, Settings, Tracer};
 
 /// The distance between the real and the paraxial entrance pupil, in units of the semi-diameter, above which
-/// rays that are not aimed at the stop illuminate the wrong part of it: a [`Study`] refuses to trace them.
-pub const NEEDS_AIMING: f64 = 0.25;
+/// rays have to be aimed.
+const FAR_PUPIL: f64 = 0.25;
+
+/// True if the rays of a field have to be aimed at the stop: the real entrance pupil lies more than a quarter
+/// of its semi-diameter beside the paraxial one, so that rays through the latter illuminate the wrong part of
+/// the stop. A [`Study`] refuses to trace such rays unaimed.
+///
+/// # Errors
+/// As of [`Prescription::beam`].
+pub fn needs_aiming(
+    lens: &Prescription,
+    field: usize,
+    wavelength_nm: f64,
+) -> Result<bool, PrescriptionError> {
+    Ok(far_pupil(lens, field, wavelength_nm)?.is_some())
+}
+
+/// The distance of a real entrance pupil for which rays have to be aimed.
+fn far_pupil(
+    lens: &Prescription,
+    field: usize,
+    wavelength_nm: f64,
+) -> Result<Option<f64>, PrescriptionError> {
+    match lens.principal_point(field, wavelength_nm) {
+        Ok([x, y]) => Ok(Some(libm::hypot(x, y)).filter(|&off| off > FAR_PUPIL)),
+        // a field without a principal ray can have other rays
+        Err(PrescriptionError::Lost { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
 
 /// Image analysis of a prescription on its traced system; fields are counted from 0.
 #[derive(Debug)]
@@ -43,13 +71,8 @@ impl<'a, E: Evaluator> Study<'a, E> {
         if self.aims {
             return Ok(self.lens.beam_at_stop(field, wavelength_nm, pupil)?);
         }
-        match self.lens.principal_point(field, wavelength_nm) {
-            Ok([x, y]) if libm::hypot(x, y) > NEEDS_AIMING => {
-                return Err(AnalysisError::Unaimed { field, off: libm::hypot(x, y) });
-            }
-            // a field without a principal ray can have other rays
-            Ok(_) | Err(PrescriptionError::Lost { .. }) => {}
-            Err(error) => return Err(error.into()),
+        if let Some(off) = far_pupil(self.lens, field, wavelength_nm)? {
+            return Err(AnalysisError::Unaimed { field, off });
         }
         Ok(self.lens.beam(field, wavelength_nm, pupil)?)
     }

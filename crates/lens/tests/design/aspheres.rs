@@ -216,9 +216,7 @@ fn extended_aspheres_have_a_radius_of_their_own() {
         near(found[2], 1e-6, 1e-20);
         assert_eq!([found[1], found[3]], [0.0; 2]);
         assert_eq!(read.notes.len(), 1, "{:?}", read.notes);
-        assert!(
-            read.notes[0].to_string().contains("the terms of the image beyond its conic are ignored")
-        );
+        assert!(read.notes[0].to_string().contains("the terms of the image beyond its conic are ignored"));
     }
     let refused = |lines: &str| read_zmx(file(lines).as_bytes()).unwrap_err().to_string();
     assert!(

@@ -3,6 +3,7 @@
 use crate::Mesh;
 use crate::topology::{EdgeUse, by_edge};
 use rayweave_math::Vec3;
+use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 
 /// A hole: a closed loop of edges that belong to one triangle only.
@@ -40,26 +41,34 @@ pub(crate) fn boundary_loops(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<Vec<u32>> {
     }
     let mut loops = Vec::new();
     while let Some((&start, _)) = next.first_key_value() {
-        loops.extend(follow(start, &mut next));
+        follow(start, &mut next, &mut loops);
     }
     loops
 }
 
-/// Removes edges from a start on until a vertex repeats, which closes a loop; puts the edges before the loop back.
-fn follow(start: u32, next: &mut BTreeMap<u32, Vec<u32>>) -> Option<Vec<u32>> {
+/// Removes edges from a start on. Where a vertex repeats, they close a loop, and the walk goes on from the path before it; ends
+/// where the path is used up or leads nowhere.
+fn follow(start: u32, next: &mut BTreeMap<u32, Vec<u32>>, loops: &mut Vec<Vec<u32>>) {
     let mut path = vec![start];
-    let mut positions = BTreeMap::from([(start, 0)]);
-    loop {
-        let last = *path.last()?;
-        let to = take(last, next)?;
-        if let Some(&position) = positions.get(&to) {
-            for pair in path[..=position].windows(2) {
-                next.entry(pair[0]).or_default().push(pair[1]);
+    let mut positions: FxHashMap<u32, usize> = FxHashMap::from_iter([(start, 0)]);
+    while let Some(to) = path.last().and_then(|&last| take(last, next)) {
+        match positions.get(&to) {
+            Some(&position) => {
+                let found = path.split_off(position);
+                found.iter().for_each(|vertex| _ = positions.remove(vertex));
+                loops.push(found);
+                // the loop's first vertex is also the end of the path before it
+                if path.is_empty() {
+                    return;
+                }
+                positions.insert(to, path.len());
+                path.push(to);
             }
-            return Some(path.split_off(position));
+            None => {
+                positions.insert(to, path.len());
+                path.push(to);
+            }
         }
-        positions.insert(to, path.len());
-        path.push(to);
     }
 }
 

@@ -16,27 +16,78 @@ pub struct Intersection {
     pub at: Vec3,
 }
 
-/// The pairs that cross, and the coplanar pairs that overlap; both sorted.
-pub(super) fn intersections(mesh: &Mesh) -> (Findings<Intersection>, Findings<Intersection>) {
+/// The number of pairs of triangles that the diagnoses of one file may compare, so that meshes of many triangles close together do
+/// not take quadratic time.
+#[derive(Clone, Copy, Debug)]
+pub struct PairBudget {
+    left: usize,
+}
+
+impl PairBudget {
+    /// Pairs of every file. Comparing takes up to two microseconds, for half of them: of each two triangles the first.
+    const BASE: usize = 4_000_000;
+    /// Further pairs for each triangle. In meshes of real parts the boxes of about ten others overlap that of a triangle.
+    const PER_TRIANGLE: usize = 64;
+}
+
+impl Default for PairBudget {
+    /// The budget of a file that is yet to be diagnosed.
+    fn default() -> PairBudget {
+        PairBudget { left: Self::BASE }
+    }
+}
+
+/// The intersecting pairs of triangles.
+#[derive(Default)]
+pub(super) struct Intersections {
+    /// The pairs that cross, sorted.
+    pub crossings: Findings<Intersection>,
+    /// The coplanar pairs that overlap, sorted.
+    pub overlaps: Findings<Intersection>,
+    /// The first triangle whose pairs were not compared, because too many boxes overlap.
+    pub end: Option<u32>,
+}
+
+/// The intersections of all triangles but duplicates, for which the first triangle with these corners stands, as `duplicates`
+/// tells by number.
+pub(super) fn intersections(
+    mesh: &Mesh,
+    is_duplicate: impl Fn(u32) -> bool,
+    budget: &mut PairBudget,
+) -> Intersections {
     let (tree, order) = TriangleTree::new(mesh);
-    let (mut crossings, mut overlaps) = (Findings::default(), Findings::default());
+    let mut found = Intersections::default();
+    let count = mesh.triangles().len();
+    budget.left += PairBudget::PER_TRIANGLE * count;
+    let left = &mut budget.left;
     let mut others: Vec<u32> = Vec::new();
-    for number in 0..mesh.triangles().len() as u32 {
+    let is_compared = |number: u32| !is_duplicate(number) && !is_collapsed(mesh.triangles()[number as usize]);
+    for number in (0..count as u32).filter(|&number| is_compared(number)) {
         others.clear();
         let bounds = triangle::bounds(mesh.corners(number as usize));
+        let mut seen = 0;
         tree.within(&bounds, |range| {
-            others.extend(order[range].iter().filter(|&&other| other > number));
+            seen += range.len();
+            if seen <= *left {
+                others.extend(order[range].iter().filter(|&&other| other > number && is_compared(other)));
+            }
         });
+        if seen > *left {
+            found.end = Some(number);
+            *left = 0;
+            break;
+        }
+        *left -= seen;
         others.sort_unstable();
         for &other in &others {
             match meeting_of(mesh, number, other) {
                 Meeting::Touching => {}
-                Meeting::Crossing => crossings.add(intersection(mesh, [number, other])),
-                Meeting::Overlapping => overlaps.add(intersection(mesh, [number, other])),
+                Meeting::Crossing => found.crossings.add(intersection(mesh, [number, other])),
+                Meeting::Overlapping => found.overlaps.add(intersection(mesh, [number, other])),
             }
         }
     }
-    (crossings, overlaps)
+    found
 }
 
 fn intersection(mesh: &Mesh, triangles: [u32; 2]) -> Intersection {
@@ -44,17 +95,14 @@ fn intersection(mesh: &Mesh, triangles: [u32; 2]) -> Intersection {
     Intersection { triangles, at: a.intersection(&b).centre() }
 }
 
-/// Classifies the intersection of two triangles. Triangles with the same corners are duplicates, which count
-/// as touching.
+/// Classifies the intersection of two triangles with three different corners each. Triangles with the same corners are
+/// duplicates, which count as touching.
 fn meeting_of(mesh: &Mesh, first: u32, second: u32) -> Meeting {
     let [a, b] = [first, second].map(|number| mesh.corners(number as usize));
     if triangle::bounds(a).intersection(&triangle::bounds(b)).is_empty() {
         return Meeting::Touching;
     }
     let [p, q] = [first, second].map(|number| mesh.triangles()[number as usize]);
-    if is_collapsed(p) || is_collapsed(q) {
-        return Meeting::Touching;
-    }
     let common: Vec<u32> = p.into_iter().filter(|vertex| q.contains(vertex)).collect();
     match common.len() {
         3 => Meeting::Touching,

@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use std::fmt;
 
 pub use holes::Hole;
-pub use intersections::Intersection;
+pub use intersections::{Intersection, PairBudget};
 pub use shells::Component;
 
 /// The number of defects of one kind, and the first of them.
@@ -77,10 +77,13 @@ pub struct Diagnosis {
     pub degenerate: Findings<u32>,
     /// Pairs of triangles with the same corners.
     pub duplicates: Findings<[u32; 2]>,
-    /// Pairs of triangles that intersect each other.
+    /// Pairs of triangles that intersect each other. Of duplicates only the first is compared with others.
     pub crossings: Findings<Intersection>,
-    /// Pairs of coplanar triangles that overlap.
+    /// Pairs of coplanar triangles that overlap; of duplicates only the first.
     pub overlaps: Findings<Intersection>,
+    /// The triangle at which the search for intersections was given up, because the boxes of too many pairs overlap: more than
+    /// 64 for each triangle, and four million. `None` if all pairs were compared.
+    pub uncompared: Option<u32>,
     /// The components connected by edges.
     pub components: Vec<Component>,
     /// True if the mesh is closed and its volume is 0 within rounding.
@@ -98,17 +101,25 @@ impl Diagnosis {
     pub fn is_sound(&self) -> bool {
         let shells = self.components.iter().all(|shell| shell.is_orientable && !shell.is_inside_out());
         let pairs = self.crossings.is_empty() && self.overlaps.is_empty() && self.duplicates.is_empty();
-        self.is_closed() && pairs && shells && self.flipped.is_empty() && !self.is_flat
+        let is_searched = self.uncompared.is_none();
+        self.is_closed() && pairs && is_searched && shells && self.flipped.is_empty() && !self.is_flat
     }
 }
 
 impl Mesh {
-    /// Finds all defects of the mesh. Takes O(n log n) time for n triangles, plus the number of defects.
+    /// Finds all defects of the mesh. Takes O(n log n) time for n triangles, except for meshes of many nested shells; the search for
+    /// intersections has a limit ([`Diagnosis::uncompared`]).
     pub fn diagnose(&self) -> Diagnosis {
+        self.diagnose_within(&mut PairBudget::default())
+    }
+
+    /// [`Mesh::diagnose`] with a budget for the search for intersections, which the meshes of one file share.
+    pub fn diagnose_within(&self, budget: &mut PairBudget) -> Diagnosis {
         let mesh = self.welded();
         let uses = edge_uses(&mesh);
         let shells = shells::Shells::new(&mesh, &uses);
-        let (crossings, overlaps) = intersections::intersections(&mesh);
+        let (duplicates, is_duplicate) = duplicates(&mesh);
+        let found = intersections::intersections(&mesh, |triangle| is_duplicate[triangle as usize], budget);
         let components = shells.components(&mesh, &uses);
         let open_edges = by_edge(&uses).filter(|edge| edge.len() % 2 == 1).count();
         Diagnosis {
@@ -128,9 +139,10 @@ impl Mesh {
                 .collect(),
             flipped: shells.flipped(),
             degenerate: degenerate(&mesh).collect(),
-            duplicates: duplicates(&mesh),
-            crossings,
-            overlaps,
+            duplicates,
+            crossings: found.crossings,
+            overlaps: found.overlaps,
+            uncompared: found.end,
             is_flat: open_edges == 0 && !components.is_empty() && encloses_no_volume(&mesh, &components),
             components,
         }
@@ -153,10 +165,10 @@ fn degenerate(mesh: &Mesh) -> impl Iterator<Item = u32> {
     (0..mesh.triangles().len()).filter(flat).map(|k| k as u32)
 }
 
-/// Pairs of triangles with the same corners.
-pub(crate) fn duplicates(mesh: &Mesh) -> Findings<[u32; 2]> {
+/// Pairs of triangles with the same corners, and whether a triangle is the second of a pair.
+pub(crate) fn duplicates(mesh: &Mesh) -> (Findings<[u32; 2]>, Vec<bool>) {
     let mut first: FxHashMap<[u32; 3], u32> = FxHashMap::default();
-    let mut found = Findings::default();
+    let (mut found, mut is_duplicate) = (Findings::default(), vec![false; mesh.triangles().len()]);
     for (number, &corners) in mesh.triangles().iter().enumerate() {
         let mut key = corners;
         key.sort_unstable();
@@ -164,9 +176,10 @@ pub(crate) fn duplicates(mesh: &Mesh) -> Findings<[u32; 2]> {
         let before = *first.entry(key).or_insert(number);
         if before != number && !is_collapsed(corners) {
             found.add([before, number]);
+            is_duplicate[number as usize] = true;
         }
     }
-    found
+    (found, is_duplicate)
 }
 
 /// A summary with the first defect of each kind: `holes: 3 (the first: (0, 0, 1), 4 edges)`.
@@ -211,6 +224,12 @@ impl fmt::Display for Diagnosis {
         ];
         for (count, what, place) in lines.iter().filter(|(count, ..)| *count > 0) {
             write!(f, "; {what}: {count}{place}")?;
+        }
+        if let Some(triangle) = self.uncompared {
+            write!(
+                f,
+                "; too many triangles are close together to look for intersections from triangle {triangle} on"
+            )?;
         }
         Ok(())
     }

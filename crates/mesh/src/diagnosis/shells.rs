@@ -149,11 +149,12 @@ impl Shells {
         // triangles without three different corners have no edges: each is a component that is not closed
         let mut has_edges = vec![false; self.firsts.len()];
         for edge in by_edge(uses) {
-            let shells: Vec<u32> =
+            let mut shells: Vec<u32> =
                 edge.iter().map(|edge| self.component_of[edge.triangle as usize]).collect();
-            for shell in &shells {
-                has_edges[*shell as usize] = true;
-                closed[*shell as usize] &= shells.iter().filter(|other| *other == shell).count() % 2 == 0;
+            shells.sort_unstable();
+            for same in shells.chunk_by(|a, b| a == b) {
+                has_edges[same[0] as usize] = true;
+                closed[same[0] as usize] &= same.len() % 2 == 0;
             }
         }
         closed.iter().zip(has_edges).map(|(&closed, has_edges)| closed && has_edges).collect()

@@ -74,7 +74,6 @@ use crate::source::Sources;
 use crate::system::Assembly;
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Diagnostic, Diagnostics, Document, Scene};
-use std::path::Path;
 
 /// The optics of a model: assembly, sources and settings.
 #[derive(Clone, Debug)]
@@ -130,8 +129,7 @@ fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Key
     let elements = face::read(reader, scene, &media, &mut keys);
     let taken = scene.regions.iter().map(|region| region.name.clone()).collect();
     let sheets = sheet::read(reader, &mut keys, taken);
-    let folder = document.source.path().and_then(|path| path.parent()).unwrap_or(Path::new(""));
-    let sources = source::read(reader, &mut keys, folder);
+    let sources = source::read(reader, &mut keys, &document.files());
     sources.iter().for_each(|source| check_wavelengths(reader, source, &media));
     reader.reject_unknown(keys);
     let is_polarised = |source: &ReadSource| source.source.is_polarised();

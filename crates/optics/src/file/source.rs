@@ -4,7 +4,7 @@ use super::values::{aperture, list, seed, transform};
 use crate::source::{BeamProfile, Emission, ListedRays, Pattern, Power, Sampling, Source, Spectrum};
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Diagnostic, Span, Spanned};
-use std::path::Path;
+use rayweave_table::AllowedFiles;
 
 const PATTERNS: [&str; 9] = ["beam", "line", "circle", "cone", "wedge", "lamp", "point", "disc", "rays"];
 
@@ -15,16 +15,16 @@ pub(super) struct ReadSource {
     pub span: Span,
 }
 
-/// The sources; ray files are relative to a folder.
-pub(super) fn read(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Vec<ReadSource> {
+/// The sources, with rays in the given files.
+pub(super) fn read(reader: &mut Reader, keys: &mut Keys, files: &AllowedFiles) -> Vec<ReadSource> {
     let Some(datum) = keys.take("source") else { return Vec::new() };
     let tables = reader.tables("optics.source", datum);
-    tables.into_iter().filter_map(|keys| source(reader, keys, folder)).collect()
+    tables.into_iter().filter_map(|keys| source(reader, keys, files)).collect()
 }
 
-fn source(reader: &mut Reader, mut keys: Keys, folder: &Path) -> Option<ReadSource> {
+fn source(reader: &mut Reader, mut keys: Keys, files: &AllowedFiles) -> Option<ReadSource> {
     let span = keys.span();
-    let emitter = pattern_source(reader, &mut keys, folder);
+    let emitter = pattern_source(reader, &mut keys, files);
     let own = emitter.as_ref().and_then(|(_, listed)| listed.clone());
     let (spectrum, spectrum_at) =
         with_span(reader, &mut keys, "wavelength_nm", Spectrum::default(), spectrum);
@@ -88,13 +88,13 @@ fn power(reader: &mut Reader, datum: Spanned<Datum>) -> Option<f64> {
 fn pattern_source(
     reader: &mut Reader,
     keys: &mut Keys,
-    folder: &Path,
+    files: &AllowedFiles,
 ) -> Option<(Source, Option<ListedRays>)> {
     let (kind, datum) = reader.one_of(keys, &PATTERNS)?;
     let span = datum.span;
     let mut own = reader.keys(&kind.value, datum)?;
     let pattern = match kind.value.as_str() {
-        "rays" => listed(reader, &mut own, folder),
+        "rays" => listed(reader, &mut own, files),
         kind => pattern(reader, kind, &mut own),
     };
     reader.reject_unknown(own);
@@ -104,10 +104,12 @@ fn pattern_source(
 }
 
 /// The rays of a file beside the model.
-fn listed(reader: &mut Reader, keys: &mut Keys, folder: &Path) -> Option<Pattern> {
+fn listed(reader: &mut Reader, keys: &mut Keys, files: &AllowedFiles) -> Option<Pattern> {
     let datum = reader.need(keys, "file")?;
     let file = reader.text("file", datum)?;
-    reader.accept(ListedRays::read(folder.join(&file.value)), file.span).map(Pattern::Rays)
+    reader
+        .accept(ListedRays::read_allowed(files.folder().join(&file.value), files), file.span)
+        .map(Pattern::Rays)
 }
 
 fn pattern(reader: &mut Reader, kind: &str, keys: &mut Keys) -> Option<Pattern> {

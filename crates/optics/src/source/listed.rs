@@ -4,7 +4,7 @@ use super::SourceError;
 use super::rays::LocalRay;
 use rayweave_error::Message;
 use rayweave_math::Vec3;
-use rayweave_table::{RAYS_PER_CHUNK, RayChunk, RayReader, TableError};
+use rayweave_table::{AllowedFiles, RAYS_PER_CHUNK, RayChunk, RayReader, TableError};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -79,8 +79,18 @@ impl ListedRays {
     /// [`SourceError::File`] with all problems of the file, and their lines;
     /// [`SourceError::Inconsistent`] for a file without rays.
     pub fn read(path: impl AsRef<Path>) -> Result<ListedRays, SourceError> {
-        let unreadable = |error: TableError| SourceError::File { problem: error.to_string() };
-        let mut reader = RayReader::open_light(path).map_err(unreadable)?;
+        ListedRays::from_reader(RayReader::open_light(path).map_err(unreadable)?)
+    }
+
+    /// The rays of a file that a model names, if it is among the given files; see [`read`](Self::read).
+    ///
+    /// # Errors
+    /// As [`read`](Self::read), and [`SourceError::File`] for a file that is not allowed.
+    pub fn read_allowed(path: impl AsRef<Path>, files: &AllowedFiles) -> Result<ListedRays, SourceError> {
+        ListedRays::from_reader(RayReader::open_allowed_light(path, files).map_err(unreadable)?)
+    }
+
+    fn from_reader(mut reader: RayReader) -> Result<ListedRays, SourceError> {
         let (mut chunk, mut all) = (RayChunk::default(), RayChunk::default());
         let (mut origins, mut directions) = (Vec::new(), Vec::new());
         while reader.read(&mut chunk, RAYS_PER_CHUNK).map_err(unreadable)? > 0 {
@@ -140,6 +150,10 @@ impl ListedRays {
             weight: self.0.power.as_ref().map_or(1.0, |column| column[ray]),
         }
     }
+}
+
+fn unreadable(error: TableError) -> SourceError {
+    SourceError::File { problem: error.to_string() }
 }
 
 /// An error for the first invalid value.

@@ -6,19 +6,21 @@ use crate::memory;
 use crate::source::Spanned;
 use rayweave_math::{Affine, Vec3};
 use rayweave_mesh::{MeshError, Polyhedron};
-use rayweave_mesh_io::{FileError, ReadOptions};
+use rayweave_mesh_io::{FileError, ReadOptions, read_allowed};
 use rayweave_shape::primitive::Mesh;
-use rayweave_table::{NpyArray, NpyArrayError};
-use std::fs::File;
+use rayweave_table::{AllowedFiles, NpyArray, NpyArrayError, RefusedFile};
 use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// The maximum number of values in a file of placements.
 const MOST_NUMBERS: u64 = 1 << 26;
 
 /// Reads the maps of a file beside the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
 pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Option<Vec<Affine>> {
-    match read(&beside(context, file)).and_then(|(numbers, shape)| to_maps(&numbers, &shape)) {
+    let files = context.document.files();
+    match read(&files, &files.folder().join(&file.value))
+        .and_then(|(numbers, shape)| to_maps(&numbers, &shape))
+    {
         Ok(maps) => Some(maps),
         Err(reason) => {
             let problem = Diagnostic::error(format!("the placements in `{}` cannot be used", file.value));
@@ -28,11 +30,11 @@ pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Optio
     }
 }
 
-fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
-    let opened = File::open(path).map_err(|error| reason(&error))?;
-    if opened.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        return Err("it is a folder".to_owned());
-    }
+fn read(files: &AllowedFiles, path: &Path) -> Result<(Vec<f64>, Vec<u64>), String> {
+    let opened = files.open(path).map_err(|refused| match refused {
+        RefusedFile::Io(error) => reason(&error),
+        other => other.to_string(),
+    })?;
     let array = NpyArray::read(&mut BufReader::new(opened), MOST_NUMBERS).map_err(|error| match error {
         NpyArrayError::Io(error) => reason(&error),
         other => other.to_string(),
@@ -43,9 +45,9 @@ fn read(path: &PathBuf) -> Result<(Vec<f64>, Vec<u64>), String> {
 /// The solid of a mesh in a file beside the model file. Defects of the mesh are reported as
 /// warnings.
 pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) -> Option<Mesh> {
-    let path = beside(context, file);
+    let files = context.document.files();
     let limits = memory::available().map_or_else(ReadOptions::default, ReadOptions::for_memory);
-    let found = match rayweave_mesh_io::read(&path, None, &limits) {
+    let found = match read_allowed(&files.folder().join(&file.value), None, &limits, &files) {
         Ok(found) => found,
         Err(error) => {
             let why = match &error {
@@ -94,12 +96,6 @@ fn diagnosed(
             None
         }
     }
-}
-
-/// The path of a file that the model file names, relative to the folder of the model file.
-fn beside(context: &Context, file: &Spanned<String>) -> PathBuf {
-    let folder = context.document.source.path().and_then(|path| path.parent().map(Path::to_owned));
-    folder.unwrap_or_default().join(&file.value)
 }
 
 /// An error of the operating system in words that are the same on all systems.

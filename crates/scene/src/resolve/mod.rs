@@ -36,6 +36,13 @@ pub(crate) fn resolve(
     }
     // only after all expressions have been evaluated
     numbers.warn_unused(&mut context);
+    // a model of light may consist of sheets alone
+    if document.solids.is_empty() && document.foreign("optics").is_none() {
+        let problem = Diagnostic::warning("the model is empty")
+            .why("it has no solid")
+            .suggest(Some("define one, as `[solid.ball]` with `sphere = { radius = 1 }`".to_owned()));
+        context.problems.push(problem.in_file(&document.source));
+    }
     let names = document.solids.iter().map(|entry| &entry.name.value);
     let built = names.zip(solids.built).filter_map(|(name, solid)| Some((name.clone(), solid?)));
     Ok(Scene {

@@ -7,7 +7,9 @@ use crate::colour::Colour;
 use crate::datum::{Datum, key};
 use crate::diagnostic::Diagnostic;
 use crate::document::RegionEntry;
+use crate::number::Number;
 use crate::scene::{Medium, SceneRegion};
+use crate::source::Spanned;
 use crate::suggestion::did_you_mean;
 use std::collections::HashMap;
 
@@ -92,6 +94,24 @@ fn implied<'d>(context: &Context<'d>, solids: &Solids<'d>, media: &mut Media) ->
     regions
 }
 
+/// Keys of media that are numbers: density in g/cm3, temperature in K and pressure in Pa. Other keys may be anything.
+const PHYSICAL: [&str; 3] = ["density", "temperature", "pressure"];
+
+/// The value of a physical quantity, a number or arithmetic text.
+fn physical(context: &mut Context, numbers: &Numbers, key: &str, value: &Spanned<Datum>) -> Option<f64> {
+    let number = match &value.value {
+        Datum::Number(number) => Number::Value(*number),
+        Datum::Text(text) => Number::Text(text.clone()),
+        other => {
+            let problem = Diagnostic::error(format!("`{key}` is {}", other.description()));
+            context.push(problem.why("a number or arithmetic text is needed"), value.span);
+            return None;
+        }
+    };
+    let holds = |value: f64| value >= 0.0 && value.is_finite();
+    numbers.checked(context, &Spanned::new(number, value.span), "finite and at least 0", holds)
+}
+
 /// The media by number and by name.
 struct Media {
     list: Vec<Medium>,
@@ -108,15 +128,20 @@ impl Media {
             let index = entry.index.as_ref();
             let index = index
                 .and_then(|index| numbers.checked(context, index, "finite and greater than 0", positive));
-            let others = entry.others.iter().filter_map(|(key, value)| match value.value {
-                Datum::Number(number) => Some((key.value.clone(), number)),
-                _ => None,
+            let others = entry.others.iter().filter_map(|(key, value)| {
+                let number = match (PHYSICAL.contains(&key.value.as_str()), &value.value) {
+                    (true, _) => physical(context, numbers, &key.value, value)?,
+                    (false, Datum::Number(number)) => *number,
+                    (false, _) => return None,
+                };
+                Some((key.value.clone(), number))
             });
+            let others = others.collect();
             media.list[number] = Medium {
                 name: entry.name.value.clone(),
                 index,
                 colour: entry.colour.as_ref().map(|colour| colour.value),
-                numbers: others.collect(),
+                numbers: others,
             };
         }
         media

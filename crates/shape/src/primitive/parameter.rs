@@ -47,6 +47,20 @@ impl ParameterKind {
     fn columns(self) -> usize {
         if self == ParameterKind::Triples { 3 } else { 4 }
     }
+
+    /// The type of an argument in Python, for the stub and the documentation of the Python functions.
+    pub fn python_type(self) -> &'static str {
+        match self {
+            ParameterKind::Number => "float",
+            ParameterKind::Count => "int",
+            ParameterKind::NumberOrVector3 => "float | ArrayLike",
+            ParameterKind::Vector3
+            | ParameterKind::Planes
+            | ParameterKind::Triples
+            | ParameterKind::Matrix4
+            | ParameterKind::Numbers => "ArrayLike",
+        }
+    }
 }
 
 impl fmt::Display for ParameterKind {

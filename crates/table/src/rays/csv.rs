@@ -190,6 +190,13 @@ fn read_header(fields: &Fields, line: u64, content: Content, problems: &mut Prob
     };
     let (missing, absent) = (absent(&RAY_COLUMNS), absent(known));
 
+    if positions.iter().all(Option::is_none) && names.iter().all(|name| meant(name, &absent).is_none()) {
+        // a file of another format may be secret, so that nothing of it is quoted
+        let message =
+            "the file is not a table of rays: the first line has none of the names ox,oy,oz,dx,dy,dz.";
+        problems.add(header_problem(line, message.to_owned()));
+        return None;
+    }
     let mut messages = Vec::new();
     for (i, name) in names.iter().enumerate() {
         let column = known.iter().position(|column| column.as_bytes() == *name);
@@ -235,9 +242,14 @@ fn not_a_header(fields: &Fields) -> Option<String> {
     Some(format!("fields are separated by {name}: CSV is read with commas. Write it with commas."))
 }
 
+/// The absent column that was probably meant.
+fn meant<'a>(name: &[u8], absent: &[&'a str]) -> Option<&'a str> {
+    did_you_mean(&String::from_utf8_lossy(name), absent.iter().copied())
+}
+
 /// The message about an unsupported column, with the absent column that was probably meant.
 fn unknown_column(name: &[u8], absent: &[&str]) -> String {
-    let suggestion = match did_you_mean(&String::from_utf8_lossy(name), absent.iter().copied()) {
+    let suggestion = match meant(name, absent) {
         Some(column) => format!(" Did you mean {column}?"),
         None if absent.is_empty() => " Remove it.".into(),
         None => String::new(),

@@ -14,6 +14,7 @@ use std::path::Path;
 
 use rayweave_error::Message;
 
+use crate::allowed::AllowedFiles;
 use crate::error::TableError;
 use crate::format::extension;
 use columns::Content;
@@ -92,24 +93,34 @@ impl RayReader {
         Self::open_as(path.as_ref(), Content::Light)
     }
 
+    /// Opens a light file that a model names, if it is among the given files; see [`open_light`](Self::open_light).
+    ///
+    /// # Errors
+    ///
+    /// As [`open`](Self::open), and [`TableError::Refused`] for a file that is not allowed.
+    pub fn open_allowed_light(path: impl AsRef<Path>, files: &AllowedFiles) -> Result<Self, TableError> {
+        let path = path.as_ref();
+        let extension = ray_extension(path)?;
+        let file = files.open(path).map_err(|refused| TableError::refused(path, refused))?;
+        Self::start_file(file, path, &extension, Content::Light)
+    }
+
     fn open_as(path: &Path, content: Content) -> Result<Self, TableError> {
         if path == Path::new("-") {
             return Self::start("stdin".to_owned(), |problems| {
                 csv::CsvRays::open(io::stdin(), None, content, problems)
             });
         }
-        let extension = extension(path);
-        if extension != "csv" && extension != "npy" {
-            let message =
-                Message::new("the ray file format is unknown", "the extension must be .csv or .npy");
-            return Err(TableError::format(path, message));
-        }
-        let unreadable = |error| TableError::io("read", path, error);
-        let file = File::open(path).map_err(unreadable)?;
-        let metadata = file.metadata().map_err(unreadable)?;
+        let extension = ray_extension(path)?;
+        let file = File::open(path).map_err(|error| TableError::io("read", path, error))?;
+        Self::start_file(file, path, &extension, content)
+    }
+
+    fn start_file(file: File, path: &Path, extension: &str, content: Content) -> Result<Self, TableError> {
+        let metadata = file.metadata().map_err(|error| TableError::io("read", path, error))?;
         let size = metadata.is_file().then_some(metadata.len());
         let name = path.display().to_string();
-        match extension.as_str() {
+        match extension {
             "csv" => Self::start(name, |problems| csv::CsvRays::open(file, size, content, problems)),
             _ => Self::start(name, |problems| npy::NpyRays::open(file, size, content, problems)),
         }
@@ -197,6 +208,16 @@ impl RayReader {
     pub fn rays(&self) -> Option<u64> {
         self.source.rays()
     }
+}
+
+/// The extension of a ray file, in lower case.
+fn ray_extension(path: &Path) -> Result<String, TableError> {
+    let extension = extension(path);
+    if extension != "csv" && extension != "npy" {
+        let message = Message::new("the ray file format is unknown", "the extension must be .csv or .npy");
+        return Err(TableError::format(path, message));
+    }
+    Ok(extension)
 }
 
 impl std::fmt::Debug for RayReader {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from typing import Any
@@ -42,15 +42,31 @@ class OpticalModel:
         return self.system.trace_to(path, self.sources, rows=rows, progress=progress, **wishes)
 
 
-def load(path: str | PathLike[str], parameters: Mapping[str, float | str] | None = None) -> OpticalModel:
+def load(
+    path: str | PathLike[str],
+    parameters: Mapping[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = (),
+    strict: bool = False,
+) -> OpticalModel:
     """The `[optics]` tables of a model file. `parameters` gives other values to some of its parameters: numbers, or arithmetic
-    text. All problems are told at once, each with its file, line and column."""
-    return _model(_core.load_optics(path, None if parameters is None else dict(parameters)))
+    text. The model may read files in its folder and below, and the files and folders in `allow`. With `strict`, warnings are
+    errors. All problems are told at once, each with its file, line and column."""
+    values = None if parameters is None else dict(parameters)
+    return _model(_core.load_optics(path, values, allow=list(allow), strict=strict))
 
 
-def loads(text: str, parameters: Mapping[str, float | str] | None = None) -> OpticalModel:
-    """As `load`, from the text of a model file. Files that it names are looked for in the current folder."""
-    return _model(_core.loads_optics(text, None if parameters is None else dict(parameters)))
+def loads(
+    text: str,
+    parameters: Mapping[str, float | str] | None = None,
+    *,
+    allow: Sequence[str | PathLike[str]] = (),
+    strict: bool = False,
+) -> OpticalModel:
+    """As `load`, from the text of a model file. The names of files are relative to the current folder; the model may read files
+    there and below."""
+    values = None if parameters is None else dict(parameters)
+    return _model(_core.loads_optics(text, values, allow=list(allow), strict=strict))
 
 
 def _model(read: tuple[Any, ...]) -> OpticalModel:

@@ -82,10 +82,14 @@ class Rays(Columns):
         """The radius of the smallest circle about the centroid with at least a fraction of the power."""
         return self._compiled.radius_of_energy(real(fraction, "fraction"))
 
-    def mtf(self, frequencies: ArrayLike, direction: tuple[float, float] = (0.0, 1.0)) -> Numbers:
-        """The modulation of lines across a direction by frequency in cycles per unit of length: the modulus of the Fourier
-        transform of the spot (W. J. Smith, Modern Optical Engineering, section on the modulation transfer function)."""
+    def geometric_mtf(self, frequencies: ArrayLike, direction: tuple[float, float] = (0.0, 1.0)) -> Numbers:
+        """The geometric modulation transfer function: the modulation of lines across a direction by frequency in cycles per unit of
+        length, without diffraction. It is the modulus of the Fourier transform of the spot (W. J. Smith, Modern Optical Engineering,
+        section on the modulation transfer function)."""
         return self._compiled.mtf(pair(direction, "direction", "a pair of numbers along x and y"), _core.number_list(frequencies, "frequencies"))
+
+    #: The short name of `geometric_mtf`.
+    mtf = geometric_mtf
 
 
 class Spots(Columns):
@@ -325,8 +329,8 @@ class Energy(_ByField):
 
 
 class Modulation(_ByField):
-    """The modulation of every `field` by `frequency` in cycles per unit of length: `tangential`, `sagittal`, and the `limit` by
-    diffraction on the axis."""
+    """The geometric MTF of every `field`, from rays without diffraction, by `frequency` in cycles per unit of length: `tangential`,
+    `sagittal`, and the `limit` by diffraction of a lens without aberrations on the axis."""
 
     @classmethod
     def of(
@@ -343,16 +347,16 @@ class Modulation(_ByField):
         columns = {
             "field": np.repeat(np.arange(len(images)), len(frequencies)),
             "frequency": np.tile(frequencies, len(images)),
-            "tangential": np.concatenate([image.mtf(frequencies, (x, y)) for image, (x, y) in pairs]),
-            "sagittal": np.concatenate([image.mtf(frequencies, (y, -x)) for image, (x, y) in pairs]),
+            "tangential": np.concatenate([image.geometric_mtf(frequencies, (x, y)) for image, (x, y) in pairs]),
+            "sagittal": np.concatenate([image.geometric_mtf(frequencies, (y, -x)) for image, (x, y) in pairs]),
             "limit": np.tile(_diffraction(frequencies / cutoff), len(images)),
         }
         return cls(columns, {"frequency": f"1/{unit}"})
 
     def show(self, *, axis: Axes | None = None) -> Axes:
-        """Draws the modulation over the frequency, that of diffraction in grey."""
-        axis = self._show(axis, "frequency", {"tangential": "-", "sagittal": "--"}, "modulation")
-        axis.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction")
+        """Draws the geometric MTF over the frequency, the diffraction limit in grey."""
+        axis = self._show(axis, "frequency", {"tangential": "-", "sagittal": "--"}, "geometric MTF (without diffraction)")
+        axis.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction limit, axis")
         axis.set_ylim(0.0, 1.02)
         axis.legend(fontsize="small")
         return axis

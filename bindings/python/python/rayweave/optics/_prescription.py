@@ -321,7 +321,7 @@ class Prescription:
 
     @classmethod
     def read_zmx(cls, path: str | Path) -> Prescription:
-        """The prescription in a Zemax file. `passed_over` tells what of the file was not understood or not needed."""
+        """The prescription in a Zemax file. `passed_over` lists what of the file is ignored, with its lines."""
         return cls._of(*_core.CompiledPrescription.read_zmx(Path(path).read_bytes()))
 
     @classmethod
@@ -466,6 +466,11 @@ class Prescription:
 
     # real rays
 
+    def principal_point(self, field: int = 0, *, wavelength_nm: float | None = None) -> tuple[float, float]:
+        """The point of the paraxial entrance pupil, in units of its semi-diameter, through which the principal (chief) ray of a field
+        goes, the ray to the centre of the stop; (0, 0) without pupil aberration."""
+        return self._compiled.principal_point(whole(field, "field"), self._wavelength(wavelength_nm))
+
     def arrivals(
         self,
         field: int = 0,
@@ -477,7 +482,8 @@ class Prescription:
     ) -> Rays:
         """The rays of a field on the image, at one wavelength or, by default, at all of them with their weights.
 
-        Only rays that come by the surfaces in their order are there: not those that are vignetted or lost.
+        Only rays that come by the surfaces in their order are there: not those that are vignetted or lost. Rays that are not `aimed`
+        at the stop are refused where the real entrance pupil of the field lies far beside the paraxial one.
         """
         self._needs_real_object()
         line = None if wavelength_nm is None else self._wavelength(wavelength_nm)
@@ -540,7 +546,7 @@ class Prescription:
             radii = np.linspace(0.0, max(image.spot().geometric for image in rays), 101)
         return Energy.of(rays, array(radii, "radii"), self.unit)
 
-    def mtf(
+    def geometric_mtf(
         self,
         frequencies: ArrayLike | None = None,
         *,
@@ -548,16 +554,21 @@ class Prescription:
         across: int = 49,
         aimed: bool = False,
     ) -> Modulation:
-        """The modulation of lines by geometric imaging, by frequency in cycles per unit of length: `tangential` for lines across
-        the direction of the field, `sagittal` for those along it. `limit` is that of diffraction alone at the primary wavelength,
-        for a circular pupil and the paraxial F-number of the image (J. W. Goodman, Introduction to Fourier Optics, section 6.4).
-        The rays are a square grid, `across` of them over the pupil."""
+        """The geometric modulation transfer function of every field: the modulation of lines by the spots of rays alone, without
+        diffraction, by frequency in cycles per unit of length: `tangential` for lines across the direction of the field, `sagittal`
+        for those along it. It is a good approximation where aberrations are much larger than a wavelength, and too high near the
+        diffraction limit, which a real lens cannot exceed. `limit` is the MTF by diffraction of a lens without aberrations, on the
+        axis at the primary wavelength, for a circular pupil and the paraxial F-number of the image (J. W. Goodman, Introduction to
+        Fourier Optics, section 6.4). The rays are a square grid, `across` of them over the pupil."""
         rays, cutoff = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed), self._cutoff()
         if frequencies is None:
             # the frequency at which the modulation of the smallest spot vanishes
             least = min(image.spot().rms for image in rays)
             frequencies = np.linspace(0.0, min(cutoff, 0.3 / least) if least > 0.0 else cutoff, 51)
         return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit)
+
+    #: The short name of `geometric_mtf`.
+    mtf = geometric_mtf
 
     def through_focus(
         self,
@@ -577,12 +588,14 @@ class Prescription:
         return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit)
 
     def distortion(self, *, wavelength_nm: float | None = None, count: int = 21) -> Distortion:
-        """Where real and paraxial principal rays meet the image, over the field from the axis to its widest point."""
+        """Where real and paraxial principal rays meet the image, over the field from the axis to its widest point. Real ones are aimed
+        at the centre of the stop."""
         return Distortion.of(*self._principal(wavelength_nm, count))
 
     def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 21) -> FieldCurvature:
-        """The tangential and the sagittal focus of thin pencils about the principal ray, over the field from the axis to its widest
-        point: distances along the axis from the image (Coddington; W. T. Welford, Aberrations of Optical Systems, section 9.5)."""
+        """The tangential and the sagittal focus of thin pencils about the principal ray, the one through the centre of the stop, over
+        the field from the axis to its widest point: distances along the axis from the image (Coddington; W. T. Welford, Aberrations
+        of Optical Systems, section 9.5)."""
         return FieldCurvature.of(*self._principal(wavelength_nm, count))
 
     def focal_shift(self, wavelengths_nm: ArrayLike | None = None, *, height: float = 0.001) -> FocalShift:
@@ -596,8 +609,8 @@ class Prescription:
         return FocalShift.of(lines, [on_axis._compiled.axial_focus(line, part) for line in lines], self.unit)
 
     def lateral_colour(self, *, count: int = 21) -> LateralColour:
-        """How far the principal rays of all wavelengths meet the image from that of the primary one, away from the axis, over the
-        field from the axis to its widest point."""
+        """How far the principal rays of all wavelengths, aimed at the centre of the stop, meet the image from that of the primary one,
+        away from the axis, over the field from the axis to its widest point."""
         lens, sweep = self._swept(count)
         shift = lens._compiled.lateral_colour
         found = [[shift(k, line) for k in range(count)] for line in self.wavelengths_nm]
@@ -608,7 +621,8 @@ class Prescription:
         `Trace.show`."""
         elements = self.elements()
         pupil = pupil_grid("fan_y", whole(rays, "rays", least=1, bits=31))
-        bundles = [self.rays(field, pupil=pupil) for field in range(len(self.fields))]
+        fields = range(len(self.fields))
+        bundles = [self.rays(k, pupil=pupil, aimed=self._compiled.needs_aiming(k, self.primary_nm)) for k in fields]
         origins, directions = (np.concatenate(parts) for parts in zip(*bundles, strict=True))
         # with a distant object the lens would be tiny in the drawing
         if self.object_distance > 2.0 * sum(abs(surface.thickness) for surface in self.surfaces):

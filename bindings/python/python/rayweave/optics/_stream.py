@@ -30,7 +30,8 @@ class Stream:
 
     The rows are those of `System.trace`, in the same order; `parent` counts the rows of the whole run. Light is traced in the
     background, a few batches ahead. After the last batch `balance` says where the power went. Leaving early (`close`, a `with`
-    block, or no longer holding the stream) stops the run.
+    block, or no longer holding the stream) stops the run. Several threads may take batches of one stream: each batch goes to one
+    of them, and all of them end when the run is over or the stream is closed.
     """
 
     def __init__(self, system: System, compiled: _core.SegmentStream, total: int, progress: Progress) -> None:
@@ -45,14 +46,18 @@ class Stream:
         for columns in self._compiled:
             self._tell(min(self._compiled.rays, self._total), self._total)
             yield Trace(self.system, columns, None)
-        self._tell(self._total, self._total)
+        # a stream that was closed is not done
+        if self._compiled.balance is not None:
+            self._tell(self._total, self._total)
 
     @property
     def balance(self) -> Balance:
         """Where the power went, once all batches have been taken."""
         accounts = self._compiled.balance
         if accounts is None:
-            raise _core.RayweaveError("the balance is not known yet: take all batches first.")
+            raise _core.RayweaveError(
+                "the balance is not known: take all batches first, and close the stream after that."
+            )
         return self.system._balance(accounts)
 
     def to_arrow(self) -> Iterator[Any]:

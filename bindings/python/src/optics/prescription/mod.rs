@@ -9,12 +9,13 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Packets;
-use rayweave::lens::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, square};
+use rayweave::lens::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, needs_aiming, square};
 use rayweave::lens::paraxial::Meridian;
 use rayweave::lens::prescription::{CoordinateBreak, Layout, Prescription, read_zmx, write_zmx};
 use rayweave::optics::{System, Tracer};
 use std::sync::OnceLock;
 
+use crate::engine::computed;
 use crate::error::bad_value;
 use crate::optics::arrivals::PyArrivals;
 use crate::optics::parts::parts;
@@ -62,17 +63,19 @@ impl PyPrescription {
     }
 
     /// The surfaces, as the constructor takes them.
+    #[pyo3(signature = () -> "list[tuple[Any, ...]]")]
     fn rows<'py>(&self, py: Python<'py>) -> PyResult<Vec<RowOut<'py>>> {
         self.lens.surfaces.iter().map(|surface| row_of(py, surface)).collect()
     }
 
     /// The numbers that belong to no single surface, in the form that the constructor takes.
+    #[pyo3(signature = () -> "dict[str, Any]")]
     fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         frame_table(py, &self.lens)
     }
 
     /// First-order data at a wavelength by name, with the matrix (a, b, c, d); pupils are (position, diameter).
-    #[pyo3(signature = (wavelength_nm, along))]
+    #[pyo3(signature = (wavelength_nm, along) -> "dict[str, Any]")]
     fn first_order<'py>(
         &self,
         py: Python<'py>,
@@ -88,11 +91,13 @@ impl PyPrescription {
     }
 
     /// The Seidel sums of every surface, as columns.
+    #[pyo3(signature = () -> "dict[str, NDArray[np.float64]]")]
     fn seidel<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         seidel_table(py, &self.lens.seidel().map_err(bad_value)?)
     }
 
     /// Its solids, stop and image.
+    #[pyo3(signature = () -> "list[tuple[str, Any, Any, Any, Any]]")]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let (layout, _) = self.built(py)?;
         parts(py, &layout.assembly)?.into_iter().map(|part| part.into_bound_py_any(py)).collect()
@@ -104,7 +109,7 @@ impl PyPrescription {
     }
 
     /// Origins and directions of the rays of a field through points of the pupil, (N, 2).
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn rays<'py>(
         &self,
@@ -122,7 +127,7 @@ impl PyPrescription {
     }
 
     /// The rays of a field on the image, at one wavelength or at all of them with their weights.
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     fn arrivals(
         &self,
         field: usize,
@@ -139,7 +144,7 @@ impl PyPrescription {
     }
 
     /// A ray fan: points of the pupil and transverse errors, both (N, 2).
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn fan<'py>(
         &self,
@@ -154,7 +159,7 @@ impl PyPrescription {
     }
 
     /// A wavefront: points of the pupil (N, 2) and differences in waves (N,).
-    #[pyo3(signature = (field, wavelength_nm, pupil, aimed))]
+    #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn wavefront<'py>(
         &self,
@@ -166,6 +171,19 @@ impl PyPrescription {
         let (py, points) = (pupil.py(), points(pupil, "pupil")?);
         let wavefront = self.study(py, aimed, |study| study.wavefront(field, wavelength_nm, &points))?;
         Ok((pairs(py, &wavefront.pupil), PyArray1::from_vec(py, wavefront.waves)))
+    }
+
+    /// The point of the paraxial entrance pupil through which the principal ray goes.
+    #[pyo3(signature = (field, wavelength_nm))]
+    fn principal_point(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<(f64, f64)> {
+        let [x, y] = py.detach(|| self.lens.principal_point(field, wavelength_nm)).map_err(bad_value)?;
+        Ok((x, y))
+    }
+
+    /// Whether rays of a field have to be aimed at the stop.
+    #[pyo3(signature = (field, wavelength_nm))]
+    fn needs_aiming(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<bool> {
+        py.detach(|| needs_aiming(&self.lens, field, wavelength_nm)).map_err(bad_value)
     }
 
     /// The heights of the real and the paraxial principal ray on the image, and the tangential and the sagittal focus.
@@ -199,15 +217,11 @@ impl PyPrescription {
     }
 
     fn built(&self, py: Python<'_>) -> PyResult<&(Layout, System)> {
-        if let Some(built) = self.built.get() {
-            return Ok(built);
-        }
-        let made = py.detach(|| {
+        computed(py, &self.built, || {
             let layout = self.lens.assembly().map_err(bad_value)?;
             let system = layout.assembly.compile().map_err(bad_value)?;
-            Ok::<_, PyErr>((layout, system))
-        })?;
-        Ok(self.built.get_or_init(|| made))
+            Ok((layout, system))
+        })
     }
 
     fn study<T: Send>(

@@ -14,27 +14,27 @@ use crate::optics::spec::{Spec, SpecOut};
 /// The material behind a surface: "air", "mirror" or the name of a glass; an index, n_d and V_d, or
 /// a glass.
 #[derive(FromPyObject)]
-enum Substance<'py> {
+enum MaterialBehind<'py> {
     Glass(PyRef<'py, PyGlass>),
     Name(String),
     Index(f64),
     Model(f64, f64),
 }
 
-impl Substance<'_> {
+impl MaterialBehind<'_> {
     fn behind(&self) -> Behind {
         match self {
-            Substance::Glass(glass) => Behind::Medium(Medium::from(glass.0.clone())),
-            Substance::Name(name) if name == "air" => Behind::Air,
-            Substance::Name(name) if name == "mirror" => Behind::Mirror,
-            Substance::Name(name) => Behind::Glass(name.clone()),
-            Substance::Index(n) => Behind::Index(*n),
-            Substance::Model(n_d, v_d) => Behind::Abbe { n_d: *n_d, v_d: *v_d },
+            MaterialBehind::Glass(glass) => Behind::Medium(Medium::from(glass.0.clone())),
+            MaterialBehind::Name(name) if name == "air" => Behind::Air,
+            MaterialBehind::Name(name) if name == "mirror" => Behind::Mirror,
+            MaterialBehind::Name(name) => Behind::Glass(name.clone()),
+            MaterialBehind::Index(n) => Behind::Index(*n),
+            MaterialBehind::Model(n_d, v_d) => Behind::Abbe { n_d: *n_d, v_d: *v_d },
         }
     }
 }
 
-fn substance<'py>(py: Python<'py>, behind: &Behind) -> PyResult<Bound<'py, PyAny>> {
+fn material_behind<'py>(py: Python<'py>, behind: &Behind) -> PyResult<Bound<'py, PyAny>> {
     match behind {
         Behind::Air => "air".into_bound_py_any(py),
         Behind::Mirror => "mirror".into_bound_py_any(py),
@@ -51,7 +51,7 @@ fn substance<'py>(py: Python<'py>, behind: &Behind) -> PyResult<Bound<'py, PyAny
 
 /// Radius, thickness, material, conic constant, semi-diameter and hole of a surface, its even and odd terms, and its figure.
 #[derive(FromPyObject)]
-pub struct Row<'py>(f64, f64, Substance<'py>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>, Spec);
+pub struct Row<'py>(f64, f64, MaterialBehind<'py>, f64, Option<f64>, f64, Vec<f64>, Vec<f64>, Spec);
 
 impl Row<'_> {
     /// The surface.
@@ -122,7 +122,7 @@ pub type RowOut<'py> = (f64, f64, Bound<'py, PyAny>, f64, Option<f64>, f64, Vec<
 
 /// The row of a surface.
 pub fn row_of<'py>(py: Python<'py>, surface: &Surface) -> PyResult<RowOut<'py>> {
-    let behind = substance(py, &surface.behind)?;
+    let behind = material_behind(py, &surface.behind)?;
     let Surface { radius, thickness, conic, semi_diameter, hole, even, odd, figure, .. } = surface;
     let (even, odd, figure) = (given(even), given(odd), figure_out(figure));
     Ok((*radius, *thickness, behind, *conic, *semi_diameter, *hole, even, odd, figure))

@@ -3,9 +3,10 @@
 use super::round::{ZPlane, edges, in_order, outline};
 use super::{Made, Phi, loose_box, of, union_of};
 use crate::gdml::attributes::{Failure, refused};
-use rayweave_math::{Affine, Mat3, Vec3, sin_cos_degrees, unit_vector_degrees};
+use rayweave_math::{Affine, Bounds, Mat3, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
-use rayweave_shape::primitive::{CentredBox, Convex, Quadric, Value, build};
+use rayweave_shape::primitive::{CentredBox, Convex, Primitive, Quadric, Value, build};
+use std::collections::HashMap;
 
 /// tan of an angle in degrees.
 fn tan(angle: f64) -> f64 {
@@ -292,10 +293,88 @@ fn frustum(normals: &[Vec3], a: (f64, f64), b: (f64, f64)) -> Result<Option<Soli
 
 /// `G4TessellatedSolid`: half-spaces if the facets enclose a convex solid, else a mesh.
 pub(in crate::gdml) fn tessellated(facets: &[Vec<Vec3>]) -> Made {
-    match planes_of(facets) {
-        Some(planes) => Ok(of(Convex::new(planes)?)),
-        None => mesh(facets),
+    if let Some(planes) = planes_of(facets) {
+        let convex = Convex::new(planes)?;
+        let (found, corners) = (Primitive::from(convex.clone()).lower().bounds, bounds_of(facets));
+        let near = |a: Vec3, b: Vec3| (a - b).abs().max_element() <= 1e-6 * corners.size().length();
+        if near(found.lo, corners.lo) && near(found.hi, corners.hi) {
+            return Ok(of(convex));
+        }
+        // a face is missing: the planes of the others meet elsewhere, or nowhere
     }
+    mesh(facets)
+}
+
+/// Defects of facets, as `G4TessellatedSolid::CheckStructure` finds them. Facets are counted from 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in crate::gdml) struct Defects {
+    /// Volume by the order of the vertices: negative if the facets are clockwise seen from outside.
+    pub volume: f64,
+    /// The facet with the most edges that another facet has in the same direction, and the number of all such edges.
+    pub reversed: Option<(usize, usize)>,
+    /// The first facet with an edge that is not the edge of two facets, and the number of all such edges.
+    pub open: Option<(usize, usize)>,
+}
+
+impl Defects {
+    pub fn of(facets: &[Vec<Vec3>]) -> Defects {
+        let origin = facets.first().and_then(|facet| facet.first()).copied().unwrap_or_default();
+        let volume = facets.iter().map(|facet| newell(facet).dot(facet[0] - origin) / 3.0).sum();
+        let numbers = numbered(facets);
+        // the two ends in order, the direction, and the facet
+        let mut all: Vec<(usize, usize, bool, usize)> = Vec::new();
+        for (facet, corners) in numbers.iter().enumerate() {
+            let sides = edges(corners).filter(|(a, b)| a != b);
+            all.extend(sides.map(|(a, b)| (a.min(b), a.max(b), a < b, facet)));
+        }
+        all.sort_unstable();
+        let (mut wrong, mut reversed_edges) = (vec![0usize; facets.len()], 0);
+        let mut open: Option<(usize, usize)> = None;
+        for edge in all.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+            let forward = edge.iter().filter(|side| side.2).count();
+            if edge.len() % 2 != 0 {
+                let (first, count) = open.unwrap_or((usize::MAX, 0));
+                let facet = edge.iter().map(|side| side.3).min().unwrap_or(first);
+                open = Some((first.min(facet), count + 1));
+            } else if 2 * forward != edge.len() {
+                reversed_edges += 1;
+                edge.iter().for_each(|side| wrong[side.3] += 1);
+            }
+        }
+        let worst = wrong.iter().copied().max().unwrap_or(0);
+        let reversed = wrong.iter().position(|&count| count == worst && count > 0);
+        Defects { volume, reversed: reversed.map(|facet| (facet, reversed_edges)), open }
+    }
+}
+
+fn bounds_of(facets: &[Vec<Vec3>]) -> Bounds {
+    facets.iter().flatten().fold(Bounds::EMPTY, |all, p| all.union(&Bounds::new(*p, *p)))
+}
+
+/// Vertex numbers of the facets. Vertices within a billionth of the size are one: those of `RELATIVE` facets are rounded.
+fn numbered(facets: &[Vec<Vec3>]) -> Vec<Vec<usize>> {
+    let size = bounds_of(facets).size().length();
+    let near = 1e-9 * size;
+    let cell = |p: Vec3| [p.x, p.y, p.z].map(|x| (x / (4.0 * near)).floor() as i64);
+    let mut cells: HashMap<[i64; 3], Vec<(Vec3, usize)>> = HashMap::new();
+    let mut count = 0;
+    let mut number = |p: Vec3| {
+        let [low, high] = [cell(p - Vec3::splat(near)), cell(p + Vec3::splat(near))];
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    let known = cells.get(&[x, y, z]).into_iter().flatten();
+                    if let Some((_, k)) = known.into_iter().find(|(q, _)| (*q - p).length() <= near) {
+                        return *k;
+                    }
+                }
+            }
+        }
+        cells.entry(cell(p)).or_default().push((p, count));
+        count += 1;
+        count - 1
+    };
+    facets.iter().map(|facet| facet.iter().map(|p| number(*p)).collect()).collect()
 }
 
 /// The distinct planes of the facets if the solid is convex, i.e. if no vertex is in front of a plane.

@@ -30,6 +30,9 @@ pub(crate) struct Reading {
 /// The top-level tables.
 const TABLES: [&str; 7] = ["parameters", "solid", "region", "medium", "camera", "light", "render"];
 
+/// Tables that other parts of Rayweave read.
+const OWNED: [&str; 2] = ["optics", "gdml"];
+
 /// Reads as much as possible, and collects all problems.
 pub(crate) fn read(source: Arc<Source>) -> Reading {
     let (table, errors) = DeTable::parse_recoverable(source.text());
@@ -135,11 +138,11 @@ impl Reader {
     }
 
     fn foreign(&mut self, name: Spanned<String>, value: Spanned<Datum>, text: String) {
-        let suggestion = did_you_mean(&name.value, TABLES);
-        if suggestion.is_some() {
+        if !OWNED.contains(&name.value.as_str()) {
+            let known: Vec<&str> = TABLES.into_iter().chain(OWNED).collect();
             let problem = Diagnostic::warning(format!("the table `{}` is not used", name.value))
-                .why("tables of other names are kept for those who know them")
-                .suggest(suggestion);
+                .why(format!("the tables are {}", known.join(", ")))
+                .suggest(did_you_mean(&name.value, known));
             self.problems.push(problem, name.span);
         }
         self.document.foreign.push(Foreign { name, value, text });
@@ -231,7 +234,7 @@ impl Reader {
         let (index, colour) = (fields.number("index"), fields.colour("colour"));
         let others = fields.keys.rest;
         for (key, _) in &others {
-            let suggestion = did_you_mean(&key.value, ["index", "colour"]);
+            let suggestion = did_you_mean(&key.value, ["index", "colour", "density"]);
             if suggestion.is_some() {
                 let problem = Diagnostic::warning(format!("`{}` is not used", key.value))
                     .why("other keys of media are kept for those who know them")
