@@ -25,6 +25,7 @@ mod scatter;
 mod source;
 mod surface;
 
+pub use boundary::BoundaryEvent;
 pub use detector::{DetectionRule, Detector};
 pub use error::{PhotonError, PropertyError};
 pub use hits::{Hits, hit_schema};

@@ -422,7 +422,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let [front, behind] = [crossing.before, crossing.after].map(|region| detector.material(region));
         let energy = flight.photon.energy;
         let at = |material: &OpticalMaterial| material.index.as_ref().map(|index| index.at(energy));
-        let media = [crossing.before, crossing.after].map(|region| detector.program.medium_of(region));
+        let [own, other] = [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
         let mut boundary = Boundary {
             direction: flight.photon.direction,
             polarisation: flight.photon.polarisation,
@@ -430,7 +430,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             energy,
             index: at(front).unwrap_or(1.0),
             index_behind: at(behind),
-            is_same_material: media[0] == media[1],
+            is_same_material: own == other,
             surface: detector.surface(crossing),
         };
         let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Boundary);

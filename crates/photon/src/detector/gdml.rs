@@ -12,13 +12,13 @@ use rayweave_scene::{Datum, Scene};
 use std::collections::{HashMap, HashSet};
 
 /// The optical materials by the number of the medium.
-pub(super) fn materials(table: &Datum, media: &[String], properties: &mut PropertyReader) -> Vec<OpticalMaterial> {
+pub(super) fn materials(table: &Datum, media: &[&str], properties: &mut PropertyReader) -> Vec<OpticalMaterial> {
     let rows = || table.get("material").into_iter().flat_map(Datum::items);
     let by_medium: HashMap<&str, &Datum> =
         rows().filter_map(|row| Some((row.get("medium")?.as_text()?, row))).collect();
-    let read = |name: &String| match by_medium.get(name.as_str()) {
+    let read = |name: &&str| match by_medium.get(name) {
         Some(row) => material(row, name, properties),
-        None => OpticalMaterial { name: name.clone(), ..OpticalMaterial::default() },
+        None => OpticalMaterial { name: (*name).to_owned(), ..OpticalMaterial::default() },
     };
     media.iter().map(read).collect()
 }

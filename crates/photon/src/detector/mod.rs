@@ -10,9 +10,9 @@ use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
 use borders::SurfaceTable;
 use rayweave_error::Message;
-use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, RegionId};
+use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
 use rayweave_optics::start_surfaces::StartSurfaces;
-use rayweave_scene::{Compiled, Document, Scene};
+use rayweave_scene::{Document, Scene};
 use std::sync::Arc;
 
 /// What counts as the detection of a photon.
@@ -31,8 +31,10 @@ pub enum DetectionRule {
 #[derive(Debug)]
 pub struct Detector {
     pub(crate) program: Arc<Program>,
-    /// The media by number; 0 is that of the world.
+    /// The materials, by the number of the medium in the scene; 0 is the medium of the world.
     pub(crate) materials: Vec<OpticalMaterial>,
+    /// The number of the material of each region.
+    pub(crate) material_of: Vec<u32>,
     pub(crate) surfaces: Vec<OpticalSurface>,
     pub(crate) boundaries: SurfaceTable,
     pub(crate) starts: StartSurfaces,
@@ -57,16 +59,9 @@ impl Detector {
             let message = message.suggest("Use a GDML file, or a native model converted from one.");
             return Err(PhotonError::Detector(vec![message]));
         };
-        let compiled = match Compiled::new(scene) {
-            Ok(compiled) => compiled,
-            Err(rayweave_scene::SceneError::Compile(error)) => return Err(error.into()),
-            Err(other) => {
-                return Err(PhotonError::Detector(vec![Message::new("the detector is invalid", other.to_string())]));
-            }
-        };
-        let program = compiled.program;
+        let program = Arc::new(Program::compile_regions(&regions(scene))?);
         let mut properties = properties::PropertyReader::new(table);
-        let materials = gdml::materials(table, &compiled.media, &mut properties);
+        let materials = gdml::materials(table, &scene.medium_names(), &mut properties);
         let surfaces = gdml::surfaces(table, &mut properties);
         let volumes = gdml::volumes(table, scene);
         let boundaries = SurfaceTable::new(table, &surfaces, &volumes, &mut properties);
@@ -75,8 +70,9 @@ impl Detector {
         let region_names = names.map(str::to_owned).collect();
         let starts = StartSurfaces::new(&program);
         let faces = faces(&program);
+        let material_of = std::iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
         let notes = properties.finish()?;
-        Ok(Detector { faces, program, materials, surfaces, boundaries, starts, sensors, region_names, notes })
+        Ok(Detector { faces, program, materials, material_of, surfaces, boundaries, starts, sensors, region_names, notes })
     }
 
     /// What the detector ignores, one sentence each: properties that no process uses, and surfaces that are attached
@@ -111,13 +107,20 @@ impl Detector {
     }
 
     pub(crate) fn material(&self, region: RegionId) -> &OpticalMaterial {
-        &self.materials[self.program.medium_of(region) as usize]
+        &self.materials[self.material_of[region.index()] as usize]
     }
 
     /// The optical surface at a crossing, if there is one.
     pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
     }
+}
+
+/// The regions of a scene, each with a medium of its own: a photon stops at every boundary between two volumes, even of
+/// equal material, since it may have an optical surface or a sensor behind it.
+fn regions(scene: &Scene) -> Vec<Region> {
+    let own = scene.model_regions().into_iter().zip(1..);
+    own.map(|(region, medium)| Region { medium, ..region }).collect()
 }
 
 /// The faces of a program by number.

@@ -1,0 +1,118 @@
+//! The physics of photons against closed forms, in small GDML detectors.
+
+mod boundary;
+mod bulk;
+mod detector;
+mod reproducible;
+
+use rayweave_formats::{Format, Options};
+use rayweave_math::Vec3;
+use rayweave_photon::{Detector, End, Photon, PhotonError, PhotonRun, RunSettings, Source, property, simulate};
+use rayweave_trace::Packets;
+
+/// A world of half side 1 m filled with `Outer`, and in it a slab of `Inner` from z = 0 to z = 100 mm, wide in x and y.
+///
+/// `matrices`, `inner` and `outer` are elements of `<define>` and of the two materials, `surfaces` of `<solids>`, and
+/// `links` of `<structure>`; the slab's volume is `Slab`, its placement `slab`, and `auxiliary` is in its volume.
+#[derive(Clone, Copy, Default)]
+struct SlabDetector<'a> {
+    matrices: &'a str,
+    outer: &'a str,
+    inner: &'a str,
+    surfaces: &'a str,
+    links: &'a str,
+    auxiliary: &'a str,
+}
+
+impl SlabDetector<'_> {
+    fn text(&self) -> String {
+        let SlabDetector { matrices, outer, inner, surfaces, links, auxiliary } = self;
+        format!(
+            r#"<gdml><define>
+<matrix name="ONE" coldim="2" values="1*eV 1 10*eV 1"/>
+<matrix name="GLASS" coldim="2" values="1*eV 1.5 10*eV 1.5"/>
+<matrix name="ZERO" coldim="2" values="1*eV 0 10*eV 0"/>
+<matrix name="HALF" coldim="2" values="1*eV 0.5 10*eV 0.5"/>
+{matrices}</define>
+<materials>
+<element name="H" Z="1"><atom value="1"/></element>
+<material name="Outer"><D value="1"/><fraction n="1" ref="H"/>{outer}</material>
+<material name="Inner"><D value="1"/><fraction n="1" ref="H"/>{inner}</material>
+</materials>
+<solids>
+<box name="WorldBox" x="2000" y="2000" z="2000" lunit="mm"/>
+<box name="SlabBox" x="1000" y="1000" z="100" lunit="mm"/>
+{surfaces}</solids>
+<structure>
+<volume name="Slab"><materialref ref="Inner"/><solidref ref="SlabBox"/>{auxiliary}</volume>
+<volume name="World"><materialref ref="Outer"/><solidref ref="WorldBox"/>
+<physvol name="slab"><volumeref ref="Slab"/><position name="p" z="50" unit="mm"/></physvol></volume>
+{links}</structure>
+<setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"#
+        )
+    }
+
+    fn build(&self) -> Detector {
+        self.try_build().unwrap()
+    }
+
+    fn try_build(&self) -> Result<Detector, PhotonError> {
+        detector(&self.text())
+    }
+}
+
+/// The two materials with their indices alone.
+const CLEAR: SlabDetector<'static> = SlabDetector {
+    matrices: "",
+    outer: r#"<property name="RINDEX" ref="ONE"/>"#,
+    inner: r#"<property name="RINDEX" ref="GLASS"/>"#,
+    surfaces: "",
+    links: "",
+    auxiliary: "",
+};
+
+fn detector(gdml: &str) -> Result<Detector, PhotonError> {
+    let imported = rayweave_formats::parse(gdml, Format::Gdml, &[], &Options::default()).unwrap();
+    Detector::new(&imported.scene, &imported.document())
+}
+
+fn run(detector: &Detector, source: &Source, settings: &RunSettings) -> PhotonRun {
+    let run = simulate(detector, &Packets::new(detector.program().clone()), source, settings).unwrap();
+    assert_eq!(run.ends.values().sum::<u64>(), run.photons, "every photon ends once");
+    run
+}
+
+/// Equal photons of 3 eV from a point below the slab.
+fn beam(count: usize, direction: [f64; 3], polarisation: [f64; 3]) -> Source {
+    let direction = Vec3::from_array(direction).normalize();
+    let photon = Photon {
+        position: Vec3::new(0.0, 0.0, -10.0),
+        direction,
+        polarisation: Vec3::from_array(polarisation).normalize(),
+        energy: 3e-6,
+        time: 0.0,
+    };
+    Source::Photons(vec![photon; count])
+}
+
+fn settings(count: usize) -> RunSettings {
+    RunSettings::new(0..count as u64)
+}
+
+fn count(run: &PhotonRun, end: End) -> u64 {
+    run.ends.get(&end).copied().unwrap_or(0)
+}
+
+/// Asserts that `count` of `total` trials agrees with a probability within five standard deviations.
+fn assert_binomial(count: u64, total: u64, probability: f64, what: &str) {
+    let expected = total as f64 * probability;
+    let deviation = (expected * (1.0 - probability)).sqrt().max(1e-9);
+    let z = (count as f64 - expected) / deviation;
+    assert!(z.abs() < 5.0, "{what}: {count} of {total}, expected {expected:.1} (z = {z:.1})");
+}
+
+#[test]
+fn wavelength_and_energy_are_inverse() {
+    // 3 eV: 413.2806 nm
+    assert!((property::wavelength_nm(3e-6) - 413.280_661_444).abs() < 1e-6);
+}

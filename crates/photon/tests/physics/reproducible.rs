@@ -1,0 +1,52 @@
+//! The same photons have the same histories, however a run is divided.
+
+use crate::{CLEAR, SlabDetector, run};
+use rayweave_math::Vec3;
+use rayweave_photon::{Hits, PointSource, RunSettings, Source};
+use std::num::NonZeroUsize;
+
+fn scattering() -> SlabDetector<'static> {
+    SlabDetector {
+        matrices: r#"<matrix name="LENGTH" coldim="2" values="1*eV 60 10*eV 60"/>"#,
+        inner: r#"<property name="RINDEX" ref="GLASS"/><property name="RAYLEIGH" ref="LENGTH"/>
+<property name="ABSLENGTH" ref="LENGTH"/>"#,
+        surfaces: r#"<opticalsurface name="S" model="unified" finish="ground" type="dielectric_dielectric" value="0.2">
+<property name="REFLECTIVITY" ref="HALF"/><property name="EFFICIENCY" ref="HALF"/></opticalsurface>"#,
+        links: r#"<skinsurface name="skin" surfaceproperty="S"><volumeref ref="Slab"/></skinsurface>"#,
+        ..CLEAR
+    }
+}
+
+#[test]
+fn threads_and_ranges_change_nothing() {
+    let detector = scattering().build();
+    let source = Source::Point(PointSource::isotropic(Vec3::new(1.0, 2.0, 30.0), 420.0).unwrap());
+    let settings = |range, threads| RunSettings {
+        seed: 5,
+        threads: NonZeroUsize::new(threads),
+        ..RunSettings::new(range)
+    };
+    let whole = run(&detector, &source, &settings(0..10_000, 1));
+    assert!(whole.hits.len() > 500, "{}", whole.hits.len());
+    assert_eq!(run(&detector, &source, &settings(0..10_000, 3)), whole);
+    let (mut photons, mut steps, mut rows) = (0, 0, Vec::new());
+    for range in [0..1, 1..4097, 4097..9000, 9000..10_000] {
+        let part = run(&detector, &source, &settings(range, 2));
+        photons += part.photons;
+        steps += part.steps;
+        rows.extend(lines(&part.hits));
+    }
+    assert_eq!((photons, steps), (whole.photons, whole.steps));
+    assert_eq!(rows, lines(&whole.hits));
+    let other = run(&detector, &source, &RunSettings { seed: 6, ..settings(0..10_000, 1) });
+    assert_ne!(other.hits, whole.hits);
+}
+
+/// The bits of each hit.
+fn lines(hits: &Hits) -> Vec<(i64, [u64; 5], String)> {
+    let bits = |row: usize| {
+        let values = [hits.position[0][row], hits.position[2][row], hits.time[row], hits.direction[1][row], hits.polarisation[2][row]];
+        (hits.photon[row], values.map(f64::to_bits), hits.paths[hits.sensor[row] as usize].clone())
+    };
+    (0..hits.len()).map(bits).collect()
+}
