@@ -90,7 +90,9 @@ impl SurfaceValues {
     fn new(surface: Option<&OpticalSurface>, energy: f64) -> SurfaceValues {
         let default = OpticalSurface { value: 1.0, ..OpticalSurface::default() };
         let surface = surface.unwrap_or(&default);
-        let at = |table: &Option<PropertyTable>, absent: f64| table.as_ref().map_or(absent, |table| table.at(energy));
+        let at = |table: &Option<PropertyTable>, absent: f64| {
+            table.as_ref().map_or(absent, |table| table.at(energy))
+        };
         let metal = surface.metal_index.as_ref().map(|(re, im)| Complex64::new(re.at(energy), im.at(energy)));
         SurfaceValues {
             finish: surface.finish,
@@ -141,7 +143,8 @@ impl Boundary<'_> {
             reflected: [true; 2],
         };
         let event = process.run(self);
-        (self.direction, self.polarisation) = (process.direction.normalize(), process.polarisation.normalize());
+        (self.direction, self.polarisation) =
+            (process.direction.normalize(), process.polarisation.normalize());
         (event, self.direction.dot(self.normal) < 0.0)
     }
 }
@@ -335,7 +338,8 @@ impl Process<'_> {
     /// The reflectance of a metal for the polarised photon at a facet, by Fresnel's equations with a complex index;
     /// selects the components that are reflected.
     fn metal_reflectivity(&mut self, index: f64, metal: Complex64) -> f64 {
-        self.facet = if self.values.finish == SurfaceFinish::Ground { self.facet_normal() } else { self.normal };
+        self.facet =
+            if self.values.finish == SurfaceFinish::Ground { self.facet_normal() } else { self.normal };
         let cosine = (-self.direction.dot(self.facet)).clamp(0.0, 1.0);
         let [s, p] = fresnel(index, metal, cosine).reflected.map(|amplitude| amplitude.norm_sqr());
         let across = self.direction.cross(self.facet).try_normalize();
@@ -401,7 +405,8 @@ impl Process<'_> {
         if roughness == 0.0 || index <= behind {
             return true;
         }
-        let facet = if self.values.finish == SurfaceFinish::Polished { self.normal } else { self.facet_normal() };
+        let facet =
+            if self.values.finish == SurfaceFinish::Polished { self.normal } else { self.facet_normal() };
         let cosine = -self.direction.dot(facet);
         let wavelength = wavelength_nm(self.energy) * 1e-6;
         let phase = 4.0 * std::f64::consts::PI * roughness * index * cosine / wavelength;
@@ -410,7 +415,8 @@ impl Process<'_> {
 
     /// One event at one facet; true for refraction.
     fn refract_or_reflect(&mut self, index: f64, behind: f64, passes_roughness: bool) -> bool {
-        self.facet = if self.values.finish == SurfaceFinish::Polished { self.normal } else { self.facet_normal() };
+        self.facet =
+            if self.values.finish == SurfaceFinish::Polished { self.normal } else { self.facet_normal() };
         let (direction, polarisation, facet) = (self.direction, self.polarisation, self.facet);
         let cos1 = -direction.dot(facet);
         let is_oblique = cos1.abs() < 1.0 - GRAZING;

@@ -87,6 +87,11 @@ impl OpticalMaterial {
     #[must_use]
     pub fn transparent(name: impl Into<String>, index: PropertyTable) -> OpticalMaterial {
         let group_velocity = Some(group_velocity(&index));
-        OpticalMaterial { name: name.into(), index: Some(index), group_velocity, ..OpticalMaterial::default() }
+        OpticalMaterial {
+            name: name.into(),
+            index: Some(index),
+            group_velocity,
+            ..OpticalMaterial::default()
+        }
     }
 }

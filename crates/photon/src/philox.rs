@@ -22,7 +22,12 @@ pub fn philox4x32(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
             key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
         }
         let [a, b] = [0, 1].map(|k| u64::from(MULTIPLIERS[k]) * u64::from(counter[2 * k]));
-        counter = [(b >> 32) as u32 ^ counter[1] ^ key[0], b as u32, (a >> 32) as u32 ^ counter[3] ^ key[1], a as u32];
+        counter = [
+            (b >> 32) as u32 ^ counter[1] ^ key[0],
+            b as u32,
+            (a >> 32) as u32 ^ counter[3] ^ key[1],
+            a as u32,
+        ];
     }
     counter
 }
@@ -185,7 +190,11 @@ mod tests {
         let check = |(mean, variance): (f64, f64), expected: (f64, f64)| {
             let error = 5.0 * (expected.1 / COUNT as f64).sqrt();
             assert!((mean - expected.0).abs() < error, "mean {mean}, expected {}", expected.0);
-            assert!((variance / expected.1 - 1.0).abs() < 0.1, "variance {variance}, expected {}", expected.1);
+            assert!(
+                (variance / expected.1 - 1.0).abs() < 0.1,
+                "variance {variance}, expected {}",
+                expected.1
+            );
         };
         check(moments(COUNT, Stream::uniform), (0.5, 1.0 / 12.0));
         check(moments(COUNT, Stream::exponential), (1.0, 1.0));

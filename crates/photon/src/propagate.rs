@@ -83,7 +83,7 @@ pub struct RunSettings {
     pub seed: u64,
     /// The numbers of the photons to simulate. A run of a part of a range gives that part of its results.
     pub photons: Range<u64>,
-    /// What counts as detection.
+    /// The rule of detection.
     pub detection: DetectionRule,
     /// The maximum number of steps of a photon.
     pub max_steps: u32,
@@ -178,11 +178,18 @@ pub fn simulate<E: Evaluator>(
         total.append(part);
         Ok(())
     };
-    drive(thread_count(settings.threads), &settings.cancel, chunks, || Batch::new(detector, evaluator, settings), work, merge)
-        .map_err(|stopped| match stopped {
-            Stopped::Cancelled => PhotonError::Cancelled,
-            Stopped::Failed(error) => error,
-        })?;
+    drive(
+        thread_count(settings.threads),
+        &settings.cancel,
+        chunks,
+        || Batch::new(detector, evaluator, settings),
+        work,
+        merge,
+    )
+    .map_err(|stopped| match stopped {
+        Stopped::Cancelled => PhotonError::Cancelled,
+        Stopped::Failed(error) => error,
+    })?;
     Ok(total)
 }
 
@@ -228,7 +235,9 @@ impl Columns {
     fn reset(&mut self, count: usize) {
         self.t.resize(count, 0.0);
         self.face.resize(count, 0);
-        [&mut self.placement, &mut self.before, &mut self.after].into_iter().for_each(|ids| ids.resize(count, 0));
+        [&mut self.placement, &mut self.before, &mut self.after]
+            .into_iter()
+            .for_each(|ids| ids.resize(count, 0));
         self.normal.iter_mut().for_each(|column| column.resize(count, 0.0));
         self.between.clear();
     }
@@ -328,7 +337,8 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         if let Some((_, crossing)) = between.get(at).filter(|(ray, _)| *ray == i) {
             return Some(*crossing);
         }
-        let face = Face { placement: PlacementId(self.found.placement[i]), ..*self.detector.faces.get(face)? };
+        let face =
+            Face { placement: PlacementId(self.found.placement[i]), ..*self.detector.faces.get(face)? };
         let [before, after] = [self.found.before[i], self.found.after[i]].map(RegionId);
         Some(Crossing { t: self.found.t[i], face, left: face, entered: face, before, after })
     }
@@ -395,7 +405,9 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let count = shifter.mean_photons.map_or(1, |mean| stream.poisson(mean));
         let mut emitted = 0;
         for _ in 0..count {
-            let Some(energy) = shifter.spectrum.quantile(stream.uniform(), flight.photon.energy) else { continue };
+            let Some(energy) = shifter.spectrum.quantile(stream.uniform(), flight.photon.energy) else {
+                continue;
+            };
             let direction = stream.direction();
             let polarisation = stream.polarisation(direction);
             let time = flight.photon.time + shifter.time;
@@ -422,7 +434,8 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let [front, behind] = [crossing.before, crossing.after].map(|region| detector.material(region));
         let energy = flight.photon.energy;
         let at = |material: &OpticalMaterial| material.index.as_ref().map(|index| index.at(energy));
-        let [own, other] = [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
+        let [own, other] =
+            [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
         let mut boundary = Boundary {
             direction: flight.photon.direction,
             polarisation: flight.photon.polarisation,
@@ -449,7 +462,13 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             return self.detect(flight, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
-        detector.starts.append(&detector.program, (ray, crossing.t), Some(crossing), side, &mut self.next_starts);
+        detector.starts.append(
+            &detector.program,
+            (ray, crossing.t),
+            Some(crossing),
+            side,
+            &mut self.next_starts,
+        );
         self.continue_with(flight);
     }
 

@@ -93,7 +93,8 @@ pub fn group_velocity(index: &PropertyTable) -> PropertyTable {
     // of a step the upper value
     let points: Vec<(f64, f64)> = index.energies.iter().copied().zip(index.values.iter().copied()).collect();
     let is_last_of_step = |k: &usize| points.get(k + 1).is_none_or(|next| next.0 > points[*k].0);
-    let (energies, values): (Vec<f64>, Vec<f64>) = (0..points.len()).filter(is_last_of_step).map(|k| points[k]).unzip();
+    let (energies, values): (Vec<f64>, Vec<f64>) =
+        (0..points.len()).filter(is_last_of_step).map(|k| points[k]).unzip();
     let last = energies.len() - 1;
     if last == 0 {
         let values = vec![LIGHT_SPEED / values[0]];
@@ -134,7 +135,9 @@ impl Spectrum {
         }
         let mut cumulative = vec![0.0];
         for k in 1..density.energies.len() {
-            let area = 0.5 * (density.values[k] + density.values[k - 1]) * (density.energies[k] - density.energies[k - 1]);
+            let area = 0.5
+                * (density.values[k] + density.values[k - 1])
+                * (density.energies[k] - density.energies[k - 1]);
             cumulative.push(cumulative[k - 1] + area);
         }
         match cumulative.last() {

@@ -70,7 +70,11 @@ mod tests {
         }
         // standard deviations of c^2: sqrt(9/35 - 4/25) and sqrt(3/35 - 1/25), see the moments of the two densities
         let error = |variance: f64| 5.0 * (variance / COUNT as f64).sqrt();
-        assert!((cosines / COUNT as f64 - 0.4).abs() < error(9.0 / 35.0 - 0.16), "{}", cosines / COUNT as f64);
+        assert!(
+            (cosines / COUNT as f64 - 0.4).abs() < error(9.0 / 35.0 - 0.16),
+            "{}",
+            cosines / COUNT as f64
+        );
         assert!((dipole / COUNT as f64 - 0.2).abs() < error(3.0 / 35.0 - 0.04), "{}", dipole / COUNT as f64);
     }
 

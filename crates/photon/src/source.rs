@@ -45,7 +45,10 @@ impl PointSource {
     /// [`PhotonError::Setting`] if the position is not finite or the wavelength is not positive and finite.
     pub fn isotropic(position: Vec3, wavelength_nm: f64) -> Result<PointSource, PhotonError> {
         if !position.is_finite() {
-            return Err(PhotonError::setting(format!("the source is at {position}"), "its coordinates must be finite"));
+            return Err(PhotonError::setting(
+                format!("the source is at {position}"),
+                "its coordinates must be finite",
+            ));
         }
         if !(wavelength_nm > 0.0 && wavelength_nm.is_finite()) {
             let problem = format!("the wavelength is {wavelength_nm} nm");
@@ -100,11 +103,15 @@ impl Source {
             let fault = match () {
                 () if !photon.position.is_finite() => "its position must be finite",
                 () if (photon.direction.length() - 1.0).abs() > 1e-6 => "its direction must have length 1",
-                () if (photon.polarisation.length() - 1.0).abs() > 1e-6 => "its polarisation must have length 1",
+                () if (photon.polarisation.length() - 1.0).abs() > 1e-6 => {
+                    "its polarisation must have length 1"
+                }
                 () if photon.polarisation.dot(photon.direction).abs() > 1e-6 => {
                     "its polarisation must be perpendicular to its direction"
                 }
-                () if !(photon.energy > 0.0 && photon.energy.is_finite()) => "its energy must be positive and finite",
+                () if !(photon.energy > 0.0 && photon.energy.is_finite()) => {
+                    "its energy must be positive and finite"
+                }
                 () if !photon.time.is_finite() => "its time must be finite",
                 () => continue,
             };

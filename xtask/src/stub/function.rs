@@ -36,13 +36,13 @@ pub struct Function {
     pub name: String,
     /// Lines of documentation.
     pub documentation: Vec<String>,
-    /// How it is called.
+    /// The kind of call.
     pub role: Role,
     /// One signature, or one of each overload.
     pub signatures: Vec<Signature>,
 }
 
-/// How a function is called.
+/// The ways to call a function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {
     /// By its name.

@@ -3,7 +3,7 @@
 //! Names, parameters, default values and documentation are those of PyO3's attributes. Types of Rust
 //! have types in Python (`python_type`); where only a person knows the type, as of `PyAny`, the
 //! signature states it in PyO3's way: `signature = (points: "ArrayLike") -> "NDArray[np.bool_]"`.
-//! What PyO3's signatures cannot state, the types of properties and overloads, is in attributes that
+//! Types that PyO3's signatures cannot state, those of properties and overloads, are in attributes that
 //! the compiler drops: `#[cfg_attr(false, stub("() -> dict[str, Solid]"))]`.
 //!
 //! The generator of PyO3 0.30 (`experimental-inspect`) does not suffice: it leaves out exceptions and

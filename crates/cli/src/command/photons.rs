@@ -64,7 +64,7 @@ pub struct Photons {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// What counts as detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive volume, or both
+    /// Rule of detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive volume, or both
     #[arg(long, value_name = "RULE", default_value = "both")]
     detect: Rule,
 
@@ -159,8 +159,10 @@ impl Photons {
     }
 
     fn json(&self, run: &PhotonRun, duration: Duration) -> Value {
-        let ends: serde_json::Map<String, Value> =
-            End::ALL.iter().map(|end| (end.name().to_owned(), json!(run.ends.get(end).unwrap_or(&0)))).collect();
+        let ends: serde_json::Map<String, Value> = End::ALL
+            .iter()
+            .map(|end| (end.name().to_owned(), json!(run.ends.get(end).unwrap_or(&0))))
+            .collect();
         json!({
             "photons": run.photons,
             "hits": run.hits.len(),

@@ -11,7 +11,7 @@ use crate::kernel::Body;
 use rayweave_math::{Affine, Vec3};
 use rayweave_mesh::{Mesh, RepairOptions};
 
-/// What a pair of triangles with overlapping boxes costs, in steps.
+/// The cost of a pair of triangles with overlapping boxes, in steps.
 const OVERLAP: usize = 300;
 
 /// The union of the facets below `from`.

@@ -14,11 +14,11 @@ const STEPS_PER_BYTE: u64 = 1000;
 const ITEMS: u64 = 1_500_000;
 const BYTES_PER_ITEM: u64 = 8;
 
-/// What an edge costs in a boolean operation of regions, and a pair of edges that may cross.
+/// The cost of an edge in a boolean operation of regions, and of a pair of edges that may cross.
 pub(super) const EDGE: usize = 300;
 pub(super) const CROSSING: usize = 500;
 
-/// What a triangle costs in the solid inside a mesh, and in an operation of the mesh kernel.
+/// The cost of a triangle in the solid inside a mesh, and in an operation of the mesh kernel.
 pub(super) const TRIANGLE: usize = 1000;
 pub(super) const KERNEL_TRIANGLE: usize = 1500;
 

@@ -8,7 +8,7 @@ use super::arguments::{Arguments, Refusal};
 use rayweave_math::Vec3;
 use std::collections::HashMap;
 
-/// What an orientation test costs, in steps.
+/// The cost of an orientation test, in steps.
 const TEST: usize = 25;
 
 /// Signed height of `p` above the plane of a triangle that is counter-clockwise seen from above; the sign is exact.

@@ -1,4 +1,4 @@
-//! What Geant4 accepts without a message, or with a warning, is read with a warning at its position.
+//! Warnings for content that Geant4 accepts, with or without a message of its own.
 
 use super::{along, model, parse, volume};
 use rayweave_formats::Imported;

@@ -37,7 +37,8 @@ impl SurfaceTable {
     ) -> SurfaceTable {
         let mut found = SurfaceTable { nested: volumes.nested.clone(), ..SurfaceTable::default() };
         let mut attached = HashSet::new();
-        let text = |row: &Datum, key: &str| row.get(key).and_then(Datum::as_text).unwrap_or_default().to_owned();
+        let text =
+            |row: &Datum, key: &str| row.get(key).and_then(Datum::as_text).unwrap_or_default().to_owned();
         let number = |row: &Datum| {
             let name = text(row, "surface");
             surfaces.iter().position(|surface| surface.name == name)
@@ -58,14 +59,16 @@ impl SurfaceTable {
             let names: Vec<&str> =
                 row.get("placements").into_iter().flat_map(Datum::items).filter_map(Datum::as_text).collect();
             let [first, second] = names.as_slice() else {
-                let problem = format!("border surface `{}` names {} placements", text(row, "name"), names.len());
+                let problem =
+                    format!("border surface `{}` names {} placements", text(row, "name"), names.len());
                 properties.problem(Message::new(problem, "a border lies between two"));
                 continue;
             };
             found.add_border(surface, (first, second), volumes, (&text(row, "name"), properties));
         }
         for (_, surface) in surfaces.iter().enumerate().filter(|(number, _)| !attached.contains(number)) {
-            properties.note(format!("optical surface `{}` is ignored: it is attached to no volume.", surface.name));
+            properties
+                .note(format!("optical surface `{}` is ignored: it is attached to no volume.", surface.name));
         }
         found
     }
@@ -93,7 +96,9 @@ impl SurfaceTable {
                     |placement: &&Placement| volumes.copies.get(&placement.volume).is_some_and(|&n| n > 1);
                 let required: Vec<Placement> =
                     [before, after].into_iter().filter(is_one_of_several).cloned().collect();
-                let regions = |placement: &Placement| volumes.regions.get(&placement.volume).cloned().unwrap_or_default();
+                let regions = |placement: &Placement| {
+                    volumes.regions.get(&placement.volume).cloned().unwrap_or_default()
+                };
                 for from in regions(before) {
                     for to in regions(after) {
                         let border = Border { surface, required: required.clone() };
@@ -125,11 +130,13 @@ impl Border {
             return true;
         }
         let faces = [crossing.left, crossing.entered];
-        let paths = faces.map(|face| program.occurrence_path(Occurrence { placement: face.placement, leaf: face.leaf }));
+        let paths = faces
+            .map(|face| program.occurrence_path(Occurrence { placement: face.placement, leaf: face.leaf }));
         let has = |placement: &Placement| {
             let mut steps = paths.iter().flat_map(|path| path.steps());
             steps.any(|step| {
-                step.name == bare(&placement.volume) && step.copy.is_some_and(|copy| placement.copies.contains(&copy))
+                step.name == bare(&placement.volume)
+                    && step.copy.is_some_and(|copy| placement.copies.contains(&copy))
             })
         };
         self.required.iter().all(has)
@@ -140,7 +147,9 @@ impl Border {
 fn bare(name: &str) -> &str {
     match name.rsplit_once("0x") {
         Some((bare, suffix))
-            if !bare.is_empty() && !suffix.is_empty() && suffix.bytes().all(|byte| byte.is_ascii_hexdigit()) =>
+            if !bare.is_empty()
+                && !suffix.is_empty()
+                && suffix.bytes().all(|byte| byte.is_ascii_hexdigit()) =>
         {
             bare
         }

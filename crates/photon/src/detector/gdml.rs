@@ -12,7 +12,11 @@ use rayweave_scene::{Datum, Scene};
 use std::collections::{HashMap, HashSet};
 
 /// The optical materials by the number of the medium.
-pub(super) fn materials(table: &Datum, media: &[&str], properties: &mut PropertyReader) -> Vec<OpticalMaterial> {
+pub(super) fn materials(
+    table: &Datum,
+    media: &[&str],
+    properties: &mut PropertyReader,
+) -> Vec<OpticalMaterial> {
     let rows = || table.get("material").into_iter().flat_map(Datum::items);
     let by_medium: HashMap<&str, &Datum> =
         rows().filter_map(|row| Some((row.get("medium")?.as_text()?, row))).collect();

@@ -15,7 +15,7 @@ use rayweave_optics::start_surfaces::StartSurfaces;
 use rayweave_scene::{Document, Scene};
 use std::sync::Arc;
 
-/// What counts as the detection of a photon.
+/// The events that count as the detection of a photon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DetectionRule {
     /// Absorption at a surface, with the probability `EFFICIENCY`.
@@ -70,12 +70,24 @@ impl Detector {
         let region_names = names.map(str::to_owned).collect();
         let starts = StartSurfaces::new(&program);
         let faces = faces(&program);
-        let material_of = std::iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
+        let material_of =
+            std::iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
         let notes = properties.finish()?;
-        Ok(Detector { faces, program, materials, material_of, surfaces, boundaries, starts, sensors, region_names, notes })
+        Ok(Detector {
+            faces,
+            program,
+            materials,
+            material_of,
+            surfaces,
+            boundaries,
+            starts,
+            sensors,
+            region_names,
+            notes,
+        })
     }
 
-    /// What the detector ignores, one sentence each: properties that no process uses, and surfaces that are attached
+    /// The ignored input, one sentence each: properties that no process uses, and surfaces that are attached
     /// to nothing.
     #[must_use]
     pub fn notes(&self) -> &[String] {

@@ -23,7 +23,7 @@ struct Matrix {
 /// The properties of one material or surface.
 pub(crate) struct Properties<'r> {
     reader: &'r mut PropertyReader,
-    /// What the properties belong to, as in "material `Water`".
+    /// The owner of the properties, as in "material `Water`".
     owner: String,
     /// Those that no process has read yet.
     rest: Vec<(String, Datum)>,
@@ -98,7 +98,11 @@ impl Properties<'_> {
         match table.values().iter().find(|value| !range.contains(*value)) {
             Some(value) => {
                 let (least, most) = (range.start(), range.end());
-                let range = if most.is_finite() { format!("from {least} to {most}") } else { format!("at least {least}") };
+                let range = if most.is_finite() {
+                    format!("from {least} to {most}")
+                } else {
+                    format!("at least {least}")
+                };
                 self.problem(name, &format!("it has the value {value}: it must be {range}"));
                 None
             }
@@ -160,7 +164,9 @@ impl Properties<'_> {
     pub fn finish(self) {
         let Properties { reader, owner, rest } = self;
         for (name, _) in rest {
-            reader.note(format!("{owner}: the property `{name}` is ignored: no process of this version uses it."));
+            reader.note(format!(
+                "{owner}: the property `{name}` is ignored: no process of this version uses it."
+            ));
         }
     }
 }

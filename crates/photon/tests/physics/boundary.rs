@@ -22,7 +22,8 @@ fn events(run: &PhotonRun, event: BoundaryEvent) -> u64 {
 fn interfaces_reflect_by_fresnels_equations() {
     for degrees in [0f64, 30.0, 56.309_932_474_020_215, 80.0] {
         let (sine, cosine) = degrees.to_radians().sin_cos();
-        let expected = fresnel(1.0, Complex64::from(1.5), cosine).reflected.map(|amplitude| amplitude.norm_sqr());
+        let expected =
+            fresnel(1.0, Complex64::from(1.5), cosine).reflected.map(|amplitude| amplitude.norm_sqr());
         let direction = [sine, 0.0, cosine];
         for (k, polarisation) in [[0.0, 1.0, 0.0], [cosine, 0.0, -sine]].into_iter().enumerate() {
             let run = first_events(&CLEAR, direction, polarisation);
@@ -53,10 +54,16 @@ fn metals_reflect_by_their_complex_index() {
         r#"<matrix name="RE" coldim="2" values="1*eV 0.4 10*eV 0.4"/><matrix name="IM" coldim="2" values="1*eV 4.5 10*eV 4.5"/>"#,
     );
     let (sine, cosine) = 60f64.to_radians().sin_cos();
-    let expected = fresnel(1.0, Complex64::new(0.4, 4.5), cosine).reflected.map(|amplitude| amplitude.norm_sqr());
+    let expected =
+        fresnel(1.0, Complex64::new(0.4, 4.5), cosine).reflected.map(|amplitude| amplitude.norm_sqr());
     for (k, polarisation) in [[0.0, 1.0, 0.0], [cosine, 0.0, -sine]].into_iter().enumerate() {
         let run = first_events(&slab, [sine, 0.0, cosine], polarisation);
-        assert_binomial(events(&run, BoundaryEvent::SpikeReflection), COUNT as u64, expected[k], ["s", "p"][k]);
+        assert_binomial(
+            events(&run, BoundaryEvent::SpikeReflection),
+            COUNT as u64,
+            expected[k],
+            ["s", "p"][k],
+        );
     }
 }
 

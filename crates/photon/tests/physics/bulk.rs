@@ -41,7 +41,10 @@ fn scattering_has_its_mean_free_path() {
         assert_eq!(count(&run, End::Escaped), COUNT as u64);
         // each scattering adds a step; a first-order check of the number of photons that scatter at all is the step count
         // of a slab so thin that none scatters twice
-        let thin = SlabDetector { matrices: r#"<matrix name="LENGTH" coldim="2" values="1*eV 1e4 10*eV 1e4"/><matrix name="R" coldim="1" values="1"/>"#, ..slab };
+        let thin = SlabDetector {
+            matrices: r#"<matrix name="LENGTH" coldim="2" values="1*eV 1e4 10*eV 1e4"/><matrix name="R" coldim="1" values="1"/>"#,
+            ..slab
+        };
         let run = crate::run(&thin.build(), &beam(COUNT, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), &settings(COUNT));
         // 1 % scatter once within 100 mm of a free path of 10 m; of those a few scatter again on longer ways
         assert_binomial(run.steps - straight, COUNT as u64, 0.01, name);

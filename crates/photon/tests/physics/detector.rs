@@ -6,12 +6,15 @@ use rayweave_photon::{BoundaryEvent, End};
 /// A border surface has priority over skins and holds in one direction only.
 #[test]
 fn border_surfaces_have_a_direction() {
-    let mirror = r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_metal" value="1"/>"#;
+    let mirror =
+        r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_metal" value="1"/>"#;
     let linked = |first: &str, second: &str| {
         let links = format!(
             r#"<bordersurface name="b" surfaceproperty="S"><physvolref ref="{first}"/><physvolref ref="{second}"/></bordersurface>"#
         );
-        let text = SlabDetector { surfaces: mirror, ..CLEAR }.text().replace("</structure>", &format!("{links}</structure>"));
+        let text = SlabDetector { surfaces: mirror, ..CLEAR }
+            .text()
+            .replace("</structure>", &format!("{links}</structure>"));
         // a tank around the slab, so that both sides of the border are placements
         let tank = r#"<volume name="Tank"><materialref ref="Outer"/><solidref ref="WorldBox"/>
 <physvol name="slab"><volumeref ref="Slab"/><position name="p" z="50" unit="mm"/></physvol></volume>
@@ -71,13 +74,17 @@ fn all_bad_properties_are_reported_at_once() {
     assert_eq!(lines.len(), 4, "{message}");
     assert!(lines[0].contains("`RINDEX` of material `Outer` is invalid: it has the value -3"), "{message}");
     assert!(lines[1].contains("`RINDEX` of material `Inner` is invalid: it has one column"), "{message}");
-    assert!(lines[2].contains("`ABSLENGTH` of material `Inner` is invalid: it has the value -3"), "{message}");
+    assert!(
+        lines[2].contains("`ABSLENGTH` of material `Inner` is invalid: it has the value -3"),
+        "{message}"
+    );
     assert!(lines[3].contains("the model `LUT` of optical surface `S` is not supported"), "{message}");
 }
 
 #[test]
 fn a_model_without_optical_properties_is_refused() {
-    let (document, scene) = rayweave_scene::parse("rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n").unwrap();
+    let (document, scene) =
+        rayweave_scene::parse("rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n").unwrap();
     let message = rayweave_photon::Detector::new(&scene, &document).unwrap_err().to_string();
     assert!(message.contains("it has no table [gdml]. Use a GDML file"), "{message}");
 }

@@ -7,7 +7,9 @@ mod reproducible;
 
 use rayweave_formats::{Format, Options};
 use rayweave_math::Vec3;
-use rayweave_photon::{Detector, End, Photon, PhotonError, PhotonRun, RunSettings, Source, property, simulate};
+use rayweave_photon::{
+    Detector, End, Photon, PhotonError, PhotonRun, RunSettings, Source, property, simulate,
+};
 use rayweave_trace::Packets;
 
 /// A world of half side 1 m filled with `Outer`, and in it a slab of `Inner` from z = 0 to z = 100 mm, wide in x and y.

@@ -45,7 +45,13 @@ fn threads_and_ranges_change_nothing() {
 /// The bits of each hit.
 fn lines(hits: &Hits) -> Vec<(i64, [u64; 5], String)> {
     let bits = |row: usize| {
-        let values = [hits.position[0][row], hits.position[2][row], hits.time[row], hits.direction[1][row], hits.polarisation[2][row]];
+        let values = [
+            hits.position[0][row],
+            hits.position[2][row],
+            hits.time[row],
+            hits.direction[1][row],
+            hits.polarisation[2][row],
+        ];
         (hits.photon[row], values.map(f64::to_bits), hits.paths[hits.sensor[row] as usize].clone())
     };
     (0..hits.len()).map(bits).collect()

@@ -71,7 +71,7 @@ const SILENT: [&str; 20] = [
     "MIRR", "SLAB", "POPS", "FIMP", "MEMA", "HYPR", "MOFF",
 ];
 
-/// What a keyword that is not read would change, for those that often hold a setting without an effect; the empty text if they do.
+/// The effect of a keyword that is not read, if it is one that often holds a setting without an effect; empty if it does.
 /// `None` for other keywords.
 fn setting(keyword: &str, words: &[&str]) -> Option<&'static str> {
     let is = |place: usize, value: f64| words.get(place).is_none_or(|word| word.parse() == Ok(value));
