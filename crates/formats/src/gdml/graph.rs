@@ -6,6 +6,7 @@ use super::solids::{Shape, bare};
 use super::trouble::Place;
 use rayweave_math::Affine;
 use rayweave_model::Solid;
+use rayweave_scene::Table;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -16,6 +17,8 @@ pub(super) struct Graph {
     pub materials: Materials,
     pub surfaces: Surfaces,
     pub auxiliary: Vec<Auxiliary>,
+    /// Rows of solids without a native twin, in file order.
+    pub origins: Vec<Table>,
     /// Number of copies from replica volumes and divisions.
     pub copies: usize,
     /// Volumes of included files, by path and name.

@@ -26,6 +26,7 @@ mod graph;
 mod hierarchy;
 mod materials;
 mod optical;
+pub(crate) mod origin;
 mod schema;
 mod shape;
 mod solids;

@@ -2,6 +2,7 @@
 
 use super::attributes::{Failure, Numbers, refused};
 use super::define::{Role, rotation};
+use super::origin;
 use super::shape::extruded::{Section, extruded};
 use super::shape::faceted::*;
 use super::shape::round::*;
@@ -13,12 +14,15 @@ use super::xml::{Element, Name};
 use crate::LossKind;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
+use rayweave_scene::Table;
 use std::collections::BTreeMap;
 
 /// The solids of a file by name; `None` for refused ones.
 #[derive(Debug, Default)]
 pub(super) struct Library {
     solids: BTreeMap<String, Option<Shape>>,
+    /// Rows of the table `[gdml]` for the solids without a native twin.
+    pub origins: Vec<Table>,
 }
 
 /// A solid, with the dimensions that divisions need.
@@ -94,6 +98,10 @@ pub(super) const TAGS: [&str; 34] = [
     "opticalsurface",
 ];
 
+/// Solids that are made of others.
+const COMPOSED: [&str; 6] =
+    ["union", "subtraction", "intersection", "multiUnion", "scaledSolid", "reflectedSolid"];
+
 impl Library {
     /// A solid defined earlier; `Ok(None)` if it was refused.
     fn find(&self, numbers: &mut Numbers, name: &str, place: Place) -> Result<Option<Shape>, Failure> {
@@ -134,6 +142,9 @@ impl Library {
         }
         let made = self.shape(numbers, element);
         let shape = refuse_or_keep(numbers, element, made);
+        if let Some(shape) = shape.as_ref().filter(|_| !COMPOSED.contains(&element.name.as_str())) {
+            self.origins.extend(origin::row(numbers, element, bare(&name), &shape.solid));
+        }
         self.solids.insert(
             name.clone(),
             shape.map(|shape| Shape { solid: shape.solid.named(bare(&name)), ..shape }),
@@ -257,7 +268,7 @@ pub(super) fn bare(name: &str) -> &str {
 }
 
 /// A solid without references to other solids.
-fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
+pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
     match e.name.as_str() {
         "box" => {
             let [x, y, z] = numbers.lengths(e, ["x", "y", "z"])?;

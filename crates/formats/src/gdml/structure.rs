@@ -71,6 +71,7 @@ pub(super) fn read_file(
     reader.file(&root);
     let matrices = reader.numbers.names.matrices().map(|(name, matrix)| (name.clone(), matrix.clone()));
     reader.graph.surfaces.matrices.extend(matrices);
+    reader.graph.origins.append(&mut reader.library.origins);
     reader.resolve();
     reader.top(&root, wanted)
 }

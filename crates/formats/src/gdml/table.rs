@@ -1,7 +1,7 @@
 //! The table `[gdml]` of a document: the non-geometric data of a GDML file.
 //!
-//! Keys: `world`, `volume` (a list: `name`, `region`, `material`, `daughters`, `auxiliary`), `material`, `element`,
-//! `matrix`, `surface`, `skin`, `border`, `auxiliary`. Energies are in MeV and lengths in millimetres, as in Geant4.
+//! Keys: `world`, `volume` (a list: `name`, `region`, `material`, `daughters`, `auxiliary`), `solid`, `material`,
+//! `element`, `matrix`, `surface`, `skin`, `border`, `auxiliary`. Energies are in MeV and lengths in millimetres, as in Geant4.
 
 use super::graph::{Auxiliary, Daughter, Graph};
 use super::materials::{Material, Property};
@@ -21,6 +21,7 @@ pub(super) fn table(
     let mut table = Rows::default();
     table.text("world", &graph.volumes[world].name);
     table.list("volume", order.iter().map(|volume| volume_row(graph, *volume, regions, media)));
+    table.list("solid", graph.origins.iter().cloned().map(Datum::Table));
     let materials = graph.materials.list.iter().zip(media);
     table.list("material", materials.map(|(material, medium)| material_row(material, Some(medium))));
     table.list("element", graph.materials.elements.iter().map(|element| material_row(element, None)));

@@ -27,8 +27,19 @@ pub(super) trait Builder {
     /// The clip box as a part.
     fn everything(&mut self) -> Self::Part;
 
-    /// A transformed shape, exact within the clip box; `None` if it is empty.
-    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Self::Part>, WriteError>;
+    /// A transformed shape, exact within the clip box; `None` if it is empty. Outside of the box `within` the shape does not
+    /// matter either: triangles of an unbounded shape need not reach beyond it.
+    fn leaf(
+        &mut self,
+        shape: &Primitive,
+        place: &Affine,
+        within: &Bounds,
+    ) -> Result<Option<Self::Part>, WriteError>;
+
+    /// A named solid as a whole, exact everywhere; `None` if the format has no element for it.
+    fn named(&mut self, _name: &str, _solid: &Solid, _place: &Affine) -> Option<Self::Part> {
+        None
+    }
 
     /// The boolean of two or more parts; `None` if it is empty.
     fn join(&mut self, by: Operation, parts: Vec<Self::Part>) -> Result<Option<Self::Part>, WriteError>;
@@ -52,7 +63,8 @@ const NOTHING: Outside = Outside { is_exact: true, is_empty: true };
 type Known<P> = (Option<P>, Outside);
 
 enum Task<'s> {
-    Enter(&'s Solid, Affine),
+    /// A solid, its map, and a box outside of which it does not matter.
+    Enter(&'s Solid, Affine, Bounds),
     /// Combines the given number of most recent parts.
     Join(Join, usize),
 }
@@ -66,18 +78,18 @@ enum Join {
 
 /// A solid as a part; `None` if it is empty.
 pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<B::Part>, WriteError> {
-    let mut tasks = vec![Task::Enter(solid, Affine::IDENTITY)];
+    let mut tasks = vec![Task::Enter(solid, Affine::IDENTITY, builder.clip())];
     let mut parts: Vec<Known<B::Part>> = Vec::new();
     let mut count = 0;
     while let Some(task) = tasks.pop() {
         match task {
-            Task::Enter(solid, place) => {
+            Task::Enter(solid, place, within) => {
                 count += 1;
                 if count + tasks.len() > MOST {
                     let why = format!("more than {MOST} shapes and operators");
                     return Err(WriteError::TooLarge { region: builder.region(), why });
                 }
-                parts.extend(enter(solid, place, builder, &mut tasks)?);
+                parts.extend(enter(solid, place, within, builder, &mut tasks)?);
             }
             Task::Join(join, n) => {
                 let operands = parts.split_off(parts.len() - n);
@@ -118,6 +130,7 @@ fn outside(join: Join, mut operands: impl ExactSizeIterator<Item = Outside>) -> 
 fn enter<'s, B: Builder>(
     solid: &'s Solid,
     place: Affine,
+    within: Bounds,
     builder: &mut B,
     tasks: &mut Vec<Task<'s>>,
 ) -> Result<Option<Known<B::Part>>, WriteError> {
@@ -130,23 +143,26 @@ fn enter<'s, B: Builder>(
             let there = bounds.transformed(&place);
             let is_empty = bounds.is_finite() && builder.clip().intersection(&there) == there;
             let outside = Outside { is_exact: bounds.is_finite(), is_empty };
-            return Ok(Some((builder.leaf(shape, &place)?, outside)));
+            return Ok(Some((builder.leaf(shape, &place, &within)?, outside)));
         }
-        Node::Named(_, inner) => {
-            tasks.push(Task::Enter(inner, place));
+        Node::Named(name, inner) => {
+            if let Some(part) = builder.named(name, inner, &place) {
+                return Ok(Some((Some(part), Outside { is_exact: true, is_empty: false })));
+            }
+            tasks.push(Task::Enter(inner, place, within));
             return Ok(None);
         }
         Node::Transformed(map, inner) => {
-            tasks.push(Task::Enter(inner, map.then(&place)));
+            tasks.push(Task::Enter(inner, map.then(&place), within));
             return Ok(None);
         }
         Node::Placed(inner, maps) if maps.len() == 1 => {
-            tasks.push(Task::Enter(inner, maps[0].then(&place)));
+            tasks.push(Task::Enter(inner, maps[0].then(&place), within));
             return Ok(None);
         }
         Node::Placed(inner, maps) => {
             tasks.push(Task::Join(Join::Plain(Operation::Union), maps.len()));
-            tasks.extend(maps.iter().rev().map(|map| Task::Enter(inner, map.then(&place))));
+            tasks.extend(maps.iter().rev().map(|map| Task::Enter(inner, map.then(&place), within)));
             return Ok(None);
         }
         Node::Complement(_) => Join::Complement,
@@ -156,8 +172,28 @@ fn enter<'s, B: Builder>(
         Node::SymmetricDifference(_) => Join::Symmetric,
     };
     tasks.push(Task::Join(join, solid.node().operand_refs().count()));
-    tasks.extend(solid.node().operand_refs().rev().map(|operand| Task::Enter(operand, place)));
+    let within = match solid.node() {
+        Node::Intersection(all) => within.intersection(&common_bounds(all, &place)),
+        _ => within,
+    };
+    tasks.extend(solid.node().operand_refs().rev().map(|operand| Task::Enter(operand, place, within)));
     Ok(None)
+}
+
+/// Margin of the bounds of an intersection relative to their size, so that none of their faces is one of an operand.
+const MARGIN: f64 = 0.125;
+
+/// The box, with a margin, that the shapes among the operands of an intersection confine it to.
+fn common_bounds(all: &[Solid], place: &Affine) -> Bounds {
+    let shape = |solid: &Solid| match solid.node() {
+        Node::Primitive(shape) => shape.lower().bounds,
+        _ => Bounds::ALL,
+    };
+    let own = all.iter().map(shape).fold(Bounds::ALL, |all, one| all.intersection(&one));
+    match own.is_finite() && !own.is_empty() {
+        true => own.grown(MARGIN * own.size().length()).transformed(place),
+        false => Bounds::ALL,
+    }
 }
 
 fn everything<B: Builder>(builder: &mut B) -> Known<B::Part> {

@@ -15,12 +15,13 @@ use super::fold::{Builder, Operation, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError};
-use crate::gdml::{NO_REGION, stated};
+use crate::gdml::{NO_REGION, origin, stated};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
+use rayweave_model::Solid;
 use rayweave_scene::{Datum, Foreign};
 use rayweave_shape::primitive::{Primitive, Value};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 
 mod materials;
@@ -29,7 +30,7 @@ mod tree;
 mod writer;
 
 use names::Names;
-use writer::{Part, Structure, Writer, place_text};
+use writer::{Origin, Part, Structure, Writer, place_text};
 
 /// Relative tolerance for perpendicular columns of a map.
 const PERPENDICULAR: f64 = 1e-12;
@@ -58,8 +59,14 @@ pub(super) fn write(
     }
     let clip = Bounds::new(scale * model.clip.lo, scale * model.clip.hi);
     let (defines, solids) = (String::new(), String::new());
-    let known = HashMap::new();
-    let mut writer = Writer { model, remarks, region: 0, scale, clip, defines, solids, count: 0, known };
+    let (known, taken) = (HashMap::new(), HashSet::new());
+    let mut origins: HashMap<String, Vec<Origin>> = HashMap::new();
+    for row in table.map(|table| stated::rows(table, "solid")).unwrap_or_default() {
+        let origin = Origin { row: row.clone(), solid: None, written: None };
+        origins.entry(stated::text(row, "name").to_owned()).or_default().push(origin);
+    }
+    let mut writer =
+        Writer { model, remarks, region: 0, scale, clip, defines, solids, count: 0, taken, origins, known };
     let names = Names::new(model);
     let room = records.as_ref().is_none_or(|records| records[0].solid.is_none());
     let needs = materials::Needs { room, all: records.is_none() };
@@ -106,8 +113,13 @@ impl Writer<'_, '_> {
     }
 
     fn name(&mut self) -> String {
-        self.count += 1;
-        format!("s{}", self.count)
+        loop {
+            self.count += 1;
+            let name = format!("s{}", self.count);
+            if self.taken.insert(name.clone()) {
+                return name;
+            }
+        }
     }
 
     /// One volume per region, with the later ones subtracted, in a world around them.
@@ -377,7 +389,34 @@ impl Builder for Writer<'_, '_> {
         self.cuboid(&clip)
     }
 
-    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Part>, WriteError> {
+    /// The element of the file that the scene came from, if it still makes the same solid.
+    fn named(&mut self, name: &str, solid: &Solid, place: &Affine) -> Option<Part> {
+        if !tree::is_orthogonal(&place.linear) || place.linear.determinant() < 0.0 {
+            return None;
+        }
+        let candidates = self.origins.get_mut(name)?;
+        let is_it = |origin: &mut Origin| {
+            let made = origin.solid.get_or_insert_with(|| origin::solid(&origin.row));
+            made.as_ref() == Some(solid)
+        };
+        let number = candidates.iter_mut().position(is_it)?;
+        if let Some(written) = &candidates[number].written {
+            return Some(Part { solid: written.clone(), place: *place });
+        }
+        let own = materials::escaped(name);
+        let own = if self.taken.insert(own.clone()) { own } else { self.name() };
+        let origin = self.origins.get_mut(name)?.get_mut(number)?;
+        self.solids += &origin::written(&origin.row, &own, materials::escaped);
+        origin.written = Some(own.clone());
+        Some(Part { solid: own, place: *place })
+    }
+
+    fn leaf(
+        &mut self,
+        shape: &Primitive,
+        place: &Affine,
+        within: &Bounds,
+    ) -> Result<Option<Part>, WriteError> {
         let cut = facets::finite(shape, place, &self.clip);
         if let Some(part) = self.own(cut.as_ref().unwrap_or(shape), place) {
             return Ok(Some(part));
@@ -397,7 +436,8 @@ impl Builder for Writer<'_, '_> {
             self.remarks.add(RemarkKind::Approximated, what);
         }
         let tolerance = self.scale * self.model.tolerance;
-        let request = Request { shape, place, clip: &self.clip, tolerance };
+        let clip = facets::room(shape, &self.clip, within);
+        let request = Request { shape, place, clip: &clip, tolerance };
         let named = |why: String| format!("`{}`: {why}", shape.name());
         let body = facets::body(&request).map_err(|why| self.failed(named(why)))?;
         let mesh = body.map(|body| body.mesh()).transpose().map_err(|why| self.failed(named(why)))?;

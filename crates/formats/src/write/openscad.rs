@@ -216,7 +216,12 @@ impl Builder for Writer<'_, '_> {
         self.add(Piece::Text(text))
     }
 
-    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<usize>, WriteError> {
+    fn leaf(
+        &mut self,
+        shape: &Primitive,
+        place: &Affine,
+        within: &Bounds,
+    ) -> Result<Option<usize>, WriteError> {
         if let Some(text) = self.plain(shape, place) {
             return Ok(Some(self.add(Piece::Text(under(place, &text)))));
         }
@@ -238,8 +243,8 @@ impl Builder for Writer<'_, '_> {
             );
             self.remarks.add(RemarkKind::Approximated, what);
         }
-        let room = self.room(shape);
-        let request = Request { shape, place, clip: &room, tolerance: self.model.tolerance };
+        let clip = facets::room(shape, &self.room(shape), within);
+        let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
         let failed = |why: String| WriteError::Kernel {
             region: self.model.scene.regions[self.region].name.clone(),
             why: format!("`{}`: {why}", shape.name()),

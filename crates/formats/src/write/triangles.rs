@@ -34,8 +34,14 @@ impl Builder for Triangulator<'_, '_> {
         Body::cuboid(&self.model.clip)
     }
 
-    fn leaf(&mut self, shape: &Primitive, place: &Affine) -> Result<Option<Body>, WriteError> {
-        let request = Request { shape, place, clip: &self.model.clip, tolerance: self.model.tolerance };
+    fn leaf(
+        &mut self,
+        shape: &Primitive,
+        place: &Affine,
+        within: &Bounds,
+    ) -> Result<Option<Body>, WriteError> {
+        let clip = facets::room(shape, &self.model.clip, within);
+        let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
         facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))
     }
 

@@ -303,7 +303,7 @@ fn twisted_solids_deviate_by_no_more_than_is_stated() {
             solid.corners.iter().flatten().map(|corner| corner[0].hypot(corner[1])).fold(0.0, f64::max);
         assert!(bound <= 1.1e-6 * size, "{}: {bound}", solid.element);
         let program = Arc::new(Program::compile(&imported.scene.regions[0].solid).unwrap());
-        let cases: Vec<(f64, [f64; 2])> = (1..4000)
+        let cases: Vec<(f64, [f64; 2])> = (1..1500)
             .map(|k| {
                 // multiples of irrational numbers are dense and even
                 let [height, turn] = [0.754_877_666, 0.569_840_291].map(|step| (f64::from(k) * step).fract());
@@ -325,12 +325,12 @@ fn twisted_solids_deviate_by_no_more_than_is_stated() {
             assert_eq!(crossings.len(), 2, "{} at {z} {direction:?}: {crossings:?}", solid.element);
             worst = worst.max((crossings[1].t - expected).abs() * slope);
         }
-        println!("{}", imported.report.iter().next().unwrap().first.message());
+        assert!(program.leaves().len() < 700, "{}: {} leaves", solid.element, program.leaves().len());
         assert!(worst <= bound, "{}: {worst} and not at most {bound}", solid.element);
         // and the bound is not far from the truth
         assert!(worst >= bound / 10.0 || solid.twist == 52.0, "{}: {worst} of {bound}", solid.element);
-        let found = volume(&program, 120);
-        assert!((found / solid.volume() - 1.0).abs() < 2e-3, "{}: {found} {}", solid.element, solid.volume());
+        let found = volume(&program, 80);
+        assert!((found / solid.volume() - 1.0).abs() < 4e-3, "{}: {found} {}", solid.element, solid.volume());
     }
 }
 

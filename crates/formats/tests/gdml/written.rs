@@ -1,6 +1,6 @@
 //! GDML round trips: the same regions, volume tree, materials and surfaces after writing and reading.
 
-use super::parse;
+use super::{model, parse};
 use rayweave_formats::{Format, Imported, WriteOptions, Written, write};
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program, Query, RegionId};
@@ -154,4 +154,81 @@ fn what_was_changed_is_written_flat() {
     let program = Program::compile(&moved.solid).unwrap();
     let middle = program.region_bounds()[0];
     assert!(((0.5 * (middle.lo + middle.hi)) - Vec3::new(25.0, 1.0, 0.0)).length() < 1e-9);
+}
+
+/// Solids without a native twin: expressions, units, planes in a loop, an operand, and two volumes of one solid.
+const KEPT: &str = r##"<gdml><define><constant name="a" value="1.5"/><variable name="i" value="0"/></define><materials>
+<material name="Al" Z="13"><D value="2.7"/><atom value="26.98"/></material></materials><solids>
+<box name="big" x="1000" y="1000" z="1000"/><twistedbox name="t" x="2*a" y="2" z="3" PhiTwist="40*a" lunit="cm" aunit="deg"/>
+<polycone name="poly" startphi="10" deltaphi="200" aunit="deg"><loop for="i" from="0" to="3" step="1"><zplane z="10*i" rmin="i" rmax="20-i*i"/></loop></polycone>
+<hype name="h0x5" rmin="3" rmax="8" inst="10" outst="20" z="30" aunit="deg"/><box name="s1" x="9" y="9" z="99"/>
+<subtraction name="cut"><first ref="poly"/><second ref="s1"/></subtraction></solids><structure>
+<volume name="T"><materialref ref="Al"/><solidref ref="t"/></volume><volume name="U"><materialref ref="Al"/><solidref ref="t"/></volume>
+<volume name="C"><materialref ref="Al"/><solidref ref="cut"/></volume><volume name="H"><materialref ref="Al"/><solidref ref="h0x5"/></volume>
+<volume name="World"><materialref ref="Al"/><solidref ref="big"/>
+<physvol name="pt"><volumeref ref="T"/><position x="-60"/><rotation x="30" unit="deg"/></physvol><physvol name="pu"><volumeref ref="U"/><position y="60"/></physvol>
+<physvol name="pc"><volumeref ref="C"/><position x="60"/></physvol><physvol name="ph"><volumeref ref="H"/><position y="-60"/></physvol>
+</volume></structure><setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"##;
+
+/// The elements of [`KEPT`] as they are written: each once, with the values of its expressions.
+const ELEMENTS: [&str; 3] = [
+    r#"<twistedbox name="t" x="3.0" y="2.0" z="3.0" PhiTwist="60.0" lunit="cm" aunit="deg"/>"#,
+    "<polycone name=\"poly\" startphi=\"10.0\" deltaphi=\"200.0\" aunit=\"deg\">\n      <zplane z=\"0.0\" rmin=\"0.0\" rmax=\"20.0\"/>\n",
+    r#"<hype name="h" rmin="3.0" rmax="8.0" inst="10.0" outst="20.0" z="30.0" aunit="deg"/>"#,
+];
+
+#[test]
+fn solids_without_a_twin_are_written_as_they_were() {
+    let first = parse(KEPT).unwrap();
+    let file = written(&first);
+    let text = String::from_utf8(file.bytes.clone()).unwrap();
+    for element in ELEMENTS {
+        assert_eq!(text.matches(element).count(), 1, "{element}: {text}");
+    }
+    assert!(!text.contains("tessellated") && text.len() < 5000, "{text}");
+    assert!(file.remarks.iter().all(|remark| remark.what == "names of faces"), "{:?}", file.remarks);
+    let second = again(&file);
+    // the same surfaces, bit by bit
+    let solid = |imported: &Imported, name: &str| {
+        imported.scene.solids.iter().find(|solid| solid.0 == name).unwrap().1.clone()
+    };
+    assert!(solid(&first, "U") == solid(&second, "U") && solid(&first, "H") == solid(&second, "H"));
+    same_partitions(&first, &second);
+    // through a native file
+    let (document, scene) = rayweave_scene::parse(&first.document().to_toml()).unwrap();
+    let file = write(&scene, Some(&document), Format::Gdml, &WriteOptions::default()).unwrap();
+    let text = String::from_utf8(file.bytes).unwrap();
+    for element in ELEMENTS {
+        assert_eq!(text.matches(element).count(), 1, "{element}: {text}");
+    }
+}
+
+/// An element of the table is not written for a solid that it does not make.
+#[test]
+fn edited_solids_are_not_written_as_they_were() {
+    let mut imported = parse(KEPT).unwrap();
+    let document = imported.document();
+    let other = imported.scene.regions.iter().find(|region| region.name == "H").unwrap().solid.clone();
+    for region in &mut imported.scene.regions {
+        if ["T", "U"].contains(&region.name.as_str()) {
+            region.solid = other.named("t");
+        }
+    }
+    let file = write(&imported.scene, Some(&document), Format::Gdml, &WriteOptions::default()).unwrap();
+    let text = String::from_utf8(file.bytes).unwrap();
+    assert!(!text.contains("twistedbox") && text.contains("<hype") && text.contains("<polycone"), "{text}");
+}
+
+/// Triangles of a twisted solid follow its own size: a small one in a large world takes few.
+#[test]
+fn twisted_solids_become_few_triangles() {
+    let solid = "<box name=\"big\" x=\"1000\" y=\"1000\" z=\"1000\"/>\
+                 <twistedbox name=\"t\" x=\"20\" y=\"30\" z=\"40\" PhiTwist=\"10\" aunit=\"deg\"/>";
+    let volume = "<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"t\"/></volume>";
+    let imported = parse(&model("", solid, volume)).unwrap();
+    let options = WriteOptions { tolerance: Some(0.01), text: false };
+    let kind = rayweave_mesh_io::MeshFormat::Stl;
+    let file = write(&imported.scene, None, Format::Mesh(kind), &options).unwrap();
+    // 50 bytes per triangle
+    assert!(file.bytes.len() < 50 * 20_000, "{} bytes", file.bytes.len());
 }

@@ -11,7 +11,7 @@ use rayweave_shape::primitive::{BoxFromCorners, Quadric};
 /// Deviation of the side faces that is aimed at, relative to the largest distance of the solid from its axis.
 const DEVIATION: f64 = 1e-6;
 /// Most layers of a twisted solid.
-const MOST_LAYERS: f64 = 1000.0;
+const MOST_LAYERS: usize = 1000;
 /// Sine of the angle below which the edges of a side face at both ends count as parallel before the twist.
 const PARALLEL: f64 = 1e-12;
 
@@ -42,23 +42,24 @@ pub(in crate::gdml) fn twisted(trapezoid: &Trapezoid, twist: f64) -> Result<Twis
     let [low, high] = Trapezoid { theta: 0.0, ..*trapezoid }.corners();
     let reach = low.iter().chain(&high).fold(0.0f64, |r, corner| r.max(length(*corner)));
     let lines = [0, 1, 2, 3].map(|k| Line::new(low, high, k, trapezoid.z, twist.to_radians() / trapezoid.z));
-    let worst = |count: f64| {
-        let layer = |k: u32| {
-            let (low, high) = heights(trapezoid.z, count, f64::from(k));
-            lines.iter().map(|line| line.patch(low, high, reach).deviation).fold(0.0, f64::max)
-        };
-        (0..count as u32).map(layer).fold(0.0, f64::max)
-    };
-    let (mut count, mut deviation) = (1.0f64, worst(1.0));
-    while deviation > DEVIATION * reach && count < MOST_LAYERS {
-        // of third order, except where the twist and the shape of the solid turn a line in opposite directions
-        let more = libm::cbrt(deviation / (DEVIATION * reach)).clamp(1.0, 8.0);
-        count = (count * more + 1.0).floor().min(MOST_LAYERS);
-        deviation = worst(count);
+    let target = DEVIATION * reach;
+    let (mut heights, mut deviation) = (vec![-0.5 * trapezoid.z], 0.0f64);
+    let mut waiting = vec![(-0.5 * trapezoid.z, 0.5 * trapezoid.z)];
+    while let Some((low, high)) = waiting.pop() {
+        let worst = lines.iter().map(|line| line.patch(low, high, reach).deviation).fold(0.0, f64::max);
+        if worst > target && heights.len() + waiting.len() < MOST_LAYERS {
+            // of third order, except where the twist and the shape turn a line in opposite directions
+            let parts = libm::cbrt(worst / target).ceil().clamp(2.0, 8.0);
+            let at = |k: f64| if k == parts { high } else { low + (high - low) * (k / parts) };
+            waiting.extend((0..parts as u32).rev().map(f64::from).map(|k| (at(k), at(k + 1.0))));
+        } else {
+            deviation = deviation.max(worst);
+            heights.push(high);
+        }
     }
     let mut layers = Vec::new();
-    for k in 0..count as u32 {
-        let (below, above) = heights(trapezoid.z, count, f64::from(k));
+    for pair in heights.windows(2) {
+        let (below, above) = (pair[0], pair[1]);
         let mut extent = [0.0f64; 2];
         for corner in [below, above].iter().flat_map(|z| lines.each_ref().map(|line| line.start(*z))) {
             extent = [0, 1].map(|axis| extent[axis].max(corner[axis].abs()));
@@ -82,12 +83,6 @@ fn lean(trapezoid: &Trapezoid) -> Affine {
     let ((sin, cos), (up, along)) = (sin_cos_degrees(trapezoid.phi), sin_cos_degrees(trapezoid.theta));
     let slope = up / along;
     Affine::from_linear(Mat3::from_cols(Vec3::X, Vec3::Y, Vec3::new(slope * cos, slope * sin, 1.0)))
-}
-
-/// Heights of the lower and upper end of a layer. Adjacent layers share theirs bit by bit.
-fn heights(z: f64, count: f64, layer: f64) -> (f64, f64) {
-    let at = |k: f64| z * (k / count - 0.5);
-    (at(layer), at(layer + 1.0))
 }
 
 fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -28,6 +28,15 @@ pub(super) struct Request<'a> {
     pub tolerance: f64,
 }
 
+/// The box that a shape is tessellated in, of the clip box and of a smaller one in which it matters. Quadrics are
+/// unbounded, and the size of the box determines the number of their triangles.
+pub(super) fn room(shape: &Primitive, clip: &Bounds, within: &Bounds) -> Bounds {
+    match shape {
+        Primitive::Quadric(_) => clip.intersection(within),
+        _ => *clip,
+    }
+}
+
 impl Request<'_> {
     /// The clip box in the frame of the shape.
     pub fn local_clip(&self) -> Option<Bounds> {

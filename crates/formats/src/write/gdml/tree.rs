@@ -19,12 +19,14 @@ const MARGIN: f64 = 0.125;
 
 /// True if all placements are rotations or reflections: Geant4 does not scale placements.
 pub(super) fn is_rigid(records: &[VolumeRecord]) -> bool {
-    let is_unit = |linear: &Mat3| {
-        let square = linear.transpose() * *linear;
-        (square - Mat3::IDENTITY).to_cols_array().iter().all(|entry| entry.abs() <= RIGID)
-    };
     let maps = records.iter().flat_map(|record| &record.daughters).flat_map(|daughter| &daughter.maps);
-    maps.into_iter().all(|map| is_unit(&map.linear))
+    maps.into_iter().all(|map| is_orthogonal(&map.linear))
+}
+
+/// True for a rotation or a reflection.
+pub(super) fn is_orthogonal(linear: &Mat3) -> bool {
+    let square = linear.transpose() * *linear;
+    (square - Mat3::IDENTITY).to_cols_array().iter().all(|entry| entry.abs() <= RIGID)
 }
 
 impl Writer<'_, '_> {

@@ -3,7 +3,9 @@
 use crate::write::model::Model;
 use crate::write::remark::Remarks;
 use rayweave_math::{Affine, Bounds, Mat3, Vec3};
-use std::collections::HashMap;
+use rayweave_model::Solid;
+use rayweave_scene::Table;
+use std::collections::{HashMap, HashSet};
 
 /// A solid of the file in its own frame, with its rotation and translation.
 #[derive(Clone)]
@@ -23,8 +25,21 @@ pub struct Writer<'m, 's> {
     pub defines: String,
     pub solids: String,
     pub count: usize,
+    /// Names of solids in use.
+    pub taken: HashSet<String>,
+    /// Elements of the file that the scene came from, by the names of their solids.
+    pub origins: HashMap<String, Vec<Origin>>,
     /// Regions written so far.
     pub known: HashMap<usize, Option<Part>>,
+}
+
+/// An element of the file that the scene came from.
+pub struct Origin {
+    pub row: Table,
+    /// The solid of the element, when it was needed.
+    pub solid: Option<Option<Solid>>,
+    /// Its name in the new file, when it was written.
+    pub written: Option<String>,
 }
 
 /// Text of a structure, and the name of its world.

@@ -1,0 +1,134 @@
+//! Elements of solids for which Rayweave has no shape of its own, kept in the table `[gdml]` so that the writer can write
+//! them as they were.
+
+use super::attributes::Numbers;
+use super::context::Context;
+use super::solids::{Sizes, primitive};
+use super::stated::{get, rows, text};
+use super::trouble::Place;
+use super::xml::{Attribute, Element, Name};
+use rayweave_model::{Node, Solid};
+use rayweave_scene::{Datum, Spanned, Table};
+use rayweave_shape::primitive::Primitive;
+use std::fmt::Write as _;
+
+/// Elements that the writer also writes for the shapes that they become.
+const WITH_TWIN: [&str; 8] = ["box", "orb", "tube", "cone", "torus", "ellipsoid", "eltube", "paraboloid"];
+
+/// Elements that refer to definitions, which are not kept.
+const WITH_REFERENCES: [&str; 2] = ["tet", "tessellated"];
+
+/// Attributes that are not numbers.
+const WORDS: [&str; 3] = ["lunit", "aunit", "unit"];
+
+/// The row of an element without references to other solids, if its solid has no native twin: `name`, `kind` (name of the
+/// element), attributes with the values of their expressions, and `children`.
+pub(super) fn row(numbers: &mut Numbers, element: &Element, name: &str, solid: &Solid) -> Option<Table> {
+    let tag = element.name.as_str();
+    if WITH_REFERENCES.contains(&tag) || (WITH_TWIN.contains(&tag) && is_shape(solid)) {
+        return None;
+    }
+    let mut row: Table = vec![entry("name", Datum::Text(name.to_owned()))];
+    row.extend(contents(numbers, element)?);
+    let mut children = Some(Vec::new());
+    numbers.each(element, &mut |numbers, child| {
+        let inner = contents(numbers, child).map(|inner| Spanned::from(Datum::Table(inner)));
+        children = children.take().zip(inner).map(|(mut all, inner)| {
+            all.push(inner);
+            all
+        });
+    });
+    match children? {
+        children if children.is_empty() => {}
+        children => row.push(entry("children", Datum::List(children))),
+    }
+    Some(row)
+}
+
+fn entry(key: &str, value: Datum) -> (Spanned<String>, Spanned<Datum>) {
+    (key.into(), value.into())
+}
+
+/// True for one shape under a map.
+fn is_shape(solid: &Solid) -> bool {
+    let inner = solid.node().single_map().map_or(solid, |(_, inner)| inner);
+    matches!(
+        inner.node(),
+        Node::Primitive(
+            Primitive::CentredBox(_)
+                | Primitive::Sphere(_)
+                | Primitive::Cylinder(_)
+                | Primitive::Tube(_)
+                | Primitive::Cone(_)
+                | Primitive::Torus(_)
+                | Primitive::Ellipsoid(_)
+                | Primitive::Paraboloid(_)
+        )
+    )
+}
+
+/// Kind and attributes of an element, without its name.
+fn contents(numbers: &Numbers, element: &Element) -> Option<Table> {
+    let mut row = vec![entry("kind", Datum::Text(element.name.to_string()))];
+    for attribute in element.attributes.iter().filter(|attribute| attribute.name != "name") {
+        let value = match WORDS.contains(&attribute.name.as_str()) {
+            true => Datum::Text(attribute.value.clone()),
+            false => Datum::Number(numbers.names.evaluate(&attribute.value).ok()?),
+        };
+        row.push(entry(&attribute.name, value));
+    }
+    Some(row)
+}
+
+/// The solid of a row, as the reader makes it from the element.
+pub(crate) fn solid(row: &Table) -> Option<Solid> {
+    let mut context = Context::default();
+    let element = Element {
+        children: rows(row, "children").into_iter().map(element).collect::<Option<_>>()?,
+        ..element(row)?
+    };
+    primitive(&mut Numbers::new(&mut context), &element, &mut Sizes::default()).ok()
+}
+
+fn element(row: &Table) -> Option<Element> {
+    let place = Place::default();
+    let attributes = attributes(row).map(|(name, value)| {
+        Some(Attribute { name: Name::new(name), value: value?, place, verbatim: false })
+    });
+    let name = Name::new(text(row, "kind"));
+    let attributes = attributes.collect::<Option<_>>()?;
+    Some(Element { name, place, attributes, children: Vec::new(), content: None })
+}
+
+/// Names and texts of the attributes of a row.
+fn attributes(row: &Table) -> impl Iterator<Item = (&str, Option<String>)> {
+    let own = row.iter().filter(|(key, _)| !["name", "kind", "children"].contains(&key.value.as_str()));
+    own.map(|(key, value)| {
+        let value = match &value.value {
+            Datum::Number(number) => Some(format!("{number:?}")),
+            Datum::Text(text) => Some(text.clone()),
+            _ => None,
+        };
+        (key.value.as_str(), value)
+    })
+}
+
+/// The XML text of a row under a name, both with escapes.
+pub(crate) fn written(row: &Table, name: &str, escaped: impl Fn(&str) -> String) -> String {
+    let head = |row: &Table| {
+        let mut head = escaped(text(row, "kind"));
+        for (name, value) in attributes(row) {
+            let _ = write!(head, " {}=\"{}\"", escaped(name), escaped(&value.unwrap_or_default()));
+        }
+        head
+    };
+    let own = head(row);
+    let own = own.split_once(' ').unwrap_or((&own, ""));
+    let opening = format!("    <{} name=\"{name}\" {}", own.0, own.1);
+    if get(row, "children").is_none() {
+        return opening + "/>\n";
+    }
+    let children: String =
+        rows(row, "children").into_iter().map(|child| format!("      <{}/>\n", head(child))).collect();
+    format!("{opening}>\n{children}    </{}>\n", own.0)
+}
