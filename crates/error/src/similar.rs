@@ -137,7 +137,9 @@ mod tests {
     #[test]
     fn the_work_for_one_file_has_a_limit() {
         let names: Vec<String> = (0..2000).map(|k| format!("volume_with_a_long_name_{k:04}")).collect();
-        let ask = |k: usize| did_you_mean(&format!("volume_with_a_lnog_name_{k:04}"), names.iter().map(String::as_str));
+        let ask = |k: usize| {
+            did_you_mean(&format!("volume_with_a_lnog_name_{k:04}"), names.iter().map(String::as_str))
+        };
         let found = with_limited_suggestions(|| (0..2000).filter(|&k| ask(k).is_some()).count());
         assert!((1..100).contains(&found), "{found}");
         // the next file has a limit of its own, and there is none outside

@@ -85,11 +85,7 @@ impl Model {
     }
 }
 
-pub fn read(
-    from: impl BufRead + Seek,
-    length: u64,
-    options: &ReadOptions,
-) -> Result<LoadedMesh, FileError> {
+pub fn read(from: impl BufRead + Seek, length: u64, options: &ReadOptions) -> Result<LoadedMesh, FileError> {
     let mut archive = ZipArchive::new(from).map_err(archive_error)?;
     let model = whole_model(&mut archive, length, options)?;
     let (mut assembly, mut starts) = (Assembly::default(), Vec::new());
@@ -142,15 +138,15 @@ fn whole_model(
         }
         let part = archive.by_name(&name).map_err(archive_error)?;
         let part = Metered::new(BufReader::new(part), &left, limit, &event);
-        ModelParser::new(name.clone(), next == 0, &mut model, options).parse(part, &event).map_err(|error| {
-            match error {
+        ModelParser::new(name.clone(), next == 0, &mut model, options).parse(part, &event).map_err(
+            |error| match error {
                 FileError::Syntax { location, message } if next > 0 => {
                     let problem = format!("part `{}` of the archive: {}", excerpt(&name), message.problem());
                     FileError::syntax(location, problem, message.reason())
                 }
                 error => error,
-            }
-        })?;
+            },
+        )?;
         next += 1;
     }
     Ok(model)

@@ -49,9 +49,10 @@ impl Allowance {
         let limit = self.always.max(self.per_node.saturating_mul(nodes));
         match limit > self.always && expanded(solids, limit).is_some() {
             true => Ok(()),
-            false => {
-                Err(CompileError { path: "model".to_owned(), problem: CompileProblem::Repeated { nodes, limit } })
-            }
+            false => Err(CompileError {
+                path: "model".to_owned(),
+                problem: CompileProblem::Repeated { nodes, limit },
+            }),
         }
     }
 }

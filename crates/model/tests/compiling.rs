@@ -272,7 +272,10 @@ fn repeated_parts_are_counted_before_they_are_copied() {
     let steps: [&dyn Fn(&Solid) -> Solid; 4] = [
         &|s| s | s.translate([1.0, 0.0, 0.0]),
         &|s| s.named("a") | s.named("b"),
-        &|s| Solid::union([s.rotate_x(10.0), s.clone(), s.rotate_x(20.0)]).place([Affine::scale([2.0; 3].into())]),
+        &|s| {
+            Solid::union([s.rotate_x(10.0), s.clone(), s.rotate_x(20.0)])
+                .place([Affine::scale([2.0; 3].into())])
+        },
         // without leaves, but with as many visits
         &|s| (s & Solid::empty()) | s.translate([1.0, 0.0, 0.0]),
     ];

@@ -10,6 +10,7 @@ use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::scene::{Diagnostics, Document, Scene, load, parse_with};
 
 use crate::error::bad_value;
+use crate::interrupt::abandonable;
 use crate::model::overrides;
 use crate::optics::element::PyElement;
 use crate::optics::source::PySource;
@@ -38,15 +39,15 @@ pub fn loads_optics<'py>(
     text: &str,
     parameters: Option<&Bound<'py, PyDict>>,
 ) -> PyResult<Loaded<'py>> {
-    let overrides = overrides(parameters)?;
-    read(py, move || parse_with(text, &overrides))
+    let (text, overrides) = (text.to_owned(), overrides(parameters)?);
+    read(py, move || parse_with(&text, &overrides))
 }
 
 fn read<'py>(
     py: Python<'py>,
-    model: impl Send + FnOnce() -> Result<(Document, Scene), Diagnostics>,
+    model: impl FnOnce() -> Result<(Document, Scene), Diagnostics> + Send + 'static,
 ) -> PyResult<Loaded<'py>> {
-    let (optics, system, unit, warnings) = py.detach(|| {
+    let (optics, system, unit, warnings) = abandonable(py, move || {
         let (document, scene) = model().map_err(bad_value)?;
         let optics = optics_of(&document, &scene).map_err(bad_value)?;
         let system = optics.assembly.compile().map_err(bad_value)?;
@@ -54,7 +55,7 @@ fn read<'py>(
             |warning: &rayweave::scene::Diagnostic| Diagnostics::from(warning.clone()).render(false);
         let warnings: Vec<String> = scene.warnings.iter().map(rendered).collect();
         Ok::<_, PyErr>((optics, system, scene.unit.symbol(), warnings))
-    })?;
+    })??;
     let elements = optics.assembly.elements().iter().map(|element| PyElement(element.clone())).collect();
     let sources = optics.sources.sources().iter().map(|source| PySource(source.clone())).collect();
     let settings = settings(py, &optics)?;
