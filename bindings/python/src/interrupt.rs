@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use pyo3::prelude::*;
-use rayweave::model::drive::Cancel;
+use rayweave::model::drive::{Cancel, aside};
 
 use crate::error::bad_value;
 
@@ -24,7 +24,7 @@ pub fn interruptible<T: Send, X: Display + Send>(
         thread::scope(|scope| {
             let (done, ended) = channel();
             let worker = scope.spawn(move || {
-                let result = work();
+                let result = cancel.while_current(work);
                 // fails if a signal came first, because the receiver has been dropped
                 let _ = done.send(());
                 result
@@ -44,4 +44,13 @@ pub fn interruptible<T: Send, X: Display + Send>(
             }
         })
     })
+}
+
+/// Runs work that cannot be cancelled at every point, such as reading a file, without the GIL. A pending signal is raised at once: the
+/// thread of the work ends as soon as it checks its token (`Cancel::current`), and its result is dropped.
+pub fn abandonable<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    py.detach(|| aside(work, || Python::attach(|py| py.check_signals())))
 }

@@ -2,7 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use numpy::{PyArray1, PyArray2};
 use pyo3::exceptions::PyOSError;
@@ -15,9 +15,10 @@ use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
 use rayweave::{Classified, Compiled, ErrorKind};
 
 use crate::drawing::{Subject, notebook_png, render_method};
-use crate::engine::{Engine, QueryOptions, computed};
+use crate::engine::{Engine, QueryOptions};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
+use crate::interrupt::abandonable;
 use crate::solid::{PySolid, bounds_array};
 use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
@@ -29,7 +30,7 @@ use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 pub struct PyModel {
     /// The document of the file, if it has more contents than the scene.
     stated: Option<Document>,
-    scene: Scene,
+    scene: Arc<Scene>,
     /// True if the values of some parameters differ from the document.
     overridden: bool,
     /// Compiled at the first query.
@@ -40,6 +41,7 @@ pub struct PyModel {
 impl PyModel {
     fn new(read: Result<(Option<Document>, Scene), Diagnostics>, overridden: bool) -> PyResult<Self> {
         let (stated, scene) = read.map_err(bad_value)?;
+        let scene = Arc::new(scene);
         Ok(PyModel { stated, scene, overridden, compiled: OnceLock::new(), solids: PyOnceLock::new() })
     }
 
@@ -55,11 +57,17 @@ impl PyModel {
 
     /// The compiled model.
     pub fn compiled(&self, py: Python<'_>) -> PyResult<&(Compiled, Engine)> {
-        computed(py, &self.compiled, || {
-            let compiled = Compiled::new(&self.scene).map_err(bad_value)?;
-            let engine = Engine::of_model(&compiled)?;
-            Ok((compiled, engine))
-        })
+        if self.compiled.get().is_none() {
+            let scene = self.scene.clone();
+            let both = abandonable(py, move || {
+                let compiled = Compiled::new(&scene).map_err(bad_value)?;
+                let engine = Engine::of_model(&compiled)?;
+                Ok::<_, PyErr>((compiled, engine))
+            })??;
+            // another thread may have compiled it first
+            let _ = self.compiled.set(both);
+        }
+        self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
     }
 
     /// Evaluator of queries.
@@ -108,8 +116,9 @@ pub fn load_model(
     let format = format.map(format_of).transpose()?;
     let unit = unit.map(unit_of).transpose()?;
     let options = Options { facets, fonts, repair, unit, allow, strict };
-    let read = py.detach(|| formats::load(&path, format, &overrides, &options));
-    PyModel::new(read.map(|imported| (imported.stated, imported.scene)), !overrides.is_empty())
+    let is_overridden = !overrides.is_empty();
+    let read = abandonable(py, move || formats::load(&path, format, &overrides, &options))?;
+    PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)
 }
 
 fn format_of(name: &str) -> PyResult<Format> {
@@ -138,8 +147,9 @@ pub fn loads(
 ) -> PyResult<PyModel> {
     let overrides = overrides(parameters)?;
     let options = Options { allow, strict, ..Options::default() };
-    let read = py.detach(|| formats::parse(text, Format::Native, &overrides, &options));
-    PyModel::new(read.map(|imported| (imported.stated, imported.scene)), !overrides.is_empty())
+    let (text, is_overridden) = (text.to_owned(), !overrides.is_empty());
+    let read = abandonable(py, move || formats::parse(&text, Format::Native, &overrides, &options))?;
+    PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)
 }
 
 /// Converts overrides of parameters for the readers of model files.
@@ -391,7 +401,7 @@ impl PyModel {
     #[pyo3(signature = (*, lines = 200))]
     fn preparation(&self, py: Python<'_>, lines: usize) -> PyResult<String> {
         let regions = self.scene.model_regions();
-        let preparations = py.detach(|| Preparation::of_regions(&regions)).map_err(bad_value)?;
+        let preparations = abandonable(py, move || Preparation::of_regions(&regions))?.map_err(bad_value)?;
         Ok(preparations.iter().map(|p| p.text(lines)).collect::<Vec<_>>().join("\n"))
     }
 
@@ -468,7 +478,7 @@ impl PyModel {
     }
 
     fn __repr__(&self) -> String {
-        let Scene { solids, regions, media, .. } = &self.scene;
+        let Scene { solids, regions, media, .. } = &*self.scene;
         format!("<Model: {} solids, {} regions, {} media>", solids.len(), regions.len(), media.len())
     }
 
@@ -477,7 +487,7 @@ impl PyModel {
             // the document itself if it is sufficient: it keeps the parameters, but not the
             // contents of external files
             let kept = self.current_document().to_toml();
-            let is_enough = parse_with(&kept, &[]).is_ok_and(|(_, scene)| scene == self.scene);
+            let is_enough = parse_with(&kept, &[]).is_ok_and(|(_, scene)| scene == *self.scene);
             if is_enough { kept } else { Document::from_scene(&self.scene).to_toml() }
         });
         Ok((py.import("rayweave._core")?.getattr("loads")?, (text,)))

@@ -13,9 +13,10 @@ use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
 
 use crate::drawing::{Subject, notebook_png, render_method};
-use crate::engine::{Engine, QueryOptions, computed};
+use crate::engine::{Engine, QueryOptions};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
+use crate::interrupt::abandonable;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
 use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
@@ -37,6 +38,9 @@ pub struct PySolid {
     engine: OnceLock<Engine>,
 }
 
+/// The number of leaves that are compiled within a few milliseconds.
+const SMALL: u64 = 1000;
+
 impl PySolid {
     /// Wraps a solid, without compiling it.
     pub fn from_solid(solid: Solid) -> Self {
@@ -50,8 +54,18 @@ impl PySolid {
 
     /// The compiled solid.
     pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
-        let compile = || Engine::of_solid(Program::compile(&self.solid).map_err(bad_value)?);
-        computed(py, &self.engine, compile)
+        if self.engine.get().is_none() {
+            let solid = self.solid.clone();
+            let compile = move || Engine::of_solid(Program::compile(&solid).map_err(bad_value)?);
+            // a thread takes longer to start than a small solid to compile
+            let engine = match self.solid.has_more_leaves_than(SMALL) {
+                true => abandonable(py, compile)??,
+                false => py.detach(compile)?,
+            };
+            // another thread may have compiled it first
+            let _ = self.engine.set(engine);
+        }
+        self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
     }
 
     fn apply(&self, map: Affine) -> Self {

@@ -379,3 +379,61 @@ def test_ctrl_c_stops_a_question(threads):
         # the question itself takes many times as long
         assert time.monotonic() - sent < 20
         assert process.returncode == 0
+
+
+# each takes seconds or more: a solid of two million leaves, and a file of a hundred thousand solids
+LONG_PREPARATIONS = {
+    "compile": "solid = rayweave.union([cell.translate([k, 0, 0]) for k in range(200_000)]); go(solid.bounds)",
+    "compile a model": "model = rayweave.loads(text); go(model.bounds)",
+    "loads": "go(lambda: rayweave.loads(text))",
+    "load": "go(lambda: rayweave.load(path))",
+}
+
+LONG_PREPARATION = """
+import pathlib, signal, sys, tempfile, time
+import rayweave
+signal.signal(signal.SIGINT, signal.default_int_handler)
+def go(work):
+    print("ready", flush=True)
+    try:
+        while True:
+            work()
+    except KeyboardInterrupt:
+        print("interrupted", flush=True)
+cell = rayweave.union([rayweave.sphere(1).translate([0, 2 * k, 0]) for k in range(10)])
+solids = "".join(f"[solid.s{k}]\\nsphere = {{ radius = {k + 1} }}\\n[[region]]\\nsolid = 's{k}'\\n" for k in range(30_000))
+text = "rayweave = 1\\n" + solids
+path = pathlib.Path(tempfile.mkdtemp()) / "many.toml"
+path.write_text(text)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent in another way there")
+@pytest.mark.parametrize("work", LONG_PREPARATIONS)
+def test_ctrl_c_stops_reading_and_compiling(work):
+    program = LONG_PREPARATION + LONG_PREPARATIONS[work]
+    with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stdout.readline() == "ready\n"
+        time.sleep(0.3)
+        sent = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        try:
+            assert process.stdout.readline() == "interrupted\n"
+            # 50 ms between checks, and the time of a busy machine
+            assert time.monotonic() - sent < 2
+        finally:
+            process.kill()
+
+
+def test_repeated_parts_are_rejected_before_they_are_copied():
+    solid = rayweave.sphere(1)
+    for k in range(40):
+        solid = solid | solid.translate([2.0**k, 0, 0])
+    start = time.monotonic()
+    with pytest.raises(ValueError, match="describe more than 16777216 leaves"):
+        solid.bounds()
+    assert time.monotonic() - start < 10
+    same = rayweave.sphere(1)
+    for _ in range(60):
+        same = (same | same) & same.translate([0, 0, 0])
+    assert (same.bounds() == rayweave.sphere(1).bounds()).all()

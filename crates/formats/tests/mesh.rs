@@ -280,3 +280,16 @@ fn mirrors_turn_triangles() {
     assert!(imported.scene.warnings.is_empty(), "{}", imported.scene.warnings);
     assert_eq!((region(&imported, [6.5, -0.5, 0.5]), region(&imported, [0.5, -0.5, 0.5])), (1, 0));
 }
+
+#[test]
+fn thousands_of_objects_may_have_one_name() {
+    let boxes: Vec<Mesh> = (0..3000)
+        .map(|k| cuboid([3.0 * f64::from(k), 0.0, 0.0], [3.0 * f64::from(k) + 1.0, 1.0, 1.0]))
+        .collect();
+    let named: Vec<(&str, &Mesh)> = boxes.iter().map(|mesh| ("part", mesh)).collect();
+    let start = std::time::Instant::now();
+    let found = parse(&obj(&named), Format::Mesh(MeshFormat::Obj), &[], &Options::default()).unwrap();
+    assert_eq!(found.scene.regions.len(), 3000);
+    assert_eq!(found.scene.regions[2999].name, "part3000");
+    assert!(start.elapsed().as_secs() < 30);
+}

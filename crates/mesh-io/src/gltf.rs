@@ -323,31 +323,23 @@ impl<'a> SceneReader<'a> {
                 continue;
             }
             let first = self.builder.vertices.len() as u64;
-            self.check_repetition(primitive)?;
             let positions = self.numbers(&primitive["attributes"]["POSITION"], "VEC3")?;
-            for p in positions.chunks_exact(3) {
-                self.builder.add_vertex(map.point(Vec3::new(p[0], p[1], p[2])), Location::Byte(0))?;
-            }
             let corners: Vec<u64> = match &primitive["indices"] {
                 Value::Null => (0..positions.len() as u64 / 3).collect(),
                 indices => self.numbers(indices, "SCALAR")?.into_iter().map(|x| x as u64).collect(),
             };
+            let made = self.builder.vertices.len().max(self.builder.triangles.len());
+            let more = (positions.len() / 3).max(corners.len());
+            let (what, made) = ("vertices and triangles", (made + more) as u64);
+            check_repetition(what, made, self.length, Location::Byte(0))?;
+            for p in positions.chunks_exact(3) {
+                self.builder.add_vertex(map.point(Vec3::new(p[0], p[1], p[2])), Location::Byte(0))?;
+            }
             // a reflection reverses the orientation of triangles (glTF 2.0, section 3.7.4)
             let is_mirror = map.linear.determinant() < 0.0;
             self.triangles(&corners, mode, first, is_mirror)?;
         }
         Ok(())
-    }
-
-    /// Rejects a primitive that makes more elements than a file of this length may.
-    fn check_repetition(&self, primitive: &Value) -> Result<(), FileError> {
-        let count = |index: &Value| match index {
-            Value::Null => Ok::<_, FileError>(0),
-            index => Ok(entry(self.root, "accessors", index)?["count"].as_u64().unwrap_or(0)),
-        };
-        let more = count(&primitive["attributes"]["POSITION"])?.max(count(&primitive["indices"])?);
-        let made = self.builder.vertices.len().max(self.builder.triangles.len()) as u64;
-        check_repetition("vertices and triangles", made.saturating_add(more), self.length, Location::Byte(0))
     }
 
     fn triangles(

@@ -398,3 +398,107 @@ fn objects_of_a_file_are_distinguished() {
     let names: Vec<_> = objects.into_iter().map(|object| (object.name, object.triangles)).collect();
     assert_eq!(names, [("a".to_owned(), 0..1), ("b".to_owned(), 1..2)]);
 }
+
+/// Small archives that describe much more than they contain.
+#[test]
+fn archives_have_one_budget() {
+    let error =
+        |parts: &[(&str, &str)]| loaded(&archive_of(parts), MeshFormat::ThreeMf).unwrap_err().to_string();
+    let model = |resources: &str, build: &str| {
+        format!("<model unit=\"meter\"><resources>{resources}</resources><build>{build}</build></model>")
+    };
+    let main = "3D/3dmodel.model";
+    // one attribute of 20 MB, and many elements that compress as well
+    let name =
+        model(&TETRAHEDRON.replace("id=\"1\"", &format!("id=\"1\" name=\"{}\"", "a".repeat(20_000_000))), "");
+    let found = error(&[(main, &name)]);
+    assert!(found.contains("an element has more than 1048576 bytes"), "{found}");
+    let found =
+        error(&[(main, &model(&"<vertex/>\n".repeat(0).replace("", &" ".repeat(1000)).repeat(20_000), ""))]);
+    assert!(found.contains("bytes"), "{found}");
+    let found = error(&[(main, &model(&"<!-- nothing -->".repeat(1_200_000), ""))]);
+    assert!(found.contains("the archive expands to more than 16777216 bytes"), "{found}");
+    // parts share the budget, and the message names the one that exceeds it
+    let items: String = (0..30).map(|k| format!("<item objectid=\"1\" path=\"/3D/{k}.model\"/>")).collect();
+    let (first, filler) = (model("", &items), model(&"<!-- nothing -->".repeat(60_000), ""));
+    let names: Vec<String> = (0..30).map(|k| format!("3D/{k}.model")).collect();
+    let parts: Vec<(&str, &str)> = std::iter::once((main, first.as_str()))
+        .chain(names.iter().map(|name| (name.as_str(), filler.as_str())))
+        .collect();
+    let found = error(&parts);
+    assert!(found.contains("part `3D/") && found.contains("the archive expands to more"), "{found}");
+    let items: String = (0..5000).map(|k| format!("<item objectid=\"1\" path=\"/3D/{k}.model\"/>")).collect();
+    let names: Vec<String> = (0..5000).map(|k| format!("3D/{k}.model")).collect();
+    let (first, nothing) = (model("", &items), model("", ""));
+    let parts: Vec<(&str, &str)> = std::iter::once((main, first.as_str()))
+        .chain(names.iter().map(|name| (name.as_str(), nothing.as_str())))
+        .collect();
+    assert!(error(&parts).contains("the model has more than 4096 parts"));
+    // nested components: 4^13 tetrahedra, which are cut off by their vertices
+    let nested: String = (2..15)
+        .map(|id| {
+            format!(
+                "<object id=\"{id}\"><components>{}</components></object>",
+                format!("<component objectid=\"{}\"/>", id - 1).repeat(4)
+            )
+        })
+        .collect();
+    let found = error(&[(main, &model(&format!("{TETRAHEDRON}{nested}"), "<item objectid=\"14\"/>"))]);
+    assert!(found.contains("the file uses its meshes so often that they make 1000004 vertices"), "{found}");
+    let many = model("", &"<item objectid=\"1\"/>".repeat(600_000));
+    let found = error(&[(main, &many)]);
+    assert!(found.contains("no object 1") || found.contains("more than"), "{found}");
+}
+
+#[test]
+fn accessors_of_gltf_are_not_used_without_limit() {
+    let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
+    let text = String::from_utf8(written(&mesh, MeshFormat::Gltf, false)).unwrap();
+    let mut root: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let primitive = root["meshes"][0]["primitives"][0].clone();
+    root["meshes"][0]["primitives"] = vec![primitive; 100_000].into();
+    let found = loaded(root.to_string().as_bytes(), MeshFormat::Gltf).map(|mesh| mesh.mesh.triangles().len());
+    // 1.2 million triangles are few for a file of this size, but not for one that repeats the primitive by nodes
+    assert_eq!(found.unwrap(), 1_200_000);
+    root["meshes"][0]["primitives"].as_array_mut().unwrap().truncate(100);
+    root["nodes"] = vec![root["nodes"][0].clone(); 2000].into();
+    root["scenes"][0]["nodes"] = (0..2000).collect::<Vec<_>>().into();
+    let found = loaded(root.to_string().as_bytes(), MeshFormat::Gltf).unwrap_err().to_string();
+    assert!(found.contains("uses its meshes so often that they make 1000"), "{found}");
+}
+
+/// The nodes of a long list of roots, which took quadratic time.
+#[test]
+fn root_nodes_of_gltf_are_found_in_linear_time() {
+    let nodes = vec!["{\"children\":[]}"; 100_000].join(",");
+    let children: Vec<String> = (1..100_000).map(|k| k.to_string()).collect();
+    let text = format!(
+        "{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{{\"children\":[{}]}},{nodes}]}}",
+        children.join(",")
+    );
+    let start = std::time::Instant::now();
+    let found = loaded(text.as_bytes(), MeshFormat::Gltf);
+    assert!(found.is_ok_and(|found| found.mesh.triangles().is_empty()));
+    assert!(start.elapsed().as_secs() < 20);
+}
+
+#[test]
+fn buffers_of_gltf_are_read_once_and_within_a_limit() {
+    let folder = std::env::temp_dir().join(format!("rayweave-buffers-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |length: u64| {
+        let sparse = std::fs::File::create(folder.join("sparse.bin")).unwrap();
+        sparse.set_len(length).unwrap();
+        let buffers = vec!["{\"uri\":\"sparse.bin\"}"; 6].join(",");
+        let text = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{buffers}]}}");
+        std::fs::write(folder.join("a.gltf"), text).unwrap();
+        read(&folder.join("a.gltf"), None, &ReadOptions::default())
+    };
+    assert!(write(1 << 20).is_ok());
+    let found = write(1 << 30).unwrap_err().to_string();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(
+        found.contains("buffer 0 is too large: together the buffers may have 536870912 bytes"),
+        "{found}"
+    );
+}

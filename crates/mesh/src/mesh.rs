@@ -87,12 +87,12 @@ impl Mesh {
     /// The signed volume within a closed mesh: positive if the triangles are counter-clockwise seen from outside. In cubes of the
     /// unit of length, by the divergence theorem about the centre of the bounding box.
     pub fn volume(&self) -> f64 {
-        self.moments(0..self.triangles.len()).volume
+        self.moments(0..self.triangles.len(), self.middle()).volume
     }
 
     /// The centroid of the volume ([`Mesh::volume`]); `None` if the volume is 0.
     pub fn centroid(&self) -> Option<Vec3> {
-        let Moments { volume, weighted } = self.moments(0..self.triangles.len());
+        let Moments { volume, weighted } = self.moments(0..self.triangles.len(), self.middle());
         (volume != 0.0).then(|| self.middle() + weighted / volume)
     }
 
@@ -105,14 +105,13 @@ impl Mesh {
         (0..self.triangles.len()).map(area).sum()
     }
 
-    /// The contribution of some of the triangles to the volume.
-    pub(crate) fn volume_of(&self, triangles: impl IntoIterator<Item = usize>) -> f64 {
-        self.moments(triangles).volume
+    /// The contribution of some of the triangles to the volume. `middle` is [`Mesh::middle`], which callers compute once.
+    pub(crate) fn volume_of(&self, triangles: impl IntoIterator<Item = usize>, middle: Vec3) -> f64 {
+        self.moments(triangles, middle).volume
     }
 
     /// Sums over the tetrahedra between triangles and the centre of the bounding box.
-    fn moments(&self, triangles: impl IntoIterator<Item = usize>) -> Moments {
-        let middle = self.middle();
+    fn moments(&self, triangles: impl IntoIterator<Item = usize>, middle: Vec3) -> Moments {
         let mut sums = Moments::default();
         for triangle in triangles {
             let [a, b, c] = self.corners(triangle).map(|corner| corner - middle);
@@ -123,7 +122,8 @@ impl Mesh {
         sums
     }
 
-    fn middle(&self) -> Vec3 {
+    /// The centre of the bounding box.
+    pub(crate) fn middle(&self) -> Vec3 {
         let bounds = self.bounds();
         if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() }
     }

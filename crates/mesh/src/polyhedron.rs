@@ -56,6 +56,9 @@ pub struct Nearest {
     pub triangle: u32,
 }
 
+/// The number of triangles that the lines which orient shells, or determine their depths, may cross.
+pub(crate) const MAX_CROSSINGS: usize = 5_000_000;
+
 /// A line prepared for intersection with triangles.
 struct Query {
     shear: Shear,
@@ -111,16 +114,37 @@ impl Polyhedron {
         if diagnosis.is_flat { Err(MeshError::Flat) } else { Polyhedron::new(mesh) }
     }
 
-    /// Determines which triangles are counter-clockwise seen from outside, by one line through each shell.
+    /// Determines which triangles are counter-clockwise seen from outside, by one line through each shell. When these lines have
+    /// crossed [`MAX_CROSSINGS`] triangles, the lines of earlier shells decide for those that they crossed, so that many shells
+    /// behind each other do not take quadratic time.
     /// For shells that intersect others, or are one-sided, the result holds only for some of the triangles.
     fn orientations(&self, shells: &Shells) -> Vec<bool> {
         let mut outward: Vec<Option<bool>> = vec![None; shells.count()];
+        let mut crossed: Vec<Option<bool>> = vec![None; shells.count()];
         let largest = shells.largest(|triangle| {
             triangle::cross(self.corners(self.places[triangle as usize] as usize)).length_squared()
         });
+        let (mut left, mut found) = (MAX_CROSSINGS, Vec::new());
         for (shell, &triangle) in largest.iter().enumerate() {
-            let turned = shells.is_flipped[triangle as usize];
-            outward[shell] = self.turns_outward(triangle).map(|outward| outward ^ turned);
+            if left == 0 && crossed[shell].is_some() {
+                outward[shell] = crossed[shell];
+                continue;
+            }
+            let Some(line) = self.line_through(triangle) else { continue };
+            self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
+            left = left.saturating_sub(found.len());
+            for (rank, crossing) in found.iter().enumerate() {
+                let other = shells.component_of[crossing.triangle as usize] as usize;
+                if crossed[other].is_none() {
+                    // the line enters at even ranks, against the normal that points outwards
+                    let along = triangle::normal(self.triangle(crossing.triangle)).dot(line.direction) > 0.0;
+                    crossed[other] =
+                        Some(along ^ (rank % 2 == 0) ^ shells.is_flipped[crossing.triangle as usize]);
+                }
+            }
+            // along its normal the line leaves the solid
+            let rank = found.iter().position(|crossing| crossing.triangle == triangle);
+            outward[shell] = rank.map(|rank| (rank % 2 == 1) ^ shells.is_flipped[triangle as usize]);
         }
         let of = |&number: &u32| {
             let outward = outward[shells.component_of[number as usize] as usize].unwrap_or(true);
@@ -129,19 +153,11 @@ impl Polyhedron {
         self.numbers.iter().map(of).collect()
     }
 
-    /// Whether a triangle is counter-clockwise seen from outside, by the line along its normal through its
-    /// centroid; `None` if that line misses it.
-    fn turns_outward(&self, triangle: u32) -> Option<bool> {
-        let corners = self.corners(self.places[triangle as usize] as usize);
+    /// The line along the normal of a triangle through its centroid; `None` if the triangle is degenerate.
+    fn line_through(&self, triangle: u32) -> Option<Line> {
+        let corners = self.triangle(triangle);
         let line = Line { origin: triangle::middle(corners), direction: triangle::normal(corners) };
-        if !line.direction.is_finite() {
-            return None;
-        }
-        let mut found = Vec::new();
-        self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
-        let rank = found.iter().position(|crossing| crossing.triangle == triangle)?;
-        // along its normal the line leaves the solid
-        Some(rank % 2 == 1)
+        line.direction.is_finite().then_some(line)
     }
 
     /// The mesh in its original order, with equal points merged.

@@ -4,7 +4,9 @@ mod shapes;
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::{Affine, Vec3};
-use rayweave_mesh::{Mesh, MeshError, Polyhedron, Repair, RepairOptions};
+use rayweave_mesh::{
+    EarBudget, Mesh, MeshError, PairBudget, Polyhedron, Repair, RepairOptions, triangulate_polygon,
+};
 use shapes::{ball, both, cuboid, potato, torus, vector};
 
 fn cube() -> Mesh {
@@ -295,4 +297,131 @@ fn random_soups_are_diagnosed_and_repaired() {
         let again = fixed.repaired(&RepairOptions::default()).unwrap().1;
         assert_eq!((again.welded, again.collapsed), (0, 0));
     }
+}
+
+/// Triangles close together, each kind of which took quadratic time or more: the time limit is for a slow machine without
+/// optimisation.
+#[test]
+fn many_triangles_in_one_place_take_little_time() {
+    let start = std::time::Instant::now();
+    let cube = cube();
+    // duplicates count, but only the first is compared with the others
+    let repeated = with_triangles(&cube, |triangles| {
+        let first = triangles[0];
+        triangles.extend(std::iter::repeat_n(first, 8_000));
+    });
+    let found = repeated.diagnose();
+    assert_eq!((found.duplicates.count, found.overlaps.count, found.uncompared), (8_000, 0, None));
+    assert!(!found.is_sound() && found.is_closed());
+    assert_eq!(repaired(&repeated).0.triangles().len(), 12);
+    // a fan of a large polygon, and needles through one point
+    let count = 400;
+    let angle = |k: usize| 2.0 * std::f64::consts::PI * k as f64 / count as f64;
+    let rim = |k: usize| Vec3::new(libm::cos(angle(k)), libm::sin(angle(k)), 0.3 * libm::sin(angle(k)));
+    let fan =
+        Mesh::new((0..count).map(rim).collect(), (1..count as u32 - 1).map(|k| [0, k, k + 1]).collect());
+    let found = fan.unwrap().diagnose_within(&mut PairBudget::of(20_000));
+    assert!(found.uncompared.is_some() && !found.is_sound());
+    assert!(found.to_string().contains("too many triangles are close together"), "{found}");
+    let needle = |k: usize| [rim(k), -rim(k), rim(k) + 1e-3 * Vec3::Z];
+    let needles = Mesh::new(
+        (0..count).flat_map(needle).collect(),
+        (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
+    )
+    .unwrap();
+    // the meshes of a file share a budget
+    let mut budget = PairBudget::of(count * count);
+    assert!(needles.diagnose_within(&mut budget).uncompared.is_none());
+    let found = needles.diagnose_within(&mut budget);
+    assert!(found.uncompared.is_some() && found.crossings.count > 0);
+    assert!(start.elapsed().as_secs() < 60);
+}
+
+/// A chain of open edges that ends in many small loops: the walk along it is not repeated for each.
+#[test]
+fn boundary_loops_at_the_end_of_a_chain_are_found_once() {
+    let (mut vertices, mut triangles) = (vec![Vec3::ZERO], Vec::new());
+    let count = 3000;
+    // a strip of triangles that share one vertex each makes one long loop with small ones hanging on it
+    for k in 0..count {
+        let x = f64::from(k);
+        vertices.extend([Vec3::new(x + 0.5, 1.0, 0.0), Vec3::new(x + 1.0, 0.0, 0.0)]);
+        let first = 2 * k as u32;
+        triangles.push([first, first + 2, first + 1]);
+    }
+    let start = std::time::Instant::now();
+    let found = Mesh::new(vertices, triangles).unwrap().diagnose();
+    assert_eq!(found.open_edges, 3 * count as usize);
+    assert_eq!(
+        found.holes.first.iter().map(|hole| hole.edges).sum::<usize>(),
+        3 * found.holes.count.min(1000)
+    );
+    assert_eq!(found.holes.count, count as usize);
+    assert!(start.elapsed().as_secs() < 20);
+}
+
+#[test]
+fn large_polygons_are_triangulated_within_a_budget() {
+    let area = |vertices: &[Vec3], triangles: &[[u32; 3]]| {
+        let of = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|k| vertices[k as usize]);
+            0.5 * (b - a).cross(c - a).z
+        };
+        triangles.iter().map(of).sum::<f64>()
+    };
+    let polygon = |count: usize, radius: &dyn Fn(usize) -> f64| -> Vec<Vec3> {
+        let angle = |k: usize| 2.0 * std::f64::consts::PI * k as f64 / count as f64;
+        (0..count).map(|k| radius(k) * Vec3::new(libm::cos(angle(k)), libm::sin(angle(k)), 0.0)).collect()
+    };
+    let round = polygon(4000, &|_| 1.0);
+    let corners: Vec<u32> = (0..4000).collect();
+    let mut budget = EarBudget::default();
+    let (triangles, is_plane) = triangulate_polygon(&round, &corners, &mut budget);
+    let expected = 2000.0 * libm::sin(2.0 * std::f64::consts::PI / 4000.0);
+    assert!(is_plane && triangles.len() == 3998 && (area(&round, &triangles) - expected).abs() < 1e-9);
+    // ears all around leave small triangles: few boxes overlap, so that all pairs are compared
+    let mesh = Mesh::new(round, triangles).unwrap();
+    assert!(mesh.diagnose().uncompared.is_none());
+    // stars have few ears; when the budget is used up, they become fans, which have the same signed area
+    let star = polygon(900, &|k| if k % 2 == 0 { 1.0 } else { 0.2 });
+    let corners: Vec<u32> = (0..900).collect();
+    let start = std::time::Instant::now();
+    for _ in 0..200 {
+        let (triangles, _) = triangulate_polygon(&star, &corners, &mut budget);
+        assert!(
+            (area(&star, &triangles) - 450.0 * 0.2 * libm::sin(2.0 * std::f64::consts::PI / 900.0)).abs()
+                < 1e-9
+        );
+    }
+    assert!(start.elapsed().as_secs() < 60);
+}
+
+/// Boxes within boxes: each line through one of them crosses all of them.
+#[test]
+fn many_nested_shells_take_little_time() {
+    let count = 2000;
+    let shell = |k: usize| {
+        let half = Vec3::splat(1.0 + k as f64);
+        let cube = cuboid(-half, half);
+        // every second one is a cavity
+        if k % 2 == 0 { cube } else { with_triangles(&cube, |all| all.iter_mut().for_each(|t| t.swap(0, 1))) }
+    };
+    let all = (1..count).map(shell).fold((shell(0).into_parts()), |(mut vertices, mut triangles), mesh| {
+        let first = vertices.len() as u32;
+        let (more, corners) = mesh.into_parts();
+        vertices.extend(more);
+        triangles.extend(corners.into_iter().map(|corners| corners.map(|vertex| vertex + first)));
+        (vertices, triangles)
+    });
+    let start = std::time::Instant::now();
+    let mesh = Mesh::new(all.0, all.1).unwrap();
+    let found = mesh.diagnose();
+    for (k, component) in found.components.iter().enumerate() {
+        assert_eq!(component.depth, count - 1 - k, "{k}");
+    }
+    let solid = Polyhedron::new(&mesh).unwrap();
+    // outward of the outermost shell is out of the mesh, and shells alternate
+    let wrong = (0..count).filter(|&k| found.components[k].is_inside_out() != ((count - 1 - k) % 2 != k % 2));
+    assert_eq!((wrong.count(), solid.triangle_count()), (0, 12 * count));
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }

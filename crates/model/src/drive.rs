@@ -32,9 +32,23 @@ impl Cancel {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The token of the work that this thread runs [`aside`]; elsewhere a new one, which nothing cancels.
+    /// The token of the work that this thread runs: [`aside`] or within [`Cancel::while_current`]. Elsewhere a new one, which nothing
+    /// cancels.
     pub fn current() -> Cancel {
         CURRENT.with_borrow(|current| current.clone().unwrap_or_default())
+    }
+
+    /// Runs work with this token as [`Cancel::current`], for work that checks a token without taking one: the compilation of solids.
+    pub fn while_current<T>(&self, work: impl FnOnce() -> T) -> T {
+        /// Restores the token before, even after a panic.
+        struct Restore(Option<Cancel>);
+        impl Drop for Restore {
+            fn drop(&mut self) {
+                CURRENT.set(self.0.take());
+            }
+        }
+        let _restore = Restore(CURRENT.replace(Some(self.clone())));
+        work()
     }
 }
 
@@ -64,10 +78,9 @@ pub fn aside<T: Send + 'static, E>(
     let shared = work.clone();
     let take = |work: &Mutex<Option<_>>| work.lock().ok().and_then(|mut work| work.take());
     let run = move || {
-        CURRENT.set(Some(own));
         if let Some(work) = take(&shared) {
             // nobody receives it after an error of `look`
-            let _ = sender.send(work());
+            let _ = sender.send(own.while_current(work));
         }
     };
     let thread = match std::thread::Builder::new().stack_size(STACK).spawn(run) {

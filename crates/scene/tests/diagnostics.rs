@@ -471,3 +471,33 @@ fn tables_that_nothing_reads() {
     assert!(found("lamp").starts_with("4:2 warning: the table `lamp` is not used"));
     assert_eq!((found("optics"), found("gdml")), (String::new(), String::new()));
 }
+
+/// Thousands of misspelt names among thousands of known ones: only the first get suggestions.
+#[test]
+fn many_misspelt_names_take_little_time() {
+    let count = 3000;
+    let solids: String = (0..count)
+        .map(|k| format!("[solid.volume_with_long_name_{k}]\nexpr = 'volume_with_lnog_name_{k}'\n"))
+        .collect();
+    let start = std::time::Instant::now();
+    let found = problems(&solids);
+    assert!(found.iter().count() >= count);
+    let text = found.to_string();
+    assert!(text.contains("Did you mean `volume_with_long_name_0`?"), "{}", &text[..500]);
+    assert!(text.matches("Did you mean").count() < 100);
+    assert!(start.elapsed().as_secs() < 30);
+}
+
+#[test]
+fn problems_in_a_long_line_do_not_repeat_it() {
+    let names: Vec<String> = (0..2000).map(|k| format!("x{k}")).collect();
+    let text = format!(
+        "solid = {{ {} }}\n",
+        names.iter().map(|x| format!("{x} = {{ expr = 'q{x}' }}")).collect::<Vec<_>>().join(", ")
+    );
+    let found = problems(&text);
+    assert!(found.iter().count() >= 2000);
+    let rendered = found.to_string();
+    assert!(rendered.len() < 400 * 2000, "{}", rendered.len());
+    assert!(rendered.contains("--> <text>:2:26"), "{}", &rendered[..300]);
+}

@@ -10,6 +10,7 @@ use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::scene::{Diagnostics, Document, Scene, load_allowing, parse_allowing};
 
 use crate::error::bad_value;
+use crate::interrupt::abandonable;
 use crate::model::overrides;
 use crate::optics::element::PyElement;
 use crate::optics::source::PySource;
@@ -46,16 +47,16 @@ pub fn loads_optics<'py>(
     allow: Vec<PathBuf>,
     strict: bool,
 ) -> PyResult<Loaded<'py>> {
-    let overrides = overrides(parameters)?;
-    read(py, strict, move || parse_allowing(text, &overrides, &allow))
+    let (text, overrides) = (text.to_owned(), overrides(parameters)?);
+    read(py, strict, move || parse_allowing(&text, &overrides, &allow))
 }
 
 fn read<'py>(
     py: Python<'py>,
     strict: bool,
-    model: impl Send + FnOnce() -> Result<(Document, Scene), Diagnostics>,
+    model: impl FnOnce() -> Result<(Document, Scene), Diagnostics> + Send + 'static,
 ) -> PyResult<Loaded<'py>> {
-    let (optics, system, unit, warnings) = py.detach(|| {
+    let (optics, system, unit, warnings) = abandonable(py, move || {
         let (document, scene) = model().map_err(bad_value)?;
         if strict && !scene.warnings.is_empty() {
             return Err(bad_value(scene.warnings.into_errors()));
@@ -66,7 +67,7 @@ fn read<'py>(
             |warning: &rayweave::scene::Diagnostic| Diagnostics::from(warning.clone()).render(false);
         let warnings: Vec<String> = scene.warnings.iter().map(rendered).collect();
         Ok::<_, PyErr>((optics, system, scene.unit.symbol(), warnings))
-    })?;
+    })??;
     let elements = optics.assembly.elements().iter().map(|element| PyElement(element.clone())).collect();
     let sources = optics.sources.sources().iter().map(|source| PySource(source.clone())).collect();
     let settings = settings(py, &optics)?;

@@ -25,15 +25,20 @@ pub struct PairBudget {
 
 impl PairBudget {
     /// Pairs of every file. Comparing takes up to two microseconds, for half of them: of each two triangles the first.
-    const BASE: usize = 4_000_000;
+    const BASE: usize = 2_000_000;
     /// Further pairs for each triangle. In meshes of real parts the boxes of about ten others overlap that of a triangle.
     const PER_TRIANGLE: usize = 64;
+
+    /// A budget of this many pairs, to which each mesh adds 64 for each triangle.
+    pub fn of(pairs: usize) -> PairBudget {
+        PairBudget { left: pairs }
+    }
 }
 
 impl Default for PairBudget {
     /// The budget of a file that is yet to be diagnosed.
     fn default() -> PairBudget {
-        PairBudget { left: Self::BASE }
+        PairBudget::of(Self::BASE)
     }
 }
 

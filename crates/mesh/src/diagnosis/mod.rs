@@ -82,7 +82,7 @@ pub struct Diagnosis {
     /// Pairs of coplanar triangles that overlap; of duplicates only the first.
     pub overlaps: Findings<Intersection>,
     /// The triangle at which the search for intersections was given up, because the boxes of too many pairs overlap: more than
-    /// 64 for each triangle, and four million. `None` if all pairs were compared.
+    /// 64 for each triangle, and two million. `None` if all pairs were compared.
     pub uncompared: Option<u32>,
     /// The components connected by edges.
     pub components: Vec<Component>,

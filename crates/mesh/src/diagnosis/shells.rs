@@ -1,11 +1,12 @@
 //! Connected components (shells) of a mesh: closedness, orientability, volume and nesting depth.
 
 use super::Findings;
+use crate::polyhedron::MAX_CROSSINGS;
 use crate::topology::{EdgeUse, SignedSets, by_edge};
 use crate::triangle;
 use crate::{Line, Mesh, Polyhedron};
 use rayweave_math::Vec3;
-use std::collections::BTreeMap;
+use rustc_hash::FxHashSet;
 
 /// A component: triangles connected by edges that belong to two of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +130,7 @@ impl Shells {
 
     pub fn components(&self, mesh: &Mesh, uses: &[EdgeUse]) -> Vec<Component> {
         let oriented = mesh.clone().reversed(|triangle| self.is_flipped[triangle]);
-        let is_closed = self.closed(uses);
+        let (is_closed, middle) = (self.closed(uses), mesh.middle());
         let members = self.members();
         let depths = self.depths(mesh, &members, &is_closed);
         let component = |shell: usize| Component {
@@ -137,7 +138,7 @@ impl Shells {
             triangles: members[shell].len(),
             is_closed: is_closed[shell],
             is_orientable: !self.one_sided[shell],
-            volume: oriented.volume_of(members[shell].iter().copied()),
+            volume: oriented.volume_of(members[shell].iter().copied(), middle),
             depth: depths[shell],
         };
         (0..self.firsts.len()).map(component).collect()
@@ -160,28 +161,40 @@ impl Shells {
         closed.iter().zip(has_edges).map(|(&closed, has_edges)| closed && has_edges).collect()
     }
 
-    /// The nesting depth of each component, by the crossings of a line through one of its triangles with the other components.
+    /// The nesting depth of each component, by the crossings of a line through one of its triangles with the other components. When
+    /// these lines have crossed [`MAX_CROSSINGS`] triangles, those of earlier components decide for the ones that they crossed.
     fn depths(&self, mesh: &Mesh, members: &[Vec<usize>], is_closed: &[bool]) -> Vec<usize> {
-        let solid = (members.len() > 1).then(|| Polyhedron::new(mesh).ok()).flatten();
-        let mut found = Vec::new();
-        let mut depth = |shell: usize| {
-            let Some(solid) = solid.as_ref().filter(|_| is_closed[shell]) else {
-                return 0;
-            };
+        let mut depths = vec![0; members.len()];
+        let Some(solid) = (members.len() > 1).then(|| Polyhedron::new(mesh).ok()).flatten() else {
+            return depths;
+        };
+        let (mut left, mut found) = (MAX_CROSSINGS, Vec::new());
+        let mut crossed: Vec<Option<usize>> = vec![None; members.len()];
+        let mut odd: FxHashSet<u32> = FxHashSet::default();
+        for shell in (0..members.len()).filter(|&shell| is_closed[shell]) {
+            if let (0, Some(depth)) = (left, crossed[shell]) {
+                depths[shell] = depth;
+                continue;
+            }
             let largest =
                 members[shell].iter().copied().max_by(|&a, &b| area(mesh, a).total_cmp(&area(mesh, b)));
             let corners = mesh.corners(largest.unwrap_or(self.firsts[shell] as usize));
             let line = Line { origin: triangle::middle(corners), direction: GENERIC_DIRECTION };
             solid.crossings(&line, &[GENERIC_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
-            let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
-            let ahead = found.iter().filter(|crossing| crossing.t > 0.0);
-            ahead.for_each(|crossing| {
-                *counts.entry(self.component_of[crossing.triangle as usize]).or_default() += 1
-            });
-            let around = |(&other, &count): (&u32, &usize)| other != shell as u32 && count % 2 == 1;
-            counts.iter().filter(|&(other, count)| around((other, count))).count()
-        };
-        (0..members.len()).map(&mut depth).collect()
+            left = left.saturating_sub(found.len());
+            odd.clear();
+            // from the far end: the components that are crossed an odd number of times up to here are around this point
+            for crossing in found.iter().rev().filter(|crossing| crossing.t > 0.0) {
+                let other = self.component_of[crossing.triangle as usize];
+                let around = odd.len() - usize::from(odd.contains(&other));
+                crossed[other as usize].get_or_insert(around);
+                if !odd.remove(&other) {
+                    odd.insert(other);
+                }
+            }
+            depths[shell] = odd.len() - usize::from(odd.contains(&(shell as u32)));
+        }
+        depths
     }
 }
 
