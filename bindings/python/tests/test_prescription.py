@@ -254,6 +254,19 @@ def test_columns_go_into_tables() -> None:
     np.testing.assert_array_equal(table["rms"].to_numpy(), spots["rms"])
 
 
+def test_the_principal_ray_goes_through_the_centre_of_the_stop() -> None:
+    # behind a plane plate a ray has its direction again, so that a stop there has no distortion at any angle
+    plate = Prescription([Surface(np.inf, 10.0, 1.5), Surface(np.inf, 50.0)], entrance_pupil_diameter=1, fields=[0, 50], stop=2)
+    np.testing.assert_allclose(plate.distortion(count=3)["relative"][1:], 0, atol=1e-10)
+    angle = math.radians(50)
+    inside = math.asin(math.sin(angle) / 1.5)
+    expected = 10.0 * (math.tan(angle) / 1.5 - math.tan(inside)) / 0.5
+    np.testing.assert_allclose(plate.principal_point(1), (0, expected), atol=1e-8)
+    with pytest.raises(RayweaveError, match="Aim the rays at the stop"):
+        plate.spots()
+    assert plate.spots(aimed=True)["rays"].min() > 80
+
+
 def test_pictures() -> None:
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
@@ -276,6 +289,7 @@ def test_pictures() -> None:
         (lens.lateral_colour(count=3).show(), 3),
     ]
     assert [len(axis.lines) for axis, _ in curves] == [count for _, count in curves]
+    assert curves[0][0].get_ylabel() == "geometric MTF (without diffraction)"
     assert np.shape(lens.wavefront(across=5).show().collections[0].get_offsets()) == (13, 2)
     assert len(lens.wavefront(across=9).zernike(11).show().patches) == 8
     assert len(lens.seidel().show().patches) == 7 * 7
