@@ -5,6 +5,7 @@ mod allow;
 mod cycles;
 mod layers;
 mod lean;
+mod licences;
 mod masked;
 mod new_primitive;
 mod outcome;
@@ -36,6 +37,7 @@ Commands:
   golden [--accept]    compare the pictures of all models with those accepted, or accept them
   answers [--accept]   compare the hashes of answers with those recorded, or record them
   generated [--accept] compare the sources generated from the registry of primitives, or write them
+  licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   help                 print this text
 
 Options of test:
@@ -76,6 +78,7 @@ fn run() -> Result<ExitCode, String> {
         "golden" => accepted::run(&Repository::find()?, &accepted::GOLDEN, arguments)?,
         "answers" => accepted::run(&Repository::find()?, &accepted::ANSWERS, arguments)?,
         "generated" => accepted::run(&Repository::find()?, &accepted::GENERATED, arguments)?,
+        "licences" => licences::run_with(&Repository::find()?, arguments)?,
         "tidy" => {
             finish(arguments)?;
             tidy::run(&Repository::find()?)?;
