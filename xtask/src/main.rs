@@ -6,6 +6,7 @@ mod cycles;
 mod features;
 mod layers;
 mod lean;
+mod licences;
 mod masked;
 mod new_primitive;
 mod outcome;
@@ -39,6 +40,7 @@ Commands:
   answers [--accept]   compare the hashes of answers with those recorded, or record them
   generated [--accept] compare the sources generated from the registry of primitives, or write them
   stub [--accept]      compare the stub of the Python package with the sources of the binding, or write it
+  licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   help                 print this text
 
 Options of test:
@@ -83,6 +85,7 @@ fn run() -> Result<ExitCode, String> {
             true => stub::accept(&Repository::find()?)?,
             false => stub::compare(&Repository::find()?)?,
         },
+        "licences" => licences::run_with(&Repository::find()?, arguments)?,
         "tidy" => {
             finish(arguments)?;
             tidy::run(&Repository::find()?)?;

@@ -9,7 +9,7 @@ mod primitive;
 use crate::outcome::Outcome;
 use crate::report::Counts;
 use crate::workshop::Workshop;
-use crate::{features, layers, lean, tidy};
+use crate::{features, layers, lean, licences, tidy};
 
 /// One stage.
 pub struct Stage {
@@ -33,6 +33,10 @@ pub const STAGES: &[Stage] = &[
         features::run(workshop.repository)
     }),
     stage("deny", "licences and sources of all dependencies", cargo::deny),
+    stage("advisories", "no dependency has a known vulnerability", cargo::advisories),
+    stage("licences", "the licence files of the Python package", |workshop, _| {
+        licences::check(workshop.repository, false)
+    }),
     stage("clippy", "the linter has nothing to say", cargo::clippy),
     stage("docs", "the documentation builds without warnings", cargo::docs),
     stage("rust", "unit tests, integration tests and documentation tests of all crates", cargo::tests),

@@ -331,3 +331,10 @@ def test_a_closed_stream_ends_in_all_threads():
     assert list(stream) == []
     with pytest.raises(RayweaveError, match="take all batches first"):
         stream.balance  # noqa: B018
+
+
+def test_arrays_that_would_not_fit_into_memory_are_refused():
+    with pytest.raises(RayweaveError, match="has 1000000000000000 rays: arrays hold at most"):
+        ro.beam(1.0, 10**15).rays()
+    with pytest.raises(RayweaveError, match="lenslets: at most"):
+        ro.lenslet_array(5.0, 1.0, 0.1, 60_000, 60_000)

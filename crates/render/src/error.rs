@@ -56,6 +56,21 @@ pub enum RenderError {
         /// The requested height.
         height: u32,
     },
+    /// The picture does not fit into memory.
+    #[error(
+        "a picture of {width} x {height} pixels cannot be drawn: it takes up to {needed} MiB of memory, and there are {available}. \
+         Draw a smaller one."
+    )]
+    Memory {
+        /// The requested width.
+        width: u32,
+        /// The requested height.
+        height: u32,
+        /// The memory that it may take, in MiB.
+        needed: u64,
+        /// The available memory, in MiB.
+        available: u64,
+    },
     /// The number of samples is out of range.
     #[error("{samples} samples along each side of a pixel: the number must be from 1 to {}.", MOST_SAMPLES)]
     Samples {

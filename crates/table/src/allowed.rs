@@ -1,6 +1,6 @@
 //! Files that a model names: which of them may be opened.
 
-use crate::error::reason;
+use crate::reason::reason;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Component, Path, PathBuf};

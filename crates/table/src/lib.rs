@@ -34,6 +34,7 @@ mod format;
 mod npy_array;
 mod npy_header;
 mod rays;
+mod reason;
 mod schema;
 mod writer;
 

@@ -39,6 +39,21 @@ pub fn long_tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
 }
 
 pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
+    process::run(cargo_deny(workshop)?.args(["check", "licenses", "bans", "sources"]))
+}
+
+pub fn advisories(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
+    let mut fetch = cargo_deny(workshop)?;
+    if let Err(reason) = process::output(fetch.args(["fetch", "db"])) {
+        let reason = reason.lines().last().unwrap_or_default().to_owned();
+        println!("SKIPPED: the database of advisories cannot be fetched: {reason}");
+        return Ok(());
+    }
+    process::run(cargo_deny(workshop)?.args(["check", "advisories", "--disable-fetch"]))
+}
+
+/// The program cargo-deny at the root of the repository, installed if necessary.
+fn cargo_deny(workshop: &mut Workshop<'_>) -> Result<Command, String> {
     let mut deny = match process::on_path("cargo-deny") {
         Some(_) => Command::new("cargo-deny"),
         None => {
@@ -47,7 +62,7 @@ pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
         }
     };
     deny.current_dir(&workshop.repository.root);
-    process::run(deny.args(["check", "licenses", "bans", "sources"]))
+    Ok(deny)
 }
 
 /// Runs a call of `cargo test`; it is an error if it runs no test.

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use rayweave_draw::picture::{Picture, PictureKind, PictureOptions, arrange};
-//! use rayweave_render::{Run, Size, View};
+//! use rayweave_render::{RenderError, Run, Size, View};
 //! use rayweave_scene::Compiled;
 //! use rayweave_trace::Packets;
 //!
@@ -34,10 +34,10 @@ use crate::DrawError;
 use rayweave_error::Message;
 use rayweave_model::{Evaluator, RegionId, RegionInfo};
 use rayweave_render::{
-    Background, Camera, IdKind, Image, Light, LightKind, Lines, Plane, Projection, Rgba, Run, Settings, Size,
-    Style, View, depth, ids, normals, png, region_colour, render,
+    Background, Camera, IdKind, Image, Light, LightKind, Lines, Plane, Projection, RenderError, Rgba, Run,
+    Settings, Size, Style, View, depth, ids, normals, png, region_colour, render,
 };
-use rayweave_scene::{self as scene, Compiled, Scene, SceneRegion};
+use rayweave_scene::{self as scene, Compiled, Scene, SceneRegion, memory};
 use std::str::FromStr;
 
 /// The options of a picture. `None` stands for the value in the model file, and where the file has none, for the default of
@@ -131,6 +131,7 @@ impl Picture {
         run: &mut Run<'_>,
     ) -> Result<Picture, DrawError> {
         let size = settings.size;
+        check_memory(size, kind, memory::available())?;
         Ok(match kind {
             PictureKind::Colour => Picture::Colour(render(evaluator, camera, settings, run)?),
             PictureKind::Depth => Picture::Depth(depth(evaluator, camera, size, run)?),
@@ -157,6 +158,26 @@ impl Picture {
             Picture::Normal(plane) => png::encode_normals(plane),
             Picture::Id(plane) => png::encode_ids(plane, IdKind::Region),
         }
+    }
+}
+
+/// Refuses a picture that would not fit into memory, before anything is allocated.
+fn check_memory(size: Size, kind: PictureKind, available: Option<u64>) -> Result<(), RenderError> {
+    // measured: 108 for colours with edges, 29 for normals and 9 for depths
+    let bytes_per_pixel = match kind {
+        PictureKind::Colour => 128,
+        PictureKind::Normal => 48,
+        PictureKind::Depth | PictureKind::Id => 24,
+    };
+    let needed = bytes_per_pixel * size.count() as u64;
+    match available {
+        Some(available) if needed > available => Err(RenderError::Memory {
+            width: size.width() as u32,
+            height: size.height() as u32,
+            needed: needed.div_ceil(1 << 20),
+            available: available >> 20,
+        }),
+        _ => Ok(()),
     }
 }
 
@@ -268,4 +289,21 @@ fn light(light: &scene::Light) -> Light {
 /// A light at the upper left behind the camera.
 fn light_of_camera(camera: &Camera) -> Light {
     Light::along(camera.forward() + 0.5 * camera.right() - 0.8 * camera.up())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_that_do_not_fit_into_memory_are_refused() {
+        let size = Size::new(32_768, 32_768).unwrap();
+        assert!(check_memory(size, PictureKind::Colour, None).is_ok());
+        assert!(check_memory(size, PictureKind::Colour, Some(128 << 30)).is_ok());
+        let refused = check_memory(size, PictureKind::Colour, Some((128 << 30) - 1)).unwrap_err();
+        let text = "a picture of 32768 x 32768 pixels cannot be drawn: it takes up to 131072 MiB of memory, and there are 131071. \
+                    Draw a smaller one.";
+        assert_eq!(refused.to_string(), text);
+        assert!(check_memory(size, PictureKind::Depth, Some(24 << 30)).is_ok());
+    }
 }

@@ -8,7 +8,7 @@ use crate::svg::{Anchor, INK, Svg, paint};
 use rayweave_error::Message;
 use rayweave_model::Evaluator;
 use rayweave_render::{Camera, Image, Projection, Rgba, Run, Settings, Size, View, render};
-use rayweave_scene::{Compiled, Scene};
+use rayweave_scene::{Compiled, Scene, memory};
 use std::collections::BTreeMap;
 
 /// A sheet of pictures.
@@ -90,6 +90,7 @@ impl Sheet {
         let default = Size::new(PAPER.0, PAPER.1)?;
         let size = options.size.or((kind == SheetKind::Views).then_some(default));
         let (camera, settings) = arrange(scene, compiled, &PictureOptions { size, ..*options })?;
+        super::check_memory(settings.size, super::PictureKind::Colour, memory::available())?;
         let entries = entries(compiled, &settings);
         let mut sheet = Sheet { size: settings.size, pictures: Vec::new(), drawing: Svg::default() };
         let bottom = sheet.legend(&entries);

@@ -12,6 +12,9 @@ use rayweave_shape::primitive::{Cylinder, HalfSpace};
 /// The greatest number of grooves, and of lenslets along an axis.
 const MAX_COUNT: f64 = 65536.0;
 
+/// The maximum number of lenslets of an array: their maps take 400 MB.
+const MAX_LENSLETS: u64 = 1 << 22;
+
 /// A Fresnel lens: a plane in front (`front.plane`), behind it the rings of a convex surface of
 /// radius |`r`| and conic constant `conic` (see [`sag`](super::sag)), each `pitch` wide and set
 /// back to the same base, so that its outer edge is `thickness` behind the front.
@@ -80,7 +83,7 @@ fn ring_back(profile: Profile, thickness: f64, outer: f64) -> Result<Solid, Comp
 /// once; they touch without a gap.
 ///
 /// # Errors
-/// As of [`lens`](super::lens), and no columns or rows, or more than 65536.
+/// As of [`lens`](super::lens), and no columns or rows, more than 65536 of them, or more than 2^22 lenslets.
 pub fn lenslet_array(
     r: f64,
     thickness: f64,
@@ -92,6 +95,10 @@ pub fn lenslet_array(
     positive(part, "columns", f64::from(columns))?;
     positive(part, "rows", f64::from(rows))?;
     check_count(part, f64::from(columns.max(rows)))?;
+    let lenslets = u64::from(columns) * u64::from(rows);
+    consistent(lenslets <= MAX_LENSLETS, || {
+        Message::new(format!("{part} has {lenslets} lenslets"), format!("at most {MAX_LENSLETS} are allowed"))
+    })?;
     let lenslet = super::plano_convex(r, thickness, Aperture::rectangle(pitch, pitch))?;
     let middle = |count: u32, k: u32| pitch * (f64::from(k) - 0.5 * f64::from(count - 1));
     let place = |row: u32| {

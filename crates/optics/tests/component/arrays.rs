@@ -39,6 +39,8 @@ fn fresnel_rings() {
 /// Light through many lenslets is not affected by the walls between them.
 #[test]
 fn lenslets() {
+    let error = lenslet_array(4.0, 1.5, 2.0, 65_000, 65_000).unwrap_err().to_string();
+    assert!(error.contains("4225000000 lenslets: at most 4194304 are allowed"), "{error}");
     let probe = Probe::new(&lenslet_array(4.0, 1.5, 2.0, 5, 4).unwrap());
     for k in 0..500 {
         let [u, v, w, s] = numbers(k);

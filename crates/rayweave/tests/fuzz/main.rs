@@ -3,6 +3,7 @@
 mod arrays;
 mod bytes;
 mod expression;
+mod glass;
 mod model_file;
 mod trees;
 
@@ -63,4 +64,9 @@ fn files_of_rays_and_hit_arrays() {
 #[test]
 fn trees_of_solids() {
     replay("fuzz/corpus/trees", trees::run);
+}
+
+#[test]
+fn catalogues_of_glasses() {
+    replay("fuzz/corpus/glass", glass::run);
 }
