@@ -406,7 +406,7 @@ fn many_nested_shells_take_little_time() {
         // every second one is a cavity
         if k % 2 == 0 { cube } else { with_triangles(&cube, |all| all.iter_mut().for_each(|t| t.swap(0, 1))) }
     };
-    let all = (1..count).map(shell).fold((shell(0).into_parts()), |(mut vertices, mut triangles), mesh| {
+    let all = (1..count).map(shell).fold(shell(0).into_parts(), |(mut vertices, mut triangles), mesh| {
         let first = vertices.len() as u32;
         let (more, corners) = mesh.into_parts();
         vertices.extend(more);
