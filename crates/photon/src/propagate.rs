@@ -375,7 +375,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         flight.photon.position = ray.at(length);
         match (bulk, crossing) {
             (Some((free, process)), _) if free < to_boundary => self.bulk(flight, material, process),
-            (_, Some(crossing)) => self.boundary(flight, &ray, &crossing, self.found.normal(i)),
+            (_, Some(crossing)) => self.boundary(i, flight, &ray, &crossing),
             // an unbounded material without any process
             _ => self.end(End::Escaped),
         }
@@ -423,9 +423,10 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         }
     }
 
-    /// The optical boundary process.
-    fn boundary(&mut self, mut flight: Flight, ray: &Ray, crossing: &Crossing, normal: Vec3) {
+    /// The optical boundary process for photon `i` of the batch.
+    fn boundary(&mut self, i: usize, mut flight: Flight, ray: &Ray, crossing: &Crossing) {
         let detector = self.detector;
+        let normal = self.found.normal(i);
         let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
         flight.photon.position = project(&detector.program, ray, crossing, normal);
         if crossing.after.0 == 0 {
@@ -462,6 +463,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             return self.detect(flight, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
+        let first = self.next_starts.len();
         detector.starts.append(
             &detector.program,
             (ray, crossing.t),
@@ -469,6 +471,17 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             side,
             &mut self.next_starts,
         );
+        if side == ExitSide::Incident && crossing.t == 0.0 {
+            // At an edge a photon is reflected by one face and then, without any way between, by the next: the way does not
+            // show on which side of the first face the photon is, but its start list does.
+            let lists = StartLists { first: &self.first, entries: &self.starts };
+            for start in &mut self.next_starts[first + 1..] {
+                let own = |s: &&Start| (s.surface, s.placement) == (start.surface, start.placement);
+                if let Some(known) = lists.of(i).iter().find(own) {
+                    start.inside = known.inside;
+                }
+            }
+        }
         self.continue_with(flight);
     }
 
