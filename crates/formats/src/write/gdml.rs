@@ -15,7 +15,7 @@ use super::fold::{Builder, Operation, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError};
-use crate::gdml::{NO_REGION, origin, stated};
+use crate::gdml::{NO_REGION, kept, stated};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3, any_perpendicular};
 use rayweave_mesh::Mesh;
 use rayweave_model::Solid;
@@ -396,7 +396,7 @@ impl Builder for Writer<'_, '_> {
         }
         let candidates = self.origins.get_mut(name)?;
         let is_it = |origin: &mut Origin| {
-            let made = origin.solid.get_or_insert_with(|| origin::solid(&origin.row));
+            let made = origin.solid.get_or_insert_with(|| kept::solid(&origin.row));
             made.as_ref() == Some(solid)
         };
         let number = candidates.iter_mut().position(is_it)?;
@@ -406,7 +406,7 @@ impl Builder for Writer<'_, '_> {
         let own = materials::escaped(name);
         let own = if self.taken.insert(own.clone()) { own } else { self.name() };
         let origin = self.origins.get_mut(name)?.get_mut(number)?;
-        self.solids += &origin::written(&origin.row, &own, materials::escaped);
+        self.solids += &kept::written(&origin.row, &own, materials::escaped);
         origin.written = Some(own.clone());
         Some(Part { solid: own, place: *place })
     }
