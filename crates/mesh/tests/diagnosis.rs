@@ -404,7 +404,11 @@ fn many_nested_shells_take_little_time() {
         let half = Vec3::splat(1.0 + k as f64);
         let cube = cuboid(-half, half);
         // every second one is a cavity
-        if k % 2 == 0 { cube } else { with_triangles(&cube, |all| all.iter_mut().for_each(|t| t.swap(0, 1))) }
+        if k.is_multiple_of(2) {
+            cube
+        } else {
+            with_triangles(&cube, |all| all.iter_mut().for_each(|t| t.swap(0, 1)))
+        }
     };
     let all = (1..count).map(shell).fold(shell(0).into_parts(), |(mut vertices, mut triangles), mesh| {
         let first = vertices.len() as u32;

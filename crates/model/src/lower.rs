@@ -456,7 +456,7 @@ fn repeated(op: Op, operands: &[Edge]) -> Option<Edge> {
     match op {
         Op::Union | Op::Intersection => Some(first),
         Op::Difference => Some(Edge::EMPTY),
-        Op::SymmetricDifference => Some(if others.len() % 2 == 0 { first } else { Edge::EMPTY }),
+        Op::SymmetricDifference => Some(if others.len().is_multiple_of(2) { first } else { Edge::EMPTY }),
         Op::AtLeast(_) => None,
     }
 }
