@@ -331,3 +331,90 @@ fn bad_numbers_give_an_answer() {
         }
     }
 }
+
+/// Rays that are parallel or asymptotic but for rounding: no crossing at times of 1e8 or 1e15 tells of it.
+mod nearly_never {
+    use rayweave_math::{Affine, Transform, Vec3};
+    use rayweave_shape::{Ray, surface::Surface};
+
+    fn times(surface: &Surface, ray: &Ray) -> (bool, Vec<f64>) {
+        let found = surface.crossings(ray);
+        (found.starts_negative(), found.times().to_vec())
+    }
+
+    #[test]
+    fn rays_along_a_plane_do_not_cross_it() {
+        let plane = Surface::plane(Vec3::ONE, 1.0);
+        let along = Vec3::new(-3.0, 1.0, 2.0);
+        assert_eq!(times(&plane, &Ray::new(Vec3::new(2.0, 0.0, 0.0), along)), (false, vec![]));
+        assert_eq!(times(&plane, &Ray::new(Vec3::new(-2.0, 0.0, 0.0), along)), (true, vec![]));
+        // all integer directions perpendicular to integer normals
+        let mut parallel = 0;
+        for k in 0..7_i32.pow(6) {
+            let digit = |place: u32| f64::from(k / 7_i32.pow(place) % 7 - 3);
+            let (n, d) = (Vec3::new(digit(0), digit(1), digit(2)), Vec3::new(digit(3), digit(4), digit(5)));
+            if n == Vec3::ZERO || d == Vec3::ZERO {
+                continue;
+            }
+            let (is_inside, found) = times(&Surface::plane(n, 0.5), &Ray::new(n, d));
+            assert_eq!(found.is_empty(), n.dot(d) == 0.0, "{n} {d} {found:?}");
+            if found.is_empty() {
+                parallel += 1;
+                assert!(!is_inside, "{n} {d}");
+            }
+        }
+        assert!(parallel > 5000, "{parallel}");
+        // a component of any size counts where the plane is parallel to coordinate axes
+        let across = times(&Surface::plane(Vec3::X, 1.0), &Ray::new(Vec3::ZERO, Vec3::new(1e-17, 0.0, 1.0)));
+        assert_eq!(across, (true, vec![1e17]));
+        // an angle of 1e-14 is no rounding error
+        let tilted = Ray::new(Vec3::ZERO, Vec3::new(-3.0, 1.0, 2.0 + 1e-13));
+        assert_eq!(times(&plane, &tilted).1.len(), 1);
+    }
+
+    /// x^2 + y^2 - z^2 = 1 and its asymptotic directions, turned by any angle.
+    #[test]
+    fn asymptotic_rays_do_not_cross_a_quadric() {
+        let form = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0]];
+        let hyperboloid = Surface::quadric(&form).unwrap();
+        for k in 0..2000 {
+            let k = f64::from(k);
+            let turn = Affine::rotation(Vec3::new(1.0, 0.3 * k, -2.0), 17.0 * k);
+            let there = Transform::from_affine(turn).unwrap();
+            let surface = hyperboloid.transformed(&there);
+            let asymptotic = turn.vector(Vec3::new(0.1 * k.cos(), 0.1 * k.sin(), 0.1));
+            // through a point of the circle at the waist: inside for ever, or one crossing nearby
+            for (x, most) in [(0.0, 0), (0.5, 1), (3.0, 1)] {
+                let at = turn.point(Vec3::new(x * k.sin(), -x * k.cos(), 0.0));
+                let (_, found) = times(&surface, &Ray::new(at, asymptotic));
+                assert!(found.len() <= most && found.iter().all(|t| t.abs() < 1e6), "{k} {x} {found:?}");
+            }
+            // across the asymptotic direction there is one, where f = 0
+            let at = turn.point(Vec3::new(2.0 * k.cos(), 2.0 * k.sin(), 0.0));
+            let ray = Ray::new(at, asymptotic);
+            let (_, found) = times(&surface, &ray);
+            // |q + t d|^2: 4 + 0.4 t = 1
+            assert!(found.len() == 1 && (found[0] + 7.5).abs() < 1e-9, "{k} {found:?}");
+        }
+    }
+
+    #[test]
+    fn rays_along_a_cylinder_or_a_cone_do_not_cross_it_far_out() {
+        for k in 0..2000 {
+            let k = f64::from(k);
+            let axis = Vec3::new((1.1 * k).sin(), 0.7 + (0.3 * k).cos(), 1.0 - 0.001 * k);
+            let cylinder = Surface::cylinder(Vec3::ZERO, axis, 2.0);
+            let scaled = 0.37 * k * axis + 0.01 * axis;
+            let within = Ray::new(Vec3::new(0.3, 0.2, -0.4), scaled);
+            assert_eq!(times(&cylinder, &within), (true, vec![]), "{k}");
+            let beside = Ray::new(Vec3::new(0.3, 0.2, -0.4) + 5.0 * axis.any_orthonormal_vector(), scaled);
+            assert_eq!(times(&cylinder, &beside), (false, vec![]), "{k}");
+            // along a line of the cone's surface, from a point on the axis
+            let cone = Surface::cone(Vec3::ZERO, axis, 0.5);
+            let unit = axis.normalize();
+            let side = unit.any_orthonormal_vector();
+            let (_, found) = times(&cone, &Ray::new(3.0 * unit, unit + 0.5 * side));
+            assert!(found.len() <= 1 && found.iter().all(|t| t.abs() < 1e3), "{k} {found:?}");
+        }
+    }
+}

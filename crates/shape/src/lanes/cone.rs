@@ -3,8 +3,9 @@
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{LaneRay, Uncertain};
 use super::vector::{Lanes, Vec3Lanes, splat};
-use crate::surface::Cone;
+use crate::surface::{Cone, SQUARE_NOISE};
 use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 
 /// Half of the largest change of the gradient per unit of length.
 pub(super) fn bend(cone: &Cone) -> f64 {
@@ -18,6 +19,7 @@ struct Line<S: Simd> {
     from: Vec3Lanes<S>,
     rise: Lanes<S>,
     along: Vec3Lanes<S>,
+    slope: f64,
 }
 
 /// Roots of the rays with the cone.
@@ -33,7 +35,7 @@ pub(super) fn roots<S: Simd>(
     let (height, from) = split(cone, place);
     let (rise, along) = split(cone, ray.direction);
     let size = Size { place, bend: bend(cone), linear: 0.0, constant: 0.0 };
-    Line { shift, height, from, rise, along }.roots(simd, ray, Some(size), uncertain)
+    Line { shift, height, from, rise, along, slope: cone.slope }.roots(simd, ray, Some(size), uncertain)
 }
 
 #[inline(always)]
@@ -72,6 +74,12 @@ impl<S: Simd> Form<S> for Line<S> {
     #[inline(always)]
     fn square(&self) -> Lanes<S> {
         self.along.length_squared() - self.rise * self.rise
+    }
+
+    #[inline(always)]
+    fn noise(&self, ray: &LaneRay<S>) -> Lanes<S> {
+        // terms of a dot product with a unit vector add up to less than the taxicab length
+        (self.along.taxicab() + self.rise.abs() * self.slope) * ray.speed * (1.01 * SQUARE_NOISE)
     }
 
     #[inline(always)]

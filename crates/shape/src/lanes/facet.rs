@@ -6,8 +6,8 @@ use super::quadric::LaneQuadric;
 use super::ray::{LaneRay, Uncertain};
 use super::span::{Gap, Span};
 use super::torus::{LaneTorus, TorusInterval};
-use super::vector::{Lanes, Mask, splat};
-use crate::surface::{Cone, Cylinder, Plane, Sphere, Surface};
+use super::vector::{Lanes, Mask, Vec3Lanes, splat};
+use crate::surface::{Cone, Cylinder, DOT_NOISE, Plane, Sphere, Surface};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
@@ -179,7 +179,7 @@ impl Facet {
             }
             Kernel::Plane(plane) => {
                 let height = splat(simd, plane.offset) - ray.origin.dot_all(plane.normal);
-                let speed = ray.direction.dot_all(plane.normal);
+                let speed = certain_dot(simd, ray, plane.normal);
                 self.plane(simd, ray, [height, speed], span, uncertain);
                 None
             }
@@ -190,7 +190,7 @@ impl Facet {
             Kernel::Cylinder(cylinder) => {
                 let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
                 let along = ray.direction.perpendicular(cylinder.axis);
-                let square = along.length_squared();
+                let square = certain_square(simd, ray, cylinder.axis, along);
                 let closest = closest(simd, square, from.dot(along));
                 let apart = from.plus(along.times(closest)).length_squared();
                 let across = Across { radius: cylinder.radius, square, closest, apart };
@@ -282,7 +282,7 @@ impl Facet {
                 (ray.origin.component(axis), ray.direction.component(axis), *low, *high)
             }
             Kernel::Slab(Slab { normal, low, high, .. }) => {
-                (ray.origin.dot_all(*normal), ray.direction.dot_all(*normal), *low, *high)
+                (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high)
             }
             _ => return,
         };
@@ -404,6 +404,36 @@ impl Facet {
             uncertain.grazes |= slow & finite & (begins | ends);
         }
     }
+}
+
+/// Lane version of [`certain_dot`](crate::surface) for the directions of rays.
+#[inline(always)]
+fn certain_dot<S: Simd>(simd: S, ray: &LaneRay<S>, normal: Vec3) -> Lanes<S> {
+    let dot = ray.direction.dot_all(normal);
+    let size = dot.abs();
+    // the terms add up to less than the taxicab length, up to rounding
+    if !size.simd_le(ray.speed * (1.01 * DOT_NOISE)).any_true() {
+        return dot;
+    }
+    let terms = ray.direction.abs().dot_all(normal.abs());
+    size.simd_le(terms * DOT_NOISE).select(splat(simd, 0.0), dot)
+}
+
+/// The squared length of the component `across` of the direction perpendicular to an axis, or 0 if it consists of rounding errors.
+#[inline(always)]
+fn certain_square<S: Simd>(simd: S, ray: &LaneRay<S>, axis: Vec3, across: Vec3Lanes<S>) -> Lanes<S> {
+    let square = across.length_squared();
+    if !square.simd_lt(ray.slow_square).any_true() {
+        return square;
+    }
+    let (size, axis, across) = (ray.direction.abs(), axis.abs(), across.abs());
+    let along = size.dot_all(axis);
+    let is_noise =
+        |component: Lanes<S>, size: Lanes<S>, axis: f64| component.simd_le((size + along * axis) * DOT_NOISE);
+    let is_along = is_noise(across.x, size.x, axis.x)
+        & is_noise(across.y, size.y, axis.y)
+        & is_noise(across.z, size.z, axis.z);
+    is_along.select(splat(simd, 0.0), square)
 }
 
 /// Interval inside a sphere, equal to [`Sphere::crossings`]; empty, from +inf to -inf, for a miss.

@@ -16,6 +16,8 @@ pub(super) trait Form<S: Simd> {
     fn shift(&self) -> Lanes<S>;
     /// The square term.
     fn square(&self) -> Lanes<S>;
+    /// A bound of the error of the square term, at least that of the scalar kernel.
+    fn noise(&self, ray: &LaneRay<S>) -> Lanes<S>;
     /// The other coefficients, `[b, c]`.
     fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2];
 
@@ -42,6 +44,8 @@ pub(super) trait Form<S: Simd> {
             [b, c] = self.at(again);
             shift += again;
         }
+        // the scalar kernel drops crossings that rounding may have made
+        uncertain.always |= a.abs().simd_lt(self.noise(ray));
         uncertain.always |= !(in_fast_range(a) & in_fast_range(b) & in_fast_range(c));
         let mut roots = solved(simd, shift, [a, b, c]);
         let linear = a.simd_eq(zero);

@@ -3,7 +3,7 @@
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{LaneRay, Uncertain};
 use super::vector::{Lanes, Vec3Lanes, splat};
-use crate::surface::Quadric;
+use crate::surface::{Quadric, SQUARE_NOISE};
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
 
@@ -110,6 +110,12 @@ impl<S: Simd> Form<S> for Line<S> {
     #[inline(always)]
     fn square(&self) -> Lanes<S> {
         self.v.times_all(self.weights).dot(self.v)
+    }
+
+    #[inline(always)]
+    fn noise(&self, ray: &LaneRay<S>) -> Lanes<S> {
+        // terms of a dot product with a unit vector add up to less than the taxicab length
+        self.v.abs().dot_all(self.weights.abs()) * ray.speed * (1.01 * SQUARE_NOISE)
     }
 
     #[inline(always)]

@@ -129,6 +129,12 @@ impl<S: Simd> Vec3Lanes<S> {
         }
     }
 
+    /// Absolute values of the components.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Vec3Lanes { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
+    }
+
     /// Sum of the magnitudes of the components: at least the length, at most sqrt(3) times it.
     #[inline(always)]
     pub fn taxicab(self) -> Lanes<S> {

@@ -5,10 +5,42 @@
 //! out along a cone), again at the extremum -b/a of f. A shift costs a rounding of the point, u (|o| + |t| |d|), the same
 //! as for the ray itself; the remaining error of f is relative to its terms *at the point of evaluation*.
 
+//!
+//! # Crossings that cannot be distinguished from none
+//!
+//! The leading coefficient `a` (for a plane, `n . d`) carries the rounding of the direction's components along the
+//! surface's axes: those axes are rounded to 2 u per component, a dot product of three terms to 3 u, so that `e . d` is
+//! uncertain by 5 u times the sum of the absolute values of its terms. Where `a` is smaller than that, even its sign is
+//! unknown: the ray may as well be parallel to the plane, or asymptotic to the quadric, and a crossing that exists only
+//! because of `a` would be reported at times of 1e8 (quadrics) or 1e15 (planes). Such a crossing is dropped; others keep
+//! their bits.
+//!
+//! This stays within the tolerance of surfaces, `delta(t) = 64 u (|o| + |t| |d| + ...)`: a plane is off the ray by less
+//! than `8 sqrt(3) u |t| |d|` where the side is wrong, and f of a quadric changes by `noise t^2` where its gradient is of
+//! the order of `|t| |d|`. With a coordinate axis as normal or axis each sum has one term, which exceeds its own bound: a
+//! plane across a coordinate axis, or a cylinder along one, loses no crossing.
+
 use super::SurfaceCrossings;
 use crate::Ray;
-use rayweave_math::Vec3;
 use rayweave_math::roots::{Crossings, quadratic};
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
+
+/// Relative error of `e . d` for a rounded unit vector e, 5 u, with room.
+pub const DOT_NOISE: f64 = 8.0 * UNIT_ROUNDOFF;
+
+/// Relative error of a square term: twice that of each factor, and of the sums.
+pub const SQUARE_NOISE: f64 = 16.0 * UNIT_ROUNDOFF;
+
+/// The sum of the absolute values of the components.
+pub fn taxicab(v: Vec3) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+/// `n . d`, or 0 if rounding may have made its sign.
+pub fn certain_dot(n: Vec3, d: Vec3) -> f64 {
+    let dot = n.dot(d);
+    if dot.abs() <= DOT_NOISE * n.abs().dot(d.abs()) { 0.0 } else { dot }
+}
 
 /// Coefficients `[a, b, c]` of `a t^2 + 2 b t + c`.
 pub type Coefficients = [f64; 3];
@@ -24,14 +56,32 @@ pub fn recentred(ray: &Ray, centre: Vec3) -> (f64, Vec3) {
 /// `at` shifts each coordinate of the surface's own frame separately. For a cylinder and a ray that is parallel to its axis
 /// up to rounding, the perpendicular coordinate moves by 1 in a time of 1e16, and a shift in world coordinates would lose
 /// the extremum in the rounding of the axial one.
-pub fn quadratic_crossings(shift: f64, at: impl Fn(f64) -> Coefficients) -> Crossings<2> {
+///
+/// `noise` bounds the error of `a`; 0 if `a` is exact.
+pub fn quadratic_crossings(shift: f64, noise: f64, at: impl Fn(f64) -> Coefficients) -> Crossings<2> {
     let [a, b, c] = at(0.0);
+    if noise > 0.0 && a.abs() <= noise {
+        return without_far_roots(quadratic(a, b, c), noise, c).shifted(shift);
+    }
     let again = -b / a;
     if cancels(a, b, c) && again.is_finite() {
         let [a, b, c] = at(again);
         return quadratic(a, b, c).shifted(shift + again);
     }
     quadratic(a, b, c).shifted(shift)
+}
+
+/// The crossings without those that an error of `noise` in the square term may have made: f(0) = c changes its sign only where
+/// `noise t^2` is smaller.
+fn without_far_roots(crossings: Crossings<2>, noise: f64, c: f64) -> Crossings<2> {
+    let times = crossings.times();
+    let is_far = |t: f64| t != 0.0 && noise * t * t >= c.abs();
+    let before = times.iter().filter(|&&t| is_far(t) && t < 0.0).count();
+    let mut kept = [f64::INFINITY; 2];
+    for (slot, &t) in kept.iter_mut().zip(times.iter().filter(|&&t| !is_far(t))) {
+        *slot = t;
+    }
+    Crossings::new(crossings.starts_negative() != (before == 1), &kept)
 }
 
 /// True if `b^2` and `a c` are equal within a factor of 2, so that their difference has fewer correct digits.

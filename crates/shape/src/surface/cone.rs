@@ -1,6 +1,6 @@
 //! Double cone `|perp(p - apex)| = slope |h|` with h the height above the apex; the inside is that of both nappes.
 
-use super::along::{Coefficients, Departure, quadratic_crossings, recentred};
+use super::along::{Coefficients, Departure, SQUARE_NOISE, quadratic_crossings, recentred, taxicab};
 use super::cylinder::{circular, perpendicular};
 use super::{Quadric, Surface};
 use crate::Ray;
@@ -29,7 +29,10 @@ impl Cone {
         let (shift, q) = recentred(ray, self.apex);
         let (height, from) = self.split(q);
         let (rise, along) = self.split(ray.direction);
-        quadratic_crossings(shift, |s| {
+        // both components are differences and dot products with terms as large as these
+        let terms = self.slope * self.axis.abs().dot(ray.direction.abs());
+        let noise = SQUARE_NOISE * (taxicab(along) * taxicab(ray.direction) + rise.abs() * terms);
+        quadratic_crossings(shift, noise, |s| {
             Self::coefficients((height + s * rise, from + s * along), (rise, along))
         })
     }

@@ -1,6 +1,6 @@
 //! Circular cylinder, unbounded: `|perp(p - point)|^2 = radius^2`; the inside is nearer to the axis.
 
-use super::along::Departure;
+use super::along::{DOT_NOISE, Departure};
 use super::{Quadric, Surface};
 use crate::Ray;
 use rayweave_math::roots::Crossings;
@@ -24,12 +24,12 @@ impl Cylinder {
         Cylinder { point: perpendicular(point, axis), axis, radius }
     }
 
-    /// Roots, computed about the closest approach to the axis. A ray parallel to the axis has none.
+    /// Roots, computed about the closest approach to the axis. A ray parallel to the axis up to rounding has none.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
         let from = perpendicular(ray.origin - self.point, self.axis);
         let along = perpendicular(ray.direction, self.axis);
         let square = along.length_squared();
-        if square == 0.0 {
+        if square == 0.0 || self.is_along(ray.direction, along) {
             return Crossings::constant(from.length_squared() < self.radius * self.radius);
         }
         let closest = -from.dot(along) / square;
@@ -42,6 +42,12 @@ impl Cylinder {
         // a ray that diverges from the axis by 1e-150 per unit of time has a finite interval, although its square overflows
         let half = if half.is_finite() { half } else { inside.sqrt() / square.sqrt() };
         Crossings::new(false, &[closest - half, closest + half])
+    }
+
+    /// True if a direction is parallel to the axis up to rounding: its perpendicular component `across` consists of rounding errors.
+    fn is_along(&self, direction: Vec3, across: Vec3) -> bool {
+        let (size, axis) = (direction.abs(), self.axis.abs());
+        across.abs().cmple(DOT_NOISE * (size + axis.dot(size) * axis)).all()
     }
 
     /// Departure of a ray that starts on the cylinder.

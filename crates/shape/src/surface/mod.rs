@@ -30,6 +30,7 @@ pub(crate) mod torus_line;
 
 pub use affine_torus::AffineTorus;
 pub use along::quadratic_crossings;
+pub(crate) use along::{DOT_NOISE, SQUARE_NOISE};
 pub use cone::Cone;
 pub use cylinder::Cylinder;
 pub use mesh::MeshForm;

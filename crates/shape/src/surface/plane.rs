@@ -1,6 +1,6 @@
 //! Plane `n . p = c`, with the inside where `n . p < c`.
 
-use super::along::Departure;
+use super::along::{Departure, certain_dot};
 use crate::Ray;
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Bounds, Transform, Vec3};
@@ -24,11 +24,11 @@ impl Plane {
         Plane { normal: scaled / length, offset: offset / largest / length }
     }
 
-    /// One root at `(c - n.o) / (n.d)`, with this order of operations for every solid with this plane. A ray parallel to
-    /// the plane has none, and stays on the side of its origin.
+    /// One root at `(c - n.o) / (n.d)`, with this order of operations for every solid with this plane. A ray that is parallel
+    /// to the plane up to rounding ([`certain_dot`]) has none, and stays on the side of its origin.
     pub fn crossings(&self, ray: &Ray) -> Crossings<1> {
         let height = self.offset - self.normal.dot(ray.origin);
-        let speed = self.normal.dot(ray.direction);
+        let speed = certain_dot(self.normal, ray.direction);
         let t = height / speed;
         if t.is_finite() { Crossings::new(speed > 0.0, &[t]) } else { Crossings::constant(height > 0.0) }
     }

@@ -7,7 +7,7 @@
 //! whatever the weights.
 
 use super::Surface;
-use super::along::{Coefficients, Departure, quadratic_crossings, recentred};
+use super::along::{Coefficients, Departure, SQUARE_NOISE, quadratic_crossings, recentred};
 use crate::Ray;
 use rayweave_math::roots::Crossings;
 use rayweave_math::{
@@ -90,7 +90,10 @@ impl Quadric {
         let (shift, q) = recentred(ray, self.centre);
         let (x, v) = (self.coordinates(q), self.coordinates(ray.direction));
         let (level, rise) = (self.linear.dot(q) + self.constant, self.linear.dot(ray.direction));
-        quadratic_crossings(shift, |s| self.coefficients((x + s * v, v), (level + s * rise, rise)))
+        // the error of v_k is that of a dot product: proportional to the sum of the absolute values of its terms
+        let terms = Vec3::from_array(self.axes.map(|e| e.abs().dot(ray.direction.abs())));
+        let noise = SQUARE_NOISE * (self.weights.abs() * v.abs()).dot(terms);
+        quadratic_crossings(shift, noise, |s| self.coefficients((x + s * v, v), (level + s * rise, rise)))
     }
 
     /// Coefficients from point and direction in principal axes, and the non-square part of f with its rate.

@@ -52,7 +52,7 @@ impl<const D: usize> Quadric<D> {
     /// cancellation for distant origins.
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         let (x, v, shift) = self.closest(line);
-        quadratic_crossings(shift, |s| {
+        quadratic_crossings(shift, 0.0, |s| {
             let x = along(&x, s, &v);
             [self.product(&v, &v), self.product(&x, &v), self.product(&x, &x) + self.constant]
         })

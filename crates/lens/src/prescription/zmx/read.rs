@@ -78,7 +78,7 @@ fn setting(keyword: &str, words: &[&str]) -> Option<&'static str> {
     let are_zero = (0..words.len()).all(|place| is(place, 0.0));
     let (has_effect, effect) = match keyword {
         "ENVD" => (
-            !is(2, 0.0) && !(is(0, 20.0) && is(1, 1.0)),
+            !(is(2, 0.0) || is(0, 20.0) && is(1, 1.0)),
             "indices of glass are not adjusted to a temperature and a pressure",
         ),
         "GFAC" => (!is(0, 0.0), "the pupil is illuminated evenly, without apodisation"),
