@@ -42,11 +42,12 @@ pub fn deny(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
     process::run(cargo_deny(workshop)?.args(["check", "licenses", "bans", "sources"]))
 }
 
-pub fn advisories(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
+pub fn advisories(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut fetch = cargo_deny(workshop)?;
     if let Err(reason) = process::output(fetch.args(["fetch", "db"])) {
         let reason = reason.lines().last().unwrap_or_default().to_owned();
         println!("SKIPPED: the database of advisories cannot be fetched: {reason}");
+        counts.skipped += 1;
         return Ok(());
     }
     process::run(cargo_deny(workshop)?.args(["check", "advisories", "--disable-fetch"]))
