@@ -15,8 +15,11 @@ const ITEMS: u64 = 1_500_000;
 const BYTES_PER_ITEM: u64 = 8;
 
 /// What an edge costs in a boolean operation of regions, and a pair of edges that may cross.
-pub(super) const EDGE: usize = 300;
-pub(super) const CROSSING: usize = 500;
+pub(super) const EDGE: usize = 150;
+pub(super) const CROSSING: usize = 800;
+
+/// What a corner of a region costs in a formula of half-planes or half-spaces.
+pub(super) const CORNER: usize = 1000;
 
 /// What a triangle costs in the solid inside a mesh, and in an operation of the mesh kernel.
 pub(super) const TRIANGLE: usize = 1000;

@@ -451,7 +451,8 @@ impl<'a> Reader<'a> {
         // a limit is no reason to try in another way
         arguments.spend(0)?;
         if !is_union(self, number)? {
-            return Ok(body::body(self, Start::Below(number))?.map_or(Extent::Box(None), Extent::Body));
+            return Ok(body::body(self, Start::Below(number))?
+                .map_or(Extent::Box(None), |body| Extent::Body(Box::new(body))));
         }
         let points = projection::corner_points(self, number)?;
         let points = points.iter().map(|p| [*p; 2]);
@@ -568,7 +569,7 @@ impl<'a> Reader<'a> {
 enum Extent {
     Box(Option<[Vec3; 2]>),
     /// A body of facets.
-    Body(Body),
+    Body(Box<Body>),
 }
 
 fn mapped<T>(pieces: Vec<Piece<T>>, mut map: impl FnMut(T) -> T) -> Vec<Piece<T>> {
