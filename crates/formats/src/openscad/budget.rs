@@ -1,6 +1,6 @@
 //! The work and the memory that one dump may take, together with the files that it names.
 
-use super::arguments::Refusal;
+use rayweave_scene::Diagnostic;
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -35,7 +35,7 @@ pub(super) struct Budget {
     /// Files that have been counted.
     files: RefCell<HashSet<PathBuf>>,
     /// The first refusal because of a limit.
-    exceeded: RefCell<Option<Refusal>>,
+    exceeded: RefCell<Option<Diagnostic>>,
 }
 
 /// The reason why an item cannot be read within the budget.
@@ -108,12 +108,12 @@ impl Budget {
     }
 
     /// Keeps the first refusal because of a limit.
-    pub fn note(&self, refusal: &Refusal) {
+    pub fn note(&self, refusal: &Diagnostic) {
         self.exceeded.borrow_mut().get_or_insert_with(|| refusal.clone());
     }
 
     /// The first refusal because of a limit, after which the file cannot be read.
-    pub fn exceeded(&self) -> Option<Refusal> {
+    pub fn exceeded(&self) -> Option<Diagnostic> {
         self.exceeded.borrow().clone()
     }
 }

@@ -42,7 +42,7 @@ impl<'a> Reader<'a> {
                 self.parts[number] = self.part(number);
             }
             if let Some(limit) = self.budget.exceeded() {
-                return Err(Diagnostics::new(vec![*limit]));
+                return Err(Diagnostics::new(vec![limit]));
             }
         }
         let pieces = match std::mem::replace(&mut self.parts[root], Part::Empty) {
@@ -55,7 +55,7 @@ impl<'a> Reader<'a> {
             self.report.add(LossKind::Dropped, "model", nothing.in_file(self.source));
         }
         if let Some(limit) = self.budget.exceeded() {
-            return Err(Diagnostics::new(vec![*limit]));
+            return Err(Diagnostics::new(vec![limit]));
         }
         Ok((scene(pieces), self.report))
     }
@@ -476,7 +476,7 @@ impl<'a> Reader<'a> {
             (false, true) => {
                 let parts = solids.iter().map(|solid| gather::convex_parts(self, *solid));
                 match parts.collect::<Result<Vec<_>, _>>() {
-                    Ok(parts) if sum::pairs(&parts) <= sum::MOST_SUMS => {
+                    Ok(parts) if sum::pairs(&parts) <= gather::MOST_SUMS => {
                         self.sum_of_convex(number, arguments, parts)
                     }
                     _ => self.sum_of_facets(number, arguments, &solids),
