@@ -1,6 +1,6 @@
 //! The work and the memory that one dump may take, together with the files that it names.
 
-use super::arguments::Refusal;
+use rayweave_scene::Diagnostic;
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -15,8 +15,11 @@ const ITEMS: u64 = 1_500_000;
 const BYTES_PER_ITEM: u64 = 8;
 
 /// The cost of an edge in a boolean operation of regions, and of a pair of edges that may cross.
-pub(super) const EDGE: usize = 300;
-pub(super) const CROSSING: usize = 500;
+pub(super) const EDGE: usize = 150;
+pub(super) const CROSSING: usize = 800;
+
+/// The cost of a corner of a region in a formula of half-planes or half-spaces.
+pub(super) const CORNER: usize = 1000;
 
 /// The cost of a triangle in the solid inside a mesh, and in an operation of the mesh kernel.
 pub(super) const TRIANGLE: usize = 1000;
@@ -32,7 +35,7 @@ pub(super) struct Budget {
     /// Files that have been counted.
     files: RefCell<HashSet<PathBuf>>,
     /// The first refusal because of a limit.
-    exceeded: RefCell<Option<Refusal>>,
+    exceeded: RefCell<Option<Diagnostic>>,
 }
 
 /// The reason why an item cannot be read within the budget.
@@ -105,12 +108,12 @@ impl Budget {
     }
 
     /// Keeps the first refusal because of a limit.
-    pub fn note(&self, refusal: &Refusal) {
+    pub fn note(&self, refusal: &Diagnostic) {
         self.exceeded.borrow_mut().get_or_insert_with(|| refusal.clone());
     }
 
     /// The first refusal because of a limit, after which the file cannot be read.
-    pub fn exceeded(&self) -> Option<Refusal> {
+    pub fn exceeded(&self) -> Option<Diagnostic> {
         self.exceeded.borrow().clone()
     }
 }

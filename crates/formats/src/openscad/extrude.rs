@@ -2,6 +2,7 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::boolean::join_solids;
+use super::budget::CORNER;
 use super::extent::Way;
 use super::flat::{Flat, Flats, Leaf, simple};
 use super::mesh::{MOST_PLANES, Twist};
@@ -14,6 +15,9 @@ use rayweave_polygon::Point;
 use rayweave_polygon::{HalfPlane, Operator, Polygons};
 use rayweave_shape::primitive::{BoxFromCorners, Convex, Cylinder, HalfSpace, Quadric};
 
+/// Most points of an outline whose prism is a mesh.
+const MOST_CORNERS: usize = 2000;
+
 /// Margin of the box around a pyramid, relative to its larger side.
 const LOOSE: f64 = 1.0 / 64.0;
 
@@ -24,9 +28,12 @@ pub(super) fn extruded(
     flat: Flat,
     way: &Way,
 ) -> Result<Solid, Refusal> {
-    let leaf = |leaf: &Leaf, map: &Affine| match way.is_straight() {
-        true => prism(arguments, leaf, map, way),
-        false => pyramid(arguments, leaf, map, way),
+    let leaf = |leaf: &Leaf, map: &Affine| {
+        arguments.spend(CORNER * (3 + leaf.point_count()))?;
+        match way.is_straight() {
+            true => prism(arguments, leaf, map, way),
+            false => pyramid(arguments, leaf, map, way),
+        }
     };
     flats.fold(arguments, flat, leaf, |operation, parts| Ok(join_solids(operation, parts)))
 }
@@ -39,8 +46,9 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
             let middle = 0.5 * (way.bottom + way.top);
             if middle == 0.0 { rod } else { rod.translate([0.0, 0.0, middle]) }
         }
-        // a mesh has a BVH, and other programs can read it as one shape
-        Leaf::Outline(contours) if leaf.point_count() > MOST_PLANES => {
+        // a mesh has a BVH, and other programs can read it as one shape; the ends of very long outlines take too long to cut
+        // into triangles
+        Leaf::Outline(contours) if (MOST_PLANES..MOST_CORNERS).contains(&leaf.point_count()) => {
             Twist::plain(way).over(arguments, contours)?
         }
         Leaf::Outline(contours) => {

@@ -5,7 +5,6 @@ use super::extent::Way;
 use super::extrude::is_convex as is_one_cell;
 use super::facets::{Fineness, ring_points, sphere_rings};
 use super::flat::{Flat, Flats, Leaf, image, simple};
-use super::fold::Sectors;
 use super::hull::{Generator, check_count};
 use super::hull2::{corners, touching_points};
 use super::operation::Operation;
@@ -13,13 +12,16 @@ use super::part::Part;
 use super::primitive::CylinderSizes;
 use super::region::{Contours, boundary};
 use super::revolve::plane_similarity;
+use super::sector::Sectors;
 use super::state::Reader;
-use super::sum::MOST_SUMS;
 use super::{mesh, transform};
 use crate::kernel::triangulated;
 use rayweave_math::{Affine, Vec3};
 use rayweave_polygon::Point;
 use std::collections::HashMap;
+
+/// Most pairs of convex parts; only unions of many parts have more.
+pub(super) const MOST_SUMS: usize = 2000;
 
 /// All generators below a node. Operands of booleans all count, which is right for unions only.
 pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Vec<Generator>, Refusal> {

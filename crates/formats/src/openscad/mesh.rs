@@ -103,6 +103,9 @@ fn points_and_faces(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<Vec<usize>>
         // the name of the argument in older dumps
         None => arguments.get("triangles", wanted, faces)?.unwrap_or_default(),
     };
+    if given.iter().any(|face| face.len() > points.len()) {
+        return Err(arguments.refusal("a face has more corners than there are points"));
+    }
     if let Some(number) = given.iter().flatten().find(|number| **number >= points.len()) {
         return Err(arguments.refusal(&format!("a face names point {number} of {}", points.len())));
     }
@@ -230,7 +233,10 @@ impl Twist {
     /// Extrusion of contours that do not cross (outlines counter-clockwise, holes clockwise), as a mesh without
     /// self-intersections.
     pub fn shell(&self, arguments: &Arguments, contours: Contours) -> Result<Shell, Refusal> {
-        self.check(arguments, contours.iter().map(Vec::len).sum())?;
+        let count: usize = contours.iter().map(Vec::len).sum();
+        self.check(arguments, count)?;
+        // triangulation takes quadratic time for outlines with many nearly collinear points
+        arguments.spend(count.saturating_mul(20 * count))?;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         let (mut bottom, mut top) = (Vec::new(), Vec::new());
         for contour in &contours {

@@ -32,6 +32,7 @@ mod reader;
 mod region;
 mod relief;
 mod revolve;
+mod sector;
 mod shell;
 mod state;
 mod sum;

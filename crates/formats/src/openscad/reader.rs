@@ -44,7 +44,7 @@ impl<'a> Reader<'a> {
                 self.parts[number] = self.part(number);
             }
             if let Some(limit) = self.budget.exceeded() {
-                return Err(Diagnostics::new(vec![*limit]));
+                return Err(Diagnostics::new(vec![limit]));
             }
         }
         let pieces = match std::mem::replace(&mut self.parts[root], Part::Empty) {
@@ -57,7 +57,7 @@ impl<'a> Reader<'a> {
             self.report.add(LossKind::Dropped, "model", nothing.in_file(self.source));
         }
         if let Some(limit) = self.budget.exceeded() {
-            self.errors.push(*limit);
+            self.errors.push(limit);
         }
         match self.errors.is_empty() {
             true => Ok((scene(pieces), self.report)),
@@ -457,7 +457,8 @@ impl<'a> Reader<'a> {
         // a limit is no reason to try in another way
         arguments.spend(0)?;
         if !is_union(self, number)? {
-            return Ok(body::body(self, Start::Below(number))?.map_or(Extent::Box(None), Extent::Body));
+            return Ok(body::body(self, Start::Below(number))?
+                .map_or(Extent::Box(None), |body| Extent::Body(Box::new(body))));
         }
         let points = projection::corner_points(self, number)?;
         let points = points.iter().map(|p| [*p; 2]);
@@ -481,7 +482,7 @@ impl<'a> Reader<'a> {
             (false, true) => {
                 let parts = solids.iter().map(|solid| gather::convex_parts(self, *solid));
                 match parts.collect::<Result<Vec<_>, _>>() {
-                    Ok(parts) if sum::pairs(&parts) <= sum::MOST_SUMS => {
+                    Ok(parts) if sum::pairs(&parts) <= gather::MOST_SUMS => {
                         self.sum_of_convex(number, arguments, parts)
                     }
                     _ => self.sum_of_facets(number, arguments, &solids),
@@ -574,7 +575,7 @@ impl<'a> Reader<'a> {
 enum Extent {
     Box(Option<[Vec3; 2]>),
     /// A body of facets.
-    Body(Body),
+    Body(Box<Body>),
 }
 
 fn mapped<T>(pieces: Vec<Piece<T>>, mut map: impl FnMut(T) -> T) -> Vec<Piece<T>> {

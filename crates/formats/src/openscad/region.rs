@@ -51,23 +51,22 @@ pub(super) fn filled_near(
 }
 
 /// Counts what a boolean of regions costs: their edges, and the pairs of edges that cross, of which there may be
-/// quadratically many. A sweep finds the pairs, along the axis on which the edges overlap less.
-pub(super) fn count_crossings<'c>(
+/// quadratically many. A grid shows whether there can be many; if so, a sweep along an axis finds the pairs.
+fn count_crossings<'c>(
     budget: &Budget,
     contours: impl Iterator<Item = &'c Vec<Point>>,
 ) -> Result<(), Exceeded> {
     let mut edges: Vec<[Point; 2]> = contours.flat_map(|contour| edges_of(contour)).collect();
     budget.spend(edges.len().saturating_mul(EDGE))?;
-    let extent = |axis: usize| edges.iter().map(|[p, q]| (p[axis] - q[axis]).abs()).sum::<f64>();
-    let range = |axis: usize| {
-        let ends = edges.iter().flatten().map(|p| p[axis]);
-        ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
-    };
-    let share = |axis: usize| {
-        let [lo, hi] = range(axis);
-        extent(axis) / (hi - lo)
-    };
-    let (along, across) = if share(0) <= share(1) { (0, 1) } else { (1, 0) };
+    if let Some(pairs) = pairs_in_cells(&edges) {
+        return budget.spend(10 * pairs);
+    }
+    let [x, y] = [0, 1].map(|axis| {
+        let [lo, hi] = range(&edges, axis);
+        edges.iter().map(|[p, q]| (p[axis] - q[axis]).abs()).sum::<f64>() / (hi - lo)
+    });
+    // along the axis on which the edges overlap less
+    let (along, across) = if x <= y { (0, 1) } else { (1, 0) };
     let span = |[p, q]: &[Point; 2], axis: usize| [p[axis].min(q[axis]), p[axis].max(q[axis])];
     edges.sort_unstable_by(|a, b| span(a, along)[0].total_cmp(&span(b, along)[0]));
     for (k, edge) in edges.iter().enumerate() {
@@ -78,9 +77,43 @@ pub(super) fn count_crossings<'c>(
             let [low, high] = span(other, across);
             crossed += usize::from(low <= hi && lo <= high && may_cross(edge, other));
         }
-        budget.spend(3 * passed + CROSSING * crossed)?;
+        budget.spend(passed + CROSSING * crossed)?;
     }
     Ok(())
+}
+
+/// Lowest and highest coordinate of edges.
+fn range(edges: &[[Point; 2]], axis: usize) -> [f64; 2] {
+    let ends = edges.iter().flatten().map(|p| p[axis]);
+    ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
+}
+
+/// Number of pairs of edges in the cells of a grid with about as many cells as edges; `None` if edges are longer than a few
+/// cells, or if the pairs are many.
+fn pairs_in_cells(edges: &[[Point; 2]]) -> Option<usize> {
+    const MOST_CELLS: usize = 9;
+    const MOST_PAIRS: usize = 30;
+    let side = edges.len().isqrt().clamp(1, 1000);
+    let ranges = [range(edges, 0), range(edges, 1)];
+    let cell = |p: &Point, axis: usize| {
+        let [lo, hi] = ranges[axis];
+        (((p[axis] - lo) / (hi - lo) * side as f64) as usize).min(side - 1)
+    };
+    let mut counts = vec![0usize; side * side];
+    for [p, q] in edges {
+        let [[x, x_end], [y, y_end]] = [0, 1].map(|axis| {
+            let ends = [cell(p, axis), cell(q, axis)];
+            [ends[0].min(ends[1]), ends[0].max(ends[1])]
+        });
+        if (x_end - x + 1) * (y_end - y + 1) > MOST_CELLS {
+            return None;
+        }
+        for row in y..=y_end {
+            counts[row * side + x..=row * side + x_end].iter_mut().for_each(|count| *count += 1);
+        }
+    }
+    let pairs = counts.iter().map(|count| count * count.saturating_sub(1) / 2).sum::<usize>();
+    Some(pairs).filter(|pairs| *pairs <= MOST_PAIRS * edges.len())
 }
 
 /// Counts what the stroke of a chain of points costs: its pieces overlap where edges are near each other.
@@ -105,7 +138,7 @@ pub(super) fn count_near(budget: &Budget, chain: &[Point], width: f64) -> Result
             passed += 1;
             near += usize::from(low[across] <= hi[across] + width && lo[across] <= high[across] + width);
         }
-        budget.spend(3 * passed + CROSSING * near)?;
+        budget.spend(passed + CROSSING * near)?;
     }
     Ok(())
 }

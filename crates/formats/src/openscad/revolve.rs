@@ -3,6 +3,7 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::boolean::join_solids;
+use super::budget::CORNER;
 use super::extrude::{formula, odd};
 use super::facets::Fineness;
 use super::flat::{Flat, Flats, Leaf, simple};
@@ -111,6 +112,7 @@ impl<'a> Turn<'a> {
     }
 
     fn leaf(&mut self, leaf: &Leaf, map: &Affine) -> Result<Solid, Refusal> {
+        self.arguments.spend(5 * CORNER)?;
         let map = map.then(&self.map);
         if let Leaf::Disc { radius, .. } = leaf {
             match plane_similarity(&map) {
@@ -129,6 +131,7 @@ impl<'a> Turn<'a> {
         map: &Affine,
         mut wall: impl FnMut(HalfPlane) -> Result<Solid, Refusal>,
     ) -> Result<Solid, Refusal> {
+        self.arguments.spend(CORNER * (3 + leaf.point_count()))?;
         let mut contours = placed(self.arguments, leaf.contours(), map, self.size)?;
         if contours.iter().any(|contour| simple(self.arguments, contour.clone()).is_err()) {
             contours = filled(self.arguments, &contours, FillRule::EvenOdd)?;

@@ -9,9 +9,6 @@ use super::part::{Part, union};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 
-/// Most pairs of convex parts; only unions of many parts have more.
-pub(super) const MOST_SUMS: usize = 2000;
-
 /// A Minkowski sum; `is_exact` is false if round generators were tessellated.
 pub(super) struct Sum {
     pub solid: Option<Solid>,
