@@ -489,7 +489,7 @@ fn buffers_of_gltf_are_read_once_and_within_a_limit() {
     let write = |length: u64| {
         let sparse = std::fs::File::create(folder.join("sparse.bin")).unwrap();
         sparse.set_len(length).unwrap();
-        let buffers = vec!["{\"uri\":\"sparse.bin\"}"; 6].join(",");
+        let buffers = ["{\"uri\":\"sparse.bin\"}"; 6].join(",");
         let text = format!("{{\"asset\":{{\"version\":\"2.0\"}},\"buffers\":[{buffers}]}}");
         std::fs::write(folder.join("a.gltf"), text).unwrap();
         read(&folder.join("a.gltf"), None, &ReadOptions::default())

@@ -282,11 +282,10 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let Some(Frame { op, complemented, first, key, name }) = self.frames.pop() else {
             return;
         };
-        let operands = &self.operands[first..];
-        let edge = repeated(op, operands).unwrap_or_else(|| self.formula.join(op, operands));
+        let edge = self.formula.join(op, &self.operands[first..]);
         self.operands.truncate(first);
         if let Some(name) = name {
-            self.names.entry(edge.node().0).or_insert(name);
+            self.names.insert(edge.node().0, name);
         }
         if let Some(key) = key {
             self.done.insert(key, edge);
@@ -441,23 +440,6 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     fn path(&self, context: u32, what: &str) -> String {
         path(&self.contexts, context, what)
-    }
-}
-
-/// The result of an operation on one operand that occurs several times; `None` for other operands.
-///
-/// The simplification does not find all of these: it joins chains of one operator first, which hides that two compound operands
-/// are equal.
-fn repeated(op: Op, operands: &[Edge]) -> Option<Edge> {
-    let (&first, others) = operands.split_first()?;
-    if others.is_empty() || others.iter().any(|&other| other != first) {
-        return None;
-    }
-    match op {
-        Op::Union | Op::Intersection => Some(first),
-        Op::Difference => Some(Edge::EMPTY),
-        Op::SymmetricDifference => Some(if others.len().is_multiple_of(2) { first } else { Edge::EMPTY }),
-        Op::AtLeast(_) => None,
     }
 }
 
