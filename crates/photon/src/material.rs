@@ -65,7 +65,7 @@ pub const WATER_COMPRESSIBILITY: f64 = 7.658e-23 * 1e9;
 pub const WATER_TEMPERATURE: f64 = 283.15;
 
 /// Boltzmann's constant in MeV/K (exact, SI 2019).
-const BOLTZMANN: f64 = 8.617_333_262_145_179e-11;
+const BOLTZMANN: f64 = 8.617_333_262_145_18e-11;
 
 /// The mean free path of Rayleigh scattering in a liquid, in mm: 6 pi / (k^4 (n^2 - 1)^2 (n^2 + 2)^2 / 9 * beta kB T)
 /// with the wave number k in vacuum (Einstein 1910; Smoluchowski 1908; `G4OpRayleigh` of Geant4 11.4).

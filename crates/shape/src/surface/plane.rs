@@ -25,7 +25,7 @@ impl Plane {
     }
 
     /// One root at `(c - n.o) / (n.d)`, with this order of operations for every solid with this plane. A ray that is parallel
-    /// to the plane up to rounding ([`certain_dot`]) has none, and stays on the side of its origin.
+    /// to the plane up to rounding (see `certain_dot` in `along.rs`) has none, and stays on the side of its origin.
     pub fn crossings(&self, ray: &Ray) -> Crossings<1> {
         let height = self.offset - self.normal.dot(ray.origin);
         let speed = certain_dot(self.normal, ray.direction);
