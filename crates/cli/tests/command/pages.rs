@@ -17,6 +17,7 @@ const COMMANDS: [&str; 17] = [
     "thickness",
     "info",
     "shapes",
+    "photons",
     "schema",
     "completions",
     "man",
