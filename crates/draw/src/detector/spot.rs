@@ -67,7 +67,7 @@ pub fn spot_svg(spot: &SpotDiagram, name: &str, unit: &str) -> String {
 /// let mut spots = [SpotDiagram::default(), SpotDiagram::default()];
 /// (0..100).for_each(|k| spots[k % 2].add([(k % 10) as f64, 0.1 * (k / 10) as f64], 550.0, 1.0));
 /// let drawing = spots_svg(&[("axis", &spots[0]), ("rim", &spots[1])], "image", "mm");
-/// assert_eq!(drawing.matches("50 rays, ").count(), 4); // text and tooltip of each
+/// assert_eq!(drawing.matches("50 rays, ").count(), 2);
 /// ```
 pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str) -> String {
     let half = spots.iter().map(|(_, spot)| half_width(spot)).fold(0.0, f64::max);

@@ -202,6 +202,7 @@ pub(super) fn faceted_boundary(
 fn boundary_of(arguments: &Arguments, flats: &Flats, flat: Flat, is_fine: bool) -> Result<Contours, Refusal> {
     let mut points = 0;
     let size = size_of_leaves(arguments, flats, flat)?;
+    let spacing = leaf_spacing(size);
     let outline = |leaf: &Leaf, map: &Affine| {
         let contours = match leaf {
             Leaf::Disc { radius, fragments } if is_fine => {
@@ -214,10 +215,25 @@ fn boundary_of(arguments: &Arguments, flats: &Flats, flat: Flat, is_fine: bool) 
         if points > MOST_POINTS {
             return Err(arguments.refusal(&format!("its outline has more than {MOST_POINTS} points")));
         }
-        filled(arguments, &placed(arguments, contours, map, size)?, FillRule::EvenOdd)
+        let mut contours = filled(arguments, &placed(arguments, contours, map, size)?, FillRule::EvenOdd)?;
+        if let Some(spacing) = spacing {
+            contours.iter_mut().flatten().flatten().for_each(|x| *x = libm::rint(*x / spacing) * spacing);
+        }
+        Ok(contours)
     };
     let join = |operation, parts| join_contours(arguments, operation, parts);
     flats.fold(arguments, flat, outline, join)
+}
+
+/// Spacing of the common grid, relative to the size of the drawing: far above the rounding error of the coordinates of one
+/// leaf, so that vertices that two leaves share stay equal. Without it a slit as thin as rounding would separate touching leaves.
+const LEAF_GRID: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Spacing of the common grid of the leaves of a drawing of a size: a power of 2, so that neither division nor product by it is
+/// rounded. `None` for drawings without extent, or of a size near the limits of `f64`.
+fn leaf_spacing(size: f64) -> Option<f64> {
+    let spacing = libm::exp2(libm::ceil(libm::log2(size))) * LEAF_GRID;
+    spacing.is_normal().then_some(spacing)
 }
 
 /// Larger side of the bounding box of all leaves, including subtracted ones.
