@@ -156,16 +156,12 @@ pub struct QueryOptions {
     threads: Option<NonZeroUsize>,
 }
 
-/// The value of a cell, computed at the first use without the GIL.
-pub fn computed<'a, T: Send + Sync>(
-    py: Python<'_>,
-    cell: &'a OnceLock<T>,
-    compute: impl FnOnce() -> PyResult<T> + Send,
-) -> PyResult<&'a T> {
+/// The value of a cell, computed at the first use. `compute` releases the GIL.
+pub fn computed<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> PyResult<T>) -> PyResult<&T> {
     if let Some(value) = cell.get() {
         return Ok(value);
     }
-    let value = py.detach(compute)?;
+    let value = compute()?;
     // another thread may have computed it first
     Ok(cell.get_or_init(|| value))
 }

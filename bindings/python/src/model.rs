@@ -15,7 +15,7 @@ use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
 use rayweave::{Classified, Compiled, ErrorKind};
 
 use crate::drawing::{Subject, notebook_png, render_method};
-use crate::engine::{Engine, QueryOptions};
+use crate::engine::{Engine, QueryOptions, computed};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
@@ -57,17 +57,14 @@ impl PyModel {
 
     /// The compiled model.
     pub fn compiled(&self, py: Python<'_>) -> PyResult<&(Compiled, Engine)> {
-        if self.compiled.get().is_none() {
+        computed(&self.compiled, || {
             let scene = self.scene.clone();
-            let both = abandonable(py, move || {
+            abandonable(py, move || {
                 let compiled = Compiled::new(&scene).map_err(bad_value)?;
                 let engine = Engine::of_model(&compiled)?;
-                Ok::<_, PyErr>((compiled, engine))
-            })??;
-            // another thread may have compiled it first
-            let _ = self.compiled.set(both);
-        }
-        self.compiled.get().ok_or_else(|| bad_value("the model was not compiled"))
+                Ok((compiled, engine))
+            })?
+        })
     }
 
     /// Evaluator of queries.

@@ -13,7 +13,7 @@ use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
 
 use crate::drawing::{Subject, notebook_png, render_method};
-use crate::engine::{Engine, QueryOptions};
+use crate::engine::{Engine, QueryOptions, computed};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
@@ -54,18 +54,15 @@ impl PySolid {
 
     /// The compiled solid.
     pub fn engine(&self, py: Python<'_>) -> PyResult<&Engine> {
-        if self.engine.get().is_none() {
+        computed(&self.engine, || {
             let solid = self.solid.clone();
             let compile = move || Engine::of_solid(Program::compile(&solid).map_err(bad_value)?);
             // a thread takes longer to start than a small solid to compile
-            let engine = match self.solid.has_more_leaves_than(SMALL) {
-                true => abandonable(py, compile)??,
-                false => py.detach(compile)?,
-            };
-            // another thread may have compiled it first
-            let _ = self.engine.set(engine);
-        }
-        self.engine.get().ok_or_else(|| bad_value("the solid was not compiled"))
+            match self.solid.has_more_leaves_than(SMALL) {
+                true => abandonable(py, compile)?,
+                false => py.detach(compile),
+            }
+        })
     }
 
     fn apply(&self, map: Affine) -> Self {

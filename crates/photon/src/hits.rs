@@ -3,14 +3,14 @@
 use crate::detector::Detector;
 use crate::property::wavelength_nm;
 use crate::source::Photon;
-use rayweave_model::{Face, Occurrence};
+use rayweave_model::Face;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
 use std::collections::HashMap;
 
 /// The detected photons, in the order of their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hits {
-    /// The number of the photon in the run; photons of wavelength shifters have that of the absorbed one.
+    /// The number of the photon in the run; all photons of a wavelength shifter have that of the absorbed one.
     pub photon: Vec<i64>,
     /// The position in mm: x, y, z.
     pub position: [Vec<f64>; 3],
@@ -65,7 +65,7 @@ impl Hits {
         self.sensor.push(number);
     }
 
-    /// Sorts by the number of the photon; equal numbers keep their order.
+    /// Sorts by the number of the photon, then by steps; equal ones keep their order.
     pub(crate) fn sort(&mut self) {
         let mut order: Vec<usize> = (0..self.len()).collect();
         order.sort_by_key(|&row| (self.photon[row], self.steps[row]));
@@ -139,7 +139,6 @@ pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
 
 /// The path of a volume: that of the placement of a face, or the name of the region for a volume that is not placed.
 pub(crate) fn sensor_path(detector: &Detector, face: Face, region: u32) -> String {
-    let occurrence = Occurrence { placement: face.placement, leaf: face.leaf };
-    let path = detector.program.occurrence_path(occurrence).placed().to_string();
+    let path = detector.program.occurrence_path(face.occurrence()).placed().to_string();
     if path.is_empty() { detector.region_names[region as usize].clone() } else { path }
 }

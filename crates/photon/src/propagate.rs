@@ -127,12 +127,6 @@ pub struct PhotonRun {
 }
 
 impl PhotonRun {
-    /// The same result with the hits in the order of the photon numbers.
-    fn in_order(mut self) -> PhotonRun {
-        self.hits.sort();
-        self
-    }
-
     fn append(&mut self, other: PhotonRun) {
         self.photons += other.photons;
         self.steps += other.steps;
@@ -196,6 +190,9 @@ pub fn simulate<E: Evaluator>(
 /// A photon in flight.
 #[derive(Clone, Copy, Debug)]
 struct Flight {
+    /// The number of the source's photon that this one is, or comes from.
+    origin: u64,
+    /// The number that selects the random numbers.
     number: u64,
     /// Number of steps of its whole history, with those of the photons it was emitted from.
     steps: u32,
@@ -279,7 +276,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         self.result = PhotonRun::default();
         for number in numbers {
             let photon = source.photon(self.settings.seed, number);
-            self.continue_with(Flight { number, steps: 0, photon });
+            self.continue_with(Flight { origin: number, number, steps: 0, photon });
             self.result.photons += 1;
         }
         self.swap();
@@ -291,7 +288,8 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             self.swap();
         }
         // by photon number, whatever the number of steps
-        std::mem::take(&mut self.result).in_order()
+        self.result.hits.sort();
+        std::mem::take(&mut self.result)
     }
 
     /// Keeps a photon for the next step; its start list has been appended already.
@@ -412,7 +410,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             let polarisation = stream.polarisation(direction);
             let time = flight.photon.time + shifter.time;
             let photon = Photon { position: flight.photon.position, direction, polarisation, energy, time };
-            // further photons are photons of their own: a number far above those of any source
+            // further photons have random numbers of their own
             let number = if emitted == 0 { flight.number } else { secondary(flight, emitted) };
             self.continue_with(Flight { number, photon, ..flight });
             emitted += 1;
@@ -487,7 +485,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
 
     fn detect(&mut self, flight: Flight, crossing: &Crossing) {
         let path = sensor_path(self.detector, crossing.entered, crossing.after.0);
-        self.result.hits.push(flight.number, flight.steps, &flight.photon, path);
+        self.result.hits.push(flight.origin, flight.steps, &flight.photon, path);
         self.end(End::Detected);
     }
 }

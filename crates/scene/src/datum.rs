@@ -30,8 +30,18 @@ impl Datum {
     /// The value of a key, if this is a table that has it.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&Datum> {
-        let Datum::Table(table) = self else { return None };
-        table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
+        if let Datum::Table(table) = self { lookup(table, key) } else { None }
+    }
+
+    /// The text of a key; empty if this is no table, or one without such a text.
+    #[must_use]
+    pub fn text(&self, key: &str) -> &str {
+        self.get(key).and_then(Datum::as_text).unwrap_or_default()
+    }
+
+    /// The values in the list of a key; none if this is no table, or one without such a list.
+    pub fn list(&self, key: &str) -> impl Iterator<Item = &Datum> {
+        self.get(key).into_iter().flat_map(Datum::items)
     }
 
     /// The number, if this is one.
@@ -73,6 +83,12 @@ impl Datum {
             Datum::Table(_) => "a table".to_owned(),
         }
     }
+}
+
+/// The value of a key of a table, if it has the key.
+#[must_use]
+pub fn lookup<'t>(table: &'t Table, key: &str) -> Option<&'t Datum> {
+    table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
 }
 
 /// Converts a table of the syntax tree. The TOML parser limits the nesting of tables to fewer than

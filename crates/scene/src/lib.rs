@@ -56,7 +56,7 @@ mod unit;
 
 pub use colour::Colour;
 pub use compiled::Compiled;
-pub use datum::{Datum, Table};
+pub use datum::{Datum, Table, lookup};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
 pub use error::SceneError;

@@ -3,7 +3,7 @@
 use crate::arguments::{GlobalArguments, ModelArguments, point};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::terminal::{self, Unit};
+use crate::terminal;
 use clap::{Args, ValueEnum};
 use rayweave::photon::{
     DetectionRule, Detector, End, PhotonRun, PointSource, RunSettings, Source, hit_schema, simulate,
@@ -139,13 +139,10 @@ impl Photons {
             cancel: interrupt::token()?,
             ..RunSettings::new(range)
         };
-        let bar = terminal::progress_bar(None, Unit::Percent, global.quiet);
         let evaluator = Packets::new(detector.program().clone());
         let start = Instant::now();
         let run = simulate(&detector, &evaluator, &Source::Point(point), &settings);
-        let duration = start.elapsed();
-        bar.finish_and_clear();
-        let run = run?;
+        let (run, duration) = (run?, start.elapsed());
         if let Some(path) = &self.out {
             let mut table = TableWriter::create(path, &hit_schema(&run.hits)?)?;
             table.write(&run.hits.to_rows()?)?;

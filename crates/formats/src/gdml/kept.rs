@@ -3,11 +3,11 @@
 use super::attributes::Numbers;
 use super::context::Context;
 use super::solids::{Sizes, primitive};
-use super::stated::{get, rows, text};
+use super::stated::{rows, text};
 use super::trouble::Place;
 use super::xml::{Attribute, Element, Name};
 use rayweave_model::Solid;
-use rayweave_scene::{Datum, Table};
+use rayweave_scene::{Datum, Table, lookup};
 use std::fmt::Write as _;
 
 /// The solid of a row, as the reader makes it from the element.
@@ -55,7 +55,7 @@ pub(crate) fn written(row: &Table, name: &str, escaped: impl Fn(&str) -> String)
     let own = head(row);
     let own = own.split_once(' ').unwrap_or((&own, ""));
     let opening = format!("    <{} name=\"{name}\" {}", own.0, own.1);
-    if get(row, "children").is_none() {
+    if lookup(row, "children").is_none() {
         return opening + "/>\n";
     }
     let children: String =

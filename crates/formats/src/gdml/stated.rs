@@ -6,7 +6,7 @@ use super::solids::{Shape, Sizes};
 use super::trouble::Place;
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Node, Solid};
-use rayweave_scene::{Datum, Scene, Table};
+use rayweave_scene::{Datum, Scene, Table, lookup};
 use std::collections::HashMap;
 
 /// A volume of the tree.
@@ -115,30 +115,19 @@ fn comes_of(records: &[VolumeRecord], graph: &Graph, scene: &Scene) -> bool {
     records.iter().zip(0..).all(is_same)
 }
 
-/// A value of a table.
-pub(crate) fn get<'t>(table: &'t Table, key: &str) -> Option<&'t Datum> {
-    table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
-}
-
 /// A string of a table, or "".
 pub(crate) fn text<'t>(table: &'t Table, key: &str) -> &'t str {
-    match get(table, key) {
-        Some(Datum::Text(text)) => text,
-        _ => "",
-    }
+    lookup(table, key).and_then(Datum::as_text).unwrap_or_default()
 }
 
 /// A number of a table.
 pub(crate) fn number(table: &Table, key: &str) -> Option<f64> {
-    match get(table, key) {
-        Some(Datum::Number(number)) => Some(*number),
-        _ => None,
-    }
+    lookup(table, key).and_then(Datum::as_number)
 }
 
 /// A list in a table, or an empty one.
 pub(crate) fn list<'t>(table: &'t Table, key: &str) -> &'t [rayweave_scene::Spanned<Datum>] {
-    match get(table, key) {
+    match lookup(table, key) {
         Some(Datum::List(list)) => list,
         _ => &[],
     }

@@ -4,7 +4,7 @@ use super::gdml::{Placement, Volumes};
 use super::properties::PropertyReader;
 use crate::surface::OpticalSurface;
 use rayweave_error::Message;
-use rayweave_model::{Crossing, Occurrence, Program};
+use rayweave_model::{Crossing, Program};
 use rayweave_scene::Datum;
 use std::collections::{HashMap, HashSet};
 
@@ -37,34 +37,28 @@ impl SurfaceTable {
     ) -> SurfaceTable {
         let mut found = SurfaceTable { nested: volumes.nested.clone(), ..SurfaceTable::default() };
         let mut attached = HashSet::new();
-        let text =
-            |row: &Datum, key: &str| row.get(key).and_then(Datum::as_text).unwrap_or_default().to_owned();
-        let number = |row: &Datum| {
-            let name = text(row, "surface");
-            surfaces.iter().position(|surface| surface.name == name)
-        };
-        for row in table.get("skin").into_iter().flat_map(Datum::items) {
+        let number = |row: &Datum| surfaces.iter().position(|surface| surface.name == row.text("surface"));
+        for row in table.list("skin") {
             let Some(surface) = number(row) else { continue };
             attached.insert(surface);
-            for volume in row.get("volume").into_iter().flat_map(Datum::items).filter_map(Datum::as_text) {
+            for volume in row.list("volume").filter_map(Datum::as_text) {
                 // of several skins of a volume the first one counts
                 for &region in volumes.regions.get(volume).into_iter().flatten() {
                     found.skins.entry(region).or_insert(surface);
                 }
             }
         }
-        for row in table.get("border").into_iter().flat_map(Datum::items) {
+        for row in table.list("border") {
             let Some(surface) = number(row) else { continue };
             attached.insert(surface);
-            let names: Vec<&str> =
-                row.get("placements").into_iter().flat_map(Datum::items).filter_map(Datum::as_text).collect();
+            let names: Vec<&str> = row.list("placements").filter_map(Datum::as_text).collect();
             let [first, second] = names.as_slice() else {
                 let problem =
-                    format!("border surface `{}` names {} placements", text(row, "name"), names.len());
+                    format!("border surface `{}` names {} placements", row.text("name"), names.len());
                 properties.problem(Message::new(problem, "a border lies between two"));
                 continue;
             };
-            found.add_border(surface, (first, second), volumes, (&text(row, "name"), properties));
+            found.add_border(surface, (first, second), volumes, (row.text("name"), properties));
         }
         for (_, surface) in surfaces.iter().enumerate().filter(|(number, _)| !attached.contains(number)) {
             properties
@@ -129,9 +123,7 @@ impl Border {
         if self.required.is_empty() {
             return true;
         }
-        let faces = [crossing.left, crossing.entered];
-        let paths = faces
-            .map(|face| program.occurrence_path(Occurrence { placement: face.placement, leaf: face.leaf }));
+        let paths = [crossing.left, crossing.entered].map(|face| program.occurrence_path(face.occurrence()));
         let has = |placement: &Placement| {
             let mut steps = paths.iter().flat_map(|path| path.steps());
             steps.any(|step| {

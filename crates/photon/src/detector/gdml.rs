@@ -17,7 +17,7 @@ pub(super) fn materials(
     media: &[&str],
     properties: &mut PropertyReader,
 ) -> Vec<OpticalMaterial> {
-    let rows = || table.get("material").into_iter().flat_map(Datum::items);
+    let rows = || table.list("material");
     let by_medium: HashMap<&str, &Datum> =
         rows().filter_map(|row| Some((row.get("medium")?.as_text()?, row))).collect();
     let read = |name: &&str| match by_medium.get(name) {
@@ -99,7 +99,7 @@ fn shifter(properties: &mut Properties<'_>, names: &[&str; 4]) -> Option<Wavelen
 
 /// The optical surfaces, in the order of the file.
 pub(super) fn surfaces(table: &Datum, properties: &mut PropertyReader) -> Vec<OpticalSurface> {
-    let rows = table.get("surface").into_iter().flat_map(Datum::items);
+    let rows = table.list("surface");
     rows.map(|row| surface(row, properties)).collect()
 }
 
@@ -171,10 +171,10 @@ fn word<T: Copy + Default>(
     owner: &str,
     properties: &mut PropertyReader,
 ) -> T {
-    let text = match row.get(attribute) {
-        Some(Datum::Text(text)) => text.as_str(),
-        _ => return T::default(),
-    };
+    let text = row.text(attribute);
+    if text.is_empty() {
+        return T::default();
+    }
     match words.iter().find(|(word, number, _)| text == *word || text == *number) {
         Some((_, _, value)) => *value,
         None => {
@@ -204,44 +204,47 @@ pub(crate) struct Volumes {
 pub(crate) struct Placement {
     /// The volume that is placed.
     pub volume: String,
-    /// The numbers of its copies, as in occurrence paths; `None` if they are unknown.
+    /// The numbers of its copies, as in occurrence paths.
     pub copies: std::ops::Range<i64>,
+}
+
+/// The number of each region by its name; the world outside has none.
+pub(super) fn region_numbers(scene: &Scene) -> HashMap<&str, u32> {
+    scene.regions.iter().zip(1..).map(|(region, number)| (region.name.as_str(), number)).collect()
 }
 
 /// Reads the volume graph.
 pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
-    let numbers: HashMap<&str, u32> =
-        scene.regions.iter().zip(1..).map(|(region, number)| (region.name.as_str(), number)).collect();
-    let rows: Vec<&Datum> = table.get("volume").into_iter().flat_map(Datum::items).collect();
-    let text = |row: &Datum, key: &str| row.get(key).and_then(Datum::as_text).unwrap_or_default().to_owned();
+    let numbers = region_numbers(scene);
+    let rows: Vec<&Datum> = table.list("volume").collect();
     let mut volumes = Volumes::default();
-    let by_name: HashMap<String, &Datum> = rows.iter().map(|row| (text(row, "name"), *row)).collect();
+    let by_name: HashMap<&str, &Datum> = rows.iter().map(|row| (row.text("name"), *row)).collect();
     for row in &rows {
-        let region = numbers.get(text(row, "region").as_str());
-        volumes.regions.entry(text(row, "name")).or_default().extend(region);
+        let region = numbers.get(row.text("region"));
+        volumes.regions.entry(row.text("name").to_owned()).or_default().extend(region);
         // positions among the copies of the same volume number those without a copy number
         let mut counted: HashMap<String, i64> = HashMap::new();
-        for daughter in row.get("daughters").into_iter().flat_map(Datum::items) {
-            let volume = text(daughter, "volume");
-            let count = daughter.get("maps").into_iter().flat_map(Datum::items).count() as i64;
+        for daughter in row.list("daughters") {
+            let volume = daughter.text("volume").to_owned();
+            let count = daughter.list("maps").count() as i64;
             let next = counted.entry(volume.clone()).or_default();
             let first = daughter.get("copy").and_then(Datum::as_number).map_or(*next, |copy| copy as i64);
             *next += count;
             *volumes.copies.entry(volume.clone()).or_default() += count as usize;
             let placement = Placement { volume, copies: first..first.saturating_add(count) };
-            volumes.placements.entry(text(daughter, "name")).or_default().push(placement);
+            volumes.placements.entry(daughter.text("name").to_owned()).or_default().push(placement);
         }
     }
     for row in &rows {
-        let Some(&mother) = numbers.get(text(row, "region").as_str()) else { continue };
+        let Some(&mother) = numbers.get(row.text("region")) else { continue };
         // volumes without a region are transparent for the nesting
         let (mut waiting, mut seen) = (vec![*row], HashSet::new());
         while let Some(row) = waiting.pop() {
-            for daughter in row.get("daughters").into_iter().flat_map(Datum::items) {
-                let Some(inner) = by_name.get(&text(daughter, "volume")) else { continue };
-                match numbers.get(text(inner, "region").as_str()) {
+            for daughter in row.list("daughters") {
+                let Some(inner) = by_name.get(daughter.text("volume")) else { continue };
+                match numbers.get(inner.text("region")) {
                     Some(&region) => drop(volumes.nested.insert((mother, region))),
-                    None if seen.insert(text(inner, "name")) => waiting.push(inner),
+                    None if seen.insert(inner.text("name")) => waiting.push(inner),
                     None => {}
                 }
             }

@@ -35,10 +35,10 @@ impl PropertyReader {
         let matrix = |row: &Datum| {
             let name = row.get("name")?.as_text()?.to_owned();
             let columns = row.get("columns")?.as_number()? as usize;
-            let values = row.get("values").into_iter().flat_map(Datum::items).filter_map(Datum::as_number);
+            let values = row.list("values").filter_map(Datum::as_number);
             Some((name, Matrix { columns, values: values.collect() }))
         };
-        let matrices = table.get("matrix").into_iter().flat_map(Datum::items).filter_map(matrix).collect();
+        let matrices = table.list("matrix").filter_map(matrix).collect();
         PropertyReader { matrices, problems: Vec::new(), notes: Vec::new() }
     }
 

@@ -42,6 +42,28 @@ fn threads_and_ranges_change_nothing() {
     assert_ne!(other.hits, whole.hits);
 }
 
+/// Photons that a shifter emits in addition keep their place next to the others of their number, however a run is divided.
+#[test]
+fn ranges_of_shifted_photons_are_parts_of_the_run() {
+    let slab = SlabDetector {
+        matrices: r#"<matrix name="SHORT" coldim="2" values="1*eV 1e12 2.9*eV 1e12 2.95*eV 0.1 10*eV 0.1"/>
+<matrix name="BAND" coldim="2" values="2.0*eV 1 2.5*eV 1"/><matrix name="MEAN" coldim="1" values="3"/>"#,
+        inner: r#"<property name="RINDEX" ref="GLASS"/><property name="WLSABSLENGTH" ref="SHORT"/>
+<property name="WLSCOMPONENT" ref="BAND"/><property name="WLSMEANNUMBERPHOTONS" ref="MEAN"/>"#,
+        ..scattering()
+    };
+    let detector = slab.build();
+    let source = Source::Point(PointSource::isotropic(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap());
+    let whole = run(&detector, &source, &RunSettings::new(0..1000));
+    // one photon for each with the probability exp(-3) of none
+    assert!(whole.photons > 2500 && whole.photons < 3500, "{}", whole.photons);
+    let parts = [0..300, 300..301, 301..1000].map(|range| run(&detector, &source, &RunSettings::new(range)));
+    let rows: Vec<_> = parts.iter().flat_map(|part| lines(&part.hits)).collect();
+    assert!(rows.len() > 200, "{}", rows.len());
+    assert_eq!(rows, lines(&whole.hits));
+    assert!(whole.hits.photon.iter().all(|number| (0..1000).contains(number)));
+}
+
 /// The bits of each hit.
 fn lines(hits: &Hits) -> Vec<(i64, [u64; 5], String)> {
     let bits = |row: usize| {

@@ -217,10 +217,12 @@ impl PyPrescription {
     }
 
     fn built(&self, py: Python<'_>) -> PyResult<&(Layout, System)> {
-        computed(py, &self.built, || {
-            let layout = self.lens.assembly().map_err(bad_value)?;
-            let system = layout.assembly.compile().map_err(bad_value)?;
-            Ok((layout, system))
+        computed(&self.built, || {
+            py.detach(|| {
+                let layout = self.lens.assembly().map_err(bad_value)?;
+                let system = layout.assembly.compile().map_err(bad_value)?;
+                Ok((layout, system))
+            })
         })
     }
 

@@ -2,11 +2,11 @@
 
 use super::names::Names;
 use crate::gdml::UNSPECIFIED;
-use crate::gdml::stated::{get, list, number, rows, text};
+use crate::gdml::stated::{list, number, rows, text};
 use crate::write::RemarkKind;
 use crate::write::model::Model;
 use crate::write::remark::Remarks;
-use rayweave_scene::{Datum, Medium, Table};
+use rayweave_scene::{Datum, Medium, Table, lookup};
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
@@ -210,7 +210,7 @@ fn property_of(defines: &mut String, owner: &str, name: &str, value: &Datum) -> 
 }
 
 fn properties_of(row: &Table) -> impl Iterator<Item = (&str, &Datum)> {
-    let table = match get(row, "properties") {
+    let table = match lookup(row, "properties") {
         Some(Datum::Table(table)) => table.as_slice(),
         _ => &[],
     };
