@@ -3,7 +3,7 @@
 use crate::{CLEAR, SlabDetector, assert_binomial, beam, count, run, settings};
 use num_complex::Complex64;
 use rayweave_optics::interface::fresnel;
-use rayweave_photon::{BoundaryEvent, DetectionRule, End, PhotonRun, RunSettings};
+use rayweave_photon::{BoundaryEvent, DetectionRule, End, PhotonRun, RunSettings, property};
 
 const COUNT: usize = 20_000;
 
@@ -132,6 +132,25 @@ fn total_reflection_keeps_every_photon() {
     let run = run(&CLEAR.build(), &light, &RunSettings { max_steps: 1000, ..settings(200) });
     assert_eq!(count(&run, End::StepLimit), 200);
     assert_eq!(events(&run, BoundaryEvent::TotalInternalReflection), 200 * 1000);
+}
+
+/// A rough interface makes the fraction 1 - exp(-(4 pi sigma n cos / lambda)^2) of the total reflections diffuse.
+#[test]
+fn roughness_makes_total_reflection_diffuse() {
+    let slab = with_surface(
+        r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_dielectric" value="1">
+<property name="SURFACEROUGHNESS" ref="SIGMA"/></opticalsurface>"#,
+        r#"<matrix name="SIGMA" coldim="1" values="20*nm"/>"#,
+    );
+    let mut light = beam(COUNT, [1.0, 1.0, 1.0], [1.0, -1.0, 0.0]);
+    if let rayweave_photon::Source::Photons(photons) = &mut light {
+        photons.iter_mut().for_each(|photon| photon.position.z = 50.0);
+    }
+    let run = run(&slab.build(), &light, &RunSettings { max_steps: 1, ..settings(COUNT) });
+    let phase = 4.0 * std::f64::consts::PI * 20.0 * 1.5 * (1f64 / 3.0).sqrt() / property::wavelength_nm(3e-6);
+    let diffuse = events(&run, BoundaryEvent::LambertianReflection);
+    assert_binomial(diffuse, COUNT as u64, 1.0 - (-phase * phase).exp(), "diffuse");
+    assert_eq!(diffuse + events(&run, BoundaryEvent::TotalInternalReflection), COUNT as u64);
 }
 
 /// A sensitive volume detects what enters it, without any surface; the rule decides whether that counts.

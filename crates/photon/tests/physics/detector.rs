@@ -48,6 +48,21 @@ fn surfaces_between_equal_materials_act() {
     assert_eq!(count(&run, End::Detected), 100);
 }
 
+/// With skins on the mother and on its daughter, that of the daughter acts on what enters it.
+#[test]
+fn the_skin_of_a_daughter_has_priority() {
+    let slab = SlabDetector {
+        surfaces: r#"<opticalsurface name="Mirror" model="glisur" finish="polished" type="dielectric_metal" value="1"/>
+<opticalsurface name="S" model="unified" finish="polished" type="dielectric_metal" value="0">
+<property name="REFLECTIVITY" ref="ZERO"/><property name="EFFICIENCY" ref="ONE"/></opticalsurface>"#,
+        links: r#"<skinsurface name="outer" surfaceproperty="Mirror"><volumeref ref="World"/></skinsurface>
+<skinsurface name="inner" surfaceproperty="S"><volumeref ref="Slab"/></skinsurface>"#,
+        ..CLEAR
+    };
+    let run = run(&slab.build(), &beam(100, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]), &settings(100));
+    assert_eq!(count(&run, End::Detected), 100);
+}
+
 #[test]
 fn unused_properties_and_surfaces_are_noted() {
     let slab = SlabDetector {
