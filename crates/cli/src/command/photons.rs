@@ -6,7 +6,7 @@ use crate::interrupt;
 use crate::terminal;
 use clap::{Args, ValueEnum};
 use rayweave::photon::{
-    DetectionRule, Detector, End, PhotonRun, PointSource, RunSettings, Source, hit_schema, simulate,
+    DetectionRule, Detector, End, Hits, PhotonRun, PointSource, RunSettings, Source, hit_schema, simulate,
 };
 use rayweave::table::TableWriter;
 use rayweave::{Packets, Vec3};
@@ -121,6 +121,10 @@ impl Photons {
         if is_piped && self.json {
             let text = "--json and `-o -` both write to standard output: write one of them to a file.";
             return Err(Failure::Usage(text.to_owned()));
+        }
+        if let Some(path) = self.out.as_deref().filter(|_| !is_piped) {
+            // a path that cannot be written is reported before the run, not after it; the unfinished file is removed
+            TableWriter::create(path, &hit_schema(&Hits::default())?)?;
         }
         let SourceKind::Point = self.source;
         let point = PointSource::isotropic(Vec3::from_array(self.at), self.wavelength)?;

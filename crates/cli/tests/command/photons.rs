@@ -80,6 +80,16 @@ fn bad_arguments_are_explained() {
     assert!(fails(2, &["--max-time", "0"]).contains("the maximum time is 0 ns: it must be positive."));
     let negative = ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength=-5"];
     assert!(bench.fails(2, &negative).contains("the wavelength is -5 nm: it must be positive and finite."));
+    // before the run, and without leaving a file
+    let endless = "18446744073709551615";
+    for (path, reason) in [("hits.txt", "the table format is unknown"), ("no/hits.csv", "no/hits.csv")] {
+        let before = bench.files();
+        let arguments =
+            ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", endless, "-o", path];
+        let done = bench.run(&arguments);
+        assert!(done.code != 0 && done.err.contains(reason), "{}", done.err);
+        assert_eq!(bench.files(), before);
+    }
     bench.write("plain.toml", "rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n");
     let plain = ["photons", "plain.toml", "--at", "0,0,0", "--wavelength", "500"];
     assert!(bench.fails(3, &plain).contains("the model has no optical properties: it has no table [gdml]."));
