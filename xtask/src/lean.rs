@@ -9,7 +9,7 @@ use crate::process;
 use crate::repository::Repository;
 
 /// The maximum number of external crates of `rayweave` with `default-features = false`.
-const MOST_CRATES: usize = 12;
+const MAX_CRATES: usize = 12;
 
 /// Counts the external crates of the library without its default features, and fails above the
 /// limit.
@@ -19,9 +19,9 @@ pub fn run(repository: &Repository) -> Outcome {
     tree.args(["--edges", "normal", "--prefix", "none", "--format", "{p}"]);
     let crates = external(&process::output(&mut tree)?);
     let list = crates.iter().cloned().collect::<Vec<_>>().join(", ");
-    if crates.len() > MOST_CRATES {
+    if crates.len() > MAX_CRATES {
         return Err(format!(
-            "the core needs {} external crates, at most {MOST_CRATES} are allowed: {list}",
+            "the core needs {} external crates, at most {MAX_CRATES} are allowed: {list}",
             crates.len()
         ));
     }

@@ -18,10 +18,10 @@ use rayweave::{AnyEvaluator, AnyScratch, Compiled};
 use crate::error::{bad_type, bad_value};
 
 /// The minimum number of rays per chunk: large enough to make the overhead negligible.
-const LEAST: usize = 1024;
+const MIN_CHUNK: usize = 1024;
 
 /// The maximum number of rays per chunk: Ctrl-C is checked, and work is balanced, between chunks.
-const MOST: usize = 8192;
+const MAX_CHUNK: usize = 8192;
 
 /// The number of chunks per thread for large queries, so that threads finish at about the same
 /// time.
@@ -221,7 +221,7 @@ impl Chunking {
 
     /// The same with smaller chunks, as small as the overhead permits.
     pub fn small(self) -> Self {
-        Chunking { chunk: LEAST, ..self }
+        Chunking { chunk: MIN_CHUNK, ..self }
     }
 
     /// The number of chunks.
@@ -234,11 +234,11 @@ impl QueryOptions {
     /// Division of `len` rays or points into chunks.
     pub fn chunking(&self, len: usize) -> Chunking {
         // querying the number of threads takes longer than many small queries
-        if len <= LEAST {
-            return Chunking { len, chunk: LEAST, threads: NonZeroUsize::MIN };
+        if len <= MIN_CHUNK {
+            return Chunking { len, chunk: MIN_CHUNK, threads: NonZeroUsize::MIN };
         }
         let threads = thread_count(self.threads);
-        let chunk = (len / (threads.get() * PIECES)).clamp(LEAST, MOST).next_multiple_of(BLOCK);
+        let chunk = (len / (threads.get() * PIECES)).clamp(MIN_CHUNK, MAX_CHUNK).next_multiple_of(BLOCK);
         Chunking {
             len,
             chunk,

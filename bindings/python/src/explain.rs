@@ -8,7 +8,7 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use rayweave::model::{Program, Window};
 use rayweave::shape::Ray;
 use rayweave::trace::single_hit::{
-    Entry, Explanation, ExplanationText, Found, MOST_LINES, Operand, Question, Step, Verdict, What,
+    Entry, Explanation, ExplanationText, Found, MAX_LINES, Operand, Question, Step, Verdict, What,
 };
 
 use crate::error::bad_value;
@@ -92,7 +92,7 @@ impl PyExplanation {
     }
 
     /// The text with at most `lines` lines of decisions, None for all of them; omitted lines are counted.
-    #[pyo3(signature = (lines = Some(MOST_LINES)))]
+    #[pyo3(signature = (lines = Some(MAX_LINES)))]
     fn story(&self, py: Python<'_>, lines: Option<usize>) -> PyResult<String> {
         match lines {
             Some(0) => Err(bad_value("lines is 0: it must be at least 1.")),

@@ -27,8 +27,12 @@ impl Kind {
     fn accepts(self, [x, y, z]: [f64; 3]) -> bool {
         let (x, y, z) = (x.abs(), y.abs(), z.abs());
         // no branches, because it runs for millions of consecutive numbers
-        let small = (x <= Ray::MOST) & (y <= Ray::MOST) & (z <= Ray::MOST);
-        small & ((self == Kind::Point) | (x >= Ray::LEAST) | (y >= Ray::LEAST) | (z >= Ray::LEAST))
+        let small = (x <= Ray::MAX_COMPONENT) & (y <= Ray::MAX_COMPONENT) & (z <= Ray::MAX_COMPONENT);
+        small
+            & ((self == Kind::Point)
+                | (x >= Ray::MIN_DIRECTION)
+                | (y >= Ray::MIN_DIRECTION)
+                | (z >= Ray::MIN_DIRECTION))
     }
 }
 
@@ -93,11 +97,14 @@ impl<'py> Vectors<'py> {
         Some(bad_value(match () {
             () if !Kind::Point.accepts([x, y, z]) => format!(
                 "{place} is ({x:?}, {y:?}, {z:?}): every component must be finite, from {:e} to {:e}.",
-                -Ray::MOST,
-                Ray::MOST
+                -Ray::MAX_COMPONENT,
+                Ray::MAX_COMPONENT
             ),
             () if [x, y, z] == [0.0; 3] => format!("{place} has length 0: a ray needs a direction."),
-            () => format!("{place} is ({x:?}, {y:?}, {z:?}): its length must be at least {:e}.", Ray::LEAST),
+            () => format!(
+                "{place} is ({x:?}, {y:?}, {z:?}): its length must be at least {:e}.",
+                Ray::MIN_DIRECTION
+            ),
         }))
     }
 }

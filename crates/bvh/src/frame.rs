@@ -41,7 +41,7 @@ const MAP_ERROR: f64 = 256.0 * UNIT_ROUNDOFF;
 
 /// Limit of the coordinates of rays in the frame. Their products with `f32` planes and inverse directions do not
 /// overflow to a difference of infinities.
-const MOST: f64 = 1e20;
+const MAX_COORDINATE: f64 = 1e20;
 
 impl Frame {
     /// The frame of boxes with the bounds `all`, which are finite or empty.
@@ -85,8 +85,8 @@ impl Frame {
             let is_ahead = along > 0.0;
             let side = if is_ahead { grown } else { -grown };
             (probe.near[k], probe.far[k]) = if is_ahead { (k, k + 3) } else { (k + 3, k) };
-            probe.near_origin[k] = (foot[k] + side).clamp(-MOST, MOST) as f32;
-            probe.far_origin[k] = (foot[k] - side).clamp(-MOST, MOST) as f32;
+            probe.near_origin[k] = (foot[k] + side).clamp(-MAX_COORDINATE, MAX_COORDINATE) as f32;
+            probe.far_origin[k] = (foot[k] - side).clamp(-MAX_COORDINATE, MAX_COORDINATE) as f32;
             probe.inverse[k] = (1.0 / along) as f32;
         }
         // the window may be infinite; its bounds have an error as small as that of the origin

@@ -134,7 +134,7 @@ struct Maker<'r> {
 }
 
 /// Upper bound of the number of shapes of a solid, with all placements expanded.
-const MOST: usize = 300;
+const MAX_SHAPES: usize = 300;
 
 impl<'r> Maker<'r> {
     fn new(rng: &'r mut Random, style: Style) -> Self {
@@ -165,7 +165,7 @@ impl<'r> Maker<'r> {
             10 => !solid,
             11 => solid.apply(self.map()),
             12 => solid.named("part"),
-            _ if self.size * 3 < MOST => {
+            _ if self.size * 3 < MAX_SHAPES => {
                 let count = 2 + self.rng.below(2);
                 self.size *= count;
                 let maps: Vec<Affine> = (0..count).map(|_| self.map()).collect();
@@ -196,7 +196,7 @@ impl<'r> Maker<'r> {
                 _ => a ^ b,
             };
         }
-        if !self.pool.is_empty() && self.size < MOST && self.rng.chance(0.15) {
+        if !self.pool.is_empty() && self.size < MAX_SHAPES && self.rng.chance(0.15) {
             self.size += 10;
             return self.pool[self.rng.below(self.pool.len())].clone();
         }

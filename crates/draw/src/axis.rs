@@ -17,7 +17,7 @@ pub struct Axis {
 const PADDING: f64 = 0.06;
 
 /// The most tick marks of an axis.
-const MOST_TICKS: i32 = 64;
+const MAX_TICKS: i32 = 64;
 
 impl Axis {
     /// An axis that holds all of some increasing values, with padding on both sides.
@@ -51,7 +51,7 @@ impl Axis {
         let first = (self.min / step).ceil();
         // far from zero the distance of neighbouring numbers may exceed the step
         let tick = |k: i32| (first + f64::from(k)) * step;
-        let mut ticks: Vec<f64> = (0..MOST_TICKS).map(tick).take_while(|&value| value <= self.max).collect();
+        let mut ticks: Vec<f64> = (0..MAX_TICKS).map(tick).take_while(|&value| value <= self.max).collect();
         ticks.dedup();
         let step = step.max(f64::MIN_POSITIVE);
         ticks.into_iter().map(|value| (value, format_number(value, step))).collect()

@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// A drawing of layers side by side: lines for traces, with a colour for each component.
 ///
 /// Lengths in the drawing are those of the document. A single layer is drawn in its own coordinates, with y up. At most
-/// [`InfillPicture::MOST_LAYERS`] layers are drawn.
+/// [`InfillPicture::MAX_LAYERS`] layers are drawn.
 #[derive(Clone, Debug)]
 pub struct InfillPicture {
     spacing: f64,
@@ -25,7 +25,7 @@ const SIDE: f64 = 900.0;
 
 impl InfillPicture {
     /// The most layers that are drawn.
-    pub const MOST_LAYERS: usize = 100;
+    pub const MAX_LAYERS: usize = 100;
 
     /// A drawing without layers, for traces `spacing` apart.
     pub fn new(spacing: f64) -> InfillPicture {
@@ -39,13 +39,13 @@ impl InfillPicture {
 
     /// Adds a layer, unless there are too many.
     pub fn layer(&mut self, layer: LayerTraces) {
-        match self.layers.len() < Self::MOST_LAYERS {
+        match self.layers.len() < Self::MAX_LAYERS {
             true => self.layers.push(layer),
             false => self.left_out += 1,
         }
     }
 
-    /// The number of layers beyond [`InfillPicture::MOST_LAYERS`].
+    /// The number of layers beyond [`InfillPicture::MAX_LAYERS`].
     pub fn left_out(&self) -> usize {
         self.left_out
     }

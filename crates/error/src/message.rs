@@ -23,7 +23,7 @@ pub struct Message {
 }
 
 /// The most names that the message about an unknown name lists.
-const MOST_LISTED: usize = 12;
+const MAX_LISTED: usize = 12;
 
 impl Message {
     /// A problem and its reason.
@@ -50,9 +50,9 @@ impl Message {
         let reason = match names[..] {
             [] => format!("there is no {what}"),
             [only] => format!("the only name is {only}"),
-            _ if names.len() <= MOST_LISTED => format!("the names are {}", names.join(", ")),
+            _ if names.len() <= MAX_LISTED => format!("the names are {}", names.join(", ")),
             _ => {
-                let (listed, more) = names.split_at(MOST_LISTED - 2);
+                let (listed, more) = names.split_at(MAX_LISTED - 2);
                 format!("the names are {}, ... and {} more", listed.join(", "), more.len())
             }
         };

@@ -3,11 +3,11 @@
 use std::cell::Cell;
 
 /// The most characters of a name that is compared: an edit distance takes time in proportion to the product of the lengths.
-const MOST_CHARACTERS: usize = 64;
+const MAX_CHARACTERS: usize = 64;
 
 /// The work that [`with_limited_suggestions`] allows: pairs of characters compared, and candidates looked at. It takes about a
 /// second.
-const MOST_WORK: usize = 20_000_000;
+const MAX_WORK: usize = 20_000_000;
 
 thread_local! {
     /// The work that is left for suggestions on this thread; without a limit, `None`.
@@ -27,7 +27,7 @@ pub fn with_limited_suggestions<T>(read: impl FnOnce() -> T) -> T {
     if LEFT.get().is_some() {
         return read();
     }
-    let _restore = Restore(LEFT.replace(Some(MOST_WORK)));
+    let _restore = Restore(LEFT.replace(Some(MAX_WORK)));
     read()
 }
 
@@ -66,7 +66,7 @@ pub fn closest<'a>(
     most_edits: impl Fn(&str) -> usize,
 ) -> Vec<&'a str> {
     let length = name.chars().count();
-    if length > MOST_CHARACTERS {
+    if length > MAX_CHARACTERS {
         return Vec::new();
     }
     let lower = name.to_lowercase();
@@ -77,7 +77,7 @@ pub fn closest<'a>(
         }
         let (most, other) = (most_edits(candidate), candidate.chars().count());
         // the distance is at least the difference of the lengths, which costs much less to compute
-        if other > MOST_CHARACTERS || other.abs_diff(length) > most {
+        if other > MAX_CHARACTERS || other.abs_diff(length) > most {
             continue;
         }
         if !take_work(length * other) {
@@ -153,8 +153,8 @@ mod tests {
 
     #[test]
     fn long_names_are_not_compared() {
-        let long = "a".repeat(MOST_CHARACTERS + 1);
-        let edge = "a".repeat(MOST_CHARACTERS);
+        let long = "a".repeat(MAX_CHARACTERS + 1);
+        let edge = "a".repeat(MAX_CHARACTERS);
         assert_eq!(did_you_mean(&long, [edge.as_str()]), None);
         assert_eq!(did_you_mean(&edge, [long.as_str()]), None);
         let slip = format!("b{}", &edge[1..]);

@@ -22,7 +22,7 @@ pub fn check_repetition(what: &str, count: u64, length: u64, location: Location)
 }
 
 /// The maximum number of bytes of one XML element or text, which the parser keeps in memory.
-const MOST_PER_EVENT: u64 = 1 << 20;
+const MAX_PER_EVENT: u64 = 1 << 20;
 
 /// A reader that fails when the budget of the whole archive is used up, or that of one XML event.
 pub struct Metered<'b, R> {
@@ -54,8 +54,8 @@ impl<R: BufRead> BufRead for Metered<'_, R> {
             let limit = self.limit;
             return Err(io::Error::other(format!("the archive expands to more than {limit} bytes")));
         }
-        if self.event.get() > MOST_PER_EVENT {
-            return Err(io::Error::other(format!("an element has more than {MOST_PER_EVENT} bytes")));
+        if self.event.get() > MAX_PER_EVENT {
+            return Err(io::Error::other(format!("an element has more than {MAX_PER_EVENT} bytes")));
         }
         self.from.fill_buf()
     }

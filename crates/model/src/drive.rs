@@ -115,13 +115,13 @@ pub enum Stopped<E> {
 }
 
 /// Upper limit of the number of threads: on current machines more of them only wait for each other.
-const MOST_THREADS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
+const MAX_THREADS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
 
 /// Number of threads: `requested` if given, else the environment variable `RAYWEAVE_THREADS`, else the number of
 /// cores; at most 1024. A value of the variable that is not a positive integer is ignored.
 pub fn thread_count(requested: Option<NonZeroUsize>) -> NonZeroUsize {
     let from_variable = || std::env::var("RAYWEAVE_THREADS").ok()?.trim().parse().ok();
-    requested.or_else(from_variable).unwrap_or_else(cores).min(MOST_THREADS)
+    requested.or_else(from_variable).unwrap_or_else(cores).min(MAX_THREADS)
 }
 
 /// Number of cores, cached: the system call takes longer than tracing a thousand rays.

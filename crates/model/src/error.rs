@@ -68,7 +68,7 @@ pub enum CompileProblem {
         second: String,
     },
     /// A length of a shape under its map, or of the translations that lead to it, exceeds
-    /// [`rayweave_shape::Ray::MOST`], or a size vanished.
+    /// [`rayweave_shape::Ray::MAX_COMPONENT`], or a size vanished.
     #[error(
         "the shape has no usable size or place here: beyond 1e100 squares overflow, and sizes may vanish. Is a scale far too large or small?"
     )]

@@ -182,7 +182,7 @@ const COMPLEMENT: u32 = 1 << 29;
 const NUMBER: u32 = COMPLEMENT - 1;
 
 /// Greatest number of leaves that fits the ids of a program.
-pub(crate) const MOST_LEAVES: usize = NUMBER as usize;
+pub(crate) const MAX_LEAVES: usize = NUMBER as usize;
 
 impl LeafTable {
     pub fn len(&self) -> usize {

@@ -4,7 +4,7 @@
 //! operators in the order of the traversal. Shared sub-trees are visited once per placement.
 
 use crate::drive::Cancel;
-use crate::leaf::MOST_LEAVES;
+use crate::leaf::MAX_LEAVES;
 use crate::simplify::{Formula, Op};
 use crate::size;
 use crate::trail::{Naming, TOP, Trail, TrailBuilder};
@@ -314,7 +314,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
     /// Adds a part with `leaves` leaves and returns the number of the first.
     fn part(&mut self, part: Part<'a>, leaves: usize, what: &str) -> Result<LeafId, CompileError> {
         let first = self.leaf_count;
-        if first + leaves > MOST_LEAVES {
+        if first + leaves > MAX_LEAVES {
             let path = self.path(part.context, what);
             return Err(CompileError { path, problem: CompileProblem::TooLarge { what: "leaves" } });
         }

@@ -125,14 +125,14 @@ fn infix<'a>(
 }
 
 /// Longer lists of rows (meshes) are abbreviated to their first row.
-const MOST_ROWS: usize = 256;
+const MAX_ROWS: usize = 256;
 
 /// A shape as a call with named arguments, in Python's syntax.
 fn primitive_text(primitive: &Primitive) -> String {
     let value = |value: &Value| match value {
         Value::Number(number) => format!("{number}"),
         Value::Vector(list) => format!("{list:?}"),
-        Value::Rows(rows) if rows.len() <= MOST_ROWS => format!("{rows:?}"),
+        Value::Rows(rows) if rows.len() <= MAX_ROWS => format!("{rows:?}"),
         Value::Rows(rows) => format!("[{:?}, ...]", rows[0]),
     };
     let arguments: Vec<_> =

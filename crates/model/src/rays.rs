@@ -69,9 +69,11 @@ impl Rays<'_> {
 
     /// True only if all rays pass the check. Runs column by column, without a branch per ray.
     fn are_plain(&self) -> bool {
-        let is_small = |column: &[f64]| column.iter().fold(true, |all, x| all & (x.abs() <= Ray::MOST));
+        let is_small =
+            |column: &[f64]| column.iter().fold(true, |all, x| all & (x.abs() <= Ray::MAX_COMPONENT));
         let [x, y, z] = self.directions;
-        let goes = |((x, y), z): ((&f64, &f64), &f64)| x.abs().max(y.abs()).max(z.abs()) >= Ray::LEAST;
+        let goes =
+            |((x, y), z): ((&f64, &f64), &f64)| x.abs().max(y.abs()).max(z.abs()) >= Ray::MIN_DIRECTION;
         let all_go = x.iter().zip(y).zip(z).fold(true, |all, direction| all & goes(direction));
         all_go && self.origins.iter().chain(&self.directions).all(|column| is_small(column))
     }

@@ -99,7 +99,7 @@ impl Tables {
         for facet in &lowered.facets {
             let surface = facet.surface.transformed(place);
             let magnitude = surface.magnitude() + place.path;
-            let is_in_range = magnitude <= Ray::MOST;
+            let is_in_range = magnitude <= Ray::MAX_COMPONENT;
             if !is_in_range || !surface.is_finite() {
                 return Err(CompileProblem::NotFinite);
             }
@@ -154,7 +154,7 @@ impl Tables {
             .ok_or_else(|| fail(CompileProblem::TooLarge { what: "placements" }))?;
         let (outer, way) = group.place(part);
         let instances = Instances::new(&part.name, numbers, outer, way, maps).map_err(fail)?;
-        if (0..instances.len()).any(|k| instances.place(k).path > Ray::MOST) {
+        if (0..instances.len()).any(|k| instances.place(k).path > Ray::MAX_COMPONENT) {
             return Err(fail(CompileProblem::NotFinite));
         }
         self.leaves.push_instances(instances);

@@ -62,7 +62,7 @@ fn evaluators_by_name_agree() {
 /// Rays from files and from arrays are subject to the same range checks.
 #[test]
 fn rays_out_of_range_are_refused_everywhere() {
-    let (most, least) = (Ray::MOST, Ray::LEAST);
+    let (most, least) = (Ray::MAX_COMPONENT, Ray::MIN_DIRECTION);
     let x = [1.0, 0.0, 0.0];
     let cases = [
         ([most, -most, 0.0], x, true),

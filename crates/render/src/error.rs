@@ -1,6 +1,6 @@
 //! Errors of cameras and rendering.
 
-use crate::limits::{LARGEST_SIDE, MOST_SAMPLES};
+use crate::limits::{MAX_SAMPLES, MAX_SIDE};
 use rayweave_error::{Classified, ErrorKind};
 
 /// Error of a camera.
@@ -48,7 +48,7 @@ pub enum RenderError {
     /// The picture has no pixels, or too many.
     #[error(
         "a picture of {width} x {height} pixels cannot be drawn: each side must be from 1 to {} pixels.",
-        LARGEST_SIDE
+        MAX_SIDE
     )]
     Size {
         /// The requested width.
@@ -72,7 +72,7 @@ pub enum RenderError {
         available: u64,
     },
     /// The number of samples is out of range.
-    #[error("{samples} samples along each side of a pixel: the number must be from 1 to {}.", MOST_SAMPLES)]
+    #[error("{samples} samples along each side of a pixel: the number must be from 1 to {}.", MAX_SAMPLES)]
     Samples {
         /// The requested number.
         samples: u32,

@@ -1,7 +1,7 @@
 //! Images: rectangles of pixels.
 
 use crate::RenderError;
-use crate::limits::LARGEST_SIDE;
+use crate::limits::MAX_SIDE;
 
 /// Width and height in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,14 +12,14 @@ pub struct Size {
 
 impl Size {
     /// The greatest number of pixels on a side.
-    pub const LARGEST: u32 = LARGEST_SIDE;
+    pub const MAX_SIDE: u32 = MAX_SIDE;
 
     /// A size.
     ///
     /// # Errors
-    /// [`RenderError::Size`] if a side is 0 or greater than [`Size::LARGEST`].
+    /// [`RenderError::Size`] if a side is 0 or greater than [`Size::MAX_SIDE`].
     pub fn new(width: u32, height: u32) -> Result<Size, RenderError> {
-        let legal = 1..=Size::LARGEST;
+        let legal = 1..=Size::MAX_SIDE;
         if legal.contains(&width) && legal.contains(&height) {
             Ok(Size { width, height })
         } else {

@@ -1,6 +1,6 @@
 //! Settings of a rendering.
 
-use crate::limits::MOST_SAMPLES;
+use crate::limits::MAX_SAMPLES;
 use crate::{Light, RenderError, Rgba, Size};
 
 /// The shading style.
@@ -62,7 +62,7 @@ impl Default for Lines {
 pub struct Settings {
     /// Width and height.
     pub size: Size,
-    /// Samples along each side of a pixel, from 1 to [`Settings::MOST_SAMPLES`]: every pixel has one at its
+    /// Samples along each side of a pixel, from 1 to [`Settings::MAX_SAMPLES`]: every pixel has one at its
     /// centre, and pixels that differ from their neighbours are supersampled on a regular grid of n x n.
     pub samples: u32,
     /// The shading style.
@@ -82,10 +82,10 @@ pub struct Settings {
 
 impl Settings {
     /// The greatest number of samples along each side of a pixel.
-    pub const MOST_SAMPLES: u32 = MOST_SAMPLES;
+    pub const MAX_SAMPLES: u32 = MAX_SAMPLES;
 
     /// The greatest number of lights.
-    pub const MOST_LIGHTS: usize = 32;
+    pub const MAX_LIGHTS: usize = 32;
 
     /// Gooch shading with lines, on white, 3 x 3 samples, no lights.
     pub fn new(size: Size) -> Settings {
@@ -102,14 +102,14 @@ impl Settings {
     }
 
     pub(crate) fn check(&self) -> Result<(), RenderError> {
-        if !(1..=Settings::MOST_SAMPLES).contains(&self.samples) {
+        if !(1..=Settings::MAX_SAMPLES).contains(&self.samples) {
             return Err(RenderError::Samples { samples: self.samples });
         }
         if let Some(lines) = &self.lines {
             range("width of lines", lines.width, 0.0, 8.0)?;
             range("angle of creases", lines.crease_degrees, 0.0, 180.0)?;
         }
-        let most = Settings::MOST_LIGHTS as f64;
+        let most = Settings::MAX_LIGHTS as f64;
         range("number of lights", self.lights.len() as f64, 0.0, most)?;
         (self.lights.iter().enumerate()).try_for_each(|(index, light)| light.check(index))
     }

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The maximum size of a model file in bytes.
-const LARGEST_FILE: u64 = 256 << 20;
+const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Reads a model file, with overrides of some of its parameters (name, arithmetic expression).
 ///
@@ -135,15 +135,15 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
         return Err("it is a folder".to_owned());
     }
     let mut bytes = Vec::new();
-    let mut is_too_large = metadata.len() > LARGEST_FILE;
+    let mut is_too_large = metadata.len() > MAX_FILE_BYTES;
     if !is_too_large {
         // the size of a pipe is not known in advance
-        let mut limited = file.take(LARGEST_FILE + 1);
+        let mut limited = file.take(MAX_FILE_BYTES + 1);
         let count = limited.read_to_end(&mut bytes);
-        is_too_large = count.map_err(|error| reason(&error))? as u64 > LARGEST_FILE;
+        is_too_large = count.map_err(|error| reason(&error))? as u64 > MAX_FILE_BYTES;
     }
     if is_too_large {
-        return Err(format!("it is larger than {} MiB", LARGEST_FILE >> 20));
+        return Err(format!("it is larger than {} MiB", MAX_FILE_BYTES >> 20));
     }
     Ok(bytes)
 }

@@ -43,7 +43,7 @@ pub enum RayError {
         /// Its value.
         vector: Vec3,
     },
-    /// A component exceeds [`Ray::MOST`].
+    /// A component exceeds [`Ray::MAX_COMPONENT`].
     #[error("the {part} is {}: beyond 1e100 squares overflow. Is the unit far too small?", text(.vector))]
     TooLarge {
         /// The vector at fault.
@@ -54,7 +54,7 @@ pub enum RayError {
     /// The direction is zero.
     #[error("the direction is zero: a ray must go somewhere.")]
     NoDirection,
-    /// All components of the direction are below [`Ray::LEAST`].
+    /// All components of the direction are below [`Ray::MIN_DIRECTION`].
     #[error("the direction is {}: below 1e-100 its square vanishes. Give it a length near 1.", text(.direction))]
     TooShort {
         /// The direction.
@@ -75,20 +75,21 @@ fn text(v: &Vec3) -> String {
 impl Ray {
     /// Largest absolute value of a component of an origin or a direction. Its square, and products with the square of any
     /// sensible surface dimension, are far from the end of the range of f64.
-    pub const MOST: f64 = 1e100;
+    pub const MAX_COMPONENT: f64 = 1e100;
 
     /// Smallest value of the largest component of a direction. Its square, and the inverse of that, are far from the ends
     /// of the range of f64.
-    pub const LEAST: f64 = 1.0 / Ray::MOST;
+    pub const MIN_DIRECTION: f64 = 1.0 / Ray::MAX_COMPONENT;
 
-    /// Checks that the ray can be traced: finite, components at most [`Ray::MOST`], and a largest component of the
-    /// direction of at least [`Ray::LEAST`]. Callers check rays once, on input.
+    /// Checks that the ray can be traced: finite, components at most [`Ray::MAX_COMPONENT`], and a largest component of the
+    /// direction of at least [`Ray::MIN_DIRECTION`]. Callers check rays once, on input.
     ///
     /// # Errors
     /// [`RayError`] with the reason.
     pub fn check(&self) -> Result<(), RayError> {
         // false for NaN
-        let is_in_range = |v: Vec3| v.to_array().iter().all(|x| (-Ray::MOST..=Ray::MOST).contains(x));
+        let is_in_range =
+            |v: Vec3| v.to_array().iter().all(|x| (-Ray::MAX_COMPONENT..=Ray::MAX_COMPONENT).contains(x));
         for (part, vector) in [(RayPart::Origin, self.origin), (RayPart::Direction, self.direction)] {
             match () {
                 () if is_in_range(vector) => {}
@@ -98,7 +99,7 @@ impl Ray {
         }
         match self.direction.abs().max_element() {
             0.0 => Err(RayError::NoDirection),
-            length if length < Ray::LEAST => Err(RayError::TooShort { direction: self.direction }),
+            length if length < Ray::MIN_DIRECTION => Err(RayError::TooShort { direction: self.direction }),
             _ => Ok(()),
         }
     }

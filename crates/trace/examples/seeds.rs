@@ -27,7 +27,7 @@ use std::sync::Arc;
 const RAYS: usize = 50;
 
 /// More crossings than any ray has here: a longer sequence is a fault.
-const MOST_STEPS: usize = 64;
+const MAX_STEPS: usize = 64;
 
 /// The side at -inf and the crossings of a leaf or a tree along a ray.
 #[derive(Clone, Debug)]
@@ -144,7 +144,7 @@ fn tables(tables: Tables, limits: Option<Limits>) -> Algorithm {
             let next_change = |t_min: f64| silent(next(&tree, &tables, limits, &leaves, t_min));
             let first = next_change(f64::NEG_INFINITY);
             let times = std::iter::successors(Some(first), |answer| Some(next_change(answer.time())));
-            let times = times.map(|answer| answer.time()).take_while(|t| t.is_finite()).take(MOST_STEPS);
+            let times = times.map(|answer| answer.time()).take_while(|t| t.is_finite()).take(MAX_STEPS);
             List { starts_inside: first.is_inside(), times: times.collect() }
         };
         (0..trial.rays.len()).map(list).collect()

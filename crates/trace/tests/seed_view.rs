@@ -8,7 +8,7 @@ use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_trace::single_hit::seed_view::{
     Action, CompleteTree, Fault, Limits, Operator, Slot, State, Tables, next, silent,
 };
-use rayweave_trace::single_hit::{LeafAnswers, MOST_NODES, Next, NoObserver, Stacks, Tree};
+use rayweave_trace::single_hit::{LeafAnswers, MAX_NODES, Next, NoObserver, Stacks, Tree};
 
 // ---- complete trees ----
 
@@ -153,7 +153,7 @@ impl Forms {
     }
 
     fn ours(&self, tried: &Tried, t_min: f64) -> Next {
-        let tree = Tree::new(&self.gates, &[tried.edge], MOST_NODES).unwrap();
+        let tree = Tree::new(&self.gates, &[tried.edge], MAX_NODES).unwrap();
         Stacks::new(tree.height()).next_change(&tree, &self.lines, t_min, &mut NoObserver).next()
     }
 
@@ -373,7 +373,7 @@ fn a_positive_view_of_any_tree_without_symmetric_differences() {
         let (mut forms, all) = random_tree(&mut rng, 6, &Operator::ALL, false);
         let edge = if rng.chance(0.5) { all.edge.complement() } else { all.edge };
         let truth = if edge == all.edge { all.truth.clone() } else { all.truth.complement() };
-        let tree = Tree::new(&forms.gates, &[edge], MOST_NODES).unwrap();
+        let tree = Tree::new(&forms.gates, &[edge], MAX_NODES).unwrap();
         let complete = CompleteTree::view(&tree).unwrap();
         assert!(!complete.slots().contains(&Slot::Operator(Operator::Difference)));
         let t_min = rng.between(-1.0, 8.0);
@@ -383,6 +383,6 @@ fn a_positive_view_of_any_tree_without_symmetric_differences() {
         // no view of a tree with a symmetric difference
         forms.gates.push(Gate::Join(Rule::Odd, vec![edge, Edge::new(NodeId(2), false)].into()));
         let odd = Edge::new(NodeId(forms.gates.len() as u32 - 1), false);
-        assert_eq!(CompleteTree::view(&Tree::new(&forms.gates, &[odd], MOST_NODES).unwrap()), None);
+        assert_eq!(CompleteTree::view(&Tree::new(&forms.gates, &[odd], MAX_NODES).unwrap()), None);
     }
 }

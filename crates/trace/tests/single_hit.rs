@@ -12,8 +12,8 @@ use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::single_hit::{
-    Kind, LeafAnswers, MOST_ENTRIES, MOST_LINES, MOST_NODES, Next, NoObserver, Observer, Operand, Stacks,
-    Step, TooLarge, Tree, Verdict, What,
+    Kind, LeafAnswers, MAX_ENTRIES, MAX_LINES, MAX_NODES, Next, NoObserver, Observer, Operand, Stacks, Step,
+    TooLarge, Tree, Verdict, What,
 };
 use rayweave_trace::{Reference, SingleHit};
 use std::sync::Arc;
@@ -67,7 +67,7 @@ impl Skeleton {
     }
 
     fn tree(&self, outputs: &[Edge]) -> Tree {
-        Tree::new(&self.gates, outputs, MOST_NODES).unwrap()
+        Tree::new(&self.gates, outputs, MAX_NODES).unwrap()
     }
 
     /// The root-rays of edges, by the algebra.
@@ -366,8 +366,8 @@ fn too_much_sharing_is_refused() {
         let both = skeleton.or(all, Skeleton::leaf(1));
         all = skeleton.join(Rule::Odd, vec![both, not]);
     }
-    let refused = Tree::new(&skeleton.gates, &[all], MOST_NODES);
-    assert_eq!(refused.unwrap_err(), TooLarge { nodes: u64::MAX, most: MOST_NODES });
+    let refused = Tree::new(&skeleton.gates, &[all], MAX_NODES);
+    assert_eq!(refused.unwrap_err(), TooLarge { nodes: u64::MAX, most: MAX_NODES });
     // the size is computed exactly, and a tree of exactly that size is accepted
     let mut skeleton = Skeleton::new(2);
     let both = skeleton.or(Skeleton::leaf(0), Skeleton::leaf(1));
@@ -413,7 +413,7 @@ fn models_with_too_much_sharing_are_refused_with_a_reason() {
         s = (&s & &other) ^ (&s | &other);
     }
     let refused = SingleHit::new(Arc::new(Program::compile(&s).unwrap())).unwrap_err();
-    assert!(refused.nodes > 1 << 39 && refused.most == MOST_NODES);
+    assert!(refused.nodes > 1 << 39 && refused.most == MAX_NODES);
     let text = refused.to_string();
     assert!(text.contains("4194304: shared parts are written out wherever they are used."), "{text}");
 }
@@ -469,11 +469,11 @@ fn deep_chain(count: u32) -> Arc<Program> {
 fn long_explanations_are_cut_and_say_so() {
     let explanation = single_hit(deep_chain(1_000)).explain(along_x(), &Query::default());
     let kept: usize = explanation.questions.iter().map(|question| question.entries.len()).sum();
-    assert!(kept == MOST_ENTRIES && explanation.questions.iter().any(|question| question.left_out > 0));
-    assert!(explanation.steps() > 10 * MOST_ENTRIES);
+    assert!(kept == MAX_ENTRIES && explanation.questions.iter().any(|question| question.left_out > 0));
+    assert!(explanation.steps() > 10 * MAX_ENTRIES);
     let lines =
         |text: &str| text.lines().filter(|line| line.contains("(rule ") || line.contains("through")).count();
-    for most in [10, MOST_LINES] {
+    for most in [10, MAX_LINES] {
         let text = explanation.text(most).to_string();
         assert!(lines(&text) <= most + 100, "{}", lines(&text));
         assert!(text.len() < 1 << 20 && text.contains(" lines are left out ..."), "{text}");

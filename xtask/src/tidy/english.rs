@@ -40,11 +40,11 @@ const RETIRED: [(&str, &str); 21] = [
 const RECORDS: [&str; 1] = ["CHANGELOG.md"];
 
 /// The maximum number of comment lines that begin with What, That, Where, How or Who.
-const MOST_OPENINGS: usize = 10;
+const MAX_OPENINGS: usize = 10;
 /// The maximum number of comment lines with a passive of the list of verbs below.
-const MOST_PASSIVES: usize = 20;
+const MAX_PASSIVES: usize = 20;
 /// The maximum number of comment lines with a form of the verb of telling.
-const MOST_TELLING: usize = 10;
+const MAX_TELLINGS: usize = 10;
 
 const OPENINGS: [&str; 5] = ["What", "That", "Where", "How", "Who"];
 const AUXILIARIES: [&str; 6] = ["is", "are", "was", "were", "be", "been"];
@@ -109,14 +109,14 @@ impl Phrasings {
         let limits = [
             (
                 self.openings,
-                MOST_OPENINGS,
+                MAX_OPENINGS,
                 "begin with What, That, Where, How or Who",
                 "begin with the subject",
             ),
-            (self.passives, MOST_PASSIVES, "hold a passive such as 'is asked'", "name who does what"),
+            (self.passives, MAX_PASSIVES, "hold a passive such as 'is asked'", "name who does what"),
             (
                 self.telling,
-                MOST_TELLING,
+                MAX_TELLINGS,
                 "let a program tell something",
                 "write 'returns', 'reports' or 'states'",
             ),

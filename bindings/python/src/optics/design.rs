@@ -187,9 +187,9 @@ pub fn optimise<'py>(
 
 /// Rejects a number of rings whose rays would not fit into memory.
 fn check_rings(rings: usize) -> PyResult<()> {
-    const MOST: usize = 1 << 10;
-    match rings > MOST {
-        true => Err(bad_value(format!("rings is {rings}: it must be at most {MOST}."))),
+    const MAX_RINGS: usize = 1 << 10;
+    match rings > MAX_RINGS {
+        true => Err(bad_value(format!("rings is {rings}: it must be at most {MAX_RINGS}."))),
         false => Ok(()),
     }
 }

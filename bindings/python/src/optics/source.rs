@@ -105,9 +105,9 @@ impl PySource {
     /// Its rays: origins, directions, wavelengths and powers.
     fn rays<'py>(&self, py: Python<'py>) -> PyResult<Light<'py>> {
         let count = self.0.count();
-        if count > MOST_RAYS {
+        if count > MAX_RAYS {
             return Err(bad_value(format!(
-                "the source has {count} rays: arrays hold at most {MOST_RAYS} of them. Trace the source by `System.stream`."
+                "the source has {count} rays: arrays hold at most {MAX_RAYS} of them. Trace the source by `System.stream`."
             )));
         }
         let rays = py.detach(|| self.0.rays(0..count));
@@ -121,7 +121,7 @@ impl PySource {
 }
 
 /// The maximum number of rays in arrays: 20 GB with their copies.
-const MOST_RAYS: u64 = 1 << 27;
+const MAX_RAYS: u64 = 1 << 27;
 
 /// Vectors (N, 3) from their components.
 fn rows<'py>(py: Python<'py>, [x, y, z]: &[Vec<f64>; 3]) -> PyResult<Bound<'py, PyArray2<f64>>> {

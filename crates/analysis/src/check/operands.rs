@@ -10,7 +10,7 @@ use std::collections::HashSet;
 
 /// The greatest number of operands of a searched intersection: each operand is compared with all others, as
 /// boxes exclude none.
-const MOST_INTERSECTED: usize = 1024;
+const MAX_INTERSECTED: usize = 1024;
 
 /// Checks all operators of all regions, each once.
 pub fn findings<E: Evaluator>(
@@ -92,7 +92,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
     fn intersection(&mut self, all: &[Solid], map: &Affine) -> Result<(), AnalysisError> {
         match all.len() {
             0..2 => return Ok(()),
-            many if many > MOST_INTERSECTED => return self.leave_out(many),
+            many if many > MAX_INTERSECTED => return self.leave_out(many),
             _ => {}
         }
         for (k, own) in all.iter().enumerate() {

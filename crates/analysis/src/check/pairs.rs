@@ -19,7 +19,7 @@ struct Common {
 }
 
 /// The limit of pairs of parts of two regions whose volumes are added; further pairs are only counted.
-const MOST_SOLIDS: usize = 1024;
+const MAX_SOLIDS: usize = 1024;
 
 /// Overlaps of regions of which neither is inside the other.
 pub fn overlaps<E: Evaluator>(
@@ -60,7 +60,7 @@ fn common<E: Evaluator>(
         if deepest.thickness > common.deepest.thickness {
             common.deepest = deepest;
         }
-        if common.solids.len() < MOST_SOLIDS {
+        if common.solids.len() < MAX_SOLIDS {
             common.solids.push(both);
         }
     }

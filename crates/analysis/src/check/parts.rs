@@ -15,7 +15,7 @@ pub struct Part {
 }
 
 /// The limit of parts of a region; a region with more is not divided.
-const MOST_PARTS: usize = 1 << 16;
+const MAX_PARTS: usize = 1 << 16;
 
 /// All parts of all regions.
 pub fn parts(regions: &[Region], boxes: &[Bounds]) -> Result<Vec<Part>, AnalysisError> {
@@ -42,7 +42,7 @@ fn taken_apart(solid: &Solid) -> Result<Option<Vec<Part>>, AnalysisError> {
     let (mut parts, mut copies) = (Vec::new(), 0);
     let mut boxes = Vec::new();
     while let Some(Waiting { solid, map, copy }) = waiting.pop() {
-        if parts.len() + waiting.len() > MOST_PARTS {
+        if parts.len() + waiting.len() > MAX_PARTS {
             return Ok(None);
         }
         if let Some((own, inner)) = solid.node().single_map() {
@@ -57,7 +57,7 @@ fn taken_apart(solid: &Solid) -> Result<Option<Vec<Part>>, AnalysisError> {
             Node::Placed(inner, maps) => {
                 let first = copies;
                 copies += maps.len();
-                if parts.len() + waiting.len() + maps.len() > MOST_PARTS {
+                if parts.len() + waiting.len() + maps.len() > MAX_PARTS {
                     return Ok(None);
                 }
                 waiting.extend(maps.iter().enumerate().rev().map(|(k, own)| Waiting {

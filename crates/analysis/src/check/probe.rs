@@ -11,7 +11,7 @@ use rayweave_model::{Evaluator, Program, Region, RegionId, Solid};
 use std::sync::Arc;
 
 /// The limit of pieces per search that are measured again, the thickest first.
-const MOST_CANDIDATES: usize = 256;
+const MAX_CANDIDATES: usize = 256;
 
 /// Cells along an edge of the cross-section for the box of a small part.
 pub const FEW: u32 = 10;
@@ -143,7 +143,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
 fn thickest_of<E: Evaluator>(evaluator: &E, candidates: &[(f64, Chord, [Vec3; 2])]) -> Option<Thickest> {
     let mut scratch = evaluator.scratch();
     let mut best: Option<Thickest> = None;
-    for (thickness, chord, normals) in candidates.iter().take(MOST_CANDIDATES) {
+    for (thickness, chord, normals) in candidates.iter().take(MAX_CANDIDATES) {
         // all further pieces are thinner
         if best.is_some_and(|best| best.thickness >= *thickness) {
             break;

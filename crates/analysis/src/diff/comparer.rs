@@ -15,7 +15,7 @@ const A_ONLY: RegionId = RegionId(2);
 const B_ONLY: RegionId = RegionId(3);
 
 /// The limit of pieces that are measured again, the thickest first.
-const MOST_CANDIDATES: usize = 4096;
+const MAX_CANDIDATES: usize = 4096;
 
 /// The box of both models.
 pub fn bounds_of(pairs: &[Pair]) -> Result<Bounds, AnalysisError> {
@@ -129,7 +129,7 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
     fn measure_candidates(&self, evaluator: &E, candidates: &[Candidate], found: &mut Difference) {
         let mut scratch = evaluator.scratch();
         let mut thickest: Option<Spot> = None;
-        for candidate in candidates.iter().take(MOST_CANDIDATES) {
+        for candidate in candidates.iter().take(MAX_CANDIDATES) {
             // all further pieces are thinner
             if thickest.is_some_and(|spot| spot.thickness >= candidate.thickness) {
                 break;

@@ -15,15 +15,15 @@ use std::path::Path;
 
 /// The limit of rays per task. The results of a few tasks per thread wait in memory: the rows of 2,048 rays
 /// with ten crossings each take 3 MiB.
-const MOST_RAYS_PER_TASK: usize = 1 << 11;
+const MAX_RAYS_PER_TASK: usize = 1 << 11;
 
 /// The limit of ray-leaf pairs per task: a ray can cross every leaf of a large model.
-const MOST_PAIRS_PER_TASK: usize = 1 << 20;
+const MAX_PAIRS_PER_TASK: usize = 1 << 20;
 
 fn rays_per_task(program: &Program) -> usize {
     let placements = program.prototypes().first().map_or(1, |group| group.placements);
     let leaves = program.leaves().len().max(placements as usize).max(1);
-    (MOST_PAIRS_PER_TASK / leaves).clamp(1, MOST_RAYS_PER_TASK)
+    (MAX_PAIRS_PER_TASK / leaves).clamp(1, MAX_RAYS_PER_TASK)
 }
 
 /// The options of a run.

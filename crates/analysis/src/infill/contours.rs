@@ -12,7 +12,7 @@ use std::path::Path;
 const COLUMNS: [&str; 3] = ["contour", "x", "y"];
 
 /// Reading stops after this number of problems.
-const MOST_PROBLEMS: usize = 20;
+const MAX_PROBLEMS: usize = 20;
 
 /// Reads the region bounded by the contours of a CSV file.
 ///
@@ -57,8 +57,8 @@ fn parse(bytes: &[u8]) -> Result<Contours, Problems> {
         if let Err(problem) = contours.add(number, line, places) {
             problems.push((Some(number), problem));
         }
-        if problems.len() == MOST_PROBLEMS {
-            problems.push((None, format!("stopped after {MOST_PROBLEMS} problems")));
+        if problems.len() == MAX_PROBLEMS {
+            problems.push((None, format!("stopped after {MAX_PROBLEMS} problems")));
             break;
         }
     }
@@ -176,7 +176,7 @@ mod tests {
             ["f.csv:1: the header is `x,y`: contours have the columns contour,x,y."]
         );
         let many = "contour,x,y\n".to_owned() + &"0,,\n".repeat(50);
-        assert_eq!(problems(&many).len(), MOST_PROBLEMS + 1);
+        assert_eq!(problems(&many).len(), MAX_PROBLEMS + 1);
         assert!(parse(b"contour,x,y\n0,0,0\n0,\xff,1\n").err().unwrap()[0].0 == Some(3));
     }
 }

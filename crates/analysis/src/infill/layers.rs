@@ -5,7 +5,7 @@ use rayweave_math::Bounds;
 
 /// The largest coordinate: scan lines may pass the origin at four times this distance, and the tracer of
 /// plane regions accepts up to 1e60.
-pub(super) const MOST_REACH: f64 = 1e59;
+pub(super) const MAX_REACH: f64 = 1e59;
 
 /// The heights of layers.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub enum Layers {
 }
 
 /// The most layers of one run.
-pub const MOST_LAYERS: u64 = 1_000_000;
+pub const MAX_LAYERS: u64 = 1_000_000;
 
 impl Layers {
     /// The heights of the layers; `bounds` and `name` are those of the solid.
@@ -29,8 +29,7 @@ impl Layers {
     /// depend on the bounds.
     pub fn heights(&self, name: &str, bounds: &Bounds) -> Result<Vec<f64>, InfillError> {
         match self {
-            Layers::At(heights) => match heights.iter().position(|z| !(-MOST_REACH..=MOST_REACH).contains(z))
-            {
+            Layers::At(heights) => match heights.iter().position(|z| !(-MAX_REACH..=MAX_REACH).contains(z)) {
                 Some(index) => Err(InfillError::Height { index, value: heights[index] }),
                 None => Ok(heights.clone()),
             },
@@ -46,8 +45,8 @@ impl Layers {
                     () => {}
                 }
                 let layers = ((hi - lo) / height + 0.5).floor();
-                if layers > MOST_LAYERS as f64 {
-                    return Err(InfillError::TooManyLayers { height, layers, most: MOST_LAYERS });
+                if layers > MAX_LAYERS as f64 {
+                    return Err(InfillError::TooManyLayers { height, layers, most: MAX_LAYERS });
                 }
                 let heights = (0..=layers as u64).map(|j| lo + (j as f64 + 0.5) * height);
                 Ok(heights.take_while(|&z| z < hi).collect())

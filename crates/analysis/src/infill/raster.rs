@@ -13,7 +13,7 @@ pub struct Raster {
 }
 
 /// Up to this value the numbers of scan lines are exact in f64.
-const MOST_NUMBER: f64 = 9_007_199_254_740_992.0; // 2^53
+const MAX_NUMBER: f64 = 9_007_199_254_740_992.0; // 2^53
 
 impl Raster {
     /// Scan lines with the distance `spacing` > 0, at `angle` degrees from +x towards +y, shifted by `phase`
@@ -72,7 +72,7 @@ impl Raster {
         let levels = [level(lo[0], lo[1]), level(hi[0], lo[1]), level(lo[0], hi[1]), level(hi[0], hi[1])];
         let first = levels.into_iter().fold(f64::INFINITY, f64::min).floor() - 1.0;
         let last = levels.into_iter().fold(f64::NEG_INFINITY, f64::max).ceil() + 1.0;
-        let is_countable = first > -MOST_NUMBER && last < MOST_NUMBER;
+        let is_countable = first > -MAX_NUMBER && last < MAX_NUMBER;
         match is_countable && last - first < most as f64 {
             true => {
                 let reach = [lo, hi].iter().map(|p| p[0].abs() + p[1].abs()).fold(0.0, f64::max);

@@ -1,7 +1,7 @@
 //! Infill layer by layer, on all cores.
 
 use super::component::components;
-use super::layers::MOST_REACH;
+use super::layers::MAX_REACH;
 use super::region::Piece;
 use super::{Fillable, InfillError, Layers, Raster};
 use rayweave_math::Bounds;
@@ -10,7 +10,7 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 
 /// The limit of scan lines per run.
-const MOST_LINES: u64 = 10_000_000;
+const MAX_LINES: u64 = 10_000_000;
 
 /// Scan lines per task.
 const LINES_PER_TASK: i64 = 512;
@@ -158,8 +158,8 @@ fn plan(fillable: &impl Fillable, layers: &Layers) -> Result<Vec<f64>, InfillErr
         return Err(InfillError::Unbounded { name, axes: unbounded.join(" and ") });
     }
     let reach = bounds.lo.truncate().abs().max(bounds.hi.truncate().abs()).max_element();
-    if reach > MOST_REACH {
-        return Err(InfillError::TooFar { name, reach, most: MOST_REACH });
+    if reach > MAX_REACH {
+        return Err(InfillError::TooFar { name, reach, most: MAX_REACH });
     }
     layers.heights(&name, &bounds)
 }
@@ -175,10 +175,10 @@ fn rasters(filling: &Filling, layers: usize) -> Result<Vec<Raster>, InfillError>
 /// one task without lines.
 fn tasks(bounds: &Bounds, heights: &[f64], rasters: &[Raster]) -> Result<Vec<Task>, InfillError> {
     let corners = [bounds.lo, bounds.hi].map(|corner| [corner.x, corner.y]);
-    let (mut tasks, mut left) = (Vec::new(), MOST_LINES);
+    let (mut tasks, mut left) = (Vec::new(), MAX_LINES);
     for (layer, (z, raster)) in heights.iter().zip(rasters).enumerate() {
         let lines = match (bounds.lo.z..=bounds.hi.z).contains(z) {
-            true => raster.scanlines(corners, MOST_LINES)?,
+            true => raster.scanlines(corners, MAX_LINES)?,
             false => 0..0,
         };
         if lines.is_empty() {
@@ -189,7 +189,7 @@ fn tasks(bounds: &Bounds, heights: &[f64], rasters: &[Raster]) -> Result<Vec<Tas
         left = left.checked_sub(count).ok_or(InfillError::TooManyLines {
             spacing: raster.spacing(),
             lines: count as f64 * heights.len() as f64,
-            most: MOST_LINES,
+            most: MAX_LINES,
         })?;
         let starts = lines.clone().step_by(LINES_PER_TASK as usize);
         tasks.extend(starts.map(|start| {

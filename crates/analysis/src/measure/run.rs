@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 
 /// The largest coordinate: its fifth power, which occurs in an inertia tensor, is finite.
-const MOST_REACH: f64 = 1e30;
+const MAX_REACH: f64 = 1e30;
 
 /// Cells per task.
 const CELLS_PER_TASK: u64 = 1024;
@@ -206,8 +206,8 @@ impl<E: Evaluator> Run<'_, E> {
             return Err(MeasureError::Unbounded { name: name(), axes: unbounded.join(" and ") });
         }
         let reach = bounds.lo.abs().max(bounds.hi.abs()).max_element();
-        match reach > MOST_REACH {
-            true => Err(MeasureError::TooFar { name: name(), reach, most: MOST_REACH }),
+        match reach > MAX_REACH {
+            true => Err(MeasureError::TooFar { name: name(), reach, most: MAX_REACH }),
             false => Ok(()),
         }
     }

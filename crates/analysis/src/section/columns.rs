@@ -62,7 +62,7 @@ enum Gap {
 }
 
 /// Refinement stops at this number of columns; a sweep has fewer than twice as many.
-const MOST: usize = 1 << 20;
+const MAX_COLUMNS: usize = 1 << 20;
 
 /// Columns per batch.
 const CHUNK: usize = 1024;
@@ -92,7 +92,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         let columns = self.trace_columns(&places)?;
         let mut row: Vec<Placed> =
             columns.into_iter().map(|column| Placed { column, gap: Gap::Unknown }).collect();
-        while row.len() < MOST && self.halve(&mut row)? {}
+        while row.len() < MAX_COLUMNS && self.halve(&mut row)? {}
         let mut gap = Gap::Jump;
         let mut step = |placed: Placed| {
             let before = std::mem::replace(&mut gap, placed.gap);
@@ -114,7 +114,7 @@ impl<'a, E: Evaluator> Columns<'a, E> {
             let [below, above] = self.cut.range(bounds, 2);
             below <= self.window.tolerance && above >= -self.window.tolerance
         };
-        for bounds in boxes.filter(is_cut).take(MOST / 8) {
+        for bounds in boxes.filter(is_cut).take(MAX_COLUMNS / 8) {
             let [from, to] = self.cut.range(&bounds, 0);
             let beyond = 0.5 * self.window.tolerance;
             places.extend([from - beyond, from + beyond, 0.5 * (from + to), to - beyond, to + beyond]);

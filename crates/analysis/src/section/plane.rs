@@ -26,7 +26,7 @@ enum Form {
 }
 
 /// The limit of planes per stack.
-const MOST_PLANES: usize = 100_000;
+const MAX_PLANES: usize = 100_000;
 
 impl SectionPlane {
     /// The plane perpendicular to axis 0, 1 or 2 at a coordinate.
@@ -89,7 +89,7 @@ impl SectionPlane {
                 Some("its ends must be finite, the lower one first")
             }
             () if step <= 0.0 || step.is_nan() => Some("the step must be greater than 0"),
-            () if steps >= MOST_PLANES as f64 || steps.is_nan() => Some("there are more than 100000 planes"),
+            () if steps >= MAX_PLANES as f64 || steps.is_nan() => Some("there are more than 100000 planes"),
             () => None,
         };
         match problem {

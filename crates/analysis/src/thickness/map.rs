@@ -45,7 +45,7 @@ fn optical_depth((length, mu): (&f64, &f64)) -> f64 {
 }
 
 /// The most path lengths of a map, one for each pixel and medium: 2 GiB of memory.
-pub const MOST_LENGTHS: usize = 1 << 28;
+pub const MAX_LENGTHS: usize = 1 << 28;
 
 /// The transmission of the darkest pixel if no medium has an attenuation. The attenuations are then
 /// proportional to the densities, or equal if no medium has a density.
@@ -57,7 +57,7 @@ impl ThicknessMap {
     ///
     /// # Errors
     ///
-    /// [`AnalysisError::Value`] for more than [`MOST_LENGTHS`] path lengths; [`AnalysisError::Cancelled`].
+    /// [`AnalysisError::Value`] for more than [`MAX_LENGTHS`] path lengths; [`AnalysisError::Cancelled`].
     pub fn new<E: Evaluator>(
         compiled: &Compiled,
         evaluator: &E,
@@ -67,9 +67,9 @@ impl ThicknessMap {
     ) -> Result<ThicknessMap, AnalysisError> {
         let media = compiled.media.to_vec();
         let count = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(media.len()));
-        if count.is_none_or(|count| count > MOST_LENGTHS) {
+        if count.is_none_or(|count| count > MAX_LENGTHS) {
             let problem = format!("the size of the map is {width}x{height} with {} media", media.len());
-            let reason = format!("a map holds at most {MOST_LENGTHS} path lengths");
+            let reason = format!("a map holds at most {MAX_LENGTHS} path lengths");
             return Err(AnalysisError::Value(Message::new(problem, reason).suggest("Reduce the size.")));
         }
         let ray = |k: usize| ray(k % width, k / width);

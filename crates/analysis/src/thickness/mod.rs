@@ -7,7 +7,7 @@
 mod map;
 
 pub use crate::error::Cancelled;
-pub use map::{FAINTEST, MOST_LENGTHS, ThicknessMap};
+pub use map::{FAINTEST, MAX_LENGTHS, ThicknessMap};
 
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};

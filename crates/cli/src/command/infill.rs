@@ -151,7 +151,7 @@ impl Infill {
         let mut text = self.totals(&summary, unit);
         text += &empty_layers(&lost, &fillable.bounds());
         if picture.left_out() > 0 {
-            let most = InfillPicture::MOST_LAYERS;
+            let most = InfillPicture::MAX_LAYERS;
             text += &format!("the picture shows the first {most} layers: --z chooses others.\n");
         }
         terminal::print(&text)

@@ -84,7 +84,7 @@ pub struct Render {
     no_shadows: bool,
 
     /// Supersample edge pixels with N x N rays [default: as in the model, else 3]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MOST_SAMPLES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MAX_SAMPLES)))]
     samples: Option<u32>,
 }
 

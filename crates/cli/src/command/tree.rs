@@ -8,7 +8,7 @@ use rayweave::model::Node;
 const LONGEST: usize = 100;
 
 /// The maximum number of transforms on one line.
-const MOST_TRANSFORMS: usize = 8;
+const MAX_TRANSFORMS: usize = 8;
 
 /// A line to be printed: a solid and its depth.
 struct Branch {
@@ -95,7 +95,7 @@ impl Head {
             _ => (solid.clone(), String::new()),
         };
         let mut maps = Vec::new();
-        while let (Some((map, next)), true) = (inner.node().single_map(), maps.len() < MOST_TRANSFORMS) {
+        while let (Some((map, next)), true) = (inner.node().single_map(), maps.len() < MAX_TRANSFORMS) {
             let image = Solid::empty().apply(*map).to_string();
             maps.push(image.trim_start_matches("empty").to_owned());
             inner = next.clone();

@@ -24,7 +24,7 @@ const REPORTED: f64 = 5e-5;
 
 /// The length of an axis where several diagrams are drawn side by side, their columns, and the height of the title above.
 const PANEL: f64 = 300.0;
-const MOST_COLUMNS: usize = 3;
+const MAX_COLUMNS: usize = 3;
 const HEADING: f64 = 30.0;
 
 const STYLE: &str = "\
@@ -75,7 +75,7 @@ pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str) -> Stri
         spots.iter().map(|&(title, spot)| Panel::new(title, spot, half, unit)).collect();
     let texts = panels.iter().map(|panel| extent(&panel.subtitle));
     let [width, height] = [texts.fold(LEFT + PANEL + MARGIN, f64::max), TOP + PANEL + BELOW];
-    let columns = panels.len().clamp(1, MOST_COLUMNS);
+    let columns = panels.len().clamp(1, MAX_COLUMNS);
     let mut svg = Svg::default();
     let (title, text) =
         (format!("Spot diagrams: {name}"), format!("{} spots of the same scale", panels.len()));

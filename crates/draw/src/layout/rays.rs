@@ -6,7 +6,7 @@ use rayweave_model::Evaluator;
 use rayweave_optics::{Beam, Branches, Emitter, Light, OpticsError, Segments, Settings, Tracer};
 
 /// The most trial rays of all sources together.
-const MOST: usize = 4096;
+const MAX_TRIALS: usize = 4096;
 
 /// Rays from all parts of the sources, with their segments where nothing splits them.
 pub struct TrialRays {
@@ -24,7 +24,7 @@ impl TrialRays {
     ) -> Result<TrialRays, OpticsError> {
         let mut rays = Beam::default();
         let count = light.count();
-        let parts = count.min(MOST);
+        let parts = count.min(MAX_TRIALS);
         for part in 0..parts {
             let [from, to] = [part, part + 1].map(|k| (k as u128 * count as u128 / parts as u128) as usize);
             // at random distances: even ones lie on few arms of a spiral

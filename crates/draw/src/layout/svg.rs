@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 /// The width of the drawing, and the greatest height of the section.
 const WIDTH: f64 = 960.0;
-const MOST_HEIGHT: f64 = 620.0;
+const MAX_HEIGHT: f64 = 620.0;
 const MARGIN: f64 = 24.0;
 const TITLE: f64 = 46.0;
 /// The heights of the scale bar and of a row of the legend.
@@ -86,7 +86,7 @@ struct Drawing<'a> {
 
 impl<'a> Drawing<'a> {
     fn new(layout: &'a Layout) -> Drawing<'a> {
-        let frame = [MARGIN, TITLE, WIDTH - 2.0 * MARGIN, MOST_HEIGHT];
+        let frame = [MARGIN, TITLE, WIDTH - 2.0 * MARGIN, MAX_HEIGHT];
         Drawing { layout, svg: Svg::default(), plan: Plan::new(layout.lo, layout.hi, frame) }
     }
 

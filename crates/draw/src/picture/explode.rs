@@ -46,7 +46,7 @@ impl Explosion {
     pub const GAP: f64 = 0.1;
 
     /// The most regions. The time is quadratic in their number.
-    pub const MOST_REGIONS: usize = 20_000;
+    pub const MAX_REGIONS: usize = 20_000;
 
     /// The exploded scene. Later regions are first subtracted from earlier ones, so that nothing shows twice. The camera of the
     /// scene is dropped, because its target has moved.
@@ -56,8 +56,8 @@ impl Explosion {
     /// [`DrawError::Option`] for an unbounded region or too many regions, [`DrawError::Compile`].
     pub fn apply(&self, scene: &Scene) -> Result<Scene, DrawError> {
         let regions = scene.regions.len();
-        if regions > Explosion::MOST_REGIONS {
-            let most = Explosion::MOST_REGIONS;
+        if regions > Explosion::MAX_REGIONS {
+            let most = Explosion::MAX_REGIONS;
             let problem = format!("an exploded view of {regions} regions");
             return Err(DrawError::Option(Message::new(
                 problem,

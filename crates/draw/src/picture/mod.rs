@@ -57,7 +57,7 @@ pub struct PictureOptions {
     pub edges: Option<bool>,
     /// True to cast shadows. If the file has no light, one is added at the upper left behind the camera.
     pub shadows: Option<bool>,
-    /// Samples along each side of a pixel, 1 to [`Settings::MOST_SAMPLES`].
+    /// Samples along each side of a pixel, 1 to [`Settings::MAX_SAMPLES`].
     pub samples: Option<u32>,
 }
 

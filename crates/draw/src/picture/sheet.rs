@@ -67,7 +67,7 @@ const FOOT: usize = 30;
 /// The height of the first row of a legend.
 const LEGEND: usize = 30;
 /// The most entries of a legend.
-const MOST_ENTRIES: usize = 40;
+const MAX_ENTRIES: usize = 40;
 
 /// The views of a sheet, with the column and row of each.
 const VIEWS: [(View, usize, usize); 4] =
@@ -262,9 +262,9 @@ fn entries(compiled: &Compiled, settings: &Settings) -> Vec<Entry> {
             |region: &str| if colours.len() > 1 { format!("{medium}: {region}") } else { medium.to_owned() };
         entries.extend(colours.iter().map(|(colour, region)| entry(name(region), *colour)));
     }
-    let more = entries.len().saturating_sub(MOST_ENTRIES);
+    let more = entries.len().saturating_sub(MAX_ENTRIES);
     if more > 0 {
-        entries.truncate(MOST_ENTRIES);
+        entries.truncate(MAX_ENTRIES);
         entries.push(entry(format!("and {more} more"), Rgba::WHITE));
     }
     entries

@@ -8,7 +8,7 @@ use rayweave_scene::Colour;
 
 /// The width of the drawing, and the greatest height of a single section.
 const WIDTH: f64 = 960.0;
-const MOST_HEIGHT: f64 = 640.0;
+const MAX_HEIGHT: f64 = 640.0;
 const MARGIN: f64 = 24.0;
 const TITLE: f64 = 46.0;
 /// The heights of the scale bar and of a row of the legend.
@@ -18,7 +18,7 @@ const ROW: f64 = 20.0;
 const LABEL: f64 = 24.0;
 
 /// The most planes of a stack that are drawn.
-const MOST_PANELS: usize = 100;
+const MAX_PANELS: usize = 100;
 
 const STYLE: &str = "\
 .cut { stroke: none; fill-rule: evenodd }
@@ -65,7 +65,7 @@ pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String
 }
 
 fn chosen(sections: &[CrossSection]) -> Vec<&CrossSection> {
-    let count = sections.len().min(MOST_PANELS);
+    let count = sections.len().min(MAX_PANELS);
     (0..count).map(|k| &sections[k * sections.len() / count]).collect()
 }
 
@@ -147,7 +147,7 @@ impl Grid {
         // all panels together are about as wide as high
         let columns = ((all as f64 * 1.2 * high / wide).sqrt().ceil() as usize).clamp(1, all.min(12));
         let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
-        let most = if all == 1 { MOST_HEIGHT } else { width * 1.5 };
+        let most = if all == 1 { MAX_HEIGHT } else { width * 1.5 };
         let room = if all == 1 { width } else { 0.9 * width };
         Grid { columns, width, height: (room * high / wide).min(most), is_one: all == 1 }
     }

@@ -9,13 +9,13 @@ use rayweave_shape::{Ray, RayError};
 use std::sync::Arc;
 
 /// The most rows of operands.
-const MOST_OPERANDS: usize = 40;
+const MAX_OPERANDS: usize = 40;
 
 /// Up to this number of operands, all are shown, whether or not the ray touches them.
 const FEW_OPERANDS: usize = 8;
 
 /// The most nodes that are visited: with shared parts the number of leaves can be exponential.
-const MOST_NODES: usize = 10_000;
+const MAX_NODES: usize = 10_000;
 
 /// The time line of a ray: a wave for each leaf, the count of leaves that contain the ray, and bands for regions and media.
 ///
@@ -69,7 +69,7 @@ fn operands(scene: &Scene, solid: Option<&str>) -> Result<Vec<(String, Solid)>, 
         None => scene.regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect(),
     };
     let leaves = leaves(&whole);
-    let few_regions = Some(whole).filter(|rows| rows.len() <= MOST_OPERANDS);
+    let few_regions = Some(whole).filter(|rows| rows.len() <= MAX_OPERANDS);
     Ok(leaves.or(few_regions).unwrap_or_default())
 }
 
@@ -100,7 +100,7 @@ fn leaves(solids: &[(String, Solid)]) -> Option<Vec<(String, Solid)>> {
     };
     let mut waiting: Vec<Part> = solids.iter().rev().map(part).collect();
     let mut seen: Vec<Part> = Vec::new();
-    for _ in 0..MOST_NODES {
+    for _ in 0..MAX_NODES {
         let Some(part) = waiting.pop() else {
             return Some(seen.into_iter().map(row).collect());
         };
@@ -120,7 +120,7 @@ fn leaves(solids: &[(String, Solid)]) -> Option<Vec<(String, Solid)>> {
             }
             node => waiting.extend(node.operand_refs().rev().map(|operand| part.with(operand))),
         }
-        if seen.len() > MOST_OPERANDS {
+        if seen.len() > MAX_OPERANDS {
             return None;
         }
     }

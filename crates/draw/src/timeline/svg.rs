@@ -18,7 +18,7 @@ const AXIS: f64 = 44.0;
 /// The gap between operands and results.
 const BREAK: f64 = 10.0;
 /// With more times than this, plain guides are left out.
-const MOST_GUIDES: usize = 100;
+const MAX_GUIDES: usize = 100;
 /// The most characters of a name.
 const NAME: usize = 26;
 /// The approximate width of a character of names and of numbers.
@@ -131,7 +131,7 @@ impl Drawing {
     /// Draws vertical lines at all times of change, dashed where several operands change.
     fn guides(&mut self, times: &[(f64, usize)], height: f64) {
         let shown: Vec<_> = times.iter().filter(|time| self.axis.contains(time.0)).collect();
-        let is_crowded = shown.len() > MOST_GUIDES;
+        let is_crowded = shown.len() > MAX_GUIDES;
         let (mut plain, mut tied) = (String::new(), String::new());
         for &(t, operands) in shown.into_iter().filter(|time| !is_crowded || time.1 > 1) {
             let out = if operands > 1 { &mut tied } else { &mut plain };

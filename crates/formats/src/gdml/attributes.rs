@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 /// Most elements that the loops of a file may generate.
-const MOST_STEPS: usize = 500_000;
+const MAX_STEPS: usize = 500_000;
 
 /// The reason why an element could not be read.
 #[derive(Clone, Debug, PartialEq)]
@@ -263,9 +263,9 @@ impl<'c> Numbers<'c> {
         let mut value = from;
         while value <= to {
             self.steps += 1 + element.children.len();
-            if self.steps > MOST_STEPS {
+            if self.steps > MAX_STEPS {
                 return Err(self.tell(Trouble::new(
-                    format!("the loops stand for more than {MOST_STEPS} elements"),
+                    format!("the loops stand for more than {MAX_STEPS} elements"),
                     place,
                 )));
             }

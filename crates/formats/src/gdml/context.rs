@@ -6,7 +6,7 @@ use crate::{LossKind, Report};
 use rayweave_scene::Diagnostic;
 
 /// Most problems that are reported. More indicate a loop, or a file of another format.
-const MOST_PROBLEMS: usize = 200;
+const MAX_PROBLEMS: usize = 200;
 
 /// State while files are read.
 #[derive(Debug, Default)]
@@ -22,14 +22,14 @@ pub struct Context {
 impl Context {
     /// Adds an error.
     pub fn error(&mut self, trouble: Trouble) {
-        if self.problems.len() < MOST_PROBLEMS {
+        if self.problems.len() < MAX_PROBLEMS {
             self.problems.push(self.files.locate(Diagnostic::error(trouble.message), trouble.place));
         }
     }
 
     /// Adds a warning without a loss.
     pub fn warn(&mut self, trouble: Trouble) {
-        if self.warnings.len() < MOST_PROBLEMS {
+        if self.warnings.len() < MAX_PROBLEMS {
             self.warnings.push(self.files.locate(Diagnostic::warning(trouble.message), trouble.place));
         }
     }

@@ -10,7 +10,7 @@ use rayweave_math::{Affine, Vec3};
 use std::f64::consts::PI;
 
 /// Most numbers of a matrix.
-const MOST_VALUES: usize = 10_000_000;
+const MAX_VALUES: usize = 10_000_000;
 
 /// The role of a vector: position, rotation or scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,7 +95,7 @@ impl Numbers<'_> {
 
     fn matrix(&mut self, element: &Element) -> Result<(), Failure> {
         let name = self.name(element)?;
-        let columns = self.whole(element, "coldim", 1, MOST_VALUES as i64)? as usize;
+        let columns = self.whole(element, "coldim", 1, MAX_VALUES as i64)? as usize;
         // some files with a single value use `value`
         let attribute = match (element.attribute("values"), element.attribute("value")) {
             (None, Some(value)) => value,

@@ -7,7 +7,7 @@ use std::io::Read;
 use std::path::Path;
 
 /// Largest file in bytes.
-const LARGEST_FILE: u64 = 256 << 20;
+const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Text of a GDML file, in UTF-8 or in Latin-1 if the XML declaration says so.
 ///
@@ -33,9 +33,9 @@ pub fn included(files: &AllowedFiles, path: &Path) -> Result<Source, String> {
 
 fn source_of(file: File, path: &Path) -> Result<Source, String> {
     let mut bytes = Vec::new();
-    file.take(LARGEST_FILE + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err(format!("it is larger than {} MiB", LARGEST_FILE >> 20));
+    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(format!("it is larger than {} MiB", MAX_FILE_BYTES >> 20));
     }
     let text = String::from_utf8(bytes)
         .or_else(|error| latin_1(error.as_bytes()).ok_or("it is not a text in UTF-8"))?;

@@ -425,7 +425,7 @@ impl Builder<'_, '_> {
     }
 
     fn replicas(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
-        let count = self.numbers.whole(element, "number", 1, copies::MOST)?;
+        let count = self.numbers.whole(element, "number", 1, copies::MAX_COPIES)?;
         let row = match (element.child("replicate_along_axis"), element.attribute("axis")) {
             (Some(along), _) => self.row_along(along)?,
             // syntax of older files
@@ -473,7 +473,7 @@ impl Builder<'_, '_> {
     fn divisions(&mut self, mother: usize, element: &Element) -> Result<(), Failure> {
         let row = self.row_of(element)?;
         let count = match element.attribute("number") {
-            Some(_) => self.numbers.whole(element, "number", 0, copies::MOST)?,
+            Some(_) => self.numbers.whole(element, "number", 0, copies::MAX_COPIES)?,
             None => 0,
         };
         let row = row::Row { count: count as usize, ..row };

@@ -19,11 +19,11 @@ const DEEPEST: usize = 200;
 /// Maximal nesting depth of entity references.
 const DEEPEST_ENTITY: usize = 20;
 /// Most entity references in a document.
-const MOST_REFERENCES: usize = 100_000;
+const MAX_REFERENCES: usize = 100_000;
 /// Entity expansion limit: bytes of internal entities, counting every use.
-const MOST_EXPANDED: usize = 16 << 20;
+const MAX_EXPANDED: usize = 16 << 20;
 /// Bytes of external entities, counting every use.
-const MOST_INCLUDED: usize = 64 << 20;
+const MAX_INCLUDED: usize = 64 << 20;
 
 /// Name of an element or attribute; equal names share one allocation.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -328,9 +328,9 @@ impl Tree<'_> {
                         )
                     })?);
                 self.included += source.text().len();
-                if self.included > MOST_INCLUDED {
+                if self.included > MAX_INCLUDED {
                     return Err(Trouble::new(
-                        format!("the entities' files have more than {} MiB", MOST_INCLUDED >> 20),
+                        format!("the entities' files have more than {} MiB", MAX_INCLUDED >> 20),
                         place,
                     ));
                 }
@@ -351,19 +351,19 @@ impl Tree<'_> {
                 place,
             ));
         }
-        if self.references > MOST_REFERENCES {
-            return Err(Trouble::new(format!("more than {MOST_REFERENCES} references to entities"), place));
+        if self.references > MAX_REFERENCES {
+            return Err(Trouble::new(format!("more than {MAX_REFERENCES} references to entities"), place));
         }
         Ok(())
     }
 
     fn expand(&mut self, bytes: usize, name: &str, place: Place) -> Result<(), Trouble> {
         self.expanded += bytes;
-        match self.expanded > MOST_EXPANDED {
+        match self.expanded > MAX_EXPANDED {
             true => Err(Trouble::new(
                 format!(
                     "the entity `{name}` makes the text longer than {} MiB: entities that repeat one another?",
-                    MOST_EXPANDED >> 20
+                    MAX_EXPANDED >> 20
                 ),
                 place,
             )),

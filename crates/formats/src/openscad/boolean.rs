@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 /// Number of pieces above which they are united before a difference or intersection, so that the other operands are not
 /// repeated for each piece.
-const MOST_CUT_PIECES: usize = 16;
+const MAX_CUT_PIECES: usize = 16;
 
 /// The boolean of solids; the difference is the first minus the union of the others.
 pub(super) fn join_solids(operation: Operation, mut solids: Vec<Solid>) -> Solid {
@@ -79,7 +79,7 @@ fn cut_first<T: Clone>(
     if others.is_empty() {
         return first;
     }
-    if first.len() > MOST_CUT_PIECES {
+    if first.len() > MAX_CUT_PIECES {
         let colour = first[0].colour;
         first = vec![Piece { colour, body: whole(first, combine) }];
     }

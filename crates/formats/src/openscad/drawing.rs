@@ -7,10 +7,10 @@ use rayweave_polygon::Point;
 use std::collections::HashSet;
 
 /// Largest drawing file in bytes.
-pub(super) const LARGEST: u64 = 64 << 20;
+pub(super) const MAX_DRAWING_BYTES: u64 = 64 << 20;
 
 /// Most points of a drawing; more take too long.
-pub(super) const MOST_POINTS: usize = 1_000_000;
+pub(super) const MAX_POINTS: usize = 1_000_000;
 
 /// Chord tolerance: deviation of chords from their curve, relative to the size of the drawing.
 pub(super) const TOLERANCE: f64 = 1e-4;
@@ -32,13 +32,13 @@ pub(super) struct Drawing {
 }
 
 /// Most omitted entities that are listed.
-const MOST_LISTED: usize = 100;
+const MAX_LISTED: usize = 100;
 
 impl Drawing {
     /// Omits an entity; its line is only needed if it is the first of its kind.
     pub fn refuse(&mut self, name: &str, why: &str, line: impl FnOnce() -> usize) {
         let name: String = name.chars().take(40).collect();
-        if self.refused.len() < MOST_LISTED && self.known.insert((name.clone(), why.to_owned())) {
+        if self.refused.len() < MAX_LISTED && self.known.insert((name.clone(), why.to_owned())) {
             self.refused.push((name, why.to_owned(), line()));
         } else {
             self.unlisted += 1;

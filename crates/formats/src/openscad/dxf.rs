@@ -5,7 +5,7 @@
 //! group code and a value, each on its own line.
 
 use super::budget::Budget;
-use super::drawing::{Drawing, MOST_POINTS, arc, chords, plane_map, shift};
+use super::drawing::{Drawing, MAX_POINTS, arc, chords, plane_map, shift};
 use super::facets::Fineness;
 use super::flat::{Leaf, image};
 use rayweave_math::{Affine, Vec3};
@@ -17,7 +17,7 @@ const NEAR: f64 = 1.0 / 1024.0;
 /// Maximal nesting depth of blocks.
 const DEEPEST: usize = 20;
 /// Most block insertions, counting repetitions.
-const MOST_USES: usize = 100_000;
+const MAX_USES: usize = 100_000;
 /// Chords of a spline per knot interval.
 const SPLINE_PIECES: usize = 128;
 
@@ -165,9 +165,9 @@ impl<'a> Reader<'a> {
         let mut uses = 0;
         while let Some((entities, map, depth)) = waiting.pop() {
             uses += 1;
-            if uses > MOST_USES || depth > DEEPEST {
+            if uses > MAX_USES || depth > DEEPEST {
                 return Err(format!(
-                    "its blocks use each other more than {DEEPEST} deep or {MOST_USES} times"
+                    "its blocks use each other more than {DEEPEST} deep or {MAX_USES} times"
                 ));
             }
             // entities of a block are on the layer of the `INSERT`
@@ -243,8 +243,8 @@ impl<'a> Reader<'a> {
     fn count(&mut self, points: usize) -> Result<(), String> {
         self.points += points;
         self.options.budget.spend(100 * points)?;
-        match self.points > MOST_POINTS {
-            true => Err(format!("it has more than {MOST_POINTS} points")),
+        match self.points > MAX_POINTS {
+            true => Err(format!("it has more than {MAX_POINTS} points")),
             false => Ok(()),
         }
     }

@@ -5,7 +5,7 @@ use super::boolean::join_solids;
 use super::budget::CORNER;
 use super::extent::Way;
 use super::flat::{Flat, Flats, Leaf, simple};
-use super::mesh::{MOST_PLANES, Twist};
+use super::mesh::{MAX_PLANES, Twist};
 use super::part::solid;
 use super::region::{filled, placed};
 use i_overlay::core::fill_rule::FillRule;
@@ -16,7 +16,7 @@ use rayweave_polygon::{HalfPlane, Operator, Polygons};
 use rayweave_shape::primitive::{BoxFromCorners, Convex, Cylinder, HalfSpace, Quadric};
 
 /// Most points of an outline whose prism is a mesh.
-const MOST_CORNERS: usize = 2000;
+const MAX_CORNERS: usize = 2000;
 
 /// Margin of the box around a pyramid, relative to its larger side.
 const LOOSE: f64 = 1.0 / 64.0;
@@ -48,7 +48,7 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
         }
         // a mesh has a BVH, and other programs can read it as one shape; the ends of very long outlines take too long to cut
         // into triangles
-        Leaf::Outline(contours) if (MOST_PLANES..MOST_CORNERS).contains(&leaf.point_count()) => {
+        Leaf::Outline(contours) if (MAX_PLANES..MAX_CORNERS).contains(&leaf.point_count()) => {
             Twist::plain(way).over(arguments, contours)?
         }
         Leaf::Outline(contours) => {

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 const GRID_FINE: f64 = 1.0 / 1_048_576.0;
 
 /// Most fragments of a circle; more would exhaust memory.
-const MOST_FRAGMENTS: f64 = 10_000.0;
+const MAX_FRAGMENTS: f64 = 10_000.0;
 
 /// Tessellation parameters of an item: `$fn`, `$fa` (degrees) and `$fs` (length).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,8 +26,8 @@ impl Fineness {
             angle: arguments.number("$fa", 12.0)?.max(0.01),
             size: arguments.number("$fs", 2.0)?.max(0.01),
         };
-        match fineness.count > MOST_FRAGMENTS {
-            true => Err(arguments.refusal(&format!("$fn is more than {MOST_FRAGMENTS}"))),
+        match fineness.count > MAX_FRAGMENTS {
+            true => Err(arguments.refusal(&format!("$fn is more than {MAX_FRAGMENTS}"))),
             false => Ok(fineness),
         }
     }
@@ -39,7 +39,7 @@ impl Fineness {
             () if self.count > 0.0 => self.count.max(3.0).floor(),
             () => (360.0 / self.angle).min(radius * TAU / self.size).max(5.0).ceil(),
         };
-        fragments.min(MOST_FRAGMENTS) as usize
+        fragments.min(MAX_FRAGMENTS) as usize
     }
 
     /// Number of slices of a `linear_extrude` with twist or unequal scale, over a region with the given extents along x and
@@ -63,7 +63,7 @@ impl Fineness {
                 if twist > 0.0 { by_size.min((twist / self.angle).ceil()) } else { by_size }
             }
         };
-        slices.max(least).min(MOST_FRAGMENTS) as usize
+        slices.max(least).min(MAX_FRAGMENTS) as usize
     }
 }
 

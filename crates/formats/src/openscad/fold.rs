@@ -15,7 +15,7 @@ use crate::kernel::triangulated;
 use rayweave_math::Affine;
 
 /// Most triangles of a node; more take too long.
-const MOST_TRIANGLES: usize = 500_000;
+const MAX_TRIANGLES: usize = 500_000;
 
 /// A pending step of a traversal.
 enum Task {
@@ -76,8 +76,8 @@ pub(super) fn fold<T>(
                 let shells = shells(reader, number, &arguments)?;
                 let triangles = shells.iter().map(|shell| shell.triangles.len()).sum::<usize>();
                 arguments.spend(300 * triangles)?;
-                if triangles > MOST_TRIANGLES {
-                    return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
+                if triangles > MAX_TRIANGLES {
+                    return Err(arguments.refusal(&format!("it has more than {MAX_TRIANGLES} facets")));
                 }
                 made.push(make(&arguments, &shells, &map)?);
             }
@@ -177,8 +177,8 @@ fn turned(arguments: &Arguments, contours: &Contours, sectors: &Sectors) -> Resu
     let (steps, is_whole) = (sectors.count, sectors.is_whole);
     let rings = if is_whole { steps } else { steps + 1 };
     let n = contours.iter().map(Vec::len).sum::<usize>();
-    if n.saturating_mul(2 * rings) > MOST_TRIANGLES {
-        return Err(arguments.refusal(&format!("it has more than {MOST_TRIANGLES} facets")));
+    if n.saturating_mul(2 * rings) > MAX_TRIANGLES {
+        return Err(arguments.refusal(&format!("it has more than {MAX_TRIANGLES} facets")));
     }
     arguments.spend(100 * n * rings)?;
     let ring = |k: usize| contours.iter().flatten().map(move |p| sectors.point(k, *p));

@@ -21,7 +21,7 @@ use rayweave_polygon::Point;
 use std::collections::HashMap;
 
 /// Most pairs of convex parts; only unions of many parts have more.
-pub(super) const MOST_SUMS: usize = 2000;
+pub(super) const MAX_SUMS: usize = 2000;
 
 /// All generators below a node. Operands of booleans all count, which is right for unions only.
 pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Vec<Generator>, Refusal> {
@@ -131,8 +131,8 @@ fn pieces_of(
         return Ok(parts);
     }
     let steps = Sectors::of(reader, arguments, &contours)?;
-    if pieces.len().saturating_mul(steps.count) > MOST_SUMS {
-        return Err(arguments.refusal(&format!("it has more than {MOST_SUMS} convex parts")));
+    if pieces.len().saturating_mul(steps.count) > MAX_SUMS {
+        return Err(arguments.refusal(&format!("it has more than {MAX_SUMS} convex parts")));
     }
     for piece in &pieces {
         for k in 0..steps.count {

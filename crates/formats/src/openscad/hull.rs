@@ -20,7 +20,7 @@ const NEAR: f64 = 1e-7;
 
 /// Most balls of different sizes with exact hulls, since every triple is tested for tangent planes; with more, balls are
 /// replaced by their facets.
-const MOST_BALLS: usize = 100;
+const MAX_BALLS: usize = 100;
 
 /// A generator of a convex hull.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,8 +102,8 @@ pub(super) fn cost(generators: &[Generator]) -> usize {
     let discs = generators.iter().filter(|g| matches!(g, Generator::Disc { .. })).count();
     // pairs are compared, of discs for twins and of balls for one that contains the other; triples of balls are tested
     let pairs = if discs > 0 || rounds > 0 { n.saturating_mul(n).saturating_mul(10) } else { 0 };
-    let balls = if discs > 0 { 0 } else { rounds.min(MOST_BALLS) };
-    pairs.saturating_add(100 * balls * balls * n.min(MOST_BALLS))
+    let balls = if discs > 0 { 0 } else { rounds.min(MAX_BALLS) };
+    pairs.saturating_add(100 * balls * balls * n.min(MAX_BALLS))
 }
 
 /// Convex hull of generators; without a solid if it has no volume.
@@ -128,12 +128,12 @@ pub(super) fn vertices(arguments: &Arguments, generators: &[Generator]) -> Resul
 }
 
 /// Most points that are collected for one hull.
-const MOST_POINTS: usize = 2_000_000;
+const MAX_POINTS: usize = 2_000_000;
 
 /// Refuses a number of points that would exhaust memory, before they are made, and counts their cost.
 pub(super) fn check_count(arguments: &Arguments, count: usize) -> Result<(), Refusal> {
-    match count > MOST_POINTS {
-        true => Err(arguments.refusal(&format!("it has more than {MOST_POINTS} points"))),
+    match count > MAX_POINTS {
+        true => Err(arguments.refusal(&format!("it has more than {MAX_POINTS} points"))),
         false => arguments.spend(100 * count),
     }
 }
@@ -172,7 +172,7 @@ fn of_balls(arguments: &Arguments, generators: &[Generator]) -> Result<Option<So
     }
     let size = all.iter().fold(0f64, |size, ball| size.max(ball.centre.abs().max_element() + ball.radius));
     let balls = outer(all, NEAR * size);
-    if balls.len() > MOST_BALLS {
+    if balls.len() > MAX_BALLS {
         return Ok(None);
     }
     let touching = planes_that_touch(&balls, NEAR * size);

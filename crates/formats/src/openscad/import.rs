@@ -1,7 +1,7 @@
 //! `import`: mesh files as solids, SVG and DXF drawings as plane regions.
 
 use super::arguments::{Arguments, Refusal};
-use super::drawing::{Drawing, LARGEST, TOLERANCE, shift};
+use super::drawing::{Drawing, MAX_DRAWING_BYTES, TOLERANCE, shift};
 use super::dxf::{self, DxfOptions};
 use super::facets::Fineness;
 use super::flat::Flats;
@@ -85,7 +85,7 @@ pub(super) fn import(
             let dpi = arguments.number("dpi", 72.0)?;
             let dpi = if dpi > 0.0 { dpi } else { 72.0 };
             let options = SvgOptions { facets, dpi, budget: arguments.budget() };
-            let drawing = svg::read(&text_of(arguments, (&path, file), LARGEST)?, options);
+            let drawing = svg::read(&text_of(arguments, (&path, file), MAX_DRAWING_BYTES)?, options);
             drawn(arguments, readable(arguments, drawing)?, flats, report).map(Imported::Drawing)
         }
         Some("dxf") => {
@@ -95,7 +95,7 @@ pub(super) fn import(
             let scale = if scale > 0.0 { scale } else { 1.0 };
             let fineness = Fineness::of(arguments)?;
             let options = DxfOptions { facets, fineness, layer, scale, budget: arguments.budget() };
-            let drawing = dxf::read(&text_of(arguments, (&path, file), LARGEST)?, &options);
+            let drawing = dxf::read(&text_of(arguments, (&path, file), MAX_DRAWING_BYTES)?, &options);
             let mut drawing = readable(arguments, drawing)?;
             let origin: [f64; 2] = arguments.point("origin", 0.0)?;
             let map = shift(origin.map(|x| -x)).then(&Affine::scale(Vec3::new(scale, scale, 1.0)));

@@ -22,13 +22,13 @@ use rayweave_polygon::Point;
 use rayweave_shape::primitive::{Convex, Mesh};
 
 /// Most slices of an extrusion, for the same reason.
-const MOST_SLICES: f64 = 20_000.0;
+const MAX_SLICES: f64 = 20_000.0;
 
 /// Relative tolerance for planes through three points: coordinates are printed with six digits.
 const DIGITS: f64 = 2e-5;
 
 /// Most faces of a convex solid of planes; larger polyhedra are faster as a mesh, which has a BVH.
-pub(super) const MOST_PLANES: usize = 64;
+pub(super) const MAX_PLANES: usize = 64;
 
 pub(super) fn within(
     arguments: &Arguments,
@@ -47,7 +47,7 @@ pub(super) fn convex(
     planes: Vec<[f64; 4]>,
     mesh: impl FnOnce() -> (Vec<Vec3>, Vec<[u32; 3]>),
 ) -> Result<Solid, Refusal> {
-    if planes.len() <= MOST_PLANES {
+    if planes.len() <= MAX_PLANES {
         return solid(arguments, Convex::new(planes));
     }
     let (vertices, triangles) = mesh();
@@ -135,7 +135,7 @@ pub(super) fn polyhedron(arguments: &Arguments) -> Result<Part, Refusal> {
         return Ok(Part::Empty);
     }
     if let Some(planes) =
-        convex_planes(arguments, &points, &triangles)?.filter(|planes| planes.len() <= MOST_PLANES)
+        convex_planes(arguments, &points, &triangles)?.filter(|planes| planes.len() <= MAX_PLANES)
     {
         return Ok(solid(arguments, Convex::new(planes))?.into());
     }
@@ -195,8 +195,8 @@ impl Twist {
         let [lo, hi] = flats.bounds(arguments, flat)?;
         let reach = [0, 1].map(|k| hi[k].abs().max(lo[k].abs()));
         let slices = match arguments.number("slices", 0.0)? {
-            given if given > MOST_SLICES => {
-                return Err(arguments.refusal(&format!("it has more than {MOST_SLICES} slices")));
+            given if given > MAX_SLICES => {
+                return Err(arguments.refusal(&format!("it has more than {MAX_SLICES} slices")));
             }
             given if given >= 1.0 => given as usize,
             _ => fineness.slices(reach, degrees.abs(), way),

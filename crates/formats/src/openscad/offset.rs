@@ -67,12 +67,12 @@ pub(super) fn plain(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Res
 }
 
 /// Most parts of a union that are grown one by one; each becomes several.
-const MOST_PARTS: usize = 1000;
+const MAX_PARTS: usize = 1000;
 
 /// A union of few leaves: the region itself, or a region made of its boundary.
 pub(super) fn few(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Result<Flat, Refusal> {
     let count = flats.fold(arguments, flat, |_, _| Ok(1), |_, parts: Vec<usize>| Ok(parts.iter().sum()))?;
-    if count <= MOST_PARTS {
+    if count <= MAX_PARTS {
         return Ok(flat);
     }
     let contours = boundary(arguments, flats, flat)?;

@@ -482,7 +482,7 @@ impl<'a> Reader<'a> {
             (false, true) => {
                 let parts = solids.iter().map(|solid| gather::convex_parts(self, *solid));
                 match parts.collect::<Result<Vec<_>, _>>() {
-                    Ok(parts) if sum::pairs(&parts) <= gather::MOST_SUMS => {
+                    Ok(parts) if sum::pairs(&parts) <= gather::MAX_SUMS => {
                         self.sum_of_convex(number, arguments, parts)
                     }
                     _ => self.sum_of_facets(number, arguments, &solids),

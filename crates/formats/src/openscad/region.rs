@@ -19,7 +19,7 @@ use std::f64::consts::TAU;
 pub(super) type Contours = Vec<Vec<Point>>;
 
 /// Most points of a region; more take too long.
-const MOST_POINTS: usize = 2_000_000;
+const MAX_POINTS: usize = 2_000_000;
 
 /// Largest coordinate: `i_overlay` accepts none beyond 2^500.
 const FARTHEST: f64 = 1e150;
@@ -91,8 +91,8 @@ fn range(edges: &[[Point; 2]], axis: usize) -> [f64; 2] {
 /// Number of pairs of edges in the cells of a grid with about as many cells as edges; `None` if edges are longer than a few
 /// cells, or if the pairs are many.
 fn pairs_in_cells(edges: &[[Point; 2]]) -> Option<usize> {
-    const MOST_CELLS: usize = 9;
-    const MOST_PAIRS: usize = 30;
+    const MAX_CELLS: usize = 9;
+    const MAX_PAIRS: usize = 30;
     let side = edges.len().isqrt().clamp(1, 1000);
     let ranges = [range(edges, 0), range(edges, 1)];
     let cell = |p: &Point, axis: usize| {
@@ -105,7 +105,7 @@ fn pairs_in_cells(edges: &[[Point; 2]]) -> Option<usize> {
             let ends = [cell(p, axis), cell(q, axis)];
             [ends[0].min(ends[1]), ends[0].max(ends[1])]
         });
-        if (x_end - x + 1) * (y_end - y + 1) > MOST_CELLS {
+        if (x_end - x + 1) * (y_end - y + 1) > MAX_CELLS {
             return None;
         }
         for row in y..=y_end {
@@ -113,7 +113,7 @@ fn pairs_in_cells(edges: &[[Point; 2]]) -> Option<usize> {
         }
     }
     let pairs = counts.iter().map(|count| count * count.saturating_sub(1) / 2).sum::<usize>();
-    Some(pairs).filter(|pairs| *pairs <= MOST_PAIRS * edges.len())
+    Some(pairs).filter(|pairs| *pairs <= MAX_PAIRS * edges.len())
 }
 
 /// Counts what the stroke of a chain of points costs: its pieces overlap where edges are near each other.
@@ -212,8 +212,8 @@ fn boundary_of(arguments: &Arguments, flats: &Flats, flat: Flat, is_fine: bool) 
             leaf => leaf.contours(),
         };
         points += contours.iter().map(Vec::len).sum::<usize>();
-        if points > MOST_POINTS {
-            return Err(arguments.refusal(&format!("its outline has more than {MOST_POINTS} points")));
+        if points > MAX_POINTS {
+            return Err(arguments.refusal(&format!("its outline has more than {MAX_POINTS} points")));
         }
         let mut contours = filled(arguments, &placed(arguments, contours, map, size)?, FillRule::EvenOdd)?;
         if let Some(spacing) = spacing {
@@ -384,8 +384,8 @@ fn around(p: Point, m: Point, n: Point, by: f64, corner: Corner, points: &mut Ve
 /// of one lies within the other, and one point of each component is enough.
 pub(super) fn sum(arguments: &Arguments, a: &Contours, b: &Contours) -> Result<Contours, Refusal> {
     let edges = |contours: &Contours| contours.iter().map(Vec::len).sum::<usize>();
-    if edges(a).saturating_mul(edges(b)) > MOST_POINTS / 4 {
-        return Err(arguments.refusal(&format!("it has more than {} pairs of edges", MOST_POINTS / 4)));
+    if edges(a).saturating_mul(edges(b)) > MAX_POINTS / 4 {
+        return Err(arguments.refusal(&format!("it has more than {} pairs of edges", MAX_POINTS / 4)));
     }
     let mut all = Contours::new();
     for [p, q] in a.iter().flat_map(|contour| edges_of(contour)) {

@@ -9,11 +9,11 @@ use std::fs::File;
 use std::path::Path;
 
 /// Largest height map file in bytes.
-const LARGEST_MAP: u64 = 64 << 20;
+const MAX_MAP_BYTES: u64 = 64 << 20;
 
 /// Most pixels of an image, and most bytes that its decoder may allocate.
-const MOST_PIXELS: usize = 4_000_000;
-const MOST_BYTES: usize = 256 << 20;
+const MAX_PIXELS: usize = 4_000_000;
+const MAX_BYTES: usize = 256 << 20;
 
 /// `surface(file, center, invert)`: the solid below a height map from a text or an image.
 pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<Shell, Refusal> {
@@ -45,12 +45,12 @@ fn brightness(arguments: &Arguments, path: &Path, file: File) -> Result<Vec<Vec<
     let unreadable =
         |error: &dyn std::fmt::Display| arguments.refusal(&format!("its picture cannot be read: {error}"));
     let mut decoder =
-        png::Decoder::new_with_limits(std::io::BufReader::new(file), png::Limits { bytes: MOST_BYTES });
+        png::Decoder::new_with_limits(std::io::BufReader::new(file), png::Limits { bytes: MAX_BYTES });
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|error| unreadable(&error))?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-    if width.saturating_mul(height) > MOST_PIXELS {
-        return Err(arguments.refusal(&format!("it has more than {MOST_PIXELS} pixels")));
+    if width.saturating_mul(height) > MAX_PIXELS {
+        return Err(arguments.refusal(&format!("it has more than {MAX_PIXELS} pixels")));
     }
     let bytes = std::fs::metadata(path).map_or(0, |data| data.len());
     arguments.limited(arguments.budget().read_file(path, bytes))?;
@@ -72,7 +72,7 @@ fn brightness(arguments: &Arguments, path: &Path, file: File) -> Result<Vec<Vec<
 
 /// Rows of a text height map, the first at y = 0, each with its own length.
 fn heights(arguments: &Arguments, path: &Path, file: File) -> Result<Vec<Vec<f64>>, Refusal> {
-    let text = text_of(arguments, (path, file), LARGEST_MAP)?;
+    let text = text_of(arguments, (path, file), MAX_MAP_BYTES)?;
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with('#')) {
         let height = |word: &str| word.parse().ok().filter(|height: &f64| height.is_finite());

@@ -6,7 +6,7 @@
 //! definitions are skipped, and `use` is followed.
 
 use super::budget::{Budget, Exceeded};
-use super::drawing::{Drawing, MOST_POINTS, TOLERANCE, arc, chords, curve, pieces, plane_map};
+use super::drawing::{Drawing, MAX_POINTS, TOLERANCE, arc, chords, curve, pieces, plane_map};
 use super::flat::Leaf;
 use super::region::{Contours, count_near, filled_near, is_near};
 use i_overlay::core::fill_rule::FillRule;
@@ -27,7 +27,7 @@ const FARTHEST: f64 = 1e100;
 /// Maximal nesting depth of elements, counting each `use`.
 const DEEPEST: usize = 100;
 /// Most elements, counting each `use`.
-const MOST_ELEMENTS: usize = 200_000;
+const MAX_ELEMENTS: usize = 200_000;
 /// Number of chords with facets: of a full ellipse, and of a curve.
 const FACETS: (usize, usize) = (40, 20);
 
@@ -191,9 +191,9 @@ impl<'a, 'input> Reader<'a, 'input> {
         let mut count = 0;
         while let Some(task) = waiting.pop() {
             count += 1;
-            if count > MOST_ELEMENTS || task.depth > DEEPEST {
+            if count > MAX_ELEMENTS || task.depth > DEEPEST {
                 return Err(format!(
-                    "it has more than {MOST_ELEMENTS} elements, or lies more than {DEEPEST} deep"
+                    "it has more than {MAX_ELEMENTS} elements, or lies more than {DEEPEST} deep"
                 ));
             }
             self.element(task, &mut waiting)?;
@@ -270,8 +270,8 @@ impl<'a, 'input> Reader<'a, 'input> {
 
     fn push(&mut self, contours: Contours, map: &Affine) -> Result<(), String> {
         self.points += contours.iter().map(Vec::len).sum::<usize>();
-        if self.points > MOST_POINTS {
-            return Err(format!("it has more than {MOST_POINTS} points"));
+        if self.points > MAX_POINTS {
+            return Err(format!("it has more than {MAX_POINTS} points"));
         }
         if contours.iter().any(|contour| contour.len() >= 3) {
             self.drawing.leaves.push((Leaf::Outline(contours), *map));
@@ -358,8 +358,8 @@ impl<'a, 'input> Reader<'a, 'input> {
         }
         self.drawing.has_chords |= chain.len() > before + 1 && !self.options.facets;
         self.points += chain.len() - before;
-        match self.points > MOST_POINTS {
-            true => Err(format!("it has more than {MOST_POINTS} points")),
+        match self.points > MAX_POINTS {
+            true => Err(format!("it has more than {MAX_POINTS} points")),
             false => Ok(()),
         }
     }

@@ -9,8 +9,8 @@ use std::sync::Arc;
 const DEEPEST_LIST: usize = 16;
 
 /// Most nodes, and most values: a file with more is not a dump, and would exhaust memory.
-const MOST_NODES: usize = 4_000_000;
-const MOST_VALUES: usize = 32_000_000;
+const MAX_NODES: usize = 4_000_000;
+const MAX_VALUES: usize = 32_000_000;
 
 /// Modifier characters before a name: `%` background, `#` highlight, `*` disabled, `!` root.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -176,8 +176,8 @@ impl Parser<'_> {
     }
 
     fn add(&mut self, node: Node) -> Step<u32> {
-        if self.nodes.len() >= MOST_NODES {
-            let reason = format!("at most {MOST_NODES} can be read");
+        if self.nodes.len() >= MAX_NODES {
+            let reason = format!("at most {MAX_NODES} can be read");
             return Err(self.problem("there are too many items", &reason, node.span));
         }
         let number = self.nodes.len() as u32;
@@ -272,8 +272,8 @@ impl Parser<'_> {
     /// A value other than a list.
     fn scalar(&mut self, token: Token, span: Span) -> Step<Value> {
         self.values += 1;
-        if self.values > MOST_VALUES {
-            let reason = format!("at most {MOST_VALUES} can be read");
+        if self.values > MAX_VALUES {
+            let reason = format!("at most {MAX_VALUES} can be read");
             return Err(self.problem("there are too many values", &reason, span));
         }
         match token {

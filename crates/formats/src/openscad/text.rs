@@ -27,7 +27,7 @@ const STAND_INS: [&str; 5] = ["Liberation Sans", "Arimo", "Arial", "Helvetica", 
 const DEFAULT: &str = "Liberation Sans";
 
 /// Most characters of a text.
-const MOST_LETTERS: usize = 10_000;
+const MAX_LETTERS: usize = 10_000;
 
 /// Font databases, loaded at the first text.
 pub(super) struct Fonts {
@@ -147,8 +147,8 @@ pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, 
         language: word("language", "")?,
         pieces: (Fineness::of(arguments)?.fragments(size) / 8 + 1).max(2),
     };
-    if setting.text.chars().count() > MOST_LETTERS {
-        return Err(arguments.refusal(&format!("it has more than {MOST_LETTERS} letters")));
+    if setting.text.chars().count() > MAX_LETTERS {
+        return Err(arguments.refusal(&format!("it has more than {MAX_LETTERS} letters")));
     }
     if setting.text.is_empty() || size <= 0.0 {
         return Ok(Letters { leaves: Vec::new(), stand_in: None });

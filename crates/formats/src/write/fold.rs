@@ -6,7 +6,7 @@ use rayweave_model::{Node, Solid};
 use rayweave_shape::primitive::Primitive;
 
 /// Most shapes and operators of a region; every copy of a solid counts.
-const MOST: usize = 1_000_000;
+const MAX_NODES: usize = 1_000_000;
 
 /// An operation on two or more parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +85,8 @@ pub(super) fn fold<B: Builder>(solid: &Solid, builder: &mut B) -> Result<Option<
         match task {
             Task::Enter(solid, place, within) => {
                 count += 1;
-                if count + tasks.len() > MOST {
-                    let why = format!("more than {MOST} shapes and operators");
+                if count + tasks.len() > MAX_NODES {
+                    let why = format!("more than {MAX_NODES} shapes and operators");
                     return Err(WriteError::TooLarge { region: builder.region(), why });
                 }
                 parts.extend(enter(solid, place, within, builder, &mut tasks)?);

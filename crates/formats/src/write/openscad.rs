@@ -17,7 +17,7 @@ use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{BTreeSet, HashMap};
 
 /// Most bytes of a file; shared parts are repeated.
-const MOST_BYTES: usize = 256 << 20;
+const MAX_BYTES: usize = 256 << 20;
 
 /// A part of the file.
 enum Piece {
@@ -115,8 +115,8 @@ impl Writer<'_, '_> {
                     waiting.extend(parts.iter().rev().map(|part| (Some(*part), depth + 1)));
                 }
             }
-            if text.len() > MOST_BYTES {
-                let why = format!("more than {} MiB of text", MOST_BYTES >> 20);
+            if text.len() > MAX_BYTES {
+                let why = format!("more than {} MiB of text", MAX_BYTES >> 20);
                 return Err(WriteError::TooLarge { region: self.region(), why });
             }
         }
@@ -126,7 +126,7 @@ impl Writer<'_, '_> {
     /// Number of facets of a circle with the given radius in the frame of the shape.
     fn fragments(&self, place: &Affine, radius: f64) -> usize {
         let request = 0.5 * self.model.tolerance / place.similarity().unwrap_or(place.linear_norm());
-        facets::circle_count(radius, request).unwrap_or(facets::MOST_AROUND)
+        facets::circle_count(radius, request).unwrap_or(facets::MAX_AROUND)
     }
 
     /// The box to which a shape is cut: for an unbounded shape with plane faces one of its own around the clip box. The faces

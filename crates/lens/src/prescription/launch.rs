@@ -183,10 +183,10 @@ const AIMED: f64 = 1e-11;
 const STEPS: usize = 40;
 
 /// The smallest fraction of a Newton step that is tried.
-const LEAST_STEP: f64 = 1e-3;
+const MIN_STEP: f64 = 1e-3;
 
 /// The smallest step from field to field, as a fraction of the field.
-const LEAST_STRIDE: f64 = 1.0 / 256.0;
+const MIN_STRIDE: f64 = 1.0 / 256.0;
 
 impl Aim<'_> {
     /// The pupil point whose ray goes through a point of the stop: by Newton's method from the paraxial pupil
@@ -216,7 +216,7 @@ impl Aim<'_> {
             let determinant = a * d - b * c;
             let step = [(d * off[0] - b * off[1]) / determinant, (a * off[1] - c * off[0]) / determinant];
             let shorter = std::iter::successors(Some(1.0), |part| Some(0.5 * part));
-            let tried = shorter.take_while(|&part| part >= LEAST_STEP).find_map(|part| {
+            let tried = shorter.take_while(|&part| part >= MIN_STEP).find_map(|part| {
                 let next = [at[0] - part * step[0], at[1] - part * step[1]];
                 miss(next).ok().filter(|&off_next| size(off_next) < size(off)).map(|off| (next, off))
             });
@@ -235,7 +235,7 @@ impl Aim<'_> {
             let there = self.part_of_the_way(next)?;
             match there.newton(target.map(|component| next * component), at) {
                 Ok(found) => (at, part, stride) = (found, next, 2.0 * stride),
-                Err(_) if stride > LEAST_STRIDE => stride *= 0.5,
+                Err(_) if stride > MIN_STRIDE => stride *= 0.5,
                 Err(_) => return None,
             }
         }

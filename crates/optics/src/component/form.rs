@@ -6,7 +6,7 @@ use super::{ComponentError, face::Profile};
 use rayweave_error::Message;
 use rayweave_math::sin_cos_degrees;
 use rayweave_shape::primitive::{self, Primitive};
-use rayweave_shape::surface::sag::{MOST_DEGREE, Zernike, zernike_terms};
+use rayweave_shape::surface::sag::{MAX_DEGREE, Zernike, zernike_terms};
 
 /// The part of a surface beyond radius, conic constant and terms in powers of the distance from the axis.
 ///
@@ -229,9 +229,9 @@ impl Form {
             Message::new(problem, format!("a {} has none", self.kind()))
         })?;
         let degree = self.terms.iter().map(|&(i, j, _)| (i + j) as usize).max().unwrap_or(0);
-        super::error::consistent(degree <= MOST_DEGREE, || {
+        super::error::consistent(degree <= MAX_DEGREE, || {
             let problem = format!("{name} of the {part} has terms of degree {degree}");
-            Message::new(problem, format!("the highest degree is {MOST_DEGREE}")).suggest("Omit them")
+            Message::new(problem, format!("the highest degree is {MAX_DEGREE}")).suggest("Omit them")
         })?;
         Ok(self)
     }

@@ -46,7 +46,7 @@ impl Default for SpotDiagram {
 
 impl SpotDiagram {
     /// The maximum number of points that are kept.
-    pub const MOST: usize = 8192;
+    pub const MAX_POINTS: usize = 8192;
 
     /// Adds the point at which a ray arrives, with its wavelength in nanometres and its power.
     ///
@@ -54,7 +54,7 @@ impl SpotDiagram {
     /// 22, 532, 1979).
     pub fn add(&mut self, point: [f64; 2], wavelength_nm: f64, power: f64) {
         if self.count.is_multiple_of(self.every) {
-            if self.points.len() == SpotDiagram::MOST {
+            if self.points.len() == SpotDiagram::MAX_POINTS {
                 self.thin_out();
             }
             if self.count.is_multiple_of(self.every) {
@@ -87,7 +87,7 @@ impl SpotDiagram {
         self.power = sum;
     }
 
-    /// The points that are kept: all of them up to [`SpotDiagram::MOST`], beyond that an evenly
+    /// The points that are kept: all of them up to [`SpotDiagram::MAX_POINTS`], beyond that an evenly
     /// chosen subset.
     pub fn points(&self) -> &[SpotPoint] {
         &self.points

@@ -6,7 +6,7 @@ use rayweave::{AnyEvaluator, Compiled, Evaluator, Program, Query, Ray, Vec3};
 
 /// Models with more shapes, counting every placement, are parsed and compiled, but not queried: the time
 /// would be unbounded.
-const MOST_SHAPES: usize = 300;
+const MAX_SHAPES: usize = 300;
 
 /// The property: a file is rejected with reasons at positions in it, or has the same meaning when it is
 /// written and parsed again, and all evaluators return the same finite results for it.
@@ -45,7 +45,7 @@ fn trace(scene: &Scene) {
         Ok(compiled) => compiled,
         Err(error) => return assert!(!error.to_string().is_empty()),
     };
-    if shapes(&compiled.program, PrototypeId(0)) > MOST_SHAPES {
+    if shapes(&compiled.program, PrototypeId(0)) > MAX_SHAPES {
         return;
     }
     let batch = rays();
@@ -67,7 +67,7 @@ fn shapes(program: &Program, group: PrototypeId) -> usize {
             LeafKind::Instance { prototype, .. } => shapes(program, prototype),
             LeafKind::Shape { .. } => 1,
         };
-        if count > MOST_SHAPES {
+        if count > MAX_SHAPES {
             break;
         }
     }

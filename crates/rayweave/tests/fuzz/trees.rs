@@ -10,10 +10,10 @@ use rayweave::{
 use std::sync::Arc;
 
 /// The limit of shapes in a model, without occurrences in placed solids.
-const MOST_SHAPES: usize = 24;
+const MAX_SHAPES: usize = 24;
 
 /// The limit of copies of a shape: nested placements and doublings multiply.
-const MOST_COPIES: usize = 64;
+const MAX_COPIES: usize = 64;
 
 const SIZES: [f64; 8] = [1.0, 2.0, 0.5, 3.0, 1e-8, 1e8, 0.0, -1.0];
 const PLACES: [f64; 8] = [0.0, 1.0, -1.0, 0.5, 2.0, -0.5, 1e6, 1e-9];
@@ -26,7 +26,7 @@ pub fn run(data: &[u8]) {
     let count = 1 + bytes.below(3);
     let regions: Vec<Region> = (0..count)
         .map(|k| {
-            let mut shapes = MOST_SHAPES / count;
+            let mut shapes = MAX_SHAPES / count;
             let solid = solid(&mut bytes, &mut shapes, 1, 0);
             Region { name: format!("r{k}"), solid, medium: 1 + bytes.below(2) as u32 }
         })
@@ -93,12 +93,12 @@ fn solid(bytes: &mut Bytes<'_>, shapes: &mut usize, copies: usize, depth: usize)
         6 => Solid::intersection((0..bytes.below(6)).map(|_| part(bytes)).collect::<Vec<_>>()),
         7 => part(bytes).apply(map(bytes)),
         8 => {
-            let most = (MOST_COPIES / copies).min(4);
+            let most = (MAX_COPIES / copies).min(4);
             let maps: Vec<Affine> = (0..bytes.below(most + 1)).map(|_| map(bytes)).collect();
             solid(bytes, shapes, copies * maps.len().max(1), depth + 1).place(maps)
         }
         // the single-hit evaluator expands shared parts
-        9 if 2 * copies <= MOST_COPIES => {
+        9 if 2 * copies <= MAX_COPIES => {
             let one = solid(bytes, shapes, 2 * copies, depth + 1);
             let same = one.clone();
             if bytes.below(2) == 0 { one - same } else { one | same }

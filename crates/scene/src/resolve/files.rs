@@ -13,7 +13,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 /// The maximum number of values in a file of placements.
-const MOST_NUMBERS: u64 = 1 << 26;
+const MAX_NUMBERS: u64 = 1 << 26;
 
 /// Reads the maps of a file beside the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
 pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Option<Vec<Affine>> {
@@ -35,7 +35,7 @@ fn read(files: &AllowedFiles, path: &Path) -> Result<(Vec<f64>, Vec<u64>), Strin
         RefusedFile::Io(error) => reason(&error),
         other => other.to_string(),
     })?;
-    let array = NpyArray::read(&mut BufReader::new(opened), MOST_NUMBERS).map_err(|error| match error {
+    let array = NpyArray::read(&mut BufReader::new(opened), MAX_NUMBERS).map_err(|error| match error {
         NpyArrayError::Io(error) => reason(&error),
         other => other.to_string(),
     })?;

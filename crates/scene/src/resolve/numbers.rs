@@ -308,9 +308,9 @@ fn parsed(context: &mut Context, source: &Arc<Source>, text: &str, span: Span) -
 
 /// A cycle as `a -> b -> a`; of a long one only the beginning and the end.
 pub(super) fn cycle_text(names: &[&str]) -> String {
-    const MOST: usize = 10;
+    const MAX_LISTED: usize = 10;
     let mut shown: Vec<&str> = match names.len() {
-        n if n > MOST => [&names[..MOST - 1], &["..", names[n - 1]]].concat(),
+        n if n > MAX_LISTED => [&names[..MAX_LISTED - 1], &["..", names[n - 1]]].concat(),
         _ => names.to_vec(),
     };
     shown.push(names[0]);

@@ -18,7 +18,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 /// The maximum number of copies of one placement.
-const MOST_COPIES: u32 = 1 << 22;
+const MAX_COPIES: u32 = 1 << 22;
 
 /// All solids.
 pub(super) struct Solids<'d> {
@@ -437,7 +437,7 @@ fn layout(context: &mut Context, numbers: &Numbers, layout: &Layout) -> Option<V
     match layout {
         Layout::Grid(entry) => grid(context, numbers, entry),
         Layout::Ring { count, radius, start } => {
-            let copies = numbers.whole(context, count, 1, MOST_COPIES);
+            let copies = numbers.whole(context, count, 1, MAX_COPIES);
             let radius = numbers.finite(context, radius);
             let start = start.as_ref().map_or(Some(0.0), |start| numbers.finite(context, start));
             Some(ring(copies?, radius?, start?))
@@ -482,14 +482,14 @@ fn placed_matrix(context: &mut Context, numbers: &Numbers, rows: &Matrix) -> Opt
 
 fn grid(context: &mut Context, numbers: &Numbers, entry: &Grid) -> Option<Vec<Affine>> {
     let Grid { count, step, origin } = entry;
-    let [nx, ny, nz] = count.each_ref().map(|number| numbers.whole(context, number, 1, MOST_COPIES));
+    let [nx, ny, nz] = count.each_ref().map(|number| numbers.whole(context, number, 1, MAX_COPIES));
     let step = numbers.vector(context, step);
     let origin = origin.as_ref().map_or(Some(Vec3::ZERO), |origin| numbers.vector(context, origin));
     let (nx, ny, nz, step, origin) = (nx?, ny?, nz?, step?, origin?);
     let copies = u128::from(nx) * u128::from(ny) * u128::from(nz);
-    if copies > u128::from(MOST_COPIES) {
+    if copies > u128::from(MAX_COPIES) {
         let problem = Diagnostic::error(format!("the grid has {copies} copies"));
-        let reason = format!("the most is {MOST_COPIES}");
+        let reason = format!("the most is {MAX_COPIES}");
         context.push(problem.why(reason), count[0].span.to(count[2].span));
         return None;
     }

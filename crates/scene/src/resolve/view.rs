@@ -14,7 +14,7 @@ use rayweave_math::Vec3;
 const FOV: f64 = 35.0;
 
 /// The maximum number of pixels along one side of a picture.
-const MOST_PIXELS: u32 = 32_768;
+const MAX_PIXELS: u32 = 32_768;
 
 pub(super) fn build(
     context: &mut Context,
@@ -34,7 +34,7 @@ fn camera(context: &mut Context, numbers: &Numbers, entry: &Spanned<CameraEntry>
     let target = entry.target.as_ref().map_or(Some(Vec3::ZERO), |target| numbers.vector(context, target));
     let up = entry.up.as_ref().map_or(Some(Vec3::Z), |up| direction(context, numbers, up, "direction `up`"));
     let size =
-        entry.size.as_ref().map(|size| size.each_ref().map(|n| numbers.whole(context, n, 1, MOST_PIXELS)));
+        entry.size.as_ref().map(|size| size.each_ref().map(|n| numbers.whole(context, n, 1, MAX_PIXELS)));
     let size = match size {
         Some([width, height]) => Some((width?, height?)),
         None => None,

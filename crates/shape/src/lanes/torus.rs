@@ -46,7 +46,7 @@ pub(super) struct TorusInterval<S: Simd> {
 }
 
 /// Largest compression of an image; rays with stronger ones fall back to the scalar kernel.
-const MOST_SQUEEZED: f64 = 1e6;
+const MAX_SQUEEZED: f64 = 1e6;
 /// Margin around the torus, relative to its size.
 const ROOM: f64 = 1e-3;
 
@@ -65,7 +65,7 @@ impl LaneTorus {
     pub(super) fn image(image: &AffineTorus) -> Option<LaneTorus> {
         let norm = |m: Mat3| Affine::from_linear(m).linear_norm();
         let (down, up) = (norm(image.local_from_world), norm(image.world_from_local));
-        let is_mild = down * up < MOST_SQUEEZED;
+        let is_mild = down * up < MAX_SQUEEZED;
         let ring = Ring::of(&image.torus);
         is_mild.then_some(LaneTorus { image: *image, is_torus: false, norm: down, ring })
     }

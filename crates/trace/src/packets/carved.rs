@@ -6,7 +6,7 @@
 //! of its own union, and in none of the subtracted leaves.
 
 use super::group::{BundleEvaluation, CODE};
-use super::plan::{MOST, NONE, leaf_facets};
+use super::plan::{MAX_SPANS, NONE, leaf_facets};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::{Bundle, BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
@@ -112,7 +112,7 @@ impl Builder<'_> {
 
 /// The leaves near a bundle, sorted by union, subtracted leaves last.
 struct NearbyLeaves {
-    leaves: [NearbyLeaf; MOST],
+    leaves: [NearbyLeaf; MAX_SPANS],
     count: usize,
 }
 
@@ -128,13 +128,13 @@ struct NearbyLeaf {
 
 impl NearbyLeaves {
     fn new() -> NearbyLeaves {
-        NearbyLeaves { leaves: [NearbyLeaf { leaf: 0, union: NONE, first: 0, end: 0 }; MOST], count: 0 }
+        NearbyLeaves { leaves: [NearbyLeaf { leaf: 0, union: NONE, first: 0, end: 0 }; MAX_SPANS], count: 0 }
     }
 
     /// Adds a leaf; false if the list is full.
     #[inline(always)]
     fn add(&mut self, leaf: u32, union: u32) -> bool {
-        if self.count == MOST {
+        if self.count == MAX_SPANS {
             return false;
         }
         let mut at = self.count;
@@ -148,7 +148,7 @@ impl NearbyLeaves {
     }
 
     fn all(&self) -> &[NearbyLeaf] {
-        &self.leaves[..self.count.min(MOST)]
+        &self.leaves[..self.count.min(MAX_SPANS)]
     }
 
     /// The number of unions that the leaves belong to.
@@ -229,7 +229,7 @@ impl<S: Simd> BundleEvaluation<'_, S> {
         uncertain: &mut Uncertain<S>,
     ) -> Option<bool> {
         let (mut count, mut is_met, mut of) = (0, true, NONE);
-        for near in &mut near.leaves[..near.count.min(MOST)] {
+        for near in &mut near.leaves[..near.count.min(MAX_SPANS)] {
             if near.union != of {
                 if !is_met {
                     return Some(false);
@@ -238,7 +238,7 @@ impl<S: Simd> BundleEvaluation<'_, S> {
             }
             let leaf = &carved.leaves[near.leaf as usize];
             (near.first, near.end) = (count, count + 1 + leaf.gaps);
-            if near.end > MOST {
+            if near.end > MAX_SPANS {
                 return None;
             }
             is_met |= self.leaf(&carved.facets[leaf.facets.clone()], count, ray, None, uncertain);

@@ -2,7 +2,7 @@
 
 use super::logic::{Step, Tape};
 use super::network::sort;
-use super::plan::{Difference, MOST, NONE, Plan, STEPS};
+use super::plan::{Difference, MAX_SPANS, NONE, Plan, STEPS};
 use super::starts::Begin;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -17,10 +17,10 @@ use rayweave_shape::lanes::{
 pub(super) struct Row(pub [f64; LANES]);
 
 /// The low bits of a key, which hold the index of an end of a span.
-pub(super) const CODE: u64 = 2 * MOST as u64 - 1;
+pub(super) const CODE: u64 = 2 * MAX_SPANS as u64 - 1;
 
 /// A row for each end of a span.
-pub(super) type Rows = [Row; 2 * MOST];
+pub(super) type Rows = [Row; 2 * MAX_SPANS];
 
 /// Per-thread memory for eight rays. Its size is fixed, so that indices need no bounds check.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ pub(super) struct Memory {
 
 impl Default for Memory {
     fn default() -> Self {
-        let rows = [Row([0.0; LANES]); 2 * MOST];
+        let rows = [Row([0.0; LANES]); 2 * MAX_SPANS];
         Memory { ends: rows, faces: rows, keys: rows }
     }
 }
@@ -218,7 +218,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
 
     #[inline(always)]
     fn keep(&mut self, span: usize, [from, to]: [Lanes<S>; 2], faces: [Lanes<S>; 2]) {
-        let (some, span) = (from.simd_lt(to), span % MOST);
+        let (some, span) = (from.simd_lt(to), span % MAX_SPANS);
         let (plus, minus) = (splat(self.simd, f64::INFINITY), splat(self.simd, f64::NEG_INFINITY));
         some.select(from, plus).store_array(&mut self.memory.ends[2 * span].0);
         some.select(to, minus).store_array(&mut self.memory.ends[2 * span + 1].0);
@@ -228,12 +228,12 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
 
     #[inline(always)]
     pub fn end(&self, code: usize) -> Lanes<S> {
-        Lanes::load_array_ref(self.simd, &self.memory.ends[code % (2 * MOST)].0)
+        Lanes::load_array_ref(self.simd, &self.memory.ends[code % (2 * MAX_SPANS)].0)
     }
 
     #[inline(always)]
     pub fn key(&self, k: usize) -> Lanes<S> {
-        Lanes::load_array_ref(self.simd, &self.memory.keys[k % (2 * MOST)].0)
+        Lanes::load_array_ref(self.simd, &self.memory.keys[k % (2 * MAX_SPANS)].0)
     }
 
     /// Finds the ends of spans at which the owner changes, and sorts them. Each key is the time with its low
@@ -289,7 +289,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
 
     #[inline(always)]
     pub fn set_key(&mut self, k: usize, key: Lanes<S>) {
-        key.store_array(&mut self.memory.keys[k % (2 * MOST)].0);
+        key.store_array(&mut self.memory.keys[k % (2 * MAX_SPANS)].0);
     }
 
     /// Lanes in which the owner changes at the end of a span at time `t`, and lanes in which another relevant
@@ -381,7 +381,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     /// The index of the span end at position `k` of a lane; `None` if the lane has fewer changes.
     #[inline(always)]
     pub fn code(&self, k: usize, lane: usize) -> Option<usize> {
-        let key = self.memory.keys[k % (2 * MOST)].0[lane % LANES];
+        let key = self.memory.keys[k % (2 * MAX_SPANS)].0[lane % LANES];
         (key < f64::INFINITY).then(|| (key.to_bits() & CODE) as usize)
     }
 

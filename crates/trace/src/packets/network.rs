@@ -4,7 +4,7 @@
 //! keys so that they stay in registers; more keys use insertion sort.
 
 use super::group::{Row, Rows};
-use super::plan::MOST;
+use super::plan::MAX_SPANS;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_shape::lanes::{LANES, Lanes};
@@ -67,13 +67,13 @@ pub(super) fn sort<S: Simd>(simd: S, rows: &mut Rows, count: usize) {
 #[inline(always)]
 fn insertion<S: Simd>(simd: S, rows: &mut Rows, count: usize) {
     for k in 1..count {
-        let mut key = Lanes::load_array_ref(simd, &rows[k % (2 * MOST)].0);
+        let mut key = Lanes::load_array_ref(simd, &rows[k % (2 * MAX_SPANS)].0);
         for other in &mut rows[..k] {
             let before = Lanes::load_array_ref(simd, &other.0);
             before.min(key).store_array(&mut other.0);
             key = before.max(key);
         }
-        key.store_array(&mut rows[k % (2 * MOST)].0);
+        key.store_array(&mut rows[k % (2 * MAX_SPANS)].0);
     }
 }
 
@@ -88,7 +88,7 @@ mod tests {
     fn all_zeros_and_ones_are_sorted() {
         for count in 0..=18usize {
             for bits in (0..1usize << count).step_by(LANES) {
-                let mut rows = [Row([f64::NAN; LANES]); 2 * MOST];
+                let mut rows = [Row([f64::NAN; LANES]); 2 * MAX_SPANS];
                 for (k, row) in rows[..count].iter_mut().enumerate() {
                     row.0 = std::array::from_fn(|lane| ((bits + lane) >> k & 1) as f64);
                 }

@@ -10,7 +10,7 @@ use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
 use super::places::{Carried, Step, slabs, unit_gradient};
-use super::plan::{Common, LARGE, MOST, Plan, SMALL, limits};
+use super::plan::{Common, LARGE, MAX_SPANS, Plan, SMALL, limits};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
@@ -96,7 +96,7 @@ impl Objects {
         let mut objects: Vec<Object> = order.iter().map(|&k| objects[k as usize].clone()).collect();
         let parts = reordered(&parts, &mut objects);
         let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
-        let is_few = leaves.sum::<usize>() <= MOST;
+        let is_few = leaves.sum::<usize>() <= MAX_SPANS;
         let condition = group.condition;
         Some(Objects { model: model.clone(), objects, parts, steps, boxes, condition, is_few })
     }
@@ -309,7 +309,7 @@ fn leaves(expression: &Expression, edge: Edge) -> Option<Vec<LeafId>> {
             Gate::Join(_, operands) => waiting.extend(operands.iter()),
             Gate::Empty | Gate::Universe => {}
         }
-        if found.len() + waiting.len() > 64 * MOST {
+        if found.len() + waiting.len() > 64 * MAX_SPANS {
             return None;
         }
     }

@@ -11,7 +11,7 @@ use rayweave_shape::surface::{Surface, delta_of};
 use std::sync::Arc;
 
 /// Largest number of spans of a plan: each has two ends, whose index fits six bits.
-pub(super) const MOST: usize = 32;
+pub(super) const MAX_SPANS: usize = 32;
 
 /// Largest number of instructions of each boolean function of a plan.
 pub(super) const STEPS: usize = 128;
@@ -140,7 +140,7 @@ impl Plan {
         let group = program.prototype(PrototypeId(0));
         let is_plain = program.regions().len() == 1 && program.regions()[0].medium != 0;
         match group.leaves.len() {
-            0..=MOST => Plan::of(program, model, group, group.expression.outputs(), is_plain),
+            0..=MAX_SPANS => Plan::of(program, model, group, group.expression.outputs(), is_plain),
             _ => None,
         }
     }
@@ -275,7 +275,7 @@ fn owner_far_out(logic: &mut Logic, outputs: &[Wire], bounded: &[usize]) -> Opti
 
 fn take(span_count: &mut usize) -> Option<usize> {
     *span_count += 1;
-    (*span_count <= MOST).then_some(*span_count - 1)
+    (*span_count <= MAX_SPANS).then_some(*span_count - 1)
 }
 
 /// True if the planes of a leaf exclude one side of the waist of a surface, as those of a frustum do.

@@ -2,7 +2,7 @@
 
 use super::roots::Roots;
 use super::sides::{Sides, Turned};
-use super::{Explanation, MOST_NODES, NoObserver, Observer, Stacks, Step, TooLarge, Tree};
+use super::{Explanation, MAX_NODES, NoObserver, Observer, Stacks, Step, TooLarge, Tree};
 use rayweave_math::Vec3;
 use rayweave_model::weld::{Change, LeafStates, Paused, Weld, attribute};
 use rayweave_model::{
@@ -55,11 +55,11 @@ impl SingleHit {
     /// An evaluator of a compiled model.
     ///
     /// # Errors
-    /// [`TooLarge`] if the trees of all groups together have more than [`MOST_NODES`] nodes; shared parts are
+    /// [`TooLarge`] if the trees of all groups together have more than [`MAX_NODES`] nodes; shared parts are
     /// duplicated at each use. This also bounds the stacks of a thread.
     pub fn new(program: Arc<Program>) -> Result<SingleHit, TooLarge> {
         let mut trees = Vec::with_capacity(program.prototypes().len());
-        let mut left = MOST_NODES;
+        let mut left = MAX_NODES;
         for group in program.prototypes() {
             let tree =
                 Tree::new(&group.expression.nodes().collect::<Vec<_>>(), group.expression.outputs(), left)?;

@@ -67,7 +67,7 @@ pub fn explain(program: &Arc<Program>, ray: Ray, window: Window) -> Result<Expla
 
 /// Largest number of entries kept in an explanation; further ones are only counted. A model of ten thousand
 /// leaves makes twice as many for each of its crossings.
-pub const MOST_ENTRIES: usize = 100_000;
+pub const MAX_ENTRIES: usize = 100_000;
 
 /// The record of how the answer for one ray was computed. Its `Display` prints it as text.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +93,7 @@ pub struct Question {
     /// The start time of the query, which may be -inf.
     pub t_min: f64,
     /// Every leaf query and every decision, in order, except those in sub-trees known to be constant from
-    /// here on; at most [`MOST_ENTRIES`] over all queries.
+    /// here on; at most [`MAX_ENTRIES`] over all queries.
     pub entries: Vec<Entry>,
     /// Number of entries omitted because their sub-tree is known to be constant.
     pub repeated: usize,
@@ -229,7 +229,7 @@ impl Explanation {
             found: Vec::new(),
             t_max: query.window.t_max(),
             resolved: Resolved::default(),
-            room: MOST_ENTRIES,
+            room: MAX_ENTRIES,
         };
         let start = evaluator.walk(ray, query, !starts.is_empty(), &mut level, &mut scratch, &mut recorder);
         let (questions, crossings) = (recorder.questions, recorder.found);

@@ -30,9 +30,9 @@ pub mod seed_view;
 pub use answer::{Next, Step};
 pub use evaluator::{SingleHit, SingleHitScratch};
 pub use explain::{
-    Entry, ExplainError, Explanation, Found, MOST_ENTRIES, Meaning, Operand, Question, What, explain,
+    Entry, ExplainError, Explanation, Found, MAX_ENTRIES, Meaning, Operand, Question, What, explain,
 };
 pub use next_change::{LeafAnswers, NoObserver, Observer, Stacks};
 pub use rule::{Op, Verdict, decide};
-pub use text::{ExplanationText, MOST_LINES};
-pub use tree::{Kind, MOST_NODES, Node, TooLarge, Tree};
+pub use text::{ExplanationText, MAX_LINES};
+pub use tree::{Kind, MAX_NODES, Node, TooLarge, Tree};

@@ -6,13 +6,13 @@ use std::fmt;
 use std::sync::Arc;
 
 /// Default number of lines of decisions.
-pub const MOST_LINES: usize = 1_000;
+pub const MAX_LINES: usize = 1_000;
 
 /// Inverse of the largest share of all lines that one query takes.
 const SHARE: usize = 10;
 
 /// Largest number of crossings printed at the end.
-const MOST_CROSSINGS: usize = 100;
+const MAX_CROSSINGS: usize = 100;
 
 /// Largest depth for which lines are indented.
 const DEEPEST: u32 = 12;
@@ -45,7 +45,7 @@ impl Explanation {
 
 impl fmt::Display for Explanation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.text(MOST_LINES).fmt(f)
+        self.text(MAX_LINES).fmt(f)
     }
 }
 
@@ -124,12 +124,12 @@ impl ExplanationText<'_> {
     fn summary(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "The ray starts in {}.", self.region(self.explanation.start.0))?;
         let crossings = &self.explanation.crossings;
-        for Found { crossing, face } in crossings.iter().take(MOST_CROSSINGS) {
+        for Found { crossing, face } in crossings.iter().take(MAX_CROSSINGS) {
             let [before, after] = [crossing.before, crossing.after].map(|region| self.region(region.0));
             let t = self.figures.text(crossing.t);
             writeln!(f, "At t = {t} it passes from {before} into {after}, through {face}.")?;
         }
-        if crossings.len() > MOST_CROSSINGS {
+        if crossings.len() > MAX_CROSSINGS {
             writeln!(f, "... and so on: {} crossings in all.", crossings.len())?;
         }
         if self.explanation.welded > 0 {

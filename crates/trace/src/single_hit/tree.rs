@@ -8,7 +8,7 @@ use std::fmt;
 
 /// Largest number of nodes over all groups of a model (2^22): 128 MiB of trees, and stacks of at most the
 /// same size per thread, if the tree is a chain.
-pub const MOST_NODES: u64 = 1 << 22;
+pub const MAX_NODES: u64 = 1 << 22;
 
 /// Error: the tree of the model would have too many nodes.
 ///

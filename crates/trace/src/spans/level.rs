@@ -1,6 +1,6 @@
 //! Memory for one group and a chunk of columns.
 
-use super::{MOST_PAIRS, WIDTH};
+use super::{MAX_PAIRS, WIDTH};
 use crate::accel::Accel;
 use crate::spans::column_query::ColumnQuery;
 use rayweave_model::{Event, LeafEvents, Query};
@@ -60,7 +60,7 @@ impl Touched {
         for column in queries.iter().take(WIDTH) {
             self.leaves.clear();
             column.touched(accel, query, &mut self.leaves);
-            if width > 0 && self.pairs.len() + self.leaves.len() > MOST_PAIRS {
+            if width > 0 && self.pairs.len() + self.leaves.len() > MAX_PAIRS {
                 break;
             }
             self.pairs.extend(self.leaves.iter().map(|&leaf| (leaf, width as u32)));

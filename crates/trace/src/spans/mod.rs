@@ -24,4 +24,4 @@ const WIDTH: usize = 128;
 
 /// Largest number of (leaf, column) pairs of a chunk of several columns. This bounds the memory of a chunk
 /// independently of the size of the model.
-const MOST_PAIRS: usize = 1 << 13;
+const MAX_PAIRS: usize = 1 << 13;

@@ -251,13 +251,13 @@ pub fn coordinate_break(decentre: [f64; 2], tilt_degrees: [f64; 3], tilts_first:
 }
 
 /// The maximum number of points across a pupil or, squared, in it: 3 GB for a hexapolar pattern.
-const MOST_POINTS: usize = 1 << 26;
+const MAX_POINTS: usize = 1 << 26;
 
 /// Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with that of points across.
 #[pyfunction]
 #[pyo3(signature = (kind, count))]
 pub fn pupil_points<'py>(py: Python<'py>, kind: &str, count: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let most = if kind.starts_with("fan") { MOST_POINTS } else { MOST_POINTS.isqrt() };
+    let most = if kind.starts_with("fan") { MAX_POINTS } else { MAX_POINTS.isqrt() };
     if count > most {
         return Err(bad_value(format!(
             "the pupil {kind:?} has a count of {count}: it must be at most {most}."

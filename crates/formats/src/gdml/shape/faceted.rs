@@ -260,12 +260,12 @@ pub(in crate::gdml) fn generic_polyhedra(corners: &[[f64; 2]], sides: u32, phi: 
 }
 
 /// Most faces of a polyhedra.
-const MOST_FACES: usize = 1_000_000;
+const MAX_FACES: usize = 1_000_000;
 
 /// Outward directions of the side faces of a solid with the given number of planes.
 fn side_normals(sides: u32, phi: Phi, planes: usize) -> Result<Vec<Vec3>, Failure> {
-    if planes.saturating_mul(sides as usize) > MOST_FACES {
-        return refused(format!("too many faces: more than {MOST_FACES}."));
+    if planes.saturating_mul(sides as usize) > MAX_FACES {
+        return refused(format!("too many faces: more than {MAX_FACES}."));
     }
     let step = phi.delta.min(360.0) / f64::from(sides.max(1));
     if sides == 0 || step >= 180.0 {

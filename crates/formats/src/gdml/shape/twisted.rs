@@ -11,7 +11,7 @@ use rayweave_shape::primitive::{BoxFromCorners, Quadric};
 /// Deviation of the side faces that is aimed at, relative to the largest distance of the solid from its axis.
 const DEVIATION: f64 = 1e-6;
 /// Most layers of a twisted solid.
-const MOST_LAYERS: usize = 1000;
+const MAX_LAYERS: usize = 1000;
 /// Sine of the angle below which the edges of a side face at both ends count as parallel before the twist.
 const PARALLEL: f64 = 1e-12;
 
@@ -47,7 +47,7 @@ pub(in crate::gdml) fn twisted(trapezoid: &Trapezoid, twist: f64) -> Result<Twis
     let mut waiting = vec![(-0.5 * trapezoid.z, 0.5 * trapezoid.z)];
     while let Some((low, high)) = waiting.pop() {
         let worst = lines.iter().map(|line| line.patch(low, high, reach).deviation).fold(0.0, f64::max);
-        if worst > target && heights.len() + waiting.len() < MOST_LAYERS {
+        if worst > target && heights.len() + waiting.len() < MAX_LAYERS {
             // of third order, except where the twist and the shape turn a line in opposite directions
             let parts = libm::cbrt(worst / target).ceil().clamp(2.0, 8.0);
             let at = |k: f64| if k == parts { high } else { low + (high - low) * (k / parts) };

@@ -16,11 +16,11 @@ use rayweave_model::Solid;
 use rayweave_shape::primitive::{Slab, Wedge};
 
 /// Most copies of one daughter.
-pub(super) const MOST: i64 = 1_000_000;
+pub(super) const MAX_COPIES: i64 = 1_000_000;
 /// Most copies of all replica volumes and divisions.
-const MOST_ALTOGETHER: usize = 4_000_000;
+const MAX_TOTAL_COPIES: usize = 4_000_000;
 /// Most copies of one daughter with their own dimensions, each of which is a volume.
-const MOST_VOLUMES: usize = 20_000;
+const MAX_VOLUMES: usize = 20_000;
 
 /// An optional length, or an angle in degrees along phi; 0 by default.
 pub(super) fn quantity(
@@ -83,7 +83,7 @@ type Spread = Vec<(Affine, Option<Shape>)>;
 fn within_limits(graph: &mut Graph, copies: Spread) -> Result<Spread, Failure> {
     graph.copies += copies.len();
     let volumes = copies.iter().filter(|(_, shape)| shape.is_some()).count();
-    match graph.copies > MOST_ALTOGETHER || volumes > MOST_VOLUMES {
+    match graph.copies > MAX_TOTAL_COPIES || volumes > MAX_VOLUMES {
         true => Err(Failure::Refused("they are too many".to_owned())),
         false => Ok(copies),
     }
@@ -168,7 +168,7 @@ fn divisions(row: Row, mother: Option<&Shape>, own: Option<&Shape>) -> Result<Sp
         (count, 0.0) => (count as f64, room / count as f64),
         (count, width) => (count as f64, width),
     };
-    if !(width > 0.0 && count >= 1.0 && count <= MOST as f64) {
+    if !(width > 0.0 && count >= 1.0 && count <= MAX_COPIES as f64) {
         return Err(Failure::Refused("neither its number nor its width is greater than 0".to_owned()));
     }
     let row = Row { count: count as usize, width, ..row };

@@ -4,7 +4,7 @@ use crate::kernel::Body;
 use rayweave_math::{Vec3, sin_cos_degrees};
 
 /// Most vertices of a circle.
-pub const MOST_AROUND: usize = 20_000;
+pub const MAX_AROUND: usize = 20_000;
 
 /// Profile of a solid of revolution about z: points (r, z) with the solid on the left. It runs from axis to axis or, if all
 /// radii are greater than 0, it is closed.
@@ -22,9 +22,9 @@ pub(in crate::write) fn circle_count(radius: f64, tolerance: f64) -> Result<usiz
     // 1 - cos x = 2 sin^2(x / 2), which avoids cancellation
     let half_angle = 2.0 * libm::asin(libm::sqrt(0.5 * tolerance / radius));
     let quarters = libm::ceil(0.25 * std::f64::consts::PI / half_angle).max(2.0);
-    match quarters * 4.0 <= MOST_AROUND as f64 {
+    match quarters * 4.0 <= MAX_AROUND as f64 {
         true => Ok(4 * quarters as usize),
-        false => Err(format!("more than {MOST_AROUND} corners around a circle")),
+        false => Err(format!("more than {MAX_AROUND} corners around a circle")),
     }
 }
 

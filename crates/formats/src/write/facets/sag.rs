@@ -8,7 +8,7 @@ use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;
 
 /// Most points of the grid.
-const MOST_POINTS: usize = 1 << 22;
+const MAX_POINTS: usize = 1 << 22;
 
 /// Grid over the surface z = sag(x, y) within an aperture.
 struct Grid<'a> {
@@ -29,7 +29,7 @@ pub(super) fn body(
     let mut grid = Grid { surface, aperture, rings: 4, around };
     while grid.worst() > 0.5 * tolerance {
         grid = Grid { rings: 2 * grid.rings, around: (3 * grid.around).div_ceil(8) * 4, ..grid };
-        if grid.rings * grid.around > MOST_POINTS {
+        if grid.rings * grid.around > MAX_POINTS {
             return Err(format!("its triangles are not within {tolerance:?} of it"));
         }
     }

@@ -11,7 +11,7 @@ use rayweave_shape::surface::{Quadric, Surface};
 type Sample = (f64, [f64; 2]);
 
 /// Most bisections of a piece of a profile.
-const MOST_HALVINGS: u32 = 20;
+const MAX_HALVINGS: u32 = 20;
 
 /// Finest grid: cells along the diagonal of the box.
 const FINEST: f64 = 300.0;
@@ -158,7 +158,7 @@ pub(super) fn sampled(at: impl Fn(f64) -> [f64; 2], tolerance: f64) -> Vec<[f64;
     }
     while let Some((a, b, depth)) = waiting.pop() {
         let middle = sample(0.5 * (a.0 + b.0));
-        if depth < MOST_HALVINGS && distance(middle.1, a.1, b.1) > tolerance {
+        if depth < MAX_HALVINGS && distance(middle.1, a.1, b.1) > tolerance {
             waiting.push((middle, b, depth + 1));
             waiting.push((a, middle, depth + 1));
         } else {

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 const EXTRA: usize = 12;
 
 /// Upper limit of parameter numbers; no type has so many.
-const MOST: usize = 500;
+const MAX_PARAMETER: usize = 500;
 
 /// The parameters of a surface, by number.
 #[derive(Clone, Debug, Default)]
@@ -22,8 +22,8 @@ pub(super) struct Parameters(BTreeMap<usize, f64>);
 impl Parameters {
     /// Stores a `PARM` value.
     pub fn set(&mut self, number: usize, value: f64) -> Result<(), String> {
-        if number > MOST {
-            return Err(format!("the surface has a parameter {number}: {MOST} at most."));
+        if number > MAX_PARAMETER {
+            return Err(format!("the surface has a parameter {number}: {MAX_PARAMETER} at most."));
         }
         self.0.insert(number, value);
         Ok(())

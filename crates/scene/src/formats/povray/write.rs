@@ -58,7 +58,7 @@ impl fmt::Display for PovRayError {
             ),
             PovRayError::TooLarge { region } => write!(
                 f,
-                "region `{region}` has more than {MOST} parts as it is written for POV-Ray: every copy of a solid is written out."
+                "region `{region}` has more than {MAX_PARTS} parts as it is written for POV-Ray: every copy of a solid is written out."
             ),
         }
     }
@@ -67,7 +67,7 @@ impl fmt::Display for PovRayError {
 impl std::error::Error for PovRayError {}
 
 /// The maximum number of shapes and operators of one region.
-const MOST: usize = 1_000_000;
+const MAX_PARTS: usize = 1_000_000;
 
 /// Ambient and diffuse reflection of a matt surface, the latter times the cosine of the angle to
 /// the light: the values of the headlight shading of this project.
@@ -320,7 +320,7 @@ impl Writer<'_> {
 
     fn limit(&mut self, more: usize) -> Result<(), PovRayError> {
         self.count = self.count.saturating_add(more);
-        match self.count > MOST {
+        match self.count > MAX_PARTS {
             true => Err(PovRayError::TooLarge { region: self.region.to_owned() }),
             false => Ok(()),
         }

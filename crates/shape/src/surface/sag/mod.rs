@@ -28,7 +28,7 @@ mod profile;
 mod zernike;
 
 pub use base::Base;
-pub use polynomial::MOST_DEGREE;
+pub use polynomial::MAX_DEGREE;
 pub use profile::Description;
 pub use zernike::{Zernike, zernike_terms};
 
@@ -77,9 +77,9 @@ pub enum SagError {
         /// Sum of the magnitudes of the terms at the rim.
         size: f64,
     },
-    /// A power or a number of coefficients beyond [`MOST_DEGREE`].
+    /// A power or a number of coefficients beyond [`MAX_DEGREE`].
     #[error(
-        "a term is of degree {degree}: at most {MOST_DEGREE} in x and y, and {MOST_DEGREE} coefficients in r. Is it needed?"
+        "a term is of degree {degree}: at most {MAX_DEGREE} in x and y, and {MAX_DEGREE} coefficients in r. Is it needed?"
     )]
     TooManyTerms {
         /// The degree, or the number of coefficients.
@@ -165,7 +165,7 @@ fn check(of: &Description) -> Result<(), SagError> {
     };
     let degree = of.mixed.iter().map(|&(i, j, _)| i as usize + j as usize);
     let degree = degree.chain([of.even.len(), of.odd.len()]).max().unwrap_or(0);
-    if degree > MOST_DEGREE {
+    if degree > MAX_DEGREE {
         return Err(SagError::TooManyTerms { degree });
     }
     let numbers =

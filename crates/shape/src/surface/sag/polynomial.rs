@@ -3,7 +3,7 @@
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
 /// Highest total degree of a polynomial in two variables.
-pub const MOST_DEGREE: usize = 30;
+pub const MAX_DEGREE: usize = 30;
 
 /// `c_0 + c_1 v + c_2 v^2 + ...`, for v in [-1, 1].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,7 +54,7 @@ impl Polynomial {
         if self.0.len() < 2 {
             return (Interval::point(0.0), Interval::point(0.0));
         }
-        let mut shifted = [0.0; 2 * MOST_DEGREE + 2];
+        let mut shifted = [0.0; 2 * MAX_DEGREE + 2];
         let coefficients = shifted.get_mut(..self.0.len());
         let Some(coefficients) = coefficients else { return (Interval::ALL, Interval::ALL) };
         coefficients.copy_from_slice(&self.0);
@@ -146,11 +146,11 @@ impl Bivariate {
     }
 
     /// Coefficients of the polynomial in s along `x = x0 + x1 s`, `y = y0 + y1 s`.
-    pub fn along(&self, x: [f64; 2], y: [f64; 2]) -> [f64; MOST_DEGREE + 1] {
-        let mut sum = [0.0; MOST_DEGREE + 1];
+    pub fn along(&self, x: [f64; 2], y: [f64; 2]) -> [f64; MAX_DEGREE + 1] {
+        let mut sum = [0.0; MAX_DEGREE + 1];
         for (k, row) in self.rows.iter().enumerate().rev() {
             times_linear(&mut sum, self.degree - k, x);
-            let mut own = [0.0; MOST_DEGREE + 1];
+            let mut own = [0.0; MAX_DEGREE + 1];
             for (j, c) in row.coefficients().iter().enumerate().rev() {
                 times_linear(&mut own, row.degree() - j, y);
                 own[0] += c;
@@ -182,8 +182,8 @@ pub(super) fn range(coefficients: &[f64], v: Interval) -> (Interval, Interval) {
 }
 
 /// Multiplies a polynomial of degree below `count` by `a[0] + a[1] s`.
-fn times_linear(c: &mut [f64; MOST_DEGREE + 1], count: usize, a: [f64; 2]) {
-    for k in (1..=count.min(MOST_DEGREE)).rev() {
+fn times_linear(c: &mut [f64; MAX_DEGREE + 1], count: usize, a: [f64; 2]) {
+    for k in (1..=count.min(MAX_DEGREE)).rev() {
         c[k] = c[k] * a[0] + c[k - 1] * a[1];
     }
     c[0] *= a[0];

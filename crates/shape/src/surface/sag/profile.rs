@@ -1,7 +1,7 @@
 //! Sag as a function of x and y: base plus terms.
 
 use super::base::{Base, Root, square_along};
-use super::polynomial::{Bivariate, Jet, MOST_DEGREE, Polynomial, derivatives, range};
+use super::polynomial::{Bivariate, Jet, MAX_DEGREE, Polynomial, derivatives, range};
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
 /// Description of a sag surface.
@@ -162,7 +162,7 @@ pub(super) struct Along<'a> {
 /// The terms in x and y as a polynomial in `s = (t - middle) / half`.
 #[derive(Clone, Debug)]
 struct Mixed {
-    coefficients: [f64; MOST_DEGREE + 1],
+    coefficients: [f64; MAX_DEGREE + 1],
     middle: f64,
     half: f64,
 }

@@ -4,7 +4,7 @@
 //! `R_n^m(rho) = sum over k of (-1)^k (n - k)! / (k! ((n + m) / 2 - k)! ((n - m) / 2 - k)!) rho^(n - 2 k)`
 //! (M. Born and E. Wolf, *Principles of Optics*, section 9.2.1).
 
-use super::MOST_DEGREE;
+use super::MAX_DEGREE;
 
 /// Numbering (from 1, for `Osa` from 0) and normalisation of Zernike polynomials.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub fn zernike_terms(order: Zernike, coefficients: &[f64], radius: f64) -> Vec<(
     for (place, &c) in coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
         let (n, m) = order.orders(place);
         // beyond the highest degree the values do not matter: the surface is refused
-        if n > MOST_DEGREE {
+        if n > MAX_DEGREE {
             terms.push((n as u32, 0, c));
             continue;
         }

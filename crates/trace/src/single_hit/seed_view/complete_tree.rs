@@ -5,7 +5,7 @@ use crate::single_hit::{Kind, Op, Tree};
 use std::ops::Range;
 
 /// Largest height that [`CompleteTree::view`] accepts: 2^21 - 1 slots.
-const MOST_HEIGHT: u32 = 20;
+const MAX_HEIGHT: u32 = 20;
 
 /// The content of a slot of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl CompleteTree {
                 _ => return None,
             };
             let (second, first) = (done.pop()?, done.pop()?);
-            if first.height.max(second.height) >= MOST_HEIGHT {
+            if first.height.max(second.height) >= MAX_HEIGHT {
                 return None;
             }
             done.push(CompleteTree::join(operator[usize::from(complemented)], &first, &second));
