@@ -4,7 +4,7 @@ use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, diff, diff_section};
-use rayweave::measure::Settings;
+use rayweave::measure::MeasureSettings;
 use rayweave::model::drive::Cancel;
 use rayweave::{AnalysisError, AnyEvaluator};
 
@@ -62,7 +62,7 @@ pub fn diff_columns<'py>(
         by,
         distance,
         across: cells,
-        measure: Settings {
+        measure: MeasureSettings {
             precision,
             confidence,
             most_rays,

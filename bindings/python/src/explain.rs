@@ -8,7 +8,8 @@ use pyo3::types::{PyDict, PyTuple, PyType};
 use rayweave::model::{Program, Window};
 use rayweave::shape::Ray;
 use rayweave::trace::single_hit::{
-    Entry, Explanation, ExplanationText, Found, MAX_LINES, Operand, Question, Step, Verdict, What,
+    Entry, ExplainedOperand, Explanation, ExplanationText, Found, MAX_LINES, Question, ValueStep, Verdict,
+    What,
 };
 
 use crate::error::bad_value;
@@ -143,12 +144,16 @@ fn entry<'py>(py: Python<'py>, text: &ExplanationText<'_>, entry: &Entry) -> PyR
     fields.set_item("depth", entry.depth)?;
     fields.set_item("rule", entry.what.rule())?;
     let (verdict, step, face, operands) = match &entry.what {
-        What::Leaf { answer, face_name, .. } => ("leaf", Step::from(*answer), face_name.as_deref(), &[][..]),
+        What::Leaf { answer, face_name, .. } => {
+            ("leaf", ValueStep::from(*answer), face_name.as_deref(), &[][..])
+        }
         What::Gate { operands, value, verdict } => {
             let (verdict, step) = match *verdict {
-                Verdict::Fixed(value) => ("settled", Step::constant(value)),
+                Verdict::Fixed(value) => ("settled", ValueStep::constant(value)),
                 Verdict::Changes(step) => ("changes", step),
-                Verdict::QueryAgain { t, .. } => ("ask again", Step { before: *value, after: *value, t }),
+                Verdict::QueryAgain { t, .. } => {
+                    ("ask again", ValueStep { before: *value, after: *value, t })
+                }
             };
             (verdict, step, None, &operands[..])
         }
@@ -162,7 +167,7 @@ fn entry<'py>(py: Python<'py>, text: &ExplanationText<'_>, entry: &Entry) -> PyR
     record!(py, "Entry", fields)
 }
 
-fn operand<'py>(py: Python<'py>, operand: &Operand) -> PyResult<Bound<'py, PyAny>> {
+fn operand<'py>(py: Python<'py>, operand: &ExplainedOperand) -> PyResult<Bound<'py, PyAny>> {
     let fields = PyDict::new(py);
     fields.set_item("node", &*operand.name)?;
     fields.set_item("complemented", operand.complemented)?;
@@ -170,7 +175,7 @@ fn operand<'py>(py: Python<'py>, operand: &Operand) -> PyResult<Bound<'py, PyAny
     record!(py, "Operand", fields)
 }
 
-fn answer(fields: &Bound<'_, PyDict>, step: Step) -> PyResult<()> {
+fn answer(fields: &Bound<'_, PyDict>, step: ValueStep) -> PyResult<()> {
     fields.set_item("before", step.before)?;
     fields.set_item("after", step.after)?;
     fields.set_item("t", step.t)

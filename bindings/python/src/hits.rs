@@ -8,7 +8,7 @@ use numpy::{Element, PyArray2, PyArrayMethods, PyReadwriteArray2, PyUntypedArray
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyTuple};
-use rayweave::model::{Evaluator, HitRows, Rays, Window};
+use rayweave::model::{Evaluator, HitArrayRows, Rays, Window};
 use rayweave::{AnyEvaluator, AnyScratch};
 
 use crate::arrays::{fresh_table, is_from_numpy, room, shape_text};
@@ -129,7 +129,7 @@ impl HitsQuestion<'_> {
         rays: Rays<'_>,
         mut places: Places<'_>,
     ) -> usize {
-        let mut rows = HitRows { times: &mut places.times, faces: &mut places.faces };
+        let mut rows = HitArrayRows { times: &mut places.times, faces: &mut places.faces };
         let most = evaluator.hits(rays, self.window, memory, &mut rows);
         self.most.fetch_max(most, Relaxed);
         most

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use rayweave::AnyEvaluator;
-use rayweave::infill::{Fillable, Filling, InfillError, LayerTraces, Layers, Raster, Run, Slices, infill};
+use rayweave::infill::{
+    Fillable, Filling, InfillError, InfillRun, LayerTraces, Layers, Raster, Slices, infill,
+};
 use rayweave::model::Program;
 
 use crate::arrays::list;
@@ -43,7 +45,7 @@ pub fn infill_columns<'py>(
     let py = subject.py();
     let raster = Raster::new(spacing, angle, phase).map_err(bad_value)?;
     let filling = Filling { raster, turn, alternate };
-    let run = Run { threads: threads.map(thread_argument).transpose()?, ..Run::default() };
+    let run = InfillRun { threads: threads.map(thread_argument).transpose()?, ..InfillRun::default() };
     let heights = layers.map(|layers| list(layers, "layers")).transpose()?;
     let table = match subject.cast::<PyPolygons>() {
         Ok(region) => {
@@ -112,7 +114,7 @@ impl From<InfillError> for Stopped {
     }
 }
 
-fn fill<F: Fillable>(fillable: &F, filling: &Filling, layers: &Layers, run: &Run) -> PyResult<Table> {
+fn fill<F: Fillable>(fillable: &F, filling: &Filling, layers: &Layers, run: &InfillRun) -> PyResult<Table> {
     let mut table = Table::default();
     infill(fillable, filling, layers, run, |layer| {
         table.add(&layer);

@@ -4,7 +4,7 @@ use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use rayweave::AnyEvaluator;
-use rayweave::measure::{Estimate, RegionReport, SceneReport, Settings, measure_scene};
+use rayweave::measure::{Estimate, MeasureSettings, RegionReport, SceneReport, measure_scene};
 use rayweave::model::drive::Cancel;
 
 use crate::engine::thread_argument;
@@ -44,7 +44,7 @@ pub fn measure_columns<'py>(
     let py = subject.py();
     let scene = scene(subject)?;
     let cancel = Cancel::new();
-    let settings = Settings {
+    let settings = MeasureSettings {
         precision,
         confidence,
         most_rays,
@@ -84,7 +84,7 @@ fn numbers(region: &RegionReport) -> [Estimate; NUMBERS] {
     let mut all = [UNKNOWN; NUMBERS];
     (all[0], all[1]) = (measured.volume, measured.area);
     all[2] = region.mass.unwrap_or(UNKNOWN);
-    all[3] = region.formula.map_or(UNKNOWN, |value| Estimate { value, half_width: 0.0 });
+    all[3] = region.exact_volume.map_or(UNKNOWN, |value| Estimate { value, half_width: 0.0 });
     all[4..7].copy_from_slice(&measured.centre.unwrap_or([UNKNOWN; 3]));
     all[7..].copy_from_slice(measured.inertia.as_flattened());
     all

@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayweave::AnyEvaluator;
 use rayweave::math::Vec3;
-use rayweave::picture::{Cut, Explosion, Opacity, Picture, PictureOptions, Sheet, SheetKind};
-use rayweave::render::{Plane, Size, Style};
+use rayweave::picture::{CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind};
+use rayweave::render::{PixelGrid, Size, Style};
 use rayweave::scene::{Camera, Projection};
 
 use crate::drawing::{Subject, draw, notebook_png, released};
@@ -65,7 +65,7 @@ impl RenderArguments<'_> {
             }
             scene = scene.seen();
             if let Some(cut) = &self.cut {
-                scene = cut.parse::<Cut>()?.apply(&scene)?;
+                scene = cut.parse::<CutAway>()?.apply(&scene)?;
             }
             if let Some(explode) = &self.explode {
                 scene = explode.parse::<Explosion>()?.apply(&scene)?;
@@ -144,7 +144,7 @@ pub fn sheet_svg(
     let kind = if is_one { SheetKind::One } else { SheetKind::Views };
     let options = arguments.options()?;
     released(py, arguments.threads()?, |run| {
-        let sheet = Sheet::draw(kind, scene, compiled, evaluator, &options, run)?;
+        let sheet = PictureSheet::draw(kind, scene, compiled, evaluator, &options, run)?;
         Ok(sheet.to_svg(title))
     })
 }
@@ -158,7 +158,7 @@ fn to_array(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAny>> {
     }
 }
 
-fn plain<T: Element>(py: Python<'_>, plane: Plane<T>) -> PyResult<Bound<'_, PyAny>> {
+fn plain<T: Element>(py: Python<'_>, plane: PixelGrid<T>) -> PyResult<Bound<'_, PyAny>> {
     let shape = (plane.height(), plane.width());
     let array = Array2::from_shape_vec(shape, plane.into_values()).map_err(bad_value)?;
     Ok(PyArray2::from_owned_array(py, array).into_any())
@@ -166,7 +166,7 @@ fn plain<T: Element>(py: Python<'_>, plane: Plane<T>) -> PyResult<Bound<'_, PyAn
 
 fn with_channels<T: Element, const N: usize>(
     py: Python<'_>,
-    plane: Plane<[T; N]>,
+    plane: PixelGrid<[T; N]>,
 ) -> PyResult<Bound<'_, PyAny>> {
     let shape = (plane.height(), plane.width(), N);
     let array = Array3::from_shape_vec(shape, plane.into_values().into_flattened()).map_err(bad_value)?;

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rayweave::model::drive::Cancel;
 use rayweave::section::{
-    By, CrossSection, SectionPart, SectionPlane, SectionSettings, Sweep, cross_sections, section_dxf,
+    By, CrossSection, SectionPart, SectionPlane, SectionRun, SectionSettings, cross_sections, section_dxf,
     section_svg,
 };
 use rayweave::{AnyEvaluator, Vec3};
@@ -149,7 +149,7 @@ pub fn section_list(
         other => return Err(bad_value(format!("by is '{other}': it can be medium or region."))),
     };
     let cancel = Cancel::new();
-    let sweep = Sweep { threads: threads.map(thread_argument).transpose()?, cancel: cancel.clone() };
+    let sweep = SectionRun { threads: threads.map(thread_argument).transpose()?, cancel: cancel.clone() };
     let settings = SectionSettings { by, tolerance, columns, within: within.map(bounds), sweep };
     let found = interruptible(py, &cancel, || {
         cross_sections(&scene, None, AnyEvaluator::maker(evaluator), &planes, &settings, &mut |_| ())

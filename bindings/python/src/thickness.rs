@@ -5,8 +5,8 @@ use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 use rayweave::model::drive::Cancel;
 use rayweave::picture::{PictureOptions, arrange};
-use rayweave::render::{Settings, Size};
-use rayweave::thickness::{Run, ThicknessMap};
+use rayweave::render::{RenderOptions, Size};
+use rayweave::thickness::{ThicknessMap, ThicknessRun};
 use rayweave::{AnyEvaluator, Compiled, Error};
 
 use crate::engine::thread_argument;
@@ -39,8 +39,8 @@ pub fn thickness_maps<'py>(
     let map = interruptible(py, &cancel, || {
         let compiled = Compiled::new(&scene)?;
         let evaluator = AnyEvaluator::new(evaluator, compiled.program.clone())?;
-        let mut run = Run { threads, cancel: cancel.clone(), progress: None };
-        let (camera, Settings { size, .. }) = arrange(&scene, &compiled, &options)?;
+        let mut run = ThicknessRun { threads, cancel: cancel.clone(), progress: None };
+        let (camera, RenderOptions { size, .. }) = arrange(&scene, &compiled, &options)?;
         let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
         let size = [size.width(), size.height()];
         Ok::<_, Error>(ThicknessMap::new(&compiled, &evaluator, size, ray, &mut run)?)

@@ -1,7 +1,7 @@
 //! Results of candidates as lists of times, and comparison of the results of two candidates.
 
 use rayweave::Evaluator;
-use rayweave::model::{FirstHits, HitRows, Rays};
+use rayweave::model::{FirstHits, HitArrayRows, Rays};
 use rayweave::{Error, Window};
 
 /// For every ray the times of its crossings, or only of the first.
@@ -89,7 +89,7 @@ pub fn full_lists<E: Evaluator>(evaluator: &E, rays: Rays<'_>) -> Lists {
     loop {
         let mut table = HitTable::new(most, rays.len());
         let (mut times, mut faces) = table.rows();
-        let mut rows = HitRows { times: &mut times, faces: &mut faces };
+        let mut rows = HitArrayRows { times: &mut times, faces: &mut faces };
         let needed = evaluator.hits(rays, Window::ALL, &mut evaluator.scratch(), &mut rows);
         if needed <= most {
             return table.lists();

@@ -34,7 +34,7 @@
 //! let tree = Bvh::of_items(&boxes, 1);
 //! let ray = tree.probe(Vec3::new(7.0, -5.0, 0.0), Vec3::Y, 1e-12, [0.0, f64::INFINITY]);
 //! let mut found = Vec::new();
-//! tree.touched(&ray, &mut found);
+//! tree.intersected_items(&ray, &mut found);
 //! assert_eq!(found, [7]);
 //! ```
 //!

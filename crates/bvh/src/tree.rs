@@ -52,8 +52,8 @@ impl Bvh<1> {
     }
 
     /// Appends the items whose boxes the ray passes.
-    pub fn touched(&self, probe: &Probe, out: &mut Vec<u32>) {
-        self.along(probe, |item| out.push(item.start as u32));
+    pub fn intersected_items(&self, probe: &Probe, out: &mut Vec<u32>) {
+        self.traverse(probe, |item| out.push(item.start as u32));
     }
 }
 
@@ -99,7 +99,7 @@ impl<const LEAF: usize> Bvh<LEAF> {
     }
 
     /// Calls `visit` with ranges of places: all items whose boxes the ray passes, in no order along it.
-    pub fn along(&self, probe: &Probe, mut visit: impl FnMut(Range<usize>)) {
+    pub fn traverse(&self, probe: &Probe, mut visit: impl FnMut(Range<usize>)) {
         dispatch!(self.level, simd => {
             let slabs = RaySlabs::new(simd, probe);
             self.walk(#[inline(always)] |node| slabs.passed(node).0, &mut visit);

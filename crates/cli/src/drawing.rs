@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use crate::terminal;
-use rayweave::picture::{PlacedPicture, Sheet};
+use rayweave::picture::{PictureSheet, PlacedPicture};
 use rayweave::render::Image;
 use resvg::tiny_skia::{ColorU8, IntSize, Pixmap, PixmapPaint, Transform};
 use resvg::usvg::{Options, Tree};
@@ -52,7 +52,7 @@ pub fn save(path: &Path, svg: &str) -> Result<(), Failure> {
 }
 
 /// Writes a sheet as SVG, or as PNG with one pixel per unit; `-` is SVG to standard output.
-pub fn save_sheet(path: &Path, sheet: &Sheet, title: &str) -> Result<(), Failure> {
+pub fn save_sheet(path: &Path, sheet: &PictureSheet, title: &str) -> Result<(), Failure> {
     if kind(path) != Some(Kind::Png) {
         return terminal::save(path, sheet.to_svg(title).as_bytes());
     }

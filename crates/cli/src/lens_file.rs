@@ -8,7 +8,7 @@ use rayweave::lens::analysis::{hexapolar, needs_aiming};
 use rayweave::lens::prescription::{FieldKind, IMAGE, Prescription, PrescriptionError, read_zmx};
 use rayweave::optics::file::OpticalScene;
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
-use rayweave::optics::{Beam, Settings};
+use rayweave::optics::{Beam, TraceSettings};
 use rayweave::scene::Unit;
 use std::path::Path;
 
@@ -64,7 +64,7 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let units = Unit::ALL.map(|(unit, ..)| unit);
     let unit = units.iter().find(near).map_or("", |unit| unit.symbol());
     let rays = (hexapolar(RINGS).len() * lens.lines.len()) as f64;
-    let settings = Settings { threshold: FAINTEST / rays, ..Settings::default() };
+    let settings = TraceSettings { threshold: FAINTEST / rays, ..TraceSettings::default() };
     let optics = OpticalScene { assembly, sources: Sources::new(sources), settings };
     let fields = lens.fields.iter().map(|&place| field_text(lens.field_kind, place, unit)).collect();
     Ok(Bench { optics, unit, image: Some(IMAGE), fields })

@@ -4,7 +4,7 @@ use rayweave_draw::picture::{Picture, PictureKind, PictureOptions, arrange};
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
 use rayweave_render::{
-    Background, Camera, LightKind, PALETTE, Projection, Rgba, Run, Settings, Size, Style, View,
+    Background, Camera, LightKind, PALETTE, Projection, RenderOptions, Rgba, Run, Size, Style, View,
 };
 use rayweave_scene::{Compiled, Scene, parse};
 use rayweave_trace::AnyEvaluator;
@@ -32,7 +32,7 @@ fn scene(more: &str) -> Scene {
     parse(&format!("{TWO}{more}")).unwrap().1
 }
 
-fn arranged(scene: &Scene, options: &PictureOptions) -> (Camera, Settings) {
+fn arranged(scene: &Scene, options: &PictureOptions) -> (Camera, RenderOptions) {
     arrange(scene, &Compiled::new(scene).unwrap(), options).unwrap()
 }
 

@@ -3,7 +3,7 @@
 use rayweave_formats::{Format, Imported, LossKind, Options, load, parse};
 use rayweave_math::Vec3;
 use rayweave_mesh::Mesh;
-use rayweave_mesh_io::{MeshFormat, WriteOptions, save};
+use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, save};
 use rayweave_model::{Evaluator, Program, RegionId};
 use rayweave_scene::{Diagnostics, Unit};
 use rayweave_trace::Weave;
@@ -69,7 +69,7 @@ fn every_format_of_meshes_is_a_model() {
     let folder = Folder::new("every");
     for format in MeshFormat::ALL {
         let path = folder.0.join(format!("part.{}", format.name()));
-        save(&cuboid([0.0; 3], [1.0, 2.0, 3.0]), &path, None, WriteOptions::default()).unwrap();
+        save(&cuboid([0.0; 3], [1.0, 2.0, 3.0]), &path, None, MeshWriteOptions::default()).unwrap();
         let imported = load(&path, None, &[], &Options::default()).unwrap();
         let scene = &imported.scene;
         assert_eq!((scene.regions.len(), scene.regions[0].name.as_str()), (1, "part"), "{format:?}");
@@ -95,7 +95,7 @@ fn units_are_the_files_or_as_requested() {
     let text = obj(&[("a", &cuboid([0.0; 3], [1.0; 3]))]);
     assert_eq!(read(&text, &inch).unwrap().scene.unit, Unit::Inch);
     let path = folder.0.join("part.3mf");
-    save(&cuboid([0.0; 3], [1.0; 3]), &path, None, WriteOptions::default()).unwrap();
+    save(&cuboid([0.0; 3], [1.0; 3]), &path, None, MeshWriteOptions::default()).unwrap();
     let refused = load(&path, None, &[], &inch).unwrap_err().to_string();
     assert!(
         refused.contains("the unit cannot be set to in: files of the format 3mf say theirs."),
@@ -271,7 +271,7 @@ fn mirrors_turn_triangles() {
     assert_eq!((region(&imported, [0.1, 0.1, -0.1]), region(&imported, [-9.1, 0.1, -0.1])), (1, 1));
 
     let path = folder.0.join("part.gltf");
-    save(&cuboid([0.0; 3], [1.0; 3]), &path, None, WriteOptions::default()).unwrap();
+    save(&cuboid([0.0; 3], [1.0; 3]), &path, None, MeshWriteOptions::default()).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let nodes = r#""nodes":[{"mesh":0,"scale":[-1,1,1],"translation":[7,0,0]}],"scene""#;
     let mirrored = text.replace(r#""nodes":[{"mesh":0}],"scene""#, nodes);

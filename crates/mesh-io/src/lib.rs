@@ -43,6 +43,6 @@ mod write;
 pub use error::{FileError, Location};
 pub use format::MeshFormat;
 pub use loaded::{LoadedMesh, MeshObject};
-pub use options::{ReadOptions, WriteOptions};
+pub use options::{MeshWriteOptions, ReadOptions};
 pub use read::{read, read_allowed, read_bytes};
 pub use write::{save, write, write_objects};

@@ -34,15 +34,15 @@ impl Default for ReadOptions {
 /// Options for writing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct WriteOptions {
+pub struct MeshWriteOptions {
     /// Writes text where the format has both a text and a binary form. Numbers in text are the shortest decimals that read back to
     /// the same bits.
     pub text: bool,
 }
 
-impl WriteOptions {
+impl MeshWriteOptions {
     /// The options with text or binary output.
-    pub fn with_text(self, text: bool) -> WriteOptions {
-        WriteOptions { text }
+    pub fn with_text(self, text: bool) -> MeshWriteOptions {
+        MeshWriteOptions { text }
     }
 }

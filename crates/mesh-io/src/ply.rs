@@ -7,7 +7,7 @@
 use crate::builder::{MeshBuilder, check_limit};
 use crate::text::write_point;
 use crate::tokens::{Tokens, excerpt};
-use crate::{FileError, LoadedMesh, Location, ReadOptions, WriteOptions};
+use crate::{FileError, LoadedMesh, Location, MeshWriteOptions, ReadOptions};
 use rayweave_math::Vec3;
 use rayweave_mesh::Mesh;
 use std::io::{self, BufRead, Read, Write};
@@ -330,7 +330,7 @@ fn values(from: &mut impl Scalars, property: &Property, mut take: impl FnMut(f64
     Ok(())
 }
 
-pub fn write(mesh: &Mesh, options: WriteOptions, to: &mut impl Write) -> io::Result<()> {
+pub fn write(mesh: &Mesh, options: MeshWriteOptions, to: &mut impl Write) -> io::Result<()> {
     let format = if options.text { "ascii" } else { "binary_little_endian" };
     writeln!(to, "ply\nformat {format} 1.0\ncomment rayweave\nelement vertex {}", mesh.vertices().len())?;
     writeln!(to, "property double x\nproperty double y\nproperty double z")?;

@@ -1,7 +1,7 @@
 //! Writing mesh files: dispatch by format, and atomic saving.
 
 use crate::read::unknown_format;
-use crate::{FileError, Location, MeshFormat, WriteOptions, gltf, obj, off, ply, stl, threemf};
+use crate::{FileError, Location, MeshFormat, MeshWriteOptions, gltf, obj, off, ply, stl, threemf};
 use rayweave_mesh::Mesh;
 use std::borrow::Cow;
 use std::fs::File;
@@ -15,7 +15,7 @@ use std::path::Path;
 pub fn write(
     mesh: &Mesh,
     format: MeshFormat,
-    options: WriteOptions,
+    options: MeshWriteOptions,
     to: impl Write,
 ) -> Result<(), FileError> {
     write_objects(&[("", mesh)], format, options, to)
@@ -29,7 +29,7 @@ pub fn write(
 pub fn write_objects(
     objects: &[(&str, &Mesh)],
     format: MeshFormat,
-    options: WriteOptions,
+    options: MeshWriteOptions,
     mut to: impl Write,
 ) -> Result<(), FileError> {
     match format {
@@ -71,7 +71,7 @@ pub fn save(
     mesh: &Mesh,
     path: &Path,
     format: Option<MeshFormat>,
-    options: WriteOptions,
+    options: MeshWriteOptions,
 ) -> Result<(), FileError> {
     let format = format.or_else(|| MeshFormat::from_path(path)).ok_or_else(|| unknown_format(path))?;
     let mut name = path.file_name().unwrap_or_default().to_os_string();

@@ -7,14 +7,14 @@ use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::Vec3;
 use rayweave_mesh::{Mesh, MeshError};
 use rayweave_mesh_io::{
-    FileError, LoadedMesh, MeshFormat, ReadOptions, WriteOptions, read, read_bytes, save, write,
+    FileError, LoadedMesh, MeshFormat, MeshWriteOptions, ReadOptions, read, read_bytes, save, write,
     write_objects,
 };
 use shapes::{cuboid, potato};
 
 fn written(mesh: &Mesh, format: MeshFormat, text: bool) -> Vec<u8> {
     let mut bytes = Vec::new();
-    write(mesh, format, WriteOptions::default().with_text(text), &mut bytes).unwrap();
+    write(mesh, format, MeshWriteOptions::default().with_text(text), &mut bytes).unwrap();
     bytes
 }
 
@@ -54,7 +54,7 @@ fn formats_follow_the_extension_and_files_are_renamed_when_complete() {
     let mesh = cuboid(Vec3::ZERO, Vec3::ONE);
     for format in MeshFormat::ALL {
         let path = folder.join(format!("part.{}", format.name().to_uppercase()));
-        save(&mesh, &path, None, WriteOptions::default()).unwrap();
+        save(&mesh, &path, None, MeshWriteOptions::default()).unwrap();
         assert_eq!(corners(&read(&path, None, &ReadOptions::default()).unwrap().mesh), corners(&mesh));
     }
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), MeshFormat::ALL.len());
@@ -376,7 +376,7 @@ fn objects_of_a_file_are_distinguished() {
     for format in MeshFormat::ALL {
         for text in [false, true] {
             let mut bytes = Vec::new();
-            write_objects(&objects, format, WriteOptions::default().with_text(text), &mut bytes).unwrap();
+            write_objects(&objects, format, MeshWriteOptions::default().with_text(text), &mut bytes).unwrap();
             let back = loaded(&bytes, format).unwrap();
             let all = [corners(&a), corners(&b)].concat();
             assert!(back.warnings.is_empty() && corners(&back.mesh) == all, "{format:?} {text}");

@@ -25,7 +25,7 @@ mod triangulate;
 
 pub use diagnosis::{Component, Diagnosis, Findings, Hole, Intersection, PairBudget};
 pub use error::MeshError;
-pub use line::{Crossing, Line, Perturbation};
+pub use line::{Line, MeshCrossing, Perturbation};
 pub use mesh::{Mesh, VertexWelder};
 pub use polyhedron::{Nearest, Polyhedron};
 pub use repair::{Repair, RepairOptions};

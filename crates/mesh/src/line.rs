@@ -30,7 +30,7 @@ pub type Perturbation = [Vec3; 4];
 
 /// A crossing of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Crossing {
+pub struct MeshCrossing {
     /// The time, in units of the direction.
     pub t: f64,
     /// The index of the triangle in the mesh.

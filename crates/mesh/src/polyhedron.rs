@@ -1,7 +1,7 @@
 //! The solid within a closed mesh: crossings of lines, point containment, nearest triangle.
 
 use crate::diagnosis::shells::Shells;
-use crate::line::{Crossing, Line, Perturbation, Shear, contains_origin, is_edge_on};
+use crate::line::{Line, MeshCrossing, Perturbation, Shear, contains_origin, is_edge_on};
 use crate::topology::{EdgeUse, SignedSets, by_edge, edge_uses};
 use crate::tree::TriangleTree;
 use crate::triangle::{self, Triangle};
@@ -199,7 +199,7 @@ impl Polyhedron {
     /// line on one side, the same for all triangles (`contains_origin`).
     ///
     /// `found` is cleared first.
-    pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<Crossing>) {
+    pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<MeshCrossing>) {
         self.crossings_with(line, perturbation, 0.0, found);
     }
 
@@ -210,7 +210,7 @@ impl Polyhedron {
         line: &Line,
         perturbation: &Perturbation,
         lengths: f64,
-        found: &mut Vec<Crossing>,
+        found: &mut Vec<MeshCrossing>,
     ) {
         found.clear();
         let Some(chord) = self.tree.chord(line) else {
@@ -244,16 +244,16 @@ impl Polyhedron {
         query: &Query,
         chord: (f64, f64),
         perturbation: &Perturbation,
-        found: &mut Vec<Crossing>,
+        found: &mut Vec<MeshCrossing>,
     ) -> Vec3 {
         let mut shift = Vec3::ZERO;
-        self.tree.along(&query.line, |range| {
+        self.tree.traverse(&query.line, |range| {
             for place in range {
                 let corners = self.corners(place);
                 let images = corners.map(|corner| query.shear.image(corner));
                 if contains_origin(images) {
                     let t = self.time(place, &query.timed);
-                    found.push(Crossing { t, triangle: self.numbers[place] });
+                    found.push(MeshCrossing { t, triangle: self.numbers[place] });
                 }
                 if query.delta >= 0.0 && is_edge_on(images, query.delta) {
                     shift = longer(shift, self.shift_out_of_face(place, query, chord, perturbation));
@@ -300,7 +300,12 @@ impl Polyhedron {
     }
 
     /// Like [`Polyhedron::contains`], with a reusable buffer for repeated calls.
-    pub fn contains_with(&self, point: Vec3, perturbation: &Perturbation, found: &mut Vec<Crossing>) -> bool {
+    pub fn contains_with(
+        &self,
+        point: Vec3,
+        perturbation: &Perturbation,
+        found: &mut Vec<MeshCrossing>,
+    ) -> bool {
         if !self.bounds.contains(point) {
             return false;
         }

@@ -69,13 +69,13 @@ impl TriangleTree {
     /// A triangle that the line misses, visited because of its neighbours in a leaf, can shift a line that lies in
     /// its plane ([`Polyhedron::crossings`](crate::Polyhedron::crossings)). Another division into leaves can
     /// therefore change times by rounding errors.
-    pub fn along(&self, line: &Line, visit: impl FnMut(Range<usize>)) {
+    pub fn traverse(&self, line: &Line, visit: impl FnMut(Range<usize>)) {
         if self.chord(line).is_none() {
             return;
         }
         let margin = MARGIN * self.half + self.slack(line.origin);
         let all = [f64::NEG_INFINITY, f64::INFINITY];
-        self.tree.along(&self.tree.probe(line.origin, line.direction, margin, all), visit);
+        self.tree.traverse(&self.tree.probe(line.origin, line.direction, margin, all), visit);
     }
 
     /// Calls `visit` with ranges of triangles that include every triangle whose box intersects this one.

@@ -5,10 +5,10 @@ mod shapes;
 use dashu::rational::RBig;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::{Affine, Vec3};
-use rayweave_mesh::{Crossing, Line, Mesh, MeshError, Polyhedron};
+use rayweave_mesh::{Line, Mesh, MeshCrossing, MeshError, Polyhedron};
 use shapes::{ASIDE, ball, both, cuboid, potato, torus, vector, winding};
 
-fn crossings(solid: &Polyhedron, line: &Line) -> Vec<Crossing> {
+fn crossings(solid: &Polyhedron, line: &Line) -> Vec<MeshCrossing> {
     let mut found = Vec::new();
     solid.crossings(line, &ASIDE, &mut found);
     found

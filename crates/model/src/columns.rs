@@ -1,7 +1,7 @@
 //! Results in columns, filled batch by batch: for tables, arrays and pictures, without a list or a callback
 //! per ray.
 //!
-//! - [`HitRows`]: the times at which each ray enters and leaves, as a hit array;
+//! - [`HitArrayRows`]: the times at which each ray enters and leaves, as a hit array;
 //! - [`FirstHits`]: the first crossing of each ray;
 //! - [`CrossingColumns`]: all crossings of each ray.
 //!
@@ -18,7 +18,7 @@ use std::ops::Range;
 /// the world, -inf first for a ray that is inside just after `t_min`; unused entries are +inf. A change from
 /// one such medium into another is not an entry.
 #[derive(Debug)]
-pub struct HitRows<'r, 'a> {
+pub struct HitArrayRows<'r, 'a> {
     /// The times, in units of the rays' directions: row by row, each as long as the batch.
     pub times: &'r mut [&'a mut [f64]],
     /// Face numbers ([`Program::face_number`]), -1 where there is none: as many rows as `times`, or no rows
@@ -26,7 +26,7 @@ pub struct HitRows<'r, 'a> {
     pub faces: &'r mut [&'a mut [i32]],
 }
 
-impl HitRows<'_, '_> {
+impl HitArrayRows<'_, '_> {
     /// Writes the column of one ray and returns its number of entries, including those for which there is no
     /// row.
     pub fn put(&mut self, program: &Program, answer: &RayAnswer<'_>) -> usize {

@@ -1,7 +1,7 @@
 //! The `Evaluator` trait, with its queries and answers: rays in, crossings out.
 
 use crate::{
-    BadRay, CrossingColumns, FirstHits, HitRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays,
+    BadRay, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays,
     RegionId, SurfaceId, columns::ColumnSink,
 };
 use rayweave_error::{Classified, ErrorKind};
@@ -308,7 +308,7 @@ pub trait Evaluator: Sync {
         rays: Rays<'_>,
         window: Window,
         scratch: &mut Self::Scratch,
-        rows: &mut HitRows<'_, '_>,
+        rows: &mut HitArrayRows<'_, '_>,
     ) -> usize {
         let (program, mut most) = (self.program(), 0);
         let mut sink = |answer: RayAnswer<'_>| most = most.max(rows.put(program, &answer));

@@ -41,7 +41,7 @@ mod trail;
 
 pub use approximate::{ApproximateColumns, ApproximateEvaluator};
 pub use chord::{Ball, chord};
-pub use columns::{CrossingColumns, FirstHits, HitRows};
+pub use columns::{CrossingColumns, FirstHits, HitArrayRows};
 pub use copies::Copies;
 pub use error::{CompileError, CompileProblem};
 pub use evaluator::{

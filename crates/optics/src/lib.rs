@@ -16,7 +16,7 @@
 //!
 //! ```
 //! use rayweave_model::Solid;
-//! use rayweave_optics::{Assembly, Beam, Element, Light, Medium, Settings, Tracer};
+//! use rayweave_optics::{Assembly, Beam, Element, Light, Medium, TraceSettings, Tracer};
 //! use rayweave_shape::primitive::{Primitive, Sphere};
 //! use rayweave_trace::Packets;
 //!
@@ -25,7 +25,7 @@
 //! let glass = Medium::constant("glass", 1.5, 0.0)?;
 //! let system = Assembly::new().add(Element::transparent("ball", ball, &glass)).compile()?;
 //! let beam: Beam = [Light::new([0.01, 0.0, -50.0], [0.0, 0.0, 1.0], 587.6)].into_iter().collect();
-//! let trace = Tracer::new(&system, Packets::new).trace(&beam, &Settings::default())?;
+//! let trace = Tracer::new(&system, Packets::new).trace(&beam, &TraceSettings::default())?;
 //! let last = trace.segments.iter().last().ok_or("no segment")?;
 //! let focus = last.start.z - last.start.x * last.direction.z / last.direction.x;
 //! assert!((focus - 15.0).abs() < 1e-4);
@@ -61,7 +61,7 @@ pub use medium::{Index, Medium};
 pub use paths::{Path, Paths};
 pub use phase::Phases;
 pub use segments::{Balance, Event, Segment, Segments};
-pub use settings::{Branches, Keep, Settings};
+pub use settings::{Branches, Keep, TraceSettings};
 pub use system::{Assembly, System};
 pub use trace::{Trace, Tracer};
 

@@ -8,7 +8,7 @@
 use crate::element::{Action, Finish};
 use crate::interface::{Amplitudes, Film, Stokes, diffract, fresnel, reflect, refract, transfer_matrix};
 use crate::segments::Event;
-use crate::settings::{Branches, Settings};
+use crate::settings::{Branches, TraceSettings};
 use crate::start_surfaces::ExitSide;
 use crate::system::{HitFace, Substance};
 use num_complex::Complex64;
@@ -60,7 +60,7 @@ impl Outcome {
 }
 
 impl Incident {
-    fn random(&self, settings: &Settings) -> ChaCha8Rng {
+    fn random(&self, settings: &TraceSettings) -> ChaCha8Rng {
         let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
         random.set_stream(self.stream);
         random
@@ -100,7 +100,7 @@ impl Incident {
         &self,
         (behind, index): (&Substance, Complex64),
         face: &HitFace<'_>,
-        settings: &Settings,
+        settings: &TraceSettings,
     ) -> Outcome {
         let behind = (behind, index);
         match face.finish {
@@ -142,7 +142,7 @@ impl Incident {
         (behind, index): (&Substance, Complex64),
         films: &[Film],
         normal: Vec3,
-        settings: &Settings,
+        settings: &TraceSettings,
     ) -> Outcome {
         let is_metal = match behind {
             Substance::Opaque => return Outcome::absorbed(),
@@ -194,7 +194,7 @@ impl Incident {
         through: Option<Vec3>,
         normal: Vec3,
         is_metal: bool,
-        settings: &Settings,
+        settings: &TraceSettings,
     ) -> Outcome {
         let back = self.with(found.reflected, reflect(self.direction, normal), normal, ExitSide::Incident);
         let Some(direction) = through else {
@@ -206,7 +206,7 @@ impl Incident {
     }
 
     /// Reflects a fraction of the light and transmits the rest, independent of polarisation.
-    fn split(&self, reflectance: f64, through: Vec3, settings: &Settings) -> Outcome {
+    fn split(&self, reflectance: f64, through: Vec3, settings: &TraceSettings) -> Outcome {
         let back = self.mirrored(reflectance);
         let amplitudes = [Complex64::from((1.0 - reflectance).sqrt()); 2];
         let on = self.with(amplitudes, through, self.normal, ExitSide::Transmitted);
@@ -217,7 +217,7 @@ impl Incident {
         self.choose(back, on, settings)
     }
 
-    fn choose(&self, back: Scattered, on: Scattered, settings: &Settings) -> Outcome {
+    fn choose(&self, back: Scattered, on: Scattered, settings: &TraceSettings) -> Outcome {
         match settings.branches {
             Branches::Ideal | Branches::Both => match (back.power > 0.0, on.power > 0.0) {
                 (true, true) => Outcome { event: Event::Split, rays: [Some(on), Some(back)] },
@@ -255,7 +255,7 @@ impl Incident {
 
     /// Diffuse reflection by Lambert's cosine law: uniform on the disk below the hemisphere
     /// (Malley's method).
-    fn diffuse(&self, reflectance: f64, settings: &Settings) -> Outcome {
+    fn diffuse(&self, reflectance: f64, settings: &TraceSettings) -> Outcome {
         let mut random = self.random(settings);
         let (radius, angle) = (random.random::<f64>().sqrt(), std::f64::consts::TAU * random.random::<f64>());
         let (u, v) = self.normal.any_orthonormal_pair();
@@ -277,7 +277,7 @@ impl Incident {
     /// for Refraction through Rough Surfaces*, EGSR 2007, section 4.1). Another one is drawn
     /// instead, so that the shadowed power is shared among the remaining directions, and none is
     /// lost. `ratio` is the index before over that behind.
-    fn sample_facet(&self, slope: f64, ratio: Option<f64>, settings: &Settings) -> Vec3 {
+    fn sample_facet(&self, slope: f64, ratio: Option<f64>, settings: &TraceSettings) -> Vec3 {
         let mut random = self.random(settings);
         // the draw of the branch comes from the same stream: it must not be the same number
         random.next_u64();
@@ -316,7 +316,7 @@ impl Incident {
         (frame, local): (&Affine, &Affine),
         point: Vec3,
         unit_nm: f64,
-        settings: &Settings,
+        settings: &TraceSettings,
     ) -> Outcome {
         let on = |direction| self.redirected(direction, ExitSide::Transmitted);
         match action {

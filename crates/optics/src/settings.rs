@@ -28,7 +28,7 @@ pub enum Keep {
 
 /// Settings of a light trace.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct TraceSettings {
     /// The branches at partial reflection.
     pub branches: Branches,
     /// Whether polarisation is traced; otherwise light is unpolarised at every interface.
@@ -49,9 +49,9 @@ pub struct Settings {
     pub cancel: Cancel,
 }
 
-impl Default for Settings {
-    fn default() -> Settings {
-        Settings {
+impl Default for TraceSettings {
+    fn default() -> TraceSettings {
+        TraceSettings {
             branches: Branches::Ideal,
             polarised: false,
             generation_limit: 1000,
@@ -65,7 +65,7 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl TraceSettings {
     /// True if the only event at polished faces is lossless refraction or total internal reflection.
     pub(crate) fn is_simple(&self) -> bool {
         self.branches == Branches::Ideal && !self.polarised

@@ -8,7 +8,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Evaluator, Solid};
 use rayweave_optics::component::Sheet;
 use rayweave_optics::{
-    Action, Assembly, Beam, Element, Keep, Light, Medium, Segment, Settings, System, Tracer,
+    Action, Assembly, Beam, Element, Keep, Light, Medium, Segment, System, TraceSettings, Tracer,
 };
 use rayweave_shape::primitive::HalfSpace;
 use rayweave_trace::{Packets, Reference};
@@ -34,7 +34,7 @@ fn rows_by_ray<E: Evaluator>(
     lights: &[Light],
     (keep, threshold): (Keep, f64),
 ) -> (Vec<Vec<String>>, [f64; 3]) {
-    let settings = Settings { keep, threshold, generation_limit: 40, ..Settings::default() };
+    let settings = TraceSettings { keep, threshold, generation_limit: 40, ..TraceSettings::default() };
     let trace = tracer.trace(&lights.iter().copied().collect::<Beam>(), &settings).unwrap();
     assert!(trace.balance.error().abs() < 1e-9 * lights.len() as f64);
     let mut rows = vec![Vec::new(); lights.len()];

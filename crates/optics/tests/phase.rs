@@ -6,7 +6,7 @@ use rayweave_model::Solid;
 use rayweave_optics::component::{Aperture, window};
 use rayweave_optics::interface::Film;
 use rayweave_optics::{
-    Assembly, Beam, Branches, Element, Event, Finish, Light, Medium, Phases, Segments, Settings, System,
+    Assembly, Beam, Branches, Element, Event, Finish, Light, Medium, Phases, Segments, System, TraceSettings,
     Tracer,
 };
 use rayweave_shape::primitive::{CentredBox, Primitive};
@@ -23,7 +23,7 @@ fn system(solid: Solid, n: f64, finish: Finish) -> System {
 
 fn traced(system: &System, origin: Vec3, direction: Vec3, nm: f64) -> (Segments, Phases) {
     let light = Light::new(origin, direction, nm);
-    let settings = Settings { branches: Branches::Both, threshold: 1e-26, ..Settings::default() };
+    let settings = TraceSettings { branches: Branches::Both, threshold: 1e-26, ..TraceSettings::default() };
     let tracer = Tracer::new(system, Weave::new);
     let trace = tracer.trace(&[light].into_iter().collect::<Beam>(), &settings).unwrap();
     let phases = tracer.phases(&trace.segments);

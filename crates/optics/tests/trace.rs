@@ -10,13 +10,13 @@ use rayweave_optics::component::Sheet;
 use rayweave_optics::interface::{Film, Stokes, fresnel};
 use rayweave_optics::{
     Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Material, Medium, OpticsError,
-    Segment, Settings, System, Trace, Tracer,
+    Segment, System, Trace, TraceSettings, Tracer,
 };
 use rayweave_shape::primitive::{Ellipsoid, HalfSpace, Paraboloid, Prism};
 use rayweave_trace::{Packets, Reference};
 use std::num::NonZeroUsize;
 
-fn one(system: &System, light: Light, settings: &Settings) -> Vec<Segment> {
+fn one(system: &System, light: Light, settings: &TraceSettings) -> Vec<Segment> {
     trace(system, &Beam::from_iter([light]), settings).segments.iter().collect()
 }
 
@@ -39,7 +39,7 @@ fn a_plate_shifts_light_sideways() {
     let system = Assembly::new().add(plate).compile().unwrap();
     let (sine, cosine) = 40.0_f64.to_radians().sin_cos();
     let light = Light::new(Vec3::new(-20.0 * sine, 0.0, -20.0 * cosine), Vec3::new(sine, 0.0, cosine), D_NM);
-    let rows = one(&system, light, &Settings::default());
+    let rows = one(&system, light, &TraceSettings::default());
     assert_eq!(
         rows.iter().map(|row| row.event).collect::<Vec<_>>(),
         [Event::Transmitted, Event::Transmitted, Event::Escaped]
@@ -64,7 +64,7 @@ fn lenses_agree_with_a_sequential_trace() {
     let lens = ball(r).translate(centre(1.0)) & ball(r).translate(centre(-1.0)) & rod(15.0, 20.0);
     let system = Assembly::new().add(Element::transparent("lens", lens, &glass(n))).compile().unwrap();
     for [x, y] in disk(500, 14.5) {
-        let rows = one(&system, along_z(x, y), &Settings::default());
+        let rows = one(&system, along_z(x, y), &TraceSettings::default());
         let (h, d) = (x.hypot(y), rows[2].direction);
         // angles against the axis: at the first surface and at the second one
         let (z1, i1) = (r - thickness / 2.0 - (r * r - h * h).sqrt(), (h / r).asin());
@@ -95,7 +95,7 @@ fn a_prism_deviates_least_when_passed_symmetrically() {
         let tangent = Vec3::new(0.75_f64.sqrt(), -0.5, 0.0);
         let d = -incidence.cos() * normal + incidence.sin() * tangent;
         let light = Light::new(10.0 * normal - 30.0 * d, d, D_NM);
-        let rows = one(&system, light, &Settings::default());
+        let rows = one(&system, light, &TraceSettings::default());
         assert_eq!(rows.len(), 3, "{rows:?}");
         d.angle_between(rows[2].direction)
     };
@@ -114,7 +114,7 @@ fn parabolas_and_ellipsoids_focus_perfectly() {
     let system = Assembly::new().add(Element::mirror("dish", dish)).add(screen).compile().unwrap();
     let rays = disk(1000, 15.0).filter(|[x, y]| x.hypot(*y) > 2.0);
     let beam: Beam = rays.map(|[x, y]| Light::new(Vec3::new(x, y, 90.0), -Vec3::Z, D_NM)).collect();
-    let found = trace(&system, &beam, &Settings::default());
+    let found = trace(&system, &beam, &TraceSettings::default());
     let ends: Vec<Segment> = found.segments.iter().filter(|row| row.element == 1).collect();
     assert_eq!(ends.len(), beam.len());
     for row in ends {
@@ -132,7 +132,7 @@ fn parabolas_and_ellipsoids_focus_perfectly() {
         .unwrap();
     for [x, y] in disk(300, 0.9) {
         let d = Vec3::new(x, y, (1.0 - x * x - y * y).sqrt());
-        let rows = one(&system, Light::new(-3.0 * Vec3::X, d, D_NM), &Settings::default());
+        let rows = one(&system, Light::new(-3.0 * Vec3::X, d, D_NM), &TraceSettings::default());
         assert_eq!((rows.len(), rows[1].element), (2, 1), "{rows:?}");
         near(rows[1].path, 10.0, 2e-6);
     }
@@ -166,14 +166,14 @@ fn nothing_is_seen_between_cemented_lenses() {
             Light { ray: light.ray.transformed(&map), ..light }
         })
         .collect();
-    let found = trace(&system, &beam, &Settings::default());
+    let found = trace(&system, &beam, &TraceSettings::default());
     let mut indices = vec![Vec::new(); beam.len()];
     found.segments.iter().for_each(|row| indices[row.id as usize].push(row.index));
     for (ray, indices) in indices.iter().enumerate() {
         assert_eq!(*indices, [1.333, 1.5168, 1.62, 1.333], "ray {ray}");
     }
     // the same from the reference evaluator
-    let truth = Tracer::new(&system, Reference::new).trace(&beam, &Settings::default()).unwrap();
+    let truth = Tracer::new(&system, Reference::new).trace(&beam, &TraceSettings::default()).unwrap();
     assert!(is_same(&truth, &found));
 }
 
@@ -187,9 +187,9 @@ fn light_finds_its_way_back() {
         .unwrap();
     for [x, y] in disk(300, 10.0) {
         let light = Light::new(Vec3::new(x, y, -50.0), Vec3::new(0.01, 0.002 * x, 1.0), D_NM);
-        let out = one(&system, light, &Settings::default()).last().copied().unwrap();
+        let out = one(&system, light, &TraceSettings::default()).last().copied().unwrap();
         let back = Light::new(out.start + 30.0 * out.direction, -out.direction, D_NM);
-        let home = one(&system, back, &Settings::default()).last().copied().unwrap();
+        let home = one(&system, back, &TraceSettings::default()).last().copied().unwrap();
         near((home.direction + light.ray.direction.normalize()).length(), 0.0, 1e-13);
         let offset = (light.ray.origin - home.start).cross(home.direction).length();
         near(offset, 0.0, 1e-12);
@@ -222,7 +222,7 @@ fn power_is_neither_made_nor_lost() {
         .collect();
     for branches in [Branches::Ideal, Branches::Both, Branches::Random] {
         for polarised in [false, true] {
-            let settings = Settings { branches, polarised, threshold: 1e-2, ..Settings::default() };
+            let settings = TraceSettings { branches, polarised, threshold: 1e-2, ..TraceSettings::default() };
             let found = trace(&system, &beam, &settings).balance;
             near(found.emitted, 250.0, 1e-9);
             near(found.error(), 0.0, 1e-9 * found.emitted);
@@ -248,14 +248,14 @@ fn random_choices_agree_with_both_ways_in_the_mean() {
             trace.segments.iter().filter(|row| row.event == Event::Escaped && row.direction.z > 0.0);
         escaped.map(|row| row.intensity).sum::<f64>() / trace.balance.emitted
     };
-    let polarised = Settings { polarised: true, threshold: 1e-12, ..Settings::default() };
+    let polarised = TraceSettings { polarised: true, threshold: 1e-12, ..TraceSettings::default() };
     let both = trace(
         &system,
         &Beam::from_iter([beam.get(0)]),
-        &Settings { branches: Branches::Both, ..polarised.clone() },
+        &TraceSettings { branches: Branches::Both, ..polarised.clone() },
     );
     near(forward(&both), expected, 1e-10);
-    let random = trace(&system, &beam, &Settings { branches: Branches::Random, ..polarised });
+    let random = trace(&system, &beam, &TraceSettings { branches: Branches::Random, ..polarised });
     // five standard deviations of a binomial
     near(forward(&random), expected, 5.0 * (expected * (1.0 - expected) / f64::from(count)).sqrt());
 }
@@ -267,8 +267,12 @@ fn brewster_plates_polarise() {
     let system = Assembly::new().add(plate).compile().unwrap();
     let theta = n.atan();
     let d = Vec3::new(theta.sin(), 0.0, theta.cos());
-    let settings =
-        Settings { branches: Branches::Both, polarised: true, threshold: 1e-15, ..Settings::default() };
+    let settings = TraceSettings {
+        branches: Branches::Both,
+        polarised: true,
+        threshold: 1e-15,
+        ..TraceSettings::default()
+    };
     let p_light = Light { stokes: Stokes::linear(1.0, d, Vec3::X), ..Light::new(-20.0 * d, d, D_NM) };
     let through: f64 = one(&system, p_light, &settings)
         .iter()
@@ -292,7 +296,7 @@ fn absorption_follows_beer_and_lambert() {
     let filter = Medium::constant("filter", 1.5, k).unwrap();
     let plate = Element::transparent("plate", block(40.0, 40.0, 10.0), &filter);
     let system = Assembly::new().add(plate).compile().unwrap();
-    let rows = one(&system, along_z(1.0, 2.0), &Settings::default());
+    let rows = one(&system, along_z(1.0, 2.0), &TraceSettings::default());
     near(rows[2].intensity, 0.99_f64.powi(10), 1e-13);
 }
 
@@ -307,7 +311,7 @@ fn sheets_stop_record_and_bend() {
         .compile()
         .unwrap();
     for [x, y] in disk(500, 15.0) {
-        let rows = one(&system, along_z(x, y), &Settings::default());
+        let rows = one(&system, along_z(x, y), &TraceSettings::default());
         let names: Vec<&str> = rows.iter().map(|row| system.surface_name(row.surface as usize)).collect();
         if x.hypot(y) > 5.0 {
             assert_eq!(names, ["before", "stop"]);
@@ -330,7 +334,7 @@ fn gratings_obey_their_equation() {
     let system = Assembly::new().add(Element::sheet("grating", plane(0.0, 50.0), grating)).compile().unwrap();
     let (sine, cosine) = 20.0_f64.to_radians().sin_cos();
     let light = Light::new(Vec3::new(-sine, 0.0, -cosine) * 10.0, Vec3::new(sine, 0.0, cosine), 500.0);
-    let rows = one(&system, light, &Settings::default());
+    let rows = one(&system, light, &TraceSettings::default());
     // sin(b) = sin(a) + m wavelength / d
     near(rows[1].direction.x, sine + 600.0 * 500e-6, 1e-15);
     assert!(rows[1].direction.z < 0.0);
@@ -348,7 +352,7 @@ fn stretched_gratings_have_fewer_lines() {
         one(
             &Assembly::new().add(Element::sheet("grating", sheet, action)).compile().unwrap(),
             light,
-            &Settings::default(),
+            &TraceSettings::default(),
         )[1]
     };
     let lines = Vec3::new(600.0, 100.0, 0.0);
@@ -376,7 +380,7 @@ fn thin_lenses_make_spheres_of_plane_wavefronts() {
         .compile()
         .unwrap();
     for [x, y] in disk(40, 20.0) {
-        let rows = one(&system, along_z(x, y), &Settings::default());
+        let rows = one(&system, along_z(x, y), &TraceSettings::default());
         near(rows[1].path, 80.0, 1e-13);
     }
 }
@@ -394,8 +398,11 @@ fn gratings_tilt_wavefronts() {
         let phase = |x: f64, y: f64| {
             let foot = Vec3::new(x, y, 0.0);
             // from a plane perpendicular to the ray, so that all have the same path
-            let rows =
-                one(&system, Light::new(foot - (50.0 + foot.dot(d)) * d, d, 500.0), &Settings::default());
+            let rows = one(
+                &system,
+                Light::new(foot - (50.0 + foot.dot(d)) * d, d, 500.0),
+                &TraceSettings::default(),
+            );
             let last = rows[1];
             // back to the plane through the origin, perpendicular to the ray that leaves
             last.path - last.start.dot(last.direction)
@@ -418,7 +425,8 @@ fn rough_faces_send_light_to_the_right_side() {
             let (s, c) = degrees.to_radians().sin_cos();
             let light = Light::new(Vec3::new(-s, 0.0, -c), Vec3::new(s, 0.0, c), D_NM);
             let beam: Beam = (0..200).map(|_| light).collect();
-            let settings = Settings { branches: Branches::Both, generation_limit: 2, ..Settings::default() };
+            let settings =
+                TraceSettings { branches: Branches::Both, generation_limit: 2, ..TraceSettings::default() };
             let found = trace(&system, &beam, &settings);
             near(found.balance.error(), 0.0, 1e-11);
             let first = found.segments.iter().filter(|row| row.generation == 1);
@@ -443,7 +451,7 @@ fn light_sees_the_facets_that_are_turned_to_it() {
         let system = Assembly::new().add(metal.finish(Finish::Rough { slope })).compile().unwrap();
         let light = Light::new(Vec3::new(-s, 0.0, c), Vec3::new(s, 0.0, -c), D_NM);
         let count = 40_000;
-        let found = trace(&system, &(0..count).map(|_| light).collect(), &Settings::default());
+        let found = trace(&system, &(0..count).map(|_| light).collect(), &TraceSettings::default());
         let after = found.segments.iter().filter(|row| row.generation == 1);
         let slopes = after.map(|row| {
             let facet = row.direction - light.ray.direction;
@@ -465,7 +473,7 @@ fn crossed_polarisers_let_nothing_pass_and_a_third_between_them_a_quarter_of_a_h
         let action = Action::Polariser { axis: Vec3::new(cosine, sine, 0.0) };
         Element::sheet(&format!("at {z}"), plane(z, 50.0), action)
     };
-    let settings = Settings { polarised: true, ..Settings::default() };
+    let settings = TraceSettings { polarised: true, ..TraceSettings::default() };
     let power =
         |system: &System| trace(system, &Beam::from_iter([along_z(0.1, 0.2)]), &settings).balance.escaped;
     let crossed = Assembly::new().add(at(0.0, 0.0)).add(at(1.0, 90.0));
@@ -481,7 +489,7 @@ fn corner_cubes_send_light_back() {
     for [x, y] in disk(300, 3.0) {
         let d = -Vec3::new(1.0 + 0.02 * x, 1.1 + 0.03 * y, 0.9).normalize();
         let origin = Vec3::new(3.0 + 0.3 * x, 4.0, 3.5 + 0.3 * y);
-        let rows = one(&system, Light::new(origin, d, D_NM), &Settings::default());
+        let rows = one(&system, Light::new(origin, d, D_NM), &TraceSettings::default());
         let last = rows.last().unwrap();
         assert_eq!((rows.len(), last.event), (4, Event::Escaped));
         near((last.direction + d).length(), 0.0, 1e-15);
@@ -504,10 +512,10 @@ fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
             .add(silver)
             .compile()
             .unwrap();
-        let rows = one(&system, along_z(1.0, 0.5), &Settings::default());
+        let rows = one(&system, along_z(1.0, 0.5), &TraceSettings::default());
         assert_eq!(rows[1].event, Event::Reflected, "{rows:?}");
         // light beside the spot is transmitted, whatever the names of the leaves
-        let beside = one(&system, along_z(5.0, 0.5), &Settings::default());
+        let beside = one(&system, along_z(5.0, 0.5), &TraceSettings::default());
         assert_eq!(beside[1].event, Event::Transmitted, "{beside:?}");
     }
 }
@@ -523,11 +531,11 @@ fn results_do_not_depend_on_threads() {
         .unwrap();
     let beam: Beam = disk(10_000, 11.0).map(|[x, y]| along_z(x, y)).collect();
     let with = |threads| {
-        let settings = Settings {
+        let settings = TraceSettings {
             branches: Branches::Random,
             polarised: true,
             threads: NonZeroUsize::new(threads),
-            ..Settings::default()
+            ..TraceSettings::default()
         };
         trace(&system, &beam, &settings)
     };
@@ -543,9 +551,9 @@ fn rays_in_bundles_get_the_bits_of_rays_alone() {
     let turned = lens.rotate(Vec3::new(0.3, -0.5, 0.8), 11.0).translate(Vec3::new(0.3, -0.7, 1.1));
     let system = Assembly::new().add(Element::transparent("lens", turned, &glass(1.5168))).compile().unwrap();
     let lights: Vec<Light> = disk(512, 10.0).map(|[x, y]| along_z(x, y)).collect();
-    let together = trace(&system, &lights.iter().copied().collect(), &Settings::default());
+    let together = trace(&system, &lights.iter().copied().collect(), &TraceSettings::default());
     for (id, light) in lights.into_iter().enumerate() {
-        let alone = one(&system, light, &Settings::default());
+        let alone = one(&system, light, &TraceSettings::default());
         let own = together.segments.iter().filter(|row| row.id == id as i64);
         let text = |row: Segment| format!("{:?}", Segment { id: 0, parent: 0, ..row });
         assert_eq!(alone.into_iter().map(text).collect::<Vec<_>>(), own.map(text).collect::<Vec<_>>());
@@ -563,9 +571,9 @@ fn ends_alone_are_the_last_rows_of_all() {
         .unwrap();
     let beam: Beam = disk(5000, 14.0).map(|[x, y]| along_z(x, y)).collect();
     for branches in [Branches::Ideal, Branches::Both] {
-        let settings = Settings { branches, threshold: 1e-3, ..Settings::default() };
+        let settings = TraceSettings { branches, threshold: 1e-3, ..TraceSettings::default() };
         let all = trace(&system, &beam, &settings);
-        let ends = trace(&system, &beam, &Settings { keep: Keep::Ends, ..settings });
+        let ends = trace(&system, &beam, &TraceSettings { keep: Keep::Ends, ..settings });
         let mut goes_on = vec![false; all.segments.len()];
         all.segments.parent.iter().filter(|&&row| row >= 0).for_each(|&row| goes_on[row as usize] = true);
         let is_last = |row: &Segment| [Event::Absorbed, Event::Escaped].contains(&row.event);
@@ -602,14 +610,17 @@ fn what_is_wrong_is_named() {
     let ultraviolet = Beam::from_iter([Light { wavelength_nm: 250.0, ..along_z(0.0, 0.0) }]);
     let system = Assembly::new().add(crown).compile().unwrap();
     assert_eq!(
-        Tracer::new(&system, Packets::new).trace(&ultraviolet, &Settings::default()).unwrap_err().to_string(),
+        Tracer::new(&system, Packets::new)
+            .trace(&ultraviolet, &TraceSettings::default())
+            .unwrap_err()
+            .to_string(),
         "ray 0 has a wavelength of 250 nm: the index of `N-BK7` is known from 300 nm to 2500 nm."
     );
     let system = Assembly::new().add(lens()).compile().unwrap();
     let tracer = Tracer::new(&system, Packets::new);
     let problem = |bad: Light| {
         let lights = (0..3000).map(|k| if k == 2500 { bad } else { along_z(0.0, 0.0) });
-        tracer.trace(&lights.collect::<Beam>(), &Settings::default()).unwrap_err().to_string()
+        tracer.trace(&lights.collect::<Beam>(), &TraceSettings::default()).unwrap_err().to_string()
     };
     let good = along_z(0.0, 0.0);
     assert_eq!(

@@ -6,7 +6,7 @@ use std::fmt;
 /// An edge of a contour, by the indices of its given vertices. `to` does not follow `from` directly if repeated or collinear
 /// vertices between them were removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Edge {
+pub struct ContourEdge {
     /// The index of the contour.
     pub contour: usize,
     /// The index of the first vertex.
@@ -15,7 +15,7 @@ pub struct Edge {
     pub to: usize,
 }
 
-impl fmt::Display for Edge {
+impl fmt::Display for ContourEdge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "contour {}, edge from vertex {} to vertex {}", self.contour, self.from, self.to)
     }
@@ -59,9 +59,9 @@ pub enum PolygonError {
     )]
     Touching {
         /// One of the edges.
-        first: Edge,
+        first: ContourEdge,
         /// The other one.
-        second: Edge,
+        second: ContourEdge,
     },
     /// A contour has the wrong orientation for its nesting.
     #[error("contour {contour} {}", orientation(*.clockwise, *.parent))]

@@ -30,7 +30,7 @@ mod point;
 mod prism;
 mod sweep;
 
-pub use error::{Edge, LineError, PolygonError};
+pub use error::{ContourEdge, LineError, PolygonError};
 pub use formula::{HalfPlane, Operator};
 pub use line::Scan;
 pub use point::Point;
@@ -181,9 +181,9 @@ impl Polygons {
     }
 
     /// An edge by its index, which is less than [`Polygons::edge_count`].
-    pub fn edge(&self, number: u32) -> Edge {
+    pub fn edge(&self, number: u32) -> ContourEdge {
         let (from, to) = (number as usize, self.next[number as usize] as usize);
-        Edge {
+        ContourEdge {
             contour: self.numbers[self.contour[from] as usize],
             from: self.original[from] as usize,
             to: self.original[to] as usize,

@@ -5,7 +5,7 @@ mod support;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_math::perturbation_direction;
 use rayweave_model::{Evaluator, Program, Query};
-use rayweave_polygon::{Edge, HalfPlane, Operator, Point, PolygonError, from_polygons};
+use rayweave_polygon::{ContourEdge, HalfPlane, Operator, Point, PolygonError, from_polygons};
 use rayweave_rootray::Side;
 use rayweave_shape::Ray;
 use rayweave_trace::Weave;
@@ -144,7 +144,7 @@ fn crossing_and_touching_edges_are_found() {
         let found = matches!(outcome, Err(PolygonError::Touching { .. }));
         assert_eq!(found, !is_clear(&kept), "{contours:?} {outcome:?}");
         if let Err(PolygonError::Touching { first, second }) = outcome {
-            let ends = |e: Edge| (contours[e.contour][e.from], contours[e.contour][e.to]);
+            let ends = |e: ContourEdge| (contours[e.contour][e.from], contours[e.contour][e.to]);
             assert!(first != second && intersect(ends(first), ends(second)), "{contours:?}");
             touching += 1;
         } else {

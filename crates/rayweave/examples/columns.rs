@@ -3,7 +3,7 @@
 //! `columns [RAYS] [THREADS] [REPEATS]`; the columns are allocated once, and the shortest time counts.
 
 use rayweave::model::drive::{Cancel, drive};
-use rayweave::model::{Evaluator, FirstHits, HitRows, RayBatch, Rays, Window};
+use rayweave::model::{Evaluator, FirstHits, HitArrayRows, RayBatch, Rays, Window};
 use rayweave::shapes::{box_, cylinder, sphere};
 use rayweave::{AnyEvaluator, AnyScratch, Program, Ray, Solid, Vec3};
 use std::num::NonZeroUsize;
@@ -65,7 +65,7 @@ fn hits(evaluator: &AnyEvaluator, rays: &Rays<'_>, threads: NonZeroUsize, rows: 
     });
     share(evaluator, threads, chunks, |scratch, (start, mut times)| {
         let rays = part(rays, start, times[0].len());
-        let mut rows = HitRows { times: &mut times, faces: &mut [] };
+        let mut rows = HitArrayRows { times: &mut times, faces: &mut [] };
         evaluator.hits(rays, Window::ALL, scratch, &mut rows);
     });
 }
@@ -127,7 +127,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             rays,
             Window::ALL,
             &mut evaluator.scratch(),
-            &mut HitRows { times: &mut [], faces: &mut [] },
+            &mut HitArrayRows { times: &mut [], faces: &mut [] },
         );
         let mut rows = vec![vec![0.0; count]; most.next_multiple_of(2).max(2)];
         let all = rate(count, repeats, || hits(&evaluator, &rays, threads, &mut rows));

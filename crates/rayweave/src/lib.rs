@@ -205,9 +205,9 @@ pub mod math {
 pub mod model {
     pub use rayweave_model::{
         ApproximateColumns, ApproximateEvaluator, BadRay, Collected, CompileError, CompileProblem, Copies,
-        Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitRows, Leaf, LeafFacet, LeafId, LeafKind,
-        Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place, PlacementId, Program, Prototype,
-        PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId, RegionInfo, Sink, Solid,
+        Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitArrayRows, Leaf, LeafFacet, LeafId,
+        LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place, PlacementId, Program,
+        Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId, RegionInfo, Sink, Solid,
         SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, plain, simplify,
     };
 }
@@ -221,8 +221,8 @@ pub mod shape {
 /// Cross-sections of models, with drawings as SVG and DXF.
 pub mod section {
     pub use rayweave_analysis::section::{
-        By, CrossSection, Cut, Edge, Section, SectionError, SectionPart, SectionPlane, SectionSettings,
-        SectionWindow, Sweep, cross_sections, section, section_with,
+        By, CrossSection, Cut, Section, SectionEdge, SectionError, SectionPart, SectionPlane, SectionRun,
+        SectionSettings, SectionWindow, cross_sections, section, section_with,
     };
     #[cfg(feature = "draw")]
     pub use rayweave_draw::section::{section_dxf, section_svg};
@@ -233,8 +233,8 @@ pub mod section {
 /// drawings.
 pub mod infill {
     pub use rayweave_analysis::infill::{
-        ContourProblems, Fillable, Filling, InfillError, InfillTable, LayerTraces, Layers, Raster, Run,
-        Slices, Summary, Trace, infill, read_region, write_infill,
+        ContourProblems, Fillable, Filling, InfillError, InfillRun, InfillTable, InfillTrace, LayerTraces,
+        Layers, Raster, Slices, Summary, infill, read_region, write_infill,
     };
     #[cfg(feature = "draw")]
     pub use rayweave_draw::InfillPicture;

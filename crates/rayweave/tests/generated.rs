@@ -2,7 +2,7 @@
 //!
 //! `cargo xtask generated --accept` rewrites them after a primitive was added or changed.
 
-use rayweave::shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, Unit};
+use rayweave::shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, ParameterUnit};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -46,7 +46,7 @@ fn sorted() -> Vec<&'static Manual> {
 
 /// The Rust type of a parameter, and the conversion of an argument `@` to a value.
 fn rust_type(parameter: &Parameter) -> (&'static str, &'static str) {
-    let is_index = parameter.unit == Unit::Count;
+    let is_index = parameter.unit == ParameterUnit::Count;
     match parameter.kind {
         ParameterKind::Number => ("f64", "@.into()"),
         ParameterKind::Count => ("u32", "@.into()"),
@@ -62,7 +62,11 @@ fn rust_type(parameter: &Parameter) -> (&'static str, &'static str) {
 fn constructor(page: &Manual) -> String {
     let mut text = format!("/// {}\n///\n", page.summary);
     for Parameter { name, unit, range, summary, .. } in page.parameters {
-        let unit = if matches!(unit, Unit::None | Unit::Count) { String::new() } else { format!("{unit}, ") };
+        let unit = if matches!(unit, ParameterUnit::None | ParameterUnit::Count) {
+            String::new()
+        } else {
+            format!("{unit}, ")
+        };
         text += &format!("/// - `{name}`: {summary}; {unit}{range}.\n");
     }
     text += &format!("///\n/// Inside: `{}`. See [the manual page](crate::shape::primitive::", page.equation);

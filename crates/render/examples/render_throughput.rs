@@ -5,7 +5,7 @@
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program, Solid};
 use rayweave_render::{
-    Camera, IdKind, Light, Lines, Rgba, Run, Settings, Size, Style, View, depth, geometry, render,
+    Camera, IdKind, Light, Lines, RenderOptions, Rgba, Run, Size, Style, View, depth, geometry, render,
 };
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Packets;
@@ -67,21 +67,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn cases(size: Size) -> [(&'static str, Settings); 6] {
-    let plain = Settings { samples: 1, style: Style::Headlight, lines: None, ..Settings::new(size) };
+fn cases(size: Size) -> [(&'static str, RenderOptions); 6] {
+    let plain =
+        RenderOptions { samples: 1, style: Style::Headlight, lines: None, ..RenderOptions::new(size) };
     let sun = Light::along(Vec3::new(-1.0, 2.0, -3.0));
-    let shadowed = Settings { lights: vec![sun], shadows: true, ..plain.clone() };
+    let shadowed = RenderOptions { lights: vec![sun], shadows: true, ..plain.clone() };
     let lamp = Light::at(Vec3::new(100.0, -200.0, 300.0));
-    let lit = Settings { lights: vec![lamp], ..shadowed.clone() };
-    let lined = Settings { lines: Some(Lines::default()), ..plain.clone() };
+    let lit = RenderOptions { lights: vec![lamp], ..shadowed.clone() };
+    let lined = RenderOptions { lines: Some(Lines::default()), ..plain.clone() };
     let clear = Rgba { alpha: 96, ..Rgba::opaque(91, 155, 245) };
-    let glass = Settings { colours: vec![clear], ..Settings::new(size) };
+    let glass = RenderOptions { colours: vec![clear], ..RenderOptions::new(size) };
     [
         ("headlight, 1 sample", plain),
         ("shadows of a direction", shadowed),
         ("shadows of a lamp", lit),
         ("headlight, 1 sample, lines", lined),
-        ("gooch, lines, 3 x 3 samples", Settings::new(size)),
+        ("gooch, lines, 3 x 3 samples", RenderOptions::new(size)),
         ("the same of clear glass", glass),
     ]
 }

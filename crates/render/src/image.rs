@@ -45,25 +45,25 @@ impl Size {
 
 /// A two-dimensional array with a value per pixel, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plane<T> {
+pub struct PixelGrid<T> {
     size: Size,
     values: Vec<T>,
 }
 
 /// A picture: red, green, blue, opacity; sRGB, 8 bits each, not premultiplied.
-pub type Image = Plane<[u8; 4]>;
+pub type Image = PixelGrid<[u8; 4]>;
 
-impl<T: Clone> Plane<T> {
+impl<T: Clone> PixelGrid<T> {
     /// A plane with the same value everywhere.
-    pub fn filled(size: Size, value: T) -> Plane<T> {
-        Plane { size, values: vec![value; size.count()] }
+    pub fn filled(size: Size, value: T) -> PixelGrid<T> {
+        PixelGrid { size, values: vec![value; size.count()] }
     }
 }
 
-impl<T> Plane<T> {
+impl<T> PixelGrid<T> {
     /// A plane of given values, row by row from the top; `None` if their number differs from `size.count()`.
-    pub fn from_values(size: Size, values: Vec<T>) -> Option<Plane<T>> {
-        (values.len() == size.count()).then_some(Plane { size, values })
+    pub fn from_values(size: Size, values: Vec<T>) -> Option<PixelGrid<T>> {
+        (values.len() == size.count()).then_some(PixelGrid { size, values })
     }
 
     /// Width and height.

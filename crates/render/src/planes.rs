@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::extent::{Extent, Tile};
-use crate::{Camera, Plane, RenderError, Run, Size, sweep};
+use crate::{Camera, PixelGrid, RenderError, Run, Size, sweep};
 use fearless_simd::Level;
 use rayweave_model::{Evaluator, LeafKind, Program, Query};
 
@@ -31,8 +31,8 @@ pub fn depth<E: Evaluator>(
     camera: &Camera,
     size: Size,
     run: &mut Run<'_>,
-) -> Result<Plane<f64>, RenderError> {
-    let mut depth = Plane::filled(size, f64::INFINITY);
+) -> Result<PixelGrid<f64>, RenderError> {
+    let mut depth = PixelGrid::filled(size, f64::INFINITY);
     let bands = Bands { evaluator, camera, size, with_normals: false };
     bands.trace(run, bands.of(&mut depth), |depth, at, hits, i| depth[at] = hits.t[i])?;
     Ok(depth)
@@ -49,8 +49,8 @@ pub fn normals<E: Evaluator>(
     camera: &Camera,
     size: Size,
     run: &mut Run<'_>,
-) -> Result<Plane<[f64; 3]>, RenderError> {
-    let mut normals = Plane::filled(size, [f64::NAN; 3]);
+) -> Result<PixelGrid<[f64; 3]>, RenderError> {
+    let mut normals = PixelGrid::filled(size, [f64::NAN; 3]);
     let bands = Bands { evaluator, camera, size, with_normals: true };
     bands.trace(run, bands.of(&mut normals), |normals, at, hits, i| {
         normals[at] = hits.normal(i).to_array();
@@ -68,9 +68,9 @@ pub fn ids<E: Evaluator>(
     size: Size,
     kind: IdKind,
     run: &mut Run<'_>,
-) -> Result<Plane<i32>, RenderError> {
+) -> Result<PixelGrid<i32>, RenderError> {
     let numbers = Numbers::new(kind, evaluator.program());
-    let mut ids = Plane::filled(size, numbers.miss());
+    let mut ids = PixelGrid::filled(size, numbers.miss());
     let bands = Bands { evaluator, camera, size, with_normals: false };
     bands.trace(run, bands.of(&mut ids), |ids, at, hits, i| ids[at] = numbers.of(hits, i))?;
     Ok(ids)
@@ -80,11 +80,11 @@ pub fn ids<E: Evaluator>(
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
     /// As of [`depth`].
-    pub depth: Plane<f64>,
+    pub depth: PixelGrid<f64>,
     /// As of [`normals`].
-    pub normals: Plane<[f64; 3]>,
+    pub normals: PixelGrid<[f64; 3]>,
     /// As of [`ids`].
-    pub ids: Plane<i32>,
+    pub ids: PixelGrid<i32>,
 }
 
 /// [`depth`], [`normals`] and [`ids`] in one pass.
@@ -100,9 +100,9 @@ pub fn geometry<E: Evaluator>(
 ) -> Result<Geometry, RenderError> {
     let numbers = Numbers::new(kind, evaluator.program());
     let mut all = Geometry {
-        depth: Plane::filled(size, f64::INFINITY),
-        normals: Plane::filled(size, [f64::NAN; 3]),
-        ids: Plane::filled(size, numbers.miss()),
+        depth: PixelGrid::filled(size, f64::INFINITY),
+        normals: PixelGrid::filled(size, [f64::NAN; 3]),
+        ids: PixelGrid::filled(size, numbers.miss()),
     };
     let bands = Bands { evaluator, camera, size, with_normals: true };
     let pieces = bands.of(&mut all.depth).zip(bands.of(&mut all.normals)).zip(bands.of(&mut all.ids));
@@ -165,7 +165,7 @@ struct Bands<'a, E> {
 
 impl<E: Evaluator> Bands<'_, E> {
     /// Splits a plane into bands.
-    fn of<'p, T>(&self, plane: &'p mut Plane<T>) -> std::slice::ChunksMut<'p, T> {
+    fn of<'p, T>(&self, plane: &'p mut PixelGrid<T>) -> std::slice::ChunksMut<'p, T> {
         plane.values_mut().chunks_mut(Tile::HEIGHT * self.size.width())
     }
 

@@ -1,12 +1,12 @@
 //! PNG encoding and decoding in memory; the caller writes files.
 
-use crate::{IdKind, Image, PALETTE, Plane, Rgba, Size};
+use crate::{IdKind, Image, PALETTE, PixelGrid, Rgba, Size};
 use png::{BitDepth, ColorType, Compression, Encoder, SrgbRenderingIntent};
 
 /// Error of decoding a picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ReadError {
+pub enum PngError {
     /// The file is damaged or not a PNG file.
     #[error("this is not a readable PNG file: {0}.")]
     Decoding(#[from] png::DecodingError),
@@ -28,7 +28,7 @@ pub fn encode(image: &Image) -> Vec<u8> {
 /// between, and a miss is 0. If all finite depths are equal they are white. The two depths are stored as text
 /// chunks `near` and `far`, in the shortest form that gives the same f64, so that `t = near + (far - near)
 /// (65535 - grey) / 65534`.
-pub fn encode_depth(depth: &Plane<f64>) -> Vec<u8> {
+pub fn encode_depth(depth: &PixelGrid<f64>) -> Vec<u8> {
     let finite = || depth.values().iter().copied().filter(|t| t.is_finite());
     let near = finite().fold(f64::INFINITY, f64::min);
     let far = finite().fold(f64::NEG_INFINITY, f64::max);
@@ -46,7 +46,7 @@ pub fn encode_depth(depth: &Plane<f64>) -> Vec<u8> {
 
 /// Encodes numbers as 16-bit grey: 0 or less is black, `white` or more is 65535, linear in between. `white`
 /// is stored as a text chunk.
-pub fn encode_grey(plane: &Plane<f64>, white: f64) -> Vec<u8> {
+pub fn encode_grey(plane: &PixelGrid<f64>, white: f64) -> Vec<u8> {
     // NaN is black
     let grey = |&value: &f64| (value / white * 65_535.0 + 0.5) as u16;
     let bytes: Vec<u8> = plane.values().iter().map(grey).flat_map(u16::to_be_bytes).collect();
@@ -55,7 +55,7 @@ pub fn encode_grey(plane: &Plane<f64>, white: f64) -> Vec<u8> {
 }
 
 /// Encodes normals as 16-bit RGB: each component n becomes (n + 1) / 2 of 65535; a miss is black.
-pub fn encode_normals(normals: &Plane<[f64; 3]>) -> Vec<u8> {
+pub fn encode_normals(normals: &PixelGrid<[f64; 3]>) -> Vec<u8> {
     let level = |n: f64| if n.is_nan() { 0 } else { ((n + 1.0) * 32_767.5 + 0.5) as u16 };
     let values = normals.values().as_flattened();
     let bytes: Vec<u8> = values.iter().map(|&n| level(n)).flat_map(u16::to_be_bytes).collect();
@@ -63,7 +63,7 @@ pub fn encode_normals(normals: &Plane<[f64; 3]>) -> Vec<u8> {
 }
 
 /// Encodes ids as colours, each by [`id_colour`].
-pub fn encode_ids(ids: &Plane<i32>, kind: IdKind) -> Vec<u8> {
+pub fn encode_ids(ids: &PixelGrid<i32>, kind: IdKind) -> Vec<u8> {
     let colour = |&id: &i32| {
         let Rgba { red, green, blue, alpha } = id_colour(id, kind);
         [red, green, blue, alpha]
@@ -87,16 +87,16 @@ pub fn id_colour(id: i32, kind: IdKind) -> Rgba {
 /// Decodes a picture written by [`encode`].
 ///
 /// # Errors
-/// [`ReadError`] for anything other than an 8-bit RGBA PNG file.
-pub fn decode(bytes: &[u8]) -> Result<Image, ReadError> {
+/// [`PngError`] for anything other than an 8-bit RGBA PNG file.
+pub fn decode(bytes: &[u8]) -> Result<Image, PngError> {
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
     let info = reader.info();
     let size = Size::new(info.width, info.height)?;
     if (info.color_type, info.bit_depth) != (ColorType::Rgba, BitDepth::Eight) {
         let kind = format!("{:?} pixels of {:?} bits", info.color_type, info.bit_depth);
-        return Err(ReadError::Kind(kind));
+        return Err(PngError::Kind(kind));
     }
-    let mut image = Plane::filled(size, [0; 4]);
+    let mut image = PixelGrid::filled(size, [0; 4]);
     reader.next_frame(image.values_mut().as_flattened_mut())?;
     Ok(image)
 }
@@ -146,40 +146,40 @@ mod tests {
     #[test]
     fn pictures_survive_the_round_trip() {
         let values = (0..35).map(|k| [k, 255 - k, 7 * k, 40 * (k % 7)]).collect();
-        let image = Plane::from_values(size(7, 5), values).unwrap();
+        let image = PixelGrid::from_values(size(7, 5), values).unwrap();
         assert_eq!(decode(&encode(&image)).unwrap(), image);
     }
 
     #[test]
     fn other_files_are_refused() {
-        let normals = Plane::filled(size(2, 2), [0.0; 3]);
+        let normals = PixelGrid::filled(size(2, 2), [0.0; 3]);
         let error = decode(&encode_normals(&normals)).unwrap_err();
         assert!(error.to_string().contains("Rgb pixels of Sixteen bits"), "{error}");
-        assert!(matches!(decode(b"GIF89a"), Err(ReadError::Decoding(_))));
-        let whole = encode(&Plane::filled(size(9, 9), [1; 4]));
-        assert!(matches!(decode(&whole[..whole.len() / 2]), Err(ReadError::Decoding(_))));
+        assert!(matches!(decode(b"GIF89a"), Err(PngError::Decoding(_))));
+        let whole = encode(&PixelGrid::filled(size(9, 9), [1; 4]));
+        assert!(matches!(decode(&whole[..whole.len() / 2]), Err(PngError::Decoding(_))));
     }
 
     #[test]
     fn depth_is_linear_and_says_its_range() {
         let inf = f64::INFINITY;
-        let depth = Plane::from_values(size(4, 1), vec![0.1, 0.35, 0.6, inf]).unwrap();
+        let depth = PixelGrid::from_values(size(4, 1), vec![0.1, 0.35, 0.6, inf]).unwrap();
         let (levels, texts) = grey(&encode_depth(&depth));
         assert_eq!(levels, [65535, 32768, 1, 0]);
         let text = |name: &str, value: &str| (name.to_owned(), value.to_owned());
         assert_eq!(texts, [text("near", "0.1"), text("far", "0.6")]);
-        let (levels, texts) = grey(&encode_depth(&Plane::filled(size(2, 1), inf)));
+        let (levels, texts) = grey(&encode_depth(&PixelGrid::filled(size(2, 1), inf)));
         assert_eq!((levels, texts.len()), (vec![0, 0], 0));
-        let (levels, _) = grey(&encode_depth(&Plane::filled(size(1, 2), 3.0)));
+        let (levels, _) = grey(&encode_depth(&PixelGrid::filled(size(1, 2), 3.0)));
         assert_eq!(levels, [65535, 65535]);
-        let huge = Plane::from_values(size(2, 1), vec![1e308, 1.7e308]).unwrap();
+        let huge = PixelGrid::from_values(size(2, 1), vec![1e308, 1.7e308]).unwrap();
         assert_eq!(grey(&encode_depth(&huge)).0, [65535, 1]);
     }
 
     #[test]
     fn normals_fill_the_range() {
         let normals = vec![[1.0, -1.0, 0.0], [f64::NAN; 3]];
-        let normals = Plane::from_values(size(2, 1), normals).unwrap();
+        let normals = PixelGrid::from_values(size(2, 1), normals).unwrap();
         assert_eq!(grey(&encode_normals(&normals)).0, [65535, 0, 32768, 0, 0, 0]);
     }
 

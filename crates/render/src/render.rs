@@ -10,7 +10,7 @@ use crate::pen::Pen;
 use crate::sample::Sample;
 use crate::shade::Shader;
 use crate::supersampling::{Ink, Supersampler};
-use crate::{Background, Camera, Plane, RenderError, Rgba, Run, Settings, Size};
+use crate::{Background, Camera, PixelGrid, RenderError, RenderOptions, Rgba, Run, Size};
 use rayweave_model::Evaluator;
 
 /// Renders a picture.
@@ -27,7 +27,7 @@ use rayweave_model::Evaluator;
 pub fn render<E: Evaluator>(
     evaluator: &E,
     camera: &Camera,
-    settings: &Settings,
+    settings: &RenderOptions,
     run: &mut Run<'_>,
 ) -> Result<Image, RenderError> {
     settings.check()?;
@@ -40,7 +40,7 @@ pub fn render<E: Evaluator>(
         contrast: Contrast::new(camera, settings.size, settings.lines.as_ref()),
         pen: settings.lines.map(|lines| Pen::new(&lines, settings.samples)),
     };
-    let mut image = Plane::filled(settings.size, [0; 4]);
+    let mut image = PixelGrid::filled(settings.size, [0; 4]);
     let first_pass = drawing.first_pass(&mut image, run)?;
     if drawing.is_refined() {
         let places = drawing.places_to_refine(&first_pass, run)?;
@@ -54,7 +54,7 @@ pub fn render<E: Evaluator>(
 struct Drawing<'a, E> {
     evaluator: &'a E,
     camera: &'a Camera,
-    settings: &'a Settings,
+    settings: &'a RenderOptions,
     size: Size,
     shader: Shader,
     contrast: Contrast,

@@ -1,4 +1,4 @@
-//! Settings of a rendering.
+//! Options of a rendering.
 
 use crate::limits::MAX_SAMPLES;
 use crate::{Light, RenderError, Rgba, Size};
@@ -59,10 +59,10 @@ impl Default for Lines {
 
 /// The settings of a rendering besides model and camera.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct RenderOptions {
     /// Width and height.
     pub size: Size,
-    /// Samples along each side of a pixel, from 1 to [`Settings::MAX_SAMPLES`]: every pixel has one at its
+    /// Samples along each side of a pixel, from 1 to [`RenderOptions::MAX_SAMPLES`]: every pixel has one at its
     /// centre, and pixels that differ from their neighbours are supersampled on a regular grid of n x n.
     pub samples: u32,
     /// The shading style.
@@ -80,7 +80,7 @@ pub struct Settings {
     pub shadows: bool,
 }
 
-impl Settings {
+impl RenderOptions {
     /// The greatest number of samples along each side of a pixel.
     pub const MAX_SAMPLES: u32 = MAX_SAMPLES;
 
@@ -88,8 +88,8 @@ impl Settings {
     pub const MAX_LIGHTS: usize = 32;
 
     /// Gooch shading with lines, on white, 3 x 3 samples, no lights.
-    pub fn new(size: Size) -> Settings {
-        Settings {
+    pub fn new(size: Size) -> RenderOptions {
+        RenderOptions {
             size,
             samples: 3,
             style: Style::default(),
@@ -102,14 +102,14 @@ impl Settings {
     }
 
     pub(crate) fn check(&self) -> Result<(), RenderError> {
-        if !(1..=Settings::MAX_SAMPLES).contains(&self.samples) {
+        if !(1..=RenderOptions::MAX_SAMPLES).contains(&self.samples) {
             return Err(RenderError::Samples { samples: self.samples });
         }
         if let Some(lines) = &self.lines {
             range("width of lines", lines.width, 0.0, 8.0)?;
             range("angle of creases", lines.crease_degrees, 0.0, 180.0)?;
         }
-        let most = Settings::MAX_LIGHTS as f64;
+        let most = RenderOptions::MAX_LIGHTS as f64;
         range("number of lights", self.lights.len() as f64, 0.0, most)?;
         (self.lights.iter().enumerate()).try_for_each(|(index, light)| light.check(index))
     }

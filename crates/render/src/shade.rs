@@ -1,7 +1,7 @@
 //! Shading: the colour of a surface under the lights.
 
 use crate::colour::Linear;
-use crate::{Camera, Light, LightKind, Settings, Style, region_colour};
+use crate::{Camera, Light, LightKind, RenderOptions, Style, region_colour};
 use rayweave_math::Vec3;
 use rayweave_model::{Program, RegionId};
 
@@ -74,7 +74,7 @@ const HIGHLIGHT: f32 = 0.35;
 const HIGHLIGHT_SQUARINGS: u32 = 5;
 
 impl Shader {
-    pub fn new(program: &Program, camera: &Camera, settings: &Settings) -> Shader {
+    pub fn new(program: &Program, camera: &Camera, settings: &RenderOptions) -> Shader {
         let region = |k: usize| {
             let colour = region_colour(&settings.colours, RegionId::from(k));
             (colour.linear(), colour.opacity())
@@ -206,7 +206,7 @@ impl Lamp {
 }
 
 /// The lights of the scene, or the default light of the style if there are none.
-fn lamps(camera: &Camera, settings: &Settings) -> Vec<Lamp> {
+fn lamps(camera: &Camera, settings: &RenderOptions) -> Vec<Lamp> {
     if !settings.lights.is_empty() {
         return settings.lights.iter().map(|light| Lamp::new(light, true)).collect();
     }

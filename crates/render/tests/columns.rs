@@ -8,13 +8,14 @@ use rayweave_conformance::{Model, Random, Style as Tricky};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Program, Region, Solid};
 use rayweave_render::{
-    Camera, IdKind, Image, Light, Lines, Rgba, Settings, Style, View, depth, geometry, ids, normals, render,
+    Camera, IdKind, Image, Light, Lines, RenderOptions, Rgba, Style, View, depth, geometry, ids, normals,
+    render,
 };
 use rayweave_trace::{Packets, Weave};
 use std::sync::Arc;
 
 /// The pictures of a solid by both methods.
-fn both_ways(solid: &Solid, camera: &Camera, settings: &Settings) -> [Image; 2] {
+fn both_ways(solid: &Solid, camera: &Camera, settings: &RenderOptions) -> [Image; 2] {
     // behind the camera, and too far away to cast a shadow on the model
     let speck = sphere(1e-3).translate(camera.position() - 9.0 * camera.forward());
     let regions = [("speck", speck), ("model", solid.clone())];
@@ -22,7 +23,7 @@ fn both_ways(solid: &Solid, camera: &Camera, settings: &Settings) -> [Image; 2] 
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
     let clear = Rgba { alpha: 100, ..Rgba::WHITE };
     [Rgba::WHITE, clear].map(|speck| {
-        let settings = Settings { colours: vec![speck, Rgba::opaque(200, 120, 40)], ..settings.clone() };
+        let settings = RenderOptions { colours: vec![speck, Rgba::opaque(200, 120, 40)], ..settings.clone() };
         render(&Weave::new(program.clone()), camera, &settings, &mut run(2)).unwrap()
     })
 }
@@ -37,9 +38,9 @@ fn lights() -> Vec<Light> {
     vec![lamp, Light { intensity: 0.4, ..Light::along(Vec3::new(-0.4, -0.9, -0.5)) }]
 }
 
-fn lit(style: Style) -> Settings {
-    let plain = Settings { samples: 1, style, lines: None, ..Settings::new(size(90, 70)) };
-    Settings { lights: lights(), shadows: true, ..plain }
+fn lit(style: Style) -> RenderOptions {
+    let plain = RenderOptions { samples: 1, style, lines: None, ..RenderOptions::new(size(90, 70)) };
+    RenderOptions { lights: lights(), shadows: true, ..plain }
 }
 
 fn camera() -> Camera {
@@ -68,7 +69,7 @@ fn columns_and_layers_give_the_same_pictures() {
             let pictures = both_ways(&solid, &camera(), &lit(style));
             assert_eq!(differing(&pictures), 0, "{solid}, {style:?}");
         }
-        let refined = Settings { samples: 2, lines: Some(Lines::default()), ..lit(Style::Headlight) };
+        let refined = RenderOptions { samples: 2, lines: Some(Lines::default()), ..lit(Style::Headlight) };
         assert_eq!(differing(&both_ways(&solid, &camera(), &refined)), 0, "{solid}");
     }
 }
@@ -97,11 +98,11 @@ fn models_without_end_cast_shadows_too() {
     let below = rayweave_shape::primitive::HalfSpace::new(Vec3::Z, -1.0).unwrap();
     let solid = Solid::from(rayweave_shape::primitive::Primitive::from(below)) | sphere(1.0);
     for light in lights() {
-        let settings = Settings { lights: vec![light], ..lit(Style::Headlight) };
+        let settings = RenderOptions { lights: vec![light], ..lit(Style::Headlight) };
         let pictures = both_ways(&solid, &camera(), &settings);
         assert_eq!(differing(&pictures), 0);
         // there is a shadow, besides the lit surfaces
-        let dark = Settings { shadows: false, ..settings };
+        let dark = RenderOptions { shadows: false, ..settings };
         assert_ne!(pictures[0], both_ways(&solid, &camera(), &dark)[0]);
     }
 }

@@ -6,7 +6,7 @@ use common::{art, block, draw, run, shape, size, sphere, weave, weave_of};
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Solid};
 use rayweave_render::{
-    Background, Camera, Image, Light, Lines, RenderError, Rgba, Run, Settings, Size, Style, View, render,
+    Background, Camera, Image, Light, Lines, RenderError, RenderOptions, Rgba, Run, Size, Style, View, render,
 };
 use rayweave_trace::Weave;
 
@@ -14,8 +14,8 @@ const UP: [f64; 3] = [0.0, 0.0, 1.0];
 const BLACK: Rgba = Rgba::opaque(0, 0, 0);
 
 /// No lines, one sample, flat: every pixel has the colour of the region at its centre.
-fn plain(size: Size) -> Settings {
-    Settings { samples: 1, style: Style::Flat, lines: None, ..Settings::new(size) }
+fn plain(size: Size) -> RenderOptions {
+    RenderOptions { samples: 1, style: Style::Flat, lines: None, ..RenderOptions::new(size) }
 }
 
 fn front(height: f64) -> Camera {
@@ -51,7 +51,7 @@ fn covered(x: f64, y: f64, radius: f64) -> f64 {
 fn anti_aliasing_converges_to_the_covered_part() {
     let weave = weave(&sphere(7.3));
     for samples in [1, 2, 4, 8, 16] {
-        let settings = Settings { samples, colours: vec![BLACK], ..plain(size(20, 20)) };
+        let settings = RenderOptions { samples, colours: vec![BLACK], ..plain(size(20, 20)) };
         let image = draw(&weave, &front(20.0), &settings);
         let mut worst: f64 = 0.0;
         let mut sum = 0.0;
@@ -71,8 +71,9 @@ fn anti_aliasing_converges_to_the_covered_part() {
 #[test]
 fn a_headlight_shines_by_the_cosine() {
     let weave = weave(&sphere(1.0));
-    let settings = Settings { style: Style::Headlight, colours: vec![Rgba::WHITE], ..plain(size(64, 64)) };
-    let settings = Settings { background: Background::Colour(BLACK), ..settings };
+    let settings =
+        RenderOptions { style: Style::Headlight, colours: vec![Rgba::WHITE], ..plain(size(64, 64)) };
+    let settings = RenderOptions { background: Background::Colour(BLACK), ..settings };
     let image = draw(&weave, &front(2.5), &settings);
     for (k, pixel) in image.values().iter().enumerate() {
         let ray = front(2.5).ray(size(64, 64), (k % 64) as f64 + 0.5, (k / 64) as f64 + 0.5);
@@ -96,8 +97,8 @@ fn check_shadows(weave: &Weave, light: Light, hides: Hides<'_>) {
     let camera = Camera::perspective([0.0, -3.0, 30.0], [0.0; 3], UP, 35.0).unwrap();
     let size = size(80, 80);
     let colours = vec![Rgba::WHITE, BLACK];
-    let settings = Settings { style: Style::Headlight, colours, shadows: true, ..plain(size) };
-    let settings = Settings { lights: vec![light], background: Background::Transparent, ..settings };
+    let settings = RenderOptions { style: Style::Headlight, colours, shadows: true, ..plain(size) };
+    let settings = RenderOptions { lights: vec![light], background: Background::Transparent, ..settings };
     let image = draw(weave, &camera, &settings);
     let (mut dark, mut bright) = (0, 0);
     for (k, pixel) in image.values().iter().enumerate() {
@@ -142,8 +143,9 @@ fn a_sphere_casts_its_shadow() {
     let below = Vec3::new(1.0, 0.5, 1.2);
     let image = |lights| {
         let camera = Camera::perspective([0.0, -3.0, 30.0], [0.0; 3], UP, 35.0).unwrap();
-        let settings = Settings { style: Style::Headlight, lights, shadows: true, ..plain(size(40, 40)) };
-        let without = Settings { shadows: false, ..settings.clone() };
+        let settings =
+            RenderOptions { style: Style::Headlight, lights, shadows: true, ..plain(size(40, 40)) };
+        let without = RenderOptions { shadows: false, ..settings.clone() };
         (draw(&weave, &camera, &settings), draw(&weave, &camera, &without))
     };
     let (with, without) = image(vec![Light::at(below)]);
@@ -169,8 +171,9 @@ fn nothing_shades_itself() {
             let camera = View::Iso.fit(weave.program(), size(90, 70));
             let along = camera.forward() + 0.3 * camera.right();
             let lights = vec![Light::along(if k == 4 { camera.forward() } else { along })];
-            let settings = Settings { style: Style::Headlight, lights, shadows: true, ..plain(size(90, 70)) };
-            let without = Settings { shadows: false, ..settings.clone() };
+            let settings =
+                RenderOptions { style: Style::Headlight, lights, shadows: true, ..plain(size(90, 70)) };
+            let without = RenderOptions { shadows: false, ..settings.clone() };
             let (with, without) = (draw(&weave, &camera, &settings), draw(&weave, &camera, &without));
             let differing = with.values().iter().zip(without.values()).filter(|(a, b)| a != b).count();
             assert_eq!(differing, 0, "solid {k} at scale {scale}");
@@ -182,7 +185,7 @@ fn nothing_shades_itself() {
 fn lines_surround_what_is_seen() {
     let weave = weave(&block([-2.0, 0.0, -1.0], [2.0, 1.0, 1.0]));
     let lines = Some(Lines { width: 1.0, colour: BLACK, ..Lines::default() });
-    let settings = Settings { lines, colours: vec![Rgba::opaque(9, 200, 9)], ..plain(size(12, 8)) };
+    let settings = RenderOptions { lines, colours: vec![Rgba::opaque(9, 200, 9)], ..plain(size(12, 8)) };
     let image = draw(&weave, &front(8.0), &settings);
     // one sample per pixel: a line of one pixel, on the upper or left side of the edge
     let expected = [
@@ -202,7 +205,7 @@ fn lines_surround_what_is_seen() {
 fn inner_lines(weave: &Weave, camera: &Camera, colours: &[Rgba]) -> usize {
     let size = size(60, 60);
     let lines = Some(Lines { width: 1.0, colour: BLACK, ..Lines::default() });
-    let settings = Settings { lines, samples: 2, colours: colours.to_vec(), ..plain(size) };
+    let settings = RenderOptions { lines, samples: 2, colours: colours.to_vec(), ..plain(size) };
     let image = draw(weave, camera, &settings);
     let dark = |x: usize, y: usize| image.get(x, y).is_some_and(|pixel| pixel[1] < 210);
     let is_inner = |x: usize, y: usize| {
@@ -257,7 +260,7 @@ fn light_passes_translucent_regions() {
     let weave = weave_of(&[glass, wall]);
     let half = Rgba { red: 255, green: 0, blue: 0, alpha: 102 };
     let colours = vec![half, Rgba::opaque(0, 255, 0)];
-    let settings = Settings { colours, ..plain(size(5, 5)) };
+    let settings = RenderOptions { colours, ..plain(size(5, 5)) };
     let image = draw(&weave, &front(5.0), &settings);
     // through both faces of the glass: 0.6 * 0.6 of the wall, the rest red
     let [red, green, blue, alpha] = *image.get(2, 2).unwrap();
@@ -266,7 +269,7 @@ fn light_passes_translucent_regions() {
     assert_eq!(image.get(0, 2), Some(&[0, 255, 0, 255]));
 
     let alone = weave_of(&[block([-1.0, 0.0, -1.0], [1.0, 1.0, 1.0])]);
-    let settings = Settings { background: Background::Transparent, ..settings };
+    let settings = RenderOptions { background: Background::Transparent, ..settings };
     let image = draw(&alone, &front(5.0), &settings);
     assert_eq!(image.get(2, 2), Some(&[255, 0, 0, 163]));
     assert_eq!(image.get(0, 0), Some(&[0; 4]));
@@ -281,7 +284,7 @@ fn lines_show_through_translucent_regions() {
     let white = |alpha| Rgba { alpha, ..Rgba::WHITE };
     let darkest = |alpha| {
         let colours = vec![white(alpha), Rgba::WHITE];
-        let settings = Settings { lines, samples: 4, colours, ..plain(size(50, 50)) };
+        let settings = RenderOptions { lines, samples: 4, colours, ..plain(size(50, 50)) };
         let image = draw(&weave, &front(5.0), &settings);
         // all is white except lines; those of the wall are at least 5 pixels inside those of the glass
         let within = (0..2500).filter(|k| (10..40).contains(&(k % 50)) && (10..40).contains(&(k / 50)));
@@ -299,18 +302,19 @@ fn lines_show_through_translucent_regions() {
 fn backgrounds() {
     let weave = weave(&Solid::empty());
     let (top, bottom) = (Rgba::opaque(255, 255, 255), Rgba::opaque(0, 0, 255));
-    let settings = Settings { background: Background::Gradient { top, bottom }, ..Settings::new(size(3, 4)) };
+    let settings =
+        RenderOptions { background: Background::Gradient { top, bottom }, ..RenderOptions::new(size(3, 4)) };
     let image = draw(&weave, &front(1.0), &settings);
     for (y, row) in image.rows().enumerate() {
         let part = (y as f64 + 0.5) / 4.0;
         assert!(row.iter().all(|pixel| pixel[2] == 255 && (light(pixel[0]) - (1.0 - part)).abs() < 0.005));
     }
-    let settings = Settings { background: Background::Transparent, ..Settings::new(size(3, 4)) };
+    let settings = RenderOptions { background: Background::Transparent, ..RenderOptions::new(size(3, 4)) };
     assert!(draw(&weave, &front(1.0), &settings).values().iter().all(|pixel| *pixel == [0; 4]));
 }
 
 /// A scene with all features: instances, a translucent region, shadows, lines.
-fn busy() -> (Weave, Settings) {
+fn busy() -> (Weave, RenderOptions) {
     let ball = sphere(1.3);
     let rod = shape("cylinder", &[("radius", 0.6), ("height", 4.0)]);
     let cube = block([-1.0; 3], [1.0; 3]);
@@ -319,11 +323,11 @@ fn busy() -> (Weave, Settings) {
     let maps: Vec<_> = spots.into_iter().map(rayweave_math::Affine::translate).collect();
     let tiles = block([-0.5; 3], [0.5; 3]).place(maps).translate([-1.0, -1.0, -2.0]);
     let lamp = Light { intensity: 0.4, ..Light::at([4.0, -3.0, 2.0]) };
-    let settings = Settings {
+    let settings = RenderOptions {
         lights: vec![Light::along([-1.0, 2.0, -3.0]), lamp],
         shadows: true,
         colours: vec![Rgba { alpha: 120, ..Rgba::WHITE }],
-        ..Settings::new(size(97, 61))
+        ..RenderOptions::new(size(97, 61))
     };
     (weave_of(&[classic, tiles]), settings)
 }
@@ -368,8 +372,8 @@ fn progress_rises_to_one_and_runs_can_be_stopped() {
 #[test]
 fn settings_out_of_range_are_refused() {
     let weave = weave(&sphere(1.0));
-    let refuse = |change: &dyn Fn(&mut Settings)| {
-        let mut settings = Settings::new(size(4, 4));
+    let refuse = |change: &dyn Fn(&mut RenderOptions)| {
+        let mut settings = RenderOptions::new(size(4, 4));
         change(&mut settings);
         render(&weave, &front(3.0), &settings, &mut run(1)).unwrap_err().to_string()
     };
@@ -392,7 +396,7 @@ fn settings_out_of_range_are_refused() {
 fn pictures_of_one_pixel_and_one_row() {
     let weave = weave(&sphere(1.0));
     for (width, height) in [(1, 1), (301, 1), (1, 301)] {
-        let settings = Settings::new(size(width, height));
+        let settings = RenderOptions::new(size(width, height));
         let camera = View::Iso.fit(weave.program(), settings.size);
         let image = draw(&weave, &camera, &settings);
         assert!(image.values().iter().any(|pixel| *pixel != [255; 4]), "{width} x {height}");

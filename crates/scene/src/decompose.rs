@@ -4,7 +4,7 @@
 use crate::colour::Colour;
 use crate::datum::Datum;
 use crate::document::*;
-use crate::expression::{Expression, Operator, Term, is_reserved};
+use crate::expression::{Expression, ExpressionItem, Operator, is_reserved};
 use crate::number::Number;
 use crate::scene::{Camera, Light, Medium, Projection, RenderSettings, Scene, SceneRegion};
 use crate::source::{Span, Spanned};
@@ -26,7 +26,7 @@ impl Document {
         let roots: Vec<(&str, &Solid)> = solids.into_iter().collect();
         Document {
             unit: Some(Spanned::default()),
-            solids: Decomposer::new(&roots).entries(&roots),
+            solids: DocumentBuilder::new(&roots).entries(&roots),
             ..Document::default()
         }
     }
@@ -133,7 +133,7 @@ fn vector(v: Vec3) -> Vector {
 }
 
 /// Splits a graph of solids into entries with names.
-struct Decomposer<'s> {
+struct DocumentBuilder<'s> {
     /// Number of references to each node.
     references: HashMap<usize, usize>,
     names: HashMap<usize, String>,
@@ -148,9 +148,9 @@ fn address(solid: &Solid) -> usize {
     std::ptr::from_ref(solid.node()).addr()
 }
 
-impl<'s> Decomposer<'s> {
-    fn new(roots: &[(&str, &'s Solid)]) -> Decomposer<'s> {
-        let mut decomposer = Decomposer {
+impl<'s> DocumentBuilder<'s> {
+    fn new(roots: &[(&str, &'s Solid)]) -> DocumentBuilder<'s> {
+        let mut builder = DocumentBuilder {
             references: HashMap::new(),
             names: HashMap::new(),
             taken: roots.iter().map(|(name, _)| (*name).to_owned()).collect(),
@@ -158,10 +158,10 @@ impl<'s> Decomposer<'s> {
             counter: 0,
         };
         for (name, solid) in roots {
-            decomposer.names.entry(address(solid)).or_insert_with(|| (*name).to_owned());
-            decomposer.count(solid);
+            builder.names.entry(address(solid)).or_insert_with(|| (*name).to_owned());
+            builder.count(solid);
         }
-        decomposer
+        builder
     }
 
     fn count(&mut self, root: &'s Solid) {
@@ -244,7 +244,7 @@ impl<'s> Decomposer<'s> {
     /// The expression that refers to an entry.
     fn reference(&mut self, solid: &'s Solid) -> String {
         let mut expression = Expression::default();
-        expression.push(Term::Name(self.name(solid)), Span::default());
+        expression.push(ExpressionItem::Name(self.name(solid)), Span::default());
         expression.to_string()
     }
 
@@ -301,9 +301,9 @@ impl<'s> Decomposer<'s> {
             let is_root = address(solid) == address(root);
             let operation = operation(solid.node()).filter(|_| is_root || !self.stands_alone(solid));
             let term = match (solid.node(), operation) {
-                (Node::Empty, _) => Term::Empty,
-                (Node::Universe, _) => Term::Universe,
-                (_, None) => Term::Name(self.name(solid)),
+                (Node::Empty, _) => ExpressionItem::Empty,
+                (Node::Universe, _) => ExpressionItem::Universe,
+                (_, None) => ExpressionItem::Name(self.name(solid)),
                 (_, Some(term)) if operands_done => term,
                 (node, Some(_)) => {
                     waiting.push((solid, true));
@@ -318,13 +318,13 @@ impl<'s> Decomposer<'s> {
 }
 
 /// The operation of a boolean node.
-fn operation(node: &Node) -> Option<Term> {
+fn operation(node: &Node) -> Option<ExpressionItem> {
     Some(match node {
-        Node::Union(all) => Term::Operation(Operator::Union, all.len()),
-        Node::Intersection(all) => Term::Operation(Operator::Intersection, all.len()),
-        Node::SymmetricDifference(all) => Term::Operation(Operator::SymmetricDifference, all.len()),
-        Node::Difference(..) => Term::Operation(Operator::Difference, 2),
-        Node::Complement(_) => Term::Operation(Operator::Complement, 1),
+        Node::Union(all) => ExpressionItem::Operation(Operator::Union, all.len()),
+        Node::Intersection(all) => ExpressionItem::Operation(Operator::Intersection, all.len()),
+        Node::SymmetricDifference(all) => ExpressionItem::Operation(Operator::SymmetricDifference, all.len()),
+        Node::Difference(..) => ExpressionItem::Operation(Operator::Difference, 2),
+        Node::Complement(_) => ExpressionItem::Operation(Operator::Complement, 1),
         Node::Empty
         | Node::Universe
         | Node::Primitive(_)

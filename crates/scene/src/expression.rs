@@ -83,7 +83,7 @@ pub(crate) fn is_reserved(name: &str) -> bool {
 
 /// One item of an expression in postfix order.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Term {
+pub enum ExpressionItem {
     /// A solid by its name.
     Name(String),
     /// The empty solid.
@@ -94,11 +94,11 @@ pub enum Term {
     Operation(Operator, usize),
 }
 
-impl Term {
+impl ExpressionItem {
     /// Number of results that the operation consumes.
     pub fn arity(&self) -> usize {
         match self {
-            Term::Operation(_, count) => *count,
+            ExpressionItem::Operation(_, count) => *count,
             _ => 0,
         }
     }
@@ -109,7 +109,7 @@ impl Term {
 /// Equality compares the terms and ignores their spans.
 #[derive(Clone, Debug, Default)]
 pub struct Expression {
-    terms: Vec<Term>,
+    terms: Vec<ExpressionItem>,
     spans: Vec<Span>,
 }
 
@@ -135,20 +135,20 @@ impl Expression {
     }
 
     /// Appends a term; the operands of an operation must precede it.
-    pub(crate) fn push(&mut self, term: Term, span: Span) {
+    pub(crate) fn push(&mut self, term: ExpressionItem, span: Span) {
         self.terms.push(term);
         self.spans.push(span);
     }
 
     /// The terms in postfix order, with their spans in the text.
-    pub fn terms(&self) -> impl Iterator<Item = (&Term, Span)> {
+    pub fn terms(&self) -> impl Iterator<Item = (&ExpressionItem, Span)> {
         self.terms.iter().zip(self.spans.iter().copied())
     }
 
     /// The names in the expression, once per occurrence.
     pub fn names(&self) -> impl Iterator<Item = (&str, Span)> {
         self.terms().filter_map(|(term, span)| match term {
-            Term::Name(name) => Some((name.as_str(), span)),
+            ExpressionItem::Name(name) => Some((name.as_str(), span)),
             _ => None,
         })
     }
@@ -177,10 +177,10 @@ impl std::fmt::Display for Expression {
             match piece {
                 Piece::Text(text) => f.write_str(text)?,
                 Piece::Term(index, power) => match &self.terms[index] {
-                    Term::Empty => f.write_str("empty")?,
-                    Term::Universe => f.write_str("universe")?,
-                    Term::Name(name) => write_name(f, name)?,
-                    Term::Operation(operator, _) => {
+                    ExpressionItem::Empty => f.write_str("empty")?,
+                    ExpressionItem::Universe => f.write_str("universe")?,
+                    ExpressionItem::Name(name) => write_name(f, name)?,
+                    ExpressionItem::Operation(operator, _) => {
                         push_pieces(&mut waiting, *operator, &operands[index], power)
                     }
                 },
@@ -238,7 +238,7 @@ fn write_name(f: &mut std::fmt::Formatter<'_>, name: &str) -> std::fmt::Result {
     f.write_char('\'')
 }
 
-fn term(kind: ItemKind, text: &str, span: Span) -> Result<Term, Fault> {
+fn term(kind: ItemKind, text: &str, span: Span) -> Result<ExpressionItem, Fault> {
     Ok(match kind {
         ItemKind::Number(_) => {
             let problem = format!("`{}` is not the name of a solid", &text[span.range()]);
@@ -247,21 +247,21 @@ fn term(kind: ItemKind, text: &str, span: Span) -> Result<Term, Fault> {
             return Err(Fault::new(span, problem, reason).suggest(suggestion));
         }
         // quoted, it is a name
-        ItemKind::Name(_) if &text[span.range()] == "empty" => Term::Empty,
-        ItemKind::Name(_) if &text[span.range()] == "universe" => Term::Universe,
-        ItemKind::Name(name) => Term::Name(name.into_owned()),
-        ItemKind::Prefix(_) => Term::Operation(Operator::Complement, 1),
-        ItemKind::Infix("|", count) => Term::Operation(Operator::Union, count),
-        ItemKind::Infix("&", count) => Term::Operation(Operator::Intersection, count),
-        ItemKind::Infix("^", count) => Term::Operation(Operator::SymmetricDifference, count),
-        ItemKind::Infix(..) => Term::Operation(Operator::Difference, 2),
+        ItemKind::Name(_) if &text[span.range()] == "empty" => ExpressionItem::Empty,
+        ItemKind::Name(_) if &text[span.range()] == "universe" => ExpressionItem::Universe,
+        ItemKind::Name(name) => ExpressionItem::Name(name.into_owned()),
+        ItemKind::Prefix(_) => ExpressionItem::Operation(Operator::Complement, 1),
+        ItemKind::Infix("|", count) => ExpressionItem::Operation(Operator::Union, count),
+        ItemKind::Infix("&", count) => ExpressionItem::Operation(Operator::Intersection, count),
+        ItemKind::Infix("^", count) => ExpressionItem::Operation(Operator::SymmetricDifference, count),
+        ItemKind::Infix(..) => ExpressionItem::Operation(Operator::Difference, 2),
         ItemKind::Call(name, count) => call(name, count, span)?,
     })
 }
 
-fn call(name: &str, count: usize, span: Span) -> Result<Term, Fault> {
+fn call(name: &str, count: usize, span: Span) -> Result<ExpressionItem, Fault> {
     if let Some(operator) = FUNCTIONS.iter().find(|operator| operator.function() == name) {
-        return Ok(Term::Operation(*operator, count));
+        return Ok(ExpressionItem::Operation(*operator, count));
     }
     let names = FUNCTIONS.map(Operator::function);
     let problem = format!("unknown function `{name}`");
@@ -280,10 +280,10 @@ mod tests {
         for (term, _) in expression.terms() {
             let arguments = stack.split_off(stack.len() - term.arity());
             stack.push(match term {
-                Term::Name(name) => name.clone(),
-                Term::Empty => "0".to_owned(),
-                Term::Universe => "1".to_owned(),
-                Term::Operation(operator, _) => format!("{operator:?}[{}]", arguments.join(" ")),
+                ExpressionItem::Name(name) => name.clone(),
+                ExpressionItem::Empty => "0".to_owned(),
+                ExpressionItem::Universe => "1".to_owned(),
+                ExpressionItem::Operation(operator, _) => format!("{operator:?}[{}]", arguments.join(" ")),
             });
         }
         assert_eq!(stack.len(), 1);

@@ -60,7 +60,7 @@ pub use datum::{Datum, Table, lookup};
 pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
 pub use error::SceneError;
-pub use expression::{Expression, Operator, Term};
+pub use expression::{Expression, ExpressionItem, Operator};
 pub use file::{load, load_allowing, parse, parse_allowing, parse_with};
 pub use formats::povray::{PovRay, PovRayError};
 pub use number::Number;

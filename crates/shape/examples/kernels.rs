@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use rayweave_math::{Affine, Mat3, Transform, Vec3};
-use rayweave_shape::lanes::{Facet, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Vec3Lanes};
+use rayweave_shape::lanes::{Kernel, LANES, LaneFacet, LaneLimits, LaneRay, LaneSpan, Lanes, Vec3Lanes};
 use rayweave_shape::surface::Surface;
 
 fn surface(name: &str) -> Option<Surface> {
@@ -52,7 +52,7 @@ fn load<S: Simd>(simd: S, columns: &[[f64; LANES]]) -> Vec3Lanes<S> {
 /// Number of uncertain lanes, and a sum of times, so that nothing is optimised away. Without a facet only the rays are
 /// generated.
 #[inline(always)]
-fn run<S: Simd>(simd: S, facet: Option<&Facet>, rows: &[[[f64; LANES]; 6]], rounds: usize) -> (u32, f64) {
+fn run<S: Simd>(simd: S, facet: Option<&LaneFacet>, rows: &[[[f64; LANES]; 6]], rounds: usize) -> (u32, f64) {
     let limits =
         LaneLimits { centre: Vec3::ZERO, radius: 3.0, magnitude: 2.0, largest_radius: 1.0, bend: 1.4 };
     let (mut uncertain_lanes, mut sum, mut last) = (0, 0.0, [0.0; LANES]);
@@ -60,7 +60,7 @@ fn run<S: Simd>(simd: S, facet: Option<&Facet>, rows: &[[[f64; LANES]; 6]], roun
         for row in rows {
             let (origin, direction) = (load(simd, &row[..3]), load(simd, &row[3..]));
             let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, &limits);
-            let mut span = Span::line(simd);
+            let mut span = LaneSpan::line(simd);
             let mut ends = ray.middle;
             if let Some(facet) = facet {
                 let gap = facet.narrow(simd, &ray, &mut span, &mut uncertain);
@@ -83,7 +83,7 @@ fn main() {
     let rounds = arguments.get(2).and_then(|n| n.parse().ok()).unwrap_or(1);
     let rows = rays(1024);
     let kernel = surface(name).and_then(|surface| Kernel::of(&surface));
-    let facet = kernel.map(|kernel| Facet {
+    let facet = kernel.map(|kernel| LaneFacet {
         kernel,
         inside: true,
         face: 0.0,

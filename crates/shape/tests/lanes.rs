@@ -7,7 +7,8 @@ use rayweave_math::roots::Crossings;
 use rayweave_math::{Affine, Mat3, Transform, Vec3, any_perpendicular};
 use rayweave_shape::Ray;
 use rayweave_shape::lanes::{
-    Facet, Gap, Gradient, Kernel, LANES, LaneLimits, LaneRay, Lanes, Span, Uncertain, Vec3Lanes, splat,
+    Gap, Kernel, LANES, LaneFacet, LaneGradient, LaneLimits, LaneRay, LaneSpan, Lanes, Uncertain, Vec3Lanes,
+    splat,
 };
 use rayweave_shape::surface::{Surface, coincides_along, lies_in};
 
@@ -225,14 +226,14 @@ fn holds([from, to, gap_from, gap_to]: [f64; 4]) -> Crossings<4> {
 #[inline(always)]
 fn evaluate<S: Simd>(
     simd: S,
-    facet: &Facet,
+    facet: &LaneFacet,
     limits: &LaneLimits,
     rays: &[Ray; LANES],
     pairs: &[[(f64, f64); LANES]],
 ) -> Said {
     let (origins, directions) = (load(simd, rays, |r| r.origin), load(simd, rays, |r| r.direction));
     let (ray, mut uncertain): (LaneRay<S>, Uncertain<S>) = LaneRay::new(simd, origins, directions, limits);
-    let mut span = Span::line(simd);
+    let mut span = LaneSpan::line(simd);
     let none = Gap { from: splat(simd, f64::INFINITY), to: splat(simd, f64::NEG_INFINITY) };
     let gap = facet.narrow(simd, &ray, &mut span, &mut uncertain).unwrap_or(none);
     let columns = [span.from, span.to, gap.from, gap.to].map(|x| x.to_array());
@@ -252,9 +253,9 @@ fn evaluate<S: Simd>(
     }
 }
 
-fn facet(surface: &Surface, inside: bool) -> Option<Facet> {
+fn facet(surface: &Surface, inside: bool) -> Option<LaneFacet> {
     let kernel = Kernel::of(surface)?;
-    let facet = Facet { kernel, inside, face: 0.0, surfaces: [0.0; 2], gap: 0, is_one_piece: false };
+    let facet = LaneFacet { kernel, inside, face: 0.0, surfaces: [0.0; 2], gap: 0, is_one_piece: false };
     facet.has_one_gap().then_some(facet)
 }
 
@@ -410,7 +411,7 @@ fn bits_of(v: Vec3) -> [u64; 3] {
 }
 
 #[inline(always)]
-fn gradients<S: Simd>(simd: S, gradient: &Gradient, points: &[Vec3; LANES]) -> [[f64; LANES]; 3] {
+fn gradients<S: Simd>(simd: S, gradient: &LaneGradient, points: &[Vec3; LANES]) -> [[f64; LANES]; 3] {
     let column = |k: usize| Lanes::from_fn(simd, |lane| points[lane][k]);
     let points: Vec3Lanes<S> = Vec3Lanes { x: column(0), y: column(1), z: column(2) };
     let Vec3Lanes { x, y, z } = gradient.at(simd, points);
@@ -431,7 +432,7 @@ fn gradients_have_the_bits_of_the_scalar_ones() {
                 3 => case.at + scale * dice.vector(),
                 _ => case.point(&mut dice).unwrap_or(case.at),
             });
-            let gradient = Gradient::of(&case.surface).unwrap();
+            let gradient = LaneGradient::of(&case.surface).unwrap();
             for &level in &levels {
                 let [x, y, z] = dispatch!(level, simd => gradients(simd, &gradient, &points));
                 for (k, &point) in points.iter().enumerate() {

@@ -2,7 +2,7 @@
 //! time and one by one.
 
 use rayweave_math::Vec3;
-use rayweave_model::{Evaluator, HitRows, Program, RayBatch, Solid, Window};
+use rayweave_model::{Evaluator, HitArrayRows, Program, RayBatch, Solid, Window};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::{Packets, Weave};
@@ -77,7 +77,7 @@ fn seconds<E: Evaluator>(evaluator: &E, batch: &RayBatch, rounds: usize) -> f64 
     for _ in 0..rounds {
         let mut times: Vec<&mut [f64]> = times.chunks_mut(RAYS).collect();
         let mut faces: Vec<&mut [i32]> = faces.chunks_mut(RAYS).collect();
-        let mut rows = HitRows { times: &mut times, faces: &mut faces };
+        let mut rows = HitArrayRows { times: &mut times, faces: &mut faces };
         let started = Instant::now();
         evaluator.hits(batch.rays(), Window::ALL, &mut scratch, &mut rows);
         best = best.min(started.elapsed().as_secs_f64());

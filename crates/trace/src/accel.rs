@@ -44,9 +44,9 @@ impl Accel {
     }
 
     /// Appends the leaves that the ray can touch within the window.
-    pub fn touched(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
+    pub fn intersected_leaves(&self, ray: &GroupRay<'_>, window: Window, out: &mut Vec<u32>) {
         out.extend_from_slice(self.unbounded());
-        self.tree.touched(&self.probe(ray, window), out);
+        self.tree.intersected_items(&self.probe(ray, window), out);
     }
 
     /// The leaves whose box is unbounded: candidates for every ray.

@@ -5,7 +5,9 @@ use crate::Spans;
 use crate::single_hit::TooLarge;
 use crate::{Packets, Reference, SingleHit, Weave};
 use rayweave_error::{Classified, ErrorKind, Message};
-use rayweave_model::{Crossing, Evaluator, FirstHits, HitRows, Program, Query, Rays, RegionId, Sink, Window};
+use rayweave_model::{
+    Crossing, Evaluator, FirstHits, HitArrayRows, Program, Query, Rays, RegionId, Sink, Window,
+};
 use std::sync::Arc;
 
 /// An evaluator that cannot be made.
@@ -161,7 +163,7 @@ impl Evaluator for AnyEvaluator {
         rays: Rays<'_>,
         window: Window,
         scratch: &mut AnyScratch,
-        rows: &mut HitRows<'_, '_>,
+        rows: &mut HitArrayRows<'_, '_>,
     ) -> usize {
         each_with!(self, scratch, evaluator => evaluator.hits(rays, window, scratch, rows))
     }

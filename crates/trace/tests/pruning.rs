@@ -3,7 +3,7 @@
 
 use rayweave_conformance::Random;
 use rayweave_math::Vec3;
-use rayweave_model::simplify::{Preparation, Size};
+use rayweave_model::simplify::{FormulaSize, Preparation};
 use rayweave_model::{Evaluator, Program, Query, Region, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
@@ -189,7 +189,7 @@ fn parts_within_rounding_of_each_other_are_used() {
         let operators = used - 1;
         assert_eq!(
             size,
-            Size { leaves: used, operators, complements: 0, height: operators as u32 },
+            FormulaSize { leaves: used, operators, complements: 0, height: operators as u32 },
             "{far} {gap}"
         );
     }

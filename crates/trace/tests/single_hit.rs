@@ -12,8 +12,8 @@ use rayweave_rootray::{Root, RootRay, Side};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::single_hit::{
-    Kind, LeafAnswers, MAX_ENTRIES, MAX_LINES, MAX_NODES, Next, NoObserver, Observer, Operand, Stacks, Step,
-    TooLarge, Tree, Verdict, What,
+    ExplainedOperand, LeafAnswers, MAX_ENTRIES, MAX_LINES, MAX_NODES, Next, NoObserver, Observer, Stacks,
+    TooLarge, Tree, TreeNodeKind, ValueStep, Verdict, What,
 };
 use rayweave_trace::{Reference, SingleHit};
 use std::sync::Arc;
@@ -234,7 +234,7 @@ fn random_trees_agree_with_the_algebra() {
 fn every_rule_fires_and_is_explained() {
     struct Count([usize; 3]);
     impl Observer for Count {
-        fn gate(&mut self, _: usize, operands: [Step; 2], verdict: Verdict) {
+        fn gate(&mut self, _: usize, operands: [ValueStep; 2], verdict: Verdict) {
             match verdict {
                 Verdict::Fixed(_) => self.0[0] += 1,
                 Verdict::Changes(step) => {
@@ -299,7 +299,7 @@ fn wide_gates_are_balanced() {
         let tree = skeleton.tree(&[all]);
         assert_eq!((tree.height(), tree.nodes().len()), (10, 1999));
         let leaves = tree.nodes().iter().filter_map(|node| match node.kind {
-            Kind::Leaf(leaf) => Some(leaf),
+            TreeNodeKind::Leaf(leaf) => Some(leaf),
             _ => None,
         });
         assert!(leaves.eq(0..n), "leaves stay in order");
@@ -566,8 +566,8 @@ fn explanations_hold_every_decision_and_end_in_the_answer() {
 }
 
 /// Checks a decision against the text of the rule.
-fn check_decision(tree: &Tree, gate: usize, operands: &[Operand; 2], verdict: Verdict) {
-    let Kind::Gate(op) = tree.nodes()[gate].kind else { panic!("not a gate") };
+fn check_decision(tree: &Tree, gate: usize, operands: &[ExplainedOperand; 2], verdict: Verdict) {
+    let TreeNodeKind::Gate(op) = tree.nodes()[gate].kind else { panic!("not a gate") };
     let [a, b] = operands.each_ref().map(|operand| operand.answer);
     let value = |t: f64| [a, b].map(|step| if step.t <= t { step.after } else { step.before });
     let f = |[a, b]: [u32; 2]| op.of(a, b);

@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::lens::design::{
-    Goal, Merit, Operand, Optimiser, Parameter, SeidelTerm, Spread, Target, Tolerancing,
+    DesignParameter, Goal, Merit, Operand, Optimiser, SeidelTerm, Spread, Target, Tolerancing,
 };
 
 use crate::engine::thread_argument;
@@ -16,7 +16,7 @@ use crate::optics::prescription::PyPrescription;
 pub struct ErrorOf(String, String, f64);
 
 impl ErrorOf {
-    fn read(&self) -> PyResult<(Parameter, Spread)> {
+    fn read(&self) -> PyResult<(DesignParameter, Spread)> {
         let spread = match self.1.as_str() {
             "uniform" => Spread::Uniform(self.2),
             "normal" => Spread::Normal(self.2),

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use rayweave::Ray;
 use rayweave::math::Vec3;
 use rayweave::optics::interface::Stokes;
-use rayweave::optics::{Beam, Branches, Light, OpticsError, Settings};
+use rayweave::optics::{Beam, Branches, Light, OpticsError, TraceSettings};
 
 use crate::arrays::list;
 use crate::engine::thread_argument;
@@ -32,8 +32,8 @@ pub struct LightOptions<'py> {
 
 impl LightOptions<'_> {
     /// The settings.
-    pub fn settings(&self) -> PyResult<Settings> {
-        Ok(Settings {
+    pub fn settings(&self) -> PyResult<TraceSettings> {
+        Ok(TraceSettings {
             branches: branches_named(&self.branches)?,
             polarised: self.polarised,
             generation_limit: self.generation_limit,
@@ -41,7 +41,7 @@ impl LightOptions<'_> {
             keep_escaped: self.keep_escaped,
             seed: self.seed,
             threads: self.threads.as_ref().map(thread_argument).transpose()?,
-            ..Settings::default()
+            ..TraceSettings::default()
         })
     }
 }

@@ -11,7 +11,7 @@ use pyo3::types::PyDict;
 use rayweave::Packets;
 use rayweave::model::drive::Cancel;
 use rayweave::optics::source::Sources;
-use rayweave::optics::{Balance, OpticsError, Phases, Segments, Settings, System, Tracer};
+use rayweave::optics::{Balance, OpticsError, Phases, Segments, System, TraceSettings, Tracer};
 
 use crate::error::bad_value;
 use crate::optics::segments::{accounts, columns};
@@ -64,7 +64,7 @@ struct State {
 
 impl PyStream {
     /// Starts the run on threads of its own.
-    pub fn start(system: Arc<System>, light: Sources, settings: Settings, batch: Batch) -> PyStream {
+    pub fn start(system: Arc<System>, light: Sources, settings: TraceSettings, batch: Batch) -> PyStream {
         let traced = system.clone();
         let cancel = settings.cancel.clone();
         let (sender, messages) = sync_channel(WAITING);

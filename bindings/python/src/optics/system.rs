@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 use rayweave::Packets;
 use rayweave::optics::source::Sources;
 use rayweave::optics::table::{SegmentFile, trace_light};
-use rayweave::optics::{Assembly, Balance, Emitter, Segments, Settings, System, Tracer};
+use rayweave::optics::{Assembly, Balance, Emitter, Segments, System, TraceSettings, Tracer};
 
 use crate::error::bad_value;
 use crate::optics::element::Part;
@@ -147,7 +147,7 @@ impl PySystem {
     fn run(
         &self,
         light: &impl Emitter,
-        settings: &Settings,
+        settings: &TraceSettings,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(Segments, Balance)> {
         let tracer = Tracer::new(&self.system, Packets::new);
@@ -166,7 +166,7 @@ impl PySystem {
         &self,
         out: SegmentFile<'_>,
         light: &impl Emitter,
-        settings: &Settings,
+        settings: &TraceSettings,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Balance> {
         let tracer = Tracer::new(&self.system, Packets::new);

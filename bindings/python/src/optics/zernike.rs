@@ -2,18 +2,18 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use rayweave::lens::analysis::{Zernike, fit};
+use rayweave::lens::analysis::{ZernikePolynomial, fit};
 
 use crate::arrays::list;
 use crate::error::bad_value;
 use crate::vectors::points;
 
 /// The polynomial of an order and a frequency, if there is one.
-fn zernike((n, m): (u32, i32)) -> PyResult<Zernike> {
+fn zernike((n, m): (u32, i32)) -> PyResult<ZernikePolynomial> {
     let has_term = m.unsigned_abs() <= n && (n - m.unsigned_abs()).is_multiple_of(2);
     let problem =
         || bad_value(format!("there is no Zernike polynomial n = {n}, m = {m}: n - |m| is even and >= 0."));
-    has_term.then_some(Zernike { n, m }).ok_or_else(problem)
+    has_term.then_some(ZernikePolynomial { n, m }).ok_or_else(problem)
 }
 
 /// The order and the frequency by an index: "noll" from 1, "osa" from 0.
@@ -21,9 +21,9 @@ fn zernike((n, m): (u32, i32)) -> PyResult<Zernike> {
 #[pyo3(signature = (scheme, index))]
 pub fn zernike_term(scheme: &str, index: u32) -> PyResult<(u32, i32)> {
     let zernike = match (scheme, index) {
-        ("noll", 1..) => Zernike::noll(index),
+        ("noll", 1..) => ZernikePolynomial::noll(index),
         ("noll", _) => return Err(bad_value("the Noll index is 0: it counts from 1.")),
-        ("osa", _) => Zernike::osa(index),
+        ("osa", _) => ZernikePolynomial::osa(index),
         (other, _) => {
             return Err(bad_value(format!("the scheme is {other:?}: it can be \"noll\" or \"osa\".")));
         }
@@ -56,7 +56,7 @@ pub fn zernike_fit<'py>(
         let counts = format!("pupil has {} rows and values has {}", at.len(), wanted.len());
         return Err(bad_value(format!("{counts}: one value for every point is needed.")));
     }
-    let terms: Vec<Zernike> = terms.into_iter().map(zernike).collect::<PyResult<_>>()?;
+    let terms: Vec<ZernikePolynomial> = terms.into_iter().map(zernike).collect::<PyResult<_>>()?;
     let fit = pupil.py().detach(|| fit(&at, &wanted, &terms)).map_err(bad_value)?;
     let coefficients = fit.terms.iter().map(|term| term.1).collect();
     Ok((PyArray1::from_vec(pupil.py(), coefficients), fit.residual_rms))

@@ -8,7 +8,7 @@ use rayweave_math::Vec3;
 /// The kinds of findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
-pub enum Kind {
+pub enum FindingKind {
     /// Two regions overlap and neither is inside the other; the overlap belongs to the later one. In models
     /// with a hierarchy, also overlapping copies of one volume.
     Overlap,
@@ -30,32 +30,32 @@ pub enum Kind {
     Touch,
 }
 
-impl Kind {
+impl FindingKind {
     /// All kinds with their names.
-    pub const ALL: [(Kind, &'static str); 9] = [
-        (Kind::Overlap, "overlap"),
-        (Kind::Outside, "outside"),
-        (Kind::Hidden, "hidden"),
-        (Kind::Empty, "empty"),
-        (Kind::Absorbed, "absorbed"),
-        (Kind::Mesh, "mesh"),
-        (Kind::Thin, "thin"),
-        (Kind::Gap, "gap"),
-        (Kind::Touch, "touch"),
+    pub const ALL: [(FindingKind, &'static str); 9] = [
+        (FindingKind::Overlap, "overlap"),
+        (FindingKind::Outside, "outside"),
+        (FindingKind::Hidden, "hidden"),
+        (FindingKind::Empty, "empty"),
+        (FindingKind::Absorbed, "absorbed"),
+        (FindingKind::Mesh, "mesh"),
+        (FindingKind::Thin, "thin"),
+        (FindingKind::Gap, "gap"),
+        (FindingKind::Touch, "touch"),
     ];
 
     /// The name.
     pub fn name(self) -> &'static str {
-        Kind::ALL[self as usize].1
+        FindingKind::ALL[self as usize].1
     }
 }
 
-impl std::str::FromStr for Kind {
+impl std::str::FromStr for FindingKind {
     type Err = AnalysisError;
 
-    fn from_str(name: &str) -> Result<Kind, AnalysisError> {
-        let found = Kind::ALL.into_iter().find(|(_, own)| *own == name);
-        let names = Kind::ALL.into_iter().map(|(_, own)| own);
+    fn from_str(name: &str) -> Result<FindingKind, AnalysisError> {
+        let found = FindingKind::ALL.into_iter().find(|(_, own)| *own == name);
+        let names = FindingKind::ALL.into_iter().map(|(_, own)| own);
         let unknown = || AnalysisError::Name(Message::unknown("kind of finding", name, names));
         found.map(|(kind, _)| kind).ok_or_else(unknown)
     }
@@ -66,7 +66,7 @@ impl std::str::FromStr for Kind {
 #[non_exhaustive]
 pub struct Finding {
     /// The kind.
-    pub kind: Kind,
+    pub kind: FindingKind,
     /// The regions concerned.
     pub regions: Vec<String>,
     /// The finding in words.
@@ -87,7 +87,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    pub(super) fn new(kind: Kind, regions: &[&str], text: String) -> Finding {
+    pub(super) fn new(kind: FindingKind, regions: &[&str], text: String) -> Finding {
         let regions = regions.iter().map(|name| (*name).to_owned()).collect();
         let (size, volume, area, at, ray) = (None, None, None, None, None);
         Finding { kind, regions, text, size, volume, area, at, ray, is_proved: false }

@@ -6,7 +6,7 @@
 //! reports for any number of threads.
 //!
 //! ```
-//! use rayweave_analysis::check::{CheckSettings, Kind, check};
+//! use rayweave_analysis::check::{CheckSettings, FindingKind, check};
 //! use rayweave_trace::AnyEvaluator;
 //!
 //! let (_, scene) = rayweave_scene::parse(
@@ -14,7 +14,7 @@
 //!      [[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"",
 //! )?;
 //! let report = check(&scene, None, AnyEvaluator::maker(None), &CheckSettings::default(), &mut |_| ())?;
-//! let overlap = report.of(Kind::Overlap).next().unwrap();
+//! let overlap = report.of(FindingKind::Overlap).next().unwrap();
 //! assert_eq!(overlap.regions, ["a", "b"]);
 //! assert!((overlap.volume.unwrap().value - 2.0).abs() < 1e-9 && (overlap.size.unwrap() - 0.5).abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -34,7 +34,7 @@ mod subject;
 #[cfg(test)]
 mod tests;
 
-pub use finding::{Finding, Kind};
+pub use finding::{Finding, FindingKind};
 pub use hierarchy::Hierarchy;
 pub use report::{CheckReport, Scope};
 pub use section::finding_section;

@@ -1,7 +1,7 @@
 //! Checks for operands without effect and for suspicious meshes.
 
 use super::probe::{FEW, Probe};
-use super::{Finding, Kind};
+use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Affine;
 use rayweave_model::{Evaluator, Node, Program, Region, Solid};
@@ -128,7 +128,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         let is_proved = bounds.is_empty();
         if is_proved || self.probe.is_there(&effect, &bounds, 2 * FEW)?.is_none() {
             let text = format!("{} {what} what it is joined with in {}", label(own), self.region);
-            let finding = Finding::new(Kind::Absorbed, &[self.region], text);
+            let finding = Finding::new(FindingKind::Absorbed, &[self.region], text);
             let place = Program::compile(&own.apply(*map))?.bounds();
             let at = (place.is_finite() && !place.is_empty()).then(|| place.centre());
             self.found.push(Finding { is_proved, at, ..finding });
@@ -140,7 +140,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         let diagnosis = mesh.solid().to_mesh().diagnose();
         if !diagnosis.is_sound() {
             let text = format!("the mesh in {} may not be what was meant: {diagnosis}", self.region);
-            let finding = Finding::new(Kind::Mesh, &[self.region], text);
+            let finding = Finding::new(FindingKind::Mesh, &[self.region], text);
             self.found.push(Finding { is_proved: true, ..finding });
         }
     }

@@ -3,7 +3,7 @@
 use super::parts::{Part, overlapping_pairs, parts};
 use super::probe::{FEW, Probe, Thickest};
 use super::subject::Subject;
-use super::{Finding, Kind};
+use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Bounds;
 use rayweave_model::{Evaluator, Solid};
@@ -125,7 +125,7 @@ fn overlap<E: Evaluator>(
         false => None,
     };
     let names = if a == b { vec![first] } else { vec![first, second] };
-    let finding = Finding::new(Kind::Overlap, &names, text);
+    let finding = Finding::new(FindingKind::Overlap, &names, text);
     Ok(Finding { volume, ..finding }.seen(common.deepest.thickness, common.deepest.chord))
 }
 
@@ -152,7 +152,7 @@ pub fn outside<E: Evaluator>(
         let names: Vec<&str> = mothers.iter().map(|&mother| subject.name(mother)).collect();
         let name = subject.name(daughter);
         let text = format!("{name} reaches out of its mother, {}", names.join(" or "));
-        let finding = Finding::new(Kind::Outside, &[&[name][..], &names].concat(), text);
+        let finding = Finding::new(FindingKind::Outside, &[&[name][..], &names].concat(), text);
         findings.push(Finding { volume: probe.volume(&rest)?, ..finding }.seen(met.thickness, met.chord));
     }
     Ok(findings)

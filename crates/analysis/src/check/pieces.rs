@@ -2,7 +2,7 @@
 
 use super::probe::{FEW, Probe};
 use super::subject::Subject;
-use super::{Finding, Kind};
+use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use crate::measure::Chord;
 use crate::survey::Piece;
@@ -155,7 +155,7 @@ fn walls_and_gaps(subject: &Subject<'_>, seen: &Seen) -> Vec<Finding> {
     let times = |count: u64| if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") };
     let thin = seen.thin.iter().map(|(region, least)| {
         let text = format!("{} is thin where {} met it", name(region), times(least.count));
-        Finding::new(Kind::Thin, &[name(region)], text).seen(least.width, least.chord)
+        Finding::new(FindingKind::Thin, &[name(region)], text).seen(least.width, least.chord)
     });
     let gaps = seen.gaps.iter().map(|([a, b], least)| {
         let (rays, names) = (times(least.count), [name(a), name(b)]);
@@ -166,7 +166,7 @@ fn walls_and_gaps(subject: &Subject<'_>, seen: &Seen) -> Vec<Finding> {
                 &names[..],
             ),
         };
-        Finding::new(Kind::Gap, names, text).seen(least.width, least.chord)
+        Finding::new(FindingKind::Gap, names, text).seen(least.width, least.chord)
     });
     thin.chain(gaps).collect()
 }
@@ -178,7 +178,7 @@ fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Findin
         let (k, j) = (a.index() - 1, b.index() - 1);
         let names = [subject.name(k), subject.name(j)];
         let is_overlap =
-            known.iter().any(|finding| finding.kind == Kind::Overlap && finding.regions == names);
+            known.iter().any(|finding| finding.kind == FindingKind::Overlap && finding.regions == names);
         let around = |a: usize, b: usize| {
             subject.boxes[a].contains(subject.boxes[b].lo) && subject.boxes[a].contains(subject.boxes[b].hi)
         };
@@ -187,7 +187,7 @@ fn contacts(subject: &Subject<'_>, seen: &Seen, known: &[Finding]) -> Vec<Findin
             continue;
         }
         let text = format!("{} and {} touch", names[0], names[1]);
-        let finding = Finding::new(Kind::Touch, &names, text);
+        let finding = Finding::new(FindingKind::Touch, &names, text);
         let (at, ray) = (Some(contact.chord.to), Some(contact.chord));
         found.push(Finding { area: Some(contact.area), at, ray, ..finding });
     }
@@ -202,14 +202,14 @@ fn nothing<E: Evaluator>(
 ) -> Result<Option<Finding>, AnalysisError> {
     let name = subject.name(region);
     let proved = || {
-        let finding = Finding::new(Kind::Empty, &[name], format!("there is nothing in {name}"));
+        let finding = Finding::new(FindingKind::Empty, &[name], format!("there is nothing in {name}"));
         Ok(Some(Finding { is_proved: true, ..finding }))
     };
     let Some(whole) = subject.beyond(region) else {
         if subject.boxes[region].is_empty() {
             return proved();
         }
-        return Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))));
+        return Ok(Some(Finding::new(FindingKind::Empty, &[name], format!("no ray met anything in {name}"))));
     };
     let bounds = Program::compile(whole)?.bounds();
     if bounds.is_empty() {
@@ -219,7 +219,7 @@ fn nothing<E: Evaluator>(
     if !bounds.is_finite() || probe.thickest(whole, &bounds, 3 * FEW)?.is_some() {
         return Ok(None);
     }
-    Ok(Some(Finding::new(Kind::Empty, &[name], format!("no ray met anything in {name}"))))
+    Ok(Some(Finding::new(FindingKind::Empty, &[name], format!("no ray met anything in {name}"))))
 }
 
 /// Reports a region that no ray crossed.
@@ -242,5 +242,5 @@ fn unseen<E: Evaluator>(
     };
     let by = subject.name(owner);
     let text = format!("nothing is left of {name}, which {by} takes as the later region");
-    Ok(Some(Finding::new(Kind::Hidden, &[name, by], text).seen(met.thickness, met.chord)))
+    Ok(Some(Finding::new(FindingKind::Hidden, &[name, by], text).seen(met.thickness, met.chord)))
 }

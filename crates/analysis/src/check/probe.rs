@@ -3,7 +3,7 @@
 use super::{CheckSettings, Scope};
 use crate::AnalysisError;
 use crate::error::Make;
-use crate::measure::{Chord, Estimate, Settings, measure};
+use crate::measure::{Chord, Estimate, MeasureSettings, measure};
 use crate::subject::clipped;
 use crate::survey::{Piece, Survey, remeasured, survey};
 use rayweave_math::{Bounds, Vec3};
@@ -124,7 +124,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         if !program.bounds().is_finite() {
             return Ok(None);
         }
-        let settings = Settings {
+        let settings = MeasureSettings {
             precision: 0.02,
             confidence: self.settings.confidence,
             most_rays: 1 << 16,

@@ -1,6 +1,6 @@
 //! Results of checks.
 
-use super::{Finding, Kind};
+use super::{Finding, FindingKind};
 use rayweave_scene::Unit;
 
 /// The result of a check.
@@ -45,7 +45,7 @@ pub struct Scope {
 
 impl CheckReport {
     /// The findings of a kind.
-    pub fn of(&self, kind: Kind) -> impl Iterator<Item = &Finding> {
+    pub fn of(&self, kind: FindingKind) -> impl Iterator<Item = &Finding> {
         self.findings.iter().filter(move |finding| finding.kind == kind)
     }
 }

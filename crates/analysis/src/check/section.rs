@@ -1,9 +1,11 @@
 //! Cross-sections at findings.
 
-use super::{CheckSettings, Finding, Kind};
+use super::{CheckSettings, Finding, FindingKind};
 use crate::AnalysisError;
 use crate::error::{Make, maker};
-use crate::section::{By, CrossSection, Cutter, Kinds, SectionPlane, SectionSettings, Sweep, cross_sections};
+use crate::section::{
+    By, CrossSection, Cutter, Kinds, SectionPlane, SectionRun, SectionSettings, cross_sections,
+};
 use crate::subject::clipped;
 use rayweave_error::Classified;
 use rayweave_math::Bounds;
@@ -28,7 +30,7 @@ pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let diagonal = if whole.is_finite() { whole.size().length() } else { 0.0 };
     let ray = finding.ray.map_or(rayweave_math::Vec3::ZERO, |ray| (ray.to - ray.from).abs());
     let around = match finding.kind {
-        Kind::Thin | Kind::Gap => 8.0 * finding.size.unwrap_or(0.0),
+        FindingKind::Thin | FindingKind::Gap => 8.0 * finding.size.unwrap_or(0.0),
         _ => 4.0 * ray.max_element().max(finding.size.unwrap_or(0.0)),
     };
     let reach = around.max(1e-3 * diagonal).max(1e-9 * at.abs().max_element());
@@ -36,7 +38,7 @@ pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     // a plane that contains the ray; if possible, the one seen from the front
     let axis = if ray.y > ray.x.max(ray.z) { 0 } else { 1 };
     let plane = SectionPlane::across(axis, at[axis])?;
-    let sweep = Sweep { threads: settings.threads, cancel: settings.cancel.clone() };
+    let sweep = SectionRun { threads: settings.threads, cancel: settings.cancel.clone() };
     let section_settings = SectionSettings { by: By::Region, within, sweep, ..SectionSettings::default() };
     match overlapping(scene, finding) {
         Some([a, b]) => overlap(&plane, a, b, &maker(make), &section_settings).map(Some),
@@ -52,7 +54,7 @@ fn overlapping(scene: &Scene, finding: &Finding) -> Option<[Region; 2]> {
     let [a, b] = &finding.regions[..] else { return None };
     let regions = scene.model_regions();
     let find = |name: &String| regions.iter().find(|region| region.name == *name).cloned();
-    (finding.kind == Kind::Overlap).then(|| Some([find(a)?, find(b)?])).flatten()
+    (finding.kind == FindingKind::Overlap).then(|| Some([find(a)?, find(b)?])).flatten()
 }
 
 fn overlap<E: Evaluator>(

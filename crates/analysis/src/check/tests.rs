@@ -35,7 +35,7 @@ fn is_about(volume: Option<Estimate>, expected: f64) -> bool {
     volume.is_some_and(|volume| (volume.value - expected).abs() <= volume.half_width + 1e-9 * expected)
 }
 
-fn kinds(report: &CheckReport) -> Vec<(Kind, Vec<&str>)> {
+fn kinds(report: &CheckReport) -> Vec<(FindingKind, Vec<&str>)> {
     report.findings.iter().map(|f| (f.kind, f.regions.iter().map(String::as_str).collect())).collect()
 }
 
@@ -54,7 +54,10 @@ fn overlaps_and_what_is_none() {
         ]),
         &quick(),
     );
-    assert_eq!(kinds(&report), [(Kind::Overlap, vec!["a", "b"]), (Kind::Touch, vec!["a", "d"])]);
+    assert_eq!(
+        kinds(&report),
+        [(FindingKind::Overlap, vec!["a", "b"]), (FindingKind::Touch, vec!["a", "d"])]
+    );
     let overlap = &report.findings[0];
     assert!(is_about(overlap.volume, 0.25) && (overlap.size.unwrap() - 0.25).abs() < 1e-12, "{overlap:?}");
     let at = overlap.at.unwrap();
@@ -72,7 +75,7 @@ fn curved_overlaps_by_formula() {
     let report = checked(two, &quick());
     // a lens of two caps of height 0.05
     let lens = 2.0 * PI * 0.05f64.powi(2) * (1.0 - 0.05 / 3.0);
-    let overlap = report.of(Kind::Overlap).next().unwrap();
+    let overlap = report.of(FindingKind::Overlap).next().unwrap();
     assert!(is_about(overlap.volume, lens), "{overlap:?} {lens}");
     assert!(overlap.size.unwrap() > 0.08 && overlap.size.unwrap() <= 0.1 + 1e-12, "{overlap:?}");
     // touching in a point only
@@ -80,7 +83,7 @@ fn curved_overlaps_by_formula() {
     // faces that agree to rounding do not overlap
     let third = 1.0 / 3.0;
     let near = boxes(&[("a", [0.0; 3], [0.1 + 0.2, 1.0, 1.0]), ("b", [0.3, 0.0, 0.0], [1.0, 1.0, third])]);
-    assert_eq!(kinds(&checked(&near, &quick())), [(Kind::Touch, vec!["a", "b"])]);
+    assert_eq!(kinds(&checked(&near, &quick())), [(FindingKind::Touch, vec!["a", "b"])]);
 }
 
 #[test]
@@ -90,11 +93,11 @@ fn hidden_and_empty() {
         [solid.y]\nexpr = \"p & q\"\n[solid.p]\nsphere = { radius = 1 }\n[solid.q]\nsphere = { radius = 1 }\n\
         transform = [{ translate = [1.3, 1.3, 1.3] }]\n[[region]]\nsolid = \"x\"\n[[region]]\nsolid = \"y\"";
     let report = checked(&format!("{covered}{empty}"), &quick());
-    assert_eq!(report.of(Kind::Hidden).next().unwrap().regions, ["small", "large"]);
-    let empty: Vec<_> = report.of(Kind::Empty).map(|f| (f.regions[0].as_str(), f.is_proved)).collect();
+    assert_eq!(report.of(FindingKind::Hidden).next().unwrap().regions, ["small", "large"]);
+    let empty: Vec<_> = report.of(FindingKind::Empty).map(|f| (f.regions[0].as_str(), f.is_proved)).collect();
     // boxes prove the first; only rays can detect the second
     assert_eq!(empty, [("x", true), ("y", false)]);
-    assert!(report.of(Kind::Overlap).next().is_none(), "{report:?}");
+    assert!(report.of(FindingKind::Overlap).next().is_none(), "{report:?}");
 }
 
 /// A region outside the checked box is not reported as empty; a region that is empty everywhere is.
@@ -109,7 +112,7 @@ fn what_is_beyond_the_box_is_not_empty() {
     let within = |lo: f64, hi: f64| Some(Bounds::new(Vec3::splat(lo), Vec3::splat(hi)));
     let settings = CheckSettings { within: within(-1.0, 1.0), ..quick() };
     let report = checked(&format!("{four}{none}"), &settings);
-    let empty: Vec<_> = report.of(Kind::Empty).map(|found| found.regions[0].as_str()).collect();
+    let empty: Vec<_> = report.of(FindingKind::Empty).map(|found| found.regions[0].as_str()).collect();
     assert_eq!(empty, ["x"], "{report:?}");
     let far = CheckSettings { within: within(50.0, 51.0), ..quick() };
     let error =
@@ -125,7 +128,7 @@ fn walls_and_gaps() {
         ("lid", [0.0, 0.0, 1.53], [10.0, 10.0, 3.0]),
     ]);
     let report = checked(&plates, &CheckSettings { wall: Some(0.05), gap: Some(0.05), ..quick() });
-    assert_eq!(kinds(&report), [(Kind::Thin, vec!["film"]), (Kind::Gap, vec!["film", "lid"])]);
+    assert_eq!(kinds(&report), [(FindingKind::Thin, vec!["film"]), (FindingKind::Gap, vec!["film", "lid"])]);
     let sizes: Vec<f64> = report.findings.iter().map(|finding| finding.size.unwrap()).collect();
     assert!((sizes[0] - 0.02).abs() < 1e-12 && (sizes[1] - 0.01).abs() < 1e-12, "{sizes:?}");
     assert!(checked(&plates, &quick()).findings.is_empty());
@@ -133,7 +136,7 @@ fn walls_and_gaps() {
     let slot = "[solid.block]\nbox = { size = 10 }\n[solid.slot]\nbox = { size = [0.01, 20, 20] }\n\
         [solid.body]\nexpr = \"block - slot\"\ntransform = [{ rotate_y = 40 }]\n[[region]]\nsolid = \"body\"";
     let report = checked(slot, &CheckSettings { wall: Some(0.05), gap: Some(0.05), ..quick() });
-    assert_eq!(kinds(&report), [(Kind::Gap, vec!["body"])]);
+    assert_eq!(kinds(&report), [(FindingKind::Gap, vec!["body"])]);
     assert!((report.findings[0].size.unwrap() - 0.01).abs() < 1e-9, "{report:?}");
 }
 
@@ -145,7 +148,7 @@ fn operands_without_effect() {
         [solid.inner]\nsphere = { radius = 0.4 }\ntransform = [{ translate = [3, 3, 0] }]\n\
         [solid.part]\nexpr = \"(plate | inner) - (hole | missed | far)\"\n[[region]]\nsolid = \"part\"";
     let report = checked(model, &quick());
-    let found: Vec<_> = report.of(Kind::Absorbed).map(|f| (f.text.as_str(), f.is_proved)).collect();
+    let found: Vec<_> = report.of(FindingKind::Absorbed).map(|f| (f.text.as_str(), f.is_proved)).collect();
     assert_eq!(found.len(), 3, "{found:?}");
     let has = |name: &str, is_proved: bool| {
         found.iter().any(|(text, proved)| text.starts_with(name) && *proved == is_proved)
@@ -173,11 +176,11 @@ fn unions_of_many() {
         other.join(" | ")
     );
     let report = checked(&text, &quick());
-    let absorbed: Vec<&str> = report.of(Kind::Absorbed).map(|finding| finding.text.as_str()).collect();
+    let absorbed: Vec<&str> = report.of(FindingKind::Absorbed).map(|finding| finding.text.as_str()).collect();
     assert_eq!(absorbed, ["inner adds nothing to what it is joined with in row"]);
     assert_eq!((report.scope.operands, report.scope.operands_left_out), (201, 0));
     // each of the second row is half inside one of the first
-    let overlap = report.of(Kind::Overlap).next().unwrap();
+    let overlap = report.of(FindingKind::Overlap).next().unwrap();
     assert!(is_about(overlap.volume, 400.0), "{overlap:?}");
     let few = checked(&text, &CheckSettings { most_pairs: 7, ..quick() }).scope;
     assert_eq!((few.operands, few.operands_left_out, few.left_out), (7, 194, report.scope.pairs - 7));
@@ -213,9 +216,9 @@ fn daughters_and_copies() {
     let report =
         check(&imported.scene, Some(&hierarchy), AnyEvaluator::maker(None), &quick(), &mut |_| ()).unwrap();
     let [overlap, outside] = &report.findings[..] else { panic!("{report:?}") };
-    assert_eq!((overlap.kind, &overlap.regions[..]), (Kind::Overlap, &["Cell".to_owned()][..]));
+    assert_eq!((overlap.kind, &overlap.regions[..]), (FindingKind::Overlap, &["Cell".to_owned()][..]));
     assert!(is_about(overlap.volume, 500.0) && (overlap.size.unwrap() - 5.0).abs() < 1e-9, "{overlap:?}");
-    assert_eq!((outside.kind, outside.regions.join(" ")), (Kind::Outside, "Crate Hall".to_owned()));
+    assert_eq!((outside.kind, outside.regions.join(" ")), (FindingKind::Outside, "Crate Hall".to_owned()));
     assert!(is_about(outside.volume, 4500.0) && (outside.size.unwrap() - 5.0).abs() < 1e-9, "{outside:?}");
     assert!(hierarchy.is_within(2, 0) && !hierarchy.is_within(0, 2));
     // 2.5 mm of the hall between the crate and a cell that was moved out of it is a gap, not a thin wall
@@ -224,13 +227,13 @@ fn daughters_and_copies() {
     let settings = CheckSettings { wall: Some(3.0), gap: Some(3.0), ..quick() };
     let report =
         check(&imported.scene, Some(&hierarchy), AnyEvaluator::maker(None), &settings, &mut |_| ()).unwrap();
-    let gap = report.of(Kind::Gap).next().unwrap();
+    let gap = report.of(FindingKind::Gap).next().unwrap();
     assert!((gap.size.unwrap() - 2.5).abs() < 1e-9 && gap.regions.contains(&"Crate".to_owned()), "{gap:?}");
-    assert!(report.of(Kind::Thin).next().is_none(), "{report:?}");
+    assert!(report.of(FindingKind::Thin).next().is_none(), "{report:?}");
     let imported = rayweave_formats::parse(DETECTOR, Format::Gdml, &[], &Options::default()).unwrap();
     // without the hierarchy, a crate that extends out of a hall is two overlapping boxes
     let report = check(&imported.scene, None, AnyEvaluator::maker(None), &quick(), &mut |_| ()).unwrap();
-    assert!(report.of(Kind::Overlap).any(|f| f.regions == ["Hall", "Crate"]), "{report:?}");
+    assert!(report.of(FindingKind::Overlap).any(|f| f.regions == ["Hall", "Crate"]), "{report:?}");
 }
 
 #[test]
@@ -264,7 +267,7 @@ fn the_same_on_any_number_of_threads_and_refusals() {
     assert_eq!(fails(&text, CheckSettings { cancel, ..quick() }), "cancelled");
     // an unbounded floor next to a bounded region is checked around that region
     let report = checked(&format!("{floor}\n{}", boxes(&[("a", [0.0, 0.0, -0.5], [1.0; 3])])), &quick());
-    assert!(report.of(Kind::Overlap).any(|finding| finding.regions == ["f", "a"]), "{report:?}");
-    assert_eq!("thin".parse::<Kind>().unwrap(), Kind::Thin);
-    assert!("thinn".parse::<Kind>().unwrap_err().to_string().contains("Did you mean `thin`?"));
+    assert!(report.of(FindingKind::Overlap).any(|finding| finding.regions == ["f", "a"]), "{report:?}");
+    assert_eq!("thin".parse::<FindingKind>().unwrap(), FindingKind::Thin);
+    assert!("thinn".parse::<FindingKind>().unwrap_err().to_string().contains("Did you mean `thin`?"));
 }

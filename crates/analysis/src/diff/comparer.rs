@@ -1,10 +1,10 @@
 //! Comparison of the two solids of a pair.
 
 use super::pairs::Pair;
-use super::{DiffSettings, Difference, Spot};
+use super::{DiffSettings, Difference, ThickestSpot};
 use crate::AnalysisError;
 use crate::error::Make;
-use crate::measure::{Chord, Estimate, Settings, measure};
+use crate::measure::{Chord, Estimate, MeasureSettings, measure};
 use crate::survey::{Piece, Survey, remeasured, survey};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
@@ -128,7 +128,7 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
     /// Measures the pieces along several directions and records the thickest.
     fn measure_candidates(&self, evaluator: &E, candidates: &[Candidate], found: &mut Difference) {
         let mut scratch = evaluator.scratch();
-        let mut thickest: Option<Spot> = None;
+        let mut thickest: Option<ThickestSpot> = None;
         for candidate in candidates.iter().take(MAX_CANDIDATES) {
             // all further pieces are thinner
             if thickest.is_some_and(|spot| spot.thickness >= candidate.thickness) {
@@ -150,7 +150,7 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
 
     fn measure(&mut self, evaluator: &E, found: &mut Difference) -> Result<(), AnalysisError> {
         // the models are already clipped to the box
-        let settings = Settings { within: None, ..self.settings.measure.clone() };
+        let settings = MeasureSettings { within: None, ..self.settings.measure.clone() };
         let (before, progress) = (self.traced, &mut self.progress);
         let measured = measure(evaluator, &settings, &mut |rays| progress(before + rays))?;
         self.traced += measured.rays;
@@ -161,10 +161,10 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
 
 /// Measures a piece again along the axes and along the normals at its ends: the shortest length is the
 /// thickness.
-fn seen_again<E: Evaluator>(evaluator: &E, candidate: &Candidate, scratch: &mut E::Scratch) -> Spot {
+fn seen_again<E: Evaluator>(evaluator: &E, candidate: &Candidate, scratch: &mut E::Scratch) -> ThickestSpot {
     let Candidate { chord, normals, is_a, .. } = *candidate;
     let own = if is_a { A_ONLY } else { B_ONLY };
     let (thickness, chord) =
         remeasured(evaluator, (candidate.thickness, chord, normals), |region| region == own, scratch);
-    Spot { at: 0.5 * (chord.from + chord.to), thickness, chord, is_a }
+    ThickestSpot { at: 0.5 * (chord.from + chord.to), thickness, chord, is_a }
 }

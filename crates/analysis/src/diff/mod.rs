@@ -21,7 +21,7 @@
 //! let report = diff(&a, &b, &make, &DiffSettings::default(), &mut |_| ())?;
 //! let egg = &report.pairs[0];
 //! assert!(!report.is_same() && egg.a_only.value == 0.0);
-//! assert!(egg.b_only.holds(0.8 * std::f64::consts::PI / 3.0));
+//! assert!(egg.b_only.contains(0.8 * std::f64::consts::PI / 3.0));
 //! assert!((egg.spot.unwrap().thickness - 0.2).abs() < 0.02);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -34,7 +34,7 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
-pub use report::{DiffReport, Difference, Spot};
+pub use report::{DiffReport, Difference, ThickestSpot};
 pub use section::diff_section;
 pub use settings::{DiffSettings, Match};
 

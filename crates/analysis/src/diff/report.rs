@@ -55,7 +55,7 @@ pub struct Difference {
     /// The volume in the second model only.
     pub b_only: Estimate,
     /// The thickest difference found, accepted or not; `None` if there was none.
-    pub spot: Option<Spot>,
+    pub spot: Option<ThickestSpot>,
     /// A box around all differences beyond the accepted thickness.
     pub place: Option<Bounds>,
 }
@@ -63,7 +63,7 @@ pub struct Difference {
 /// A place where models differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Spot {
+pub struct ThickestSpot {
     /// The middle of the chord.
     pub at: Vec3,
     /// The thickness of the difference.

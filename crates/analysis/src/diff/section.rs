@@ -3,7 +3,7 @@
 use super::{DiffReport, DiffSettings, pairs};
 use crate::AnalysisError;
 use crate::error::maker;
-use crate::section::{CrossSection, Cutter, Kinds, SectionPlane, SectionSettings, Sweep};
+use crate::section::{CrossSection, Cutter, Kinds, SectionPlane, SectionRun, SectionSettings};
 use rayweave_error::{Classified, Message};
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program};
@@ -46,7 +46,7 @@ pub fn diff_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
         None => program.bounds().centre(),
     };
     let kinds = Kinds { of: vec![1, 2, 3], names: COLOURS.map(|(name, c)| (name.to_owned(), c)).into() };
-    let sweep = Sweep { threads: settings.measure.threads, cancel: settings.measure.cancel.clone() };
+    let sweep = SectionRun { threads: settings.measure.threads, cancel: settings.measure.cancel.clone() };
     let cut_settings = SectionSettings { sweep, ..SectionSettings::default() };
     let cutter = Cutter { evaluator: maker(make)(program)?, kinds, settings: &cut_settings };
     match plane {

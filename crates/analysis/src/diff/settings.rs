@@ -28,14 +28,17 @@ pub struct DiffSettings {
     pub across: u32,
     /// The options of volumes. Box (in the unit of the first model), seed, threads and cancellation token
     /// apply to the whole comparison.
-    pub measure: measure::Settings,
+    pub measure: measure::MeasureSettings,
 }
 
 /// 98,304 rays for each pair, volumes to 1 % at 99 % with at most 2^20 rays.
 impl Default for DiffSettings {
     fn default() -> Self {
-        let measure =
-            measure::Settings { precision: 1e-2, most_rays: 1 << 20, ..measure::Settings::default() };
+        let measure = measure::MeasureSettings {
+            precision: 1e-2,
+            most_rays: 1 << 20,
+            ..measure::MeasureSettings::default()
+        };
         DiffSettings { by: Match::Auto, distance: None, across: 128, measure }
     }
 }

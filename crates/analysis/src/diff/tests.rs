@@ -15,10 +15,10 @@ fn scene(text: &str) -> Scene {
 }
 
 fn quick() -> DiffSettings {
-    measured(measure::Settings { most_rays: 1 << 17, ..DiffSettings::default().measure })
+    measured(measure::MeasureSettings { most_rays: 1 << 17, ..DiffSettings::default().measure })
 }
 
-fn measured(measure: measure::Settings) -> DiffSettings {
+fn measured(measure: measure::MeasureSettings) -> DiffSettings {
     DiffSettings { across: 32, measure, ..DiffSettings::default() }
 }
 
@@ -43,7 +43,7 @@ fn the_same_in_other_words() {
         transform = [{ rotate_x = 11 }, { rotate_x = 22 }, { translate = [2.54, 0, 7.62] }, { translate = [0, 5.08, 0] }]";
     let report = compared(moved, again, &quick());
     assert!(report.is_same() && !report.pairs[0].is_proved, "{report:?}");
-    assert!(report.pairs[0].both.holds(2.0 * PI * PI * 3.0), "{report:?}");
+    assert!(report.pairs[0].both.contains(2.0 * PI * PI * 3.0), "{report:?}");
     assert_eq!(report.unit, Unit::Inch);
     // a box from planes, and from another primitive
     let cube = "[solid.a]\nbox = { size = 2 }";
@@ -83,7 +83,10 @@ fn volumes_and_places_of_differences() {
     // two balls of radius 1 with centres at distance 1: an intersection of 5 pi / 12
     let common = 5.0 / 12.0 * PI;
     let rest = 4.0 / 3.0 * PI - common;
-    assert!(pair.both.holds(common) && pair.a_only.holds(rest) && pair.b_only.holds(rest), "{pair:?}");
+    assert!(
+        pair.both.contains(common) && pair.a_only.contains(rest) && pair.b_only.contains(rest),
+        "{pair:?}"
+    );
     let place = pair.place.unwrap();
     assert!(place.lo.x > -1.001 && place.lo.x < -0.9 && place.hi.x < 2.001 && place.hi.x > 1.9, "{place:?}");
     let spot = pair.spot.unwrap();
@@ -107,7 +110,10 @@ fn region_by_region() {
     let shell = 4.0 / 3.0 * PI * (1.331 - 1.0);
     assert!(report.by == Match::Region && !bath.is_same && !ball.is_same);
     // the shell that the ball gains is lost by the bath
-    assert!(bath.a_only.holds(shell) && bath.b_only.value == 0.0 && ball.b_only.holds(shell), "{report:?}");
+    assert!(
+        bath.a_only.contains(shell) && bath.b_only.value == 0.0 && ball.b_only.contains(shell),
+        "{report:?}"
+    );
     let whole = compared(TWO, &other, &DiffSettings { by: Match::Whole, ..quick() });
     assert!(whole.is_same() && (whole.pairs[0].both.value - 64.0).abs() < 1e-9, "{whole:?}");
     let renamed = TWO.replace("ball", "bead");
@@ -132,7 +138,7 @@ fn within_a_box_and_without_end() {
     );
     let within = Some(Bounds { lo: Vec3::splat(-1.0), hi: Vec3::new(1.0, 1.0, 2.0) });
     let report =
-        compared(&below(0.0), &below(0.5), &measured(measure::Settings { within, ..quick().measure }));
+        compared(&below(0.0), &below(0.5), &measured(measure::MeasureSettings { within, ..quick().measure }));
     assert!((report.pairs[0].b_only.value - 2.0).abs() < 1e-9, "{report:?}");
     assert!((report.pairs[0].spot.unwrap().thickness - 0.5).abs() < 1e-12, "{report:?}");
 }
@@ -141,7 +147,7 @@ fn within_a_box_and_without_end() {
 fn the_same_on_any_number_of_threads_and_refusals() {
     let on = |threads: usize| {
         let threads = NonZeroUsize::new(threads);
-        compared(BALL, &ball(1.2), &measured(measure::Settings { threads, ..quick().measure }))
+        compared(BALL, &ball(1.2), &measured(measure::MeasureSettings { threads, ..quick().measure }))
     };
     assert_eq!(on(1), on(3));
     let fails = |settings: DiffSettings| {
@@ -153,10 +159,10 @@ fn the_same_on_any_number_of_threads_and_refusals() {
     assert!(fails(DiffSettings { distance: Some(f64::NAN), ..quick() }).starts_with("the distance is NaN"));
     assert!(fails(DiffSettings { across: 0, ..quick() }).starts_with("there are 0 cells"));
     assert!(
-        fails(measured(measure::Settings { precision: 0.0, ..quick().measure }))
+        fails(measured(measure::MeasureSettings { precision: 0.0, ..quick().measure }))
             .starts_with("the precision is 0")
     );
     let cancel = Cancel::new();
     cancel.cancel();
-    assert_eq!(fails(measured(measure::Settings { cancel, ..quick().measure })), "cancelled");
+    assert_eq!(fails(measured(measure::MeasureSettings { cancel, ..quick().measure })), "cancelled");
 }

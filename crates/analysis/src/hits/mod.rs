@@ -2,7 +2,7 @@
 
 mod table;
 
-pub use table::{HitRows, HitTable};
+pub use table::{HitRowSink, HitSchema};
 
 use crate::AnalysisError;
 use crate::error::Cancelled;
@@ -33,7 +33,7 @@ pub struct TraceOptions {
     pub query: Query<'static>,
     /// The number of threads; by default that of [`thread_count`].
     pub threads: Option<NonZeroUsize>,
-    /// Adds the column `occurrence` to the table: see [`HitTable::with_occurrences`].
+    /// Adds the column `occurrence` to the table: see [`HitSchema::with_occurrences`].
     pub occurrences: bool,
     /// Cancels the run; the unfinished table is removed.
     pub cancel: Cancel,
@@ -51,7 +51,7 @@ pub struct TraceSummary {
 
 /// Traces all rays of a reader and writes the table of their crossings.
 ///
-/// The columns are those of [`HitTable`]. The extension of `hits` selects the format, `.csv`, `.npy` or (with
+/// The columns are those of [`HitSchema`]. The extension of `hits` selects the format, `.csv`, `.npy` or (with
 /// the feature `parquet`) `.parquet`; `-` is CSV on standard output. The file appears when it is complete,
 /// and not at all after an error or a cancellation. Rows are in the order of the rays, and every run writes
 /// the same bytes for any number of threads. `progress` receives the position of the reader after each chunk.
@@ -68,7 +68,7 @@ pub fn trace_rays<E: Evaluator>(
     options: &TraceOptions,
     mut progress: impl FnMut(Progress),
 ) -> Result<TraceSummary, AnalysisError> {
-    let table = HitTable::new(compiled)?;
+    let table = HitSchema::new(compiled)?;
     let table = if options.occurrences { table.with_occurrences()? } else { table };
     let mut writer = TableWriter::create(hits, table.schema())?;
     let mut traced = 0;
@@ -108,7 +108,7 @@ struct Answered {
 }
 
 fn answer<E: Evaluator>(
-    table: &HitTable,
+    table: &HitSchema,
     evaluator: &E,
     query: &Query<'_>,
     scratch: &mut E::Scratch,

@@ -17,21 +17,21 @@ use std::sync::Arc;
 /// - `surface`: the crossed face, for example `rim.side`; `solid`: the region entered, or the one left for
 ///   the world;
 /// - `medium_before`, `medium_after`;
-/// - only [with occurrences](HitTable::with_occurrences), `occurrence`: the path of names and copy numbers of the
+/// - only [with occurrences](HitSchema::with_occurrences), `occurrence`: the path of names and copy numbers of the
 ///   crossed shape, for example `tower[3]/brick[12]/rim`.
 #[derive(Clone, Debug)]
-pub struct HitTable {
+pub struct HitSchema {
     schema: Schema,
     has_occurrences: bool,
 }
 
-impl HitTable {
+impl HitSchema {
     /// The table for a model, with its names of faces, regions and media.
     ///
     /// # Errors
     ///
     /// If the table already has the column `occurrence`.
-    pub fn new(compiled: &Compiled) -> Result<HitTable, TableError> {
+    pub fn new(compiled: &Compiled) -> Result<HitSchema, TableError> {
         let program = &compiled.program;
         let faces: Arc<[String]> = program.face_names().collect();
         let solids: Arc<[String]> = program.regions().iter().map(|r| r.name.clone()).collect();
@@ -43,7 +43,7 @@ impl HitTable {
         columns.push(Column::names("solid", solids));
         columns.push(Column::names("medium_before", compiled.media.clone()));
         columns.push(Column::names("medium_after", compiled.media.clone()));
-        Ok(HitTable { schema: Schema::new(columns)?, has_occurrences: false })
+        Ok(HitSchema { schema: Schema::new(columns)?, has_occurrences: false })
     }
 
     /// The table with the column `occurrence` at the end.
@@ -51,10 +51,10 @@ impl HitTable {
     /// # Errors
     ///
     /// None in practice: the names of the columns are fixed.
-    pub fn with_occurrences(self) -> Result<HitTable, TableError> {
+    pub fn with_occurrences(self) -> Result<HitSchema, TableError> {
         let mut columns = self.schema.columns().to_vec();
         columns.push(Column::new("occurrence", DType::Text));
-        Ok(HitTable { schema: Schema::new(columns)?, has_occurrences: true })
+        Ok(HitSchema { schema: Schema::new(columns)?, has_occurrences: true })
     }
 
     /// The columns.
@@ -63,8 +63,8 @@ impl HitTable {
     }
 
     /// Empty rows for the crossings of a batch of rays; `first` is the number in the file of the first ray.
-    pub fn rows<'a>(&self, program: &'a Program, rays: Rays<'a>, first: u64) -> HitRows<'a> {
-        HitRows {
+    pub fn rows<'a>(&self, program: &'a Program, rays: Rays<'a>, first: u64) -> HitRowSink<'a> {
+        HitRowSink {
             program,
             rays,
             first,
@@ -79,7 +79,7 @@ impl HitTable {
 
 /// The rows of a batch of rays, in the columns of the table.
 #[derive(Debug)]
-pub struct HitRows<'a> {
+pub struct HitRowSink<'a> {
     program: &'a Program,
     rays: Rays<'a>,
     first: u64,
@@ -107,7 +107,7 @@ impl Occurrences {
     }
 }
 
-impl HitRows<'_> {
+impl HitRowSink<'_> {
     /// The rows as a chunk of the table.
     ///
     /// # Errors
@@ -124,7 +124,7 @@ impl HitRows<'_> {
     }
 }
 
-impl Sink for HitRows<'_> {
+impl Sink for HitRowSink<'_> {
     fn ray(&mut self, answer: RayAnswer<'_>) {
         let ray = self.rays.get(answer.ray);
         let number = self.first + answer.ray as u64;

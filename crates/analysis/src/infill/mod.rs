@@ -36,7 +36,7 @@
 //! all traces times the spacing are its area.
 //!
 //! ```
-//! use rayweave_analysis::infill::{Filling, InfillError, Layers, Raster, Run, Slices, infill};
+//! use rayweave_analysis::infill::{Filling, InfillError, Layers, Raster, InfillRun, Slices, infill};
 //! use rayweave_model::{Program, Solid};
 //! use rayweave_rootray::Side;
 //! use rayweave_shape::primitive::build;
@@ -51,7 +51,7 @@
 //! let weave = Weave::new(Arc::new(Program::compile(&plate)?));
 //! let filling = Filling { raster: Raster::new(0.5, 0.0, 0.5)?, turn: 90.0, alternate: true };
 //! let mut traces = 0;
-//! let summary = infill(&Slices(&weave), &filling, &Layers::Every(0.5), &Run::default(), |layer| {
+//! let summary = infill(&Slices(&weave), &filling, &Layers::Every(0.5), &InfillRun::default(), |layer| {
 //!     traces += layer.traces.len();
 //!     Ok::<(), InfillError>(())
 //! })?;
@@ -62,7 +62,7 @@
 //!
 //! // a region of the plane is its own only layer
 //! let square = from_polygons(&[vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]], Side::Outside)?;
-//! let (layers, run) = (Layers::At(vec![0.0]), Run::default());
+//! let (layers, run) = (Layers::At(vec![0.0]), InfillRun::default());
 //! let flat = infill(&square, &filling, &layers, &run, |_| Ok::<(), InfillError>(()))?;
 //! assert_eq!(flat.length, 32.0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -86,5 +86,5 @@ pub use layers::Layers;
 pub use problems::ContourProblems;
 pub use raster::Raster;
 pub use region::{Fillable, Slices};
-pub use run::{Filling, LayerTraces, Run, Summary, Trace, infill};
+pub use run::{Filling, InfillRun, InfillTrace, LayerTraces, Summary, infill};
 pub use table::{InfillTable, write_infill};

@@ -28,7 +28,7 @@ pub struct Filling {
 
 /// The options of a run.
 #[derive(Clone, Debug, Default)]
-pub struct Run {
+pub struct InfillRun {
     /// The number of threads; by default that of [`thread_count`].
     pub threads: Option<NonZeroUsize>,
     /// Cancels the run.
@@ -37,7 +37,7 @@ pub struct Run {
 
 /// One trace: the path of the tool on one scan line, from its entry into the region to its exit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trace {
+pub struct InfillTrace {
     /// The number of the scan line on the grid of its layer.
     pub scanline: i64,
     /// The number of its component within the layer.
@@ -48,7 +48,7 @@ pub struct Trace {
     pub to: [f64; 2],
 }
 
-impl Trace {
+impl InfillTrace {
     /// The length.
     pub fn length(&self) -> f64 {
         let [x, y] = [0, 1].map(|k| self.to[k] - self.from[k]);
@@ -64,7 +64,7 @@ pub struct LayerTraces {
     /// The height.
     pub z: f64,
     /// The traces.
-    pub traces: Vec<Trace>,
+    pub traces: Vec<InfillTrace>,
     /// The number of components.
     pub components: u32,
 }
@@ -102,7 +102,7 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
     fillable: &F,
     filling: &Filling,
     layers: &Layers,
-    run: &Run,
+    run: &InfillRun,
     mut take: impl FnMut(LayerTraces) -> Result<(), X>,
 ) -> Result<Summary, X> {
     let heights = plan(fillable, layers)?;
@@ -222,7 +222,7 @@ fn finish(pieces: &[Piece], raster: &Raster, alternate: bool, layer: usize, z: f
             }
             let ends = line[k].1.map(at);
             let [from, to] = if is_backwards { [ends[1], ends[0]] } else { ends };
-            traces.push(Trace { scanline, component: *own, from, to });
+            traces.push(InfillTrace { scanline, component: *own, from, to });
         }
         first += line.len();
     }
@@ -235,6 +235,6 @@ impl Summary {
             self.empty.push(layer.layer);
         }
         self.traces += layer.traces.len() as u64;
-        self.length += layer.traces.iter().map(Trace::length).sum::<f64>();
+        self.length += layer.traces.iter().map(InfillTrace::length).sum::<f64>();
     }
 }

@@ -1,6 +1,6 @@
 //! The table of traces.
 
-use super::{Fillable, Filling, LayerTraces, Layers, Run, Summary, infill};
+use super::{Fillable, Filling, InfillRun, LayerTraces, Layers, Summary, infill};
 use crate::AnalysisError;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
 use std::path::Path;
@@ -79,7 +79,7 @@ pub fn write_infill<F: Fillable>(
     fillable: &F,
     filling: &Filling,
     layers: &Layers,
-    run: &Run,
+    run: &InfillRun,
     unit: &str,
     out: Option<&Path>,
     mut see: impl FnMut(LayerTraces),

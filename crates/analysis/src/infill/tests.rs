@@ -20,7 +20,7 @@ fn fill_with<F: Fillable>(
     fillable: &F,
     filling: &Filling,
     layers: &Layers,
-    run: &Run,
+    run: &InfillRun,
 ) -> Result<(Vec<LayerTraces>, Summary), InfillError> {
     let mut all = Vec::new();
     let summary = infill(fillable, filling, layers, run, |layer| {
@@ -31,7 +31,7 @@ fn fill_with<F: Fillable>(
 }
 
 fn fill<F: Fillable>(fillable: &F, filling: &Filling, layers: &Layers) -> Vec<LayerTraces> {
-    fill_with(fillable, filling, layers, &Run::default()).unwrap().0
+    fill_with(fillable, filling, layers, &InfillRun::default()).unwrap().0
 }
 
 fn flat(contours: &[Vec<[f64; 2]>]) -> Polygons {
@@ -59,14 +59,14 @@ fn weave(solid: &Solid) -> Weave {
 }
 
 fn length(layer: &LayerTraces) -> f64 {
-    layer.traces.iter().map(Trace::length).sum()
+    layer.traces.iter().map(InfillTrace::length).sum()
 }
 
 #[test]
 fn a_square_is_covered_exactly() {
     let layers = fill(&flat(&[square(10.0)]), &filling(1.0, 0.0, 0.0), &floor());
-    let expected: Vec<Trace> = (0..10)
-        .map(|k| Trace { scanline: k, component: 0, from: [0.0, k as f64], to: [10.0, k as f64] })
+    let expected: Vec<InfillTrace> = (0..10)
+        .map(|k| InfillTrace { scanline: k, component: 0, from: [0.0, k as f64], to: [10.0, k as f64] })
         .collect();
     assert_eq!(layers, [LayerTraces { layer: 0, z: 0.0, traces: expected.clone(), components: 1 }]);
     let cube = weave(&plate([0.0; 3], [10.0; 3]));
@@ -119,9 +119,13 @@ fn areas_at_all_angles() {
 fn a_ball_by_layers_has_its_volume() {
     let ball = weave(&solid(Sphere::new(3.0).unwrap()));
     let (height, spacing) = (0.1, 0.05);
-    let (layers, summary) =
-        fill_with(&Slices(&ball), &filling(spacing, 30.0, 0.5), &Layers::Every(height), &Run::default())
-            .unwrap();
+    let (layers, summary) = fill_with(
+        &Slices(&ball),
+        &filling(spacing, 30.0, 0.5),
+        &Layers::Every(height),
+        &InfillRun::default(),
+    )
+    .unwrap();
     assert_eq!((layers.len(), summary.layers, summary.empty.len()), (60, 60, 0));
     for (j, layer) in layers.iter().enumerate() {
         assert!(layer.layer == j && (layer.z - (-2.95 + 0.1 * j as f64)).abs() < 1e-12, "{}", layer.z);
@@ -189,14 +193,14 @@ fn any_threads_and_any_evaluator_give_the_same_bits() {
     let shape = solid(Sphere::new(4.0).unwrap()) - solid(Cylinder::new(1.0, f64::INFINITY).unwrap());
     let filling = Filling { turn: 33.0, alternate: true, ..filling(0.004, 10.0, 0.0) };
     let with = |threads: usize| {
-        let run = Run { threads: NonZeroUsize::new(threads), ..Run::default() };
+        let run = InfillRun { threads: NonZeroUsize::new(threads), ..InfillRun::default() };
         fill_with(&Slices(&weave(&shape)), &filling, &Layers::Every(2.0), &run).unwrap()
     };
     let (layers, summary) = with(1);
     assert!(layers.len() == 4 && summary.traces > 4000);
     assert_eq!((layers.clone(), summary.clone()), with(3));
     let reference = Reference::new(Arc::new(Program::compile(&shape).unwrap()));
-    let other = fill_with(&Slices(&reference), &filling, &Layers::Every(2.0), &Run::default()).unwrap();
+    let other = fill_with(&Slices(&reference), &filling, &Layers::Every(2.0), &InfillRun::default()).unwrap();
     assert_eq!((layers, summary), other);
 }
 
@@ -238,7 +242,7 @@ fn layers_beyond_the_solid_are_empty_and_reported() {
     let cube = weave(&plate([0.0; 3], [4.0; 3]));
     let layers = Layers::At(vec![9.0, 2.0, -1.0]);
     let (layers, summary) =
-        fill_with(&Slices(&cube), &filling(1.0, 0.0, 0.0), &layers, &Run::default()).unwrap();
+        fill_with(&Slices(&cube), &filling(1.0, 0.0, 0.0), &layers, &InfillRun::default()).unwrap();
     assert_eq!(layers.iter().map(|layer| layer.traces.len()).collect::<Vec<_>>(), [0, 4, 0]);
     assert_eq!((summary.layers, summary.empty), (3, vec![0, 2]));
 }
@@ -247,7 +251,7 @@ fn layers_beyond_the_solid_are_empty_and_reported() {
 fn what_cannot_be_filled_is_named() {
     let message = |solid: &Solid, spacing: f64, layers: Layers| {
         let filling = filling(spacing, 0.0, 0.0);
-        fill_with(&Slices(&weave(solid)), &filling, &layers, &Run::default()).unwrap_err().to_string()
+        fill_with(&Slices(&weave(solid)), &filling, &layers, &InfillRun::default()).unwrap_err().to_string()
     };
     let cube = plate([0.0; 3], [4.0; 3]);
     let half = solid(HalfSpace::new(Vec3::X, 1.0).unwrap());
@@ -269,13 +273,14 @@ fn what_cannot_be_filled_is_named() {
     assert!(message(&cube, 1e-30, floor()).contains("Use a larger spacing."));
     let region = Region { name: "plate".to_owned(), solid: half, medium: 1 };
     let model = Weave::new(Arc::new(Program::compile_regions(&[region]).unwrap()));
-    let error = fill_with(&Slices(&model), &filling(1.0, 0.0, 0.0), &floor(), &Run::default()).unwrap_err();
+    let error =
+        fill_with(&Slices(&model), &filling(1.0, 0.0, 0.0), &floor(), &InfillRun::default()).unwrap_err();
     assert_eq!(
         error.to_string(),
         "plate is unbounded in x and y: scan lines would never end. Intersect it with a box."
     );
     let all = from_polygons(&[square(1.0).into_iter().rev().collect::<Vec<_>>()], Side::Inside).unwrap();
-    assert!(fill_with(&all, &filling(1.0, 0.0, 0.0), &floor(), &Run::default()).is_err());
+    assert!(fill_with(&all, &filling(1.0, 0.0, 0.0), &floor(), &InfillRun::default()).is_err());
 }
 
 #[test]
@@ -289,12 +294,12 @@ fn settings_out_of_range() {
         assert!(message(1.0, 0.0, bad).contains("from 0 to 1"), "{bad}");
     }
     let filling = Filling { turn: f64::INFINITY, ..filling(1.0, 0.0, 0.0) };
-    let error = fill_with(&flat(&[square(1.0)]), &filling, &floor(), &Run::default()).unwrap_err();
+    let error = fill_with(&flat(&[square(1.0)]), &filling, &floor(), &InfillRun::default()).unwrap_err();
     assert!(matches!(error, InfillError::Turn(_)));
     // angles that are finite up to the third layer
     let filling = Filling { raster: Raster::new(1.0, 1e308, 0.0).unwrap(), turn: 5e307, alternate: false };
     let layers = Layers::At(vec![0.0; 3]);
-    let error = fill_with(&flat(&[square(1.0)]), &filling, &layers, &Run::default()).unwrap_err();
+    let error = fill_with(&flat(&[square(1.0)]), &filling, &layers, &InfillRun::default()).unwrap_err();
     assert!(matches!(error, InfillError::Turn(_)), "{error}");
 }
 
@@ -321,13 +326,13 @@ fn a_spacing_larger_than_numbers_can_be_traced_loses_no_line() {
         let area = length(layer) * 1e58;
         assert!((area / 1e118 - 1.0).abs() < 0.01, "{angle}: {area:e}");
     }
-    let error = fill_with(&flat(&[square(1e60)]), &filling(1e59, 0.0, 0.0), &floor(), &Run::default());
+    let error = fill_with(&flat(&[square(1e60)]), &filling(1e59, 0.0, 0.0), &floor(), &InfillRun::default());
     assert!(matches!(error, Err(InfillError::TooFar { .. })), "{error:?}");
 }
 
 #[test]
 fn a_run_can_be_stopped() {
-    let run = Run::default();
+    let run = InfillRun::default();
     run.cancel.cancel();
     let outcome = fill_with(&flat(&[square(1.0)]), &filling(0.1, 0.0, 0.0), &floor(), &run);
     assert_eq!(outcome, Err(InfillError::Cancelled));

@@ -16,7 +16,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// True if the interval contains a number.
-    pub fn holds(&self, value: f64) -> bool {
+    pub fn contains(&self, value: f64) -> bool {
         (value - self.value).abs() <= self.half_width
     }
 }

@@ -45,5 +45,5 @@ pub use chord::Chord;
 pub use error::MeasureError;
 pub use estimate::{Estimate, Measured, Measurement};
 pub use exact::exact_volume;
-pub use run::{Settings, measure, one_medium_each};
+pub use run::{MeasureSettings, measure, one_medium_each};
 pub use scene::{RegionReport, SceneReport, measure_scene};

@@ -21,7 +21,7 @@ pub(super) const FIRST_ACROSS: u64 = 48;
 
 /// The options of a measurement.
 #[derive(Clone, Debug)]
-pub struct Settings {
+pub struct MeasureSettings {
     /// The requested half width of each region's volume, relative to the volume: greater than 0, at most 1.
     pub precision: f64,
     /// The level of confidence of all intervals: from 0.5, below 1.
@@ -39,9 +39,9 @@ pub struct Settings {
 }
 
 /// A precision of 1e-3 at 99 %, with at most 2^24 rays per region.
-impl Default for Settings {
+impl Default for MeasureSettings {
     fn default() -> Self {
-        Settings {
+        MeasureSettings {
             precision: 1e-3,
             confidence: 0.99,
             most_rays: 1 << 24,
@@ -73,7 +73,7 @@ impl Default for Settings {
 /// [`MeasureError`] for an unbounded region, settings out of range, a cancelled run.
 pub fn measure<E: Evaluator>(
     evaluator: &E,
-    settings: &Settings,
+    settings: &MeasureSettings,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Measurement, MeasureError> {
     let quantile = checked(settings)?;
@@ -136,7 +136,7 @@ fn with_an_inside(own: Bounds) -> Bounds {
     if own.size().min_element() > 0.0 { own } else { Bounds::EMPTY }
 }
 
-fn checked(settings: &Settings) -> Result<f64, MeasureError> {
+fn checked(settings: &MeasureSettings) -> Result<f64, MeasureError> {
     if !(settings.precision > 0.0 && settings.precision <= 1.0) {
         return Err(MeasureError::Precision(settings.precision));
     }
@@ -180,7 +180,7 @@ impl Joined {
 
 struct Run<'a, E> {
     evaluator: &'a E,
-    settings: &'a Settings,
+    settings: &'a MeasureSettings,
     progress: &'a mut dyn FnMut(u64),
     quantile: f64,
     traced: u64,

@@ -1,6 +1,6 @@
 //! Measurement of the regions of a scene, with masses and exact volumes.
 
-use super::{Estimate, Measured, Settings, exact_volume, measure, one_medium_each};
+use super::{Estimate, MeasureSettings, Measured, exact_volume, measure, one_medium_each};
 use crate::AnalysisError;
 use crate::error::maker;
 use crate::subject::subject;
@@ -29,7 +29,7 @@ pub struct RegionReport {
     pub medium: String,
     /// The exact volume, if the region is a single primitive with a closed form whose bounding box meets that of no
     /// other region, and the measurement is not restricted to a box.
-    pub formula: Option<f64>,
+    pub exact_volume: Option<f64>,
     /// The mass in grams, if the medium has a `density` (in g/cm^3).
     pub mass: Option<Estimate>,
 }
@@ -42,18 +42,18 @@ pub struct RegionReport {
 /// [`AnalysisError`]: an unknown solid, an unbounded region, settings out of range, a cancelled run.
 ///
 /// ```
-/// use rayweave_analysis::measure::{Settings, measure_scene};
+/// use rayweave_analysis::measure::{MeasureSettings, measure_scene};
 /// use rayweave_trace::AnyEvaluator;
 ///
 /// let (_, scene) = rayweave_scene::parse(
 ///     "rayweave = 1\nunit = \"cm\"\n[solid.ball]\nsphere = { radius = 2 }\n[[region]]\nsolid = \"ball\"\nmedium = \"glass\"\n\
 ///      [medium.glass]\ndensity = 2.51",
 /// )?;
-/// let report = measure_scene(&scene, None, AnyEvaluator::maker(None), &Settings::default(), &mut |_| ())?;
+/// let report = measure_scene(&scene, None, AnyEvaluator::maker(None), &MeasureSettings::default(), &mut |_| ())?;
 /// let ball = &report.regions[0];
 /// let volume = 32.0 / 3.0 * std::f64::consts::PI;
-/// assert!(ball.measured.volume.holds(volume) && ball.measured.volume.half_width < 1e-3 * volume);
-/// assert_eq!(ball.formula, Some(volume));
+/// assert!(ball.measured.volume.contains(volume) && ball.measured.volume.half_width < 1e-3 * volume);
+/// assert_eq!(ball.exact_volume, Some(volume));
 /// // grams: the density of a medium is in g/cm^3
 /// assert!((ball.mass.unwrap().value / volume - 2.51).abs() < 0.003);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -62,7 +62,7 @@ pub fn measure_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
     scene: &Scene,
     solid: Option<&str>,
     make: impl Fn(Arc<Program>) -> Result<E, X>,
-    settings: &Settings,
+    settings: &MeasureSettings,
     progress: &mut dyn FnMut(u64),
 ) -> Result<SceneReport, AnalysisError> {
     let (regions, media) = subject(scene, solid)?;
@@ -72,12 +72,17 @@ pub fn measure_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let boxes = program.region_bounds();
     let reports = found.regions.into_iter().enumerate().map(|(k, measured)| {
         let is_alone = (0..regions.len()).all(|j| j == k || boxes[j].intersection(&boxes[k]).is_empty());
-        let formula = exact_volume(&regions[k].solid).filter(|_| is_alone && settings.within.is_none());
+        let exact_volume = exact_volume(&regions[k].solid).filter(|_| is_alone && settings.within.is_none());
         let medium = media[k];
         let density = medium.and_then(|medium| number(medium, "density"));
         let centimetres = scene.unit.metres() * 100.0;
         let mass = density.map(|density| grams(measured.volume, density, centimetres));
-        RegionReport { formula, mass, medium: medium.map_or_else(String::new, |m| m.name.clone()), measured }
+        RegionReport {
+            exact_volume,
+            mass,
+            medium: medium.map_or_else(String::new, |m| m.name.clone()),
+            measured,
+        }
     });
     Ok(SceneReport { regions: reports.collect(), rays: found.rays })
 }

@@ -18,13 +18,13 @@ fn cube(size: f64) -> Solid {
     Solid::from(Primitive::from(CentredBox::new(Vec3::splat(size)).unwrap()))
 }
 
-fn one(solid: &Solid, settings: &Settings) -> Measured {
+fn one(solid: &Solid, settings: &MeasureSettings) -> Measured {
     let program = Arc::new(Program::compile(solid).unwrap());
     measure(&Packets::new(program), settings, &mut |_| ()).unwrap().regions.remove(0)
 }
 
-fn quick() -> Settings {
-    Settings { precision: 3e-3, ..Settings::default() }
+fn quick() -> MeasureSettings {
+    MeasureSettings { precision: 3e-3, ..MeasureSettings::default() }
 }
 
 #[test]
@@ -33,10 +33,10 @@ fn a_ball_far_from_the_origin() {
     let found = one(&sphere(2.0).translate(at), &quick());
     let (volume, area) = (32.0 / 3.0 * PI, 16.0 * PI);
     assert!(found.is_reached && found.volume.half_width < 3e-3 * volume, "{found:?}");
-    assert!(found.volume.holds(volume) && found.area.holds(area), "{found:?}");
+    assert!(found.volume.contains(volume) && found.area.contains(area), "{found:?}");
     assert!(found.area.half_width < 0.01 * area);
     let centre = found.centre.unwrap();
-    assert!((0..3).all(|k| centre[k].holds(at[k]) && centre[k].half_width < 0.01), "{centre:?}");
+    assert!((0..3).all(|k| centre[k].contains(at[k]) && centre[k].half_width < 0.01), "{centre:?}");
     let longest = found.longest.unwrap();
     assert!(longest.length() > 3.99 && longest.length() <= 4.0 && (longest.from - at).length() < 2.0 + 1e-9);
     // 2/5 V r^2, and 0 off the diagonal
@@ -44,7 +44,7 @@ fn a_ball_far_from_the_origin() {
     for i in 0..3 {
         for j in 0..3 {
             let expected = if i == j { moment } else { 0.0 };
-            assert!(found.inertia[i][j].holds(expected), "{i} {j} {:?}", found.inertia[i][j]);
+            assert!(found.inertia[i][j].contains(expected), "{i} {j} {:?}", found.inertia[i][j]);
         }
     }
 }
@@ -64,7 +64,7 @@ fn what_is_flat_is_exact() {
     assert!((found.volume.value - 48.0).abs() < 1e-9 && found.volume.half_width < 1e-9, "{found:?}");
     assert!((found.area.value - 88.0).abs() < 1e-9, "{found:?}");
     let expected = 48.0 * (4.0 * 4.0 + 6.0 * 6.0) / 12.0;
-    assert!(found.inertia[1][1].holds(expected), "{:?} {expected}", found.inertia[1][1]);
+    assert!(found.inertia[1][1].contains(expected), "{:?} {expected}", found.inertia[1][1]);
 }
 
 /// With a confidence of 90 % each interval misses with probability 0.1; of 200, more than 35 miss with
@@ -76,10 +76,11 @@ fn confidence_is_kept() {
     let evaluator = Packets::new(Arc::new(Program::compile(&torus).unwrap()));
     let (mut volumes, mut areas) = (0, 0);
     for seed in 0..200 {
-        let settings = Settings { seed, confidence: 0.9, precision: 1.0, ..Settings::default() };
+        let settings =
+            MeasureSettings { seed, confidence: 0.9, precision: 1.0, ..MeasureSettings::default() };
         let found = &measure(&evaluator, &settings, &mut |_| ()).unwrap().regions[0];
-        volumes += u32::from(!found.volume.holds(volume));
-        areas += u32::from(!found.area.holds(area));
+        volumes += u32::from(!found.volume.contains(volume));
+        areas += u32::from(!found.area.contains(area));
     }
     assert!(volumes <= 35 && areas <= 35, "{volumes} and {areas} of 200 intervals miss");
     assert!(volumes >= 5 && areas >= 5, "the intervals are too wide: {volumes} and {areas} of 200 miss");
@@ -100,14 +101,14 @@ fn regions_of_a_partition() {
     let (bubble, dot) = (36.0 * PI, 4e-6 / 3.0 * PI);
     let expected = [1000.0 - bubble - dot, bubble, dot];
     for (region, expected) in found.regions.iter().zip(expected) {
-        assert!(region.is_reached && region.volume.holds(expected), "{region:?} {expected}");
+        assert!(region.is_reached && region.volume.contains(expected), "{region:?} {expected}");
     }
     assert_eq!(found.regions[2].name, "dot");
-    assert!(found.volume().holds(1000.0));
+    assert!(found.volume().contains(1000.0));
     // the surface of the bubble belongs also to the block
     let areas = [600.0 + 36.0 * PI + 4e-4 * PI, 36.0 * PI, 4e-4 * PI];
     for (region, expected) in found.regions.iter().zip(areas) {
-        assert!(region.area.holds(expected), "{region:?} {expected}");
+        assert!(region.area.contains(expected), "{region:?} {expected}");
     }
 }
 
@@ -115,7 +116,7 @@ fn regions_of_a_partition() {
 fn within_a_box() {
     let below = Solid::from(Primitive::from(HalfSpace::new(Vec3::Z, 0.0).unwrap()));
     let within = Bounds::new(Vec3::new(0.0, 0.0, -1.0), Vec3::new(2.0, 3.0, 5.0));
-    let found = one(&below, &Settings { within: Some(within), ..quick() });
+    let found = one(&below, &MeasureSettings { within: Some(within), ..quick() });
     assert!((found.volume.value - 6.0).abs() < 1e-12 && (found.area.value - 6.0).abs() < 1e-12, "{found:?}");
 }
 
@@ -124,10 +125,11 @@ fn within_a_box() {
 fn no_more_rays_than_requested() {
     let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;
     for most_rays in [0, 1, 6, 1000, 50_000, 123_456] {
-        let found = one(&sphere(2.0), &Settings { most_rays, precision: 1e-9, ..Settings::default() });
+        let found =
+            one(&sphere(2.0), &MeasureSettings { most_rays, precision: 1e-9, ..MeasureSettings::default() });
         assert!(found.rays <= most_rays + first, "{most_rays}: {}", found.rays);
         assert!(most_rays < 1000 || found.rays > most_rays * 99 / 100, "{most_rays}: {}", found.rays);
-        assert!(!found.is_reached && found.volume.holds(32.0 * PI / 3.0), "{most_rays}: {found:?}");
+        assert!(!found.is_reached && found.volume.contains(32.0 * PI / 3.0), "{most_rays}: {found:?}");
     }
 }
 
@@ -152,15 +154,16 @@ fn what_no_ray_has_met_may_still_be_there() {
     let solid = &plate - &(&plate - &cube(1.0).scale(Vec3::new(10.0, 10.0, 1.0)));
     let found = one(&solid, &quick());
     assert!(found.longest.is_none() && !found.is_reached, "{found:?}");
-    assert!(found.volume.holds(100.0) && found.area.holds(240.0), "{found:?}");
+    assert!(found.volume.contains(100.0) && found.area.contains(240.0), "{found:?}");
 }
 
 #[test]
 fn the_same_for_any_number_of_threads() {
     let solid = sphere(1.0) - cube(1.0).rotate_x(30.0);
-    let on = |threads: usize| one(&solid, &Settings { threads: NonZeroUsize::new(threads), ..quick() });
+    let on =
+        |threads: usize| one(&solid, &MeasureSettings { threads: NonZeroUsize::new(threads), ..quick() });
     assert_eq!(on(1), on(3));
-    assert_ne!(on(1).volume, one(&solid, &Settings { seed: 1, ..quick() }).volume);
+    assert_ne!(on(1).volume, one(&solid, &MeasureSettings { seed: 1, ..quick() }).volume);
 }
 
 #[test]
@@ -175,7 +178,7 @@ fn formulas() {
 
 #[test]
 fn refusals() {
-    let message = |solid: &Solid, settings: Settings| {
+    let message = |solid: &Solid, settings: MeasureSettings| {
         let program = Arc::new(Program::compile(solid).unwrap());
         measure(&Packets::new(program), &settings, &mut |_| ()).unwrap_err().to_string()
     };
@@ -185,19 +188,24 @@ fn refusals() {
         "rod is unbounded in z: it has no volume. Measure it within a box."
     );
     assert!(message(&sphere(1e40), quick()).contains(" reaches to 1e40: "));
-    assert!(message(&sphere(1.0), Settings { precision: 0.0, ..quick() }).starts_with("the precision is 0"));
     assert!(
-        message(&sphere(1.0), Settings { precision: f64::NAN, ..quick() })
+        message(&sphere(1.0), MeasureSettings { precision: 0.0, ..quick() })
+            .starts_with("the precision is 0")
+    );
+    assert!(
+        message(&sphere(1.0), MeasureSettings { precision: f64::NAN, ..quick() })
             .starts_with("the precision is NaN")
     );
     assert!(
-        message(&sphere(1.0), Settings { confidence: 1.0, ..quick() }).starts_with("the confidence is 1")
+        message(&sphere(1.0), MeasureSettings { confidence: 1.0, ..quick() })
+            .starts_with("the confidence is 1")
     );
     let swapped = Bounds::new(Vec3::ONE, Vec3::ZERO);
     assert!(
-        message(&sphere(1.0), Settings { within: Some(swapped), ..quick() }).starts_with("the box reaches")
+        message(&sphere(1.0), MeasureSettings { within: Some(swapped), ..quick() })
+            .starts_with("the box reaches")
     );
     let cancel = Cancel::new();
     cancel.cancel();
-    assert_eq!(message(&sphere(1.0), Settings { cancel, ..quick() }), "cancelled");
+    assert_eq!(message(&sphere(1.0), MeasureSettings { cancel, ..quick() }), "cancelled");
 }

@@ -1,16 +1,16 @@
-//! Linking of columns to edges, and of edges to contours.
+//! Linking of scan lines to edges, and of edges to contours.
 
-use super::columns::{Column, Pass};
-use super::{Edge, SectionWindow};
+use super::scan_lines::{ScanCrossing, ScanLine};
+use super::{SectionEdge, SectionWindow};
 use rayweave_model::RegionId;
 use std::collections::HashMap;
 
-/// The open lines at the last column.
+/// The open lines at the last scan line.
 pub struct Lines {
-    last: Column,
-    /// One line for each crossing of the last column.
+    last: ScanLine,
+    /// One line for each crossing of the last scan line.
     open: Vec<Vec<[f64; 2]>>,
-    /// Crossings of neighbouring columns within this distance are the same.
+    /// Crossings of neighbouring scan lines within this distance are the same.
     reach: f64,
     ends: [f64; 2],
     is_begun: bool,
@@ -19,24 +19,24 @@ pub struct Lines {
 impl Lines {
     pub fn new(window: &SectionWindow) -> Lines {
         let (reach, ends) = (8.0 * window.tolerance, [window.lo[0], window.hi[0]]);
-        Lines { last: Column::default(), open: Vec::new(), reach, ends, is_begun: false }
+        Lines { last: ScanLine::default(), open: Vec::new(), reach, ends, is_begun: false }
     }
 
-    /// Extends the lines to a column with the same crossings.
-    pub fn go_on(&mut self, column: &Column, edges: &mut Vec<Edge>) {
-        if column.passes.len() != self.open.len() {
-            return self.jump(column, edges);
+    /// Extends the lines to a scan line with the same crossings.
+    pub fn go_on(&mut self, scan_line: &ScanLine, edges: &mut Vec<SectionEdge>) {
+        if scan_line.passes.len() != self.open.len() {
+            return self.jump(scan_line, edges);
         }
-        let points = self.open.iter_mut().zip(&column.passes);
-        points.for_each(|(line, pass)| line.push([column.u, pass.v]));
-        self.last = column.clone();
+        let points = self.open.iter_mut().zip(&scan_line.passes);
+        points.for_each(|(line, pass)| line.push([scan_line.u, pass.v]));
+        self.last = scan_line.clone();
     }
 
-    /// Extends the lines to a column next to the last one; lines that do not continue end or begin at a wall.
-    pub fn jump(&mut self, column: &Column, edges: &mut Vec<Edge>) {
-        let u = if self.is_begun { 0.5 * (self.last.u + column.u) } else { self.ends[0] };
+    /// Extends the lines to a scan line next to the last one; lines that do not continue end or begin at a wall.
+    pub fn jump(&mut self, scan_line: &ScanLine, edges: &mut Vec<SectionEdge>) {
+        let u = if self.is_begun { 0.5 * (self.last.u + scan_line.u) } else { self.ends[0] };
         self.is_begun = true;
-        let (mut left, mut right) = (self.last.passes.clone(), column.passes.clone());
+        let (mut left, mut right) = (self.last.passes.clone(), scan_line.passes.clone());
         let mut next = vec![Vec::new(); right.len()];
         let pairs = self.paired(&left, &right);
         for &(k, j) in &pairs {
@@ -52,18 +52,18 @@ impl Lines {
             line.push([u, pass.v]);
         }
         walls(u, &left, &right, edges);
-        for (line, pass) in next.iter_mut().zip(&column.passes) {
-            line.push([column.u, pass.v]);
+        for (line, pass) in next.iter_mut().zip(&scan_line.passes) {
+            line.push([scan_line.u, pass.v]);
         }
-        (self.open, self.last) = (next, column.clone());
+        (self.open, self.last) = (next, scan_line.clone());
     }
 
-    /// Pairs crossings of two columns between the same regions within `reach`, in order.
-    fn paired(&self, left: &[Pass], right: &[Pass]) -> Vec<(usize, usize)> {
+    /// Pairs crossings of two scan lines between the same regions within `reach`, in order.
+    fn paired(&self, left: &[ScanCrossing], right: &[ScanCrossing]) -> Vec<(usize, usize)> {
         let (mut pairs, mut from) = (Vec::new(), 0);
         for (k, pass) in left.iter().enumerate() {
-            let is_same = |other: &Pass| (other.before, other.after) == (pass.before, pass.after);
-            let near = |other: &&Pass| is_same(other) && (other.v - pass.v).abs() <= self.reach;
+            let is_same = |other: &ScanCrossing| (other.before, other.after) == (pass.before, pass.after);
+            let near = |other: &&ScanCrossing| is_same(other) && (other.v - pass.v).abs() <= self.reach;
             if let Some(j) = (from..right.len()).find(|&j| near(&&right[j])) {
                 pairs.push((k, j));
                 from = j + 1;
@@ -73,7 +73,7 @@ impl Lines {
     }
 
     /// Extends the lines to the right side of the window.
-    pub fn end(mut self, edges: &mut Vec<Edge>) {
+    pub fn end(mut self, edges: &mut Vec<SectionEdge>) {
         let u = self.ends[1];
         let passes = std::mem::take(&mut self.last.passes);
         for (line, pass) in self.open.into_iter().zip(&passes) {
@@ -84,28 +84,28 @@ impl Lines {
 }
 
 /// Ends a line at a wall.
-fn close(mut line: Vec<[f64; 2]>, pass: &Pass, u: f64, edges: &mut Vec<Edge>) {
+fn close(mut line: Vec<[f64; 2]>, pass: &ScanCrossing, u: f64, edges: &mut Vec<SectionEdge>) {
     if !line.is_empty() {
         line.push([u, pass.v]);
-        edges.push(Edge { points: line, left: pass.after, right: pass.before });
+        edges.push(SectionEdge { points: line, left: pass.after, right: pass.before });
     }
 }
 
-/// The region of a column just above a coordinate.
-fn region_above(passes: &[Pass], v: f64) -> RegionId {
+/// The region of a scan line just above a coordinate.
+fn region_above(passes: &[ScanCrossing], v: f64) -> RegionId {
     let below = passes.partition_point(|pass| pass.v <= v);
     below.checked_sub(1).map_or(RegionId(0), |last| passes[last].after)
 }
 
-/// Adds edges along the columns where the regions of two neighbours differ.
-fn walls(u: f64, left: &[Pass], right: &[Pass], edges: &mut Vec<Edge>) {
+/// Adds edges along the scan lines where the regions of two neighbours differ.
+fn walls(u: f64, left: &[ScanCrossing], right: &[ScanCrossing], edges: &mut Vec<SectionEdge>) {
     let mut ends: Vec<f64> = left.iter().chain(right).map(|pass| pass.v).collect();
     ends.sort_by(f64::total_cmp);
     ends.dedup();
     for pair in ends.windows(2) {
         let [before, after] = [left, right].map(|passes| region_above(passes, pair[0]));
         if before != after {
-            edges.push(Edge { points: vec![[u, pair[0]], [u, pair[1]]], left: before, right: after });
+            edges.push(SectionEdge { points: vec![[u, pair[0]], [u, pair[1]]], left: before, right: after });
         }
     }
 }
@@ -164,8 +164,8 @@ fn next_line(
 }
 
 /// The contours of a region, which lies to their left.
-pub fn contours(edges: &[Edge], region: RegionId) -> Vec<Vec<[f64; 2]>> {
-    let of = |edge: &Edge| match () {
+pub fn contours(edges: &[SectionEdge], region: RegionId) -> Vec<Vec<[f64; 2]>> {
+    let of = |edge: &SectionEdge| match () {
         () if edge.left == region => Some(edge.points.clone()),
         () if edge.right == region => Some(edge.points.iter().rev().copied().collect()),
         () => None,

@@ -1,22 +1,22 @@
 //! Cross-sections of models by a plane.
 //!
-//! Parallel rays, *columns*, sweep the plane. The crossings of a column are exact. Two neighbouring columns
-//! with the same faces are joined by straight edges if a third column halfway between them agrees within a
+//! Parallel rays, *scan lines* (the option `columns` is their least number), sweep the plane. The crossings of a scan line are exact. Two neighbouring scan lines
+//! with the same faces are joined by straight edges if a third scan line halfway between them agrees within a
 //! tolerance; otherwise the gap is halved, until it is as narrow as the tolerance. A remaining difference
-//! becomes a *wall*, an edge along the columns. The points of an edge therefore lie on the surfaces to
+//! becomes a *wall*, an edge along the scan lines. The points of an edge therefore lie on the surfaces to
 //! rounding error, edges deviate by at most the tolerance, and walls are within half a tolerance of their
 //! true position.
 //!
-//! Columns are evenly spaced, with additional ones at both ends and in the middle of the box of every leaf. A
-//! part between columns is missed: it must be thinner than their distance, and far from the ends and middles
+//! Scan lines are evenly spaced, with additional ones at both ends and in the middle of the box of every leaf. A
+//! part between scan lines is missed: it must be thinner than their distance, and far from the ends and middles
 //! of its leaves.
 
-mod columns;
 mod cut;
 mod edge;
 mod error;
 mod link;
 mod plane;
+mod scan_lines;
 mod scene;
 mod simplify;
 #[cfg(test)]
@@ -24,21 +24,21 @@ mod tests;
 mod window;
 
 pub use cut::Cut;
-pub use edge::Edge;
+pub use edge::SectionEdge;
 pub use error::SectionError;
 pub use plane::{SectionPlane, axis_and_place};
 pub use scene::{By, CrossSection, SectionPart, SectionSettings, cross_sections};
 pub(crate) use scene::{Cutter, Kinds};
-pub use window::{SectionWindow, Sweep};
+pub use window::{SectionRun, SectionWindow};
 
-use columns::{Columns, Step};
 use rayweave_model::{Evaluator, RegionId};
+use scan_lines::{ScanLines, Step};
 
 /// The section of a model by a plane within a window; space outside the window counts as world.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Section {
     /// All lines between regions, in no particular order.
-    pub edges: Vec<Edge>,
+    pub edges: Vec<SectionEdge>,
 }
 
 /// Computes the section of a model.
@@ -69,7 +69,7 @@ pub fn section<E: Evaluator>(
     cut: &Cut,
     window: &SectionWindow,
 ) -> Result<Section, SectionError> {
-    section_with(evaluator, cut, window, &Sweep::default())
+    section_with(evaluator, cut, window, &SectionRun::default())
 }
 
 /// Like [`section`], with a number of threads and a cancellation token.
@@ -80,13 +80,13 @@ pub fn section_with<E: Evaluator>(
     evaluator: &E,
     cut: &Cut,
     window: &SectionWindow,
-    sweep: &Sweep,
+    sweep: &SectionRun,
 ) -> Result<Section, SectionError> {
     window.check()?;
     let mut section = Section::default();
-    let mut columns = Columns::new(evaluator, cut, window, sweep);
+    let mut scan_lines = ScanLines::new(evaluator, cut, window, sweep);
     let mut lines = link::Lines::new(window);
-    for step in columns.swept()? {
+    for step in scan_lines.swept()? {
         match step {
             Step::Smooth(column) => lines.go_on(&column, &mut section.edges),
             Step::Jump(column) => lines.jump(&column, &mut section.edges),
@@ -105,7 +105,7 @@ impl Section {
 
     /// The lines between two regions, with the first one to the left.
     pub fn between(&self, left: RegionId, right: RegionId) -> Vec<Vec<[f64; 2]>> {
-        let of = |edge: &Edge| match () {
+        let of = |edge: &SectionEdge| match () {
             () if (edge.left, edge.right) == (left, right) => Some(edge.points.clone()),
             () if (edge.left, edge.right) == (right, left) => {
                 Some(edge.points.iter().rev().copied().collect())
@@ -118,8 +118,9 @@ impl Section {
     /// The area of a region in the plane.
     pub fn area(&self, region: RegionId) -> f64 {
         let twice = |[a, b]: [[f64; 2]; 2]| a[0] * b[1] - a[1] * b[0];
-        let of = |edge: &Edge| edge.points.windows(2).map(|pair| twice([pair[0], pair[1]])).sum::<f64>();
-        let signed = |edge: &Edge| match () {
+        let of =
+            |edge: &SectionEdge| edge.points.windows(2).map(|pair| twice([pair[0], pair[1]])).sum::<f64>();
+        let signed = |edge: &SectionEdge| match () {
             () if edge.left == region => of(edge),
             () if edge.right == region => -of(edge),
             () => 0.0,
@@ -136,15 +137,19 @@ impl Section {
 
     /// The section with other region numbers; lines between equal regions are removed.
     pub fn renumbered(&self, number: impl Fn(RegionId) -> RegionId) -> Section {
-        let renamed =
-            |edge: &Edge| Edge { left: number(edge.left), right: number(edge.right), ..edge.clone() };
+        let renamed = |edge: &SectionEdge| SectionEdge {
+            left: number(edge.left),
+            right: number(edge.right),
+            ..edge.clone()
+        };
         let edges = self.edges.iter().map(renamed).filter(|edge| edge.left != edge.right).collect();
         Section { edges }
     }
 
     /// The section with fewer points: lines keep their ends, and deviate by at most `tolerance`.
     pub fn simplified(&self, tolerance: f64) -> Section {
-        let fewer = |edge: &Edge| Edge { points: simplify::line(&edge.points, tolerance), ..*edge };
+        let fewer =
+            |edge: &SectionEdge| SectionEdge { points: simplify::line(&edge.points, tolerance), ..*edge };
         Section { edges: self.edges.iter().map(fewer).collect() }
     }
 }

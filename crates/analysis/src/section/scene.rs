@@ -1,6 +1,6 @@
 //! Cross-sections of scenes, part by part.
 
-use super::{Section, SectionError, SectionPlane, SectionWindow, Sweep, section_with};
+use super::{Section, SectionError, SectionPlane, SectionRun, SectionWindow, section_with};
 use crate::AnalysisError;
 use crate::error::maker;
 use crate::measure::one_medium_each;
@@ -34,13 +34,13 @@ pub struct SectionSettings {
     /// Restricts the section to this box.
     pub within: Option<Bounds>,
     /// Threads and cancellation token.
-    pub sweep: Sweep,
+    pub sweep: SectionRun,
 }
 
 /// By medium, 512 columns.
 impl Default for SectionSettings {
     fn default() -> Self {
-        let sweep = Sweep::default();
+        let sweep = SectionRun::default();
         SectionSettings { by: By::Medium, tolerance: None, columns: 512, within: None, sweep }
     }
 }

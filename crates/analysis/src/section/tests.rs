@@ -162,7 +162,7 @@ fn labels_of_stacks_are_short() {
 fn the_same_on_any_number_of_threads() {
     let scene = scene(TWO);
     let on = |threads: usize| {
-        let sweep = Sweep { threads: std::num::NonZeroUsize::new(threads), ..Sweep::default() };
+        let sweep = SectionRun { threads: std::num::NonZeroUsize::new(threads), ..SectionRun::default() };
         let settings = SectionSettings { sweep, columns: 5000, ..SectionSettings::default() };
         cut_by(&scene, "z=0.5".parse().unwrap(), &settings)
     };

@@ -41,7 +41,7 @@ impl SectionWindow {
 
 /// The options of a run.
 #[derive(Clone, Debug, Default)]
-pub struct Sweep {
+pub struct SectionRun {
     /// The number of threads; by default that of [`thread_count`](rayweave_model::drive::thread_count).
     /// Results do not depend on it.
     pub threads: Option<NonZeroUsize>,

@@ -1,6 +1,6 @@
 //! Thickness maps: path lengths and radiographs, pixel by pixel.
 
-use super::{PathLengths, Run, path_lengths};
+use super::{PathLengths, ThicknessRun, path_lengths};
 use crate::AnalysisError;
 use rayweave_error::Message;
 use rayweave_model::Evaluator;
@@ -12,7 +12,7 @@ use std::path::Path;
 /// Path lengths through each medium, one ray per pixel, for example the rays of a camera.
 ///
 /// ```
-/// use rayweave_analysis::thickness::{Run, ThicknessMap};
+/// use rayweave_analysis::thickness::{ThicknessRun, ThicknessMap};
 /// use rayweave_math::Vec3;
 /// use rayweave_scene::Compiled;
 /// use rayweave_shape::Ray;
@@ -25,7 +25,7 @@ use std::path::Path;
 /// let compiled = Compiled::new(&scene)?;
 /// let evaluator = Packets::new(compiled.program.clone());
 /// let along_y = |x: usize, y: usize| Ray::new(Vec3::new(x as f64 - 2.0, -9.0, 2.0 - y as f64), Vec3::Y);
-/// let map = ThicknessMap::new(&compiled, &evaluator, [5, 5], along_y, &mut Run::default())?;
+/// let map = ThicknessMap::new(&compiled, &evaluator, [5, 5], along_y, &mut ThicknessRun::default())?;
 ///
 /// // through the middle: 4 cm of steel, which transmit exp(-2)
 /// assert!((map.lengths(2, 2)[1] - 4.0).abs() < 1e-12);
@@ -63,7 +63,7 @@ impl ThicknessMap {
         evaluator: &E,
         [width, height]: [usize; 2],
         ray: impl Fn(usize, usize) -> Ray + Sync,
-        run: &mut Run<'_>,
+        run: &mut ThicknessRun<'_>,
     ) -> Result<ThicknessMap, AnalysisError> {
         let media = compiled.media.to_vec();
         let count = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(media.len()));
@@ -192,7 +192,10 @@ mod tests {
         let ray = |x: usize, y: usize| {
             Ray::new(Vec3::new(0.18 * (x as f64 - 20.0), -9.0, 0.18 * (20.0 - y as f64)), Vec3::Y)
         };
-        (ThicknessMap::new(&compiled, &evaluator, [41, 41], ray, &mut Run::default()).unwrap(), scene)
+        (
+            ThicknessMap::new(&compiled, &evaluator, [41, 41], ray, &mut ThicknessRun::default()).unwrap(),
+            scene,
+        )
     }
 
     #[test]
@@ -203,7 +206,8 @@ mod tests {
         let evaluator = AnyEvaluator::new(None, compiled.program.clone()).unwrap();
         for size in [[20_000, 20_000], [usize::MAX, 2]] {
             let ray = |_, _| Ray::new(Vec3::ZERO, Vec3::X);
-            let error = ThicknessMap::new(&compiled, &evaluator, size, ray, &mut Run::default()).unwrap_err();
+            let error = ThicknessMap::new(&compiled, &evaluator, size, ray, &mut ThicknessRun::default())
+                .unwrap_err();
             assert!(
                 error.to_string().ends_with("at most 268435456 path lengths. Reduce the size."),
                 "{error}"

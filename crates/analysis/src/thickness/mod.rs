@@ -21,7 +21,7 @@ const RAYS_PER_TASK: usize = 4096;
 
 /// The options of a run.
 #[derive(Default)]
-pub struct Run<'a> {
+pub struct ThicknessRun<'a> {
     /// The number of threads; by default that of [`thread_count`]. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
     /// Cancels the run.
@@ -78,7 +78,7 @@ pub fn path_lengths<E: Evaluator>(
     media: usize,
     count: usize,
     ray: impl Fn(usize) -> Ray + Sync,
-    run: &mut Run<'_>,
+    run: &mut ThicknessRun<'_>,
 ) -> Result<PathLengths, Cancelled> {
     let media = media.max(1);
     let mut values = Vec::with_capacity(count * media);
@@ -160,7 +160,7 @@ mod tests {
             2 => Ray::new(Vec3::new(0.3, 0.0, 0.9), Vec3::Y),
             _ => Ray::new(Vec3::new(0.0, 0.4, 0.0), Vec3::NEG_Z * 3.0),
         };
-        let found = path_lengths(&tracer(), 4, 4, ray, &mut Run::default()).unwrap();
+        let found = path_lengths(&tracer(), 4, 4, ray, &mut ThicknessRun::default()).unwrap();
         let expected = [[3.0, 3.0, 1.0, 0.0], [0.0; 4], [0.0, 2.0, 0.0, 0.0], [2.0, 1.4, 0.6, f64::INFINITY]];
         for (k, expected) in expected.iter().enumerate() {
             let is_near = |(a, b): (&f64, &f64)| a == b || (a - b).abs() < 1e-12;
@@ -168,7 +168,7 @@ mod tests {
         }
         assert_eq!((found.len(), found.media(), found.is_empty()), (4, 4, false));
         // media beyond the requested number are omitted
-        let fewer = path_lengths(&tracer(), 2, 4, ray, &mut Run::default()).unwrap();
+        let fewer = path_lengths(&tracer(), 2, 4, ray, &mut ThicknessRun::default()).unwrap();
         assert_eq!(fewer.of(0), &found.of(0)[..2]);
     }
 
@@ -182,16 +182,21 @@ mod tests {
         };
         let mut reported = 0;
         let mut progress = |done| reported = done;
-        let mut run = Run { threads: NonZeroUsize::new(3), progress: Some(&mut progress), ..Run::default() };
+        let mut run = ThicknessRun {
+            threads: NonZeroUsize::new(3),
+            progress: Some(&mut progress),
+            ..ThicknessRun::default()
+        };
         let found = path_lengths(&tracer(), 3, n * n, ray, &mut run).unwrap();
-        let alone = Run { threads: NonZeroUsize::new(1), ..Run::default() };
+        let alone = ThicknessRun { threads: NonZeroUsize::new(1), ..ThicknessRun::default() };
         assert_eq!(found, path_lengths(&tracer(), 3, n * n, ray, &mut { alone }).unwrap());
         assert_eq!(reported, n * n);
         let ball: f64 = (0..n * n).map(|k| found.of(k)[2]).sum::<f64>() * 4.0 / (n * n) as f64;
         assert!((ball - std::f64::consts::PI / 6.0).abs() < 1e-3, "{ball}");
         let cancel = Cancel::new();
         cancel.cancel();
-        let stopped = path_lengths(&tracer(), 3, 9, ray, &mut Run { cancel, ..Run::default() });
+        let stopped =
+            path_lengths(&tracer(), 3, 9, ray, &mut ThicknessRun { cancel, ..ThicknessRun::default() });
         assert_eq!(stopped, Err(Cancelled));
     }
 }

@@ -11,7 +11,7 @@ use crate::kernel::lanes::{Counted, Tally};
 use crate::level;
 use crate::report::Section;
 use fearless_simd::Level;
-use rayweave::model::{HitRows, RayBatch, Rays};
+use rayweave::model::{HitArrayRows, RayBatch, Rays};
 use rayweave::shapes::{box_, cylinder, sphere};
 use rayweave::{AnyEvaluator, Error, Evaluator, Program, Reference, Solid, Window};
 use std::sync::Arc;
@@ -310,7 +310,7 @@ fn one_by_one<'a>(evaluator: &'a AnyEvaluator, batches: &'a [RayBatch]) -> Candi
         let mut times = times.each_mut().map(|row| &mut row[..]);
         let mut faces = faces.each_mut().map(|row| &mut row[..]);
         for batch in batches {
-            let mut rows = HitRows { times: &mut times, faces: &mut faces };
+            let mut rows = HitArrayRows { times: &mut times, faces: &mut faces };
             evaluator.hits(batch.rays(), Window::ALL, &mut scratch, &mut rows);
         }
     })

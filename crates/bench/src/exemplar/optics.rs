@@ -10,7 +10,7 @@ use rayweave::math::Affine;
 use rayweave::model::RayBatch;
 use rayweave::optics::component::{Aperture, Sheet, biconvex};
 use rayweave::optics::{
-    Action, Assembly, Beam, Element, Keep, Light, Medium, Settings, System, Trace, Tracer,
+    Action, Assembly, Beam, Element, Keep, Light, Medium, System, Trace, TraceSettings, Tracer,
 };
 use rayweave::shapes::{box_from_corners, half_space};
 use rayweave::{Packets, Ray, Vec3};
@@ -82,10 +82,10 @@ impl Exemplar for Optics {
         let light = |i: usize| Light::new(rays.get(i).origin, rays.get(i).direction, 633.0);
         let beam: Beam = (0..rays.len()).map(light).collect();
         let tracer = Tracer::new(&system, Packets::new);
-        let settings = |threads| Settings {
+        let settings = |threads| TraceSettings {
             keep: self.keep,
             threads: NonZeroUsize::new(threads),
-            ..Settings::default()
+            ..TraceSettings::default()
         };
         bench.peers.give_rays(&file, rays).map_err(text)?;
         let ours = |threads: usize| {
@@ -107,7 +107,7 @@ impl Exemplar for Optics {
         section.take(measure_in_turn(candidates, &bench.effort), |_| None);
         let count = COMPARED.min(rays.len());
         let few: Beam = (0..count).map(light).collect();
-        let ends = Settings { keep: Keep::Ends, ..settings(1) };
+        let ends = TraceSettings { keep: Keep::Ends, ..settings(1) };
         let found = tracer.trace(&few, &ends).map_err(text)?.segments;
         let expected: Lists = (0..count).map(|i| found.get(i).end.to_array().to_vec()).collect();
         for (name, answer) in bench.peers.answers("optics.trace", &file, count) {

@@ -3,7 +3,7 @@
 use crate::answer::{FirstTable, HitTable, ahead};
 use crate::interleaved::{Candidate, Role};
 use rayweave::model::drive::{Cancel, drive};
-use rayweave::model::{FirstHits, HitRows, Rays};
+use rayweave::model::{FirstHits, HitArrayRows, Rays};
 use rayweave::{AnyEvaluator, Evaluator, Window};
 use std::convert::Infallible;
 use std::iter::repeat_with;
@@ -18,7 +18,7 @@ pub fn full<'a>(name: &str, evaluator: &'a AnyEvaluator, rays: Rays<'a>, rows: u
     let mut scratch = evaluator.scratch();
     Candidate::here(name, Role::Ours, rays.len(), move || {
         let (mut times, mut faces) = table.rows();
-        let mut rows = HitRows { times: &mut times, faces: &mut faces };
+        let mut rows = HitArrayRows { times: &mut times, faces: &mut faces };
         evaluator.hits(rays, Window::ALL, &mut scratch, &mut rows);
     })
 }
@@ -56,7 +56,7 @@ pub fn into_table_on_threads<'a>(
         let faces = columns(faces).into_iter().chain(repeat_with(Vec::new));
         let chunks = pieces(rays).zip(columns(times).into_iter().zip(faces));
         on_threads(evaluator, threads, chunks, |scratch, (rays, (mut times, mut faces))| {
-            let mut rows = HitRows { times: &mut times, faces: &mut faces };
+            let mut rows = HitArrayRows { times: &mut times, faces: &mut faces };
             evaluator.hits(rays, Window::ALL, scratch, &mut rows);
         });
     };
@@ -173,7 +173,7 @@ mod tests {
         let (times, faces) = table.rows();
         let chunks = pieces(rays).zip(columns(times).into_iter().zip(columns(faces)));
         on_threads(&evaluator, 2, chunks, |scratch, (rays, (mut times, mut faces))| {
-            let mut rows = HitRows { times: &mut times, faces: &mut faces };
+            let mut rows = HitArrayRows { times: &mut times, faces: &mut faces };
             evaluator.hits(rays, Window::ALL, scratch, &mut rows);
         });
         assert_eq!(table.lists(), full_lists(&evaluator, rays));

@@ -322,7 +322,7 @@ mod tests {
     use crate::batch::incoherent;
     use crate::exemplar::die::program;
     use crate::level;
-    use rayweave::model::{FirstHits, HitRows, RayBatch};
+    use rayweave::model::{FirstHits, HitArrayRows, RayBatch};
     use rayweave::{Evaluator, Reference, Window};
     use std::sync::Arc;
 
@@ -352,7 +352,7 @@ mod tests {
             batch.rays(),
             Window::ALL,
             &mut reference.scratch(),
-            &mut HitRows { times: &mut rows(&mut times, count), faces: &mut rows(&mut faces, count) },
+            &mut HitArrayRows { times: &mut rows(&mut times, count), faces: &mut rows(&mut faces, count) },
         );
         assert!(most <= ROWS);
         (times, faces)

@@ -22,7 +22,7 @@ fn sorted(mut numbers: Vec<u32>) -> Vec<u32> {
 
 fn touched(tree: &Bvh, ray: &Ray) -> Vec<u32> {
     let mut found = tree.unbounded().to_vec();
-    tree.touched(&probe(tree, ray), &mut found);
+    tree.intersected_items(&probe(tree, ray), &mut found);
     sorted(found)
 }
 
@@ -36,7 +36,8 @@ fn a_ray_visits_a_superset_of_the_exact_answer() {
             let expected = on_the_way(&ray, &boxes);
             let found = touched(&single, &ray);
             let mut of_clusters = Vec::new();
-            clusters.along(&probe(&clusters, &ray), |places| of_clusters.extend_from_slice(&order[places]));
+            clusters
+                .traverse(&probe(&clusters, &ray), |places| of_clusters.extend_from_slice(&order[places]));
             for item in &expected {
                 assert!(found.binary_search(item).is_ok(), "list {seed}: {ray:?} misses {item}");
                 assert!(of_clusters.contains(item), "list {seed}: {ray:?} misses {item} in clusters");

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
 use rayweave::AnyEvaluator;
-use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, Kind, check, finding_section};
+use rayweave::check::{CheckReport, CheckSettings, Finding, FindingKind, Hierarchy, check, finding_section};
 use rayweave::scene::Scene;
 use rayweave::section::section_svg;
 use serde_json::{Value, json};
@@ -87,20 +87,20 @@ pub struct Check {
 #[derive(Clone, Copy)]
 enum Kinds {
     All,
-    One(Kind),
+    One(FindingKind),
 }
 
 fn kinds(text: &str) -> Result<Kinds, String> {
     match text.trim() {
         "all" => Ok(Kinds::All),
-        name => name.parse::<Kind>().map(Kinds::One).map_err(|error| error.to_string()),
+        name => name.parse::<FindingKind>().map(Kinds::One).map_err(|error| error.to_string()),
     }
 }
 
 impl Kinds {
-    fn holds(self, kind: Kind) -> bool {
+    fn holds(self, kind: FindingKind) -> bool {
         match self {
-            Kinds::All => kind != Kind::Touch,
+            Kinds::All => kind != FindingKind::Touch,
             Kinds::One(own) => own == kind,
         }
     }
@@ -162,15 +162,15 @@ impl Check {
 
     fn as_text(&self, report: &CheckReport) -> String {
         let (model, unit) = (self.model.name(), report.unit.symbol());
-        let of = |kind: Kind| report.of(kind).count();
-        let counts: Vec<String> = Kind::ALL
+        let of = |kind: FindingKind| report.of(kind).count();
+        let counts: Vec<String> = FindingKind::ALL
             .iter()
             .filter(|(kind, _)| of(*kind) > 0)
             .map(|(kind, name)| format!("{name} {}", of(*kind)))
             .collect();
         let found = if counts.is_empty() { "nothing found".to_owned() } else { counts.join(", ") };
         let mut text = format!("{model}: {found}; lengths in {unit}\n{}", scope(report));
-        for (kind, name) in Kind::ALL {
+        for (kind, name) in FindingKind::ALL {
             for (number, finding) in report.of(kind).enumerate() {
                 if number == self.lines {
                     text += &format!("\n{name}: {} more (see --lines)\n", of(kind) - number);
@@ -238,11 +238,11 @@ fn facts(finding: &Finding, unit: &str) -> String {
     let point = |p: rayweave::Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 6)));
     let mut facts = Vec::new();
     let how = match finding.kind {
-        Kind::Thin => "thick",
-        Kind::Gap => "wide",
+        FindingKind::Thin => "thick",
+        FindingKind::Gap => "wide",
         _ => "deep",
     };
-    let has_size = !matches!(finding.kind, Kind::Hidden);
+    let has_size = !matches!(finding.kind, FindingKind::Hidden);
     facts.extend(
         finding.size.filter(|_| has_size).map(|size| format!("{} {unit} {how}", terminal::short3(size))),
     );

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::{Args, ValueEnum};
 use rayweave::AnyEvaluator;
-use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, Spot, diff, diff_section};
+use rayweave::diff::{DiffReport, DiffSettings, Difference, Match, ThickestSpot, diff, diff_section};
 use rayweave::measure;
 use rayweave::scene::Scene;
 use rayweave::section::{SectionPlane, section_svg};
@@ -138,7 +138,7 @@ impl Diff {
             by,
             distance: self.distance,
             across: self.cells,
-            measure: measure::Settings {
+            measure: measure::MeasureSettings {
                 precision: self.precision,
                 confidence: self.confidence,
                 most_rays: self.rays,
@@ -217,7 +217,7 @@ fn verdict_of(pair: &Difference) -> &'static str {
 
 /// The ray through the thickest difference.
 fn example(pair: &Difference) -> String {
-    let Some(Spot { chord, thickness, is_a, .. }) = pair.spot else { return String::new() };
+    let Some(ThickestSpot { chord, thickness, is_a, .. }) = pair.spot else { return String::new() };
     let point = |p: rayweave::Vec3| terminal::short_point(p.to_array());
     let whose = if is_a { "A" } else { "B" };
     let place = pair.place.map_or_else(String::new, |place| {

@@ -6,7 +6,7 @@ use crate::interrupt;
 use crate::terminal::{self, short};
 use clap::Args;
 use rayweave::infill::{
-    Fillable, Filling, InfillPicture, Layers, Raster, Run, Slices, Summary, read_region, write_infill,
+    Fillable, Filling, InfillPicture, InfillRun, Layers, Raster, Slices, Summary, read_region, write_infill,
 };
 use rayweave::rootray::Side;
 use rayweave::{AnyEvaluator, Bounds, Compiled};
@@ -131,7 +131,7 @@ impl Infill {
         unit: &str,
         mut picture: InfillPicture,
     ) -> Result<(), Failure> {
-        let run = Run { threads: global.threads, cancel: interrupt::token()? };
+        let run = InfillRun { threads: global.threads, cancel: interrupt::token()? };
         let mut lost = Vec::new();
         let summary = write_infill(fillable, filling, layers, &run, unit, self.out.as_deref(), |layer| {
             if layer.traces.is_empty() {

@@ -5,7 +5,7 @@ use crate::command::tree;
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
-use rayweave::model::simplify::{PassReport, Preparation, Removal, Size};
+use rayweave::model::simplify::{FormulaSize, PassReport, Preparation, Removal};
 use rayweave::model::{Leaf, LeafKind};
 use rayweave::scene::Scene;
 use rayweave::{Bounds, Compiled, Program};
@@ -189,7 +189,7 @@ fn bounds_json(bounds: &Bounds) -> Value {
 }
 
 fn preparation_json(preparation: &Preparation) -> Value {
-    let size = |size: &Size| {
+    let size = |size: &FormulaSize| {
         json!({
             "leaves": size.leaves,
             "operators": size.operators,

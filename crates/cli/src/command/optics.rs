@@ -8,7 +8,7 @@ use crate::lens_file::{self, Bench};
 use crate::terminal::{self, Unit, short};
 use clap::{Args, ValueEnum};
 use rayweave::detector::{Detector, Detectors, SpotDiagram, irradiance_svg, spot_svg, spots_svg};
-use rayweave::layout::{Layout, LayoutOptions, LayoutPlane, RayColour};
+use rayweave::layout::{LayoutOptions, LayoutPlane, OpticalLayout, RayColour};
 use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::optics::table::{LightSummary, SegmentFile, trace_light, write_paths};
 use rayweave::optics::{Balance, Branches, Paths, Segments, System, Tracer};
@@ -207,7 +207,7 @@ impl Optics {
     fn draw_layout(&self, optics: &OpticalScene, system: &System, unit: &str) -> Result<(), Failure> {
         let Some(path) = &self.layout else { return Ok(()) };
         let options = LayoutOptions { plane: self.plane, rays: self.rays, colour: self.colour.into() };
-        let layout = Layout::new(system, &optics.sources, &optics.settings, &options, Packets::new)?;
+        let layout = OpticalLayout::new(system, &optics.sources, &optics.settings, &options, Packets::new)?;
         drawing::save(path, &layout.to_svg(&self.model.name(), unit))
     }
 

@@ -9,9 +9,9 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rayweave::draw::DrawError;
 use rayweave::picture::{
-    Cut, Explosion, Opacity, Picture, PictureKind, PictureOptions, Sheet, SheetKind, arrange,
+    CutAway, Explosion, Opacity, Picture, PictureKind, PictureOptions, PictureSheet, SheetKind, arrange,
 };
-use rayweave::render::{Run, Settings, Size, Style, View};
+use rayweave::render::{RenderOptions, Run, Size, Style, View};
 use rayweave::scene::Scene;
 use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
@@ -84,7 +84,7 @@ pub struct Render {
     no_shadows: bool,
 
     /// Supersample edge pixels with N x N rays [default: as in the model, else 3]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Settings::MAX_SAMPLES)))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(RenderOptions::MAX_SAMPLES)))]
     samples: Option<u32>,
 }
 
@@ -94,7 +94,7 @@ const SHEET: &str = "sheet";
 /// The picture.
 enum Drawn {
     Picture(Picture),
-    Sheet(Sheet),
+    PictureSheet(PictureSheet),
 }
 
 const STYLES: [(&str, Style); 3] =
@@ -111,9 +111,8 @@ impl Render {
         let mut run =
             Run { threads: global.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
         let drawn = match self.sheet() {
-            Some(kind) => {
-                Sheet::draw(kind, &scene, &compiled, &evaluator, &self.options(), &mut run).map(Drawn::Sheet)
-            }
+            Some(kind) => PictureSheet::draw(kind, &scene, &compiled, &evaluator, &self.options(), &mut run)
+                .map(Drawn::PictureSheet),
             None => self.picture(&scene, &compiled, &evaluator, &mut run).map(Drawn::Picture),
         };
         bar.finish_and_clear();
@@ -122,7 +121,7 @@ impl Render {
                 terminal::save(&out, &picture.to_png())?;
                 picture.size()
             }
-            Drawn::Sheet(sheet) => {
+            Drawn::PictureSheet(sheet) => {
                 drawing::save_sheet(&out, &sheet, &self.model.name())?;
                 sheet.size()
             }
@@ -135,7 +134,7 @@ impl Render {
 
     /// The model to draw, or one of its solids, cut or exploded as requested.
     fn scene(&self) -> Result<Scene, Failure> {
-        let cut: Option<Cut> = self.cut.as_deref().map(str::parse).transpose()?;
+        let cut: Option<CutAway> = self.cut.as_deref().map(str::parse).transpose()?;
         let explosion: Option<Explosion> = self.explode.as_deref().map(str::parse).transpose()?;
         let opacities = self.opacity.iter().map(|text| text.parse());
         let opacities: Vec<Opacity> = opacities.collect::<Result<_, _>>()?;

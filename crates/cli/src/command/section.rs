@@ -7,7 +7,7 @@ use crate::{drawing, interrupt};
 use clap::Args;
 use rayweave::scene::Scene;
 use rayweave::section::{
-    By, CrossSection, SectionPlane, SectionSettings, Sweep, cross_sections, section_dxf, section_svg,
+    By, CrossSection, SectionPlane, SectionRun, SectionSettings, cross_sections, section_dxf, section_svg,
 };
 use rayweave::{AnyEvaluator, Vec3};
 use serde_json::{Value, json};
@@ -65,7 +65,7 @@ pub struct Section {
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<f64>,
 
-    /// Sweep the plane by at least this many columns: parts thinner than their distance may be overlooked
+    /// SectionRun the plane by at least this many columns: parts thinner than their distance may be overlooked
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
     columns: u32,
 
@@ -89,7 +89,7 @@ impl Section {
         let planes = self.planes()?;
         let scene = self.model.load()?;
         let by = if self.by_region { By::Region } else { By::Medium };
-        let sweep = Sweep { threads: global.threads, cancel: interrupt::token()? };
+        let sweep = SectionRun { threads: global.threads, cancel: interrupt::token()? };
         let (tolerance, columns, within) = (self.tolerance, self.columns, self.within.bounds());
         let settings = SectionSettings { by, tolerance, columns, within, sweep };
         let bar = terminal::progress_bar(Some(planes.len() as u64), Unit::Percent, global.quiet);

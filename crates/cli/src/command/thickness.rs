@@ -8,9 +8,9 @@ use crate::terminal::{self, Unit};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use rayweave::picture::{PictureOptions, arrange};
-use rayweave::render::{Plane, Settings, Size, View, png};
+use rayweave::render::{PixelGrid, RenderOptions, Size, View, png};
 use rayweave::scene::Scene;
-use rayweave::thickness::{FAINTEST, Run, ThicknessMap};
+use rayweave::thickness::{FAINTEST, ThicknessMap, ThicknessRun};
 use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
 
@@ -59,9 +59,12 @@ impl Thickness {
         let options = PictureOptions { size: self.size, view, ..PictureOptions::default() };
         let bar = terminal::progress_bar(None, Unit::Percent, global.quiet);
         let mut progress = |done: usize| bar.set_position(done as u64);
-        let mut run =
-            Run { threads: global.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
-        let (camera, Settings { size, .. }) = arrange(&scene, &compiled, &options)?;
+        let mut run = ThicknessRun {
+            threads: global.threads,
+            cancel: interrupt::token()?,
+            progress: Some(&mut progress),
+        };
+        let (camera, RenderOptions { size, .. }) = arrange(&scene, &compiled, &options)?;
         let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
         let map = ThicknessMap::new(&compiled, &evaluator, [size.width(), size.height()], ray, &mut run);
         bar.finish_and_clear();
@@ -84,7 +87,7 @@ impl Thickness {
         let unit = scene.unit.symbol();
         let save = |pixels: Vec<f64>, white: f64| {
             // a map has a value for each pixel
-            let plane = Plane::from_values(size, pixels).unwrap_or_else(|| Plane::filled(size, 0.0));
+            let plane = PixelGrid::from_values(size, pixels).unwrap_or_else(|| PixelGrid::filled(size, 0.0));
             terminal::save(&self.out, &png::encode_grey(&plane, white))
         };
         if let Some(medium) = &self.medium {

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::{interrupt, interval, terminal};
 use clap::Args;
 use rayweave::AnyEvaluator;
-use rayweave::measure::{Estimate, RegionReport, SceneReport, Settings, measure_scene};
+use rayweave::measure::{Estimate, MeasureSettings, RegionReport, SceneReport, measure_scene};
 use rayweave::scene::Scene;
 use serde_json::{Value, json};
 
@@ -38,7 +38,7 @@ pub struct Volume {
 impl Volume {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let scene = self.model.load()?;
-        let settings = Settings {
+        let settings = MeasureSettings {
             precision: self.sampling.precision,
             confidence: self.sampling.confidence,
             most_rays: self.sampling.rays,
@@ -82,7 +82,7 @@ impl Volume {
         let rays = report.rays;
         let mut text = format!("{model}: {percent} % intervals from {rays} rays, lengths in {unit}\n\n");
         let has_mass = report.regions.iter().any(|region| region.mass.is_some());
-        let has_formula = report.regions.iter().any(|region| region.formula.is_some());
+        let has_formula = report.regions.iter().any(|region| region.exact_volume.is_some());
         let mut header = vec!["region", "medium", "volume"];
         header.extend(has_formula.then_some("by formula"));
         header.extend(has_mass.then_some("mass (g)"));
@@ -91,7 +91,7 @@ impl Volume {
             let measured = &region.measured;
             let mut row =
                 vec![measured.name.clone(), region.medium.clone(), interval::text(&measured.volume)];
-            row.extend(has_formula.then(|| region.formula.map_or_else(String::new, terminal::short)));
+            row.extend(has_formula.then(|| region.exact_volume.map_or_else(String::new, terminal::short)));
             row.extend(has_mass.then(|| region.mass.as_ref().map_or_else(String::new, interval::text)));
             let centre = measured.centre.map(|centre| centre.map(|c| interval::rounded(&c).0).join(", "));
             row.extend([
@@ -127,7 +127,7 @@ fn region_json(region: &RegionReport) -> Value {
         "name": measured.name,
         "medium": region.medium,
         "volume": interval::json(&measured.volume),
-        "volume_by_formula": region.formula,
+        "volume_by_formula": region.exact_volume,
         "mass_g": region.mass.as_ref().map(interval::json),
         "area": interval::json(&measured.area),
         "centre": measured.centre.as_ref().map(row),

@@ -1,7 +1,7 @@
 //! Layouts of optical systems: a true section of the solids by a plane, with rays near that plane.
 //!
 //! ```
-//! use rayweave_draw::layout::{Layout, LayoutOptions};
+//! use rayweave_draw::layout::{OpticalLayout, LayoutOptions};
 //! use rayweave_optics::file::optics_of;
 //! use rayweave_trace::Packets;
 //!
@@ -18,7 +18,7 @@
 //! let optics = optics_of(&document, &scene)?;
 //! let system = optics.assembly.compile()?;
 //! let options = LayoutOptions::default();
-//! let layout = Layout::new(&system, &optics.sources, &optics.settings, &options, Packets::new)?;
+//! let layout = OpticalLayout::new(&system, &optics.sources, &optics.settings, &options, Packets::new)?;
 //! assert!(layout.to_svg("a ball lens", scene.unit.symbol()).starts_with("<svg "));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -34,7 +34,7 @@ use rays::TrialRays;
 use rayweave_analysis::section::{Cut, Section, SectionError, SectionWindow, section};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, RegionId};
-use rayweave_optics::{Emitter, Segments, Settings, System, Tracer};
+use rayweave_optics::{Emitter, Segments, System, TraceSettings, Tracer};
 use std::sync::Arc;
 
 /// The meaning of the colours of rays.
@@ -66,7 +66,7 @@ impl Default for LayoutOptions {
 
 /// A section of an optical system with light.
 #[derive(Clone, Debug)]
-pub struct Layout {
+pub struct OpticalLayout {
     plane: LayoutPlane,
     cut: Cut,
     /// The corners of the drawing in the plane.
@@ -91,7 +91,7 @@ struct Part {
 /// Light with less than this part of its initial power is not drawn.
 const FAINTEST: f64 = 1e-4;
 
-impl Layout {
+impl OpticalLayout {
     /// Cuts a system and traces some of its light. Rays are chosen from all parts of every source. `make` constructs
     /// evaluators.
     ///
@@ -100,20 +100,20 @@ impl Layout {
     pub fn new<E: Evaluator>(
         system: &System,
         light: &impl Emitter,
-        settings: &Settings,
+        settings: &TraceSettings,
         options: &LayoutOptions,
         make: impl Fn(Arc<Program>) -> E,
-    ) -> Result<Layout, DrawError> {
+    ) -> Result<OpticalLayout, DrawError> {
         let tracer = Tracer::new(system, &make);
         let trial = TrialRays::new(&tracer, light, settings)?;
         let plane = options.plane.unwrap_or_else(|| plane::nearest_to_light(&trial.segments));
         let cut = plane.cut()?;
         let chosen = trial.nearest_to(&cut, options.rays.max(1));
         let faintest = FAINTEST * chosen.powers().iter().fold(0.0, |most: f64, &power| most.max(power));
-        let settings = Settings { threshold: settings.threshold.max(faintest), ..settings.clone() };
+        let settings = TraceSettings { threshold: settings.threshold.max(faintest), ..settings.clone() };
         let segments = tracer.trace(&chosen, &settings)?.segments;
         let (lo, hi) = window(system, &cut, &segments);
-        let mut layout = Layout {
+        let mut layout = OpticalLayout {
             plane,
             cut,
             lo,

@@ -3,7 +3,7 @@
 use rayweave_analysis::section::Cut;
 use rayweave_math::Vec3;
 use rayweave_model::Evaluator;
-use rayweave_optics::{Beam, Branches, Emitter, Light, OpticsError, Segments, Settings, Tracer};
+use rayweave_optics::{Beam, Branches, Emitter, Light, OpticsError, Segments, TraceSettings, Tracer};
 
 /// The most trial rays of all sources together.
 const MAX_TRIALS: usize = 4096;
@@ -20,7 +20,7 @@ impl TrialRays {
     pub fn new<E: Evaluator>(
         tracer: &Tracer<'_, E>,
         light: &impl Emitter,
-        settings: &Settings,
+        settings: &TraceSettings,
     ) -> Result<TrialRays, OpticsError> {
         let mut rays = Beam::default();
         let count = light.count();
@@ -31,7 +31,7 @@ impl TrialRays {
             let ray = from + split_mix(part as u64) as usize % (to - from).max(1);
             light.emit(ray..ray + 1, &mut rays);
         }
-        let settings = Settings { branches: Branches::Ideal, ..settings.clone() };
+        let settings = TraceSettings { branches: Branches::Ideal, ..settings.clone() };
         let segments = tracer.trace(&rays, &settings)?.segments;
         let sources = rays.sources().iter().max().map_or(0, |&last| last as usize + 1);
         Ok(TrialRays { rays, segments, sources })

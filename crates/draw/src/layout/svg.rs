@@ -1,6 +1,6 @@
 //! A layout as SVG.
 
-use super::{FAINTEST, Layout, Part, RayColour};
+use super::{FAINTEST, OpticalLayout, Part, RayColour};
 use crate::legend::{self, Entry, Wavelengths};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Pixels, Svg, paint};
@@ -44,7 +44,7 @@ const STRAIGHT: f64 = 1e-6;
 const WEIGHTS: [(f64, f64, f64); 4] =
     [(0.3, 1.1, 0.9), (0.03, 0.8, 0.75), (3e-3, 0.6, 0.55), (0.0, 0.45, 0.4)];
 
-pub fn drawing(layout: &Layout, title: &str, unit: &str) -> String {
+pub fn drawing(layout: &OpticalLayout, title: &str, unit: &str) -> String {
     let mut pen = Drawing::new(layout);
     pen.svg.text("title", [MARGIN, MARGIN + 8.0], Anchor::Start, title, title);
     let plane = format!("section {}", layout.plane);
@@ -60,7 +60,7 @@ pub fn drawing(layout: &Layout, title: &str, unit: &str) -> String {
     pen.svg.finish([WIDTH, height], title, &description(layout), STYLE)
 }
 
-fn description(layout: &Layout) -> String {
+fn description(layout: &OpticalLayout) -> String {
     let names: Vec<&str> = layout.parts.iter().map(|part| part.name.as_str()).collect();
     format!("The section {} of {}, with rays of light.", layout.plane, names.join(", "))
 }
@@ -79,20 +79,20 @@ fn media(parts: &[Part]) -> Vec<(&str, &'static str)> {
 }
 
 struct Drawing<'a> {
-    layout: &'a Layout,
+    layout: &'a OpticalLayout,
     svg: Svg,
     plan: Plan,
 }
 
 impl<'a> Drawing<'a> {
-    fn new(layout: &'a Layout) -> Drawing<'a> {
+    fn new(layout: &'a OpticalLayout) -> Drawing<'a> {
         let frame = [MARGIN, TITLE, WIDTH - 2.0 * MARGIN, MAX_HEIGHT];
         Drawing { layout, svg: Svg::default(), plan: Plan::new(layout.lo, layout.hi, frame) }
     }
 
     /// Draws the line v = 0, if it is in the window.
     fn centre_line(&mut self) {
-        let Layout { lo, hi, .. } = self.layout;
+        let OpticalLayout { lo, hi, .. } = self.layout;
         if lo[1] < 0.0 && 0.0 < hi[1] {
             let [x, y] = self.plan.position([lo[0], 0.0]).map(Pixels);
             let end = Pixels(self.plan.position([hi[0], 0.0])[0]);
@@ -149,7 +149,7 @@ impl<'a> Drawing<'a> {
     /// The inner control points of the Bezier curve with the ends and tangents of a curved segment, with tangents a third as
     /// long as the chord; `None` if the segment leaves the window.
     fn control_points(&self, segment: &Segment, tangent: Vec3) -> Option<[[Pixels; 2]; 2]> {
-        let Layout { cut, lo, hi, .. } = self.layout;
+        let OpticalLayout { cut, lo, hi, .. } = self.layout;
         let third = (segment.end - segment.start).length() / 3.0;
         let is_inside = |point: Vec3| {
             cut.place(point).iter().zip(lo.iter().zip(hi)).all(|(x, (lo, hi))| lo <= x && x <= hi)
@@ -168,7 +168,7 @@ impl<'a> Drawing<'a> {
 
     /// The part of a segment in the window.
     fn visible(&self, segment: &Segment) -> Option<[[f64; 2]; 2]> {
-        let Layout { cut, lo, hi, .. } = self.layout;
+        let OpticalLayout { cut, lo, hi, .. } = self.layout;
         let from = cut.place(segment.start);
         let to = match segment.end.is_finite() {
             true => cut.place(segment.end),

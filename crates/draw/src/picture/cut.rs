@@ -15,7 +15,7 @@ use std::str::FromStr;
 /// percentage of its bounding box from the lower end: `x>0` removes half of space, `x>50%,y<50%` a quarter of the model.
 ///
 /// ```
-/// use rayweave_draw::picture::Cut;
+/// use rayweave_draw::picture::CutAway;
 /// use rayweave_math::Vec3;
 /// use rayweave_model::{Evaluator, Query};
 /// use rayweave_scene::Compiled;
@@ -23,7 +23,7 @@ use std::str::FromStr;
 /// use rayweave_trace::AnyEvaluator;
 ///
 /// let (_, ball) = rayweave_scene::parse("rayweave = 1\n[solid.ball]\nsphere = { radius = 2 }")?;
-/// let cut: Cut = "x > 75%, y < 0".parse()?;
+/// let cut: CutAway = "x > 75%, y < 0".parse()?;
 /// let cut = Compiled::new(&cut.apply(&ball)?)?;
 /// let along_x = Ray::new(Vec3::new(-5.0, -0.5, 0.0), Vec3::X);
 /// let answer = AnyEvaluator::new(None, cut.program)?.one(along_x, &Query::default())?;
@@ -32,7 +32,7 @@ use std::str::FromStr;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cut(Vec<Condition>);
+pub struct CutAway(Vec<Condition>);
 
 /// A half space across an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +50,7 @@ enum Coordinate {
     Part(f64),
 }
 
-impl Cut {
+impl CutAway {
     /// The scene without that part, which is subtracted from every region.
     ///
     /// # Errors
@@ -99,11 +99,11 @@ impl Condition {
     }
 }
 
-impl FromStr for Cut {
+impl FromStr for CutAway {
     type Err = DrawError;
 
-    fn from_str(text: &str) -> Result<Cut, DrawError> {
-        text.split(',').map(condition).collect::<Result<_, _>>().map(Cut)
+    fn from_str(text: &str) -> Result<CutAway, DrawError> {
+        text.split(',').map(condition).collect::<Result<_, _>>().map(CutAway)
     }
 }
 
@@ -137,13 +137,13 @@ mod tests {
             Condition { axis: 0, is_above: true, coordinate: Coordinate::Part(0.5) },
             Condition { axis: 2, is_above: false, coordinate: Coordinate::Length(-1e-3) },
         ];
-        assert_eq!("x>50%, z < -1e-3".parse::<Cut>().unwrap(), Cut(expected.to_vec()));
+        assert_eq!("x>50%, z < -1e-3".parse::<CutAway>().unwrap(), CutAway(expected.to_vec()));
     }
 
     #[test]
     fn malformed_conditions_are_rejected() {
         for text in ["", "x", "w>0", "x>", "x>nan", "x>1e999", "x>5%%", "x>1,", "x=1", "x<>1"] {
-            let error = text.parse::<Cut>().unwrap_err();
+            let error = text.parse::<CutAway>().unwrap_err();
             assert_eq!(error.kind(), ErrorKind::Value, "{text}");
             assert!(error.to_string().contains("as in x>0"), "{error}");
         }

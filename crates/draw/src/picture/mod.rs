@@ -1,6 +1,6 @@
 //! Pictures of scenes: camera and settings from a model file and from options.
 //!
-//! [`Cut`], [`Explosion`] and [`Opacity`] change a scene before it is compiled, to show its inside. A [`Sheet`] holds several
+//! [`CutAway`], [`Explosion`] and [`Opacity`] change a scene before it is compiled, to show its inside. A [`PictureSheet`] holds several
 //! views and a legend.
 //!
 //! ```
@@ -25,23 +25,23 @@ mod explode;
 mod opacity;
 mod sheet;
 
-pub use cut::Cut;
+pub use cut::CutAway;
 pub use explode::Explosion;
 pub use opacity::Opacity;
-pub use sheet::{PlacedPicture, Sheet, SheetKind};
+pub use sheet::{PictureSheet, PlacedPicture, SheetKind};
 
 use crate::DrawError;
 use rayweave_error::Message;
 use rayweave_model::{Evaluator, RegionId, RegionInfo};
 use rayweave_render::{
-    Background, Camera, IdKind, Image, Light, LightKind, Lines, Plane, Projection, RenderError, Rgba, Run,
-    Settings, Size, Style, View, depth, ids, normals, png, region_colour, render,
+    Background, Camera, IdKind, Image, Light, LightKind, Lines, PixelGrid, Projection, RenderError,
+    RenderOptions, Rgba, Run, Size, Style, View, depth, ids, normals, png, region_colour, render,
 };
 use rayweave_scene::{self as scene, Compiled, Scene, SceneRegion, memory};
 use std::str::FromStr;
 
 /// The options of a picture. `None` stands for the value in the model file, and where the file has none, for the default of
-/// [`Settings::new`].
+/// [`RenderOptions::new`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureOptions {
     /// Width and height, 1280 x 720 by default.
@@ -57,7 +57,7 @@ pub struct PictureOptions {
     pub edges: Option<bool>,
     /// True to cast shadows. If the file has no light, one is added at the upper left behind the camera.
     pub shadows: Option<bool>,
-    /// Samples along each side of a pixel, 1 to [`Settings::MAX_SAMPLES`].
+    /// Samples along each side of a pixel, 1 to [`RenderOptions::MAX_SAMPLES`].
     pub samples: Option<u32>,
 }
 
@@ -110,11 +110,11 @@ pub enum Picture {
     /// Colours.
     Colour(Image),
     /// Distances; +inf for a miss.
-    Depth(Plane<f64>),
+    Depth(PixelGrid<f64>),
     /// Unit normals; NaN for a miss.
-    Normal(Plane<[f64; 3]>),
+    Normal(PixelGrid<[f64; 3]>),
     /// Numbers of regions; 0 for a miss.
-    Id(Plane<i32>),
+    Id(PixelGrid<i32>),
 }
 
 impl Picture {
@@ -127,7 +127,7 @@ impl Picture {
         kind: PictureKind,
         evaluator: &E,
         camera: &Camera,
-        settings: &Settings,
+        settings: &RenderOptions,
         run: &mut Run<'_>,
     ) -> Result<Picture, DrawError> {
         let size = settings.size;
@@ -190,10 +190,10 @@ pub fn arrange(
     scene: &Scene,
     compiled: &Compiled,
     options: &PictureOptions,
-) -> Result<(Camera, Settings), DrawError> {
+) -> Result<(Camera, RenderOptions), DrawError> {
     let size = size(scene, options)?;
     let camera = camera(scene, compiled, options, size)?;
-    let mut settings = Settings::new(size);
+    let mut settings = RenderOptions::new(size);
     let file = &scene.render;
     settings.style = options.style.or(file.shading.map(style)).unwrap_or(settings.style);
     if !options.edges.or(file.edges).unwrap_or(true) {

@@ -7,14 +7,14 @@ use crate::legend::{self, Entry};
 use crate::svg::{Anchor, INK, Svg, paint};
 use rayweave_error::Message;
 use rayweave_model::Evaluator;
-use rayweave_render::{Camera, Image, Projection, Rgba, Run, Settings, Size, View, render};
+use rayweave_render::{Camera, Image, Projection, RenderOptions, Rgba, Run, Size, View, render};
 use rayweave_scene::{Compiled, Scene, memory};
 use std::collections::BTreeMap;
 
 /// A sheet of pictures.
 ///
 /// ```
-/// use rayweave_draw::picture::{PictureOptions, Sheet, SheetKind};
+/// use rayweave_draw::picture::{PictureOptions, PictureSheet, SheetKind};
 /// use rayweave_render::{Run, Size};
 /// use rayweave_scene::Compiled;
 /// use rayweave_trace::AnyEvaluator;
@@ -24,13 +24,13 @@ use std::collections::BTreeMap;
 /// let evaluator = AnyEvaluator::new(None, compiled.program.clone())?;
 /// let options = PictureOptions { size: Some(Size::new(320, 240)?), ..PictureOptions::default() };
 /// let run = &mut Run::default();
-/// let sheet = Sheet::draw(SheetKind::Views, &scene, &compiled, &evaluator, &options, run)?;
+/// let sheet = PictureSheet::draw(SheetKind::Views, &scene, &compiled, &evaluator, &options, run)?;
 /// assert_eq!(sheet.pictures().len(), 4);
 /// assert!(sheet.to_svg("a ball").contains(">lens</text>"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct PictureSheet {
     size: Size,
     pictures: Vec<PlacedPicture>,
     /// Everything but the pictures.
@@ -73,7 +73,7 @@ const MAX_ENTRIES: usize = 40;
 const VIEWS: [(View, usize, usize); 4] =
     [(View::Top, 0, 0), (View::Iso, 1, 0), (View::Front, 0, 1), (View::Right, 1, 1)];
 
-impl Sheet {
+impl PictureSheet {
     /// Draws the pictures of a scene. `options.size` is the size of the whole sheet.
     ///
     /// # Errors
@@ -86,13 +86,13 @@ impl Sheet {
         evaluator: &E,
         options: &PictureOptions,
         run: &mut Run<'_>,
-    ) -> Result<Sheet, DrawError> {
+    ) -> Result<PictureSheet, DrawError> {
         let default = Size::new(PAPER.0, PAPER.1)?;
         let size = options.size.or((kind == SheetKind::Views).then_some(default));
         let (camera, settings) = arrange(scene, compiled, &PictureOptions { size, ..*options })?;
         super::check_memory(settings.size, super::PictureKind::Colour, memory::available())?;
         let entries = entries(compiled, &settings);
-        let mut sheet = Sheet { size: settings.size, pictures: Vec::new(), drawing: Svg::default() };
+        let mut sheet = PictureSheet { size: settings.size, pictures: Vec::new(), drawing: Svg::default() };
         let bottom = sheet.legend(&entries);
         let mut painter = Painter { evaluator, settings, run, done: 0, of: 1 };
         match kind {
@@ -205,7 +205,7 @@ impl Sheet {
 /// The drawing of the pictures of a sheet, with its progress.
 struct Painter<'a, 'r, E> {
     evaluator: &'a E,
-    settings: Settings,
+    settings: RenderOptions,
     run: &'a mut Run<'r>,
     done: usize,
     of: usize,
@@ -213,7 +213,7 @@ struct Painter<'a, 'r, E> {
 
 impl<E: Evaluator> Painter<'_, '_, E> {
     fn paint(&mut self, camera: &Camera, size: Size) -> Result<Image, DrawError> {
-        let settings = Settings { size, ..self.settings.clone() };
+        let settings = RenderOptions { size, ..self.settings.clone() };
         let (done, of) = (self.done as f64, self.of as f64);
         let mut outer = self.run.progress.as_mut();
         let mut progress = |part: f64| {
@@ -247,7 +247,7 @@ fn to_one_scale(cameras: [Camera; 4]) -> [Camera; 4] {
 }
 
 /// An entry for each medium, or, where regions of one medium differ in colour, for each colour.
-fn entries(compiled: &Compiled, settings: &Settings) -> Vec<Entry> {
+fn entries(compiled: &Compiled, settings: &RenderOptions) -> Vec<Entry> {
     let mut of_media: BTreeMap<u32, Vec<(Rgba, &str)>> = BTreeMap::new();
     for (region, &colour) in compiled.program.regions().iter().zip(&settings.colours) {
         let colours = of_media.entry(region.medium).or_default();

@@ -8,7 +8,7 @@ use super::{RemarkKind, WriteError, WriteOptions};
 use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
-use rayweave_mesh_io::{MeshFormat, WriteOptions as MeshOptions, write_objects};
+use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, write_objects};
 use rayweave_shape::primitive::Primitive;
 
 /// Builder of triangle bodies.
@@ -150,7 +150,7 @@ pub(super) fn write(
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();
-    write_objects(&parts, format, MeshOptions::default().with_text(options.text), &mut bytes)?;
+    write_objects(&parts, format, MeshWriteOptions::default().with_text(options.text), &mut bytes)?;
     Ok(bytes)
 }
 

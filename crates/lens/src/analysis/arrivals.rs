@@ -1,7 +1,7 @@
 //! Rays that arrive at a sheet.
 
-use super::AnalysisError;
-use crate::prescription::{Pass, Resolved};
+use super::LensAnalysisError;
+use crate::prescription::{Resolved, SurfaceIntersection};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::{Event, Segments, System};
 
@@ -29,14 +29,14 @@ pub struct Arrival {
 /// Without it, the last arrival of each ray is returned.
 ///
 /// # Errors
-/// [`AnalysisError::NoSheet`].
+/// [`LensAnalysisError::NoSheet`].
 pub fn arrivals(
     system: &System,
     segments: &Segments,
     sheet: &str,
     sequence: Option<&[usize]>,
-) -> Result<Vec<Arrival>, AnalysisError> {
-    let no_sheet = || AnalysisError::NoSheet(sheet.to_owned());
+) -> Result<Vec<Arrival>, LensAnalysisError> {
+    let no_sheet = || LensAnalysisError::NoSheet(sheet.to_owned());
     let surface = system.sheet_surface(sheet).ok_or_else(no_sheet)? as i32;
     let frame = system.sheet_frame(sheet).ok_or_else(no_sheet)?;
     let local = frame.inverse().map_err(|_| no_sheet())?;
@@ -72,7 +72,12 @@ fn arrival(segments: &Segments, row: usize, local: &Affine) -> Arrival {
 }
 
 /// The arrival at the image of a ray followed through a prescription.
-pub(crate) fn followed(resolved: &Resolved, id: usize, last: &Pass, wavelength_nm: f64) -> Arrival {
+pub(crate) fn followed(
+    resolved: &Resolved,
+    id: usize,
+    last: &SurfaceIntersection,
+    wavelength_nm: f64,
+) -> Arrival {
     let space = resolved.media.len() - 1;
     let (point, direction) = match resolved.poses.get(space) {
         Some(pose) => pose.local(last.point, last.direction),

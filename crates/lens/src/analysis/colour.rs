@@ -1,6 +1,6 @@
 //! Chromatic aberrations: axial and lateral colour.
 
-use super::{AnalysisError, Study};
+use super::{LensAnalysisError, Study};
 use rayweave_model::Evaluator;
 
 impl<E: Evaluator> Study<'_, E> {
@@ -10,8 +10,8 @@ impl<E: Evaluator> Study<'_, E> {
     /// to be the axis.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
-    pub fn axial_focus(&self, wavelength_nm: f64, height: f64) -> Result<f64, AnalysisError> {
+    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
+    pub fn axial_focus(&self, wavelength_nm: f64, height: f64) -> Result<f64, LensAnalysisError> {
         let arrival = self.axial(wavelength_nm, height)?;
         Ok(arrival.position.z - arrival.position.y * arrival.direction.z / arrival.direction.y)
     }
@@ -21,10 +21,10 @@ impl<E: Evaluator> Study<'_, E> {
     ///
     /// # Errors
     /// As of [`Study::principal`].
-    pub fn lateral_colour(&self, field: usize, wavelength_nm: f64) -> Result<f64, AnalysisError> {
+    pub fn lateral_colour(&self, field: usize, wavelength_nm: f64) -> Result<f64, LensAnalysisError> {
         let height = |wavelength_nm: f64| {
             let position = self.principal(field, wavelength_nm)?.position;
-            Ok::<f64, AnalysisError>(libm::hypot(position.x, position.y))
+            Ok::<f64, LensAnalysisError>(libm::hypot(position.x, position.y))
         };
         Ok(height(wavelength_nm)? - height(self.lens.primary_nm())?)
     }

@@ -8,7 +8,7 @@ use rayweave_optics::OpticsError;
 /// Error of an analysis, printed as `problem: reason. Suggestion.`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum AnalysisError {
+pub enum LensAnalysisError {
     /// An invalid prescription.
     #[error(transparent)]
     Prescription(#[from] PrescriptionError),
@@ -52,11 +52,11 @@ pub enum AnalysisError {
     },
 }
 
-impl Classified for AnalysisError {
+impl Classified for LensAnalysisError {
     fn kind(&self) -> ErrorKind {
         match self {
-            AnalysisError::Prescription(error) => error.kind(),
-            AnalysisError::Optics(error) => error.kind(),
+            LensAnalysisError::Prescription(error) => error.kind(),
+            LensAnalysisError::Optics(error) => error.kind(),
             _ => ErrorKind::Optics,
         }
     }
@@ -70,7 +70,7 @@ mod tests {
     fn kinds_are_those_of_the_cause() {
         let cancelled = PrescriptionError::from(OpticsError::Cancelled);
         assert_eq!(cancelled.kind(), ErrorKind::Cancelled);
-        assert_eq!(AnalysisError::from(cancelled).kind(), ErrorKind::Cancelled);
-        assert_eq!(AnalysisError::NoSheet("image".to_owned()).kind(), ErrorKind::Optics);
+        assert_eq!(LensAnalysisError::from(cancelled).kind(), ErrorKind::Cancelled);
+        assert_eq!(LensAnalysisError::NoSheet("image".to_owned()).kind(), ErrorKind::Optics);
     }
 }

@@ -1,6 +1,6 @@
 //! Field aberrations: distortion and field curvature.
 
-use super::{AnalysisError, Study};
+use super::{LensAnalysisError, Study};
 use rayweave_model::Evaluator;
 
 /// The pupil distance between the principal ray and the neighbours that measure field curvature, in units of
@@ -39,14 +39,14 @@ impl<E: Evaluator> Study<'_, E> {
     ///
     /// # Errors
     /// As of [`Study::principal`].
-    pub fn distortion(&self, field: usize, wavelength_nm: f64) -> Result<Distortion, AnalysisError> {
+    pub fn distortion(&self, field: usize, wavelength_nm: f64) -> Result<Distortion, LensAnalysisError> {
         let position = self.principal(field, wavelength_nm)?.position;
         let paraxial = self.paraxial_height(field, wavelength_nm)?;
         Ok(Distortion { real: libm::hypot(position.x, position.y), paraxial: paraxial.abs() })
     }
 
     /// The height of the paraxial principal ray on the image plane.
-    fn paraxial_height(&self, field: usize, wavelength_nm: f64) -> Result<f64, AnalysisError> {
+    fn paraxial_height(&self, field: usize, wavelength_nm: f64) -> Result<f64, LensAnalysisError> {
         let resolved = self.lens.resolved()?;
         let ray = self.lens.launch(&resolved, field)?.ray([0.0; 2]);
         let pupil = self.lens.first_order(self.lens.primary_nm())?.entrance_pupil.position;
@@ -63,7 +63,7 @@ impl<E: Evaluator> Study<'_, E> {
     ///
     /// # Errors
     /// As of [`Study::principal`].
-    pub fn field_foci(&self, field: usize, wavelength_nm: f64) -> Result<FieldFoci, AnalysisError> {
+    pub fn field_foci(&self, field: usize, wavelength_nm: f64) -> Result<FieldFoci, LensAnalysisError> {
         let [x, y] = self.lens.fields.get(field).copied().unwrap_or([0.0, 1.0]);
         let length = libm::hypot(x, y);
         let along = if length > 0.0 { [x / length, y / length] } else { [0.0, 1.0] };
@@ -75,7 +75,7 @@ impl<E: Evaluator> Study<'_, E> {
     }
 
     /// The z at which two rays on both sides of the principal ray have the same coordinate along a direction.
-    fn pencil(&self, field: usize, wavelength_nm: f64, [a, b]: [f64; 2]) -> Result<f64, AnalysisError> {
+    fn pencil(&self, field: usize, wavelength_nm: f64, [a, b]: [f64; 2]) -> Result<f64, LensAnalysisError> {
         let ray = |side: f64| self.beside_principal(field, wavelength_nm, [side * a, side * b]);
         let (one, other) = (ray(NEAR)?, ray(-NEAR)?);
         let slope = |d: rayweave_math::Vec3| (a * d.x + b * d.y) / d.z;

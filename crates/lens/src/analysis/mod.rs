@@ -10,7 +10,7 @@
 //! | encircled energy | [`encircled_energy`], [`radius_of_energy`] |
 //! | geometric modulation transfer | [`geometric_mtf`] |
 //! | wavefront against a reference sphere | [`Wavefront`] |
-//! | Zernike polynomials by Noll's and the OSA/ANSI index, fits | [`Zernike`], [`fit`] |
+//! | Zernike polynomials by Noll's and the OSA/ANSI index, fits | [`ZernikePolynomial`], [`fit`] |
 //!
 //! A [`Study`] traces and analyses a prescription field by field, and adds what needs a prescription: ray
 //! fans, distortion, field curvature, axial and lateral colour.
@@ -47,7 +47,7 @@ mod zernike;
 pub(crate) use arrivals::followed;
 pub use arrivals::{Arrival, arrivals};
 pub use energy::{encircled_energy, geometric_mtf, radius_of_energy};
-pub use error::AnalysisError;
+pub use error::LensAnalysisError;
 pub use field::{Distortion, FieldFoci};
 pub(crate) use focus::focal_moments;
 pub use focus::{best_focus, moved, through_focus};
@@ -56,4 +56,4 @@ pub use spot::Spot;
 pub use study::{Fan, Study, needs_aiming};
 pub use wavefront::Wavefront;
 pub(crate) use wavefront::reference_radius;
-pub use zernike::{Fit, Zernike, fit};
+pub use zernike::{Fit, ZernikePolynomial, fit};

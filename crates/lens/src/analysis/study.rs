@@ -1,9 +1,9 @@
 //! Image analysis of a prescription, field by field.
 
-use super::{AnalysisError, Arrival, Wavefront, arrivals, followed, reference_radius};
-use crate::prescription::{IMAGE, Layout, Prescription, PrescriptionError};
+use super::{Arrival, LensAnalysisError, Wavefront, arrivals, followed, reference_radius};
+use crate::prescription::{IMAGE, Prescription, PrescriptionError, PrescriptionLayout};
 use rayweave_model::Evaluator;
-use rayweave_optics::{Beam, Settings, Tracer};
+use rayweave_optics::{Beam, TraceSettings, Tracer};
 
 /// The distance between the real and the paraxial entrance pupil, in units of the semi-diameter, above which
 /// rays have to be aimed.
@@ -41,7 +41,7 @@ fn far_pupil(
 #[derive(Debug)]
 pub struct Study<'a, E> {
     pub(super) lens: &'a Prescription,
-    layout: &'a Layout,
+    layout: &'a PrescriptionLayout,
     tracer: &'a Tracer<'a, E>,
     aims: bool,
 }
@@ -57,7 +57,11 @@ pub struct Fan {
 
 impl<'a, E: Evaluator> Study<'a, E> {
     /// A study of a prescription with its layout, and a tracer of the system compiled from that layout.
-    pub fn new(lens: &'a Prescription, layout: &'a Layout, tracer: &'a Tracer<'a, E>) -> Study<'a, E> {
+    pub fn new(
+        lens: &'a Prescription,
+        layout: &'a PrescriptionLayout,
+        tracer: &'a Tracer<'a, E>,
+    ) -> Study<'a, E> {
         Study { lens, layout, tracer, aims: false }
     }
 
@@ -67,12 +71,12 @@ impl<'a, E: Evaluator> Study<'a, E> {
     }
 
     /// The rays through points of the pupil or, if they are aimed, of the stop.
-    fn beam(&self, field: usize, wavelength_nm: f64, pupil: &[[f64; 2]]) -> Result<Beam, AnalysisError> {
+    fn beam(&self, field: usize, wavelength_nm: f64, pupil: &[[f64; 2]]) -> Result<Beam, LensAnalysisError> {
         if self.aims {
             return Ok(self.lens.beam_at_stop(field, wavelength_nm, pupil)?);
         }
         if let Some(off) = far_pupil(self.lens, field, wavelength_nm)? {
-            return Err(AnalysisError::Unaimed { field, off });
+            return Err(LensAnalysisError::Unaimed { field, off });
         }
         Ok(self.lens.beam(field, wavelength_nm, pupil)?)
     }
@@ -82,20 +86,21 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// lossless and have power 1.
     ///
     /// # Errors
-    /// [`AnalysisError`] for fields that do not exist and beams that cannot be traced;
-    /// [`AnalysisError::Unaimed`] for rays that have to be aimed ([`Study::aimed`]) and are not.
+    /// [`LensAnalysisError`] for fields that do not exist and beams that cannot be traced;
+    /// [`LensAnalysisError::Unaimed`] for rays that have to be aimed ([`Study::aimed`]) and are not.
     pub fn arrivals(
         &self,
         field: usize,
         wavelength_nm: f64,
         pupil: &[[f64; 2]],
-    ) -> Result<Vec<Arrival>, AnalysisError> {
+    ) -> Result<Vec<Arrival>, LensAnalysisError> {
         self.traced(&self.beam(field, wavelength_nm, pupil)?)
     }
 
-    fn traced(&self, beam: &Beam) -> Result<Vec<Arrival>, AnalysisError> {
+    fn traced(&self, beam: &Beam) -> Result<Vec<Arrival>, LensAnalysisError> {
         let limit = 4 * self.layout.sequence.len() as u32 + 4;
-        let settings = Settings { generation_limit: limit, keep_escaped: false, ..Settings::default() };
+        let settings =
+            TraceSettings { generation_limit: limit, keep_escaped: false, ..TraceSettings::default() };
         let trace = self.tracer.trace(beam, &settings)?;
         arrivals(self.tracer.system(), &trace.segments, IMAGE, Some(&self.layout.sequence))
     }
@@ -105,7 +110,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     ///
     /// # Errors
     /// As of [`Study::arrivals`].
-    pub fn polychromatic(&self, field: usize, pupil: &[[f64; 2]]) -> Result<Vec<Arrival>, AnalysisError> {
+    pub fn polychromatic(&self, field: usize, pupil: &[[f64; 2]]) -> Result<Vec<Arrival>, LensAnalysisError> {
         let mut all = Vec::new();
         for line in &self.lens.lines {
             let found = self.arrivals(field, line.wavelength_nm, pupil)?;
@@ -119,8 +124,8 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in any study.
     ///
     /// # Errors
-    /// As of [`Prescription::beam_at_stop`], and [`AnalysisError::Stopped`] if the ray does not arrive.
-    pub fn principal(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, AnalysisError> {
+    /// As of [`Prescription::beam_at_stop`], and [`LensAnalysisError::Stopped`] if the ray does not arrive.
+    pub fn principal(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, LensAnalysisError> {
         self.beside_principal(field, wavelength_nm, [0.0; 2])
     }
 
@@ -130,28 +135,28 @@ impl<'a, E: Evaluator> Study<'a, E> {
         field: usize,
         wavelength_nm: f64,
         off: [f64; 2],
-    ) -> Result<Arrival, AnalysisError> {
+    ) -> Result<Arrival, LensAnalysisError> {
         let [x, y] = self.lens.principal_point(field, wavelength_nm)?;
         let beam = self.lens.beam(field, wavelength_nm, &[[x + off[0], y + off[1]]])?;
         let ray = if off == [0.0; 2] { "principal" } else { "neighbour of the principal" };
-        self.one(&beam, AnalysisError::Stopped { ray, field })
+        self.one(&beam, LensAnalysisError::Stopped { ray, field })
     }
 
     /// The ray through the centre of the pupil or, if rays are aimed, of the stop: the reference of the other
     /// rays of the study.
-    fn central(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, AnalysisError> {
+    fn central(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, LensAnalysisError> {
         let beam = self.beam(field, wavelength_nm, &[[0.0; 2]])?;
-        self.one(&beam, AnalysisError::Stopped { ray: "principal", field })
+        self.one(&beam, LensAnalysisError::Stopped { ray: "principal", field })
     }
 
     /// The ray of the axis through a height in the pupil.
-    pub(super) fn axial(&self, wavelength_nm: f64, height: f64) -> Result<Arrival, AnalysisError> {
+    pub(super) fn axial(&self, wavelength_nm: f64, height: f64) -> Result<Arrival, LensAnalysisError> {
         let beam = self.beam(0, wavelength_nm, &[[0.0, height]])?;
-        self.one(&beam, AnalysisError::Stopped { ray: "axial", field: 0 })
+        self.one(&beam, LensAnalysisError::Stopped { ray: "axial", field: 0 })
     }
 
     /// The arrival of the only ray of a beam.
-    fn one(&self, beam: &Beam, stopped: AnalysisError) -> Result<Arrival, AnalysisError> {
+    fn one(&self, beam: &Beam, stopped: LensAnalysisError) -> Result<Arrival, LensAnalysisError> {
         let found = self.traced(beam)?;
         found.first().copied().or_else(|| self.unobstructed(beam)).ok_or(stopped)
     }
@@ -169,8 +174,13 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// are aimed, of the stop.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
-    pub fn fan(&self, field: usize, wavelength_nm: f64, pupil: &[[f64; 2]]) -> Result<Fan, AnalysisError> {
+    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
+    pub fn fan(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+        pupil: &[[f64; 2]],
+    ) -> Result<Fan, LensAnalysisError> {
         let middle = self.central(field, wavelength_nm)?.position;
         let found = self.arrivals(field, wavelength_nm, pupil)?;
         let error = |arrival: &Arrival| [arrival.position.x - middle.x, arrival.position.y - middle.y];
@@ -185,13 +195,13 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// paraxial exit pupil, on the axis, to that point.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`AnalysisError::Stopped`].
+    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
     pub fn wavefront(
         &self,
         field: usize,
         wavelength_nm: f64,
         pupil: &[[f64; 2]],
-    ) -> Result<Wavefront, AnalysisError> {
+    ) -> Result<Wavefront, LensAnalysisError> {
         let principal = self.central(field, wavelength_nm)?;
         let found = self.arrivals(field, wavelength_nm, pupil)?;
         let first_order = self.lens.first_order(wavelength_nm)?;

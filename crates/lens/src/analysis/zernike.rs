@@ -1,6 +1,6 @@
 //! Zernike polynomials and least-squares fits.
 
-use super::AnalysisError;
+use super::LensAnalysisError;
 use nalgebra::{DMatrix, DVector};
 
 /// A Zernike polynomial: radial order n and azimuthal frequency m, negative for sines; n - |m| is even.
@@ -9,18 +9,18 @@ use nalgebra::{DMatrix, DVector};
 /// cos(m a) or sin(|m| a), with the angle a from x to y. A coefficient of a fit is then its contribution to
 /// the RMS (R. J. Noll, J. Opt. Soc. Am. 66, 207, 1976; ANSI Z80.28).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Zernike {
+pub struct ZernikePolynomial {
     /// The radial order.
     pub n: u32,
     /// The azimuthal frequency.
     pub m: i32,
 }
 
-impl Zernike {
+impl ZernikePolynomial {
     /// The polynomial of a Noll index: 1 piston, 2 and 3 tilts along x and y, 4 defocus, 5 and 6 astigmatism,
     /// 7 and 8 coma along y and x, 11 spherical aberration. Even indices are cosines. Index 0 does not exist
     /// and is treated as 1.
-    pub fn noll(j: u32) -> Zernike {
+    pub fn noll(j: u32) -> ZernikePolynomial {
         let j = j.max(1);
         let mut n = 0;
         // (n + 1) (n + 2) / 2 polynomials have an order of at most n
@@ -30,17 +30,17 @@ impl Zernike {
         let place = j - n * (n + 1) / 2;
         // frequencies come in pairs, except 0
         let m = if n.is_multiple_of(2) { place / 2 * 2 } else { (place - 1) / 2 * 2 + 1 } as i32;
-        Zernike { n, m: if j.is_multiple_of(2) { m } else { -m } }
+        ZernikePolynomial { n, m: if j.is_multiple_of(2) { m } else { -m } }
     }
 
     /// The polynomial of an OSA/ANSI index (n (n + 2) + m) / 2: 0 piston, 1 and 2 tilts along y and x, 4
     /// defocus, 12 spherical aberration.
-    pub fn osa(j: u32) -> Zernike {
+    pub fn osa(j: u32) -> ZernikePolynomial {
         let mut n = 0;
         while (n + 1) * (n + 2) / 2 <= j {
             n += 1;
         }
-        Zernike { n, m: (2 * j) as i32 - (n * (n + 2)) as i32 }
+        ZernikePolynomial { n, m: (2 * j) as i32 - (n * (n + 2)) as i32 }
     }
 
     /// The value at a point of the unit disk.
@@ -79,14 +79,14 @@ fn radial(n: usize, m: usize, r: f64) -> f64 {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// The polynomials with their coefficients, in the unit of the values.
-    pub terms: Vec<(Zernike, f64)>,
+    pub terms: Vec<(ZernikePolynomial, f64)>,
     /// The root mean square of the residuals.
     pub residual_rms: f64,
 }
 
 impl Fit {
     /// The coefficient of a polynomial; 0 if it is not among the terms.
-    pub fn coefficient(&self, of: Zernike) -> f64 {
+    pub fn coefficient(&self, of: ZernikePolynomial) -> f64 {
         self.terms.iter().find(|(zernike, _)| *zernike == of).map_or(0.0, |term| term.1)
     }
 
@@ -100,10 +100,14 @@ impl Fit {
 /// decomposition gives the solution of least norm where the points do not determine all terms.
 ///
 /// # Errors
-/// [`AnalysisError::TooFew`] if there are fewer points than terms.
-pub fn fit(points: &[[f64; 2]], values: &[f64], terms: &[Zernike]) -> Result<Fit, AnalysisError> {
+/// [`LensAnalysisError::TooFew`] if there are fewer points than terms.
+pub fn fit(
+    points: &[[f64; 2]],
+    values: &[f64],
+    terms: &[ZernikePolynomial],
+) -> Result<Fit, LensAnalysisError> {
     let count = points.len().min(values.len());
-    let too_few = || AnalysisError::TooFew { points: count, terms: terms.len() };
+    let too_few = || LensAnalysisError::TooFew { points: count, terms: terms.len() };
     if count < terms.len() || terms.is_empty() {
         return Err(too_few());
     }

@@ -1,7 +1,7 @@
 //! Errors of tolerancing and optimisation.
 
-use crate::analysis::AnalysisError;
-use crate::design::Parameter;
+use crate::analysis::LensAnalysisError;
+use crate::design::DesignParameter;
 use crate::prescription::PrescriptionError;
 use rayweave_error::{Classified, ErrorKind};
 
@@ -18,7 +18,7 @@ pub enum DesignError {
     #[error("there is no {parameter}: {why}.")]
     Absent {
         /// The parameter.
-        parameter: Parameter,
+        parameter: DesignParameter,
         /// The reason.
         why: &'static str,
     },
@@ -43,7 +43,7 @@ pub enum DesignError {
     Prescription(#[from] PrescriptionError),
     /// An error of the image analysis.
     #[error(transparent)]
-    Analysis(#[from] AnalysisError),
+    Analysis(#[from] LensAnalysisError),
 }
 
 impl Classified for DesignError {

@@ -1,7 +1,7 @@
 //! Merit functions of tolerancing.
 
 use super::variant::Variant;
-use super::{DesignError, Parameter};
+use super::{DesignError, DesignParameter};
 use crate::analysis::{Arrival, Spot, focal_moments, moved};
 use crate::prescription::Prescription;
 
@@ -59,7 +59,7 @@ impl MeritEvaluator {
     pub fn evaluate(
         &self,
         lens: &Prescription,
-        changes: &[(Parameter, f64)],
+        changes: &[(DesignParameter, f64)],
     ) -> Result<MeritValue, DesignError> {
         let variant = self.variant(lens, changes)?;
         let nm = lens.primary_nm();
@@ -79,7 +79,11 @@ impl MeritEvaluator {
         }
     }
 
-    fn variant(&self, lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Variant, DesignError> {
+    fn variant(
+        &self,
+        lens: &Prescription,
+        changes: &[(DesignParameter, f64)],
+    ) -> Result<Variant, DesignError> {
         Ok(Variant { vignettes: self.vignettes, ..Variant::new(lens, changes)? })
     }
 

@@ -1,6 +1,6 @@
 //! Lens design: tolerance analysis and optimisation of prescriptions.
 //!
-//! A [`Parameter`] is a number of a prescription, named as in `radius 2` or `tilt x 3-4`. [`Tolerancing`]
+//! A [`DesignParameter`] is a number of a prescription, named as in `radius 2` or `tilt x 3-4`. [`Tolerancing`]
 //! computes the effect of random errors of parameters on a [`Merit`]; [`Optimiser`] computes the parameter
 //! values that best satisfy a list of goals. Both follow rays from surface to surface
 //! ([`Prescription::follow`](crate::prescription::Prescription::follow)) through the paraxial entrance pupil,
@@ -44,5 +44,5 @@ pub use error::DesignError;
 pub use merit::Merit;
 pub use operand::{Goal, Operand, SeidelTerm, Target};
 pub use optimise::{Optimiser, Optimum};
-pub use parameter::{Parameter, Quantity};
+pub use parameter::{DesignParameter, Quantity};
 pub use tolerance::{Sensitivity, Spread, Tolerancing, Trials};

@@ -1,10 +1,10 @@
 //! Operands and goals of an optimisation.
 
 use super::variant::Variant;
-use super::{DesignError, Parameter};
+use super::{DesignError, DesignParameter};
 use crate::analysis::Spot;
 use crate::paraxial::Seidel;
-use rayweave_optics::component::{Asphere, Form};
+use rayweave_optics::component::{Asphere, SurfaceForm};
 
 /// A Seidel sum, or a chromatic one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +63,7 @@ pub enum Operand {
         wavelength_nm: f64,
     },
     /// The value of a parameter.
-    Value(Parameter),
+    Value(DesignParameter),
     /// The distance along z from a surface to the next one at a height off the axis: the edge thickness of a
     /// lens.
     EdgeThickness {
@@ -219,7 +219,7 @@ fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignErr
         || crate::prescription::PrescriptionError::NoSuch { what: "surface", number: surface, count };
     let front = surface.checked_sub(1).and_then(|k| lens.surfaces.get(k)).ok_or_else(no_such)?;
     let back = lens.surfaces.get(surface);
-    let image = Form::from(Asphere::conic(lens.image.radius, lens.image.conic));
-    let sag = |form: Form| form.sag([0.0, height]).unwrap_or(f64::NAN);
+    let image = SurfaceForm::from(Asphere::conic(lens.image.radius, lens.image.conic));
+    let sag = |form: SurfaceForm| form.sag([0.0, height]).unwrap_or(f64::NAN);
     Ok(front.thickness + sag(back.map_or(image, |back| back.form())) - sag(front.form()))
 }

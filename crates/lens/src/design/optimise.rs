@@ -1,7 +1,7 @@
 //! Optimisation by damped least squares (Levenberg-Marquardt).
 
 use super::variant::Variant;
-use super::{DesignError, Goal, Parameter, Quantity};
+use super::{DesignError, DesignParameter, Goal, Quantity};
 use crate::analysis::hexapolar;
 use crate::prescription::Prescription;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
@@ -24,7 +24,7 @@ const PENALTY: f64 = 1e3;
 #[derive(Clone, Debug)]
 pub struct Optimiser<'a> {
     lens: &'a Prescription,
-    parameters: Vec<Parameter>,
+    parameters: Vec<DesignParameter>,
     goals: Vec<Goal>,
     rings: usize,
     evaluation_limit: usize,
@@ -36,7 +36,7 @@ pub struct Optimum {
     /// The optimised prescription.
     pub lens: Prescription,
     /// The parameters with their values.
-    pub values: Vec<(Parameter, f64)>,
+    pub values: Vec<(DesignParameter, f64)>,
     /// The root of the sum of squares of all residuals at the start.
     pub before: f64,
     /// The same at the end.
@@ -56,7 +56,7 @@ impl<'a> Optimiser<'a> {
     }
 
     /// Adds a parameter to vary. Decentres and tilts cannot be varied.
-    pub fn vary(mut self, parameter: Parameter) -> Optimiser<'a> {
+    pub fn vary(mut self, parameter: DesignParameter) -> Optimiser<'a> {
         self.parameters.push(parameter);
         self
     }
@@ -89,7 +89,7 @@ impl<'a> Optimiser<'a> {
         let task = Task { penalty: PENALTY * before.max(f64::MIN_POSITIVE), ..task };
         let (task, report) = LevenbergMarquardt::new().with_patience(self.evaluation_limit).minimize(task);
         let variant = task.variant(&task.at)?;
-        let value = |&parameter: &Parameter| Ok((parameter, parameter.value(&variant.lens)?));
+        let value = |&parameter: &DesignParameter| Ok((parameter, parameter.value(&variant.lens)?));
         Ok(Optimum {
             values: self.parameters.iter().map(value).collect::<Result<_, DesignError>>()?,
             before,
@@ -111,7 +111,7 @@ impl<'a> Optimiser<'a> {
         if let Some(&parameter) = self.parameters.iter().find(|parameter| parameter.quantity.is_pose()) {
             return Err(DesignError::Absent { parameter, why: "a prescription is centred" });
         }
-        let scale = |parameter: &Parameter| scale(*parameter, self.lens);
+        let scale = |parameter: &DesignParameter| scale(*parameter, self.lens);
         let scales: Vec<f64> = self.parameters.iter().map(scale).collect::<Result<_, _>>()?;
         Ok(Task {
             optimiser: self,
@@ -125,7 +125,7 @@ impl<'a> Optimiser<'a> {
 
 /// The change of a parameter that affects a prescription about as much as that of any other: lengths and
 /// curvatures by the length of the system, aspheric terms by that and the pupil height.
-fn scale(parameter: Parameter, lens: &Prescription) -> Result<f64, DesignError> {
+fn scale(parameter: DesignParameter, lens: &Prescription) -> Result<f64, DesignError> {
     let value = parameter.value(lens)?;
     let length = lens.surfaces.iter().map(|surface| surface.thickness.abs()).sum::<f64>();
     let length = if length > 0.0 { length } else { 1.0 };

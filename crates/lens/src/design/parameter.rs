@@ -76,7 +76,7 @@ impl fmt::Display for Quantity {
 /// quantities belong to one surface. The text form is the name of the quantity and the surfaces: `radius 2`,
 /// `r^4 1`, `decentre y 3-4`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Parameter {
+pub struct DesignParameter {
     /// The quantity.
     pub quantity: Quantity,
     /// The surface, or the first of those moved together.
@@ -85,16 +85,16 @@ pub struct Parameter {
     pub last: usize,
 }
 
-impl fmt::Display for Parameter {
+impl fmt::Display for DesignParameter {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", self.quantity, self.first)?;
         if self.last == self.first { Ok(()) } else { write!(f, "-{}", self.last) }
     }
 }
 
-impl Parameter {
+impl DesignParameter {
     /// A quantity of one surface.
-    pub fn of(quantity: Quantity, surface: usize) -> Parameter {
-        Parameter { quantity, first: surface, last: surface }
+    pub fn of(quantity: Quantity, surface: usize) -> DesignParameter {
+        DesignParameter { quantity, first: surface, last: surface }
     }
 }

@@ -2,7 +2,7 @@
 //! sensitivities.
 
 use super::merit::{MeritEvaluator, MeritValue};
-use super::{DesignError, Merit, Parameter};
+use super::{DesignError, DesignParameter, Merit};
 use crate::analysis::hexapolar;
 use crate::prescription::Prescription;
 use rand::rngs::ChaCha8Rng;
@@ -53,7 +53,7 @@ impl Spread {
 pub struct Tolerancing<'a> {
     lens: &'a Prescription,
     merit: Merit,
-    errors: Vec<(Parameter, Spread)>,
+    errors: Vec<(DesignParameter, Spread)>,
     refocus: bool,
     vignettes: bool,
     rings: usize,
@@ -79,7 +79,7 @@ impl<'a> Tolerancing<'a> {
     }
 
     /// Adds a parameter with an error.
-    pub fn add(mut self, parameter: Parameter, spread: Spread) -> Tolerancing<'a> {
+    pub fn add(mut self, parameter: DesignParameter, spread: Spread) -> Tolerancing<'a> {
         self.errors.push((parameter, spread));
         self
     }
@@ -170,7 +170,7 @@ impl<'a> Tolerancing<'a> {
     fn trial(&self, evaluator: &MeritEvaluator, trial: u64) -> (Vec<f64>, MeritValue) {
         let deviations: Vec<f64> =
             (0..self.errors.len()).map(|k| self.errors[k].1.deviation(self.numbers(k, trial))).collect();
-        let changes: Vec<(Parameter, f64)> =
+        let changes: Vec<(DesignParameter, f64)> =
             self.errors.iter().map(|error| error.0).zip(deviations.iter().copied()).collect();
         let nothing = MeritValue { merit: f64::NAN, shift: f64::NAN, lost: evaluator.sent(self.lens) };
         (deviations, evaluator.evaluate(self.lens, &changes).unwrap_or(nothing))
@@ -191,10 +191,10 @@ impl<'a> Tolerancing<'a> {
     /// As of [`Tolerancing::nominal`].
     pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DesignError> {
         let evaluator = self.evaluator()?;
-        let at = |parameter: Parameter, change: f64| {
+        let at = |parameter: DesignParameter, change: f64| {
             evaluator.evaluate(self.lens, &[(parameter, change)]).map_or(f64::NAN, |value| value.merit)
         };
-        let of = |&(parameter, spread): &(Parameter, Spread)| {
+        let of = |&(parameter, spread): &(DesignParameter, Spread)| {
             let scale = spread.scale();
             let (minus, plus) = (at(parameter, -scale), at(parameter, scale));
             Sensitivity { parameter, minus, plus, slope: (plus - minus) / (2.0 * scale) }
@@ -207,7 +207,7 @@ impl<'a> Tolerancing<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
     /// The parameter.
-    pub parameter: Parameter,
+    pub parameter: DesignParameter,
     /// The merit with the parameter reduced by its spread: the greatest deviation, or the standard one.
     pub minus: f64,
     /// The merit with the parameter increased by its spread.
@@ -222,7 +222,7 @@ pub struct Trials {
     /// The merit without errors.
     pub nominal: f64,
     /// The parameters.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<DesignParameter>,
     /// The deviations, a column for each parameter in the order of `parameters`, a row for each trial.
     pub deviations: Vec<Vec<f64>>,
     /// The merit of each trial.

@@ -1,6 +1,6 @@
 //! Values of parameters: text, lookup in a prescription, change of a prescription.
 
-use super::{DesignError, Parameter, Quantity};
+use super::{DesignError, DesignParameter, Quantity};
 use crate::prescription::{Behind, Prescription, PrescriptionError, Surface};
 use num_complex::Complex64;
 use rayweave_optics::glass::GlassError;
@@ -8,23 +8,23 @@ use rayweave_optics::{Index, Medium};
 use std::str::FromStr;
 use std::sync::Arc;
 
-impl FromStr for Parameter {
+impl FromStr for DesignParameter {
     type Err = DesignError;
 
-    fn from_str(text: &str) -> Result<Parameter, DesignError> {
+    fn from_str(text: &str) -> Result<DesignParameter, DesignError> {
         let parsed = || {
             let (name, numbers) = text.trim().rsplit_once(' ')?;
             let quantity = Quantity::named(name.trim())?;
             let (first, last) = numbers.split_once('-').unwrap_or((numbers, numbers));
             let (first, last) = (first.parse().ok()?, last.parse().ok()?);
             let is_one = first == last || quantity.is_pose();
-            (is_one && first <= last).then_some(Parameter { quantity, first, last })
+            (is_one && first <= last).then_some(DesignParameter { quantity, first, last })
         };
         parsed().ok_or_else(|| DesignError::NoParameter(text.to_owned()))
     }
 }
 
-impl Parameter {
+impl DesignParameter {
     fn absent(self, why: &'static str) -> DesignError {
         DesignError::Absent { parameter: self, why }
     }
@@ -130,7 +130,7 @@ mod tests {
         for text in
             ["radius 2", "curvature 1", "decentre y 3-4", "tilt x 5", "index 12", "r^4 1", "r^16 3", "r^1 2"]
         {
-            assert_eq!(text.parse::<Parameter>().unwrap().to_string(), text);
+            assert_eq!(text.parse::<DesignParameter>().unwrap().to_string(), text);
         }
         for text in [
             "",
@@ -145,7 +145,7 @@ mod tests {
             "r^17 1",
             "r^ 1",
         ] {
-            assert!(text.parse::<Parameter>().is_err(), "{text}");
+            assert!(text.parse::<DesignParameter>().is_err(), "{text}");
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Prescriptions with changed parameters, and their images.
 
-use super::{DesignError, Parameter, Quantity};
+use super::{DesignError, DesignParameter, Quantity};
 use crate::analysis::{Arrival, Wavefront, followed, moved, reference_radius};
 use crate::paraxial::FirstOrder;
-use crate::prescription::{Pass, Pose, Prescription, PrescriptionError, Resolved, Surface};
+use crate::prescription::{Pose, Prescription, PrescriptionError, Resolved, Surface, SurfaceIntersection};
 use rayweave_math::{Affine, Vec3};
 
 /// A prescription with changed parameters.
@@ -17,7 +17,7 @@ pub(super) struct Variant {
 
 impl Variant {
     /// Applies changes of parameters in their order.
-    pub fn new(lens: &Prescription, changes: &[(Parameter, f64)]) -> Result<Variant, DesignError> {
+    pub fn new(lens: &Prescription, changes: &[(DesignParameter, f64)]) -> Result<Variant, DesignError> {
         let mut lens = lens.clone();
         for (parameter, change) in changes {
             parameter.add(&mut lens, *change)?;
@@ -59,8 +59,8 @@ impl Variant {
 
     /// True if a ray stays within all stated semi-diameters, in the coordinates of each surface, and outside
     /// holes.
-    fn passes(&self, passes: &[Pass]) -> bool {
-        let keeps = |(k, (pass, surface)): (usize, (&Pass, &Surface))| {
+    fn passes(&self, passes: &[SurfaceIntersection]) -> bool {
+        let keeps = |(k, (pass, surface)): (usize, (&SurfaceIntersection, &Surface))| {
             let place = self.resolved.local(k, pass.point);
             let r = libm::hypot(place.x, place.y);
             surface.hole <= r && surface.semi_diameter.is_none_or(|most| r <= most)
@@ -98,7 +98,7 @@ impl Variant {
 }
 
 /// The poses of surfaces and image; `None` if no parameter decentres or tilts them.
-fn poses(resolved: &Resolved, changes: &[(Parameter, f64)]) -> Option<Vec<Pose>> {
+fn poses(resolved: &Resolved, changes: &[(DesignParameter, f64)]) -> Option<Vec<Pose>> {
     if !changes.iter().any(|(parameter, _)| parameter.quantity.is_pose()) {
         return None;
     }

@@ -2,7 +2,7 @@
 
 use crate::paraxial::{Matrix, Meridian};
 use crate::prescription::{Prescription, PrescriptionError};
-use rayweave_optics::component::Form;
+use rayweave_optics::component::SurfaceForm;
 
 /// The Seidel sums S_I to S_V and the chromatic sums C_I and C_II of one surface or of a system, in the unit
 /// of lengths: twice to eight times the wavefront coefficients. The marginal ray goes from the axis through
@@ -98,7 +98,7 @@ impl Prescription {
     /// revolution, and coordinate breaks.
     pub fn seidel(&self) -> Result<Vec<Seidel>, PrescriptionError> {
         let resolved = self.resolved()?;
-        if !resolved.forms.iter().all(Form::is_round) {
+        if !resolved.forms.iter().all(SurfaceForm::is_round) {
             let why = "a surface is not of revolution";
             return Err(PrescriptionError::Undefined { what: "Seidel sums", why });
         }

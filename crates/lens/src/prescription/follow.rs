@@ -3,13 +3,13 @@
 
 use super::{Behind, Prescription, PrescriptionError, Resolved};
 use rayweave_math::Vec3;
-use rayweave_optics::component::Form;
+use rayweave_optics::component::SurfaceForm;
 use rayweave_optics::interface::{reflect, refract};
 use rayweave_shape::Ray;
 
 /// The intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
+pub struct SurfaceIntersection {
     /// The point, in the coordinates of the prescription.
     pub point: Vec3,
     /// The direction behind the surface, of unit length.
@@ -25,7 +25,11 @@ impl Prescription {
     /// # Errors
     /// [`PrescriptionError`] for invalid prescriptions; [`PrescriptionError::Lost`] for total reflection and
     /// missed surfaces.
-    pub fn follow(&self, ray: &Ray, wavelength_nm: f64) -> Result<Vec<Pass>, PrescriptionError> {
+    pub fn follow(
+        &self,
+        ray: &Ray,
+        wavelength_nm: f64,
+    ) -> Result<Vec<SurfaceIntersection>, PrescriptionError> {
         self.follow_resolved(&self.resolved()?, ray, wavelength_nm)
     }
 
@@ -34,7 +38,7 @@ impl Prescription {
         resolved: &Resolved,
         ray: &Ray,
         wavelength_nm: f64,
-    ) -> Result<Vec<Pass>, PrescriptionError> {
+    ) -> Result<Vec<SurfaceIntersection>, PrescriptionError> {
         self.follow_part(resolved, ray, wavelength_nm, resolved.vertices.len())
     }
 
@@ -45,9 +49,10 @@ impl Prescription {
         ray: &Ray,
         wavelength_nm: f64,
         last: usize,
-    ) -> Result<Vec<Pass>, PrescriptionError> {
+    ) -> Result<Vec<SurfaceIntersection>, PrescriptionError> {
         let indices = resolved.indices(wavelength_nm)?;
-        let mut pass = Pass { point: ray.origin, direction: ray.direction.normalize(), path: 0.0 };
+        let mut pass =
+            SurfaceIntersection { point: ray.origin, direction: ray.direction.normalize(), path: 0.0 };
         let mut passes = Vec::with_capacity(indices.len());
         for (k, &vertex) in resolved.vertices.iter().enumerate().take(last) {
             let lost = |why| PrescriptionError::Lost { surface: k + 1, why };
@@ -80,7 +85,7 @@ impl Prescription {
 /// A surface about its vertex on the axis.
 struct Curved<'a> {
     vertex: f64,
-    form: &'a Form,
+    form: &'a SurfaceForm,
 }
 
 /// Limit of the steps of Newton's method, which converges quadratically.

@@ -44,15 +44,15 @@ mod zmx;
 
 pub use coordinate_break::CoordinateBreak;
 pub use error::PrescriptionError;
-pub use follow::Pass;
-pub use solids::{IMAGE, Layout, STOP};
+pub use follow::SurfaceIntersection;
+pub use solids::{IMAGE, PrescriptionLayout, STOP};
 pub use zmx::{Read, ZmxError, read_zmx, write_zmx};
 
 pub(crate) use pose::Pose;
 pub(crate) use resolved::Resolved;
 
 use rayweave_optics::Medium;
-use rayweave_optics::component::{Asphere, Figure, Form};
+use rayweave_optics::component::{Asphere, Figure, SurfaceForm};
 use rayweave_optics::glass::{Glass, GlassError};
 
 /// Nanometres in a millimetre.
@@ -184,9 +184,9 @@ impl Surface {
     }
 
     /// The form (sag function) of the surface.
-    pub(crate) fn form(&self) -> Form {
+    pub(crate) fn form(&self) -> SurfaceForm {
         let asphere = Asphere { radius: self.radius, conic: self.conic, even: self.even, odd: self.odd };
-        Form::new(asphere, self.figure.clone())
+        SurfaceForm::new(asphere, self.figure.clone())
     }
 }
 
@@ -216,7 +216,7 @@ pub enum FieldKind {
 
 /// A wavelength with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct WeightedWavelength {
     /// The vacuum wavelength in nanometres.
     pub wavelength_nm: f64,
     /// The relative weight.
@@ -250,7 +250,7 @@ pub struct Prescription {
     /// The field points.
     pub fields: Vec<[f64; 2]>,
     /// The wavelengths.
-    pub lines: Vec<Line>,
+    pub lines: Vec<WeightedWavelength>,
     /// The index of the primary wavelength, counted from 0.
     pub primary: usize,
     /// The distance from the object to the first surface; infinite for distant objects.
@@ -276,7 +276,7 @@ impl Prescription {
             aperture: SystemAperture::EntrancePupilDiameter(1.0),
             field_kind: FieldKind::Angle,
             fields: vec![[0.0; 2]],
-            lines: vec![Line { wavelength_nm: D_NM, weight: 1.0 }],
+            lines: vec![WeightedWavelength { wavelength_nm: D_NM, weight: 1.0 }],
             primary: 0,
             object_distance: f64::INFINITY,
             surfaces,
@@ -309,7 +309,7 @@ impl Prescription {
 
     /// Sets the wavelengths, of equal weight; `primary` is the index of the primary one, counted from 0.
     pub fn wavelengths_nm(self, wavelengths: &[f64], primary: usize) -> Prescription {
-        let line = |&wavelength_nm: &f64| Line { wavelength_nm, weight: 1.0 };
+        let line = |&wavelength_nm: &f64| WeightedWavelength { wavelength_nm, weight: 1.0 };
         Prescription { lines: wavelengths.iter().map(line).collect(), primary, ..self }
     }
 

@@ -5,7 +5,7 @@ use super::pose::Pose;
 use super::{Behind, FieldKind, Prescription, PrescriptionError, Surface, SystemAperture};
 use rayweave_math::Vec3;
 use rayweave_optics::Medium;
-use rayweave_optics::component::Form;
+use rayweave_optics::component::SurfaceForm;
 
 /// Vertices, forms and media along the axis.
 #[derive(Clone, Debug)]
@@ -13,7 +13,7 @@ pub(crate) struct Resolved {
     /// The z of each vertex; the last is the image.
     pub vertices: Vec<f64>,
     /// The form of each surface; the last is the image.
-    pub forms: Vec<Form>,
+    pub forms: Vec<SurfaceForm>,
     /// The medium in front of each surface; the last is in front of the image.
     pub media: Vec<Medium>,
     /// True where light travels towards +z in front of the surface.

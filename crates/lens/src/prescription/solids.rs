@@ -6,7 +6,8 @@ use super::{Behind, Prescription, PrescriptionError, Resolved, Surface};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_optics::component::{
-    Aperture, Asphere, Blank, ComponentError, Form, Sheet, freeform_lens, freeform_mirror, rod, with_prefix,
+    Aperture, Asphere, Blank, ComponentError, Sheet, SurfaceForm, freeform_lens, freeform_mirror, rod,
+    with_prefix,
 };
 use rayweave_optics::{Action, Assembly, Element, Finish, Medium};
 
@@ -23,7 +24,7 @@ const SUBSTRATE: f64 = 0.1;
 
 /// A prescription converted to parts of a system.
 #[derive(Clone, Debug)]
-pub struct Layout {
+pub struct PrescriptionLayout {
     /// The parts: lenses are `lens 1-2` by their surfaces, mirrors `mirror 3`; then [`STOP`], unless the rim
     /// of one of them is the stop, and [`IMAGE`], which transmits the light. Rims absorb.
     pub assembly: Assembly,
@@ -46,7 +47,7 @@ impl Prescription {
     ///
     /// # Errors
     /// [`PrescriptionError`], with the surfaces at fault, for lenses that cannot be built.
-    pub fn assembly(&self) -> Result<Layout, PrescriptionError> {
+    pub fn assembly(&self) -> Result<PrescriptionLayout, PrescriptionError> {
         let resolved = self.resolved()?;
         let radii = self.semi_diameters(&resolved)?;
         let mut builder = Builder { lens: self, resolved: &resolved, radii, parts: Vec::new() };
@@ -62,7 +63,7 @@ impl Prescription {
         let assembly = Assembly::new().unit_nm(self.unit_nm);
         let assembly = builder.parts.iter().fold(assembly, |all, part| all.add(part.element.clone()));
         let image = builder.image()?;
-        Ok(Layout { assembly: assembly.add(image), sequence, semi_diameters: builder.radii })
+        Ok(PrescriptionLayout { assembly: assembly.add(image), sequence, semi_diameters: builder.radii })
     }
 
     /// The clear semi-diameters: the stated ones, otherwise the extent of the real rays of all fields and
@@ -132,7 +133,7 @@ struct Builder<'a> {
 struct Placed {
     k: usize,
     vertex: f64,
-    form: Form,
+    form: SurfaceForm,
     reach: f64,
 }
 

@@ -2,14 +2,14 @@
 
 use crate::lenses::{D_NM, cassegrain, doublet, index, near, triplet};
 use rayweave_lens::analysis::{
-    AnalysisError, Arrival, Spot, Study, Wavefront, Zernike, arrivals, best_focus, encircled_energy, fan_x,
-    fan_y, fit, geometric_mtf, hexapolar, radius_of_energy, square, through_focus,
+    Arrival, LensAnalysisError, Spot, Study, Wavefront, ZernikePolynomial, arrivals, best_focus,
+    encircled_energy, fan_x, fan_y, fit, geometric_mtf, hexapolar, radius_of_energy, square, through_focus,
 };
 use rayweave_lens::paraxial::Seidel;
 use rayweave_lens::prescription::{Behind, CoordinateBreak, Prescription, Surface};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::component::{Aperture, Sheet};
-use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
+use rayweave_optics::{Action, Assembly, Beam, Element, Light, TraceSettings, Tracer};
 use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 
@@ -164,43 +164,43 @@ fn nolls_table() {
             10f64.sqrt() * r2 * r2 * (4.0 * a).sin(),
         ];
         for (k, expected) in table.into_iter().enumerate() {
-            near(Zernike::noll(k as u32 + 1).at([x, y]), expected, 1e-14);
+            near(ZernikePolynomial::noll(k as u32 + 1).at([x, y]), expected, 1e-14);
         }
         near(
-            Zernike::noll(22).at([x, y]),
+            ZernikePolynomial::noll(22).at([x, y]),
             7f64.sqrt() * (20.0 * r2.powi(3) - 30.0 * r2 * r2 + 12.0 * r2 - 1.0),
             1e-13,
         );
     }
     // ANSI Z80.28: j = (n (n + 2) + m) / 2
     for j in 0..66 {
-        let Zernike { n, m } = Zernike::osa(j);
+        let ZernikePolynomial { n, m } = ZernikePolynomial::osa(j);
         assert_eq!((n * (n + 2)) as i32 + m, 2 * j as i32);
         assert!(m.unsigned_abs() <= n && (n - m.unsigned_abs()) % 2 == 0, "{j}");
     }
     // on the rim all radial polynomials are 1
     for (n, m) in [(40, 0), (41, 3), (60, 58)] {
         let normal = if m == 0 { f64::from(n + 1).sqrt() } else { (2.0 * f64::from(n + 1)).sqrt() };
-        near(Zernike { n, m }.at([1.0, 0.0]), normal, 1e-10);
+        near(ZernikePolynomial { n, m }.at([1.0, 0.0]), normal, 1e-10);
     }
 }
 
 #[test]
 fn fits_find_what_was_put_in() {
-    let terms: Vec<Zernike> = (1..=15).map(Zernike::noll).collect();
+    let terms: Vec<ZernikePolynomial> = (1..=15).map(ZernikePolynomial::noll).collect();
     let points = square(31);
     let truth =
         |point: [f64; 2]| 0.3 * terms[3].at(point) - 0.07 * terms[7].at(point) + 0.02 * terms[10].at(point);
     let values: Vec<f64> = points.iter().map(|&point| truth(point)).collect();
     let found = fit(&points, &values, &terms).unwrap();
-    near(found.coefficient(Zernike::noll(4)), 0.3, 1e-14);
-    near(found.coefficient(Zernike::noll(8)), -0.07, 1e-14);
-    near(found.coefficient(Zernike::noll(11)), 0.02, 1e-14);
-    near(found.coefficient(Zernike::noll(5)), 0.0, 1e-14);
+    near(found.coefficient(ZernikePolynomial::noll(4)), 0.3, 1e-14);
+    near(found.coefficient(ZernikePolynomial::noll(8)), -0.07, 1e-14);
+    near(found.coefficient(ZernikePolynomial::noll(11)), 0.02, 1e-14);
+    near(found.coefficient(ZernikePolynomial::noll(5)), 0.0, 1e-14);
     near(found.residual_rms, 0.0, 1e-14);
     near(found.at([0.2, 0.1]), truth([0.2, 0.1]), 1e-14);
     // the residual is r^6, which no term up to r^4 represents
-    let sixth: Vec<f64> = points.iter().map(|&point| Zernike::noll(22).at(point)).collect();
+    let sixth: Vec<f64> = points.iter().map(|&point| ZernikePolynomial::noll(22).at(point)).collect();
     assert!(fit(&points, &sixth, &terms).unwrap().residual_rms > 0.8);
     assert_eq!(
         fit(&points[..4], &values[..4], &terms).unwrap_err().to_string(),
@@ -218,9 +218,13 @@ fn spherical_aberration_of_a_sphere() {
     let rim = wavefront.pupil.iter().position(|p| p[0] == 1.0).unwrap();
     // the sign: marginal light arrives early
     near(wavefront.waves[rim], expected, 2e-3 * expected.abs());
-    let terms: Vec<Zernike> = (1..=22).map(Zernike::noll).collect();
+    let terms: Vec<ZernikePolynomial> = (1..=22).map(ZernikePolynomial::noll).collect();
     let found = fit(&wavefront.pupil, &wavefront.waves, &terms).unwrap();
-    near(found.coefficient(Zernike::noll(11)), expected / (6.0 * 5f64.sqrt()), 2e-3 * expected.abs());
+    near(
+        found.coefficient(ZernikePolynomial::noll(11)),
+        expected / (6.0 * 5f64.sqrt()),
+        2e-3 * expected.abs(),
+    );
     // the longitudinal aberration of a sphere: R (1 - 1 / (2 cos a)) - R / 2 with sin a = h / R
     for height in [0.5, 1.0] {
         let cosine = (1.0 - (25.0 * height / 1000.0_f64).powi(2)).sqrt();
@@ -462,7 +466,7 @@ fn a_spectrometer() {
     for wavelength_nm in [400.0, 550.0, 633.0] {
         let light = |p: &[f64; 2]| Light::new([5.0 * p[0], 5.0 * p[1], -20.0], Vec3::Z, wavelength_nm);
         let beam: Beam = hexapolar(5).iter().map(light).collect();
-        let trace = tracer.trace(&beam, &Settings::default()).unwrap();
+        let trace = tracer.trace(&beam, &TraceSettings::default()).unwrap();
         let rays = arrivals(&system, &trace.segments, "detector", Some(&[0, 1, 2])).unwrap();
         let spot = Spot::of(&rays).unwrap();
         assert_eq!(spot.rays, 91);
@@ -489,7 +493,7 @@ fn fans_and_stops() {
         }
         let white = study.polychromatic(0, &hexapolar(3)).unwrap();
         assert_eq!(white.len(), 37);
-        assert!(matches!(study.fan(7, D_NM, &fan_y(3)), Err(AnalysisError::Prescription(_))));
+        assert!(matches!(study.fan(7, D_NM, &fan_y(3)), Err(LensAnalysisError::Prescription(_))));
     });
     // the secondary mirror blocks the centre of the pupil, but not the reference ray
     study(&cassegrain(), |study| {
@@ -500,7 +504,7 @@ fn fans_and_stops() {
     let layout = lens.assembly().unwrap();
     let system = layout.assembly.compile().unwrap();
     let beam = lens.beam(0, D_NM, &hexapolar(2)).unwrap();
-    let trace = Tracer::new(&system, Packets::new).trace(&beam, &Settings::default()).unwrap();
+    let trace = Tracer::new(&system, Packets::new).trace(&beam, &TraceSettings::default()).unwrap();
     assert_eq!(arrivals(&system, &trace.segments, "image", None).unwrap().len(), 19);
     assert_eq!(arrivals(&system, &trace.segments, "image", Some(&[0, 2])).unwrap().len(), 0);
     let unknown = arrivals(&system, &trace.segments, "film", None).unwrap_err();

@@ -4,7 +4,7 @@ use crate::lenses::{D_NM, at_image, disk, index, near};
 use rayweave_lens::paraxial::Meridian;
 use rayweave_lens::prescription::{Behind, Prescription, Surface, read_zmx, write_zmx};
 use rayweave_math::Vec3;
-use rayweave_optics::component::{Asphere, Figure, Form, Zernike};
+use rayweave_optics::component::{Asphere, Figure, SurfaceForm, Zernike};
 use rayweave_shape::Ray;
 
 const PLANE: f64 = f64::INFINITY;
@@ -147,23 +147,23 @@ fn an_acylinder_of_descartes_has_a_perfect_line() {
 #[test]
 fn figures_agree_where_they_are_the_same_surface() {
     let (r, k) = (30.0, -0.7);
-    let conic = Form::from(Asphere::conic(r, k));
+    let conic = SurfaceForm::from(Asphere::conic(r, k));
     let alike = [
         (Figure::Biconic { radius_x: r, conic_x: k }, Asphere::conic(r, k)),
         (polynomial(3.0, &[0.0; 5]), Asphere::conic(r, k)),
     ];
     for (figure, asphere) in alike {
-        let form = Form::new(asphere, figure);
+        let form = SurfaceForm::new(asphere, figure);
         for point in disk(50, 20.0) {
             near(form.sag(point).unwrap(), conic.sag(point).unwrap(), 2e-15 * r);
         }
     }
     // a circle rotated about its own centre is a sphere; about a distant centre, a cylinder up to x^2 / (2 R)
-    let sphere = Form::from(Asphere::conic(r, 0.0));
-    let turned = Form::new(Asphere::conic(r, 0.0), Figure::Toroidal { turn: r });
+    let sphere = SurfaceForm::from(Asphere::conic(r, 0.0));
+    let turned = SurfaceForm::new(Asphere::conic(r, 0.0), Figure::Toroidal { turn: r });
     // Noll's Z4 is sqrt(3) (2 r^2 - 1), his Z6 sqrt(6) (x^2 - y^2), his Z7 sqrt(8) (3 r^2 - 2) y over the
     // unit disc
-    let sum = Form::new(
+    let sum = SurfaceForm::new(
         Asphere::conic(PLANE, 0.0),
         zernike(Zernike::Noll, 20.0, &[0.0, 0.0, 0.0, 0.3, 0.0, -0.2, 0.1]),
     );
@@ -215,7 +215,7 @@ fn zemax_files_hold_them_all() {
     assert_eq!(lens.surfaces[1].figure, zernike(Zernike::Noll, 8.5, &[0.0, 0.0, 0.25]));
     assert_eq!(lens.surfaces[1].even[1], 1e-5);
     // x^2 and y^2 over 4 with coefficients 0.25 and -0.5 add 2 c / 16 to the curvature
-    let form = Form::new(Asphere::conic(50.0, 0.0), lens.surfaces[0].figure.clone());
+    let form = SurfaceForm::new(Asphere::conic(50.0, 0.0), lens.surfaces[0].figure.clone());
     near(form.sag([2.0, 0.0]).unwrap(), 50.0 - 2496f64.sqrt() + 0.25 / 4.0, 1e-14);
     near(form.sag([0.0, 2.0]).unwrap(), 50.0 - 2496f64.sqrt() - 0.5 / 4.0, 1e-14);
 }

@@ -1,7 +1,7 @@
 //! Lenses shared by several tests.
 
-use rayweave_lens::prescription::{Behind, IMAGE, Layout, Prescription, Surface};
-use rayweave_optics::{Beam, Event, Segment, Settings, Trace, Tracer};
+use rayweave_lens::prescription::{Behind, IMAGE, Prescription, PrescriptionLayout, Surface};
+use rayweave_optics::{Beam, Event, Segment, Trace, TraceSettings, Tracer};
 use rayweave_trace::Packets;
 
 pub const D_NM: f64 = 587.5618;
@@ -59,13 +59,13 @@ pub fn cassegrain() -> Prescription {
     .entrance_pupil_diameter(100.0)
 }
 
-pub fn trace(layout: &Layout, beam: &Beam) -> Trace {
+pub fn trace(layout: &PrescriptionLayout, beam: &Beam) -> Trace {
     let system = layout.assembly.compile().unwrap();
-    Tracer::new(&system, Packets::new).trace(beam, &Settings::default()).unwrap()
+    Tracer::new(&system, Packets::new).trace(beam, &TraceSettings::default()).unwrap()
 }
 
 /// The last segment of each ray up to the image.
-pub fn at_image(layout: &Layout, beam: &Beam) -> Vec<Segment> {
+pub fn at_image(layout: &PrescriptionLayout, beam: &Beam) -> Vec<Segment> {
     let system = layout.assembly.compile().unwrap();
     let image = system.element_names().iter().position(|name| name == IMAGE).unwrap() as i32;
     let found = trace(layout, beam);

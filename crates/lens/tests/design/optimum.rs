@@ -1,10 +1,10 @@
 //! Optimisations with closed-form solutions.
 
 use crate::lenses::near;
-use rayweave_lens::design::{Goal, Operand, Optimiser, Optimum, Parameter, SeidelTerm};
+use rayweave_lens::design::{DesignParameter, Goal, Operand, Optimiser, Optimum, SeidelTerm};
 use rayweave_lens::prescription::{Behind, Prescription, Surface};
 
-fn parameter(name: &str) -> Parameter {
+fn parameter(name: &str) -> DesignParameter {
     name.parse().unwrap()
 }
 

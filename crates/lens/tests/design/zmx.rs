@@ -3,7 +3,8 @@
 use crate::lenses::{cassegrain, doublet, near, triplet};
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_lens::prescription::{
-    Behind, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture, read_zmx, write_zmx,
+    Behind, FieldKind, ImageSurface, Prescription, Surface, SystemAperture, WeightedWavelength, read_zmx,
+    write_zmx,
 };
 
 /// A file as programs write it: indented, with many irrelevant keywords.
@@ -17,7 +18,7 @@ SURF 2\r\n  TYPE STANDARD\r\n  CURV 0.0\r\n  DISZ 3.7\r\n  DIAM 2.4E-1 0 0 0 1 \
 SURF 3\r\n  TYPE STANDARD\r\n  CURV -0.1\r\n  DISZ 0\r\n  DIAM 0.3 0 0 0 1 \"\"\r\nBLNK \r\nXDAT 3\r\n";
 
 fn singlet() -> Prescription {
-    let line = |wavelength_nm, weight| Line { wavelength_nm, weight };
+    let line = |wavelength_nm, weight| WeightedWavelength { wavelength_nm, weight };
     Prescription {
         name: "a singlet".to_owned(),
         notes: vec!["from 0.5 to 2".to_owned()],

@@ -41,7 +41,7 @@ const NONE: u32 = u32::MAX;
 
 #[derive(Clone, Debug)]
 struct Path {
-    /// Index of the path's segment tree in `HeavyState::trees`.
+    /// Index of the path's segment tree in `HeavyPathsState::trees`.
     tree: u32,
     /// The number of leaves of the segment tree, a power of two.
     width: u32,
@@ -53,14 +53,14 @@ struct Path {
 /// The state along a ray: the segment trees and the value at the top of each path. (For networks that are not
 /// trees: the current value of each gate.)
 #[derive(Clone, Debug, Default)]
-pub(super) struct HeavyState {
+pub(super) struct HeavyPathsState {
     trees: Vec<Function>,
     values: Vec<bool>,
 }
 
-impl HeavyState {
-    pub fn gate_values(values: &[bool]) -> HeavyState {
-        HeavyState { trees: Vec::new(), values: values.to_vec() }
+impl HeavyPathsState {
+    pub fn gate_values(values: &[bool]) -> HeavyPathsState {
+        HeavyPathsState { trees: Vec::new(), values: values.to_vec() }
     }
 
     pub fn bytes(&self) -> usize {
@@ -76,7 +76,7 @@ impl HeavyState {
 impl HeavyPaths {
     /// Computes the paths and their initial state. `counts` and `values` are those of the network with every
     /// leaf outside; on return `counts` excludes the heavy operands.
-    pub fn new(network: &Network, counts: &mut [u32], values: &[bool]) -> (HeavyPaths, HeavyState) {
+    pub fn new(network: &Network, counts: &mut [u32], values: &[bool]) -> (HeavyPaths, HeavyPathsState) {
         let leaves = network.leaf_count as usize;
         let mut this = HeavyPaths {
             path_of: vec![0; leaves + counts.len()],
@@ -125,7 +125,13 @@ impl HeavyPaths {
         next as usize
     }
 
-    fn first_state(&self, network: &Network, counts: &mut [u32], values: &[bool], size: usize) -> HeavyState {
+    fn first_state(
+        &self,
+        network: &Network,
+        counts: &mut [u32],
+        values: &[bool],
+        size: usize,
+    ) -> HeavyPathsState {
         let mut trees = vec![IDENTITY; size];
         for gate in 0..counts.len() {
             let (below, complemented) = self.heavy[gate];
@@ -143,7 +149,7 @@ impl HeavyPaths {
             }
         }
         let values = self.paths.iter().map(|path| values[path.top as usize]).collect();
-        HeavyState { trees, values }
+        HeavyPathsState { trees, values }
     }
 
     /// A gate as a function of its heavy operand, with `light` of the other operands inside.

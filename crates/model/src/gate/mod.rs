@@ -99,7 +99,7 @@ pub struct NetworkState {
     leaves: Vec<bool>,
     counts: Vec<u32>,
     output_set: OutputSet,
-    heavy: heavy::HeavyState,
+    heavy: heavy::HeavyPathsState,
     waiting: BinaryHeap<Reverse<u32>>,
 }
 
@@ -374,7 +374,7 @@ impl<'e> Builder<'e> {
         };
         if !is_tree {
             network.layout = Layout::Ordered;
-            initial.heavy = heavy::HeavyState::gate_values(&values[self.leaf_count as usize..]);
+            initial.heavy = heavy::HeavyPathsState::gate_values(&values[self.leaf_count as usize..]);
         } else if depth > DEEP {
             let (paths, state) = HeavyPaths::new(&network, &mut initial.counts, &values);
             network.layout = Layout::Heavy(paths);

@@ -4,7 +4,7 @@ use super::formula::{Formula, Op, Renumbered, Term};
 
 /// A step in the construction of a binary tree with a stack (postfix order).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+pub enum BalanceStep {
     /// Push the operand with this number.
     Operand(usize),
     /// Pop the second operand, then the first, and push their join.
@@ -14,16 +14,16 @@ pub enum Step {
 /// The steps that join `count` operands, in order, into a binary tree of minimal height.
 ///
 /// Each node halves the range below it, so that the height is log2 of the count, rounded up.
-pub fn balanced(count: usize) -> Vec<Step> {
+pub fn balanced(count: usize) -> Vec<BalanceStep> {
     let mut steps = Vec::with_capacity((2 * count).saturating_sub(1));
     let mut waiting = vec![Ok(0..count)];
     while let Some(next) = waiting.pop() {
         match next {
             Ok(range) if range.is_empty() => {}
-            Ok(range) if range.len() == 1 => steps.push(Step::Operand(range.start)),
+            Ok(range) if range.len() == 1 => steps.push(BalanceStep::Operand(range.start)),
             Ok(range) => {
                 let middle = range.start + range.len() / 2;
-                waiting.extend([Err(Step::Join), Ok(middle..range.end), Ok(range.start..middle)]);
+                waiting.extend([Err(BalanceStep::Join), Ok(middle..range.end), Ok(range.start..middle)]);
             }
             Err(join) => steps.push(join),
         }
@@ -84,8 +84,8 @@ fn binary(
 ) -> crate::Edge {
     for step in balanced(operands.len()) {
         match step {
-            Step::Operand(k) => stack.push(operands[k]),
-            Step::Join => {
+            BalanceStep::Operand(k) => stack.push(operands[k]),
+            BalanceStep::Join => {
                 let pair = stack.split_off(stack.len() - 2);
                 stack.push(out.tagged(Term::Join(op), &pair, tag));
             }

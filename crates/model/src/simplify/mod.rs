@@ -16,15 +16,15 @@ mod prune;
 mod report;
 mod share;
 
-pub use balance::{Step, balance, balanced};
+pub use balance::{BalanceStep, balance, balanced};
 pub use bounds::{Beyond, bounds, leaf_needs, needs, output_bounds};
 pub use flatten::flatten;
 pub use fold::fold;
 pub use formula::{Formula, Op, Term};
 pub use height::height;
 pub use positive::positive;
-pub use prune::{Cut, Reason, prune, reason};
-pub use report::{PassReport, Preparation, Removal, Size};
+pub use prune::{PrunedPart, Reason, prune, reason};
+pub use report::{FormulaSize, PassReport, Preparation, Removal};
 pub use share::share;
 
 use rayweave_math::Bounds;
@@ -74,7 +74,7 @@ pub(crate) trait Observer {
     /// Called after a pass made the second formula from the first one.
     fn pass(&mut self, _pass: Pass, _before: &Formula, _after: &Formula) {}
     /// Called before these operands are cut from a formula.
-    fn cuts(&mut self, _formula: &Formula, _leaves: &[Bounds], _cuts: &[Cut]) {}
+    fn cuts(&mut self, _formula: &Formula, _leaves: &[Bounds], _cuts: &[PrunedPart]) {}
     /// Called at the end, with the boxes of the leaves and the box of the outputs.
     fn finish(&mut self, _written: &Formula, _kept: &Formula, _leaves: &[Bounds], _tight: Bounds) {}
 }

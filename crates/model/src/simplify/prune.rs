@@ -7,7 +7,7 @@ use rayweave_math::Bounds;
 
 /// An operand or output that is constant wherever it matters, by its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cut {
+pub struct PrunedPart {
     /// The part that is replaced by a constant.
     pub part: Edge,
     /// The node that used it; `None` for an output.
@@ -39,7 +39,7 @@ pub enum Reason {
 /// has, for each leaf number, a box beyond which no ray finds the leaf inside: grown by the error of computed
 /// roots, so that parts in contact do not count as disjoint. The constants are left to
 /// [`fold`](super::fold()).
-pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<Cut>) {
+pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<PrunedPart>) {
     let nodes = bounds(formula, leaves);
     let needs = needs(formula, &nodes);
     let mut out = Formula::like(formula);
@@ -50,7 +50,7 @@ pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<Cut>) {
         if edge.node().0 < 2 || !beyond.within.intersection(here).is_empty() {
             return to.edge(edge);
         }
-        cuts.push(Cut { part: edge, user, inside: beyond.inside });
+        cuts.push(PrunedPart { part: edge, user, inside: beyond.inside });
         if beyond.inside { Edge::UNIVERSE } else { Edge::EMPTY }
     };
     for (node, term, all) in formula.nodes().skip(2) {
@@ -69,7 +69,7 @@ pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<Cut>) {
 const LOOKED_THROUGH: usize = 1000;
 
 /// The reason for a cut; `nodes` are the [`bounds()`] of the formula before pruning.
-pub fn reason(formula: &Formula, nodes: &[Beyond], cut: Cut) -> Reason {
+pub fn reason(formula: &Formula, nodes: &[Beyond], cut: PrunedPart) -> Reason {
     let within = |edge: Edge| nodes[edge.node().index()].within;
     let part = within(cut.part);
     if part.is_empty() {

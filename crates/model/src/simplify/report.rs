@@ -3,7 +3,7 @@
 use super::bounds::{Beyond, bounds};
 use super::formula::{Formula, Op, Term};
 use super::positive::keeps_complements;
-use super::prune::{Cut, Reason, reason};
+use super::prune::{PrunedPart, Reason, reason};
 use super::{Observer, Pass, balance, height};
 use crate::compile::compile_observed;
 use crate::lower::{Content, Group};
@@ -28,7 +28,7 @@ pub struct Preparation {
     /// The names of the leaves that no output uses any more, for any reason.
     pub unused: Vec<String>,
     /// The size as binary trees, the form that the single-hit evaluator uses.
-    pub balanced: Size,
+    pub balanced: FormulaSize,
     /// The formula before simplification, with names of leaves; cut off if it is long.
     pub written: String,
     /// The formula after simplification, likewise.
@@ -45,14 +45,14 @@ pub struct PassReport {
     /// The pass.
     pub pass: Pass,
     /// The size of the formula before it.
-    pub before: Size,
+    pub before: FormulaSize,
     /// The size after it.
-    pub after: Size,
+    pub after: FormulaSize,
 }
 
 /// The size of a formula; shared nodes count once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Size {
+pub struct FormulaSize {
     /// The number of different leaves.
     pub leaves: usize,
     /// The number of operators.
@@ -89,7 +89,7 @@ impl Preparation {
     }
 
     /// The sizes before and after simplification.
-    pub fn sizes(&self) -> (Size, Size) {
+    pub fn sizes(&self) -> (FormulaSize, FormulaSize) {
         let first = self.passes.first().map(|pass| pass.before).unwrap_or_default();
         (first, self.passes.last().map_or(first, |pass| pass.after))
     }
@@ -145,7 +145,7 @@ fn row(pass: &str, operators: &str, complements: &str, height: &str, contract: &
     format!("{pass:<8}  {operators:<14}  {complements:<11}  {height:<8}  {contract}\n")
 }
 
-fn sizes(pass: &str, before: Size, after: Size, contract: &str) -> String {
+fn sizes(pass: &str, before: FormulaSize, after: FormulaSize, contract: &str) -> String {
     let operators = arrow(before.operators, after.operators);
     let complements = arrow(before.complements, after.complements);
     row(pass, &operators, &complements, &arrow(before.height, after.height), contract)
@@ -170,11 +170,11 @@ fn short(x: f64) -> f64 {
     rayweave_math::round_to_digits(x, 6) + 0.0
 }
 
-impl Size {
+impl FormulaSize {
     /// The size of the part of a formula that its outputs reach.
-    pub fn of(formula: &Formula) -> Size {
+    pub fn of(formula: &Formula) -> FormulaSize {
         let uses = formula.uses();
-        let mut size = Size { height: height(formula), ..Size::default() };
+        let mut size = FormulaSize { height: height(formula), ..FormulaSize::default() };
         let mut leaves = Vec::new();
         let sinks = |edge: &&Edge| edge.is_complemented() && !keeps_complements(formula.term(edge.node()));
         let complements = |edges: &[Edge]| edges.iter().filter(sinks).count();
@@ -191,7 +191,11 @@ impl Size {
         }
         leaves.sort_unstable();
         leaves.dedup();
-        Size { leaves: leaves.len(), complements: size.complements + complements(formula.outputs()), ..size }
+        FormulaSize {
+            leaves: leaves.len(),
+            complements: size.complements + complements(formula.outputs()),
+            ..size
+        }
     }
 }
 
@@ -210,7 +214,7 @@ impl<'r> Reporter<'r> {
             passes: Vec::new(),
             removals: Vec::new(),
             unused: Vec::new(),
-            balanced: Size::default(),
+            balanced: FormulaSize::default(),
             written: String::new(),
             kept: String::new(),
             loose: Bounds::EMPTY,
@@ -223,12 +227,16 @@ impl<'r> Reporter<'r> {
 
 impl Observer for Reporter<'_> {
     fn pass(&mut self, pass: Pass, before: &Formula, after: &Formula) {
-        self.report.passes.push(PassReport { pass, before: Size::of(before), after: Size::of(after) });
+        self.report.passes.push(PassReport {
+            pass,
+            before: FormulaSize::of(before),
+            after: FormulaSize::of(after),
+        });
     }
 
-    fn cuts(&mut self, formula: &Formula, leaves: &[Bounds], cuts: &[Cut]) {
+    fn cuts(&mut self, formula: &Formula, leaves: &[Bounds], cuts: &[PrunedPart]) {
         let nodes = bounds(formula, leaves);
-        let removal = |&cut: &Cut| {
+        let removal = |&cut: &PrunedPart| {
             let part = self.names.plain(formula, cut.part);
             Removal { part, why: self.names.why(formula, &nodes, cut), inside: cut.inside }
         };
@@ -245,7 +253,7 @@ impl Observer for Reporter<'_> {
         }
         let unused = self.names.leaves.iter().zip(&used).filter(|(_, used)| !**used);
         self.report.unused = unused.map(|(name, _)| name.to_string()).collect();
-        self.report.balanced = Size::of(&balance(kept));
+        self.report.balanced = FormulaSize::of(&balance(kept));
         self.report.written = self.names.outputs(written);
         self.report.kept = self.names.outputs(kept);
         self.report.loose = leaves.iter().fold(Bounds::EMPTY, |all, leaf| all.union(leaf));
@@ -346,7 +354,7 @@ impl Names {
         }
     }
 
-    fn why(&self, formula: &Formula, nodes: &[Beyond], cut: Cut) -> String {
+    fn why(&self, formula: &Formula, nodes: &[Beyond], cut: PrunedPart) -> String {
         let name = |edge: Edge| self.plain(formula, edge);
         match reason(formula, nodes, cut) {
             Reason::Constant(pair) => {

@@ -2,7 +2,7 @@
 
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::simplify::{
-    Formula, Op, Size, balance, flatten, fold, height, positive, prepare, prune, share,
+    Formula, FormulaSize, Op, balance, flatten, fold, height, positive, prepare, prune, share,
 };
 use rayweave_model::{Edge, LeafId};
 
@@ -58,9 +58,9 @@ fn chains_of_all_kinds() {
 fn a_long_chain_of_one_operator_becomes_a_low_tree() {
     let union = chain(LEVELS, |_| (Op::Union, false));
     let prepared = prepare(&union, &vec![Bounds::ALL; LEVELS]);
-    let size = Size::of(&prepared);
+    let size = FormulaSize::of(&prepared);
     assert_eq!((size.leaves, size.operators, size.height), (LEVELS, 1, 1));
-    assert_eq!(Size::of(&balance(&prepared)).height, 17);
+    assert_eq!(FormulaSize::of(&balance(&prepared)).height, 17);
 }
 
 #[test]

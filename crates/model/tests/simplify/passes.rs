@@ -3,7 +3,7 @@
 use crate::written::{Choices, Written};
 use rayweave_math::Bounds;
 use rayweave_model::simplify::{
-    Formula, Op, Size, Term, balance, flatten, fold, height, positive, prepare, prune, share,
+    Formula, FormulaSize, Op, Term, balance, flatten, fold, height, positive, prepare, prune, share,
 };
 use rayweave_model::{Edge, LeafId};
 use std::collections::HashSet;
@@ -105,7 +105,7 @@ fn check(written: &Written) {
         contract(&once);
         let twice = run(&once);
         assert_eq!(texts(&twice), texts(&once), "{name} twice, of {:?}", texts(&written.formula));
-        assert_eq!(Size::of(&twice), Size::of(&once), "{name} twice");
+        assert_eq!(FormulaSize::of(&twice), FormulaSize::of(&once), "{name} twice");
     }
 }
 

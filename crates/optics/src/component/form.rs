@@ -54,7 +54,7 @@ pub enum Figure {
 
 /// An optical surface about its vertex.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Form {
+pub struct SurfaceForm {
     /// Radius, conic constant and terms.
     pub asphere: Asphere,
     /// The part beyond these.
@@ -63,23 +63,23 @@ pub struct Form {
     terms: Vec<(u32, u32, f64)>,
 }
 
-impl From<Asphere> for Form {
-    fn from(asphere: Asphere) -> Form {
-        Form { asphere, figure: Figure::Round, terms: Vec::new() }
+impl From<Asphere> for SurfaceForm {
+    fn from(asphere: Asphere) -> SurfaceForm {
+        SurfaceForm { asphere, figure: Figure::Round, terms: Vec::new() }
     }
 }
 
-impl Form {
+impl SurfaceForm {
     /// A surface with a figure.
     ///
     /// ```
-    /// use rayweave_optics::component::{Asphere, Figure, Form};
+    /// use rayweave_optics::component::{Asphere, Figure, SurfaceForm};
     ///
     /// // a cylinder of radius 5 that is curved along y
-    /// let cylinder = Form::new(Asphere::conic(5.0, 0.0), Figure::Toroidal { turn: f64::INFINITY });
+    /// let cylinder = SurfaceForm::new(Asphere::conic(5.0, 0.0), Figure::Toroidal { turn: f64::INFINITY });
     /// assert!((cylinder.sag([7.0, 3.0]).unwrap() - 1.0).abs() < 1e-15);
     /// ```
-    pub fn new(asphere: Asphere, figure: Figure) -> Form {
+    pub fn new(asphere: Asphere, figure: Figure) -> SurfaceForm {
         let terms = match &figure {
             Figure::Polynomial { norm_radius, coefficients } => polynomial(*norm_radius, coefficients),
             Figure::Zernike { order, norm_radius, coefficients } => {
@@ -88,7 +88,7 @@ impl Form {
             _ => Vec::new(),
         };
         let round = if terms.is_empty() { Vec::new() } else { round_terms(&asphere.even) };
-        Form { asphere, terms: terms.into_iter().chain(round).collect(), figure }
+        SurfaceForm { asphere, terms: terms.into_iter().chain(round).collect(), figure }
     }
 
     /// True for a surface of revolution about the axis.
@@ -176,7 +176,7 @@ impl Form {
     }
 
     /// The surface seen from the other side.
-    pub(super) fn reversed(&self) -> Form {
+    pub(super) fn reversed(&self) -> SurfaceForm {
         let Asphere { radius, conic, even, odd } = self.asphere;
         let [even, odd] = [even, odd].map(|terms| terms.map(|c| -c));
         let negative = |coefficients: &[f64]| coefficients.iter().map(|c| -c).collect();
@@ -193,14 +193,14 @@ impl Form {
                 coefficients: negative(coefficients),
             },
         };
-        Form::new(Asphere { radius: -radius, conic, even, odd }, figure)
+        SurfaceForm::new(Asphere { radius: -radius, conic, even, odd }, figure)
     }
 
     /// The same form, if all its parameters are in range and go together.
     ///
     /// # Errors
     /// [`ComponentError`], which names the `part` and the surface by `name`.
-    pub fn checked(self, part: &'static str, name: &str) -> Result<Form, ComponentError> {
+    pub fn checked(self, part: &'static str, name: &str) -> Result<SurfaceForm, ComponentError> {
         Profile::asphere(&self.asphere).checked(part, name)?;
         let radius = |parameter: &str, value: f64| match value == 0.0 || value.is_nan() {
             true => Err(ComponentError::Radius { part, parameter: format!("{parameter} of {name}"), value }),

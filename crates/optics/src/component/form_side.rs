@@ -2,7 +2,7 @@
 
 use super::aperture::solid;
 use super::face::{Face, Profile};
-use super::form::{Figure, Form};
+use super::form::{Figure, SurfaceForm};
 use super::side::{Side, points};
 use super::toric::Toric;
 use super::{Aperture, ComponentError};
@@ -13,7 +13,7 @@ use rayweave_model::Solid;
 pub(super) fn form_side(
     part: &'static str,
     name: &'static str,
-    (form, vertex): (&Form, f64),
+    (form, vertex): (&SurfaceForm, f64),
     aperture: &Aperture,
     centre: [f64; 2],
 ) -> Result<Box<dyn Side>, ComponentError> {
@@ -37,7 +37,7 @@ pub(super) fn form_side(
 
 /// The radii along x and y of a toroid whose curve is a circle, or straight, and rotated about an
 /// axis that is not nearer than its centre.
-fn circles(form: &Form) -> Option<[f64; 2]> {
+fn circles(form: &SurfaceForm) -> Option<[f64; 2]> {
     let Figure::Toroidal { turn } = form.figure else { return None };
     let along_y = form.asphere.radius;
     let is_circle = form.asphere.conic == 0.0 && form.asphere.even == [0.0; 8];
@@ -87,7 +87,7 @@ impl Side for Round {
 struct Above {
     name: &'static str,
     vertex: f64,
-    form: Form,
+    form: SurfaceForm,
     range: [f64; 2],
     solid: Solid,
 }
@@ -96,7 +96,7 @@ impl Above {
     fn new(
         part: &'static str,
         name: &'static str,
-        (form, vertex): (Form, f64),
+        (form, vertex): (SurfaceForm, f64),
         reach: f64,
         (half, centre): ([f64; 2], [f64; 2]),
     ) -> Result<Above, ComponentError> {

@@ -8,7 +8,7 @@ use super::aperture::solid;
 use super::element::Element;
 use super::error::{between, positive};
 use super::face::{Asphere, Face, Profile};
-use super::form::Form;
+use super::form::SurfaceForm;
 use super::form_side::form_side;
 use super::side::between_sides;
 use super::{Aperture, ComponentError};
@@ -136,16 +136,16 @@ pub fn aspheric_lens(
 /// searched for at 33 x 33 points.
 ///
 /// ```
-/// use rayweave_optics::component::{Aperture, Asphere, Figure, Form, freeform_lens};
+/// use rayweave_optics::component::{Aperture, Asphere, Figure, SurfaceForm, freeform_lens};
 ///
-/// let plane = Form::from(Asphere::conic(f64::INFINITY, 0.0));
-/// let biconic = Form::new(Asphere::conic(50.0, 0.0), Figure::Biconic { radius_x: 30.0, conic_x: -1.0 });
+/// let plane = SurfaceForm::from(Asphere::conic(f64::INFINITY, 0.0));
+/// let biconic = SurfaceForm::new(Asphere::conic(50.0, 0.0), Figure::Biconic { radius_x: 30.0, conic_x: -1.0 });
 /// let lens = freeform_lens(&biconic, &plane, 5.0, Aperture::circle(20.0))?;
 /// # Ok::<(), rayweave_optics::component::ComponentError>(())
 /// ```
 pub fn freeform_lens(
-    front: &Form,
-    back: &Form,
+    front: &SurfaceForm,
+    back: &SurfaceForm,
     thickness: f64,
     aperture: Aperture,
 ) -> Result<Solid, ComponentError> {

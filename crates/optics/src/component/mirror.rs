@@ -9,7 +9,7 @@
 use super::element::Element;
 use super::error::{consistent, finite, positive};
 use super::face::{Asphere, Face, Profile};
-use super::form::Form;
+use super::form::SurfaceForm;
 use super::form_side::form_side;
 use super::side::between_sides;
 use super::{Aperture, ComponentError};
@@ -121,14 +121,14 @@ pub fn aspheric_mirror(face: &Asphere, blank: &Blank) -> Result<Solid, Component
 ///
 /// # Errors
 /// As of [`freeform_lens`](super::freeform_lens).
-pub fn freeform_mirror(face: &Form, blank: &Blank) -> Result<Solid, ComponentError> {
+pub fn freeform_mirror(face: &SurfaceForm, blank: &Blank) -> Result<Solid, ComponentError> {
     if face.is_round() {
         return aspheric_mirror(&face.asphere, blank);
     }
     let part = "mirror";
     let thickness = blank.checked(part)?;
     let face = if blank.turned { face.reversed() } else { face.clone() };
-    let plane = Form::from(Asphere::conic(f64::INFINITY, 0.0));
+    let plane = SurfaceForm::from(Asphere::conic(f64::INFINITY, 0.0));
     let (aperture, centre) = (&blank.aperture, blank.off_axis);
     let front = form_side(part, "front", (&face, 0.0), aperture, centre)?;
     let back = form_side(part, "back", (&plane, thickness), aperture, centre)?;

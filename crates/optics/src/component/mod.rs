@@ -71,7 +71,7 @@ pub use array::{fresnel_lens, lenslet_array};
 pub use concentrator::{Cpc, light_pipe, tapered_light_pipe};
 pub use error::ComponentError;
 pub use face::{Asphere, sag};
-pub use form::{Figure, Form};
+pub use form::{Figure, SurfaceForm};
 pub use lens::{
     aspheric_lens, axicon, ball_lens, biconcave, biconvex, cemented, conic_lens, cylindrical_lens,
     freeform_lens, half_ball_lens, lens, plano_concave, plano_convex, rod, window,

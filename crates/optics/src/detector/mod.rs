@@ -14,14 +14,14 @@ use rayweave_math::{Affine, Vec3};
 /// ```
 /// use rayweave_optics::component::{Aperture, Sheet};
 /// use rayweave_optics::detector::Detectors;
-/// use rayweave_optics::{Action, Assembly, Beam, Element, Light, Settings, Tracer};
+/// use rayweave_optics::{Action, Assembly, Beam, Element, Light, TraceSettings, Tracer};
 /// use rayweave_trace::Packets;
 ///
 /// let screen = Element::sheet("screen", Sheet::plane(Aperture::circle(20.0))?, Action::Absorb);
 /// let system = Assembly::new().add(screen).compile()?;
 /// let beam: Beam = (0..5).map(|k| Light::new([0.0, f64::from(k), -9.0], [0.0, 0.0, 1.0], 550.0)).collect();
 /// let mut detectors = Detectors::new(&system, false);
-/// detectors.add(&Tracer::new(&system, Packets::new).trace(&beam, &Settings::default())?.segments);
+/// detectors.add(&Tracer::new(&system, Packets::new).trace(&beam, &TraceSettings::default())?.segments);
 /// let screen = &detectors.list()[0];
 /// assert_eq!((screen.name.as_str(), screen.spots.count(), screen.spots.centroid()), ("screen", 5, [0.0, 2.0]));
 /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -69,7 +69,7 @@ use source::ReadSource;
 use values::seed;
 
 use crate::element::Element;
-use crate::settings::{Branches, Settings};
+use crate::settings::{Branches, TraceSettings};
 use crate::source::Sources;
 use crate::system::Assembly;
 use rayweave_scene::foreign::{Keys, Reader};
@@ -83,7 +83,7 @@ pub struct OpticalScene {
     /// The light.
     pub sources: Sources,
     /// The settings of the trace.
-    pub settings: Settings,
+    pub settings: TraceSettings,
 }
 
 /// Reads the `[optics]` tables of a model.
@@ -143,8 +143,8 @@ fn optics(reader: &mut Reader, document: &Document, scene: &Scene, mut keys: Key
 }
 
 /// The settings, and whether polarisation is traced; `None` to trace it where an element or source needs it.
-fn settings(reader: &mut Reader, keys: &mut Keys) -> (Settings, Option<bool>) {
-    let default = Settings::default();
+fn settings(reader: &mut Reader, keys: &mut Keys) -> (TraceSettings, Option<bool>) {
+    let default = TraceSettings::default();
     let choices = [(Branches::Ideal, "ideal"), (Branches::Both, "both"), (Branches::Random, "random")];
     let branches = keys.take("branches").and_then(|datum| reader.choice("branches", datum, &choices));
     let polarised = keys.take("polarised").and_then(|datum| reader.boolean("polarised", datum));
@@ -153,7 +153,7 @@ fn settings(reader: &mut Reader, keys: &mut Keys) -> (Settings, Option<bool>) {
     let threshold = keys.take("threshold").and_then(|datum| {
         reader.checked("threshold", datum, "finite and at least 0", |value| value >= 0.0 && value.is_finite())
     });
-    let settings = Settings {
+    let settings = TraceSettings {
         branches: branches.unwrap_or(default.branches),
         generation_limit: limit.map_or(default.generation_limit, |limit| limit as u32),
         threshold: threshold.unwrap_or(default.threshold),

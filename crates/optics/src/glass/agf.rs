@@ -16,14 +16,14 @@
 //! without a byte order mark, in UTF-8 and in Latin-1; [`read_agf`] detects the encoding. The
 //! format: Zemax OpticStudio user guide, "The AGF & BGF file formats".
 
-use super::read::{Problem, ReadError, finish, nm_from_um, number, numbers};
+use super::read::{FileProblem, GlassFileError, finish, nm_from_um, number, numbers};
 use super::{Dispersion, Glass, Published, Transmittance};
 
 /// Reads a glass catalogue; `maker` is the maker of its glasses, and may be empty.
 ///
 /// # Errors
 /// All problems of the file at once, each with its line. Glasses without problems remain available:
-/// [`into_readable`](ReadError::into_readable).
+/// [`into_readable`](GlassFileError::into_readable).
 ///
 /// ```
 /// use rayweave_optics::glass::read_agf;
@@ -32,7 +32,7 @@ use super::{Dispersion, Glass, Published, Transmittance};
 /// assert_eq!(glasses[0].name(), "MINE");
 /// assert_eq!(glasses[0].range_nm(), [400.0, 700.0]);
 /// ```
-pub fn read_agf(bytes: &[u8], maker: &str) -> Result<Vec<Glass>, ReadError> {
+pub fn read_agf(bytes: &[u8], maker: &str) -> Result<Vec<Glass>, GlassFileError> {
     let text = decode_text(bytes);
     let mut reader = Reader { maker, ..Reader::default() };
     for (index, line) in text.lines().enumerate() {
@@ -70,7 +70,7 @@ struct Reader<'a> {
     catalogue: String,
     current: Option<Record>,
     glasses: Vec<Glass>,
-    problems: Vec<Problem>,
+    problems: Vec<FileProblem>,
 }
 
 /// The lines of one glass.
@@ -105,7 +105,7 @@ impl Reader<'_> {
     }
 
     fn report(&mut self, line: usize, text: String) {
-        self.problems.push(Problem { line, text });
+        self.problems.push(FileProblem { line, text });
         if let Some(record) = &mut self.current {
             record.is_invalid = true;
         }
@@ -202,8 +202,8 @@ impl Record {
         }
     }
 
-    fn glass(self, maker: &str, catalogue: &str) -> Result<Glass, Problem> {
-        let at = |line: usize| move |text: String| Problem { line, text };
+    fn glass(self, maker: &str, catalogue: &str) -> Result<Glass, FileProblem> {
+        let at = |line: usize| move |text: String| FileProblem { line, text };
         let missing = |what: &str| at(self.line)(format!("{} has no {what} line.", self.name));
         let (line, coefficients) = self.coefficients.as_ref().ok_or_else(|| missing("CD"))?;
         let dispersion =

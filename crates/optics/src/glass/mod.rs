@@ -30,7 +30,7 @@ pub use catalogue::{Catalogue, glass, glasses};
 pub use dispersion::{Dispersion, RationalTerm, SellmeierTerm};
 pub use error::{DispersionError, GlassError};
 pub use material::{ComplexIndex, Glass, Published, Transmittance};
-pub use read::{Problem, ReadError};
+pub use read::{FileProblem, GlassFileError};
 pub use spectrum::{SPECTRAL_LINES, SpectralLine, line_nm};
 pub use table::Table;
 pub use yaml::read_refractiveindex;

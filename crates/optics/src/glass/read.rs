@@ -5,14 +5,14 @@ use super::Glass;
 
 /// A problem in a line of a file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Problem {
+pub struct FileProblem {
     /// Counted from 1.
     pub line: usize,
     /// The problem, as "problem: reason. Suggestion."
     pub text: String,
 }
 
-impl std::fmt::Display for Problem {
+impl std::fmt::Display for FileProblem {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "line {}: {}", self.line, self.text)
     }
@@ -21,18 +21,18 @@ impl std::fmt::Display for Problem {
 /// All problems of a file, in the order of its lines.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", listed(problems))]
-pub struct ReadError {
-    problems: Vec<Problem>,
+pub struct GlassFileError {
+    problems: Vec<FileProblem>,
     readable: Vec<Glass>,
 }
 
-fn listed(problems: &[Problem]) -> String {
-    problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n")
+fn listed(problems: &[FileProblem]) -> String {
+    problems.iter().map(FileProblem::to_string).collect::<Vec<_>>().join("\n")
 }
 
-impl ReadError {
+impl GlassFileError {
     /// The problems, line by line; at least one.
-    pub fn problems(&self) -> &[Problem] {
+    pub fn problems(&self) -> &[FileProblem] {
         &self.problems
     }
 
@@ -43,12 +43,15 @@ impl ReadError {
 }
 
 /// The materials, if there are no problems.
-pub(super) fn finish(readable: Vec<Glass>, mut problems: Vec<Problem>) -> Result<Vec<Glass>, ReadError> {
+pub(super) fn finish(
+    readable: Vec<Glass>,
+    mut problems: Vec<FileProblem>,
+) -> Result<Vec<Glass>, GlassFileError> {
     if problems.is_empty() {
         return Ok(readable);
     }
     problems.sort_by_key(|problem| problem.line);
-    Err(ReadError { problems, readable })
+    Err(GlassFileError { problems, readable })
 }
 
 /// Nanometres from micrometres, rounded to a millionth: 2.325 µm are exactly 2325 nm.

@@ -1,7 +1,7 @@
 //! The table of segments: one row for each ray segment between two events.
 
 use super::LightTableError;
-use crate::{Balance, Emitter, Event, Phases, Segments, Settings, System, Tracer};
+use crate::{Balance, Emitter, Event, Phases, Segments, System, TraceSettings, Tracer};
 use rayweave_model::Evaluator;
 use rayweave_table::{Chunk, Column, DType, NO_NAME, Schema, TableError, TableWriter, Values};
 use std::path::Path;
@@ -140,7 +140,7 @@ pub fn trace_light<E: Evaluator>(
     tracer: &Tracer<'_, E>,
     system: &System,
     light: &impl Emitter,
-    settings: &Settings,
+    settings: &TraceSettings,
     out: Option<SegmentFile<'_>>,
     mut look: impl FnMut(&Segments),
 ) -> Result<LightSummary, LightTableError> {

@@ -25,7 +25,7 @@ use crate::beam::{Beam, Emitter};
 use crate::bundle;
 use crate::error::OpticsError;
 use crate::segments::{Balance, Segments};
-use crate::settings::Settings;
+use crate::settings::TraceSettings;
 use crate::system::System;
 use finder::HitFinder;
 use rayweave_model::drive::{Stopped, drive, thread_count};
@@ -74,7 +74,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     ///
     /// # Errors
     /// [`OpticsError`] for light that cannot be traced, and if the run is cancelled.
-    pub fn trace(&self, light: &impl Emitter, settings: &Settings) -> Result<Trace, OpticsError> {
+    pub fn trace(&self, light: &impl Emitter, settings: &TraceSettings) -> Result<Trace, OpticsError> {
         let mut trace = Trace::default();
         self.trace_into(light, settings, &mut trace)?;
         Ok(trace)
@@ -88,7 +88,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     pub fn trace_into(
         &self,
         light: &impl Emitter,
-        settings: &Settings,
+        settings: &TraceSettings,
         trace: &mut Trace,
     ) -> Result<(), OpticsError> {
         let segments = &mut trace.segments;
@@ -113,7 +113,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     pub fn run<X: From<OpticsError>>(
         &self,
         light: &impl Emitter,
-        settings: &Settings,
+        settings: &TraceSettings,
         mut sink: impl FnMut(Segments) -> Result<(), X>,
     ) -> Result<Balance, X> {
         self.run_with(light, settings, |rows| {
@@ -127,7 +127,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     fn run_with<X: From<OpticsError>>(
         &self,
         light: &impl Emitter,
-        settings: &Settings,
+        settings: &TraceSettings,
         mut sink: impl FnMut(&Rows) -> Result<(), X>,
     ) -> Result<Balance, X> {
         let pool = Pool::default();
@@ -163,7 +163,7 @@ struct Worker<'t, E: Evaluator> {
 }
 
 impl<'t, E: Evaluator> Worker<'t, E> {
-    fn new(tracer: &'t Tracer<'t, E>, settings: &'t Settings, pool: &'t Pool) -> Self {
+    fn new(tracer: &'t Tracer<'t, E>, settings: &'t TraceSettings, pool: &'t Pool) -> Self {
         Worker {
             finder: HitFinder::new(tracer.system, &tracer.solids, &tracer.sheets),
             light: Propagator::new(tracer.system, settings),

@@ -8,7 +8,7 @@ use super::splitmix::splitmix64;
 use crate::interface::refract;
 use crate::scatter::{Incident, Outcome, Scattered};
 use crate::segments::{Balance, Event, Segment};
-use crate::settings::{Keep, Settings};
+use crate::settings::{Keep, TraceSettings};
 use crate::start_surfaces::{ExitSide, newton_step, project, starts_inside};
 use crate::system::{CompiledSheet, System};
 use rayweave_math::Vec3;
@@ -23,7 +23,7 @@ use rayweave_shape::surface::delta;
 /// It is independent of the evaluator.
 pub(crate) struct Propagator<'t> {
     pub system: &'t System,
-    pub settings: &'t Settings,
+    pub settings: &'t TraceSettings,
     pub indices: IndexCache,
     pub rows: Rows,
     pub balance: Balance,
@@ -32,7 +32,7 @@ pub(crate) struct Propagator<'t> {
 }
 
 impl<'t> Propagator<'t> {
-    pub fn new(system: &'t System, settings: &'t Settings) -> Self {
+    pub fn new(system: &'t System, settings: &'t TraceSettings) -> Self {
         Propagator {
             system,
             settings,

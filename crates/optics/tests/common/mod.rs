@@ -4,7 +4,7 @@
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_optics::component::Sheet;
-use rayweave_optics::{Beam, Light, Medium, Settings, System, Trace, Tracer};
+use rayweave_optics::{Beam, Light, Medium, System, Trace, TraceSettings, Tracer};
 use rayweave_shape::primitive::{CentredBox, Cylinder, HalfSpace, Primitive, Sphere};
 use rayweave_trace::Packets;
 
@@ -60,7 +60,7 @@ pub fn disk(count: usize, radius: f64) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-pub fn trace(system: &System, beam: &Beam, settings: &Settings) -> Trace {
+pub fn trace(system: &System, beam: &Beam, settings: &TraceSettings) -> Trace {
     Tracer::new(system, Packets::new).trace(beam, settings).unwrap()
 }
 

@@ -6,7 +6,9 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 use rayweave_optics::component::*;
 use rayweave_optics::source::*;
-use rayweave_optics::{Action, Assembly, Beam, Element, Emitter, Light, Medium, Settings, System, Tracer};
+use rayweave_optics::{
+    Action, Assembly, Beam, Element, Emitter, Light, Medium, System, TraceSettings, Tracer,
+};
 use rayweave_trace::Packets;
 
 const INF: f64 = f64::INFINITY;
@@ -23,8 +25,9 @@ fn of_glass(solids: &[Solid], index: f64) -> System {
 /// The last position and direction of light that starts at (x, y, -500) along z.
 fn last(system: &System, x: f64, y: f64) -> (Vec3, Vec3) {
     let light = Light::new([x, y, -500.0], [0.0, 0.0, 1.0], 587.6);
-    let trace =
-        Tracer::new(system, Packets::new).trace(&Beam::from_iter([light]), &Settings::default()).unwrap();
+    let trace = Tracer::new(system, Packets::new)
+        .trace(&Beam::from_iter([light]), &TraceSettings::default())
+        .unwrap();
     let row = trace.segments.iter().last().unwrap();
     (row.start, row.direction)
 }
@@ -71,8 +74,9 @@ fn lenses_of_descartes() {
         // segment inside is tested
         let height = 0.55 * f64::from(k);
         let light = Light::new([height * cos, height * sin, -500.0], [0.0, 0.0, 1.0], 587.6);
-        let trace =
-            Tracer::new(&long, Packets::new).trace(&Beam::from_iter([light]), &Settings::default()).unwrap();
+        let trace = Tracer::new(&long, Packets::new)
+            .trace(&Beam::from_iter([light]), &TraceSettings::default())
+            .unwrap();
         let row = trace.segments.iter().nth(1).unwrap();
         assert!(row.direction.cross(inside - row.start).length() < 1e-13 * 80.0);
     }
@@ -139,7 +143,7 @@ fn toric_lenses_have_two_foci() {
 /// The fraction of the power that a sheet records.
 fn recorded(sheet: Sheet, source: &impl Emitter) -> f64 {
     let system = Assembly::new().add(Element::sheet("sheet", sheet, Action::Absorb)).compile().unwrap();
-    let trace = Tracer::new(&system, Packets::new).trace(source, &Settings::default()).unwrap();
+    let trace = Tracer::new(&system, Packets::new).trace(source, &TraceSettings::default()).unwrap();
     let rows = trace.segments.iter().filter(|row| row.element == 0);
     rows.map(|row| row.intensity).sum()
 }

@@ -4,7 +4,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_optics::component::{Aperture, light_pipe};
 use rayweave_optics::glass::{Dispersion, Glass};
-use rayweave_optics::{Assembly, Beam, Element, Event, Light, Medium, Settings, Tracer};
+use rayweave_optics::{Assembly, Beam, Element, Event, Light, Medium, TraceSettings, Tracer};
 use rayweave_shape::primitive::{Primitive, Prism};
 use rayweave_trace::Packets;
 
@@ -53,7 +53,7 @@ fn a_prism_spreads_colours_as_raysect_and_snell_say() {
         let (s, c) = incidence.to_radians().sin_cos();
         let direction = Vec3::new(-c, s, 0.0);
         let light = Light::new(INNER * Vec3::X - 40.0 * direction, direction, wavelength_nm);
-        let found = tracer.trace(&Beam::from_iter([light]), &Settings::default()).unwrap();
+        let found = tracer.trace(&Beam::from_iter([light]), &TraceSettings::default()).unwrap();
         let last = found.segments.get(2).direction;
         assert!((last - Vec3::new(x, y, 0.0)).length() < 1e-9, "{wavelength_nm} {incidence}: {last}");
         // the deviation is i + e - A, with sin e = n sin(A - r) and sin i = n sin r
@@ -83,7 +83,7 @@ fn light_pipes_keep_etendue() {
         Light::new(Vec3::new(1.98 * x, 2.98 * y, -15.0) - 1e-3 * direction, direction, 550.0)
     };
     let beam: Beam = (0..2000).map(light).collect();
-    let found = tracer.trace(&beam, &Settings::default()).unwrap();
+    let found = tracer.trace(&beam, &TraceSettings::default()).unwrap();
     let out: Vec<_> = found.segments.iter().filter(|row| row.event == Event::Escaped).collect();
     assert_eq!(out.len(), 2000);
     for row in out {

@@ -4,7 +4,7 @@ use crate::common::{near, trace};
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::component::{Aperture, conic_lens};
 use rayweave_optics::gradient::Gradient;
-use rayweave_optics::{Assembly, Beam, Element, Event, Light, Medium, Segment, Settings, System};
+use rayweave_optics::{Assembly, Beam, Element, Event, Light, Medium, Segment, System, TraceSettings};
 
 /// The length of the eye; light is evaluated at this distance.
 const LENGTH: f64 = 23.95;
@@ -50,7 +50,7 @@ fn eye() -> System {
 /// The row that ends at the retina.
 fn at_retina(system: &System, origin: [f64; 3], direction: [f64; 3]) -> Segment {
     let light = Light::new(origin, direction, 555.0);
-    let found = trace(system, &Beam::from_iter([light]), &Settings::default());
+    let found = trace(system, &Beam::from_iter([light]), &TraceSettings::default());
     let row = found.segments.iter().find(|row| row.event == Event::Transmitted && row.end.z > LENGTH - 1e-9);
     row.unwrap()
 }

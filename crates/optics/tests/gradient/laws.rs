@@ -5,8 +5,8 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_optics::gradient::Gradient;
 use rayweave_optics::interface::Stokes;
 use rayweave_optics::{
-    Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Medium, Paths, Segment, Settings,
-    System, Trace,
+    Action, Assembly, Beam, Branches, Element, Event, Finish, Keep, Light, Medium, Paths, Segment, System,
+    Trace, TraceSettings,
 };
 use std::num::NonZeroUsize;
 
@@ -50,7 +50,7 @@ fn paths_name_what_light_meets() {
     let found = trace(
         &system,
         &Beam::from_iter([Light::new(Vec3::new(0.5, 0.0, -20.0), Vec3::Z, D_NM)]),
-        &Settings::default(),
+        &TraceSettings::default(),
     );
     assert!(found.segments.iter().any(|row| row.event == Event::Curved));
     let mut paths = Paths::default();
@@ -137,7 +137,7 @@ fn none_is_lost(count: usize) {
             Light::new(1.99 * spread - 6.0 * d, d, D_NM)
         });
         let beam: Beam = lights.collect();
-        let settings = Settings { keep: Keep::Ends, generation_limit: 50, ..Settings::default() };
+        let settings = TraceSettings { keep: Keep::Ends, generation_limit: 50, ..TraceSettings::default() };
         let found = trace(&system, &beam, &settings);
         near(found.balance.escaped, beam.len() as f64, 0.0);
         assert_eq!(found.segments.len(), beam.len());
@@ -160,7 +160,8 @@ fn no_wall_is_missed() {
         .compile()
         .unwrap();
     let fan = (0..400).map(|k| Light::new([0.3, 0.1, -1.0], [1e-3 * f64::from(k) - 0.2, 0.0, 1.0], D_NM));
-    let found = trace(&system, &fan.collect(), &Settings { keep: Keep::Ends, ..Settings::default() });
+    let found =
+        trace(&system, &fan.collect(), &TraceSettings { keep: Keep::Ends, ..TraceSettings::default() });
     assert!(found.balance.absorbed[1] == 400.0, "{:?}", found.balance);
 }
 
@@ -182,7 +183,7 @@ fn power_is_neither_made_nor_lost() {
     let lights = (0..60).map(|k| Light::new([0.01 * f64::from(k), 0.2, -1.0], [0.1, -0.15, 1.0], D_NM));
     let beam: Beam = lights.collect();
     for (branches, polarised) in [(Branches::Both, true), (Branches::Both, false), (Branches::Random, true)] {
-        let settings = Settings { branches, polarised, threshold: 1e-5, ..Settings::default() };
+        let settings = TraceSettings { branches, polarised, threshold: 1e-5, ..TraceSettings::default() };
         let balance = trace(&system, &beam, &settings).balance;
         near(balance.error(), 0.0, 1e-12);
         assert!(balance.absorbed_in_media > 0.1 && balance.escaped > 10.0, "{balance:?}");
@@ -222,7 +223,7 @@ fn polarisation_turns_on_helices() {
         .unwrap();
     let mut light = Light::new(Vec3::new(r, 0.0, 1.0), Vec3::new(0.0, w * r, forwards), D_NM);
     light.stokes = Some(Stokes { parameters: [1.0, 1.0, 0.0, 0.0], axis: Vec3::X });
-    let settings = Settings { polarised: true, ..Settings::default() };
+    let settings = TraceSettings { polarised: true, ..TraceSettings::default() };
     let found = trace(&system, &Beam::from_iter([light]), &settings);
     let rows: Vec<Segment> = found.segments.iter().collect();
     let met = rows.iter().position(|row| row.event == Event::Passed).unwrap();
@@ -289,12 +290,12 @@ fn results_do_not_depend_on_threads_and_ends_are_the_last_rows() {
     let system = cemented();
     let lights = directions(3000).map(|d| Light::new(Vec3::new(0.3, -0.4, 2.0) - 20.0 * d, d, D_NM));
     let beam: Beam = lights.collect();
-    let settings = |threads, keep| Settings {
+    let settings = |threads, keep| TraceSettings {
         threads: NonZeroUsize::new(threads),
         keep,
         keep_escaped: false,
         branches: Branches::Random,
-        ..Settings::default()
+        ..TraceSettings::default()
     };
     let all = trace(&system, &beam, &settings(1, Keep::All));
     assert_eq!(all, trace(&system, &beam, &settings(2, Keep::All)));

@@ -11,7 +11,7 @@ use common::{D_NM, ball, block, near, plane, trace};
 use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_optics::gradient::Gradient;
-use rayweave_optics::{Beam, Light, Medium, Segment, Settings, System};
+use rayweave_optics::{Beam, Light, Medium, Segment, System, TraceSettings};
 
 /// A rod along z from 0 to its length.
 fn rod(radius: f64, length: f64) -> Solid {
@@ -24,7 +24,7 @@ fn graded(index: f64, gradient: Gradient) -> Medium {
 
 /// The rows of one ray.
 fn one(system: &System, light: Light) -> Vec<Segment> {
-    trace(system, &Beam::from_iter([light]), &Settings::default()).segments.iter().collect()
+    trace(system, &Beam::from_iter([light]), &TraceSettings::default()).segments.iter().collect()
 }
 
 fn close(found: Vec3, expected: Vec3, tolerance: f64) {

@@ -5,7 +5,7 @@
 use crate::{D_NM, ball, graded, plane, rod, trace};
 use rayweave_math::Vec3;
 use rayweave_optics::gradient::Gradient;
-use rayweave_optics::{Action, Assembly, Beam, Element, Event, Light, Segment, Settings, System};
+use rayweave_optics::{Action, Assembly, Beam, Element, Event, Light, Segment, System, TraceSettings};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -65,7 +65,7 @@ fn begins(row: &Segment) -> Vec3 {
 fn rays(panel: &Panel, system: &System, lights: &[Light], beyond: f64) -> String {
     let ray = |light: &Light| {
         let beam = Beam::from_iter([*light]);
-        let rows: Vec<Segment> = trace(system, &beam, &Settings::default()).segments.iter().collect();
+        let rows: Vec<Segment> = trace(system, &beam, &TraceSettings::default()).segments.iter().collect();
         panel.ray(light, &rows, beyond)
     };
     lights.iter().map(ray).collect()

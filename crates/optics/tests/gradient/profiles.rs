@@ -3,7 +3,9 @@
 use crate::{D_NM, ball, block, close, directions, graded, near, one, plane, rod, trace};
 use rayweave_math::Vec3;
 use rayweave_optics::gradient::{Gradient, IndexField, IndexGrid};
-use rayweave_optics::{Action, Assembly, Beam, Element, Event, Light, Medium, Segment, Settings, System};
+use rayweave_optics::{
+    Action, Assembly, Beam, Element, Event, Light, Medium, Segment, System, TraceSettings,
+};
 use std::sync::Arc;
 
 const N0: f64 = 1.6;
@@ -77,7 +79,7 @@ fn fish_eyes_image_every_point() {
     let mut count = 0;
     for d in steep {
         // light circulates for ever
-        let settings = Settings { generation_limit: 4, ..Settings::default() };
+        let settings = TraceSettings { generation_limit: 4, ..TraceSettings::default() };
         let found = trace(&system, &Beam::from_iter([Light::new(source, d, D_NM)]), &settings);
         let rows: Vec<Segment> = found.segments.iter().collect();
         let met = rows.iter().find(|row| row.event == Event::Passed && row.path > 1.0).unwrap();

@@ -7,7 +7,7 @@ use rayweave::Packets;
 use rayweave::lens::analysis::{Spot, Study, hexapolar};
 use rayweave::lens::prescription::{Prescription, read_zmx};
 use rayweave::optics::file::optics_of;
-use rayweave::optics::{Branches, Emitter, Segments, Settings, System, Tracer};
+use rayweave::optics::{Branches, Emitter, Segments, System, TraceSettings, Tracer};
 use rayweave::scene::load;
 use std::fs;
 use std::path::PathBuf;
@@ -23,8 +23,13 @@ pub fn record(answers: &mut Answers) {
             for (branches, name) in
                 [(Branches::Both, "both"), (Branches::Random, "random"), (Branches::Ideal, "ideal")]
             {
-                let settings =
-                    Settings { branches, polarised, seed: 5, threshold: 1e-4, ..optics.settings.clone() };
+                let settings = TraceSettings {
+                    branches,
+                    polarised,
+                    seed: 5,
+                    threshold: 1e-4,
+                    ..optics.settings.clone()
+                };
                 let hash = traced(&system, &optics.sources, &settings);
                 answers.add(&format!("light/{}/{name}/{polarised}", stem(&path)), hash);
             }
@@ -36,7 +41,7 @@ pub fn record(answers: &mut Answers) {
     }
 }
 
-fn traced(system: &System, light: &impl Emitter, settings: &Settings) -> Hash {
+fn traced(system: &System, light: &impl Emitter, settings: &TraceSettings) -> Hash {
     let mut hash = Hash::new();
     let trace = Tracer::new(system, Packets::new).trace(light, settings).unwrap();
     segments(&mut hash, &trace.segments);
@@ -77,7 +82,8 @@ fn prescribed(lens: &Prescription) -> Hash {
             None => hash.bytes(b"no ray arrives"),
         }
         let beam = lens.beam(field, lens.primary_nm(), &hexapolar(3)).unwrap();
-        let trace = tracer.trace(&beam, &Settings { threshold: 1e-3, ..Settings::default() }).unwrap();
+        let trace =
+            tracer.trace(&beam, &TraceSettings { threshold: 1e-3, ..TraceSettings::default() }).unwrap();
         segments(&mut hash, &trace.segments);
         if let Ok(wavefront) = study.wavefront(field, lens.primary_nm(), &hexapolar(3)) {
             hash.numbers([&wavefront.rms(), &wavefront.peak_to_valley()]);

@@ -6,7 +6,7 @@ use crate::{Answers, root};
 use rayweave::check::{CheckSettings, check};
 use rayweave::diff::{DiffSettings, diff};
 use rayweave::infill::{Filling, Layers, Raster, Slices, infill};
-use rayweave::measure::{Estimate, Settings, measure_scene};
+use rayweave::measure::{Estimate, MeasureSettings, measure_scene};
 use rayweave::picture::{PictureOptions, arrange};
 use rayweave::render::{Size, View};
 use rayweave::scene::{Scene, load};
@@ -41,7 +41,8 @@ fn or_refused<T, X>(hash: &mut Hash, result: Result<T, X>) -> Option<T> {
 
 fn volume(scene: &Scene) -> Hash {
     let mut hash = Hash::new();
-    let settings = Settings { precision: 1e-2, most_rays: 1 << 14, seed: 7, ..Settings::default() };
+    let settings =
+        MeasureSettings { precision: 1e-2, most_rays: 1 << 14, seed: 7, ..MeasureSettings::default() };
     let Some(report) =
         or_refused(&mut hash, measure_scene(scene, None, AnyEvaluator::maker(None), &settings, &mut |_| ()))
     else {
@@ -53,7 +54,7 @@ fn volume(scene: &Scene) -> Hash {
         estimate(&mut hash, &region.measured.area);
         region.measured.centre.iter().flatten().for_each(|part| estimate(&mut hash, part));
         region.measured.inertia.iter().flatten().for_each(|part| estimate(&mut hash, part));
-        region.formula.iter().for_each(|value| hash.number(*value));
+        region.exact_volume.iter().for_each(|value| hash.number(*value));
         region.mass.iter().for_each(|mass| estimate(&mut hash, mass));
     }
     hash

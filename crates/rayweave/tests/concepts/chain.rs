@@ -171,6 +171,10 @@ fn decided(sheet: &mut Sheet, verdict: Verdict, program: &Program, entry: &Entry
 }
 
 /// The first post-order place of the subtree of an operand.
-fn begin(entry: &Entry, operands: &[rayweave::trace::single_hit::Operand; 2], query: usize) -> usize {
+fn begin(
+    entry: &Entry,
+    operands: &[rayweave::trace::single_hit::ExplainedOperand; 2],
+    query: usize,
+) -> usize {
     if query == operands[0].node { entry.begin } else { operands[0].node + 1 }
 }

@@ -2,7 +2,7 @@
 
 use crate::kit::Sheet;
 use rayweave::trace::single_hit::seed_view::{Operator, State, Tables};
-use rayweave::trace::single_hit::{Next, Op, Verdict, decide};
+use rayweave::trace::single_hit::{GateOp, Next, Verdict, decide};
 
 const WIDTH: f64 = 960.0;
 const LEFT: f64 = 20.0;
@@ -14,20 +14,20 @@ const LINE: f64 = 19.0;
 /// complemented.
 struct Operation {
     name: &'static str,
-    op: Op,
+    op: GateOp,
     complements: bool,
     /// The operator of the original tables, if they have it.
     known: Option<Operator>,
 }
 
 fn operations() -> [Operation; 4] {
-    let at_least = |least| Op::AtLeast { least, most: [1, 1] };
+    let at_least = |least| GateOp::AtLeast { least, most: [1, 1] };
     let row = |name, op, complements, known| Operation { name, op, complements, known };
     [
         row("A | B", at_least(1), false, Some(Operator::Union)),
         row("A & B", at_least(2), false, Some(Operator::Intersection)),
         row("A \u{2212} B", at_least(2), true, Some(Operator::Difference)),
-        row("A ^ B", Op::Odd, false, None),
+        row("A ^ B", GateOp::Odd, false, None),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! Fuzz target: bytes as a catalogue of glasses, in the formats AGF and YAML.
 
-use rayweave::optics::glass::{Glass, ReadError, read_agf, read_refractiveindex};
+use rayweave::optics::glass::{Glass, GlassFileError, read_agf, read_refractiveindex};
 
 /// The property: a file is rejected with reasons, and each glass of it has an index within its range that is a number, or a
 /// reason why not.
@@ -12,7 +12,7 @@ pub fn run(data: &[u8]) {
     }
 }
 
-fn check(read: Result<Vec<Glass>, ReadError>) {
+fn check(read: Result<Vec<Glass>, GlassFileError>) {
     let glasses = read.unwrap_or_else(|error| {
         assert!(!error.problems().is_empty() && !error.to_string().is_empty());
         error.into_readable()

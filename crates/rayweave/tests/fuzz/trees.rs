@@ -2,7 +2,7 @@
 
 use crate::bytes::Bytes;
 use rayweave::model::{Collected, Limit, RayBatch, Rays, RegionId};
-use rayweave::shape::primitive::{MANUALS, Parameter, ParameterKind, Unit, Value, build};
+use rayweave::shape::primitive::{MANUALS, Parameter, ParameterKind, ParameterUnit, Value, build};
 use rayweave::{
     Affine, AnyEvaluator, Classified, ErrorKind, Evaluator, Program, Query, Ray, Region, Solid, Vec3, Window,
     explain,
@@ -128,14 +128,14 @@ fn shape(bytes: &mut Bytes<'_>) -> Option<Solid> {
 fn argument(bytes: &mut Bytes<'_>, parameter: &Parameter) -> Value {
     match parameter.kind {
         ParameterKind::Number => match parameter.unit {
-            Unit::Angle => bytes.number(&ANGLES).into(),
+            ParameterUnit::Angle => bytes.number(&ANGLES).into(),
             _ => bytes.number(&SIZES).into(),
         },
         ParameterKind::Count => f64::from(bytes.byte() % 9).into(),
         ParameterKind::Vector3 => point(bytes).into(),
         ParameterKind::NumberOrVector3 => Vec3::new(size(bytes), size(bytes), size(bytes)).into(),
         ParameterKind::Planes => rows(bytes, 7),
-        ParameterKind::Triples => triples(bytes, parameter.unit == Unit::Count),
+        ParameterKind::Triples => triples(bytes, parameter.unit == ParameterUnit::Count),
         ParameterKind::Matrix4 => rows(bytes, 4),
         ParameterKind::Numbers => {
             let count = bytes.below(6);

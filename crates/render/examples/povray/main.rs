@@ -17,7 +17,7 @@ mod similarity;
 
 use peer::Peer;
 use rayweave::picture::{PictureOptions, arrange};
-use rayweave::render::{Image, Run, Settings, Size, png, render};
+use rayweave::render::{Image, RenderOptions, Run, Size, png, render};
 use rayweave::{Compiled, scene};
 use scenes::Comparison;
 use std::error::Error;
@@ -152,7 +152,7 @@ fn thread_nanoseconds() -> Option<u64> {
 fn draw(
     evaluator: &impl rayweave::Evaluator,
     camera: &rayweave::render::Camera,
-    settings: &Settings,
+    settings: &RenderOptions,
 ) -> Result<(f64, Image), Box<dyn Error>> {
     let mut best = f64::INFINITY;
     let mut image = None;

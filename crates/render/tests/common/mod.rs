@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test file uses its part")]
 
 use rayweave_model::{Program, Region, Solid};
-use rayweave_render::{Camera, Image, Plane, Run, Settings, Size, render};
+use rayweave_render::{Camera, Image, PixelGrid, RenderOptions, Run, Size, render};
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Weave;
 use std::num::NonZeroUsize;
@@ -45,11 +45,11 @@ pub fn run(threads: usize) -> Run<'static> {
     Run { threads: NonZeroUsize::new(threads), ..Run::default() }
 }
 
-pub fn draw(weave: &Weave, camera: &Camera, settings: &Settings) -> Image {
+pub fn draw(weave: &Weave, camera: &Camera, settings: &RenderOptions) -> Image {
     render(weave, camera, settings, &mut run(1)).unwrap()
 }
 
 /// A plane as rows of letters.
-pub fn art<T>(plane: &Plane<T>, letter: impl Fn(&T) -> char) -> Vec<String> {
+pub fn art<T>(plane: &PixelGrid<T>, letter: impl Fn(&T) -> char) -> Vec<String> {
     plane.rows().map(|row| row.iter().map(&letter).collect()).collect()
 }

@@ -6,7 +6,7 @@ use super::numbers::{Numbers, cycle_text};
 use crate::datum::{Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
-use crate::expression::{Expression, Operator, Term};
+use crate::expression::{Expression, ExpressionItem, Operator};
 use crate::fault::place_in;
 use crate::number::Number;
 use crate::source::{Span, Spanned};
@@ -185,10 +185,10 @@ impl<'d> Builder<'d> {
         for (term, _) in parts.expression.as_ref()?.terms() {
             let operands = stack.split_off(stack.len() - term.arity());
             stack.push(match term {
-                Term::Name(_) => self.solids.built[needs.next()?.0?].clone()?,
-                Term::Empty => Solid::empty(),
-                Term::Universe => Solid::universe(),
-                Term::Operation(operator, _) => operate(*operator, operands)?,
+                ExpressionItem::Name(_) => self.solids.built[needs.next()?.0?].clone()?,
+                ExpressionItem::Empty => Solid::empty(),
+                ExpressionItem::Universe => Solid::universe(),
+                ExpressionItem::Operation(operator, _) => operate(*operator, operands)?,
             });
         }
         stack.pop()

@@ -3,9 +3,9 @@
 //! then not crossed again, and a surface of degree 2 at most once.
 
 use super::cone;
-use super::facet::{Facet, Kernel};
+use super::facet::{Kernel, LaneFacet};
 use super::ray::{LaneRay, Uncertain, infinite};
-use super::span::{Gap, Span};
+use super::span::{Gap, LaneSpan};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use crate::surface::{Cylinder, Plane, Sphere};
 use fearless_simd::Simd;
@@ -33,15 +33,15 @@ struct Again<S: Simd> {
     slow: Mask<S>,
 }
 
-impl Facet {
-    /// [`Facet::narrow`] for rays some of which may start on the surface of the facet.
+impl LaneFacet {
+    /// [`LaneFacet::narrow`] for rays some of which may start on the surface of the facet.
     #[inline(always)]
     pub fn narrow_from<S: Simd>(
         &self,
         simd: S,
         ray: &LaneRay<S>,
         starts: &LaneStarts<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         let [low, high] = self.surfaces;
@@ -59,9 +59,9 @@ impl Facet {
     }
 
     /// The two faces of a slab as separate facets.
-    fn planes(&self) -> Option<[Facet; 2]> {
+    fn planes(&self) -> Option<[LaneFacet; 2]> {
         let [low, high] = self.surfaces;
-        let plane = |kernel: Kernel, inside: bool, face: f64, surface: f64| Facet {
+        let plane = |kernel: Kernel, inside: bool, face: f64, surface: f64| LaneFacet {
             kernel,
             inside,
             face,
@@ -75,7 +75,7 @@ impl Facet {
                 let below = plane(kernel(-1.0, slab.low.0), true, slab.low.1, low);
                 Some([below, plane(kernel(1.0, slab.high.0), true, slab.high.1, high)])
             }
-            Kernel::Slab(slab) => {
+            Kernel::LaneSlab(slab) => {
                 let [below, above] = slab.turned;
                 let kernel = |normal: Vec3, offset: f64, turned: bool| {
                     let sign = if turned { -1.0 } else { 1.0 };
@@ -95,7 +95,7 @@ impl Facet {
         simd: S,
         ray: &LaneRay<S>,
         starts: &LaneStarts<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         let (ray, starts, mut copies) = (*ray, *starts, (*span, *uncertain));
@@ -113,7 +113,7 @@ impl Facet {
         simd: S,
         ray: &LaneRay<S>,
         starts: &LaneStarts<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         let is_listed = starts.surface.simd_eq(self.surfaces[0]);
@@ -146,7 +146,7 @@ impl Facet {
         simd: S,
         ray: &LaneRay<S>,
         inside: Mask<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) {
         let Again { t, unsure, slow } = self.kernel.again(simd, ray, inside);
@@ -209,7 +209,7 @@ impl Kernel {
 
     /// True if [`Kernel::value_and_gradient`] supports the surface: all except tori and slabs.
     pub fn has_value(&self) -> bool {
-        !matches!(self, Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Torus(_))
+        !matches!(self, Kernel::AxisSlab(_) | Kernel::LaneSlab(_) | Kernel::Torus(_))
     }
 
     /// f and its gradient at some points, equal to
@@ -229,7 +229,7 @@ impl Kernel {
             Kernel::AxisCylinder(cylinder) => at_cylinder(simd, &cylinder.general(), point),
             Kernel::Cone(cone) => cone::value_and_gradient(simd, cone, point),
             Kernel::Quadric(quadric) => quadric.value_and_gradient(simd, point),
-            Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Torus(_) => {
+            Kernel::AxisSlab(_) | Kernel::LaneSlab(_) | Kernel::Torus(_) => {
                 (splat(simd, 0.0), Vec3Lanes::splat(simd, Vec3::ZERO))
             }
         }

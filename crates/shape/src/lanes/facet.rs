@@ -4,7 +4,7 @@ use super::axis::{AxisCylinder, AxisSlab, axis_of_plane};
 use super::quadratic::Roots;
 use super::quadric::LaneQuadric;
 use super::ray::{LaneRay, Uncertain};
-use super::span::{Gap, Span};
+use super::span::{Gap, LaneSpan};
 use super::torus::{LaneTorus, TorusInterval};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use crate::surface::{Cone, Cylinder, DOT_NOISE, Plane, Sphere, Surface};
@@ -35,7 +35,7 @@ pub enum Kernel {
     /// Two opposite faces of an axis-parallel box.
     AxisSlab(AxisSlab),
     /// Two opposite faces of a box in any direction.
-    Slab(Slab),
+    LaneSlab(LaneSlab),
     /// A cone.
     Cone(Cone),
     /// Any other surface of degree 2. (Boxed, as large kernels are rare: tables of facets fit nearer caches.)
@@ -46,7 +46,7 @@ pub enum Kernel {
 
 /// Two parallel planes that face away from each other.
 #[derive(Clone, Copy, Debug)]
-pub struct Slab {
+pub struct LaneSlab {
     /// Unit normal of the high plane.
     pub normal: Vec3,
     /// Offset of the plane with the opposite normal, and the number of its face.
@@ -95,7 +95,7 @@ fn axis_plane(plane: &Plane) -> Option<Kernel> {
 
 /// A side of a surface that bounds a leaf.
 #[derive(Clone, Debug)]
-pub struct Facet {
+pub struct LaneFacet {
     /// The surface.
     pub kernel: Kernel,
     /// True if the leaf lies where f < 0.
@@ -104,18 +104,18 @@ pub struct Facet {
     pub face: f64,
     /// Number of the surface, twice; for two faces of a box, those of the lower and the higher one.
     pub surfaces: [f64; 2],
-    /// Number of the gap that the facet may cut out of the span of its leaf, from 1: see [`Facet::can_gap`].
+    /// Number of the gap that the facet may cut out of the span of its leaf, from 1: see [`LaneFacet::can_gap`].
     pub gap: u32,
     /// True if the other facets leave at most one piece of the span of this one, whatever gap it has. Rays for which this
     /// fails are uncertain; such a facet must be the last.
     pub is_one_piece: bool,
 }
 
-impl Facet {
+impl LaneFacet {
     /// True if the facet may hold before and after some interval, but not within it.
     pub fn can_gap(&self) -> bool {
         match &self.kernel {
-            Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Plane(_) => false,
+            Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::LaneSlab(_) | Kernel::Plane(_) => false,
             Kernel::Sphere(_) | Kernel::Cylinder(_) | Kernel::AxisCylinder(_) => !self.inside,
             Kernel::Quadric(quadric) => !self.inside || quadric.may_open,
             Kernel::Cone(_) | Kernel::Torus(_) => true,
@@ -128,7 +128,7 @@ impl Facet {
     }
 
     /// This facet and the next one of the same leaf as a single slab, if they are opposite faces of a box.
-    pub fn joined(&self, next: &Facet) -> Option<Facet> {
+    pub fn joined(&self, next: &LaneFacet) -> Option<LaneFacet> {
         let (here, there) = (self.surfaces[0], next.surfaces[0]);
         let (kernel, surfaces) = match (&self.kernel, &next.kernel) {
             (
@@ -146,11 +146,11 @@ impl Facet {
                 }
                 let (low, normal) = ((low.offset, next.face), high.normal);
                 let (high, turned) = ((high.offset, self.face), [!next.inside, !self.inside]);
-                (Kernel::Slab(Slab { normal, low, high, turned }), [there, here])
+                (Kernel::LaneSlab(LaneSlab { normal, low, high, turned }), [there, here])
             }
             _ => return None,
         };
-        Some(Facet { kernel, surfaces, inside: true, ..self.clone() })
+        Some(LaneFacet { kernel, surfaces, inside: true, ..self.clone() })
     }
 
     /// The plane with the sign for which the facet is its inside. Exact, here and along a ray.
@@ -167,7 +167,7 @@ impl Facet {
         &self,
         simd: S,
         ray: &LaneRay<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         match &self.kernel {
@@ -206,7 +206,7 @@ impl Facet {
                 let (from, to) = cylinder_times(simd, &across, ray, uncertain);
                 self.apply_interval(simd, from, to, span)
             }
-            Kernel::AxisSlab(_) | Kernel::Slab(_) => {
+            Kernel::AxisSlab(_) | Kernel::LaneSlab(_) => {
                 self.slab(simd, ray, span, uncertain);
                 None
             }
@@ -224,13 +224,13 @@ impl Facet {
         }
     }
 
-    /// Lane version of [`Facet::narrow`] for surfaces with long kernels.
+    /// Lane version of [`LaneFacet::narrow`] for surfaces with long kernels.
     #[inline(always)]
     fn narrow_curved<S: Simd>(
         &self,
         simd: S,
         ray: &LaneRay<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         match &self.kernel {
@@ -253,7 +253,7 @@ impl Facet {
         simd: S,
         torus: &LaneTorus,
         ray: &LaneRay<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) -> Gap<S> {
         let approach = torus.approach(ray);
@@ -275,13 +275,13 @@ impl Facet {
 
     /// Two parallel planes that face away from each other: crossed at the same speed, one after the other.
     #[inline(always)]
-    fn slab<S: Simd>(&self, simd: S, ray: &LaneRay<S>, span: &mut Span<S>, uncertain: &mut Uncertain<S>) {
+    fn slab<S: Simd>(&self, simd: S, ray: &LaneRay<S>, span: &mut LaneSpan<S>, uncertain: &mut Uncertain<S>) {
         let (origin, speed, low, high) = match &self.kernel {
             Kernel::AxisSlab(AxisSlab { axis, low, high }) => {
                 let axis = (*axis).into();
                 (ray.origin.component(axis), ray.direction.component(axis), *low, *high)
             }
-            Kernel::Slab(Slab { normal, low, high, .. }) => {
+            Kernel::LaneSlab(LaneSlab { normal, low, high, .. }) => {
                 (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high)
             }
             _ => return,
@@ -322,7 +322,7 @@ impl Facet {
         ray: &LaneRay<S>,
         roots: &Roots<S>,
         bend: f64,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) -> Option<Gap<S>> {
         let [plus, minus] = super::ray::infinite(simd);
@@ -349,7 +349,7 @@ impl Facet {
     }
 
     #[inline(always)]
-    fn meets_ends<S: Simd>(roots: &Roots<S>, span: &Span<S>) -> Mask<S> {
+    fn meets_ends<S: Simd>(roots: &Roots<S>, span: &LaneSpan<S>) -> Mask<S> {
         let (from, to) = (roots.from, roots.to);
         let meets =
             from.simd_eq(span.from) | from.simd_eq(span.to) | to.simd_eq(span.from) | to.simd_eq(span.to);
@@ -363,7 +363,7 @@ impl Facet {
         simd: S,
         from: Lanes<S>,
         to: Lanes<S>,
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
     ) -> Option<Gap<S>> {
         if !self.inside {
             return Some(Gap { from, to });
@@ -380,7 +380,7 @@ impl Facet {
         simd: S,
         ray: &LaneRay<S>,
         [height, speed]: [Lanes<S>; 2],
-        span: &mut Span<S>,
+        span: &mut LaneSpan<S>,
         uncertain: &mut Uncertain<S>,
     ) {
         let t = height / speed + 0.0;

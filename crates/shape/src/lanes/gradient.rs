@@ -8,7 +8,7 @@ use rayweave_math::Vec3;
 
 /// Data for the gradient of a surface.
 #[derive(Clone, Debug)]
-pub enum Gradient {
+pub enum LaneGradient {
     /// Constant gradient.
     Plane(Plane),
     /// Parallel to the line from the centre.
@@ -25,17 +25,17 @@ pub enum Gradient {
     AffineTorus(Box<AffineTorus>),
 }
 
-impl Gradient {
+impl LaneGradient {
     /// The gradient of a surface; `None` for an object.
-    pub fn of(surface: &Surface) -> Option<Gradient> {
+    pub fn of(surface: &Surface) -> Option<LaneGradient> {
         Some(match surface {
-            Surface::Plane(plane) => Gradient::Plane(*plane),
-            Surface::Sphere(sphere) => Gradient::Sphere(*sphere),
-            Surface::Cylinder(cylinder) => Gradient::Cylinder(*cylinder),
-            Surface::Cone(cone) => Gradient::Cone(*cone),
-            Surface::Quadric(quadric) => Gradient::Quadric(quadric.clone()),
-            Surface::Torus(torus) => Gradient::Torus(Box::new(*torus)),
-            Surface::AffineTorus(torus) => Gradient::AffineTorus(torus.clone()),
+            Surface::Plane(plane) => LaneGradient::Plane(*plane),
+            Surface::Sphere(sphere) => LaneGradient::Sphere(*sphere),
+            Surface::Cylinder(cylinder) => LaneGradient::Cylinder(*cylinder),
+            Surface::Cone(cone) => LaneGradient::Cone(*cone),
+            Surface::Quadric(quadric) => LaneGradient::Quadric(quadric.clone()),
+            Surface::Torus(torus) => LaneGradient::Torus(Box::new(*torus)),
+            Surface::AffineTorus(torus) => LaneGradient::AffineTorus(torus.clone()),
             Surface::Object(_) => return None,
         })
     }
@@ -44,13 +44,13 @@ impl Gradient {
     #[inline(always)]
     pub fn at<S: Simd>(&self, simd: S, points: Vec3Lanes<S>) -> Vec3Lanes<S> {
         match self {
-            Gradient::Plane(plane) => Vec3Lanes::splat(simd, plane.normal),
-            Gradient::Sphere(sphere) => twice(points.minus_all(sphere.centre)),
-            Gradient::Cylinder(s) => twice(points.minus_all(s.point).perpendicular(s.axis)),
-            Gradient::Cone(cone) => of_cone(cone, points),
-            Gradient::Quadric(quadric) => of_quadric(quadric, points),
-            Gradient::Torus(torus) => of_torus(simd, torus, points),
-            Gradient::AffineTorus(image) => {
+            LaneGradient::Plane(plane) => Vec3Lanes::splat(simd, plane.normal),
+            LaneGradient::Sphere(sphere) => twice(points.minus_all(sphere.centre)),
+            LaneGradient::Cylinder(s) => twice(points.minus_all(s.point).perpendicular(s.axis)),
+            LaneGradient::Cone(cone) => of_cone(cone, points),
+            LaneGradient::Quadric(quadric) => of_quadric(quadric, points),
+            LaneGradient::Torus(torus) => of_torus(simd, torus, points),
+            LaneGradient::AffineTorus(image) => {
                 let map = &image.local_from_world;
                 let local = points.minus_all(image.centre).dots([map.row(0), map.row(1), map.row(2)]);
                 of_torus(simd, &image.torus, local).dots([map.x_axis, map.y_axis, map.z_axis])

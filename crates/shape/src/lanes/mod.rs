@@ -22,10 +22,10 @@ mod vector;
 
 pub use axis::{AxisCylinder, AxisSlab};
 pub use departure::LaneStarts;
-pub use facet::{Facet, Kernel, Slab};
-pub use gradient::Gradient;
+pub use facet::{Kernel, LaneFacet, LaneSlab};
+pub use gradient::LaneGradient;
 pub use quadric::LaneQuadric;
 pub use ray::{LaneLimits, LaneRay, Uncertain};
-pub use span::{Gap, Span};
+pub use span::{Gap, LaneSpan};
 pub use torus::LaneTorus;
 pub use vector::{LANES, Lanes, Mask, Vec3Lanes, splat};

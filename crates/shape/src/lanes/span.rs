@@ -6,7 +6,7 @@ use fearless_simd::prelude::*;
 
 /// An interval of each ray in which all facets so far hold, with the faces at its ends; empty unless `from < to`.
 #[derive(Clone, Copy, Debug)]
-pub struct Span<S: Simd> {
+pub struct LaneSpan<S: Simd> {
     /// Start of the interval.
     pub from: Lanes<S>,
     /// End of the interval.
@@ -35,7 +35,7 @@ impl<S: Simd> Gap<S> {
 
     /// True for the pieces of a span before and after the gap that are not empty.
     #[inline(always)]
-    pub(super) fn pieces(&self, span: &Span<S>) -> [Mask<S>; 2] {
+    pub(super) fn pieces(&self, span: &LaneSpan<S>) -> [Mask<S>; 2] {
         let exists = self.from.simd_lt(self.to);
         let before = span.from.simd_lt(self.from.min(span.to));
         let after = self.to.max(span.from).simd_lt(span.to);
@@ -43,13 +43,13 @@ impl<S: Simd> Gap<S> {
     }
 }
 
-impl<S: Simd> Span<S> {
+impl<S: Simd> LaneSpan<S> {
     /// The whole line.
     #[inline(always)]
     pub fn line(simd: S) -> Self {
         let [plus, minus] = super::ray::infinite(simd);
         let none = splat(simd, -1.0);
-        Span { from: minus, to: plus, from_face: none, to_face: none }
+        LaneSpan { from: minus, to: plus, from_face: none, to_face: none }
     }
 
     /// Clamps the start to `t`, where the ray crosses `face`; at equal times the old face stays. Returns the lanes that

@@ -26,7 +26,7 @@
 
 use super::sag::{above, checked};
 use super::shape::between;
-use super::{Arguments, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::sag::{Base, Description, Sag};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -109,16 +109,16 @@ impl Shape for Asphere {
     const NAME: &'static str = "asphere";
     const EQUATION: &'static str = "r < aperture, curvature r^2 / (1 + sqrt(1 - (1 + conic) curvature^2 r^2)) + sum of terms < z < height";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number("aperture", Unit::Length, Range::Positive, "radius of the aperture"),
+        Parameter::number("aperture", ParameterUnit::Length, Range::Positive, "radius of the aperture"),
         Parameter::number(
             "curvature",
-            Unit::None,
+            ParameterUnit::None,
             Range::Finite,
             "one over the radius of curvature at the vertex; positive if the surface bends towards +z",
         ),
         Parameter::number(
             "conic",
-            Unit::None,
+            ParameterUnit::None,
             Range::Finite,
             "conic constant: 0 for a sphere, -1 for a paraboloid",
         )
@@ -127,7 +127,7 @@ impl Shape for Asphere {
         Parameter::list("odd", "coefficients of r, r^3, r^5, ..."),
         Parameter::number(
             "height",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::PositiveOrInfinite,
             "height of the flat end above the vertex",
         )

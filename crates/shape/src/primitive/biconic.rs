@@ -20,7 +20,7 @@
 
 use super::sag::{above, checked};
 use super::shape::between;
-use super::{Arguments, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::sag::{Base, Description, Sag};
 use std::sync::Arc;
 
@@ -80,21 +80,21 @@ impl Biconic {
 }
 
 const fn curvature(name: &'static str, summary: &'static str) -> Parameter {
-    Parameter::number(name, Unit::None, Range::Finite, summary)
+    Parameter::number(name, ParameterUnit::None, Range::Finite, summary)
 }
 
 impl Shape for Biconic {
     const NAME: &'static str = "biconic";
     const EQUATION: &'static str = "x^2 + y^2 < aperture^2, (cx x^2 + cy y^2) / (1 + sqrt(1 - (1 + kx) cx^2 x^2 - (1 + ky) cy^2 y^2)) < z < height";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number("aperture", Unit::Length, Range::Positive, "radius of the aperture"),
+        Parameter::number("aperture", ParameterUnit::Length, Range::Positive, "radius of the aperture"),
         curvature("curvature_x", "curvature at the vertex along x; positive if the surface bends towards +z"),
         curvature("curvature_y", "curvature at the vertex along y"),
         curvature("conic_x", "conic constant along x").or(0.0),
         curvature("conic_y", "conic constant along y").or(0.0),
         Parameter::number(
             "height",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::PositiveOrInfinite,
             "height of the flat end above the vertex",
         )

@@ -15,7 +15,9 @@
 
 use super::parameter::check_increasing;
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 
@@ -52,14 +54,14 @@ impl Shape for BoxFromCorners {
         Parameter::new(
             "lo",
             ParameterKind::Vector3,
-            Unit::Length,
+            ParameterUnit::Length,
             Range::Finite,
             "the corner with the smallest coordinates",
         ),
         Parameter::new(
             "hi",
             ParameterKind::Vector3,
-            Unit::Length,
+            ParameterUnit::Length,
             Range::Finite,
             "the corner with the greatest coordinates",
         ),

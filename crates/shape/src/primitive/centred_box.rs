@@ -14,7 +14,7 @@
 
 use super::box_from_corners::{FACES, between_corners};
 use super::shape::between;
-use super::{Arguments, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value};
 use rayweave_math::Vec3;
 
 /// A box centred at the origin: [the manual page](self).
@@ -41,7 +41,7 @@ impl Shape for CentredBox {
     const PARAMETERS: &'static [Parameter] = &[Parameter::new(
         "size",
         ParameterKind::NumberOrVector3,
-        Unit::Length,
+        ParameterUnit::Length,
         Range::Positive,
         "whole extents along x, y and z",
     )];

@@ -17,7 +17,7 @@
 
 use super::lowered::{caps, pillar};
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::Surface;
 use rayweave_math::{Mat3, Vec3};
 use std::f64::consts::PI;
@@ -73,9 +73,9 @@ impl Shape for Cone {
     const EQUATION: &'static str =
         "x^2 + y^2 < (radius1 + (radius2 - radius1) (z/height + 1/2))^2, |z| < height/2";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number("radius1", Unit::Length, Range::NotNegative, "radius at z = -height/2"),
-        Parameter::number("radius2", Unit::Length, Range::NotNegative, "radius at z = height/2"),
-        Parameter::number("height", Unit::Length, Range::Positive, "whole extent along z"),
+        Parameter::number("radius1", ParameterUnit::Length, Range::NotNegative, "radius at z = -height/2"),
+        Parameter::number("radius2", ParameterUnit::Length, Range::NotNegative, "radius at z = height/2"),
+        Parameter::number("height", ParameterUnit::Length, Range::Positive, "whole extent along z"),
     ];
     const FACES: &'static [&'static str] = &["side", "bottom", "top"];
 

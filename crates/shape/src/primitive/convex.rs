@@ -17,7 +17,9 @@
 use super::half_space::{check_plane, random_normal};
 use super::shape::between;
 use super::support::polyhedron_bounds;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::{Plane, Surface};
 use rayweave_math::Vec3;
 
@@ -44,7 +46,7 @@ impl Shape for Convex {
     const PARAMETERS: &'static [Parameter] = &[Parameter::new(
         "planes",
         ParameterKind::Planes,
-        Unit::None,
+        ParameterUnit::None,
         Range::Direction,
         "rows (a, b, c, d): outward normal, of any length, and the value of normal . p on the plane",
     )];

@@ -15,7 +15,7 @@
 
 use super::lowered::{caps, pillar};
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::Surface;
 use rayweave_math::Vec3;
 use std::f64::consts::PI;
@@ -38,8 +38,13 @@ impl Shape for Cylinder {
     const NAME: &'static str = "cylinder";
     const EQUATION: &'static str = "x^2 + y^2 < radius^2, |z| < height/2";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number("radius", Unit::Length, Range::Positive, "distance of the side from the axis"),
-        Parameter::number("height", Unit::Length, Range::PositiveOrInfinite, "whole extent along z")
+        Parameter::number(
+            "radius",
+            ParameterUnit::Length,
+            Range::Positive,
+            "distance of the side from the axis",
+        ),
+        Parameter::number("height", ParameterUnit::Length, Range::PositiveOrInfinite, "whole extent along z")
             .or(f64::INFINITY),
     ];
     const FACES: &'static [&'static str] = &["side", "bottom", "top"];

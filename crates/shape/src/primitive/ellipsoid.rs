@@ -13,7 +13,9 @@
 //! Volume: 4/3 pi radii\[0\] radii\[1\] radii\[2\], the affine image of the unit ball.
 
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Mat3, Vec3};
 use std::f64::consts::PI;
@@ -52,7 +54,7 @@ impl Shape for Ellipsoid {
     const PARAMETERS: &'static [Parameter] = &[Parameter::new(
         "radii",
         ParameterKind::Vector3,
-        Unit::Length,
+        ParameterUnit::Length,
         Range::Positive,
         "half axes along x, y and z",
     )];

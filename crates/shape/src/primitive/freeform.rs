@@ -23,7 +23,7 @@
 
 use super::sag::{above, checked};
 use super::shape::between;
-use super::{Arguments, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::sag::{Base, Description, Sag, Zernike, zernike_terms};
 use std::sync::Arc;
 
@@ -103,27 +103,27 @@ impl Shape for Freeform {
     const EQUATION: &'static str =
         "x^2 + y^2 < aperture^2, conic + sum of terms of x / norm_radius and y / norm_radius < z < height";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::number("aperture", Unit::Length, Range::Positive, "radius of the aperture"),
+        Parameter::number("aperture", ParameterUnit::Length, Range::Positive, "radius of the aperture"),
         Parameter::number(
             "curvature",
-            Unit::None,
+            ParameterUnit::None,
             Range::Finite,
             "one over the radius of curvature of the base; positive if it bends towards +z",
         )
         .or(0.0),
-        Parameter::number("conic", Unit::None, Range::Finite, "conic constant of the base").or(0.0),
+        Parameter::number("conic", ParameterUnit::None, Range::Finite, "conic constant of the base").or(0.0),
         Parameter::list("xy", "coefficients of x, y, x^2, x y, y^2, x^3, x^2 y, ..., lengths"),
         Parameter::list("zernike", "coefficients of Noll's Z1, Z2, ..., lengths"),
         Parameter::number(
             "norm_radius",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::NotNegative,
             "length by which x and y are divided; 0 for that of the aperture",
         )
         .or(0.0),
         Parameter::number(
             "height",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::PositiveOrInfinite,
             "height of the flat end above the origin",
         )

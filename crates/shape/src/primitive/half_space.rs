@@ -14,7 +14,9 @@
 
 use super::parameter::check_length;
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::{Plane, Surface};
 use rayweave_math::{Bounds, Vec3};
 
@@ -68,13 +70,13 @@ impl Shape for HalfSpace {
         Parameter::new(
             "normal",
             ParameterKind::Vector3,
-            Unit::None,
+            ParameterUnit::None,
             Range::Direction,
             "direction out of the solid, of any length",
         ),
         Parameter::number(
             "offset",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::Finite,
             "value of normal . p on the plane: its distance from the origin if the normal is of unit length",
         ),

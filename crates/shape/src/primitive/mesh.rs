@@ -18,7 +18,9 @@
 //! (S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2, 2013).
 
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::{MeshForm, Object, Surface};
 use rayweave_math::Vec3;
 use rayweave_mesh::Polyhedron;
@@ -74,11 +76,17 @@ impl Shape for Mesh {
     const EQUATION: &'static str =
         "a line from (x, y, z) to infinity crosses the triangles an odd number of times";
     const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("vertices", ParameterKind::Triples, Unit::Length, Range::Finite, "the points"),
+        Parameter::new(
+            "vertices",
+            ParameterKind::Triples,
+            ParameterUnit::Length,
+            Range::Finite,
+            "the points",
+        ),
         Parameter::new(
             "faces",
             ParameterKind::Triples,
-            Unit::Count,
+            ParameterUnit::Count,
             Range::Whole(0, (1 << 28) - 1),
             "triangles: the numbers of their three corners, from 0",
         ),

@@ -40,7 +40,7 @@ pub use arguments::Arguments;
 pub use error::ShapeError;
 pub use lowered::{Facet, Lowered};
 pub use manual::{Manual, parameter_table};
-pub use parameter::{Parameter, ParameterKind, Range, Unit};
+pub use parameter::{Parameter, ParameterKind, ParameterUnit, Range};
 pub use shape::Shape;
 pub use value::Value;
 

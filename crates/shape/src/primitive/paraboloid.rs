@@ -16,7 +16,7 @@
 //! Spheroids*).
 
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Mat3, Vec3};
 use std::f64::consts::PI;
@@ -41,13 +41,13 @@ impl Shape for Paraboloid {
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::number(
             "focal_length",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::Positive,
             "height of the focus above the vertex",
         ),
         Parameter::number(
             "height",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::PositiveOrInfinite,
             "height of the end above the vertex",
         )

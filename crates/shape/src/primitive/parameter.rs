@@ -12,7 +12,7 @@ pub struct Parameter {
     /// Kind of the value.
     pub kind: ParameterKind,
     /// Unit of its numbers.
-    pub unit: Unit,
+    pub unit: ParameterUnit,
     /// Range of each of its numbers.
     pub range: Range,
     /// Default value; `None` if the parameter is required, or is a list, which is then empty by default.
@@ -80,7 +80,7 @@ impl fmt::Display for ParameterKind {
 
 /// Unit of a parameter's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Unit {
+pub enum ParameterUnit {
     /// The length unit of the document.
     Length,
     /// Degrees.
@@ -91,13 +91,13 @@ pub enum Unit {
     None,
 }
 
-impl fmt::Display for Unit {
+impl fmt::Display for ParameterUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Unit::Length => "length",
-            Unit::Angle => "degrees",
-            Unit::Count => "count",
-            Unit::None => "none",
+            ParameterUnit::Length => "length",
+            ParameterUnit::Angle => "degrees",
+            ParameterUnit::Count => "count",
+            ParameterUnit::None => "none",
         })
     }
 }
@@ -167,7 +167,7 @@ impl Parameter {
     /// A required number.
     pub(super) const fn number(
         name: &'static str,
-        unit: Unit,
+        unit: ParameterUnit,
         range: Range,
         summary: &'static str,
     ) -> Parameter {
@@ -178,7 +178,7 @@ impl Parameter {
     pub(super) const fn new(
         name: &'static str,
         kind: ParameterKind,
-        unit: Unit,
+        unit: ParameterUnit,
         range: Range,
         summary: &'static str,
     ) -> Parameter {
@@ -193,7 +193,7 @@ impl Parameter {
 
     /// An optional list of numbers without a unit.
     pub(super) const fn list(name: &'static str, summary: &'static str) -> Parameter {
-        Parameter::new(name, ParameterKind::Numbers, Unit::None, Range::Finite, summary)
+        Parameter::new(name, ParameterKind::Numbers, ParameterUnit::None, Range::Finite, summary)
     }
 
     /// Default value; `None` if the parameter is required.
@@ -262,8 +262,10 @@ impl Parameter {
             });
         }
         match self.unit {
-            Unit::Length if value.is_finite() => check_length(shape, self.name, index, value),
-            Unit::Length | Unit::Angle | Unit::Count | Unit::None => Ok(()),
+            ParameterUnit::Length if value.is_finite() => check_length(shape, self.name, index, value),
+            ParameterUnit::Length | ParameterUnit::Angle | ParameterUnit::Count | ParameterUnit::None => {
+                Ok(())
+            }
         }
     }
 }

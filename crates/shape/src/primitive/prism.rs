@@ -17,7 +17,9 @@
 
 use super::lowered::caps;
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3, sin_cos_degrees, unit_vector_degrees};
 
@@ -63,12 +65,17 @@ impl Shape for Prism {
         Parameter::new(
             "sides",
             ParameterKind::Count,
-            Unit::Count,
+            ParameterUnit::Count,
             Range::Whole(3, 4096),
             "number of sides of the polygon",
         ),
-        Parameter::number("radius", Unit::Length, Range::Positive, "distance of its vertices from the axis"),
-        Parameter::number("height", Unit::Length, Range::PositiveOrInfinite, "whole extent along z"),
+        Parameter::number(
+            "radius",
+            ParameterUnit::Length,
+            Range::Positive,
+            "distance of its vertices from the axis",
+        ),
+        Parameter::number("height", ParameterUnit::Length, Range::PositiveOrInfinite, "whole extent along z"),
     ];
     const FACES: &'static [&'static str] = &["side0..sideN-1", "bottom", "top"];
 

@@ -21,7 +21,9 @@
 
 use super::half_space::check_plane;
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::Surface;
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 
@@ -64,7 +66,7 @@ impl Shape for Quadric {
     const PARAMETERS: &'static [Parameter] = &[Parameter::new(
         "matrix",
         ParameterKind::Matrix4,
-        Unit::None,
+        ParameterUnit::None,
         Range::Finite,
         "symmetric matrix Q of the equation",
     )];

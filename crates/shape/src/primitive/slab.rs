@@ -15,7 +15,9 @@
 use super::half_space::{check_plane, layer_bounds, random_normal};
 use super::parameter::check_increasing;
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, ParameterKind, Range, Shape, ShapeError, Unit, Value};
+use super::{
+    Arguments, Facet, Lowered, Parameter, ParameterKind, ParameterUnit, Range, Shape, ShapeError, Value,
+};
 use crate::surface::Surface;
 use rayweave_math::Vec3;
 
@@ -41,12 +43,22 @@ impl Shape for Slab {
         Parameter::new(
             "normal",
             ParameterKind::Vector3,
-            Unit::None,
+            ParameterUnit::None,
             Range::Direction,
             "direction across the slab, of any length",
         ),
-        Parameter::number("lo", Unit::Length, Range::Finite, "value of normal . p on the first plane"),
-        Parameter::number("hi", Unit::Length, Range::Finite, "value of normal . p on the second plane"),
+        Parameter::number(
+            "lo",
+            ParameterUnit::Length,
+            Range::Finite,
+            "value of normal . p on the first plane",
+        ),
+        Parameter::number(
+            "hi",
+            ParameterUnit::Length,
+            Range::Finite,
+            "value of normal . p on the second plane",
+        ),
     ];
     const FACES: &'static [&'static str] = &["lo", "hi"];
 

@@ -11,7 +11,7 @@
 //! Volume: 4/3 pi radius^3 (Archimedes, *On the Sphere and Cylinder*).
 
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 use std::f64::consts::PI;
@@ -34,7 +34,7 @@ impl Shape for Sphere {
     const EQUATION: &'static str = "x^2 + y^2 + z^2 < radius^2";
     const PARAMETERS: &'static [Parameter] = &[Parameter::number(
         "radius",
-        Unit::Length,
+        ParameterUnit::Length,
         Range::Positive,
         "distance of the surface from the centre",
     )];

@@ -18,7 +18,7 @@
 //! = sqrt(m^2 - major^2), the height at which the skin meets the axis.
 
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3};
 use std::f64::consts::PI;
@@ -43,11 +43,11 @@ impl Shape for Torus {
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::number(
             "major",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::Positive,
             "radius of the circle in the middle of the tube",
         ),
-        Parameter::number("minor", Unit::Length, Range::Positive, "radius of the tube"),
+        Parameter::number("minor", ParameterUnit::Length, Range::Positive, "radius of the tube"),
     ];
     const FACES: &'static [&'static str] = &["side"];
 

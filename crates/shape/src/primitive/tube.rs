@@ -18,7 +18,7 @@
 use super::lowered::{caps, pillar};
 use super::parameter::check_increasing;
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::Surface;
 use rayweave_math::Vec3;
 use std::f64::consts::PI;
@@ -44,17 +44,17 @@ impl Shape for Tube {
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::number(
             "outer_radius",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::Positive,
             "distance of the outer side from the axis",
         ),
         Parameter::number(
             "inner_radius",
-            Unit::Length,
+            ParameterUnit::Length,
             Range::NotNegative,
             "distance of the wall of the hole from the axis",
         ),
-        Parameter::number("height", Unit::Length, Range::PositiveOrInfinite, "whole extent along z"),
+        Parameter::number("height", ParameterUnit::Length, Range::PositiveOrInfinite, "whole extent along z"),
     ];
     const FACES: &'static [&'static str] = &["outer", "inner", "bottom", "top"];
 

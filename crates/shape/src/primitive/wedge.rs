@@ -14,7 +14,7 @@
 //! sides of the axes that the sector does not contain.
 
 use super::shape::between;
-use super::{Arguments, Facet, Lowered, Parameter, Range, Shape, ShapeError, Unit, Value};
+use super::{Arguments, Facet, Lowered, Parameter, ParameterUnit, Range, Shape, ShapeError, Value};
 use crate::surface::Surface;
 use rayweave_math::{Bounds, Vec3, unit_vector_degrees};
 
@@ -65,13 +65,13 @@ impl Shape for Wedge {
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::number(
             "start_degrees",
-            Unit::Angle,
+            ParameterUnit::Angle,
             Range::Finite,
             "angle of the first face, from +x towards +y",
         ),
         Parameter::number(
             "sweep_degrees",
-            Unit::Angle,
+            ParameterUnit::Angle,
             Range::Between(0.0, 360.0),
             "angle from the first face to the second",
         ),

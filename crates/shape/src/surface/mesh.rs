@@ -11,7 +11,7 @@ use super::object::{Departing, Form};
 use super::{Perturbation, coincides_between};
 use crate::Ray;
 use rayweave_math::{Bounds, Interval, UNIT_ROUNDOFF, Vec3};
-use rayweave_mesh::{Crossing, Line, Polyhedron};
+use rayweave_mesh::{Line, MeshCrossing, Polyhedron};
 use std::any::Any;
 use std::cell::RefCell;
 
@@ -23,7 +23,7 @@ pub struct MeshForm {
 
 thread_local! {
     /// Buffer for the crossings of one line, so that rays do not allocate.
-    static FOUND: RefCell<Vec<Crossing>> = const { RefCell::new(Vec::new()) };
+    static FOUND: RefCell<Vec<MeshCrossing>> = const { RefCell::new(Vec::new()) };
 }
 
 fn line(ray: &Ray) -> Line {
@@ -47,7 +47,7 @@ impl MeshForm {
     }
 
     /// Calls `take` with the crossings of a line, except pairs at the same time, which cancel.
-    fn each_crossing(&self, line: &Line, perturbation: &Perturbation, mut take: impl FnMut(&Crossing)) {
+    fn each_crossing(&self, line: &Line, perturbation: &Perturbation, mut take: impl FnMut(&MeshCrossing)) {
         FOUND.with_borrow_mut(|found| {
             let lengths = perturbation.lengths();
             self.solid.crossings_with(line, &perturbation.directions(), lengths, found);
@@ -81,7 +81,7 @@ impl MeshForm {
     }
 
     /// True if a crossing ahead is the one at the start, i.e. its triangle contains the start within rounding.
-    fn is_at_start(&self, crossing: &Crossing, start: &Departing<'_>) -> bool {
+    fn is_at_start(&self, crossing: &MeshCrossing, start: &Departing<'_>) -> bool {
         let (origin, lengths) = (start.ray.origin, start.perturbation.lengths());
         self.solid.distance_from(crossing.triangle, origin) <= self.delta(origin, lengths)
     }
@@ -106,7 +106,7 @@ impl Form for MeshForm {
     /// start, since the ray is outside far away.
     fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64)) {
         let line = line(&start.ray);
-        let is_ahead = |crossing: &Crossing| crossing.t > 0.0 && !self.is_at_start(crossing, start);
+        let is_ahead = |crossing: &MeshCrossing| crossing.t > 0.0 && !self.is_at_start(crossing, start);
         let mut is_inside = false;
         self.each_crossing(&line, &start.perturbation, |crossing| is_inside ^= is_ahead(crossing));
         if is_inside != start.inside_after {

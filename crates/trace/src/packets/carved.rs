@@ -12,14 +12,14 @@ use fearless_simd::prelude::*;
 use rayweave_bvh::{Bundle, BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
 use rayweave_math::Bounds;
 use rayweave_model::{Edge, Gate, LeafId, LeafKind, Program, Prototype, Rule, Window};
-use rayweave_shape::lanes::{Facet, LaneRay, Lanes, Mask, Uncertain, splat};
+use rayweave_shape::lanes::{LaneFacet, LaneRay, Lanes, Mask, Uncertain, splat};
 use std::ops::Range;
 
 /// An intersection of unions of leaves, minus other leaves.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Carved {
     leaves: Vec<Leaf>,
-    facets: Vec<Facet>,
+    facets: Vec<LaneFacet>,
     /// The number of unions.
     unions: u32,
     boxes: ExactBvh,

@@ -8,7 +8,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_model::{Rays, Window};
 use rayweave_shape::lanes::{
-    Facet, LANES, LaneRay, LaneStarts, Lanes, Mask, Span, Uncertain, Vec3Lanes, splat,
+    LANES, LaneFacet, LaneRay, LaneSpan, LaneStarts, Lanes, Mask, Uncertain, Vec3Lanes, splat,
 };
 
 /// One number per ray, in memory.
@@ -188,14 +188,14 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     #[inline(always)]
     pub fn leaf(
         &mut self,
-        facets: &[Facet],
+        facets: &[LaneFacet],
         first: usize,
         ray: &LaneRay<S>,
         starts: Option<&LaneStarts<S>>,
         uncertain: &mut Uncertain<S>,
     ) -> bool {
         let simd = self.simd;
-        let (mut span, mut is_met) = (Span::line(simd), true);
+        let (mut span, mut is_met) = (LaneSpan::line(simd), true);
         for facet in facets {
             let gap = match starts {
                 Some(starts) => facet.narrow_from(simd, ray, starts, &mut span, uncertain),

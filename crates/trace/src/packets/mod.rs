@@ -28,8 +28,8 @@ use objects::{First, Objects};
 use plan::{APART, Common, Plan, SMALL};
 use rayweave_bvh::BundleTraversal;
 use rayweave_model::{
-    Crossing, Evaluator, Face, FirstHits, HitRows, Limit, Program, Query, RayAnswer, Rays, RegionId, Sink,
-    StartLists, Window, attributes,
+    Crossing, Evaluator, Face, FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, Rays, RegionId,
+    Sink, StartLists, Window, attributes,
 };
 use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
 use starts::Begin;
@@ -221,7 +221,7 @@ struct Arrays<'a, 'r, 'c> {
     rays: Rays<'a>,
     query: Query<'a>,
     scratch: &'a mut PacketsScratch,
-    rows: &'a mut HitRows<'r, 'c>,
+    rows: &'a mut HitArrayRows<'r, 'c>,
     most: usize,
 }
 
@@ -531,7 +531,7 @@ impl Evaluator for Packets {
         rays: Rays<'_>,
         window: Window,
         scratch: &mut PacketsScratch,
-        rows: &mut HitRows<'_, '_>,
+        rows: &mut HitArrayRows<'_, '_>,
     ) -> usize {
         let Some(plan) = &self.plan else {
             return self.weave.hits(rays, window, &mut scratch.weave, rows);

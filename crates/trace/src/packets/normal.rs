@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
 use rayweave_model::Program;
-use rayweave_shape::lanes::{Gradient, LANES, Lanes, Mask, Vec3Lanes, splat};
+use rayweave_shape::lanes::{LANES, LaneGradient, Lanes, Mask, Vec3Lanes, splat};
 use rayweave_shape::surface::{Cylinder, Surface};
 
 /// Method for the normals of a face.
@@ -19,7 +19,7 @@ pub(super) enum Slope {
     /// From the axis of a cylinder, perpendicularly, to the point.
     Axis(Cylinder),
     /// Gradient of any other surface with a SIMD kernel.
-    Curved(Gradient),
+    Curved(LaneGradient),
     /// No SIMD kernel: one by one.
     Other,
 }
@@ -31,7 +31,7 @@ impl Slope {
             Surface::Plane(plane) => unit(plane.normal),
             Surface::Sphere(sphere) => Slope::Centre(sphere.centre),
             Surface::Cylinder(cylinder) => Slope::Axis(*cylinder),
-            curved => Gradient::of(curved).map_or(Slope::Other, Slope::Curved),
+            curved => LaneGradient::of(curved).map_or(Slope::Other, Slope::Curved),
         };
         program.facets().iter().map(of_face).collect()
     }

@@ -6,7 +6,7 @@ use rayweave_math::Vec3;
 use rayweave_model::{
     Edge, Face, LeafFacet, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId, SurfaceId,
 };
-use rayweave_shape::lanes::{Facet, Kernel, LaneLimits};
+use rayweave_shape::lanes::{Kernel, LaneFacet, LaneLimits};
 use rayweave_shape::surface::{Surface, delta_of};
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ pub(super) struct Plan {
     /// Data shared by all plans of the model.
     pub model: Arc<Common>,
     pub leaves: Vec<LeafPlan>,
-    pub facets: Vec<Facet>,
+    pub facets: Vec<LaneFacet>,
     /// For each span, the boolean difference of the owner with respect to it.
     pub differences: Vec<Difference>,
     /// A boolean function per region: true inside.
@@ -233,7 +233,7 @@ impl Plan {
 pub(super) fn leaf_facets(
     program: &Program,
     range: std::ops::Range<u32>,
-    facets: &mut Vec<Facet>,
+    facets: &mut Vec<LaneFacet>,
 ) -> Option<usize> {
     let (mut gaps, first) = (0, facets.len());
     let all = &program.facets()[range.start as usize..range.end as usize];
@@ -241,7 +241,7 @@ pub(super) fn leaf_facets(
         let kernel = Kernel::of(&program.surface(facet.surface()).surface)?;
         let is_one_piece = facet.inside() && is_one_piece(program, all, &kernel);
         let SurfaceId(surface) = facet.surface();
-        let mut facet = Facet {
+        let mut facet = LaneFacet {
             kernel,
             inside: facet.inside(),
             face: f64::from(number),

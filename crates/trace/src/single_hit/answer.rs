@@ -69,7 +69,7 @@ impl fmt::Display for Next {
 /// The value of a solid is 0 or 1; that of a partial sum of a k-of-n gate is the number of operands that
 /// contain the ray; that of a model is the number of the owner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
+pub struct ValueStep {
     /// The value until `t`.
     pub before: u32,
     /// The value just after `t`; the same as `before` if it never changes again.
@@ -78,10 +78,10 @@ pub struct Step {
     pub t: f64,
 }
 
-impl Step {
+impl ValueStep {
     /// A value that never changes.
-    pub fn constant(value: u32) -> Step {
-        Step { before: value, after: value, t: f64::INFINITY }
+    pub fn constant(value: u32) -> ValueStep {
+        ValueStep { before: value, after: value, t: f64::INFINITY }
     }
 
     /// The value, if it never changes again.
@@ -90,8 +90,8 @@ impl Step {
     }
 
     /// The same change of a function of the value.
-    pub fn map(self, value: impl Fn(u32) -> u32) -> Step {
-        Step { before: value(self.before), after: value(self.after), t: self.t }
+    pub fn map(self, value: impl Fn(u32) -> u32) -> ValueStep {
+        ValueStep { before: value(self.before), after: value(self.after), t: self.t }
     }
 
     /// Converts to the change of a solid: inside where the value is not 0.
@@ -100,10 +100,10 @@ impl Step {
     }
 }
 
-impl From<Next> for Step {
-    fn from(next: Next) -> Step {
+impl From<Next> for ValueStep {
+    fn from(next: Next) -> ValueStep {
         let before = u32::from(next.is_inside());
         let t = next.time();
-        Step { before, after: if t.is_finite() { 1 - before } else { before }, t }
+        ValueStep { before, after: if t.is_finite() { 1 - before } else { before }, t }
     }
 }

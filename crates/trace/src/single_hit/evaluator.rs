@@ -2,7 +2,7 @@
 
 use super::roots::Roots;
 use super::sides::{Sides, Turned};
-use super::{Explanation, MAX_NODES, NoObserver, Observer, Stacks, Step, TooLarge, Tree};
+use super::{Explanation, MAX_NODES, NoObserver, Observer, Stacks, TooLarge, Tree, ValueStep};
 use rayweave_math::Vec3;
 use rayweave_model::weld::{Change, LeafStates, Paused, Weld, attribute};
 use rayweave_model::{
@@ -227,7 +227,7 @@ impl SingleHit {
         stacks: &mut Stacks,
         t_min: f64,
         observer: &mut impl WalkObserver,
-    ) -> Step {
+    ) -> ValueStep {
         observer.question(t_min);
         let step = stacks.next_change(tree, &level.roots, t_min, observer);
         observer.answer(step);
@@ -301,7 +301,7 @@ pub(super) trait WalkObserver: Observer {
     /// A query of the model for its next change after a time begins.
     fn question(&mut self, _t_min: f64) {}
     /// The query returns.
-    fn answer(&mut self, _step: Step) {}
+    fn answer(&mut self, _step: ValueStep) {}
     /// The weld reports a crossing.
     fn crossing(&mut self, _crossing: &Crossing) {}
 }
@@ -320,7 +320,7 @@ struct Welding<'a> {
 
 impl Welding<'_> {
     /// Takes the next change of the owner.
-    fn step(&mut self, step: Step, level: &mut Level) -> Option<Crossing> {
+    fn step(&mut self, step: ValueStep, level: &mut Level) -> Option<Crossing> {
         let (before, after) = (self.state(step.before), self.state(step.after));
         if before.region == after.region {
             return None;

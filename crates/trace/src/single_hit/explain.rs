@@ -4,7 +4,7 @@
 use super::evaluator::WalkObserver;
 use super::names::Names;
 use super::resolved::Resolved;
-use super::{Next, Observer, SingleHit, Step, TooLarge, Verdict};
+use super::{Next, Observer, SingleHit, TooLarge, ValueStep, Verdict};
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_model::{
     Crossing, Evaluator, Face, GroupRay, LeafId, Limit, Program, PrototypeId, Query, RegionId, Window,
@@ -100,7 +100,7 @@ pub struct Question {
     /// Number of entries omitted because the limit was reached.
     pub left_out: usize,
     /// The result, as numbers of regions; 0 is the world.
-    pub answer: Step,
+    pub answer: ValueStep,
     /// True if the medium changes at that time, within the window.
     pub changes_medium: bool,
 }
@@ -152,7 +152,7 @@ pub enum What {
     /// A decision at a gate.
     Gate {
         /// The operands.
-        operands: [Operand; 2],
+        operands: [ExplainedOperand; 2],
         /// The value just after the start time of the operands' query, before any complement.
         value: u32,
         /// The decision, before any complement.
@@ -182,7 +182,7 @@ impl What {
 
 /// An operand of a decision.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Operand {
+pub struct ExplainedOperand {
     /// The node, by its index in the tree's post-order.
     pub node: usize,
     /// Its name, without its complement.
@@ -192,12 +192,12 @@ pub struct Operand {
     /// True if the gate takes its complement.
     pub complemented: bool,
     /// Its next change, as the gate takes it.
-    pub answer: Step,
+    pub answer: ValueStep,
 }
 
-impl Operand {
+impl ExplainedOperand {
     /// The next change of the operand itself, without the complement and weight with which the gate takes it.
-    pub fn own_answer(&self) -> Step {
+    pub fn own_answer(&self) -> ValueStep {
         self.answer.map(|value| match self.meaning {
             Meaning::Solid => u32::from((value != 0) != self.complemented),
             Meaning::Count | Meaning::Region => value,
@@ -300,9 +300,15 @@ impl<F> Recorder<'_, F> {
         program.leaf(face.leaf).face_name(face.facet as usize).into()
     }
 
-    fn operand(&mut self, node: usize, answer: Step) -> Operand {
+    fn operand(&mut self, node: usize, answer: ValueStep) -> ExplainedOperand {
         let complemented = self.names.node(node).complemented;
-        Operand { node, name: self.names.of(node), meaning: self.names.meaning(node), complemented, answer }
+        ExplainedOperand {
+            node,
+            name: self.names.of(node),
+            meaning: self.names.meaning(node),
+            complemented,
+            answer,
+        }
     }
 }
 
@@ -317,7 +323,7 @@ impl<F: Fn(u32, f64) -> Option<Face>> Observer for Recorder<'_, F> {
         }
     }
 
-    fn gate(&mut self, node: usize, operands: [Step; 2], verdict: Verdict) {
+    fn gate(&mut self, node: usize, operands: [ValueStep; 2], verdict: Verdict) {
         if self.takes(node) {
             let value = self.names.gate_value(node, operands.map(|step| step.before));
             let places = self.names.operands(node);
@@ -329,7 +335,7 @@ impl<F: Fn(u32, f64) -> Option<Face>> Observer for Recorder<'_, F> {
 
 impl<F: Fn(u32, f64) -> Option<Face>> WalkObserver for Recorder<'_, F> {
     fn question(&mut self, t_min: f64) {
-        let answer = Step::constant(0);
+        let answer = ValueStep::constant(0);
         self.questions.push(Question {
             t_min,
             entries: Vec::new(),
@@ -340,7 +346,7 @@ impl<F: Fn(u32, f64) -> Option<Face>> WalkObserver for Recorder<'_, F> {
         });
     }
 
-    fn answer(&mut self, step: Step) {
+    fn answer(&mut self, step: ValueStep) {
         let program = self.names.program();
         let medium = |region: u32| program.medium_of(RegionId(region));
         let changes_medium = step.t < self.t_max && medium(step.before) != medium(step.after);

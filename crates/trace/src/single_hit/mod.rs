@@ -5,7 +5,7 @@
 //! the height of the tree, the original motive of the algorithm (on machines whose threads have little
 //! memory), and every decision can be explained: see [`SingleHit::explain`].
 //!
-//! - [`Next`], [`Step`]: the next change of a leaf or node;
+//! - [`Next`], [`ValueStep`]: the next change of a leaf or node;
 //! - [`decide`]: the rule;
 //! - [`Tree`]: the expression as a binary tree;
 //! - [`Stacks`]: iterative evaluation of a tree;
@@ -27,12 +27,12 @@ mod tree;
 #[cfg(feature = "seed-view")]
 pub mod seed_view;
 
-pub use answer::{Next, Step};
+pub use answer::{Next, ValueStep};
 pub use evaluator::{SingleHit, SingleHitScratch};
 pub use explain::{
-    Entry, ExplainError, Explanation, Found, MAX_ENTRIES, Meaning, Operand, Question, What, explain,
+    Entry, ExplainError, ExplainedOperand, Explanation, Found, MAX_ENTRIES, Meaning, Question, What, explain,
 };
 pub use next_change::{LeafAnswers, NoObserver, Observer, Stacks};
-pub use rule::{Op, Verdict, decide};
+pub use rule::{GateOp, Verdict, decide};
 pub use text::{ExplanationText, MAX_LINES};
-pub use tree::{Kind, MAX_NODES, Node, TooLarge, Tree};
+pub use tree::{MAX_NODES, TooLarge, Tree, TreeNode, TreeNodeKind};

@@ -1,7 +1,7 @@
 //! The names of the nodes of a tree.
 
 use super::explain::Meaning;
-use super::{Kind, Node, Op, SingleHit, Tree};
+use super::{GateOp, SingleHit, Tree, TreeNode, TreeNodeKind};
 use rayweave_model::{Evaluator, LeafId, Program, PrototypeId};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -39,7 +39,7 @@ impl<'a> Names<'a> {
         self.program
     }
 
-    pub fn node(&self, node: usize) -> &'a Node {
+    pub fn node(&self, node: usize) -> &'a TreeNode {
         &self.tree.nodes()[node]
     }
 
@@ -50,7 +50,7 @@ impl<'a> Names<'a> {
     /// The number of the leaf at a node.
     pub fn leaf(&self, node: usize) -> Option<u32> {
         match self.node(node).kind {
-            Kind::Leaf(leaf) => Some(leaf),
+            TreeNodeKind::Leaf(leaf) => Some(leaf),
             _ => None,
         }
     }
@@ -76,11 +76,11 @@ impl<'a> Names<'a> {
 
     fn name(&self, node: usize) -> String {
         match self.node(node).kind {
-            Kind::Constant(0) => "empty".to_owned(),
-            Kind::Constant(_) => "universe".to_owned(),
-            Kind::Leaf(leaf) => self.leaf_name(leaf),
-            Kind::Gate(Op::Last) => self.regions_name(node),
-            Kind::Gate(op) => self.formula(op, node),
+            TreeNodeKind::Constant(0) => "empty".to_owned(),
+            TreeNodeKind::Constant(_) => "universe".to_owned(),
+            TreeNodeKind::Leaf(leaf) => self.leaf_name(leaf),
+            TreeNodeKind::Gate(GateOp::Last) => self.regions_name(node),
+            TreeNodeKind::Gate(op) => self.formula(op, node),
         }
     }
 
@@ -103,23 +103,23 @@ impl<'a> Names<'a> {
         }
     }
 
-    fn formula(&self, op: Op, node: usize) -> String {
+    fn formula(&self, op: GateOp, node: usize) -> String {
         let [a, b] = self.operands(node);
         let sign = match op {
-            Op::AtLeast { least: 1, most: [1, 1] } => "|",
-            Op::AtLeast { least: 2, most: [1, 1] } if self.node(b).complemented => {
+            GateOp::AtLeast { least: 1, most: [1, 1] } => "|",
+            GateOp::AtLeast { least: 2, most: [1, 1] } if self.node(b).complemented => {
                 return format!("{} - {}", self.operand(a, op), self.bracketed(b, None));
             }
-            Op::AtLeast { least: 2, most: [1, 1] } => "&",
-            Op::Odd => "^",
-            Op::AtLeast { least, .. } => return format!("at least {least} of {}", self.ends(node)),
-            Op::Sum | Op::Last => return format!("the number of {}", self.ends(node)),
+            GateOp::AtLeast { least: 2, most: [1, 1] } => "&",
+            GateOp::Odd => "^",
+            GateOp::AtLeast { least, .. } => return format!("at least {least} of {}", self.ends(node)),
+            GateOp::Sum | GateOp::Last => return format!("the number of {}", self.ends(node)),
         };
         format!("{} {sign} {}", self.operand(a, op), self.operand(b, op))
     }
 
     /// An operand in a formula, with its complement.
-    fn operand(&self, node: usize, above: Op) -> String {
+    fn operand(&self, node: usize, above: GateOp) -> String {
         if self.node(node).complemented {
             format!("~{}", self.bracketed(node, None))
         } else {
@@ -128,10 +128,12 @@ impl<'a> Names<'a> {
     }
 
     /// The name in brackets, except for leaves and gates like the one above.
-    fn bracketed(&self, node: usize, above: Option<Op>) -> String {
+    fn bracketed(&self, node: usize, above: Option<GateOp>) -> String {
         match self.node(node).kind {
-            Kind::Gate(_) if node + 1 - self.node(node).begin as usize > WRITTEN_OUT => self.ends(node),
-            Kind::Gate(op) if Some(op) != above || self.is_difference(node) => {
+            TreeNodeKind::Gate(_) if node + 1 - self.node(node).begin as usize > WRITTEN_OUT => {
+                self.ends(node)
+            }
+            TreeNodeKind::Gate(op) if Some(op) != above || self.is_difference(node) => {
                 format!("({})", self.name(node))
             }
             _ => self.name(node),
@@ -139,7 +141,7 @@ impl<'a> Names<'a> {
     }
 
     fn is_difference(&self, node: usize) -> bool {
-        let and = matches!(self.node(node).kind, Kind::Gate(Op::AtLeast { least: 2, .. }));
+        let and = matches!(self.node(node).kind, TreeNodeKind::Gate(GateOp::AtLeast { least: 2, .. }));
         and && self.node(self.operands(node)[1]).complemented
     }
 
@@ -154,7 +156,7 @@ impl<'a> Names<'a> {
     /// The value of a gate for values of its operands, before any complement.
     pub fn gate_value(&self, gate: usize, [a, b]: [u32; 2]) -> u32 {
         match self.node(gate).kind {
-            Kind::Gate(op) => op.of(a, b),
+            TreeNodeKind::Gate(op) => op.of(a, b),
             _ => 0,
         }
     }
@@ -162,8 +164,8 @@ impl<'a> Names<'a> {
     /// The meaning of the values of a node.
     pub fn meaning(&self, node: usize) -> Meaning {
         match self.node(node).kind {
-            Kind::Gate(Op::Sum) => Meaning::Count,
-            Kind::Gate(Op::Last) => Meaning::Region,
+            TreeNodeKind::Gate(GateOp::Sum) => Meaning::Count,
+            TreeNodeKind::Gate(GateOp::Last) => Meaning::Region,
             _ => Meaning::Solid,
         }
     }
@@ -173,7 +175,7 @@ impl<'a> Names<'a> {
 fn depths(tree: &Tree) -> Vec<u32> {
     let mut depths = vec![0; tree.nodes().len()];
     for node in (0..depths.len()).rev() {
-        if let Kind::Gate(_) = tree.nodes()[node].kind {
+        if let TreeNodeKind::Gate(_) = tree.nodes()[node].kind {
             let below = depths[node] + 1;
             tree.operands(node).into_iter().for_each(|operand| depths[operand] = below);
         }

@@ -12,7 +12,7 @@
 //! h + 1 slices, the current one included, and likewise for h + 1 values. (The recursion of A. Kensler, made
 //! iterative as in S. Blyth's Opticks, with stacks as deep as the tree needs.)
 
-use super::{Kind, Next, Step, Tree, Verdict, decide};
+use super::{Next, Tree, TreeNodeKind, ValueStep, Verdict, decide};
 
 /// The leaves of a tree along one ray.
 pub trait LeafAnswers {
@@ -25,7 +25,7 @@ pub trait Observer {
     /// A leaf was queried.
     fn leaf(&mut self, _node: usize, _t_min: f64, _answer: Next) {}
     /// A gate was decided.
-    fn gate(&mut self, _node: usize, _operands: [Step; 2], _verdict: Verdict) {}
+    fn gate(&mut self, _node: usize, _operands: [ValueStep; 2], _verdict: Verdict) {}
     /// Numbers of entries on the two stacks, the current slice included.
     fn depth(&mut self, _slices: usize, _values: usize) {}
 }
@@ -48,7 +48,7 @@ struct Slice {
 #[derive(Clone, Copy, Debug)]
 struct Value {
     node: u32,
-    step: Step,
+    step: ValueStep,
 }
 
 /// The stacks of slices and values.
@@ -72,14 +72,14 @@ impl Stacks {
         leaves: &impl LeafAnswers,
         t_min: f64,
         observer: &mut impl Observer,
-    ) -> Step {
+    ) -> ValueStep {
         self.slices.clear();
         self.values.clear();
         self.slices.push(Slice { next: 0, end: tree.nodes().len() as u32, t_min });
         while let Some(slice) = self.slices.pop() {
             self.work(tree, leaves, slice, observer);
         }
-        self.values.pop().map_or(Step::constant(0), |value| value.step)
+        self.values.pop().map_or(ValueStep::constant(0), |value| value.step)
     }
 
     /// Evaluates a slice up to its end or to the gate where it is split.
@@ -87,18 +87,18 @@ impl Stacks {
         for node in slice.next..slice.end {
             let at = node as usize;
             let step = match tree.nodes()[at].kind {
-                Kind::Constant(value) => Step::constant(value),
-                Kind::Leaf(leaf) => {
+                TreeNodeKind::Constant(value) => ValueStep::constant(value),
+                TreeNodeKind::Leaf(leaf) => {
                     let answer = leaves.next(leaf, slice.t_min);
                     observer.leaf(at, slice.t_min, answer);
                     answer.into()
                 }
-                Kind::Gate(op) => {
+                TreeNodeKind::Gate(op) => {
                     let [a, b] = self.pop_two();
                     let verdict = decide(op, a.step, b.step);
                     observer.gate(at, [a.step, b.step], verdict);
                     match verdict {
-                        Verdict::Fixed(value) => Step::constant(value),
+                        Verdict::Fixed(value) => ValueStep::constant(value),
                         Verdict::Changes(step) => step,
                         Verdict::QueryAgain { t, first, second } => {
                             self.values
@@ -118,7 +118,7 @@ impl Stacks {
 
     /// Pops the results of the two operands of a gate, in their order; one that was queried again is on top.
     fn pop_two(&mut self) -> [Value; 2] {
-        let nothing = Value { node: 0, step: Step::constant(0) };
+        let nothing = Value { node: 0, step: ValueStep::constant(0) };
         let (top, below) = (self.values.pop().unwrap_or(nothing), self.values.pop().unwrap_or(nothing));
         if below.node < top.node { [below, top] } else { [top, below] }
     }

@@ -13,11 +13,11 @@
 //! After A. Kensler, "Ray tracing CSG objects using single hit intersections" (2006), whose tables of nine
 //! entries are the special case without ties, except for one entry: see the module `seed_view`.
 
-use super::Step;
+use super::ValueStep;
 
 /// A function of two values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Op {
+pub enum GateOp {
     /// 1 if the sum of the values is at least `least`, else 0: union (1) and intersection (2) of two solids,
     /// k of n for two sums.
     AtLeast {
@@ -34,14 +34,14 @@ pub enum Op {
     Last,
 }
 
-impl Op {
+impl GateOp {
     /// The value for these values of the operands.
     pub fn of(self, a: u32, b: u32) -> u32 {
         match self {
-            Op::AtLeast { least, .. } => u32::from(a + b >= least),
-            Op::Odd => (a + b) & 1,
-            Op::Sum => a + b,
-            Op::Last => {
+            GateOp::AtLeast { least, .. } => u32::from(a + b >= least),
+            GateOp::Odd => (a + b) & 1,
+            GateOp::Sum => a + b,
+            GateOp::Last => {
                 if b == 0 {
                     a
                 } else {
@@ -55,9 +55,9 @@ impl Op {
     fn fixed(self, a: Option<u32>, b: Option<u32>) -> Option<u32> {
         match (self, a, b) {
             (_, Some(a), Some(b)) => Some(self.of(a, b)),
-            (Op::AtLeast { least, most }, Some(a), None) => decided(least, a, most[1]),
-            (Op::AtLeast { least, most }, None, Some(b)) => decided(least, b, most[0]),
-            (Op::Last, None, Some(b)) if b > 0 => Some(b),
+            (GateOp::AtLeast { least, most }, Some(a), None) => decided(least, a, most[1]),
+            (GateOp::AtLeast { least, most }, None, Some(b)) => decided(least, b, most[0]),
+            (GateOp::Last, None, Some(b)) if b > 0 => Some(b),
             _ => None,
         }
     }
@@ -79,7 +79,7 @@ pub enum Verdict {
     /// Rule 1: constant from here on, as determined by operands that never change again.
     Fixed(u32),
     /// Rule 3: a change.
-    Changes(Step),
+    Changes(ValueStep),
     /// Rule 4: the value does not change at `t`, so the operands that do are queried again, after it.
     QueryAgain {
         /// The time of the change of an operand that leaves the value unchanged.
@@ -92,18 +92,18 @@ pub enum Verdict {
 }
 
 /// Applies the rule to the next changes of two operands.
-pub fn decide(op: Op, a: Step, b: Step) -> Verdict {
+pub fn decide(op: GateOp, a: ValueStep, b: ValueStep) -> Verdict {
     if let Some(value) = op.fixed(a.resolved(), b.resolved()) {
         return Verdict::Fixed(value);
     }
     let t = a.t.min(b.t);
     let (first, second) = (a.t == t, b.t == t);
     let before = op.of(a.before, b.before);
-    let at = |step: Step, changes: bool| if changes { step.after } else { step.before };
+    let at = |step: ValueStep, changes: bool| if changes { step.after } else { step.before };
     let after = op.of(at(a, first), at(b, second));
     if after == before {
         Verdict::QueryAgain { t, first, second }
     } else {
-        Verdict::Changes(Step { before, after, t })
+        Verdict::Changes(ValueStep { before, after, t })
     }
 }

@@ -1,7 +1,7 @@
 //! Explanations as text.
 
-use super::explain::{Entry, Explanation, Found, Meaning, Operand, Question, What};
-use super::{Next, Step, Verdict};
+use super::explain::{Entry, ExplainedOperand, Explanation, Found, Meaning, Question, What};
+use super::{Next, ValueStep, Verdict};
 use std::fmt;
 use std::sync::Arc;
 
@@ -106,7 +106,7 @@ impl ExplanationText<'_> {
         }
     }
 
-    fn answer(&self, step: Step) -> String {
+    fn answer(&self, step: ValueStep) -> String {
         let name = |region: u32| self.region(region);
         match step.resolved() {
             Some(region) => format!("in {} from here on", name(region)),
@@ -183,13 +183,13 @@ impl ExplanationText<'_> {
 
     fn for_good(&self, Entry { name, meaning, .. }: &Entry, value: u32) -> String {
         match meaning {
-            Meaning::Solid => self.next(name, Step::constant(value).next()),
+            Meaning::Solid => self.next(name, ValueStep::constant(value).next()),
             Meaning::Count => format!("{name} is {value} for good"),
             Meaning::Region => format!("among {name} the ray is in {} for good", self.region(value)),
         }
     }
 
-    fn change(&self, Entry { name, meaning, .. }: &Entry, step: Step) -> String {
+    fn change(&self, Entry { name, meaning, .. }: &Entry, step: ValueStep) -> String {
         match meaning {
             Meaning::Solid => self.next(name, step.next()),
             _ => format!("{} at {}", self.event(name, *meaning, step), self.figures.text(step.t)),
@@ -206,8 +206,9 @@ impl ExplanationText<'_> {
     }
 
     /// The change at `t`, and the state of the operand that does not change then.
-    fn events(&self, operands: &[Operand; 2], t: f64, joint: &str) -> String {
-        let event = |operand: &Operand| self.event(&operand.name, operand.meaning, operand.own_answer());
+    fn events(&self, operands: &[ExplainedOperand; 2], t: f64, joint: &str) -> String {
+        let event =
+            |operand: &ExplainedOperand| self.event(&operand.name, operand.meaning, operand.own_answer());
         let [a, b] = operands;
         match [a.answer.t == t, b.answer.t == t] {
             [true, false] => format!("{}, {joint} {}", event(a), self.state(b)),
@@ -216,7 +217,7 @@ impl ExplanationText<'_> {
         }
     }
 
-    fn event(&self, name: &str, meaning: Meaning, step: Step) -> String {
+    fn event(&self, name: &str, meaning: Meaning, step: ValueStep) -> String {
         match meaning {
             Meaning::Solid if step.before == 0 => format!("{name} is entered"),
             Meaning::Solid => format!("{name} is left"),
@@ -229,7 +230,7 @@ impl ExplanationText<'_> {
     }
 
     /// The state of an operand and its duration.
-    fn state(&self, operand: &Operand) -> String {
+    fn state(&self, operand: &ExplainedOperand) -> String {
         let (name, step) = (&operand.name, operand.own_answer());
         let until = match step.resolved() {
             Some(_) => "for good".to_owned(),
@@ -243,7 +244,7 @@ impl ExplanationText<'_> {
     }
 
     /// The reason why a node is constant from here on.
-    fn resolved_by(&self, operands: &[Operand; 2]) -> String {
+    fn resolved_by(&self, operands: &[ExplainedOperand; 2]) -> String {
         let [a, b] = operands;
         match [a, b].map(|operand| operand.own_answer().resolved()) {
             [Some(x), Some(y)] if [a.meaning, b.meaning] == [Meaning::Solid; 2] => match x == y {
@@ -262,7 +263,7 @@ fn side(value: u32) -> &'static str {
 }
 
 /// The name of an operand in a sentence.
-fn subject(operand: &Operand) -> Arc<str> {
+fn subject(operand: &ExplainedOperand) -> Arc<str> {
     match operand.meaning {
         Meaning::Region => format!("the choice among {}", operand.name).into(),
         Meaning::Solid | Meaning::Count => operand.name.clone(),

@@ -1,8 +1,8 @@
 //! The expression of a group as one binary tree in post-order.
 
-use super::Op;
+use super::GateOp;
 use rayweave_error::{Classified, ErrorKind};
-use rayweave_model::simplify::{Step, balanced};
+use rayweave_model::simplify::{BalanceStep, balanced};
 use rayweave_model::{Edge, Gate, Rule};
 use std::fmt;
 
@@ -46,20 +46,20 @@ impl std::error::Error for TooLarge {}
 
 /// The kind of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum TreeNodeKind {
     /// A constant value.
     Constant(u32),
     /// A leaf, by its number in its group.
     Leaf(u32),
     /// A function of two sub-trees.
-    Gate(Op),
+    Gate(GateOp),
 }
 
 /// A node; its sub-tree is the slice of the post-order that ends with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Node {
+pub struct TreeNode {
     /// The kind.
-    pub kind: Kind,
+    pub kind: TreeNodeKind,
     /// The first node of its sub-tree.
     pub begin: u32,
     /// True if the node is complemented.
@@ -68,7 +68,7 @@ pub struct Node {
     pub weight: u32,
 }
 
-impl Node {
+impl TreeNode {
     /// The value of the node, with complement and weight, for a value of its kind.
     pub fn value(&self, value: u32) -> u32 {
         (value ^ u32::from(self.complemented)) * self.weight
@@ -79,7 +79,7 @@ impl Node {
 /// inside; 0 if none is.
 #[derive(Clone, Debug)]
 pub struct Tree {
-    nodes: Vec<Node>,
+    nodes: Vec<TreeNode>,
     /// The node of each output.
     outputs: Vec<u32>,
     height: u32,
@@ -112,7 +112,7 @@ impl Tree {
     }
 
     /// The nodes in post-order.
-    pub fn nodes(&self) -> &[Node] {
+    pub fn nodes(&self) -> &[TreeNode] {
         &self.nodes
     }
 
@@ -148,9 +148,9 @@ impl Tree {
     ) -> u32 {
         for node in &self.nodes[self.nodes[node].begin as usize..=node] {
             let value = match node.kind {
-                Kind::Constant(value) => value,
-                Kind::Leaf(leaf) => u32::from(inside(leaf, values)),
-                Kind::Gate(op) => {
+                TreeNodeKind::Constant(value) => value,
+                TreeNodeKind::Leaf(leaf) => u32::from(inside(leaf, values)),
+                TreeNodeKind::Gate(op) => {
                     let second = values.pop().unwrap_or(0);
                     op.of(values.pop().unwrap_or(0), second)
                 }
@@ -185,7 +185,7 @@ enum Task {
     /// Writes an operand with a weight.
     Operand(Edge, u32),
     /// Writes a gate over the two sub-trees before it.
-    Gate { op: Op, complemented: bool, weight: u32 },
+    Gate { op: GateOp, complemented: bool, weight: u32 },
 }
 
 /// A sub-tree that no gate uses yet.
@@ -200,7 +200,7 @@ struct Builder<'a> {
     gates: &'a [Gate<'a>],
     outputs: &'a [Edge],
     tasks: Vec<Task>,
-    nodes: Vec<Node>,
+    nodes: Vec<TreeNode>,
     open: Vec<Open>,
     output_nodes: Vec<u32>,
 }
@@ -220,14 +220,16 @@ impl<'a> Builder<'a> {
     /// Schedules all outputs as a balanced tree; each marks its root.
     fn outputs(&mut self) {
         if self.outputs.is_empty() {
-            return self.leaf(Kind::Constant(0), false, 1);
+            return self.leaf(TreeNodeKind::Constant(0), false, 1);
         }
         for step in balanced(self.outputs.len()).into_iter().rev() {
             match step {
-                Step::Operand(k) => {
+                BalanceStep::Operand(k) => {
                     self.tasks.extend([Task::Mark, Task::Operand(self.outputs[k], k as u32 + 1)]);
                 }
-                Step::Join => self.tasks.push(Task::Gate { op: Op::Last, complemented: false, weight: 1 }),
+                BalanceStep::Join => {
+                    self.tasks.push(Task::Gate { op: GateOp::Last, complemented: false, weight: 1 })
+                }
             }
         }
     }
@@ -235,9 +237,9 @@ impl<'a> Builder<'a> {
     fn operand(&mut self, edge: Edge, weight: u32) {
         let (gates, complemented) = (self.gates, edge.is_complemented());
         match &gates[edge.node().index()] {
-            Gate::Empty => self.leaf(Kind::Constant(0), complemented, weight),
-            Gate::Universe => self.leaf(Kind::Constant(1), complemented, weight),
-            Gate::Leaf(leaf) => self.leaf(Kind::Leaf(leaf.0), complemented, weight),
+            Gate::Empty => self.leaf(TreeNodeKind::Constant(0), complemented, weight),
+            Gate::Universe => self.leaf(TreeNodeKind::Constant(1), complemented, weight),
+            Gate::Leaf(leaf) => self.leaf(TreeNodeKind::Leaf(leaf.0), complemented, weight),
             Gate::Join(rule, operands) => self.join(*rule, operands, complemented, weight),
         }
     }
@@ -249,15 +251,15 @@ impl<'a> Builder<'a> {
         let (top, part) = match rule {
             // constant for all operands
             _ if count == 0 || rule == Rule::AtLeast(0) => {
-                return self.leaf(Kind::Constant(u32::from(rule.holds(0))), complemented, weight);
+                return self.leaf(TreeNodeKind::Constant(u32::from(rule.holds(0))), complemented, weight);
             }
             Rule::AtLeast(least) if least > count => {
-                return self.leaf(Kind::Constant(0), complemented, weight);
+                return self.leaf(TreeNodeKind::Constant(0), complemented, weight);
             }
-            Rule::Odd => (Op::Odd, Op::Odd),
+            Rule::Odd => (GateOp::Odd, GateOp::Odd),
             Rule::AtLeast(1) => (at_least(1), at_least(1)),
             Rule::AtLeast(least) if least == count => (at_least(2), at_least(2)),
-            Rule::AtLeast(least) => (at_least(least), Op::Sum),
+            Rule::AtLeast(least) => (at_least(least), GateOp::Sum),
         };
         match operands {
             &[only] => {
@@ -269,41 +271,41 @@ impl<'a> Builder<'a> {
     }
 
     /// Schedules two or more operands as a balanced tree below a gate; the gates between are `part`.
-    fn parts(&mut self, operands: &[Edge], part: Op, gate: Task) {
+    fn parts(&mut self, operands: &[Edge], part: GateOp, gate: Task) {
         self.tasks.push(gate);
         // the last step is the gate itself
         for step in balanced(operands.len()).into_iter().rev().skip(1) {
             self.tasks.push(match step {
-                Step::Operand(k) => Task::Operand(operands[k], 1),
-                Step::Join => Task::Gate { op: part, complemented: false, weight: 1 },
+                BalanceStep::Operand(k) => Task::Operand(operands[k], 1),
+                BalanceStep::Join => Task::Gate { op: part, complemented: false, weight: 1 },
             });
         }
     }
 
-    fn leaf(&mut self, kind: Kind, complemented: bool, weight: u32) {
+    fn leaf(&mut self, kind: TreeNodeKind, complemented: bool, weight: u32) {
         let begin = self.nodes.len() as u32;
-        self.nodes.push(Node { kind, begin, complemented, weight });
+        self.nodes.push(TreeNode { kind, begin, complemented, weight });
         self.open.push(Open { begin, height: 0, most: weight });
     }
 
-    fn gate(&mut self, op: Op, complemented: bool, weight: u32) {
+    fn gate(&mut self, op: GateOp, complemented: bool, weight: u32) {
         let (Some(second), Some(first)) = (self.open.pop(), self.open.pop()) else {
             return;
         };
         let op = match op {
-            Op::AtLeast { least, .. } => Op::AtLeast { least, most: [first.most, second.most] },
+            GateOp::AtLeast { least, .. } => GateOp::AtLeast { least, most: [first.most, second.most] },
             op => op,
         };
         let most = match op {
-            Op::AtLeast { .. } | Op::Odd => weight,
-            Op::Sum => first.most + second.most,
-            Op::Last => first.most.max(second.most),
+            GateOp::AtLeast { .. } | GateOp::Odd => weight,
+            GateOp::Sum => first.most + second.most,
+            GateOp::Last => first.most.max(second.most),
         };
-        self.nodes.push(Node { kind: Kind::Gate(op), begin: first.begin, complemented, weight });
+        self.nodes.push(TreeNode { kind: TreeNodeKind::Gate(op), begin: first.begin, complemented, weight });
         self.open.push(Open { begin: first.begin, height: 1 + first.height.max(second.height), most });
     }
 }
 
-fn at_least(least: u32) -> Op {
-    Op::AtLeast { least, most: [0; 2] }
+fn at_least(least: u32) -> GateOp {
+    GateOp::AtLeast { least, most: [0; 2] }
 }

@@ -9,7 +9,7 @@ use rayweave_model::{
 /// A ray or a point in the frame of a group.
 pub(super) trait ColumnQuery: Copy {
     /// Appends the leaves that it can touch.
-    fn touched(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>);
+    fn intersected_leaves(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>);
 
     /// The side at the start, and the boundary events, of a leaf that is a conjunction of facets.
     fn leaf(&self, program: &Program, facets: &[LeafFacet], query: &Query<'_>, events: &mut LeafEvents);
@@ -32,8 +32,8 @@ pub(super) struct ColumnRay {
 }
 
 impl ColumnQuery for ColumnRay {
-    fn touched(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>) {
-        accel.touched(&self.ray, query.window, out);
+    fn intersected_leaves(&self, accel: &Accel, query: &Query<'_>, out: &mut Vec<u32>) {
+        accel.intersected_leaves(&self.ray, query.window, out);
     }
 
     fn leaf(&self, program: &Program, facets: &[LeafFacet], query: &Query<'_>, events: &mut LeafEvents) {
@@ -52,7 +52,7 @@ impl ColumnQuery for ColumnRay {
 
 /// A point is a ray without crossings: its side is that at the start.
 impl ColumnQuery for GroupPoint {
-    fn touched(&self, accel: &Accel, _: &Query<'_>, out: &mut Vec<u32>) {
+    fn intersected_leaves(&self, accel: &Accel, _: &Query<'_>, out: &mut Vec<u32>) {
         accel.around(self, out);
     }
 

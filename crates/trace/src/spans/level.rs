@@ -59,7 +59,7 @@ impl Touched {
         let mut width = 0;
         for column in queries.iter().take(WIDTH) {
             self.leaves.clear();
-            column.touched(accel, query, &mut self.leaves);
+            column.intersected_leaves(accel, query, &mut self.leaves);
             if width > 0 && self.pairs.len() + self.leaves.len() > MAX_PAIRS {
                 break;
             }

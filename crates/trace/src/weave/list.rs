@@ -71,7 +71,7 @@ impl Weave {
         state: &mut NetworkState,
     ) -> Box<Level> {
         let mut level = scratch.take_level(group_query.depth);
-        self.accel[group_query.group.index()].touched(
+        self.accel[group_query.group.index()].intersected_leaves(
             group_query.ray,
             group_query.window,
             &mut level.touched,

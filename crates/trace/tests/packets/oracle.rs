@@ -4,7 +4,8 @@ use fearless_simd::Level;
 use rayweave_conformance::rays::batch;
 use rayweave_conformance::{Random, Tally};
 use rayweave_model::{
-    Collected, Crossing, Evaluator, FirstHits, HitRows, Limit, Program, Query, Rays, Region, RegionId, Window,
+    Collected, Crossing, Evaluator, FirstHits, HitArrayRows, Limit, Program, Query, Rays, Region, RegionId,
+    Window,
 };
 use rayweave_shape::Ray;
 use rayweave_trace::{Packets, Reference};
@@ -231,7 +232,7 @@ fn by_rows<E: Evaluator>(
 ) -> usize {
     let mut times = vec![vec![f64::NAN; rays.len()]; questions.rows];
     let mut faces = vec![vec![i32::MIN; rays.len()]; questions.rows * (questions.rows % 2)];
-    let mut rows = HitRows {
+    let mut rows = HitArrayRows {
         times: &mut times.iter_mut().map(|row| &mut row[..]).collect::<Vec<_>>(),
         faces: &mut faces.iter_mut().take(questions.rows).map(|row| &mut row[..]).collect::<Vec<_>>(),
     };

@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Affine;
 use rayweave::lens::prescription::{
-    CoordinateBreak, FieldKind, ImageSurface, Line, Prescription, SystemAperture,
+    CoordinateBreak, FieldKind, ImageSurface, Prescription, SystemAperture, WeightedWavelength,
 };
 
 use crate::error::bad_value;
@@ -31,7 +31,7 @@ pub struct Frame {
 /// A prescription with the numbers of a frame.
 pub fn framed(lens: Prescription, frame: Frame) -> PyResult<Prescription> {
     let (radius, conic, semi_diameter) = frame.image;
-    let line = |(wavelength_nm, weight)| Line { wavelength_nm, weight };
+    let line = |(wavelength_nm, weight)| WeightedWavelength { wavelength_nm, weight };
     Ok(Prescription {
         name: frame.name,
         notes: frame.notes,

@@ -9,9 +9,9 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Packets;
-use rayweave::lens::analysis::{AnalysisError, Study, fan_x, fan_y, hexapolar, needs_aiming, square};
+use rayweave::lens::analysis::{LensAnalysisError, Study, fan_x, fan_y, hexapolar, needs_aiming, square};
 use rayweave::lens::paraxial::Meridian;
-use rayweave::lens::prescription::{CoordinateBreak, Layout, Prescription, read_zmx, write_zmx};
+use rayweave::lens::prescription::{CoordinateBreak, Prescription, PrescriptionLayout, read_zmx, write_zmx};
 use rayweave::optics::{System, Tracer};
 use std::sync::OnceLock;
 
@@ -28,7 +28,7 @@ use table::{first_order_table, ray_arrays, seidel_table};
 #[pyclass(frozen, module = "rayweave.optics", name = "CompiledPrescription")]
 pub struct PyPrescription {
     lens: Prescription,
-    built: OnceLock<(Layout, System)>,
+    built: OnceLock<(PrescriptionLayout, System)>,
 }
 
 impl From<Prescription> for PyPrescription {
@@ -216,7 +216,7 @@ impl PyPrescription {
         &self.lens
     }
 
-    fn built(&self, py: Python<'_>) -> PyResult<&(Layout, System)> {
+    fn built(&self, py: Python<'_>) -> PyResult<&(PrescriptionLayout, System)> {
         computed(&self.built, || {
             py.detach(|| {
                 let layout = self.lens.assembly().map_err(bad_value)?;
@@ -230,7 +230,7 @@ impl PyPrescription {
         &self,
         py: Python<'_>,
         aimed: bool,
-        question: impl FnOnce(&Study<'_, Packets>) -> Result<T, AnalysisError> + Send,
+        question: impl FnOnce(&Study<'_, Packets>) -> Result<T, LensAnalysisError> + Send,
     ) -> PyResult<T> {
         let (layout, system) = self.built(py)?;
         let answer = py.detach(|| {

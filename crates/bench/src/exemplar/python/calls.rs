@@ -7,7 +7,7 @@ use crate::exemplar::die::ROWS;
 use crate::exemplar::question::{CHUNK, components, hits, into_table_on_threads, on_threads, pieces};
 use crate::interleaved::{Candidate, Role};
 use rayweave::model::{
-    FirstHits, HitRows, Limit, Program, Query, RayAnswer, RayBatch, Rays, RegionId, attributes,
+    FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, RayBatch, Rays, RegionId, attributes,
 };
 use rayweave::{AnyEvaluator, Evaluator, Window};
 use std::hint::black_box;
@@ -153,7 +153,7 @@ pub fn one_by_one<'a>(
         }
         _ => {
             let (mut times, mut faces) = table.rows();
-            let mut rows = HitRows { times: &mut times, faces: &mut faces };
+            let mut rows = HitArrayRows { times: &mut times, faces: &mut faces };
             evaluator.hits(batch.rays(), Window::ALL, &mut scratch, &mut rows);
         }
     };

@@ -3,11 +3,12 @@
 use super::decimal;
 use super::kind::{Parameters, broken, shaped};
 use crate::prescription::{
-    Behind, CoordinateBreak, FieldKind, ImageSurface, Line, Prescription, Surface, SystemAperture,
+    Behind, CoordinateBreak, FieldKind, ImageSurface, Prescription, Surface, SystemAperture,
+    WeightedWavelength,
 };
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::{Affine, Vec3};
-use rayweave_optics::glass::{Problem, decode_text};
+use rayweave_optics::glass::{FileProblem, decode_text};
 use std::collections::BTreeMap;
 
 /// The units of lengths with their names, in nanometres.
@@ -20,15 +21,15 @@ pub struct Read {
     pub prescription: Prescription,
     /// Everything in the file that can have an effect and is ignored or replaced, in the order of its lines. An unknown
     /// keyword is listed once, with all its lines.
-    pub notes: Vec<Problem>,
+    pub notes: Vec<FileProblem>,
 }
 
 /// All problems of a file, in the order of its lines.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{}", problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n"))]
+#[error("{}", problems.iter().map(FileProblem::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct ZmxError {
     /// The problems, line by line; at least one.
-    pub problems: Vec<Problem>,
+    pub problems: Vec<FileProblem>,
 }
 
 impl Classified for ZmxError {
@@ -58,7 +59,7 @@ pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
     for (index, line) in text.lines().enumerate() {
         reader.line = index + 1;
         if let Err(text) = reader.read(line.trim()) {
-            reader.problems.push(Problem { line: index + 1, text });
+            reader.problems.push(FileProblem { line: index + 1, text });
         }
     }
     reader.finish()
@@ -153,8 +154,8 @@ struct Reader {
     surfaces: Vec<Record>,
     /// The lines of each keyword that is not known.
     unknown: BTreeMap<String, Vec<usize>>,
-    ignored: Vec<Problem>,
-    problems: Vec<Problem>,
+    ignored: Vec<FileProblem>,
+    problems: Vec<FileProblem>,
 }
 
 impl Reader {
@@ -181,10 +182,10 @@ impl Reader {
     }
 
     /// The notes in the order of their lines.
-    fn notes(&mut self) -> Vec<Problem> {
+    fn notes(&mut self) -> Vec<FileProblem> {
         let mut notes = std::mem::take(&mut self.ignored);
         let unknown = std::mem::take(&mut self.unknown);
-        notes.extend(unknown.into_iter().map(|(keyword, lines)| Problem {
+        notes.extend(unknown.into_iter().map(|(keyword, lines)| FileProblem {
             line: lines[0],
             text: format!("{keyword} is ignored{}", also_on(&lines[1..])),
         }));
@@ -313,11 +314,11 @@ impl Reader {
     }
 
     fn note(&mut self, text: String) {
-        self.ignored.push(Problem { line: self.line, text });
+        self.ignored.push(FileProblem { line: self.line, text });
     }
 
     fn problem(&mut self, line: usize, text: &str) {
-        self.problems.push(Problem { line, text: text.to_owned() });
+        self.problems.push(FileProblem { line, text: text.to_owned() });
     }
 
     fn finish(mut self) -> Result<Read, ZmxError> {
@@ -409,7 +410,7 @@ impl Reader {
                     let text =
                         "the coordinate break is no surface of its own; surfaces are counted without it"
                             .to_owned();
-                    self.ignored.push(Problem { line: record.line, text });
+                    self.ignored.push(FileProblem { line: record.line, text });
                 }
                 Err(text) => self.problem(record.type_line, &text),
             }
@@ -421,9 +422,9 @@ impl Reader {
         breaks
     }
 
-    fn lines(&self) -> Vec<Line> {
+    fn lines(&self) -> Vec<WeightedWavelength> {
         let count = self.counts.map_or(usize::MAX, |counts| counts[1].max(1));
-        let line = |(k, &um): (usize, &f64)| Line {
+        let line = |(k, &um): (usize, &f64)| WeightedWavelength {
             wavelength_nm: decimal(um * 1e3),
             weight: self.weights.get(k).copied().unwrap_or(1.0),
         };
@@ -453,7 +454,7 @@ impl Reader {
             if surfaces.get(k).is_some_and(|surface| !surface.is_conic()) {
                 let line = self.surfaces[k].type_line;
                 let text = format!("the terms of the {name} beyond its conic are ignored");
-                self.ignored.push(Problem { line, text });
+                self.ignored.push(FileProblem { line, text });
             }
         }
     }
@@ -466,7 +467,7 @@ impl Reader {
                     "the inner radius {} of the aperture, CLAP, is ignored: only mirrors have a central hole",
                     record.hole
                 );
-                self.ignored.push(Problem { line: record.hole_line, text });
+                self.ignored.push(FileProblem { line: record.hole_line, text });
             }
         }
     }
@@ -475,7 +476,7 @@ impl Reader {
         self,
         surfaces: Vec<Surface>,
         (stop, aperture): (usize, SystemAperture),
-        lines: Vec<Line>,
+        lines: Vec<WeightedWavelength>,
     ) -> Read {
         let fields = self.fields();
         let last = self.surfaces.len() - 1;

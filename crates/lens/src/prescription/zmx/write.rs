@@ -63,7 +63,7 @@ fn head(lens: &Prescription) -> Vec<String> {
         let values: Vec<String> = lens.fields.iter().map(|field| field[axis].to_string()).collect();
         file.push(format!("{keyword} {}", values.join(" ")));
     }
-    let line = |(k, line): (usize, &crate::prescription::Line)| {
+    let line = |(k, line): (usize, &crate::prescription::WeightedWavelength)| {
         format!("WAVM {} {} {}", k + 1, decimal(line.wavelength_nm / 1e3), line.weight)
     };
     file.extend(lens.lines.iter().enumerate().map(line));

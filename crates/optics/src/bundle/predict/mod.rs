@@ -21,7 +21,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
 use rayweave_model::{Program, PrototypeId, RegionId, SurfaceId};
 use rayweave_shape::lanes::{
-    Facet, Kernel, LaneLimits, LaneRay, LaneStarts, Lanes, Mask, Span, Vec3Lanes, splat,
+    Kernel, LaneFacet, LaneLimits, LaneRay, LaneSpan, LaneStarts, Lanes, Mask, Vec3Lanes, splat,
 };
 use rayweave_shape::surface::Surface;
 use regions::{MAX_BITS, Regions};
@@ -36,7 +36,7 @@ const MAX_DISTANCE: f64 = 1e4;
 /// The surfaces and regions of a program whose hits can be predicted.
 #[derive(Clone, Debug)]
 pub(crate) struct Predictor {
-    surfaces: Vec<Facet>,
+    surfaces: Vec<LaneFacet>,
     /// For each surface of the program its number among these.
     slots: Vec<Option<usize>>,
     regions: Regions,
@@ -155,7 +155,7 @@ impl Predictor {
     ) -> Option<(Lanes<S>, bool)> {
         let facet = &self.surfaces[surface];
         let (ray, mut uncertain) = LaneRay::new(simd, rays.origin, rays.direction, &self.limits);
-        let mut span = Span::line(simd);
+        let mut span = LaneSpan::line(simd);
         let inward = match rays.start {
             Some((start, inside)) if start == surface => {
                 if !inside {
@@ -294,14 +294,14 @@ fn unit<S: Simd>(simd: S, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
 }
 
 /// The inside of a surface, if it is convex.
-fn convex(program: &Program, id: SurfaceId) -> Option<Facet> {
+fn convex(program: &Program, id: SurfaceId) -> Option<LaneFacet> {
     let surface = &program.surface(id).surface;
     if !matches!(surface, Surface::Plane(_) | Surface::Sphere(_) | Surface::Cylinder(_)) {
         return None;
     }
     let surfaces = [f64::from(id.0); 2];
     let (face, gap) = (0.0, u32::MAX);
-    Some(Facet { kernel: Kernel::of(surface)?, inside: true, face, surfaces, gap, is_one_piece: false })
+    Some(LaneFacet { kernel: Kernel::of(surface)?, inside: true, face, surfaces, gap, is_one_piece: false })
 }
 
 /// The limits within which lane kernels are valid, for surfaces of degree 2 at most.

@@ -25,7 +25,7 @@ mod tree;
 
 use tree::Node;
 
-use crate::glass::read::{Problem, ReadError, finish, nm_from_um, numbers};
+use crate::glass::read::{FileProblem, GlassFileError, finish, nm_from_um, numbers};
 use crate::glass::{Dispersion, Glass, Published, Table};
 
 /// Reads the materials of a file of refractiveindex.info; `name` is that of a document that has no
@@ -36,7 +36,7 @@ use crate::glass::{Dispersion, Glass, Published, Table};
 ///
 /// # Errors
 /// All problems of the file at once, each with its line; only the first if the file is not YAML.
-/// Documents without problems remain available: [`into_readable`](ReadError::into_readable).
+/// Documents without problems remain available: [`into_readable`](GlassFileError::into_readable).
 ///
 /// ```
 /// use rayweave_optics::glass::read_refractiveindex;
@@ -44,14 +44,14 @@ use crate::glass::{Dispersion, Glass, Published, Table};
 /// let material = &read_refractiveindex(file, "mine").unwrap()[0];
 /// assert_eq!(material.index(500.0).unwrap(), 1.516);
 /// ```
-pub fn read_refractiveindex(text: &str, name: &str) -> Result<Vec<Glass>, ReadError> {
+pub fn read_refractiveindex(text: &str, name: &str) -> Result<Vec<Glass>, GlassFileError> {
     let documents = match tree::documents(text) {
         Ok(documents) => documents,
         Err(problem) => return finish(Vec::new(), vec![problem]),
     };
     if documents.is_empty() {
         let text = "the file is empty: it needs the key DATA.".to_owned();
-        return finish(Vec::new(), vec![Problem { line: 1, text }]);
+        return finish(Vec::new(), vec![FileProblem { line: 1, text }]);
     }
     let mut materials = Vec::new();
     let mut problems = Vec::new();
@@ -84,13 +84,13 @@ struct Parts {
 }
 
 struct Reader {
-    problems: Vec<Problem>,
+    problems: Vec<FileProblem>,
 }
 
 impl Reader {
     /// The value, or `None` with its problem noted.
     fn note<T>(&mut self, line: usize, outcome: Result<T, String>) -> Option<T> {
-        outcome.map_err(|text| self.problems.push(Problem { line, text })).ok()
+        outcome.map_err(|text| self.problems.push(FileProblem { line, text })).ok()
     }
 
     fn material(&mut self, document: &Node, name: &str) -> Option<Glass> {
@@ -133,7 +133,7 @@ impl Reader {
             _ => {
                 let text =
                     format!("type {kind:?} is unknown: types are formula 1 to 9 and tabulated n, k, nk.");
-                self.problems.push(Problem { line, text });
+                self.problems.push(FileProblem { line, text });
             }
         }
     }

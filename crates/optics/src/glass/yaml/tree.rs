@@ -2,7 +2,7 @@
 
 use saphyr_parser::{Event, Parser, ScanError, Span, StrInput};
 
-use crate::glass::read::Problem;
+use crate::glass::read::FileProblem;
 
 /// Files of refractiveindex.info are four levels deep; the limit protects the call stack from hostile files.
 const MAX_DEPTH: usize = 32;
@@ -45,7 +45,7 @@ impl Node {
 ///
 /// # Errors
 /// The first place that is not YAML, is too deep, or uses an alias.
-pub(super) fn documents(text: &str) -> Result<Vec<Node>, Problem> {
+pub(super) fn documents(text: &str) -> Result<Vec<Node>, FileProblem> {
     let mut builder = Builder { parser: Parser::new_from_str(text) };
     let mut documents = Vec::new();
     while let Some((event, span)) = builder.next()? {
@@ -65,16 +65,16 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn next(&mut self) -> Result<Option<(Event<'a>, Span)>, Problem> {
+    fn next(&mut self) -> Result<Option<(Event<'a>, Span)>, FileProblem> {
         self.parser.next_event().transpose().map_err(|error| problem_of_syntax(&error))
     }
 
     /// The node that begins with this event.
-    fn node(&mut self, event: Event<'a>, span: Span, depth: usize) -> Result<Node, Problem> {
+    fn node(&mut self, event: Event<'a>, span: Span, depth: usize) -> Result<Node, FileProblem> {
         let line = span.start.line();
         if depth > MAX_DEPTH {
             let text = format!("lists and mappings are too deep: at most {MAX_DEPTH} may be nested.");
-            return Err(Problem { line, text });
+            return Err(FileProblem { line, text });
         }
         let value = match event {
             Event::Scalar(text, ..) => Value::Text(text.into_owned()),
@@ -84,14 +84,14 @@ impl<'a> Builder<'a> {
                 let text =
                     "an alias is not allowed: files of refractiveindex.info have none. Write its value here."
                         .to_owned();
-                return Err(Problem { line, text });
+                return Err(FileProblem { line, text });
             }
         };
         Ok(Node { line, value })
     }
 
     /// The nodes up to the end of a list or a mapping.
-    fn children(&mut self, depth: usize) -> Result<Vec<Node>, Problem> {
+    fn children(&mut self, depth: usize) -> Result<Vec<Node>, FileProblem> {
         let mut children = Vec::new();
         while let Some((event, span)) = self.next()? {
             match event {
@@ -115,7 +115,7 @@ fn pairs(children: Vec<Node>) -> Vec<(String, Node)> {
     pairs
 }
 
-fn problem_of_syntax(error: &ScanError) -> Problem {
+fn problem_of_syntax(error: &ScanError) -> FileProblem {
     let text = format!("this is not YAML: {}. Is an indentation wrong?", error.info());
-    Problem { line: error.marker().line().max(1), text }
+    FileProblem { line: error.marker().line().max(1), text }
 }

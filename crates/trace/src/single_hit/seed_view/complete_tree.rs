@@ -1,7 +1,7 @@
 //! Complete binary trees in level order, with navigation by the bits of a node's number.
 
 use super::Operator;
-use crate::single_hit::{Kind, Op, Tree};
+use crate::single_hit::{GateOp, Tree, TreeNodeKind};
 use std::ops::Range;
 
 /// Largest height that [`CompleteTree::view`] accepts: 2^21 - 1 slots.
@@ -63,14 +63,14 @@ impl CompleteTree {
         let mut done: Vec<CompleteTree> = Vec::new();
         for (node, &complemented) in tree.nodes().iter().zip(&complemented) {
             let operator = match node.kind {
-                Kind::Leaf(leaf) => {
+                TreeNodeKind::Leaf(leaf) => {
                     done.push(CompleteTree::leaf(leaf, complemented));
                     continue;
                 }
-                Kind::Gate(Op::AtLeast { least: 1, most: [1, 1] }) => {
+                TreeNodeKind::Gate(GateOp::AtLeast { least: 1, most: [1, 1] }) => {
                     [Operator::Union, Operator::Intersection]
                 }
-                Kind::Gate(Op::AtLeast { least: 2, most: [1, 1] }) => {
+                TreeNodeKind::Gate(GateOp::AtLeast { least: 2, most: [1, 1] }) => {
                     [Operator::Intersection, Operator::Union]
                 }
                 _ => return None,
@@ -146,7 +146,7 @@ fn pushed_down(tree: &Tree) -> Vec<bool> {
     let nodes = tree.nodes();
     let mut complemented: Vec<bool> = nodes.iter().map(|node| node.complemented).collect();
     for (gate, node) in nodes.iter().enumerate().rev() {
-        if let Kind::Gate(_) = node.kind {
+        if let TreeNodeKind::Gate(_) = node.kind {
             for operand in tree.operands(gate) {
                 complemented[operand] ^= complemented[gate];
             }

@@ -1,6 +1,6 @@
 //! Decision tables: from the next changes of two operands, and which of them is closer, to an action.
 
-use crate::single_hit::{Next, Op, Step, Verdict, decide};
+use crate::single_hit::{GateOp, Next, ValueStep, Verdict, decide};
 
 /// The operators of the original.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -172,9 +172,9 @@ fn action_of(operator: Operator, a: Next, b: Next) -> Action {
     let inverts = operator == Operator::Difference;
     let taken = if inverts { b.complement() } else { b };
     let least = if operator == Operator::Union { 1 } else { 2 };
-    match decide(Op::AtLeast { least, most: [1, 1] }, a.into(), taken.into()) {
+    match decide(GateOp::AtLeast { least, most: [1, 1] }, a.into(), taken.into()) {
         Verdict::Fixed(_) => Action::Miss,
-        Verdict::Changes(Step { t, .. }) if t == a.time() => Action::First,
+        Verdict::Changes(ValueStep { t, .. }) if t == a.time() => Action::First,
         Verdict::Changes(_) if inverts => Action::FlippedSecond,
         Verdict::Changes(_) => Action::Second,
         Verdict::QueryAgain { first: true, .. } => Action::LoopFirst,

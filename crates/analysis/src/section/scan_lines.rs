@@ -1,15 +1,15 @@
-//! Columns: the rays that sweep a plane, refined where neighbours differ.
+//! ScanLines: the rays that sweep a plane, refined where neighbours differ.
 
-use super::{Cut, SectionError, SectionWindow, Sweep};
+use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
 use std::convert::Infallible;
 
-/// A crossing of a column from one region into another.
+/// A crossing of a scan line from one region into another.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pass {
-    /// The coordinate along the column.
+pub struct ScanCrossing {
+    /// The coordinate along the scan line.
     pub v: f64,
     pub before: RegionId,
     pub after: RegionId,
@@ -17,40 +17,40 @@ pub struct Pass {
     face: Option<(u32, u32)>,
 }
 
-impl Pass {
+impl ScanCrossing {
     /// True for crossings between the same regions through the same face.
-    fn is_like(&self, other: &Pass) -> bool {
+    fn is_like(&self, other: &ScanCrossing) -> bool {
         (self.before, self.after, self.face) == (other.before, other.after, other.face)
     }
 }
 
 /// A ray in the plane.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Column {
+pub struct ScanLine {
     pub u: f64,
     /// The crossings from bottom to top; below the first and above the last is the world.
-    pub passes: Vec<Pass>,
+    pub passes: Vec<ScanCrossing>,
 }
 
-impl Column {
-    fn is_like(&self, other: &Column) -> bool {
-        let alike = |(a, b): (&Pass, &Pass)| a.is_like(b);
+impl ScanLine {
+    fn is_like(&self, other: &ScanLine) -> bool {
+        let alike = |(a, b): (&ScanCrossing, &ScanCrossing)| a.is_like(b);
         self.passes.len() == other.passes.len() && self.passes.iter().zip(&other.passes).all(alike)
     }
 }
 
-/// A column and its relation to the one before.
+/// A scan line and its relation to the one before.
 pub enum Step {
     /// All crossings continue.
-    Smooth(Column),
-    /// The two columns may differ, and the gap is not refined further: it is within the tolerance, or the limit of columns is
+    Smooth(ScanLine),
+    /// The two scan lines may differ, and the gap is not refined further: it is within the tolerance, or the limit of scan lines is
     /// reached.
-    Jump(Column),
+    Jump(ScanLine),
 }
 
-/// A column, and the state of the gap after it.
+/// A scan line, and the state of the gap after it.
 struct Placed {
-    column: Column,
+    scan_line: ScanLine,
     gap: Gap,
 }
 
@@ -61,42 +61,42 @@ enum Gap {
     Jump,
 }
 
-/// Refinement stops at this number of columns; a sweep has fewer than twice as many.
+/// Refinement stops at this number of scan lines; a sweep has fewer than twice as many.
 const MAX_COLUMNS: usize = 1 << 20;
 
-/// Columns per batch.
+/// ScanLines per batch.
 const CHUNK: usize = 1024;
 
 /// A sweep.
-pub struct Columns<'a, E: Evaluator> {
+pub struct ScanLines<'a, E: Evaluator> {
     evaluator: &'a E,
     scratch: E::Scratch,
     cut: &'a Cut,
     window: &'a SectionWindow,
-    sweep: &'a Sweep,
+    sweep: &'a SectionRun,
 }
 
-impl<'a, E: Evaluator> Columns<'a, E> {
+impl<'a, E: Evaluator> ScanLines<'a, E> {
     pub fn new(
         evaluator: &'a E,
         cut: &'a Cut,
         window: &'a SectionWindow,
-        sweep: &'a Sweep,
-    ) -> Columns<'a, E> {
-        Columns { evaluator, scratch: evaluator.scratch(), cut, window, sweep }
+        sweep: &'a SectionRun,
+    ) -> ScanLines<'a, E> {
+        ScanLines { evaluator, scratch: evaluator.scratch(), cut, window, sweep }
     }
 
-    /// Traces and refines all columns; returns them from left to right.
+    /// Traces and refines all scan lines; returns them from left to right.
     pub fn swept(&mut self) -> Result<Vec<Step>, SectionError> {
         let places = self.first_places();
-        let columns = self.trace_columns(&places)?;
+        let scan_lines = self.trace_scan_lines(&places)?;
         let mut row: Vec<Placed> =
-            columns.into_iter().map(|column| Placed { column, gap: Gap::Unknown }).collect();
+            scan_lines.into_iter().map(|scan_line| Placed { scan_line, gap: Gap::Unknown }).collect();
         while row.len() < MAX_COLUMNS && self.halve(&mut row)? {}
         let mut gap = Gap::Jump;
         let mut step = |placed: Placed| {
             let before = std::mem::replace(&mut gap, placed.gap);
-            if before == Gap::Smooth { Step::Smooth(placed.column) } else { Step::Jump(placed.column) }
+            if before == Gap::Smooth { Step::Smooth(placed.scan_line) } else { Step::Jump(placed.scan_line) }
         };
         Ok(row.into_iter().map(&mut step).collect())
     }
@@ -128,31 +128,31 @@ impl<'a, E: Evaluator> Columns<'a, E> {
     /// Traces the middle of every undecided gap; false if there is none.
     fn halve(&mut self, row: &mut Vec<Placed>) -> Result<bool, SectionError> {
         let is_open = |pair: &[Placed]| pair[0].gap == Gap::Unknown;
-        let middle = |pair: &[Placed]| 0.5 * (pair[0].column.u + pair[1].column.u);
+        let middle = |pair: &[Placed]| 0.5 * (pair[0].scan_line.u + pair[1].scan_line.u);
         let places: Vec<f64> = row.windows(2).filter(|pair| is_open(pair)).map(middle).collect();
         if places.is_empty() {
             return Ok(false);
         }
-        let mut middles = self.trace_columns(&places)?.into_iter();
+        let mut middles = self.trace_scan_lines(&places)?.into_iter();
         let old = std::mem::take(row);
         let mut old = old.into_iter().peekable();
         while let Some(mut left) = old.next() {
             let open = left.gap == Gap::Unknown;
-            let Some((right, column)) =
+            let Some((right, scan_line)) =
                 old.peek().filter(|_| open).and_then(|right| Some((right, middles.next()?)))
             else {
                 row.push(left);
                 continue;
             };
-            let gap = self.classified(&left.column, &column, &right.column);
+            let gap = self.classified(&left.scan_line, &scan_line, &right.scan_line);
             left.gap = gap;
-            row.extend([left, Placed { column, gap }]);
+            row.extend([left, Placed { scan_line, gap }]);
         }
         Ok(true)
     }
 
-    /// The state of both gaps next to a column between two others.
-    fn classified(&self, left: &Column, middle: &Column, right: &Column) -> Gap {
+    /// The state of both gaps next to a scan line between two others.
+    fn classified(&self, left: &ScanLine, middle: &ScanLine, right: &ScanLine) -> Gap {
         let tolerance = self.window.tolerance;
         let is_straight = |k: usize| {
             let chord = 0.5 * (left.passes[k].v + right.passes[k].v);
@@ -168,19 +168,19 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         }
     }
 
-    /// Traces the columns at some positions; on this thread if they are few.
-    fn trace_columns(&mut self, places: &[f64]) -> Result<Vec<Column>, SectionError> {
-        let (tracer, sweep) = (ColumnTracer::new(self.evaluator, self.cut, self.window), self.sweep);
+    /// Traces the scan lines at some positions; on this thread if they are few.
+    fn trace_scan_lines(&mut self, places: &[f64]) -> Result<Vec<ScanLine>, SectionError> {
+        let (tracer, sweep) = (ScanLineTracer::new(self.evaluator, self.cut, self.window), self.sweep);
         if sweep.cancel.is_cancelled() {
             return Err(SectionError::Cancelled);
         }
         if places.len() <= 2 * CHUNK {
-            return Ok(tracer.columns(places, &mut self.scratch));
+            return Ok(tracer.scan_lines(places, &mut self.scratch));
         }
         let mut all = Vec::with_capacity(places.len());
-        let work = |scratch: &mut E::Scratch, places: &[f64]| tracer.columns(places, scratch);
-        let merge = |columns| {
-            all.extend::<Vec<Column>>(columns);
+        let work = |scratch: &mut E::Scratch, places: &[f64]| tracer.scan_lines(places, scratch);
+        let merge = |scan_lines| {
+            all.extend::<Vec<ScanLine>>(scan_lines);
             Ok::<(), Infallible>(())
         };
         let scratch = || self.evaluator.scratch();
@@ -194,45 +194,46 @@ impl<'a, E: Evaluator> Columns<'a, E> {
     }
 }
 
-/// The query of columns.
-struct ColumnTracer<'a, E: Evaluator> {
+/// The query of scan lines.
+struct ScanLineTracer<'a, E: Evaluator> {
     evaluator: &'a E,
     cut: &'a Cut,
     ends: [f64; 2],
 }
 
-impl<'a, E: Evaluator> ColumnTracer<'a, E> {
-    fn new(evaluator: &'a E, cut: &'a Cut, window: &SectionWindow) -> ColumnTracer<'a, E> {
-        ColumnTracer { evaluator, cut, ends: [window.lo[1], window.hi[1]] }
+impl<'a, E: Evaluator> ScanLineTracer<'a, E> {
+    fn new(evaluator: &'a E, cut: &'a Cut, window: &SectionWindow) -> ScanLineTracer<'a, E> {
+        ScanLineTracer { evaluator, cut, ends: [window.lo[1], window.hi[1]] }
     }
 
-    fn columns(&self, places: &[f64], scratch: &mut E::Scratch) -> Vec<Column> {
+    fn scan_lines(&self, places: &[f64], scratch: &mut E::Scratch) -> Vec<ScanLine> {
         let mut batch = RayBatch::default();
         let direction = self.cut.point([0.0, 1.0]) - self.cut.point([0.0, 0.0]);
         places.iter().for_each(|&u| batch.push(Ray::new(self.cut.point([u, 0.0]), direction)));
         // the window was checked before
         let window = Window::new(self.ends[0], self.ends[1]).unwrap_or(Window::ALL);
         let query = Query { window, ..Query::default() };
-        let mut columns = Vec::with_capacity(places.len());
-        let mut take = |answer: RayAnswer<'_>| columns.push(column(places[answer.ray], self.ends, &answer));
+        let mut scan_lines = Vec::with_capacity(places.len());
+        let mut take =
+            |answer: RayAnswer<'_>| scan_lines.push(scan_line(places[answer.ray], self.ends, &answer));
         self.evaluator.crossings(batch.rays(), &query, scratch, &mut take);
-        columns
+        scan_lines
     }
 }
 
 /// The crossings of a ray, with the world beyond both ends of the window.
-fn column(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> Column {
+fn scan_line(u: f64, [lo, hi]: [f64; 2], answer: &RayAnswer<'_>) -> ScanLine {
     let world = RegionId(0);
-    let end = |v: f64, before: RegionId, after: RegionId| Pass { v, before, after, face: None };
+    let end = |v: f64, before: RegionId, after: RegionId| ScanCrossing { v, before, after, face: None };
     let mut passes = Vec::new();
     passes.extend((answer.start != world).then(|| end(lo, world, answer.start)));
-    passes.extend(answer.crossings.iter().map(|crossing| Pass {
+    passes.extend(answer.crossings.iter().map(|crossing| ScanCrossing {
         v: crossing.t,
         before: crossing.before,
         after: crossing.after,
         face: Some((crossing.face.leaf.0, crossing.face.facet)),
     }));
-    let last = passes.last().map_or(world, |pass: &Pass| pass.after);
+    let last = passes.last().map_or(world, |pass: &ScanCrossing| pass.after);
     passes.extend((last != world).then(|| end(hi, last, world)));
-    Column { u, passes }
+    ScanLine { u, passes }
 }
