@@ -8,6 +8,7 @@ mod messages;
 mod models;
 mod rust;
 pub mod text;
+mod type_names;
 mod violation;
 
 use crate::allow::{self, Exception};
@@ -23,12 +24,15 @@ pub fn run(repository: &Repository) -> Outcome {
     let files = repository.files()?;
     let mut violations = Vec::new();
     let mut phrasings = english::Phrasings::default();
+    let mut type_names = type_names::TypeNames::default();
     for path in &files {
         if let Some(source) = repository.source(path)? {
             phrasings.add(&source);
+            type_names.add(&source);
             violations.extend(check(&source, &|path| repository.root.join(path).exists()));
         }
     }
+    violations.extend(type_names.violations());
     let exceptions = read_exceptions(repository)?;
     let mut violations = without_exceptions(violations, &exceptions)?;
     violations.sort_by(|a, b| (&a.path, a.line).cmp(&(&b.path, b.line)));
