@@ -24,6 +24,7 @@ pub mod property;
 mod scatter;
 mod source;
 mod surface;
+mod tables;
 
 pub use boundary::BoundaryEvent;
 pub use detector::{DetectionRule, Detector};
@@ -32,4 +33,8 @@ pub use hits::{Hits, hit_schema};
 pub use material::{Compressibility, Mie, OpticalMaterial, WavelengthShifter, rayleigh_length};
 pub use propagate::{End, PhotonRun, RunSettings, simulate};
 pub use source::{Photon, PointSource, Source};
-pub use surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
+pub use surface::{
+    Coating, DAVIS_FINISHES, LUT_FINISHES, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel,
+    SurfaceType,
+};
+pub use tables::{DavisTable, DichroicTable, LutTable, SurfaceTables};

@@ -4,10 +4,12 @@ mod borders;
 mod gdml;
 mod properties;
 mod sensors;
+mod surfaces;
 
 use crate::error::PhotonError;
 use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
+use crate::tables::SurfaceTables;
 use borders::SurfaceTable;
 use rayweave_error::Message;
 use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
@@ -53,6 +55,19 @@ impl Detector {
     ///
     /// [`PhotonError::Detector`] for invalid properties, all of them at once, and [`PhotonError::Compile`].
     pub fn new(scene: &Scene, document: &Document) -> Result<Detector, PhotonError> {
+        Detector::with_tables(scene, document, &SurfaceTables::default())
+    }
+
+    /// Like [`new`](Detector::new), with tables for the surfaces whose behaviour is measured.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Detector::new); [`PhotonError::Detector`] also for a surface whose table is absent or invalid.
+    pub fn with_tables(
+        scene: &Scene,
+        document: &Document,
+        tables: &SurfaceTables,
+    ) -> Result<Detector, PhotonError> {
         let table = document.foreign("gdml").map(|foreign| &foreign.value.value);
         let Some(table) = table else {
             let message = Message::new("the model has no optical properties", "it has no table [gdml]");
@@ -62,7 +77,7 @@ impl Detector {
         let program = Arc::new(Program::compile_regions(&regions(scene))?);
         let mut properties = properties::PropertyReader::new(table);
         let materials = gdml::materials(table, &scene.medium_names(), &mut properties);
-        let surfaces = gdml::surfaces(table, &mut properties);
+        let surfaces = surfaces::read(table, tables, &mut properties);
         let volumes = gdml::volumes(table, scene);
         let boundaries = SurfaceTable::new(table, &surfaces, &volumes, &mut properties);
         let sensors = sensors::names(table, scene);
