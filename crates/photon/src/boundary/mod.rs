@@ -10,6 +10,8 @@ mod interface;
 mod measured;
 mod metal;
 mod process;
+#[cfg(test)]
+mod tests;
 
 pub use event::BoundaryEvent;
 
