@@ -26,13 +26,17 @@ pub enum Kind {
     Thin,
     /// A gap is narrower than a given length.
     Gap,
+    /// An optical property, surface or sensor is probably wrong.
+    Optical,
     /// Two regions touch: a note, not a fault.
     Touch,
+    /// Optical input without an effect: a note, not a fault.
+    Unused,
 }
 
 impl Kind {
     /// All kinds with their names.
-    pub const ALL: [(Kind, &'static str); 9] = [
+    pub const ALL: [(Kind, &'static str); 11] = [
         (Kind::Overlap, "overlap"),
         (Kind::Outside, "outside"),
         (Kind::Hidden, "hidden"),
@@ -41,8 +45,15 @@ impl Kind {
         (Kind::Mesh, "mesh"),
         (Kind::Thin, "thin"),
         (Kind::Gap, "gap"),
+        (Kind::Optical, "optical"),
         (Kind::Touch, "touch"),
+        (Kind::Unused, "unused"),
     ];
+
+    /// True for notes, which are no faults.
+    pub fn is_note(self) -> bool {
+        matches!(self, Kind::Touch | Kind::Unused)
+    }
 
     /// The name.
     pub fn name(self) -> &'static str {
@@ -87,6 +98,11 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// A finding without a position, as those about the text of a file.
+    pub fn stated(kind: Kind, text: String) -> Finding {
+        Finding::new(kind, &[], text)
+    }
+
     pub(super) fn new(kind: Kind, regions: &[&str], text: String) -> Finding {
         let regions = regions.iter().map(|name| (*name).to_owned()).collect();
         let (size, volume, area, at, ray) = (None, None, None, None, None);

@@ -1,6 +1,6 @@
 //! Optical materials and volumes in the `[gdml]` table of a document.
 
-use super::properties::{Properties, PropertyReader};
+use super::properties::{Owner, Properties, PropertyReader};
 use crate::material::{
     Compressibility, Mie, OpticalMaterial, WATER_COMPRESSIBILITY, WATER_TEMPERATURE, WavelengthShifter,
     rayleigh_length,
@@ -29,7 +29,11 @@ fn material(row: &Datum, medium: &str, properties: &mut PropertyReader) -> Optic
     let name = row.get("name").and_then(Datum::as_text).unwrap_or(medium);
     // the reader of GDML removes pointer suffixes in the names of media
     let is_water = medium == "Water";
-    let mut properties = properties.of(format!("material `{name}`"), row);
+    let mut properties = properties.of(Owner::new("material", name), row);
+    // Geant4 derives the velocity whenever RINDEX is added, and replaces one that was there before
+    if properties.is_before("GROUPVEL", "RINDEX") {
+        properties.drop("GROUPVEL");
+    }
     let index = properties.positive("RINDEX");
     let own_velocity = properties.positive("GROUPVEL");
     let group_velocity = own_velocity.or_else(|| index.as_ref().map(group_velocity));

@@ -1,6 +1,6 @@
 //! Optical surfaces in the `[gdml]` table of a document.
 
-use super::properties::{Properties, PropertyReader};
+use super::properties::{Owner, Properties, PropertyReader};
 use crate::surface::{
     Coating, DAVIS_FINISHES, LUT_FINISHES, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel,
     SurfaceType,
@@ -68,14 +68,14 @@ fn surface(
     properties: &mut PropertyReader,
 ) -> OpticalSurface {
     let name = row.get("name").and_then(Datum::as_text).unwrap_or_default().to_owned();
-    let owner = format!("optical surface `{name}`");
+    let owner = Owner::new("surface", &name);
     let model = word(row, "model", &MODELS, &owner, properties);
     let finish = word(row, "finish", &finishes(), &owner, properties);
     let kind = word(row, "type", &TYPES, &owner, properties);
     let value = row.get("value").and_then(Datum::as_number).unwrap_or(1.0);
     let table = kind.zip(finish).and_then(|(kind, finish)| {
         let table = measured_table(&name, kind, finish, tables, known);
-        table.map_err(|message| properties.problem(message)).ok().flatten()
+        table.map_err(|message| properties.problem(owner.clone(), message)).ok().flatten()
     });
     let kind = kind.unwrap_or_default();
     let mut properties = properties.of(owner, row);
@@ -166,7 +166,7 @@ fn word<T: Copy + Default>(
     row: &Datum,
     attribute: &str,
     words: &[Word<T>],
-    owner: &str,
+    owner: &Owner,
     properties: &mut PropertyReader,
 ) -> Option<T> {
     let text = row.text(attribute);
@@ -183,10 +183,11 @@ fn word<T: Copy + Default>(
     let more = if words.len() > MOST_LISTED { ", and those of Geant4's tables" } else { "" };
     let problem = format!("the {attribute} `{text}` of {owner} is not supported");
     let message = Message::new(problem, format!("the supported ones are {listed}{more}"));
-    properties.problem(match did_you_mean(text, names) {
+    let message = match did_you_mean(text, names) {
         Some(meant) => message.suggest(format!("Did you mean `{meant}`?")),
         None => message,
-    });
+    };
+    properties.problem(owner.clone(), message);
     None
 }
 
