@@ -213,6 +213,8 @@ fn polished_back_paint_sums_the_reflections_in_its_layer() {
     const R: f64 = 0.8;
     let painted = OpticalSurface {
         index: constant(1.8),
+        // without it the unified model makes the reflections of the interface diffuse
+        spike: constant(1.0),
         reflectivity: constant(R),
         transmittance: constant(0.05),
         ..surface(
@@ -230,7 +232,7 @@ fn polished_back_paint_sums_the_reflections_in_its_layer() {
         let reached = (1.0 - f) / (1.0 - f * R);
         assert_share(&found, BoundaryEvent::Absorption, reached * 0.15);
         assert_share(&found, BoundaryEvent::Transmission, reached * 0.05);
-        assert_share(&found, BoundaryEvent::FresnelReflection, f);
+        assert_share(&found, BoundaryEvent::SpikeReflection, f);
         let back = found.iter().filter(|outcome| !outcome.is_behind).count() as f64 / COUNT as f64;
         let expected = f + (1.0 - f) * R * reached;
         assert!((back - expected).abs() < 5.0 * (0.25 / COUNT as f64).sqrt(), "{degrees}: {back} {expected}");
@@ -245,6 +247,7 @@ fn ground_back_paint_is_diffuse_behind_its_layer() {
     const N: f64 = 1.5;
     let painted = OpticalSurface {
         index: constant(N),
+        spike: constant(1.0),
         reflectivity: constant(R),
         ..surface(
             SurfaceType::DielectricDielectric,
@@ -264,7 +267,7 @@ fn ground_back_paint_is_diffuse_behind_its_layer() {
     let found = outcomes(&painted, [1.0, 1.0], 0.0, true);
     // the polarisation after diffuse reflection is isotropic in the mean, here for the first reflection, which dominates
     assert_share(&found, BoundaryEvent::Absorption, (1.0 - f) * (1.0 - R) / (1.0 - R * (1.0 - e)));
-    assert_share(&found, BoundaryEvent::FresnelReflection, f);
+    assert_share(&found, BoundaryEvent::SpikeReflection, f);
 }
 
 /// The reflectance of a film by the closed form of Airy (Born & Wolf, *Principles of Optics*, section 1.6.4), for s and p.
