@@ -2,6 +2,31 @@
 
 use crate::Report;
 use rayweave_scene::{Document, Scene};
+use std::collections::HashMap;
+
+/// Places of the optical elements of a GDML file, for messages about their contents.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    by_name: HashMap<(&'static str, String, String), String>,
+}
+
+impl Places {
+    /// The place, as `file:line:column`, of an element (`material`, `surface`, `skin` or `border`) by name, or of one of its
+    /// properties; an empty property means the element. `None` for elements that no file has.
+    pub fn find(&self, element: &'static str, name: &str, property: &str) -> Option<&str> {
+        self.by_name.get(&(element, name.to_owned(), property.to_owned())).map(String::as_str)
+    }
+
+    /// Adds a place. Of several properties of one name the last one counts, of several elements the first one.
+    pub(crate) fn add(&mut self, element: &'static str, name: &str, property: &str, place: String) {
+        let key = (element, name.to_owned(), property.to_owned());
+        if property.is_empty() {
+            self.by_name.entry(key).or_insert(place);
+        } else {
+            self.by_name.insert(key, place);
+        }
+    }
+}
 
 /// An imported model.
 #[derive(Clone, Debug)]
@@ -12,13 +37,15 @@ pub struct Imported {
     pub scene: Scene,
     /// Everything that was approximated, dropped or refused; empty for native files.
     pub report: Report,
+    /// The places of optical materials and surfaces in a GDML file; empty for other formats.
+    pub places: Places,
 }
 
 impl Imported {
     /// An import without a document: a scene made from another program's file, and the losses.
     pub fn from_scene(mut scene: Scene, report: Report) -> Imported {
         scene.warnings = report.warnings();
-        Imported { stated: None, scene, report }
+        Imported { stated: None, scene, report, places: Places::default() }
     }
 
     /// A document of the model, for writing it as a native model file.

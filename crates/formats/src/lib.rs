@@ -30,7 +30,7 @@ mod save;
 mod write;
 
 pub use format::Format;
-pub use imported::Imported;
+pub use imported::{Imported, Places};
 pub use options::Options;
 pub use report::{Loss, LossKind, Report};
 pub use save::save;
@@ -100,7 +100,7 @@ fn strictly(imported: Imported, options: &Options) -> Result<Imported, Diagnosti
 }
 
 fn native((document, scene): (Document, Scene)) -> Imported {
-    Imported { stated: Some(document), scene, report: Report::default() }
+    Imported { stated: Some(document), ..Imported::from_scene(scene, Report::default()) }
 }
 
 /// Reads the text of another program's file.

@@ -17,6 +17,7 @@ mod boundary;
 mod detector;
 mod error;
 mod hits;
+mod lint;
 mod material;
 pub mod philox;
 mod propagate;
@@ -24,12 +25,18 @@ pub mod property;
 mod scatter;
 mod source;
 mod surface;
+mod tables;
 
 pub use boundary::BoundaryEvent;
 pub use detector::{DetectionRule, Detector};
 pub use error::{PhotonError, PropertyError};
 pub use hits::{Hits, hit_schema};
+pub use lint::{LintFinding, lint};
 pub use material::{Compressibility, Mie, OpticalMaterial, WavelengthShifter, rayleigh_length};
 pub use propagate::{End, PhotonRun, RunSettings, simulate};
 pub use source::{Photon, PointSource, Source};
-pub use surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
+pub use surface::{
+    Coating, DAVIS_FINISHES, LUT_FINISHES, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel,
+    SurfaceType,
+};
+pub use tables::{DavisTable, DichroicTable, LutTable, SurfaceTables};

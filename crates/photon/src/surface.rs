@@ -1,6 +1,8 @@
 //! Optical surfaces: the description of the boundary between two volumes.
 
 use crate::property::PropertyTable;
+use crate::tables::{DavisTable, DichroicTable, LutTable};
+use std::sync::Arc;
 
 /// The model of the microfacets of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -10,6 +12,21 @@ pub enum SurfaceModel {
     Glisur,
     /// Facet slopes of a Gaussian distribution (A. Levin, C. Moisan, IEEE NSS 1996).
     Unified,
+    /// Reflection by measured tables of the Lawrence Berkeley National Laboratory (M. Janecek, W. W. Moses, IEEE
+    /// Trans. Nucl. Sci. 57 (2010) 964). The facets of other types are those of `Unified`, without its lobes.
+    Lut,
+    /// Reflection and transmission by tables computed from measured topographies (E. Roncali, S. R. Cherry, Phys. Med.
+    /// Biol. 58 (2013) 2185). The facets of other types are those of `Unified`, without its lobes.
+    Davis,
+    /// A dichroic filter. The facets are those of `Glisur` with a polish of 0.
+    Dichroic,
+}
+
+impl SurfaceModel {
+    /// True if the value of the surface is the standard deviation of the facet angles.
+    pub(crate) fn has_gaussian_facets(self) -> bool {
+        matches!(self, SurfaceModel::Unified | SurfaceModel::Lut | SurfaceModel::Davis)
+    }
 }
 
 /// The finish of a surface.
@@ -28,7 +45,51 @@ pub enum SurfaceFinish {
     GroundFrontPainted,
     /// A rough interface with diffuse paint behind a layer with an index of its own.
     GroundBackPainted,
+    /// A finish of the measured tables, by its name in Geant4: one of [`LUT_FINISHES`] or [`DAVIS_FINISHES`].
+    Measured(&'static str),
 }
+
+/// The finishes of the `LUT` model with the names of their files in Geant4's data set RealSurface, without extension.
+/// The three finishes without wrapping have no file. Their numbers in GDML files start at 6.
+pub const LUT_FINISHES: [(&str, &str); 24] = [
+    ("polishedlumirrorair", "PolishedLumirror"),
+    ("polishedlumirrorglue", "PolishedLumirrorGlue"),
+    ("polishedair", ""),
+    ("polishedteflonair", "PolishedTeflon"),
+    ("polishedtioair", "PolishedTiO"),
+    ("polishedtyvekair", "PolishedTyvek"),
+    ("polishedvm2000air", "PolishedVM2000"),
+    ("polishedvm2000glue", "PolishedVM2000Glue"),
+    ("etchedlumirrorair", "EtchedLumirror"),
+    ("etchedlumirrorglue", "EtchedLumirrorGlue"),
+    ("etchedair", ""),
+    ("etchedteflonair", "EtchedTeflon"),
+    ("etchedtioair", "EtchedTiO"),
+    ("etchedtyvekair", "EtchedTyvek"),
+    ("etchedvm2000air", "EtchedVM2000"),
+    ("etchedvm2000glue", "EtchedVM2000Glue"),
+    ("groundlumirrorair", "GroundLumirror"),
+    ("groundlumirrorglue", "GroundLumirrorGlue"),
+    ("groundair", ""),
+    ("groundteflonair", "GroundTeflon"),
+    ("groundtioair", "GroundTiO"),
+    ("groundtyvekair", "GroundTyvek"),
+    ("groundvm2000air", "GroundVM2000"),
+    ("groundvm2000glue", "GroundVM2000Glue"),
+];
+
+/// The finishes of the `DAVIS` model, which are also the names of their files. Their numbers in GDML files start at 30.
+pub const DAVIS_FINISHES: [&str; 9] = [
+    "Rough_LUT",
+    "RoughTeflon_LUT",
+    "RoughESR_LUT",
+    "RoughESRGrease_LUT",
+    "Polished_LUT",
+    "PolishedTeflon_LUT",
+    "PolishedESR_LUT",
+    "PolishedESRGrease_LUT",
+    "Detector_LUT",
+];
 
 impl SurfaceFinish {
     /// True for the three smooth finishes.
@@ -53,6 +114,36 @@ pub enum SurfaceType {
     DielectricDielectric,
     /// A transparent medium and one that reflects or absorbs.
     DielectricMetal,
+    /// A reflector with the measured distribution of an [`LutTable`].
+    DielectricLut,
+    /// A reflector with the distributions of a [`DavisTable`].
+    DielectricLutDavis,
+    /// A filter that transmits undeviated light by a [`DichroicTable`] and reflects the rest.
+    DielectricDichroic,
+    /// Two transparent media with a thin film between them.
+    Coated,
+}
+
+/// The table of a surface whose behaviour is measured.
+#[derive(Clone, Debug)]
+pub enum MeasuredTable {
+    /// For [`SurfaceType::DielectricLut`].
+    Lut(Arc<LutTable>),
+    /// For [`SurfaceType::DielectricLutDavis`].
+    Davis(Arc<DavisTable>),
+    /// For [`SurfaceType::DielectricDichroic`].
+    Dichroic(Arc<DichroicTable>),
+}
+
+/// The thin film of a [`SurfaceType::Coated`] surface.
+#[derive(Clone, Debug)]
+pub struct Coating {
+    /// The refractive index, `COATEDRINDEX`.
+    pub index: PropertyTable,
+    /// The thickness in mm, `COATEDTHICKNESS`.
+    pub thickness: f64,
+    /// True if light tunnels through the film beyond the critical angle, `COATEDFRUSTRATEDTRANSMISSION`.
+    pub has_frustrated_transmission: bool,
 }
 
 /// An optical surface.
@@ -86,4 +177,8 @@ pub struct OpticalSurface {
     pub backscatter: Option<PropertyTable>,
     /// `SURFACEROUGHNESS` in mm.
     pub roughness: f64,
+    /// The table of a type that needs one.
+    pub table: Option<MeasuredTable>,
+    /// The film of a coated surface.
+    pub coating: Option<Coating>,
 }

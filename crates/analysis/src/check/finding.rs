@@ -26,13 +26,17 @@ pub enum FindingKind {
     Thin,
     /// A gap is narrower than a given length.
     Gap,
+    /// An optical property, surface or sensor is probably wrong.
+    Optical,
     /// Two regions touch: a note, not a fault.
     Touch,
+    /// Optical input without an effect: a note, not a fault.
+    Unused,
 }
 
 impl FindingKind {
     /// All kinds with their names.
-    pub const ALL: [(FindingKind, &'static str); 9] = [
+    pub const ALL: [(FindingKind, &'static str); 11] = [
         (FindingKind::Overlap, "overlap"),
         (FindingKind::Outside, "outside"),
         (FindingKind::Hidden, "hidden"),
@@ -41,8 +45,15 @@ impl FindingKind {
         (FindingKind::Mesh, "mesh"),
         (FindingKind::Thin, "thin"),
         (FindingKind::Gap, "gap"),
+        (FindingKind::Optical, "optical"),
         (FindingKind::Touch, "touch"),
+        (FindingKind::Unused, "unused"),
     ];
+
+    /// True for notes, which are no faults.
+    pub fn is_note(self) -> bool {
+        matches!(self, FindingKind::Touch | FindingKind::Unused)
+    }
 
     /// The name.
     pub fn name(self) -> &'static str {
@@ -87,6 +98,11 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// A finding without a position, as those about the text of a file.
+    pub fn stated(kind: FindingKind, text: String) -> Finding {
+        Finding::new(kind, &[], text)
+    }
+
     pub(super) fn new(kind: FindingKind, regions: &[&str], text: String) -> Finding {
         let regions = regions.iter().map(|name| (*name).to_owned()).collect();
         let (size, volume, area, at, ray) = (None, None, None, None, None);

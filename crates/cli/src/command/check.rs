@@ -5,7 +5,8 @@ use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
 use rayweave::AnyEvaluator;
-use rayweave::check::{CheckReport, CheckSettings, Finding, FindingKind, Hierarchy, check, finding_section};
+use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, FindingKind, check, finding_section};
+use rayweave::photon::{SurfaceTables, lint};
 use rayweave::scene::Scene;
 use rayweave::section::section_svg;
 use serde_json::{Value, json};
@@ -21,11 +22,13 @@ Kinds of findings:
   mesh      a mesh that is closed, but may not be what was meant
   thin      a wall thinner than --wall
   gap       a gap narrower than --gap
+  optical   an optical property, surface or sensor of a GDML file is probably wrong
   touch     two regions touch (a note)
+  unused    an optical property or surface has no effect (a note)
 
 A file that cannot be read, one with an open mesh for instance, is reported as an error with its place (exit code 3).";
 
-/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers
+/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers, optical properties that are off
 ///
 /// Bounding boxes prove what they can; rays sample the rest. Findings are certain; their absence depends on the density of rays
 /// (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of these kinds set exit code 1.
@@ -66,7 +69,7 @@ pub struct Check {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Exit with code 1 if there are findings of these kinds, as overlap,thin; `all` means all kinds except touch
+    /// Exit with code 1 if there are findings of these kinds, as overlap,thin; `all` means all kinds except notes
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kinds)]
     fail_on: Vec<Kinds>,
 
@@ -100,7 +103,7 @@ fn kinds(text: &str) -> Result<Kinds, String> {
 impl Kinds {
     fn holds(self, kind: FindingKind) -> bool {
         match self {
-            Kinds::All => kind != FindingKind::Touch,
+            Kinds::All => !kind.is_note(),
             Kinds::One(own) => own == kind,
         }
     }
@@ -122,12 +125,25 @@ impl Check {
             threads: global.threads,
             cancel: interrupt::token()?,
         };
-        let hierarchy = imported.stated.and_then(|document| Hierarchy::of(&document, &scene));
+        let places = |element, name: &str, property: &str| {
+            imported.places.find(element, name, property).map(str::to_owned)
+        };
+        let optical = imported
+            .stated
+            .as_ref()
+            .map(|document| lint(&scene, document, &SurfaceTables::default(), &places));
+        let hierarchy = imported.stated.as_ref().and_then(|document| Hierarchy::of(document, &scene));
         let bar = terminal::counter("rays", global.quiet);
         let make = AnyEvaluator::maker(None);
         let report = check(&scene, hierarchy.as_ref(), make, &settings, &mut |rays| bar.set_position(rays));
         bar.finish_and_clear();
-        let report = report?;
+        let mut report = report?;
+        let stated = optical.into_iter().flatten().map(|finding| {
+            let kind = if finding.is_unused { FindingKind::Unused } else { FindingKind::Optical };
+            Finding::stated(kind, finding.to_string())
+        });
+        report.findings.extend(stated);
+        report.findings.sort_by_key(|finding| finding.kind);
         if let Some(folder) = &self.pictures {
             self.draw(folder, &scene, &report, &settings)?;
         }

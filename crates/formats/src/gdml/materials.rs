@@ -33,6 +33,8 @@ pub(super) struct Material {
     pub parts: Vec<Part>,
     /// Properties by name, most of which depend on the photon energy.
     pub properties: Vec<(String, Property)>,
+    /// Places of the properties, by name, and under an empty name that of the element.
+    pub places: Vec<(String, Place)>,
     /// Refractive index, from the property `RINDEX`.
     pub index: Option<f64>,
 }
@@ -118,6 +120,7 @@ fn material(numbers: &mut Numbers, element: &Element) -> Result<Material, Failur
         tag: element.name.to_string(),
         state: element.text("state").to_owned(),
         formula: element.text("formula").to_owned(),
+        places: vec![(String::new(), element.place)],
         ..Material::default()
     };
     for (attribute, name) in [("Z", "Z"), ("N", "N")] {
@@ -179,6 +182,7 @@ fn detail(numbers: &mut Numbers, material: &mut Material, child: &Element) -> Re
                     None
                 });
             }
+            material.places.push((name.clone(), child.place));
             material.properties.push((name, property));
         }
         _ => {}

@@ -39,7 +39,7 @@ mod trouble;
 mod units;
 mod xml;
 
-use crate::{Imported, Options};
+use crate::{Imported, Options, Places};
 use context::Context;
 use rayweave_scene::memory;
 use rayweave_scene::{Diagnostic, Diagnostics, Foreign, Scene, Source};
@@ -64,8 +64,8 @@ pub fn read(source: &Arc<Source>, options: &Options) -> Result<Imported, Diagnos
     let mut context = Context::default();
     context.files.allowed = AllowedFiles::of_model(source.path().map(PathBuf::as_path), &options.allow);
     match context.model(source) {
-        Some((scene, table)) if context.problems.is_empty() => {
-            let mut imported = Imported::from_scene(scene, context.report);
+        Some((scene, table, places)) if context.problems.is_empty() => {
+            let mut imported = Imported { places, ..Imported::from_scene(scene, context.report) };
             let warnings = imported.scene.warnings.iter().chain(&context.warnings).cloned();
             imported.scene.warnings = Diagnostics::new(warnings.collect());
             let mut document = imported.document();
@@ -95,12 +95,37 @@ fn check_memory(source: &Arc<Source>, available: Option<u64>) -> Result<(), Diag
 }
 
 impl Context {
-    fn model(&mut self, source: &Arc<Source>) -> Option<(Scene, rayweave_scene::Table)> {
+    fn model(&mut self, source: &Arc<Source>) -> Option<(Scene, rayweave_scene::Table, Places)> {
         let mut volumes = graph::Graph::default();
         self.open.extend(source.path().cloned());
         let world = structure::read_file(self, source.clone(), None, &mut volumes)?;
         // after errors the volumes of some daughters are unknown
-        if self.problems.is_empty() { hierarchy::scene(self, &volumes, world) } else { None }
+        if !self.problems.is_empty() {
+            return None;
+        }
+        let (scene, table) = hierarchy::scene(self, &volumes, world)?;
+        Some((scene, table, self.places(&volumes)))
+    }
+
+    /// The places of materials, optical surfaces and their attachments.
+    fn places(&self, graph: &graph::Graph) -> Places {
+        let mut places = Places::default();
+        let mut add = |element, name: &str, property: &str, place| {
+            let located = self.files.locate(Diagnostic::warning(""), place);
+            let Some((line, column)) = located.line_column() else { return };
+            let file = located.path().map_or(String::new(), |path| format!("{}:", path.display()));
+            places.add(element, name, property, format!("{file}{line}:{column}"));
+        };
+        for material in &graph.materials.list {
+            material.places.iter().for_each(|(name, place)| add("material", &material.name, name, *place));
+        }
+        for surface in &graph.surfaces.optical {
+            surface.places.iter().for_each(|(name, place)| add("surface", &surface.name, name, *place));
+        }
+        for link in &graph.surfaces.links {
+            add(if link.is_skin { "skin" } else { "border" }, &link.name, "", link.place);
+        }
+        places
     }
 }
 

@@ -25,6 +25,8 @@ pub(super) struct Optical {
     pub words: Vec<(&'static str, String)>,
     pub value: Option<f64>,
     pub properties: Vec<(String, Property)>,
+    /// Places of the properties, by name, and under an empty name that of the element.
+    pub places: Vec<(String, Place)>,
 }
 
 /// A `<skinsurface>` around a volume, or a `<bordersurface>` between two placements.
@@ -51,13 +53,15 @@ impl Surfaces {
 }
 
 fn optical(numbers: &mut Numbers, element: &Element) -> Result<Optical, Failure> {
-    let mut properties = Vec::new();
+    let (mut properties, mut places) = (Vec::new(), vec![(String::new(), element.place)]);
     for child in element.children.iter().filter(|child| child.name == "property") {
-        properties.push(property(numbers, child)?);
+        let property = property(numbers, child)?;
+        places.push((property.0.clone(), child.place));
+        properties.push(property);
     }
     let words = ["model", "finish", "type"].map(|word| (word, element.text(word).to_owned()));
     let value = element.attribute("value").map(|value| numbers.value(value)).transpose()?;
-    Ok(Optical { name: numbers.name(element)?, words: words.to_vec(), value, properties })
+    Ok(Optical { name: numbers.name(element)?, words: words.to_vec(), value, properties, places })
 }
 
 fn link(numbers: &mut Numbers, element: &Element) -> Result<Link, Failure> {

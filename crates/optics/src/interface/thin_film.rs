@@ -55,10 +55,12 @@ pub fn transfer_matrix(
     wavelength_nm: f64,
 ) -> Amplitudes {
     let tangential = tangential(n1, cosine);
-    let layers: Vec<_> =
-        films.iter().map(|film| (PlaneWave::new(film.index, tangential), film.thickness_nm)).collect();
+    // the waves in the films are computed for each polarisation again: a list of them would cost an allocation per photon
     amplitudes(n1, n2, cosine, |p, behind| {
-        layers.iter().rev().fold(behind, |fields, (wave, d)| carry(wave, p, fields, *d, wavelength_nm))
+        let carried = |fields, film: &Film| {
+            carry(&PlaneWave::new(film.index, tangential), p, fields, film.thickness_nm, wavelength_nm)
+        };
+        films.iter().rev().fold(behind, carried)
     })
 }
 

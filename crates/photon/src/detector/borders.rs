@@ -1,7 +1,7 @@
 //! The optical surface between two volumes: border surfaces first, then skin surfaces.
 
 use super::gdml::{Placement, Volumes};
-use super::properties::PropertyReader;
+use super::properties::{Owner, PropertyReader};
 use crate::surface::OpticalSurface;
 use rayweave_error::Message;
 use rayweave_model::{Crossing, Program};
@@ -55,14 +55,16 @@ impl SurfaceTable {
             let [first, second] = names.as_slice() else {
                 let problem =
                     format!("border surface `{}` names {} placements", row.text("name"), names.len());
-                properties.problem(Message::new(problem, "a border lies between two"));
+                let owner = Owner::new("border", row.text("name"));
+                properties.problem(owner, Message::new(problem, "a border lies between two"));
                 continue;
             };
             found.add_border(surface, (first, second), volumes, (row.text("name"), properties));
         }
         for (_, surface) in surfaces.iter().enumerate().filter(|(number, _)| !attached.contains(number)) {
-            properties
-                .note(format!("optical surface `{}` is ignored: it is attached to no volume.", surface.name));
+            let owner = Owner::new("surface", &surface.name);
+            let note = Message::new(format!("{owner} is ignored"), "it is attached to no volume");
+            properties.note(owner, note);
         }
         found
     }
@@ -77,9 +79,10 @@ impl SurfaceTable {
         let mut placements = |placement: &str| match volumes.placements.get(placement) {
             Some(list) => list.clone(),
             None => {
-                properties.note(format!(
-                    "border surface `{name}` is ignored: there is no placement named `{placement}`."
-                ));
+                let owner = Owner::new("border", name);
+                let reason = format!("there is no placement named `{placement}`");
+                let note = Message::new(format!("{owner} is ignored"), reason);
+                properties.note(owner, note);
                 Vec::new()
             }
         };
@@ -101,6 +104,12 @@ impl SurfaceTable {
                 }
             }
         }
+    }
+
+    /// True if light from one region to another meets a surface.
+    pub fn has_surface(&self, before: u32, after: u32) -> bool {
+        self.borders.contains_key(&(before, after))
+            || [before, after].iter().any(|region| self.skins.contains_key(region))
     }
 
     /// The number of the surface at a crossing (`G4LogicalBorderSurface`, then `G4LogicalSkinSurface`): a border

@@ -1,13 +1,11 @@
-//! Optical materials and surfaces in the `[gdml]` table of a document.
+//! Optical materials and volumes in the `[gdml]` table of a document.
 
-use super::properties::{Properties, PropertyReader};
+use super::properties::{Owner, Properties, PropertyReader};
 use crate::material::{
     Compressibility, Mie, OpticalMaterial, WATER_COMPRESSIBILITY, WATER_TEMPERATURE, WavelengthShifter,
     rayleigh_length,
 };
 use crate::property::group_velocity;
-use crate::surface::{OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
-use rayweave_error::Message;
 use rayweave_scene::{Datum, Scene};
 use std::collections::{HashMap, HashSet};
 
@@ -31,7 +29,11 @@ fn material(row: &Datum, medium: &str, properties: &mut PropertyReader) -> Optic
     let name = row.get("name").and_then(Datum::as_text).unwrap_or(medium);
     // the reader of GDML removes pointer suffixes in the names of media
     let is_water = medium == "Water";
-    let mut properties = properties.of(format!("material `{name}`"), row);
+    let mut properties = properties.of(Owner::new("material", name), row);
+    // Geant4 derives the velocity whenever RINDEX is added, and replaces one that was there before
+    if properties.is_before("GROUPVEL", "RINDEX") {
+        properties.drop("GROUPVEL");
+    }
     let index = properties.positive("RINDEX");
     let own_velocity = properties.positive("GROUPVEL");
     let group_velocity = own_velocity.or_else(|| index.as_ref().map(group_velocity));
@@ -95,95 +97,6 @@ fn shifter(properties: &mut Properties<'_>, names: &[&str; 4]) -> Option<Wavelen
     let time = properties.constant(names[2]).unwrap_or(0.0);
     let mean_photons = properties.constant(names[3]);
     Some(WavelengthShifter { length: length?, spectrum: spectrum?, time, mean_photons })
-}
-
-/// The optical surfaces, in the order of the file.
-pub(super) fn surfaces(table: &Datum, properties: &mut PropertyReader) -> Vec<OpticalSurface> {
-    let rows = table.list("surface");
-    rows.map(|row| surface(row, properties)).collect()
-}
-
-/// The words of models, finishes and types, and their numbers, as Geant4's reader has them.
-const MODELS: [(&str, &str, SurfaceModel); 2] =
-    [("glisur", "0", SurfaceModel::Glisur), ("unified", "1", SurfaceModel::Unified)];
-
-const FINISHES: [(&str, &str, SurfaceFinish); 6] = [
-    ("polished", "0", SurfaceFinish::Polished),
-    ("polishedfrontpainted", "1", SurfaceFinish::PolishedFrontPainted),
-    ("polishedbackpainted", "2", SurfaceFinish::PolishedBackPainted),
-    ("ground", "3", SurfaceFinish::Ground),
-    ("groundfrontpainted", "4", SurfaceFinish::GroundFrontPainted),
-    ("groundbackpainted", "5", SurfaceFinish::GroundBackPainted),
-];
-
-const TYPES: [(&str, &str, SurfaceType); 2] = [
-    ("dielectric_metal", "0", SurfaceType::DielectricMetal),
-    ("dielectric_dielectric", "1", SurfaceType::DielectricDielectric),
-];
-
-fn surface(row: &Datum, properties: &mut PropertyReader) -> OpticalSurface {
-    let name = row.get("name").and_then(Datum::as_text).unwrap_or_default().to_owned();
-    let owner = format!("optical surface `{name}`");
-    let (model, finish, kind) = (
-        word(row, "model", &MODELS, &owner, properties),
-        word(row, "finish", &FINISHES, &owner, properties),
-        word(row, "type", &TYPES, &owner, properties),
-    );
-    let value = row.get("value").and_then(Datum::as_number).unwrap_or(1.0);
-    let mut properties = properties.of(owner, row);
-    let [reflectivity, transmittance, efficiency, lobe, spike, backscatter] = [
-        "REFLECTIVITY",
-        "TRANSMITTANCE",
-        "EFFICIENCY",
-        "SPECULARLOBECONSTANT",
-        "SPECULARSPIKECONSTANT",
-        "BACKSCATTERCONSTANT",
-    ]
-    .map(|name| properties.table_in(name, 0.0..=1.0));
-    let index = properties.positive("RINDEX");
-    let real = properties.table_in("REALRINDEX", 0.0..=f64::INFINITY);
-    let imaginary = properties.table_in("IMAGINARYRINDEX", 0.0..=f64::INFINITY);
-    let roughness = properties.constant("SURFACEROUGHNESS").unwrap_or(0.0);
-    properties.finish();
-    OpticalSurface {
-        name,
-        model,
-        finish,
-        kind,
-        value,
-        reflectivity,
-        transmittance,
-        efficiency,
-        index,
-        metal_index: real.zip(imaginary),
-        lobe,
-        spike,
-        backscatter,
-        roughness,
-    }
-}
-
-/// One of the words of an attribute, or its number; others are problems.
-fn word<T: Copy + Default>(
-    row: &Datum,
-    attribute: &str,
-    words: &[(&str, &str, T)],
-    owner: &str,
-    properties: &mut PropertyReader,
-) -> T {
-    let text = row.text(attribute);
-    if text.is_empty() {
-        return T::default();
-    }
-    match words.iter().find(|(word, number, _)| text == *word || text == *number) {
-        Some((_, _, value)) => *value,
-        None => {
-            let known = words.iter().map(|(word, ..)| *word).collect::<Vec<_>>().join(", ");
-            let problem = format!("the {attribute} `{text}` of {owner} is not supported");
-            properties.problem(Message::new(problem, format!("the supported ones are {known}")));
-            T::default()
-        }
-    }
 }
 
 /// The logical volumes: their regions and what is placed in them.

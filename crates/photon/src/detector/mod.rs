@@ -2,17 +2,21 @@
 
 mod borders;
 mod gdml;
-mod properties;
+pub(crate) mod properties;
 mod sensors;
+mod surfaces;
 
 use crate::error::PhotonError;
 use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
+use crate::tables::SurfaceTables;
 use borders::SurfaceTable;
+use gdml::Volumes;
+use properties::PropertyReader;
 use rayweave_error::Message;
 use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
 use rayweave_optics::start_surfaces::StartSurfaces;
-use rayweave_scene::{Document, Scene};
+use rayweave_scene::{Datum, Document, Scene};
 use std::sync::Arc;
 
 /// The events that count as the detection of a photon.
@@ -53,19 +57,27 @@ impl Detector {
     ///
     /// [`PhotonError::Detector`] for invalid properties, all of them at once, and [`PhotonError::Compile`].
     pub fn new(scene: &Scene, document: &Document) -> Result<Detector, PhotonError> {
-        let table = document.foreign("gdml").map(|foreign| &foreign.value.value);
-        let Some(table) = table else {
+        Detector::with_tables(scene, document, &SurfaceTables::default())
+    }
+
+    /// Like [`new`](Detector::new), with tables for the surfaces whose behaviour is measured.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`new`](Detector::new); [`PhotonError::Detector`] also for a surface whose table is absent or invalid.
+    pub fn with_tables(
+        scene: &Scene,
+        document: &Document,
+        tables: &SurfaceTables,
+    ) -> Result<Detector, PhotonError> {
+        let Some(table) = foreign(document) else {
             let message = Message::new("the model has no optical properties", "it has no table [gdml]");
             let message = message.suggest("Use a GDML file, or a native model converted from one.");
             return Err(PhotonError::Detector(vec![message]));
         };
         let program = Arc::new(Program::compile_regions(&regions(scene))?);
-        let mut properties = properties::PropertyReader::new(table);
-        let materials = gdml::materials(table, &scene.medium_names(), &mut properties);
-        let surfaces = gdml::surfaces(table, &mut properties);
-        let volumes = gdml::volumes(table, scene);
-        let boundaries = SurfaceTable::new(table, &surfaces, &volumes, &mut properties);
-        let sensors = sensors::names(table, scene);
+        let Optics { properties, materials, surfaces, boundaries, sensors, .. } =
+            Optics::read(table, scene, tables);
         let names = std::iter::once("").chain(scene.regions.iter().map(|region| region.name.as_str()));
         let region_names = names.map(str::to_owned).collect();
         let starts = StartSurfaces::new(&program);
@@ -125,6 +137,36 @@ impl Detector {
     /// The optical surface at a crossing, if there is one.
     pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
+    }
+}
+
+/// The table with the data of a GDML file.
+pub(crate) fn foreign(document: &Document) -> Option<&Datum> {
+    document.foreign("gdml").map(|foreign| &foreign.value.value)
+}
+
+/// The optical part of a detector, as its file states it.
+pub(crate) struct Optics {
+    /// The reader, with problems and notes.
+    pub properties: PropertyReader,
+    /// The materials, by the number of the medium.
+    pub materials: Vec<OpticalMaterial>,
+    pub surfaces: Vec<OpticalSurface>,
+    pub volumes: Volumes,
+    pub boundaries: SurfaceTable,
+    /// The name of the sensor of each region.
+    pub sensors: Vec<Option<String>>,
+}
+
+impl Optics {
+    pub fn read(table: &Datum, scene: &Scene, tables: &SurfaceTables) -> Optics {
+        let mut properties = PropertyReader::new(table);
+        let materials = gdml::materials(table, &scene.medium_names(), &mut properties);
+        let surfaces = surfaces::read(table, tables, &mut properties);
+        let volumes = gdml::volumes(table, scene);
+        let boundaries = SurfaceTable::new(table, &surfaces, &volumes, &mut properties);
+        let sensors = sensors::names(table, scene);
+        Optics { properties, materials, surfaces, volumes, boundaries, sensors }
     }
 }
 

@@ -5,12 +5,41 @@ use crate::property::{PropertyTable, Spectrum};
 use rayweave_error::Message;
 use rayweave_scene::Datum;
 use std::collections::HashMap;
+use std::fmt;
 
 /// Reads properties and collects problems and notes.
 pub(crate) struct PropertyReader {
     matrices: HashMap<String, Matrix>,
-    problems: Vec<Message>,
-    notes: Vec<String>,
+    /// Invalid input, with its owner and the property, or an empty name.
+    pub problems: Vec<(Owner, String, Message)>,
+    /// Ignored input.
+    pub notes: Vec<(Owner, String, Message)>,
+}
+
+/// An element of a GDML file that messages are about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Owner {
+    /// `material`, `surface`, `skin` or `border`.
+    pub element: &'static str,
+    pub name: String,
+}
+
+impl Owner {
+    pub fn new(element: &'static str, name: impl Into<String>) -> Owner {
+        Owner { element, name: name.into() }
+    }
+}
+
+impl fmt::Display for Owner {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = match self.element {
+            "surface" => "optical surface",
+            "skin" => "skin surface",
+            "border" => "border surface",
+            other => other,
+        };
+        write!(f, "{word} `{}`", self.name)
+    }
 }
 
 /// A `<matrix>` of a GDML file.
@@ -23,8 +52,7 @@ struct Matrix {
 /// The properties of one material or surface.
 pub(crate) struct Properties<'r> {
     reader: &'r mut PropertyReader,
-    /// The owner of the properties, as in "material `Water`".
-    owner: String,
+    owner: Owner,
     /// Those that no process has read yet.
     rest: Vec<(String, Datum)>,
 }
@@ -43,20 +71,20 @@ impl PropertyReader {
     }
 
     /// The properties in a row of the table.
-    pub fn of<'r>(&'r mut self, owner: String, row: &Datum) -> Properties<'r> {
+    pub fn of<'r>(&'r mut self, owner: Owner, row: &Datum) -> Properties<'r> {
         let entries = row.get("properties").into_iter().flat_map(Datum::entries);
         let rest = entries.map(|(name, datum)| (name.to_owned(), datum.clone())).collect();
         Properties { reader: self, owner, rest }
     }
 
-    /// Adds a problem.
-    pub fn problem(&mut self, problem: Message) {
-        self.problems.push(problem);
+    /// Adds a problem of an element.
+    pub fn problem(&mut self, owner: Owner, problem: Message) {
+        self.problems.push((owner, String::new(), problem));
     }
 
-    /// Adds a note: a sentence.
-    pub fn note(&mut self, note: String) {
-        self.notes.push(note);
+    /// Adds a note about an element.
+    pub fn note(&mut self, owner: Owner, note: Message) {
+        self.notes.push((owner, String::new(), note));
     }
 
     /// The notes.
@@ -65,7 +93,10 @@ impl PropertyReader {
     ///
     /// All problems, if there are any.
     pub fn finish(self) -> Result<Vec<String>, PhotonError> {
-        if self.problems.is_empty() { Ok(self.notes) } else { Err(PhotonError::Detector(self.problems)) }
+        if self.problems.is_empty() {
+            return Ok(self.notes.into_iter().map(|(.., note)| note.to_string()).collect());
+        }
+        Err(PhotonError::Detector(self.problems.into_iter().map(|(.., problem)| problem).collect()))
     }
 }
 
@@ -152,7 +183,18 @@ impl Properties<'_> {
     /// Reports a problem of a property.
     pub fn problem(&mut self, name: &str, reason: &str) {
         let problem = format!("the property `{name}` of {} is invalid", self.owner);
-        self.reader.problem(Message::new(problem, reason));
+        self.reader.problems.push((self.owner.clone(), name.to_owned(), Message::new(problem, reason)));
+    }
+
+    /// Removes a property, which nothing uses, without a note.
+    pub fn drop(&mut self, name: &str) {
+        self.rest.retain(|(own, _)| own != name);
+    }
+
+    /// True if a property comes before another one in the file; both have not been read yet.
+    pub fn is_before(&self, first: &str, second: &str) -> bool {
+        let at = |name: &str| self.rest.iter().position(|(own, _)| own == name);
+        at(first).zip(at(second)).is_some_and(|(first, second)| first < second)
     }
 
     /// True if a property has not been read yet.
@@ -164,9 +206,9 @@ impl Properties<'_> {
     pub fn finish(self) {
         let Properties { reader, owner, rest } = self;
         for (name, _) in rest {
-            reader.note(format!(
-                "{owner}: the property `{name}` is ignored: no process of this version uses it."
-            ));
+            let problem = format!("{owner}: the property `{name}` is ignored");
+            let note = Message::new(problem, "no process of this version uses it");
+            reader.notes.push((owner.clone(), name, note));
         }
     }
 }

@@ -81,7 +81,7 @@ fn all_bad_properties_are_reported_at_once() {
         matrices: r#"<matrix name="BAD" coldim="2" values="1*eV -3 2*eV 1"/><matrix name="ROW" coldim="1" values="7"/>"#,
         outer: r#"<property name="RINDEX" ref="BAD"/>"#,
         inner: r#"<property name="RINDEX" ref="ROW"/><property name="ABSLENGTH" ref="BAD"/>"#,
-        surfaces: r#"<opticalsurface name="S" model="LUT" finish="polished" type="dielectric_metal" value="1"/>"#,
+        surfaces: r#"<opticalsurface name="S" model="lut" finish="polished" type="dielectric_metal" value="1"/>"#,
         ..CLEAR
     };
     let message = slab.try_build().unwrap_err().to_string();
@@ -93,7 +93,7 @@ fn all_bad_properties_are_reported_at_once() {
         lines[2].contains("`ABSLENGTH` of material `Inner` is invalid: it has the value -3"),
         "{message}"
     );
-    assert!(lines[3].contains("the model `LUT` of optical surface `S` is not supported"), "{message}");
+    assert!(lines[3].contains("the model `lut` of optical surface `S` is not supported"), "{message}");
 }
 
 #[test]

@@ -3,13 +3,16 @@
 mod boundary;
 mod bulk;
 mod detector;
+mod lint;
 mod reproducible;
+mod surfaces;
 
 use rayweave_formats::{Format, Options};
 use rayweave_math::Vec3;
 use rayweave_photon::{
     Detector, End, Photon, PhotonError, PhotonRun, RunSettings, Source, property, simulate,
 };
+use rayweave_scene::{Document, Scene};
 use rayweave_trace::Packets;
 
 /// A world of half side 1 m filled with `Outer`, and in it a slab of `Inner` from z = 0 to z = 100 mm, wide in x and y.
@@ -74,8 +77,14 @@ const CLEAR: SlabDetector<'static> = SlabDetector {
 };
 
 fn detector(gdml: &str) -> Result<Detector, PhotonError> {
+    let (scene, document) = imported(gdml);
+    Detector::new(&scene, &document)
+}
+
+fn imported(gdml: &str) -> (Scene, Document) {
     let imported = rayweave_formats::parse(gdml, Format::Gdml, &[], &Options::default()).unwrap();
-    Detector::new(&imported.scene, &imported.document())
+    let document = imported.document();
+    (imported.scene, document)
 }
 
 fn run(detector: &Detector, source: &Source, settings: &RunSettings) -> PhotonRun {

@@ -1,0 +1,143 @@
+//! Rules for the properties of one material or surface: names, energies, order.
+
+use super::{Lint, values};
+use crate::detector::properties::Owner;
+use rayweave_error::Message;
+use rayweave_scene::Datum;
+
+/// Names of properties before Geant4 11 and their successors (Geant4 11.0 release notes, "Optical photons").
+const RENAMED: [(&str, &str); 8] = [
+    ("FASTCOMPONENT", "SCINTILLATIONCOMPONENT1"),
+    ("SLOWCOMPONENT", "SCINTILLATIONCOMPONENT2"),
+    ("FASTTIMECONSTANT", "SCINTILLATIONTIMECONSTANT1"),
+    ("SLOWTIMECONSTANT", "SCINTILLATIONTIMECONSTANT2"),
+    ("FASTSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME1"),
+    ("SLOWSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME2"),
+    ("YIELDRATIO", "SCINTILLATIONYIELD1"),
+    ("SCINTILLATIONRISETIME", "SCINTILLATIONRISETIME1"),
+];
+
+/// Emission spectra.
+const SPECTRA: [&str; 7] = [
+    "SCINTILLATIONCOMPONENT1",
+    "SCINTILLATIONCOMPONENT2",
+    "SCINTILLATIONCOMPONENT3",
+    "WLSCOMPONENT",
+    "WLSCOMPONENT2",
+    "FASTCOMPONENT",
+    "SLOWCOMPONENT",
+];
+
+/// The name since Geant4 11 of a property with an older name.
+pub(super) fn successor(name: &str) -> Option<&'static str> {
+    RENAMED.iter().find(|row| row.0 == name).map(|row| row.1)
+}
+
+impl Lint<'_> {
+    /// All rules about single properties.
+    pub(super) fn properties(&mut self) {
+        for (owner, row) in self.owners() {
+            let properties: Vec<(&str, &Datum)> =
+                row.get("properties").into_iter().flat_map(Datum::entries).collect();
+            for (name, datum) in &properties {
+                self.name(&owner, name);
+                let points = self.points(datum);
+                self.energies(&owner, name, &points);
+                let constant = self.constant(datum);
+                let sizes = self.sizes(&owner);
+                if let Some(message) = values::implausible(&owner, name, &points, constant, sizes) {
+                    self.find(&owner, name, message);
+                }
+            }
+            self.ranges(&owner, &properties);
+            self.velocity(&owner, &properties);
+        }
+    }
+
+    /// Names of before Geant4 11.
+    fn name(&mut self, owner: &Owner, name: &str) {
+        if let Some(new) = successor(name) {
+            let problem = format!("{owner} has the property `{name}`");
+            let reason =
+                "it has another name since Geant4 11, whose GDML reader ignores the old one silently";
+            let advice = match name {
+                "YIELDRATIO" => {
+                    "Use SCINTILLATIONYIELD1 and, with 1 minus the ratio, SCINTILLATIONYIELD2.".to_owned()
+                }
+                _ => format!("Use {new}."),
+            };
+            self.find(owner, name, Message::new(problem, reason).suggest(advice));
+        }
+    }
+
+    /// Energies that do not ascend, or are not those of light.
+    fn energies(&mut self, owner: &Owner, name: &str, points: &[(f64, f64)]) {
+        if let Some(message) = values::foreign_energies(owner, name, points) {
+            return self.find(owner, name, message);
+        }
+        let falls = |pair: &[(f64, f64)]| pair[1].0 < pair[0].0;
+        let falling = points.windows(2).filter(|pair| falls(pair)).count();
+        // a list by wavelength falls throughout: nothing is wrong with it
+        if falling > 0 && falling + 1 < points.len() {
+            let at = points.windows(2).position(falls).unwrap_or(0);
+            let [before, after] = [points[at].0, points[at + 1].0].map(|energy| values::short(energy * 1e6));
+            let problem = format!("the energies of `{name}` of {owner} are unsorted");
+            let reason = format!("{after} eV follows {before} eV at row {}", at + 2);
+            let advice = "Sort the rows; they are used in the order of their energies.";
+            self.find(owner, name, Message::new(problem, reason).suggest(advice));
+        }
+    }
+
+    /// Ranges of energies that do not overlap, and emission beyond the range of the index.
+    fn ranges(&mut self, owner: &Owner, properties: &[(&str, &Datum)]) {
+        let range = |points: &[(f64, f64)]| {
+            let energies = || points.iter().map(|point| point.0);
+            let range = [energies().fold(f64::INFINITY, f64::min), energies().fold(0.0, f64::max)];
+            (points.len() > 1).then_some(range)
+        };
+        let Some((_, index)) = properties.iter().find(|(name, _)| *name == "RINDEX") else { return };
+        let index = self.points(index);
+        let Some([low, high]) =
+            range(&index).filter(|_| values::foreign_energies(owner, "", &index).is_none())
+        else {
+            return;
+        };
+        let span = |[low, high]: [f64; 2]| {
+            format!("{} to {} eV", values::short(low * 1e6), values::short(high * 1e6))
+        };
+        for (name, datum) in properties.iter().filter(|(name, _)| *name != "RINDEX") {
+            let points = self.points(datum);
+            let Some(own) = range(&points).filter(|_| values::foreign_energies(owner, "", &points).is_none())
+            else {
+                continue;
+            };
+            if own[1] < low || own[0] > high {
+                let problem = format!("`{name}` and `RINDEX` of {owner} have no energies in common");
+                let reason = format!("they cover {} and {}", span(own), span([low, high]));
+                let advice =
+                    "Outside its range a table has the value of its nearest end: extend one of them.";
+                self.find(owner, name, Message::new(problem, reason).suggest(advice));
+            } else if SPECTRA.contains(name)
+                && points.iter().any(|(energy, value)| *value > 0.0 && !(low..=high).contains(energy))
+            {
+                let problem = format!("{owner} emits light where its index is not given");
+                let reason = format!("`{name}` covers {}, `RINDEX` {}", span(own), span([low, high]));
+                let advice = "Outside its range the index has the value of its nearest end: extend RINDEX.";
+                self.find(owner, name, Message::new(problem, reason).suggest(advice));
+            }
+        }
+    }
+
+    /// `GROUPVEL` before `RINDEX`, which replaces it.
+    fn velocity(&mut self, owner: &Owner, properties: &[(&str, &Datum)]) {
+        let at = |wanted: &str| properties.iter().position(|(name, _)| *name == wanted);
+        if let (Some(velocity), Some(index)) = (at("GROUPVEL"), at("RINDEX"))
+            && velocity < index
+        {
+            let problem = format!("`GROUPVEL` of {owner} has no effect");
+            let reason = "`RINDEX` follows it, and Geant4 derives the velocity when the index is added";
+            let advice = "Move GROUPVEL behind RINDEX.";
+            self.find_unused(owner, "GROUPVEL", Message::new(problem, reason).suggest(advice));
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! Probable mistakes in the optical part of GDML files.
+
+use crate::{CLEAR, SlabDetector};
+use rayweave_formats::{Format, Options};
+use rayweave_photon::{LintFinding, SurfaceTables, lint};
+
+fn findings(text: &str) -> Vec<LintFinding> {
+    let imported = rayweave_formats::parse(text, Format::Gdml, &[], &Options::default()).unwrap();
+    let places = |element, name: &str, property: &str| {
+        imported.places.find(element, name, property).map(str::to_owned)
+    };
+    lint(&imported.scene, &imported.document(), &SurfaceTables::default(), &places)
+}
+
+/// The only finding that contains a text.
+fn found(slab: &SlabDetector<'_>, wanted: &str) -> LintFinding {
+    let all = findings(&slab.text());
+    let mut found = all.iter().filter(|finding| finding.to_string().contains(wanted));
+    let one = found.next().unwrap_or_else(|| panic!("`{wanted}` is not among {all:#?}"));
+    assert!(found.next().is_none(), "`{wanted}` is found twice: {all:#?}");
+    one.clone()
+}
+
+/// Asserts that a finding is about a line of the file that contains a text.
+fn assert_place(slab: &SlabDetector<'_>, finding: &LintFinding, on_line: &str) {
+    let text = slab.text();
+    let place = finding.place.as_ref().unwrap();
+    let (line, _) = place.split_once(':').unwrap();
+    let line = text.lines().nth(line.parse::<usize>().unwrap() - 1).unwrap();
+    assert!(line.contains(on_line), "{place} is `{line}`");
+}
+
+const SKIN: &str = r#"<skinsurface name="skin" surfaceproperty="S"><volumeref ref="Slab"/></skinsurface>"#;
+
+#[test]
+fn a_sound_detector_has_no_findings() {
+    assert_eq!(findings(&CLEAR.text()), []);
+    let surface = r#"<opticalsurface name="S" model="unified" finish="ground" type="dielectric_metal" value="0.1">
+<property name="REFLECTIVITY" ref="HALF"/><property name="EFFICIENCY" ref="HALF"/></opticalsurface>"#;
+    let matrices = r#"<matrix name="LONG" coldim="2" values="1*eV 2*m 10*eV 1*m"/>"#;
+    let sensor = SlabDetector {
+        matrices,
+        inner: r#"<property name="RINDEX" ref="GLASS"/><property name="ABSLENGTH" ref="LONG"/>"#,
+        surfaces: surface,
+        links: SKIN,
+        auxiliary: r#"<auxiliary auxtype="SensDet" auxvalue="Counter"/>"#,
+        ..CLEAR
+    };
+    assert_eq!(findings(&sensor.text()), []);
+}
+
+#[test]
+fn energies_of_another_unit_are_named() {
+    for (values, advice) in [
+        ("2 1.5 4 1.5", "look like eV"),
+        ("400 1.5 700 1.5", "look like wavelengths in nm"),
+        ("0.002 1.5 0.004 1.5", "look like keV"),
+        ("2*eV*eV 1.5 4*eV*eV 1.5", "applied twice"),
+    ] {
+        let matrices = format!(r#"<matrix name="OFF" coldim="2" values="{values}"/>"#);
+        let inner = r#"<property name="RINDEX" ref="OFF"/>"#;
+        let slab = SlabDetector { matrices: &matrices, inner, ..CLEAR };
+        let finding = found(&slab, "are not those of light");
+        assert!(finding.to_string().contains(advice), "{finding}");
+        assert!(!finding.is_unused);
+        assert_place(&slab, &finding, r#"ref="OFF""#);
+    }
+}
+
+#[test]
+fn implausible_values_are_named() {
+    // 0.4 m, written without its unit, in a slab of 1.4 m
+    let slab = |property: &'static str, values: &str| {
+        let matrices = format!(r#"<matrix name="OFF" coldim="2" values="{values}"/>"#);
+        (matrices, format!(r#"<property name="RINDEX" ref="GLASS"/><property name="{property}" ref="OFF"/>"#))
+    };
+    for (property, values, reason) in [
+        (
+            "ABSLENGTH",
+            "2*eV 0.4 4*eV 0.4",
+            "the longest absorption length is 0.4 mm, in volumes of at least 1418 mm",
+        ),
+        ("GROUPVEL", "2*eV 2e8 4*eV 2e8", "faster than light in vacuum"),
+    ] {
+        let (matrices, inner) = slab(property, values);
+        let finding = found(&SlabDetector { matrices: &matrices, inner: &inner, ..CLEAR }, "are implausible");
+        assert!(finding.to_string().contains(reason), "{finding}");
+    }
+    let inner = r#"<property name="RINDEX" ref="OFF"/>"#;
+    let swapped = SlabDetector {
+        matrices: r#"<matrix name="OFF" coldim="2" values="2*eV 30 4*eV 30"/>"#,
+        inner,
+        ..CLEAR
+    };
+    assert!(found(&swapped, "are implausible").to_string().contains("the index is 30 to 30"));
+    let surface = |value: &str, rough: &str| {
+        format!(
+            r#"<opticalsurface name="S" model="unified" finish="ground" type="dielectric_dielectric" value="{value}">
+<property name="SURFACEROUGHNESS" ref="{rough}"/></opticalsurface>"#
+        )
+    };
+    let matrices =
+        r#"<matrix name="TWENTY" coldim="1" values="20"/><matrix name="NM" coldim="1" values="20*nm"/>"#;
+    let rough = surface("0.1", "TWENTY");
+    let finding =
+        found(&SlabDetector { matrices, surfaces: &rough, links: SKIN, ..CLEAR }, "SURFACEROUGHNESS");
+    assert!(finding.to_string().contains("it is 20 mm, more than ten wavelengths"), "{finding}");
+    let degrees = surface("12", "NM");
+    let finding = found(&SlabDetector { matrices, surfaces: &degrees, links: SKIN, ..CLEAR }, "the value of");
+    assert!(finding.to_string().contains("is it in degrees?"), "{finding}");
+}
+
+#[test]
+fn tables_that_do_not_fit_together_are_named() {
+    let matrices = r#"<matrix name="BLUE" coldim="2" values="2*eV 1.5 3*eV 1.5"/>
+<matrix name="DEEP" coldim="2" values="5*eV 500 7*eV 500"/>
+<matrix name="MIXED" coldim="2" values="2*eV 500 3*eV 500 2.5*eV 400"/>
+<matrix name="GLOW" coldim="2" values="2.5*eV 1 3.5*eV 1"/><matrix name="NS" coldim="1" values="1*ns"/>"#;
+    let with = |properties: &str, wanted: &str| {
+        let inner = format!(r#"<property name="RINDEX" ref="BLUE"/>{properties}"#);
+        found(&SlabDetector { matrices, inner: &inner, ..CLEAR }, wanted).to_string()
+    };
+    let apart = with(r#"<property name="ABSLENGTH" ref="DEEP"/>"#, "no energies in common");
+    assert!(apart.contains("they cover 5 to 7 eV and 2 to 3 eV"), "{apart}");
+    let unsorted = with(r#"<property name="ABSLENGTH" ref="MIXED"/>"#, "are unsorted");
+    assert!(unsorted.contains("2.5 eV follows 3 eV at row 3"), "{unsorted}");
+    let glow = r#"<property name="WLSABSLENGTH" ref="MIXED"/><property name="WLSCOMPONENT" ref="GLOW"/>"#;
+    let emission = with(glow, "emits light where its index is not given");
+    assert!(emission.contains("`WLSCOMPONENT` covers 2.5 to 3.5 eV, `RINDEX` 2 to 3 eV"), "{emission}");
+}
+
+#[test]
+fn names_and_order_of_geant4_are_respected() {
+    let matrices = r#"<matrix name="SLOW" coldim="2" values="1*eV 100 10*eV 100"/>"#;
+    let inner = r#"<property name="GROUPVEL" ref="SLOW"/>
+<property name="RINDEX" ref="GLASS"/><property name="FASTCOMPONENT" ref="ONE"/>"#;
+    let slab = SlabDetector { matrices, inner, ..CLEAR };
+    let renamed = found(&slab, "FASTCOMPONENT");
+    assert!(renamed.to_string().contains("Use SCINTILLATIONCOMPONENT1."), "{renamed}");
+    assert_place(&slab, &renamed, "FASTCOMPONENT");
+    let order = found(&slab, "`GROUPVEL` of material `Inner` has no effect");
+    assert!(order.is_unused);
+    // the velocity is that of the index
+    let velocity = slab
+        .build()
+        .materials()
+        .iter()
+        .find(|material| material.name == "Inner")
+        .unwrap()
+        .group_velocity
+        .clone();
+    assert_eq!(velocity.unwrap().values(), [rayweave_photon::property::LIGHT_SPEED / 1.5; 2]);
+    let coated = r#"<opticalsurface name="S" model="glisur" finish="polished" type="coated" value="1">
+<property name="COATEDRINDEX" ref="GLASS"/></opticalsurface>"#;
+    let coated = found(&SlabDetector { surfaces: coated, links: SKIN, ..CLEAR }, "the type `coated`");
+    assert!(coated.to_string().contains("reads it as `x_ray`"), "{coated}");
+}
+
+#[test]
+fn problems_and_unused_input_have_their_places() {
+    let surfaces = r#"<opticalsurface name="Idle" model="glisur" finish="polished" type="dielectric_metal" value="1"/>
+<opticalsurface name="S" model="glisur" finish="polish" type="dielectric_metal" value="1">
+<property name="REFLECTIVITY" ref="PERCENT"/></opticalsurface>"#;
+    let matrices = r#"<matrix name="PERCENT" coldim="2" values="1*eV 95 10*eV 95"/>"#;
+    let inner = r#"<property name="RINDEX" ref="GLASS"/>
+<property name="RINDEKS" ref="GLASS"/>"#;
+    let slab = SlabDetector { matrices, inner, surfaces, links: SKIN, ..CLEAR };
+    let idle = found(&slab, "optical surface `Idle` is ignored");
+    assert!(idle.is_unused);
+    assert_place(&slab, &idle, r#"name="Idle""#);
+    let unknown = found(&slab, "`RINDEKS` is ignored");
+    assert!(unknown.is_unused);
+    assert_place(&slab, &unknown, "RINDEKS");
+    let word = found(&slab, "the finish `polish`");
+    assert!(word.to_string().contains("Did you mean `polished`?"), "{word}");
+    assert_place(&slab, &word, r#"name="S""#);
+    let percent = found(&slab, "`REFLECTIVITY` of optical surface `S` are implausible");
+    assert!(percent.to_string().contains("Are they percentages?"), "{percent}");
+}
+
+#[test]
+fn volumes_that_light_cannot_pass_are_named() {
+    let opaque = SlabDetector {
+        inner: "",
+        auxiliary: r#"<auxiliary auxtype="SensDet" auxvalue="Counter"/>"#,
+        ..CLEAR
+    };
+    let index = found(&opaque, "photons from `World` end on reaching it");
+    assert!(index.to_string().contains("material `Inner` has no `RINDEX`"), "{index}");
+    let sensor = found(&opaque, "with the sensor `Counter` detects nothing");
+    assert_place(&opaque, &sensor, r#"<material name="Inner">"#);
+    let surfaces = r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_metal" value="1">
+<property name="EFFICIENCY" ref="HALF"/></opticalsurface>"#;
+    let detecting = SlabDetector { surfaces, links: SKIN, ..opaque };
+    assert_eq!(findings(&detecting.text()), []);
+    let blind = SlabDetector { auxiliary: "", ..detecting };
+    let blind = found(&blind, "no volume behind it is a sensor");
+    assert!(blind.to_string().contains("--detect efficiency"), "{blind}");
+}
+
+const MIRROR: &str = r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_metal" value="1"/>
+<opticalsurface name="T" model="glisur" finish="polished" type="dielectric_metal" value="1"/>"#;
+
+#[test]
+fn surfaces_that_compete_are_named() {
+    let inside = r#"<physvol name="tank"><volumeref ref="Tank"/></physvol><physvol name="slab">"#;
+    let border = |name: &str, first: &str, second: &str| {
+        format!(
+            r#"<bordersurface name="{name}" surfaceproperty="T"><physvolref ref="{first}"/><physvolref ref="{second}"/></bordersurface>"#
+        )
+    };
+    let text = |links: &str| {
+        let slab = SlabDetector { surfaces: MIRROR, links, ..CLEAR };
+        let tank = r#"<volume name="Tank"><materialref ref="Outer"/><solidref ref="SlabBox"/></volume><volume name="World">"#;
+        slab.text().replace(r#"<volume name="World">"#, tank).replace(r#"<physvol name="slab">"#, inside)
+    };
+    let one = format!("{SKIN}\n{}", border("way", "tank", "slab"));
+    let all = findings(&text(&one));
+    let competing =
+        all.iter().find(|finding| finding.to_string().contains("two optical surfaces lie")).unwrap();
+    assert!(
+        competing.to_string().contains("skin surface `skin` of volume `Slab` on light in the other"),
+        "{competing}"
+    );
+    let both = format!("{one}{}", border("back", "slab", "tank"));
+    assert!(
+        findings(&text(&both)).iter().all(|finding| !finding.to_string().contains("two optical surfaces"))
+    );
+    let twice =
+        format!("{SKIN}{}", SKIN.replace(r#"name="skin""#, r#"name="again""#).replace(r#""S""#, r#""T""#));
+    let twice = found(&SlabDetector { surfaces: MIRROR, links: &twice, ..CLEAR }, "has no effect");
+    assert!(twice.to_string().contains("the volume has the skin `skin` already"), "{twice}");
+    assert!(twice.is_unused);
+}
+
+#[test]
+fn touching_copies_with_a_skin_are_named() {
+    let text = |distance: f64| {
+        let position = format!(
+            r#"<physvol name="next" copynumber="1"><volumeref ref="Slab"/><position name="q" z="{}" unit="mm"/></physvol></volume>"#,
+            50.0 + distance
+        );
+        let slab = SlabDetector { surfaces: MIRROR, links: SKIN, ..CLEAR };
+        slab.text()
+            .replace(r#"unit="mm"/></physvol></volume>"#, &format!(r#"unit="mm"/></physvol>{position}"#))
+    };
+    let touching = |distance: f64| {
+        findings(&text(distance)).iter().filter(|finding| finding.to_string().contains("touch")).count()
+    };
+    assert_eq!([100.0, 100.5, 300.0].map(touching), [1, 0, 0]);
+}
