@@ -24,6 +24,7 @@ const STYLE: &str = "\
 .outline { fill: none; stroke: #3a556e; stroke-width: 1; stroke-linejoin: round }
 .sheet { fill: none; stroke: #1d2733; stroke-width: 2.2; stroke-linecap: round }
 .ray { fill: none; stroke-linecap: round; stroke-linejoin: round }
+.mark { fill: none; stroke: #c0392b; stroke-width: 1.2 }
 .centre { fill: none; stroke: #8d97a3; stroke-width: 0.8; stroke-dasharray: 14 4 2 4 }
 @media (prefers-color-scheme: dark) {
 .glass { fill-opacity: 0.35 }
@@ -36,6 +37,9 @@ const STYLE: &str = "\
 const MEDIA: [&str; 7] = ["#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4", "#d2eeea", "#ecebc4"];
 /// The fill of opaque regions.
 const OPAQUE: &str = "#b9c0c8";
+
+/// The colour of marks.
+const MARK: &str = "#c0392b";
 
 /// The sine of the angle between chord and direction below which a segment is straight.
 const STRAIGHT: f64 = 1e-6;
@@ -54,6 +58,7 @@ pub fn drawing(layout: &Layout, title: &str, unit: &str) -> String {
     layout.parts.iter().for_each(|part| pen.fill(part, &media));
     layout.parts.iter().for_each(|part| pen.outline(part));
     pen.rays();
+    pen.marks();
     layout.sheets.iter().for_each(|line| pen.line("sheet", line, false));
     pen.axes(unit);
     let height = pen.legend(&media);
@@ -181,6 +186,15 @@ impl<'a> Drawing<'a> {
         clipped(from, to, *lo, *hi)
     }
 
+    fn marks(&mut self) {
+        let Layout { lo, hi, marks, .. } = self.layout;
+        for &point in marks.iter().flat_map(|(_, points)| points) {
+            if (0..2).all(|k| lo[k] <= point[k] && point[k] <= hi[k]) {
+                self.svg.circle("mark", self.plan.position(point), 3.0, "");
+            }
+        }
+    }
+
     /// Draws the axes in the lower left corner and the scale bar in the lower right one.
     fn axes(&mut self, unit: &str) {
         let y = self.plan.bottom + BAR - 4.0;
@@ -204,6 +218,11 @@ impl<'a> Drawing<'a> {
             }
             RayColour::Source => sources(self.layout.sources),
         });
+        entries.extend(self.layout.marks.iter().map(|(name, points)| Entry {
+            name: format!("{name}: {}", points.len()),
+            colour: MARK.to_owned(),
+            is_line: true,
+        }));
         legend::draw(&mut self.svg, &entries, self.plan.bottom + BAR + ROW, WIDTH)
     }
 }

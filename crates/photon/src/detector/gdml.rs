@@ -121,6 +121,19 @@ const TYPES: [(&str, &str, SurfaceType); 2] = [
     ("dielectric_dielectric", "1", SurfaceType::DielectricDielectric),
 ];
 
+impl OpticalSurface {
+    /// The words of model, finish and type in GDML files, such as `unified`, `groundfrontpainted`, `dielectric_metal`.
+    #[must_use]
+    pub fn words(&self) -> [&'static str; 3] {
+        [word_of(self.model, &MODELS), word_of(self.finish, &FINISHES), word_of(self.kind, &TYPES)]
+    }
+}
+
+/// The word of a value.
+fn word_of<T: Copy + PartialEq>(value: T, words: &[(&'static str, &str, T)]) -> &'static str {
+    words.iter().find(|(_, _, own)| *own == value).map_or("", |(word, ..)| word)
+}
+
 fn surface(row: &Datum, properties: &mut PropertyReader) -> OpticalSurface {
     let name = row.get("name").and_then(Datum::as_text).unwrap_or_default().to_owned();
     let owner = format!("optical surface `{name}`");
