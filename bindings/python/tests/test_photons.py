@@ -68,12 +68,12 @@ def test_properties_are_arrays(bar):
 def test_absorption_follows_the_exponential_law():
     """3 eV: 200 mm. The mean depth, and the fraction beyond one absorption length, of 40,000 photons."""
     detector = rp.loads(ABSORBER)
-    source = rp.point([0, 0, -1000 + 1e-6], 1239.841984332 / 3.0, towards=[0, 0, 1])
+    source = rp.point([0, 0, -999], 1239.841984332 / 3.0, towards=[0, 0, 1])
     run = detector.simulate(source, n=40_000, record="steps", seed=4)
     steps = run.histories
     ends = steps["process"] == steps.process_names.index("absorbed")
-    depth = steps["z"][ends] + 1000
-    # beyond 2 m a photon leaves the world with the probability exp(-10)
+    depth = steps["z"][ends] + 999
+    # behind 1999 mm a photon leaves the world, with the probability exp(-10)
     assert ends.sum() + run.ends["escaped"] == 40_000
     assert abs(depth.mean() - 200.0) < 5 * 200.0 / math.sqrt(40_000)
     beyond = np.count_nonzero(depth > 200.0) + run.ends["escaped"]
@@ -247,7 +247,11 @@ def test_files_hold_the_hits(bar, tmp_path):
     hits.save(tmp_path / "hits.parquet")
     read = parquet.read_table(tmp_path / "hits.parquet")
     np.testing.assert_array_equal(read["x"].to_numpy(), hits["x"])
-    assert set(read["sensor"].to_pylist()) == {"Diode"}
+    assert set(read["sensor"].to_pylist()) == {"Diode"} and set(read.column_names) == set(hits)
+    assert read.schema.metadata[b"unit.time"] == b"ns"
+    with pytest.raises(RayweaveError, match="does not exist. Create it first"):
+        hits.save(tmp_path / "no/hits.parquet")
+    assert [path.name for path in tmp_path.iterdir() if "part" in path.name] == []
     for bad, reason in (("hits.txt", "table format is unknown"), ("no/hits.csv", "no/hits.csv")):
         with pytest.raises(RayweaveError, match=reason):
             hits.save(tmp_path / bad)

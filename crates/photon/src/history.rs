@@ -61,7 +61,7 @@ mod nibble {
 
 /// The abbreviations of Opticks' flags by nibble; the first one is that of an empty slot.
 const ABBREVIATIONS: [&str; 16] =
-    ["", "CK", "SI", "MI", "AB", "RE", "SC", "SD", "SA", "DR", "SR", "BR", "BT", "TO", "NA", "EC"];
+    ["", "CK", "SI", "MI", "AB", "RE", "SC", "SD", "SA", "DR", "SR", "BR", "BT", "TO", "NA", "EX"];
 
 impl Process {
     /// All processes, by their numbers in tables.

@@ -21,10 +21,13 @@ pub struct Histogram<'a> {
 
 const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 260.0;
-const HEADING: f64 = 30.0;
+const HEADING: f64 = 0.0;
 
 /// About the number of bins of a histogram with many values.
 const BINS: f64 = 60.0;
+
+/// The number of empty bins on either side of equal values.
+const ALONE: f64 = 10.0;
 
 /// The fraction of the values that the axis holds at least: single late photons do not hide the shape.
 const SHOWN: f64 = 0.995;
@@ -126,15 +129,15 @@ impl Bins {
         let last = if last - first > 1.5 * (high - first) && high > first { high } else { last };
         // fewer bins for few values
         let most = BINS.min((2.0 * (values.len() as f64).sqrt()).max(5.0));
-        let width = match last > first {
-            true => round_step((last - first) / most),
-            // equal values: a bin that is narrow compared with them, but wider than their rounding
-            false => round_step((1e-2 * first.abs()).max(1e-6)),
+        let (width, margin) = match last > first {
+            true => (round_step((last - first) / most), 0.0),
+            // equal values: one bin among empty ones, narrow compared with them, but wider than their rounding
+            false => (round_step((1e-3 * first.abs()).max(1e-6)), ALONE),
         };
-        let begin = (first / width).floor();
+        let begin = (first / width).floor() - margin;
         let lo = begin * width;
         let bin = |value: f64| (value / width).floor() - begin;
-        let count = bin(last).clamp(0.0, 4.0 * BINS) as usize + 1;
+        let count = (bin(last) + margin).clamp(0.0, 4.0 * BINS) as usize + 1;
         let mut counts = vec![0; count];
         let mut beyond = 0;
         for value in sorted {

@@ -18,14 +18,15 @@ pub struct HitPositions<'a> {
 
 /// The length of an axis where several maps are drawn, their columns, and the height of the title above.
 const PANEL: f64 = 250.0;
-const MOST_COLUMNS: usize = 3;
-const HEADING: f64 = 30.0;
+const MAX_COLUMNS: usize = 3;
+const HEADING: f64 = 52.0;
 
 /// The most sensors that have a map of their own.
-const MOST_SENSORS: usize = 8;
+const MAX_SENSORS: usize = 8;
 
-/// The most cells along a side of a map.
+/// The most cells along a side of a map, and the mean number of hits in a cell of a square map with fewer cells.
 const CELLS: usize = 64;
+const HITS_PER_CELL: usize = 4;
 
 /// A map of hits in the plane of two coordinates.
 struct Panel<'a> {
@@ -59,7 +60,7 @@ pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
     let (title, subtitle) = (format!("Hits: {title}"), subtitle(hits, others.len()));
     svg.text("title", [MARGIN, 30.0], Anchor::Start, &title, &title);
     svg.text("tick", [MARGIN, 48.0], Anchor::Start, &subtitle, &subtitle);
-    let columns = panels.len().clamp(1, MOST_COLUMNS);
+    let columns = panels.len().clamp(1, MAX_COLUMNS);
     let [width, height] = [LEFT + PANEL + 110.0, TOP + PANEL + BELOW];
     for (k, panel) in panels.iter().enumerate() {
         let corner = [width * (k % columns) as f64, HEADING + height * (k / columns) as f64];
@@ -102,7 +103,7 @@ fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
     let counts = counts(hits);
     let own = |&(sensor, _): &(u32, usize)| Panel::new(hits, &hits.names[sensor as usize], Some(sensor));
     let all = (counts.len() > 1).then(|| Panel::new(hits, "all sensors", None));
-    all.into_iter().chain(counts.iter().take(MOST_SENSORS).map(own)).collect()
+    all.into_iter().chain(counts.iter().take(MAX_SENSORS).map(own)).collect()
 }
 
 impl<'a> Panel<'a> {
@@ -125,7 +126,12 @@ impl<'a> Panel<'a> {
         };
         let mut bins = IrradianceBins::default();
         rows.iter().for_each(|&row| bins.add(axes.map(|k| hits.positions[k][row]), 1.0));
-        Panel { name, hits: rows.len(), axes: names, map: bins.finish(CELLS) }
+        Panel {
+            name,
+            hits: rows.len(),
+            axes: names,
+            map: bins.finish((rows.len() / HITS_PER_CELL).isqrt().clamp(4, CELLS)),
+        }
     }
 }
 

@@ -75,6 +75,8 @@ pub struct Layout {
     parts: Vec<Part>,
     sheets: Vec<Vec<[f64; 2]>>,
     segments: Segments,
+    /// True for light of [`Layout::of_light`]: thin lines, the thinner the more there are.
+    is_dense: bool,
     /// Points that are marked, and the meaning of the marks.
     marks: Option<(String, Vec<[f64; 2]>)>,
     colour: RayColour,
@@ -123,6 +125,7 @@ impl Layout {
             parts: Vec::new(),
             sheets: Vec::new(),
             segments,
+            is_dense: false,
             marks: None,
             colour: options.colour,
             sources: trial.sources,
@@ -156,6 +159,7 @@ impl Layout {
             parts: Vec::new(),
             sheets: Vec::new(),
             segments,
+            is_dense: true,
             marks: None,
             colour: RayColour::Wavelength,
             sources: 1,

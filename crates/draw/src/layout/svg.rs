@@ -38,6 +38,9 @@ const MEDIA: [&str; 7] = ["#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4",
 /// The fill of opaque regions.
 const OPAQUE: &str = "#b9c0c8";
 
+/// The number of segments from which on lines of dense light are thinner.
+const DENSE: f64 = 150.0;
+
 /// The colour of marks.
 const MARK: &str = "#c0392b";
 
@@ -127,7 +130,8 @@ impl<'a> Drawing<'a> {
         let segments = &self.layout.segments;
         let emitted = emitted(segments);
         let tangents = tangents(segments);
-        let mut paths: BTreeMap<(usize, String), String> = BTreeMap::new();
+        let thinning = self.thinning();
+        let mut paths: BTreeMap<(usize, String, i64), String> = BTreeMap::new();
         for (segment, tangent) in segments.iter().zip(tangents) {
             let part = segment.intensity / emitted.get(&segment.id).copied().unwrap_or(1.0);
             if part < FAINTEST {
@@ -135,7 +139,9 @@ impl<'a> Drawing<'a> {
             }
             let weight = WEIGHTS.iter().position(|(least, ..)| part >= *least).unwrap_or(WEIGHTS.len() - 1);
             let Some([from, to]) = self.visible(&segment) else { continue };
-            let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment))).or_default();
+            // one path for each track of dense light: where tracks overlap, the colour is stronger
+            let track = if self.layout.is_dense { segment.id } else { 0 };
+            let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment), track)).or_default();
             let ([x0, y0], [x1, y1]) =
                 (self.plan.position(from).map(Pixels), self.plan.position(to).map(Pixels));
             let _ = match tangent.and_then(|tangent| self.control_points(&segment, tangent)) {
@@ -144,8 +150,9 @@ impl<'a> Drawing<'a> {
             };
         }
         // faint rays first
-        for ((weight, colour), path) in paths {
+        for ((weight, colour, _), path) in paths {
             let (_, width, opacity) = WEIGHTS[WEIGHTS.len() - weight];
+            let (width, opacity) = (Pixels(width * thinning), Pixels(opacity * thinning));
             let stroke = format!(r#" stroke="{colour}" stroke-width="{width}" stroke-opacity="{opacity}""#);
             self.svg.path("ray", path, &stroke);
         }
@@ -186,6 +193,14 @@ impl<'a> Drawing<'a> {
         clipped(from, to, *lo, *hi)
     }
 
+    /// The factor of the width and the opacity of rays: lines of dense light are thinner the more there are.
+    fn thinning(&self) -> f64 {
+        match self.layout.is_dense {
+            true => (DENSE / self.layout.segments.len().max(1) as f64).sqrt().clamp(0.35, 1.0),
+            false => 1.0,
+        }
+    }
+
     fn marks(&mut self) {
         let Layout { lo, hi, marks, .. } = self.layout;
         for &point in marks.iter().flat_map(|(_, points)| points) {
@@ -195,9 +210,14 @@ impl<'a> Drawing<'a> {
         }
     }
 
+    /// The height of the scale bar and the axes: the section of dense light fills the window down to its lower edge.
+    fn bar(&self) -> f64 {
+        if self.layout.is_dense { BAR + 14.0 } else { BAR }
+    }
+
     /// Draws the axes in the lower left corner and the scale bar in the lower right one.
     fn axes(&mut self, unit: &str) {
-        let y = self.plan.bottom + BAR - 4.0;
+        let y = self.plan.bottom + self.bar() - 4.0;
         Plan::axes(&mut self.svg, [MARGIN + 4.0, y], self.layout.plane.axis_names());
         self.plan.scale_bar(&mut self.svg, [WIDTH - MARGIN, y], WIDTH, unit);
     }
@@ -223,7 +243,8 @@ impl<'a> Drawing<'a> {
             colour: MARK.to_owned(),
             is_line: true,
         }));
-        legend::draw(&mut self.svg, &entries, self.plan.bottom + BAR + ROW, WIDTH)
+        let top = self.plan.bottom + self.bar() + ROW;
+        legend::draw(&mut self.svg, &entries, top, WIDTH)
     }
 }
 

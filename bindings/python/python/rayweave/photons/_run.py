@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -78,6 +80,24 @@ class _Named(Columns):
         return table
 
 
+def _save(columns: _Named, compiled: _core.PhotonHits | _core.PhotonHistories, path: str | PathLike[str]) -> None:
+    target = Path(path)
+    if target.suffix.lower() != ".parquet":
+        # the writer of the command
+        return compiled.save(target)
+    parquet = package("pyarrow.parquet", "Parquet files")
+    if not target.absolute().parent.is_dir():
+        raise _core.RayweaveError(f"cannot create {target}: the folder {target.parent} does not exist. Create it first.")
+    # written beside the target and renamed when complete
+    unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
+    units = {f"unit.{name}": unit for name, unit in columns.units.items() if unit}
+    try:
+        parquet.write_table(columns.to_arrow().replace_schema_metadata(units), unfinished)
+        os.replace(unfinished, target)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
 class Hits(_Named):
     """The detected photons: `photon`, the number in the run; `event`; the position `x`, `y`, `z` in mm; `time` in ns; the
     direction `dx`, `dy`, `dz`; the polarisation `px`, `py`, `pz`; `wavelength_nm`; `weight`, which is 1; the number of `steps`;
@@ -110,9 +130,9 @@ class Hits(_Named):
         return dict(zip(self.sensor_paths, counts.tolist(), strict=True))
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the table of hits of the command `rayweave photons`: .csv, .npy (with a table of names) or .parquet. The file
-        appears complete or not at all."""
-        self._compiled.save(path)
+        """Writes a table, complete or not at all: .csv or .npy (with a table of names), the table of hits of the command
+        `rayweave photons`; or .parquet, all columns, by pyarrow."""
+        _save(self, self._compiled, path)
 
     def to_opticks(self) -> NDArray[np.float32]:
         """(N, 4, 4): the photons in the layout of Opticks' `hit.npy` (`sphoton.h`).
@@ -226,8 +246,9 @@ class Histories(_Named):
         return Columns(columns, self.units)
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the table of steps of the command `rayweave photons`: .csv, .npy (with a table of names) or .parquet."""
-        self._compiled.save(path)
+        """Writes the table of steps of the command `rayweave photons`, complete or not at all: .csv, .npy (with a table of
+        names), or .parquet by pyarrow."""
+        _save(self, self._compiled, path)
 
     def plot(self, plane: str | None = None) -> Drawing:
         """The tracks in a section of the detector: lines coloured by wavelength, and a circle where a photon is detected.
