@@ -48,7 +48,7 @@ impl Hits {
         self.volumes.names()
     }
 
-    /// The copy number of each path: that of the innermost placement, or -1 for a volume that is not placed.
+    /// The copy number of each path: that of the innermost placement with a number, or -1 without one.
     #[must_use]
     pub fn copies(&self) -> &[i64] {
         self.volumes.copies()

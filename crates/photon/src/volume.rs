@@ -4,10 +4,10 @@ use crate::detector::{Detector, bare};
 use rayweave_model::Face;
 use std::collections::HashMap;
 
-/// The copy number of a volume that is not placed.
+/// The copy number of a volume whose placements have no numbers.
 const NO_COPY: i64 = -1;
 
-/// The path of a volume and its copy number: that of the innermost placement, or -1 without one. `face` is a face of the volume,
+/// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
 /// or of a volume placed in it, as crossings at the ends of a step through the volume have it.
 fn volume_path(detector: &Detector, region: u32, face: Option<Face>) -> (String, i64) {
     let own = bare(&detector.region_names[region as usize]);
@@ -22,7 +22,7 @@ fn volume_path(detector: &Detector, region: u32, face: Option<Face>) -> (String,
         None => steps.len(),
     };
     let names: Vec<String> = steps[..length].iter().map(ToString::to_string).collect();
-    let copy = steps[..length].last().and_then(|step| step.copy);
+    let copy = steps[..length].iter().rev().find_map(|step| step.copy);
     match names.is_empty() {
         true => (own.to_owned(), NO_COPY),
         false => (names.join("/"), copy.unwrap_or(NO_COPY)),
@@ -52,7 +52,7 @@ impl VolumePaths {
         &self.names
     }
 
-    /// The copy numbers by number: -1 for volumes that are not placed.
+    /// The copy number of each path, -1 without one.
     pub fn copies(&self) -> &[i64] {
         &self.copies
     }

@@ -36,8 +36,8 @@ struct Panel<'a> {
     map: IrradianceMap,
 }
 
-/// Draws the number of hits per area of each sensor, by colour, in the plane of the two coordinates in which its hits are spread
-/// most. Of several sensors, the first map has all hits, and the eight sensors with the most hits have maps of their own, with a
+/// Draws the number of hits per area of each sensor, by colour, in the plane of the two coordinates in which the hits of single
+/// sensors are spread most. Of several sensors, the first map has all hits, and the eight sensors with the most hits have maps of their own, with a
 /// common scale of colours. `unit` is that of lengths.
 ///
 /// ```
@@ -101,31 +101,47 @@ fn counts(hits: HitPositions<'_>) -> Vec<(u32, usize)> {
 
 fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
     let counts = counts(hits);
-    let own = |&(sensor, _): &(u32, usize)| Panel::new(hits, &hits.names[sensor as usize], Some(sensor));
-    let all = (counts.len() > 1).then(|| Panel::new(hits, "all sensors", None));
+    let plane = Plane::new(hits);
+    let own =
+        |&(sensor, _): &(u32, usize)| Panel::new(hits, &hits.names[sensor as usize], Some(sensor), plane);
+    let all = (counts.len() > 1).then(|| Panel::new(hits, "all sensors", None, plane));
     all.into_iter().chain(counts.iter().take(MAX_SENSORS).map(own)).collect()
+}
+
+/// The plane of two coordinates: their numbers and names.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    axes: [usize; 2],
+    names: [&'static str; 2],
+}
+
+impl Plane {
+    /// The plane without the coordinate in which the hits of single sensors are spread least.
+    fn new(hits: HitPositions<'_>) -> Plane {
+        let extent = |k: usize| {
+            let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); hits.names.len()];
+            for (&sensor, &x) in hits.sensors.iter().zip(hits.positions[k]) {
+                let (lo, hi) = &mut ranges[sensor as usize];
+                (*lo, *hi) = (lo.min(x), hi.max(x));
+            }
+            ranges.into_iter().filter(|(lo, hi)| lo <= hi).map(|(lo, hi)| hi - lo).sum::<f64>()
+        };
+        // the last one of equal extents
+        match [2, 1, 0].into_iter().min_by(|&a, &b| extent(a).total_cmp(&extent(b))) {
+            Some(0) => Plane { axes: [1, 2], names: ["y", "z"] },
+            Some(1) => Plane { axes: [0, 2], names: ["x", "z"] },
+            _ => Plane { axes: [0, 1], names: ["x", "y"] },
+        }
+    }
 }
 
 impl<'a> Panel<'a> {
     /// The map of one sensor, or of all of them.
-    fn new(hits: HitPositions<'_>, name: &'a str, sensor: Option<u32>) -> Panel<'a> {
+    fn new(hits: HitPositions<'_>, name: &'a str, sensor: Option<u32>, plane: Plane) -> Panel<'a> {
         let own = (0..hits.sensors.len()).filter(|&row| sensor.is_none_or(|own| hits.sensors[row] == own));
         let rows: Vec<usize> = own.collect();
-        let extent = |k: usize| {
-            let column = rows.iter().map(|&row| hits.positions[k][row]);
-            let (lo, hi) = column
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi): (f64, f64), x| (lo.min(x), hi.max(x)));
-            hi - lo
-        };
-        let flattest = [2, 1, 0].into_iter().min_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(2);
-        // the axes to the right and up
-        let (axes, names) = match flattest {
-            0 => ([1, 2], ["y", "z"]),
-            1 => ([0, 2], ["x", "z"]),
-            _ => ([0, 1], ["x", "y"]),
-        };
         let mut bins = IrradianceBins::default();
-        rows.iter().for_each(|&row| bins.add(axes.map(|k| hits.positions[k][row]), 1.0));
+        rows.iter().for_each(|&row| bins.add(plane.axes.map(|k| hits.positions[k][row]), 1.0));
         Panel {
             name,
             hits: rows.len(),
