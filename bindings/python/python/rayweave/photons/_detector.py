@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,7 @@ from rayweave.photons._sources import Source
 _HC = 1239.841984332002
 
 Numbers: TypeAlias = NDArray[np.float64]
+_Thing = TypeVar("_Thing", bound="_Described")
 Record: TypeAlias = Literal["counts", "sequences", "steps"]
 
 #: Whether steps and sequences are recorded, by the name of the record.
@@ -348,7 +349,7 @@ def _described(row: Any) -> tuple[str, dict[str, Property], dict[str, float]]:
     return name, tables, dict(constants)
 
 
-def _named(things: Sequence[Any], kind: str, name: str) -> Any:
+def _named(things: Sequence[_Thing], kind: str, name: str) -> _Thing:
     for thing in things:
         if thing.name == name:
             return thing

@@ -59,7 +59,7 @@ class _Named(Columns):
     def named(self, column: str) -> NDArray[np.object_]:
         """The names of a column of numbers; None for -1."""
         names = np.array([*self.names[column], None], dtype=object)
-        return names[self[column]]
+        return np.asarray(names[self[column]])
 
     def to_pandas(self) -> Any:
         """The columns as a pandas DataFrame, with names as categories; the units are in its `attrs`."""
