@@ -23,6 +23,7 @@ mod model;
 mod nearest;
 mod occurrences;
 mod optics;
+mod photons;
 mod pickle;
 mod points;
 mod polygons;
@@ -95,6 +96,16 @@ mod _core {
     use crate::optics::system::PySystem;
     #[pymodule_export]
     use crate::optics::zernike::{zernike_fit, zernike_term, zernike_values};
+    #[pymodule_export]
+    use crate::photons::detector::{PyDetector, load_detector, loads_detector};
+    #[pymodule_export]
+    use crate::photons::histories::PyHistories;
+    #[pymodule_export]
+    use crate::photons::hits::PyPhotonHits;
+    #[pymodule_export]
+    use crate::photons::run::PyPhotonRun;
+    #[pymodule_export]
+    use crate::photons::source::PyPhotonSource;
     #[pymodule_export]
     use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]

@@ -7,9 +7,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-MODEL = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+MODEL = re.compile(r"^```(?:toml|xml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: Pages whose code reads their first model, and what it is called there.
-MODELS = {"docs/guides/optics-files.md": "lens.toml"}
+MODELS = {"docs/guides/optics-files.md": "lens.toml", "docs/guides/photons.md": "bar.gdml"}
 PAGES = sorted([ROOT / "README.md", ROOT / "bindings/python/README.md", *ROOT.glob("docs/**/*.md")])
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rayweave
-from rayweave import Operation, RootRay, Solid, optics, rootray, space
+from rayweave import Operation, RootRay, Solid, optics, photons, rootray, space
 
 
 def hit_arrays() -> None:
@@ -152,6 +152,31 @@ def light() -> None:
     assert_type(optics.lensmaker(50, -50, 1.5, 8), float)
 
 
+GLASS = """<gdml><define><matrix name="GLASS" coldim="2" values="1*eV 1.5 10*eV 1.5"/></define>
+<materials><element name="H" Z="1"><atom value="1"/></element>
+<material name="Medium"><D value="1"/><fraction n="1" ref="H"/><property name="RINDEX" ref="GLASS"/></material></materials>
+<solids><box name="WorldBox" x="9" y="9" z="9" lunit="mm"/></solids>
+<structure><volume name="World"><materialref ref="Medium"/><solidref ref="WorldBox"/></volume></structure>
+<setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"""
+
+
+def detectors() -> None:
+    detector = photons.loads(GLASS)
+    index = detector.material("Medium").refractive_index
+    assert index is not None
+    assert_type(index.at(400), NDArray[np.float64])
+    source = photons.point([0, 0, 0], 420, towards=[0, 0, 1])
+    run = detector.simulate(source, n=10, range=(2, 5), record="steps")
+    assert_type(run.ends, dict[str, int])
+    assert_type(run.hits.position, NDArray[np.float64])
+    assert_type(run.hits.to_opticks(), NDArray[np.float32])
+    assert_type(run.histories.sequences().words, NDArray[np.uint64])
+    assert_type(run.hits.plot(), rayweave.Drawing)
+    given = photons.photons(np.zeros((4, 3)), [1, 0, 0], wavelengths_nm=420)
+    for part in detector.stream(given, chunk=3):
+        assert_type(part, photons.Run)
+
+
 def main() -> None:
     hit_arrays()
     geometry()
@@ -163,3 +188,4 @@ def main() -> None:
     models()
     pictures(solid)
     light()
+    detectors()

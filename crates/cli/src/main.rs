@@ -9,6 +9,7 @@ mod failure;
 mod interrupt;
 mod interval;
 mod lens_file;
+mod photon_report;
 mod terminal;
 
 use clap::{CommandFactory, FromArgMatches};

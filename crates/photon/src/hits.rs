@@ -3,9 +3,9 @@
 use crate::detector::Detector;
 use crate::property::wavelength_nm;
 use crate::source::Photon;
+use crate::volume::VolumePaths;
 use rayweave_model::Face;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
-use std::collections::HashMap;
 
 /// The detected photons, in the order of their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,9 +26,7 @@ pub struct Hits {
     pub steps: Vec<i64>,
     /// The path of the sensor: an index into [`Hits::paths`].
     pub sensor: Vec<u32>,
-    /// The paths of sensors: the names and copy numbers of the placements that lead to the volume.
-    pub paths: Vec<String>,
-    numbers: HashMap<String, u32>,
+    volumes: VolumePaths,
 }
 
 impl Hits {
@@ -44,7 +42,26 @@ impl Hits {
         self.photon.is_empty()
     }
 
-    pub(crate) fn push(&mut self, number: u64, steps: u32, photon: &Photon, path: String) {
+    /// The paths of sensors: the names and copy numbers of the placements that lead to the volume.
+    #[must_use]
+    pub fn paths(&self) -> &[String] {
+        self.volumes.names()
+    }
+
+    /// The copy number of each path: that of the innermost placement with a number, or -1 without one.
+    #[must_use]
+    pub fn copies(&self) -> &[i64] {
+        self.volumes.copies()
+    }
+
+    /// Adds a hit in the volume of a region that is entered through a face.
+    pub(crate) fn push(
+        &mut self,
+        (number, steps): (u64, u32),
+        photon: &Photon,
+        detector: &Detector,
+        (region, face): (u32, Face),
+    ) {
         self.photon.push(number as i64);
         let vectors = [
             (&mut self.position, photon.position),
@@ -57,12 +74,7 @@ impl Hits {
         self.time.push(photon.time);
         self.wavelength_nm.push(wavelength_nm(photon.energy));
         self.steps.push(i64::from(steps));
-        let next = self.paths.len() as u32;
-        let number = *self.numbers.entry(path).or_insert_with_key(|path| {
-            self.paths.push(path.clone());
-            next
-        });
-        self.sensor.push(number);
+        self.sensor.push(self.volumes.number(detector, region, Some(face)));
     }
 
     /// Sorts by the number of the photon, then by steps; equal ones keep their order.
@@ -79,7 +91,7 @@ impl Hits {
     }
 
     /// Appends other hits.
-    pub(crate) fn append(&mut self, mut other: Hits) {
+    pub fn append(&mut self, mut other: Hits) {
         self.photon.append(&mut other.photon);
         let pairs = [
             (&mut self.position, &mut other.position),
@@ -92,14 +104,7 @@ impl Hits {
         self.time.append(&mut other.time);
         self.wavelength_nm.append(&mut other.wavelength_nm);
         self.steps.append(&mut other.steps);
-        let mut number = |path: &String| {
-            let next = self.paths.len() as u32;
-            *self.numbers.entry(path.clone()).or_insert_with(|| {
-                self.paths.push(path.clone());
-                next
-            })
-        };
-        let numbers: Vec<u32> = other.paths.iter().map(&mut number).collect();
+        let numbers = self.volumes.absorb(&other.volumes);
         self.sensor.extend(other.sensor.iter().map(|&sensor| numbers[sensor as usize]));
     }
 
@@ -133,12 +138,6 @@ pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
     columns.extend(["dx", "dy", "dz", "px", "py", "pz"].map(|name| Column::new(name, DType::F64)));
     columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
     columns.push(Column::new("steps", DType::I64));
-    columns.push(Column::names("sensor", hits.paths.as_slice().into()));
+    columns.push(Column::names("sensor", hits.paths().into()));
     Schema::new(columns)
-}
-
-/// The path of a volume: that of the placement of a face, or the name of the region for a volume that is not placed.
-pub(crate) fn sensor_path(detector: &Detector, face: Face, region: u32) -> String {
-    let path = detector.program.occurrence_path(face.occurrence()).placed().to_string();
-    if path.is_empty() { detector.region_names[region as usize].clone() } else { path }
 }

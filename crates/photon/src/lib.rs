@@ -2,7 +2,8 @@
 //!
 //! A [`Detector`] is a compiled scene with optical materials and surfaces, read from the `[gdml]` table of a document.
 //! [`simulate`] propagates photons of a [`Source`] until each of them ends: absorbed, detected, escaped or at a limit.
-//! The result holds the [`Hits`] and the number of photons by way of ending.
+//! The result holds the [`Hits`] and the number of photons by way of ending. [`simulate_parts`] returns it in parts, in
+//! bounded memory, and records [`Histories`]: steps, sequences of flags and counts.
 //!
 //! - Volumes are exact solids: no triangles, no offsets. A photon that leaves a boundary starts on it.
 //! - The history of a photon is a function of the detector, the seed and the number of the photon
@@ -16,6 +17,7 @@
 mod boundary;
 mod detector;
 mod error;
+mod history;
 mod hits;
 mod lint;
 mod material;
@@ -24,17 +26,22 @@ mod propagate;
 pub mod property;
 mod scatter;
 mod source;
+mod step_table;
 mod surface;
 mod tables;
+mod tracks;
+mod volume;
 
 pub use boundary::BoundaryEvent;
 pub use detector::{DetectionRule, Detector};
 pub use error::{PhotonError, PropertyError};
+pub use history::{Histories, HistoryOptions, Process, Sequence, StepRow, sequence_text};
 pub use hits::{Hits, hit_schema};
 pub use lint::{LintFinding, lint};
 pub use material::{Compressibility, Mie, OpticalMaterial, WavelengthShifter, rayleigh_length};
-pub use propagate::{End, PhotonRun, RunSettings, simulate};
+pub use propagate::{End, PhotonPart, PhotonRun, RunSettings, simulate, simulate_parts};
 pub use source::{Photon, PointSource, Source};
+pub use step_table::step_schema;
 pub use surface::{
     Coating, DAVIS_FINISHES, LUT_FINISHES, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel,
     SurfaceType,

@@ -6,7 +6,8 @@
 use crate::boundary::{Boundary, BoundaryEvent};
 use crate::detector::{DetectionRule, Detector};
 use crate::error::PhotonError;
-use crate::hits::{Hits, sensor_path};
+use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
+use crate::hits::Hits;
 use crate::material::OpticalMaterial;
 use crate::philox::{Purpose, Stream};
 use crate::property::LIGHT_SPEED;
@@ -127,7 +128,8 @@ pub struct PhotonRun {
 }
 
 impl PhotonRun {
-    fn append(&mut self, other: PhotonRun) {
+    /// Appends the result of a run of further photons.
+    pub fn append(&mut self, other: PhotonRun) {
         self.photons += other.photons;
         self.steps += other.steps;
         self.hits.append(other.hits);
@@ -154,6 +156,81 @@ pub fn simulate<E: Evaluator>(
     source: &Source,
     settings: &RunSettings,
 ) -> Result<PhotonRun, PhotonError> {
+    let mut total = PhotonRun::default();
+    simulate_parts(detector, evaluator, source, settings, None, |part| {
+        total.append(part.run);
+        Ok::<(), PhotonError>(())
+    })?;
+    Ok(total)
+}
+
+/// The result of a run for consecutive photons.
+#[derive(Clone, Debug)]
+pub struct PhotonPart {
+    /// The numbers of the photons.
+    pub photons: Range<u64>,
+    /// The result.
+    pub run: PhotonRun,
+    /// The histories, if they are recorded.
+    pub histories: Option<Histories>,
+}
+
+/// Like [`simulate`], but passes the result to `merge` in parts of a few thousand photons, in the order of their numbers:
+/// memory does not grow with the number of photons. Records histories if there are options for them; recording does not
+/// change the photons.
+///
+/// # Errors
+///
+/// Those of [`simulate`], and those of `merge`, which end the run.
+pub fn simulate_parts<E: Evaluator, X: From<PhotonError>>(
+    detector: &Detector,
+    evaluator: &E,
+    source: &Source,
+    settings: &RunSettings,
+    histories: Option<HistoryOptions>,
+    merge: impl FnMut(PhotonPart) -> Result<(), X>,
+) -> Result<(), X> {
+    match histories {
+        None => run_batches(detector, evaluator, source, settings, &(), merge),
+        Some(options) => {
+            run_batches(detector, evaluator, source, settings, &HistoryRecorder::new(options), merge)
+        }
+    }
+}
+
+fn run_batches<E: Evaluator, R: Recorder, X: From<PhotonError>>(
+    detector: &Detector,
+    evaluator: &E,
+    source: &Source,
+    settings: &RunSettings,
+    recorder: &R,
+    merge: impl FnMut(PhotonPart) -> Result<(), X>,
+) -> Result<(), X> {
+    check(source, settings)?;
+    let Range { start, end } = settings.photons;
+    let chunks = (0..(end.saturating_sub(start)).div_ceil(BATCH))
+        .map(|k| start + k * BATCH..(start + (k + 1) * BATCH).min(end));
+    let work = |batch: &mut Batch<'_, E, R>, numbers: Range<u64>| PhotonPart {
+        photons: numbers.clone(),
+        run: batch.run(source, numbers),
+        histories: batch.recorder.take(),
+    };
+    drive(
+        thread_count(settings.threads),
+        &settings.cancel,
+        chunks,
+        || Batch::new(detector, evaluator, settings, recorder.clone()),
+        work,
+        merge,
+    )
+    .map_err(|stopped| match stopped {
+        Stopped::Cancelled => PhotonError::Cancelled.into(),
+        Stopped::Failed(error) => error,
+    })
+}
+
+/// Checks the source and the settings of a run.
+fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
     source.check()?;
     let Range { start, end } = settings.photons;
     if let Some(limit) = source.limit().filter(|limit| *limit < end) {
@@ -164,43 +241,23 @@ pub fn simulate<E: Evaluator>(
         let problem = format!("the maximum time is {} ns", settings.max_time);
         return Err(PhotonError::setting(problem, "it must be positive"));
     }
-    let chunks = (0..(end.saturating_sub(start)).div_ceil(BATCH))
-        .map(|k| start + k * BATCH..(start + (k + 1) * BATCH).min(end));
-    let mut total = PhotonRun::default();
-    let work = |batch: &mut Batch<'_, E>, numbers: Range<u64>| batch.run(source, numbers);
-    let merge = |part: PhotonRun| -> Result<(), PhotonError> {
-        total.append(part);
-        Ok(())
-    };
-    drive(
-        thread_count(settings.threads),
-        &settings.cancel,
-        chunks,
-        || Batch::new(detector, evaluator, settings),
-        work,
-        merge,
-    )
-    .map_err(|stopped| match stopped {
-        Stopped::Cancelled => PhotonError::Cancelled,
-        Stopped::Failed(error) => error,
-    })?;
-    Ok(total)
+    Ok(())
 }
 
 /// A photon in flight.
 #[derive(Clone, Copy, Debug)]
-struct Flight {
+pub(crate) struct Flight {
     /// The number of the source's photon that this one is, or comes from.
-    origin: u64,
+    pub origin: u64,
     /// The number that selects the random numbers.
-    number: u64,
+    pub number: u64,
     /// Number of steps of its whole history, with those of the photons it was emitted from.
-    steps: u32,
-    photon: Photon,
+    pub steps: u32,
+    pub photon: Photon,
 }
 
 /// A batch of photons with its buffers.
-struct Batch<'d, E: Evaluator> {
+struct Batch<'d, E: Evaluator, R: Recorder> {
     detector: &'d Detector,
     evaluator: &'d E,
     settings: &'d RunSettings,
@@ -214,6 +271,7 @@ struct Batch<'d, E: Evaluator> {
     next_starts: Vec<Start>,
     found: Columns,
     result: PhotonRun,
+    recorder: R,
 }
 
 /// The next crossings of the photons of a batch.
@@ -253,8 +311,8 @@ enum Bulk {
     Shift(usize),
 }
 
-impl<'d, E: Evaluator> Batch<'d, E> {
-    fn new(detector: &'d Detector, evaluator: &'d E, settings: &'d RunSettings) -> Self {
+impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
+    fn new(detector: &'d Detector, evaluator: &'d E, settings: &'d RunSettings, recorder: R) -> Self {
         Batch {
             detector,
             evaluator,
@@ -269,6 +327,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             next_starts: Vec::new(),
             found: Columns::default(),
             result: PhotonRun::default(),
+            recorder,
         }
     }
 
@@ -280,7 +339,8 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             self.result.photons += 1;
         }
         self.swap();
-        while !self.flights.is_empty() {
+        // the result of a cancelled run is dropped
+        while !self.flights.is_empty() && !self.settings.cancel.is_cancelled() {
             self.find();
             for i in 0..self.flights.len() {
                 self.step(i);
@@ -323,7 +383,9 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         between.sort_by_key(|(ray, _)| *ray);
     }
 
-    fn end(&mut self, end: End) {
+    /// Ends a photon, at the surface of a crossing or in the volume.
+    fn end(&mut self, flight: &Flight, end: End, at: Option<&Crossing>) {
+        self.recorder.record(self.detector, flight, Process::End(end), at);
         *self.result.ends.entry(end).or_default() += 1;
     }
 
@@ -347,16 +409,17 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let detector = self.detector;
         let region = self.found.before[i];
         let crossing = self.crossing(i);
+        self.recorder.begin(detector, &flight, region, crossing.as_ref());
         if region == 0 && crossing.is_none() {
-            return self.end(End::Escaped);
+            return self.end(&flight, End::Escaped, None);
         }
         if flight.steps >= self.settings.max_steps {
-            return self.end(End::StepLimit);
+            return self.end(&flight, End::StepLimit, None);
         }
         let material = detector.material(RegionId(region));
         let energy = flight.photon.energy;
         if material.index.is_none() {
-            return self.end(End::NoIndex);
+            return self.end(&flight, End::NoIndex, None);
         }
         flight.steps += 1;
         self.result.steps += 1;
@@ -368,14 +431,14 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let ray = Ray { origin: flight.photon.position, direction: flight.photon.direction };
         flight.photon.time += length / velocity;
         if flight.photon.time > self.settings.max_time {
-            return self.end(End::TimeLimit);
+            return self.end(&flight, End::TimeLimit, None);
         }
         flight.photon.position = ray.at(length);
         match (bulk, crossing) {
             (Some((free, process)), _) if free < to_boundary => self.bulk(flight, material, process),
             (_, Some(crossing)) => self.boundary(i, flight, &ray, &crossing),
             // an unbounded material without any process
-            _ => self.end(End::Escaped),
+            _ => self.end(&flight, End::Escaped, None),
         }
     }
 
@@ -384,7 +447,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let stream = |purpose| Stream::new(self.settings.seed, flight.number, flight.steps, purpose);
         let Photon { direction, polarisation, .. } = flight.photon;
         let scattered = match process {
-            Bulk::Absorption => return self.end(End::Absorbed),
+            Bulk::Absorption => return self.end(&flight, End::Absorbed, None),
             Bulk::Shift(shifter) => return self.shift(flight, material, shifter),
             Bulk::Rayleigh => scatter::rayleigh(direction, polarisation, &mut stream(Purpose::Scattering)),
             Bulk::Mie => match &material.mie {
@@ -393,6 +456,8 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             },
         };
         (flight.photon.direction, flight.photon.polarisation) = scattered;
+        let process = if matches!(process, Bulk::Mie) { Process::Mie } else { Process::Rayleigh };
+        self.recorder.record(self.detector, &flight, process, None);
         self.continue_with(flight);
     }
 
@@ -412,11 +477,13 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             let photon = Photon { position: flight.photon.position, direction, polarisation, energy, time };
             // further photons have random numbers of their own
             let number = if emitted == 0 { flight.number } else { secondary(flight, emitted) };
-            self.continue_with(Flight { number, photon, ..flight });
+            let flight = Flight { number, photon, ..flight };
+            self.recorder.record(self.detector, &flight, Process::Reemission, None);
+            self.continue_with(flight);
             emitted += 1;
         }
         match emitted {
-            0 => self.end(End::ShifterAbsorbed),
+            0 => self.end(&flight, End::ShifterAbsorbed, None),
             _ => self.result.photons += u64::from(emitted) - 1,
         }
     }
@@ -428,7 +495,7 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
         flight.photon.position = project(&detector.program, ray, crossing, normal);
         if crossing.after.0 == 0 {
-            return self.end(End::Escaped);
+            return self.end(&flight, End::Escaped, None);
         }
         let [front, behind] = [crossing.before, crossing.after].map(|region| detector.material(region));
         let energy = flight.photon.energy;
@@ -451,14 +518,21 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
         let detects_volume = self.settings.detection != DetectionRule::Efficiency;
         match event {
-            BoundaryEvent::Detection if detects_efficiency => return self.detect(flight, crossing),
-            BoundaryEvent::Detection | BoundaryEvent::Absorption => return self.end(End::SurfaceAbsorbed),
-            BoundaryEvent::NoIndex => return self.end(End::NoIndex),
+            BoundaryEvent::Detection if detects_efficiency => {
+                self.recorder.record(detector, &flight, event.into(), Some(crossing));
+                return self.detect(&flight, crossing);
+            }
+            BoundaryEvent::Detection | BoundaryEvent::Absorption => {
+                return self.end(&flight, End::SurfaceAbsorbed, Some(crossing));
+            }
+            BoundaryEvent::NoIndex => return self.end(&flight, End::NoIndex, Some(crossing)),
             _ => {}
         }
         (flight.photon.direction, flight.photon.polarisation) = (boundary.direction, boundary.polarisation);
+        self.recorder.record(detector, &flight, event.into(), Some(crossing));
         if is_behind && detects_volume && detector.sensors[crossing.after.index()].is_some() {
-            return self.detect(flight, crossing);
+            self.recorder.enter_sensor(detector, &flight, crossing);
+            return self.detect(&flight, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
         let first = self.next_starts.len();
@@ -483,10 +557,10 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         self.continue_with(flight);
     }
 
-    fn detect(&mut self, flight: Flight, crossing: &Crossing) {
-        let path = sensor_path(self.detector, crossing.entered, crossing.after.0);
-        self.result.hits.push(flight.origin, flight.steps, &flight.photon, path);
-        self.end(End::Detected);
+    fn detect(&mut self, flight: &Flight, crossing: &Crossing) {
+        let volume = (crossing.after.0, crossing.entered);
+        self.result.hits.push((flight.origin, flight.steps), &flight.photon, self.detector, volume);
+        *self.result.ends.entry(End::Detected).or_default() += 1;
     }
 }
 

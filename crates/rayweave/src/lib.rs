@@ -245,7 +245,9 @@ pub mod infill {
 /// [`draw::detector`].
 pub mod detector {
     #[cfg(feature = "draw")]
-    pub use rayweave_draw::detector::{irradiance_svg, spot_svg, spots_svg};
+    pub use rayweave_draw::detector::{
+        Histogram, HitPositions, histograms_svg, hit_maps_svg, irradiance_svg, spot_svg, spots_svg,
+    };
     pub use rayweave_optics::detector::{
         Detector, Detectors, IrradianceBins, IrradianceMap, SpotDiagram, SpotPoint,
     };

@@ -2,7 +2,7 @@
 
 from importlib.metadata import version
 
-from rayweave import optics, rootray, space
+from rayweave import optics, photons, rootray, space
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._check import Check, Finding, check
 from rayweave._convert import convert
@@ -108,6 +108,7 @@ __all__ = [
     "mesh",
     "optics",
     "paraboloid",
+    "photons",
     "place",
     "universe",
     "prism",

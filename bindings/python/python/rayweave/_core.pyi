@@ -17,6 +17,7 @@ from rayweave.space import PointCrossings, Trajectory
 __all__ = [
     "Arc",
     "Arrivals",
+    "CompiledDetector",
     "CompiledPrescription",
     "CompiledSystem",
     "Curve",
@@ -28,6 +29,10 @@ __all__ = [
     "Line",
     "Model",
     "Parabola",
+    "PhotonHistories",
+    "PhotonHits",
+    "PhotonRun",
+    "PhotonSource",
     "Polygons",
     "RayweaveError",
     "ReadElement",
@@ -51,8 +56,10 @@ __all__ = [
     "intersection",
     "lensmaker",
     "load",
+    "load_detector",
     "load_optics",
     "loads",
+    "loads_detector",
     "loads_optics",
     "manuals",
     "measure_columns",
@@ -814,6 +821,158 @@ def zernike_fit(
     pupil: ArrayLike, values: ArrayLike, terms: Sequence[tuple[int, int]]
 ) -> tuple[NDArray[np.float64], float]:
     """The coefficients of the least-squares fit, and the RMS of the residual."""
+
+@final
+class CompiledDetector:
+    """A detector, compiled: see `rayweave.photons.Detector`."""
+
+    @property
+    def warnings(self) -> list[str]:
+        """Warnings of the reader of the file."""
+
+    @property
+    def notes(self) -> list[str]:
+        """The ignored properties and surfaces, one sentence each."""
+
+    @property
+    def sensors(self) -> list[tuple[str, str]]:
+        """The names of the sensitive volumes and of their sensors."""
+
+    def materials(
+        self,
+    ) -> list[tuple[str, list[tuple[str, NDArray[np.float64], NDArray[np.float64], str]], list[tuple[str, float]]]]:
+        """The materials: name; properties with their energies in MeV, values and units; constants."""
+
+    def surfaces(
+        self,
+    ) -> list[tuple[tuple[str, str, str], float, tuple[str, list[tuple[str, NDArray[np.float64], NDArray[np.float64], str]], list[tuple[str, float]]]]]:
+        """The surfaces: the words of model, finish and type, the value; name, properties and constants as those of materials."""
+
+    def simulate(
+        self,
+        source: PhotonSource,
+        settings: Mapping[str, Any],
+        progress: Callable[[int, int], object] | None = None,
+    ) -> PhotonRun:
+        """Simulates photons of a source. `progress` is called with the number of finished photons and the total."""
+
+def load_detector(
+    path: str | PathLike[str], *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
+) -> CompiledDetector:
+    """Reads a detector from a GDML file, or from a native model converted from one."""
+
+def loads_detector(
+    text: str, *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
+) -> CompiledDetector:
+    """Reads a detector from the text of a GDML file."""
+
+@final
+class PhotonHistories:
+    """The histories of a run: see `rayweave.photons.Histories`."""
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns of the steps by name."""
+
+    @property
+    def process_names(self) -> list[str]:
+        """The names of the processes, by their numbers."""
+
+    @property
+    def volume_paths(self) -> list[str]:
+        """The paths of the volumes, by their numbers."""
+
+    @property
+    def surface_names(self) -> list[str]:
+        """The names of the optical surfaces, by their numbers."""
+
+    def sequences(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.uint64], list[str]]:
+        """The sequences: photons, tracks, words (N, 2), texts."""
+
+    @property
+    def processes(self) -> list[tuple[str, int]]:
+        """The number of processes by name."""
+
+    @property
+    def surfaces(self) -> list[tuple[int | None, str, int]]:
+        """The number of events at each optical surface (None: a bare interface): surface, process, number."""
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the table of steps of the command: .csv, .npy or .parquet."""
+
+    def tracks_svg(self, title: str, plane: str | None = None) -> str:
+        """The tracks in a section of the detector, as SVG."""
+
+@final
+class PhotonHits:
+    """The detected photons of a run: see `rayweave.photons.Hits`."""
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns by name."""
+
+    @property
+    def sensor_paths(self) -> list[str]:
+        """The paths of the sensors with hits."""
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the table of hits of the command: .csv, .npy or .parquet."""
+
+    def map_svg(self, title: str) -> str:
+        """Maps of the hits of each sensor as SVG."""
+
+    def spectra_svg(self, title: str) -> str:
+        """Spectra of times and wavelengths as SVG."""
+
+@final
+class PhotonRun:
+    """The result of a run: see `rayweave.photons.Run`."""
+
+    @property
+    def photons(self) -> int:
+        """The number of photons, with those that wavelength shifters emitted in addition."""
+
+    @property
+    def steps(self) -> int:
+        """The number of steps of all photons."""
+
+    @property
+    def seconds(self) -> float:
+        """The duration of the run in seconds."""
+
+    @property
+    def ends(self) -> dict[str, int]:
+        """The number of photons by way of ending."""
+
+    @property
+    def hits(self) -> PhotonHits:
+        """The detected photons."""
+
+    @property
+    def histories(self) -> PhotonHistories | None:
+        """The recorded histories, if there are any."""
+
+@final
+class PhotonSource:
+    """A source of photons: see `rayweave.photons.Source`."""
+
+    @staticmethod
+    def point(
+        position: ArrayLike, wavelength_nm: float, towards: ArrayLike | None = None
+    ) -> PhotonSource:
+        """A point that emits unpolarised photons, in all directions or in one."""
+
+    @staticmethod
+    def photons(
+        positions: ArrayLike,
+        directions: ArrayLike,
+        wavelengths_nm: ArrayLike,
+        times: ArrayLike,
+        polarisations: ArrayLike | None = None,
+    ) -> PhotonSource:
+        """Given photons."""
+
+    @property
+    def count(self) -> int | None:
+        """The number of photons, if it is limited."""
 
 @final
 class Polygons:

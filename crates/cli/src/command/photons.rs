@@ -1,19 +1,23 @@
 //! `rayweave photons`: optical photons in a detector.
 
 use crate::arguments::{GlobalArguments, ModelArguments, point};
+use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::terminal;
+use crate::photon_report::PhotonReport;
+use crate::terminal::{self, Unit};
 use clap::{Args, ValueEnum};
+use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
+use rayweave::layout::{OpticalLayout, LayoutPlane};
 use rayweave::photon::{
-    DetectionRule, Detector, End, Hits, PhotonRun, PointSource, RunSettings, Source, hit_schema, simulate,
+    DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, PointSource, RunSettings, Source,
+    hit_schema, simulate_parts, step_schema,
 };
 use rayweave::table::TableWriter;
 use rayweave::{Packets, Vec3};
-use serde_json::{Value, json};
 use std::ops::Range;
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Simulate optical photons in a detector and report how they end
 ///
@@ -25,13 +29,17 @@ use std::time::{Duration, Instant};
 /// number of threads, and --range simulates a part of a run.
 ///
 /// The table has a row for each detected photon with the columns photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
-/// wavelength_nm, steps, sensor. Lengths are in mm.
+/// wavelength_nm, steps, sensor. Lengths are in mm. The table of steps has a row for the emission and for each process of each
+/// photon, with the columns photon, track, step, process, x, y, z, time, dx, dy, dz, px, py, pz, wavelength_nm, volume, surface.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 100000 -o hits.csv
   rayweave photons detector.gdml --at 0,0,0 --towards 0,0,1 --wavelength 420 -n 1000 --json
-  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 1000000 --range 0:250000 -o part1.npy")]
+  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 1000000 --range 0:250000 -o part1.npy
+  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --draw tracks.svg --map map.svg --spectra spectra.svg
+  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --counts --sequences 10
+  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --range 17:18 --steps photon17.csv")]
 pub struct Photons {
     #[command(flatten)]
     model: ModelArguments,
@@ -80,6 +88,38 @@ pub struct Photons {
     #[arg(short, long, value_name = "TABLE")]
     out: Option<PathBuf>,
 
+    /// Table of steps of all photons: .csv, .npy (with a table of names) or .parquet (if built in). It is written during the run: memory does not grow with the number of photons
+    #[arg(long, value_name = "TABLE")]
+    steps: Option<PathBuf>,
+
+    /// Drawing of tracks, .svg or .png: a section of the detector with the tracks of the first photons, coloured by wavelength
+    #[arg(long, value_name = "DRAWING")]
+    draw: Option<PathBuf>,
+
+    /// Plane of the section: yz, xz, xy, or a position along an axis, as x=2.5 [default: the plane nearest to the tracks]
+    #[arg(long, value_name = "PLANE", requires = "draw")]
+    plane: Option<LayoutPlane>,
+
+    /// Number of photons in the drawing of tracks
+    #[arg(long, value_name = "N", requires = "draw", default_value_t = 100)]
+    tracks: u64,
+
+    /// Maps of the hits of each sensor, .svg or .png
+    #[arg(long, value_name = "DRAWING")]
+    map: Option<PathBuf>,
+
+    /// Spectra of the times and wavelengths of the hits, .svg or .png
+    #[arg(long, value_name = "DRAWING")]
+    spectra: Option<PathBuf>,
+
+    /// Report the number of processes, in total and by optical surface
+    #[arg(long)]
+    counts: bool,
+
+    /// Report the N most frequent histories as sequences of Opticks' flags, such as TO BT SD
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "20")]
+    sequences: Option<usize>,
+
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -117,11 +157,8 @@ impl Photons {
             let text = format!("--range ends at {}: the run has {} photons (-n).", range.end, self.photons);
             return Err(Failure::Usage(text));
         }
-        let is_piped = self.out.as_deref() == Some("-".as_ref());
-        if is_piped && self.json {
-            let text = "--json and `-o -` both write to standard output: write one of them to a file.";
-            return Err(Failure::Usage(text.to_owned()));
-        }
+        let is_piped = self.is_piped()?;
+        self.drawings().try_for_each(|path| drawing::check(path))?;
         if let Some(path) = self.out.as_deref().filter(|_| !is_piped) {
             // a path that cannot be written is reported before the run, not after it; the unfinished file is removed
             TableWriter::create(path, &hit_schema(&Hits::default())?)?;
@@ -129,6 +166,7 @@ impl Photons {
         let SourceKind::Point = self.source;
         let point = PointSource::isotropic(Vec3::from_array(self.at), self.wavelength)?;
         let point = self.towards.map_or(Ok(point), |direction| point.towards(Vec3::from_array(direction)))?;
+        let source = Source::Point(point);
         let (document, scene) = self.model.load_document()?;
         let detector = Detector::new(&scene, &document)?;
         if !global.quiet {
@@ -143,56 +181,108 @@ impl Photons {
             cancel: interrupt::token()?,
             ..RunSettings::new(range)
         };
-        let evaluator = Packets::new(detector.program().clone());
-        let start = Instant::now();
-        let run = simulate(&detector, &evaluator, &Source::Point(point), &settings);
-        let (run, duration) = (run?, start.elapsed());
+        let report = self.simulate(global, &detector, &source, &settings)?;
         if let Some(path) = &self.out {
-            let mut table = TableWriter::create(path, &hit_schema(&run.hits)?)?;
-            table.write(&run.hits.to_rows()?)?;
+            let mut table = TableWriter::create(path, &hit_schema(&report.run.hits)?)?;
+            table.write(&report.run.hits.to_rows()?)?;
             table.finish()?;
         }
+        self.draw_tracks(&detector, &source, &settings)?;
+        self.draw_hits(&report.run.hits)?;
         match () {
-            () if self.json => terminal::print(&format!("{:#}\n", self.json(&run, duration))),
+            () if self.json => terminal::print(&format!("{:#}\n", report.as_json())),
             () if is_piped || global.quiet => Ok(()),
-            () => terminal::print(&self.text(&run, duration)),
+            () => terminal::print(&report.as_text()),
         }
     }
 
-    fn json(&self, run: &PhotonRun, duration: Duration) -> Value {
-        let ends: serde_json::Map<String, Value> = End::ALL
-            .iter()
-            .map(|end| (end.name().to_owned(), json!(run.ends.get(end).unwrap_or(&0))))
-            .collect();
-        json!({
-            "photons": run.photons,
-            "hits": run.hits.len(),
-            "steps": run.steps,
-            "seconds": terminal::rounded(duration.as_secs_f64(), 6),
-            "detection": self.detect.rule().1,
-            "ends": ends,
-        })
+    /// Whether standard output carries a file instead of the summary; at most one file can.
+    fn is_piped(&self) -> Result<bool, Failure> {
+        let files = [&self.out, &self.steps].into_iter().flatten().chain(self.drawings());
+        let piped = files.filter(|path| path.as_path() == Path::new("-")).count();
+        match piped + usize::from(self.json) {
+            0 | 1 => Ok(piped > 0),
+            _ => {
+                let text = "several things go to standard output: `-` is given more than once, or with --json: write the others to files.";
+                Err(Failure::Usage(text.to_owned()))
+            }
+        }
     }
 
-    fn text(&self, run: &PhotonRun, duration: Duration) -> String {
-        let percent = |count: u64| format!("{:.2}", 100.0 * count as f64 / run.photons.max(1) as f64);
-        let row = |end: &End| {
-            let count = *run.ends.get(end)?;
-            Some(vec![end.name().to_owned(), count.to_string(), percent(count)])
-        };
-        let rows: Vec<Vec<String>> = End::ALL.iter().filter_map(row).collect();
-        let seconds = duration.as_secs_f64();
-        let rate = |count: u64| terminal::short3(count as f64 / seconds.max(1e-9));
-        format!(
-            "{}\n{} photons, {} steps in {} s: {} photons/s, {} steps/s; detection by {}\n",
-            terminal::table(&["end", "photons", "%"], &rows, &[false, true, true]),
-            run.photons,
-            run.steps,
-            terminal::short3(seconds),
-            rate(run.photons),
-            rate(run.steps),
-            self.detect.rule().1,
-        )
+    fn drawings(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.draw, &self.map, &self.spectra].into_iter().flatten()
+    }
+
+    /// Draws the tracks of the first photons of the run, which are simulated once more: the same photons have the same tracks.
+    fn draw_tracks(
+        &self,
+        detector: &Detector,
+        source: &Source,
+        settings: &RunSettings,
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.draw else { return Ok(()) };
+        let Range { start, end } = settings.photons;
+        let settings =
+            RunSettings { photons: start..end.min(start.saturating_add(self.tracks)), ..settings.clone() };
+        let options = HistoryOptions { steps: true, sequences: false };
+        let evaluator = Packets::new(detector.program().clone());
+        let mut histories = Histories::default();
+        simulate_parts(detector, &evaluator, source, &settings, Some(options), |part| {
+            part.histories.into_iter().for_each(|own| histories.append(own));
+            Ok::<(), PhotonError>(())
+        })?;
+        let medium = |region| detector.medium(region);
+        let layout = OpticalLayout::of_light(&evaluator, medium, histories.to_segments(), self.plane)?;
+        let layout = layout.with_marks("detected", histories.detections().map(|row| row.position));
+        drawing::save(path, &layout.to_svg(&self.model.name(), "mm"))
+    }
+
+    fn draw_hits(&self, hits: &Hits) -> Result<(), Failure> {
+        let name = self.model.name();
+        if let Some(path) = &self.map {
+            let [x, y, z] = &hits.position;
+            let hits = HitPositions { names: hits.paths(), sensors: &hits.sensor, positions: [x, y, z] };
+            drawing::save(path, &hit_maps_svg(hits, &name, "mm"))?;
+        }
+        let Some(path) = &self.spectra else { return Ok(()) };
+        let time = Histogram { name: "time", unit: "ns", values: &hits.time, is_wavelength: false };
+        let wavelength =
+            Histogram { name: "wavelength", unit: "nm", values: &hits.wavelength_nm, is_wavelength: true };
+        drawing::save(path, &histograms_svg(&[time, wavelength], &format!("Hits: {name}")))
+    }
+
+    /// Runs the simulation; writes the table of steps meanwhile.
+    fn simulate(
+        &self,
+        global: &GlobalArguments,
+        detector: &Detector,
+        source: &Source,
+        settings: &RunSettings,
+    ) -> Result<PhotonReport, Failure> {
+        let evaluator = Packets::new(detector.program().clone());
+        let steps = self.steps.as_deref().map(|path| TableWriter::create(path, &step_schema(detector)?));
+        let mut steps = steps.transpose()?;
+        let options = HistoryOptions { steps: steps.is_some(), sequences: self.sequences.is_some() };
+        let histories = (options != HistoryOptions::default() || self.counts).then_some(options);
+        let mut report = PhotonReport::new(detector, self.detect.rule().1, self.counts, self.sequences);
+        let Range { start, end } = settings.photons;
+        let bar = terminal::progress_bar(Some(end - start), Unit::Percent, global.quiet);
+        let begin = Instant::now();
+        let done = simulate_parts(detector, &evaluator, source, settings, histories, |part| {
+            if let (Some(table), Some(histories)) = (&mut steps, &part.histories) {
+                table.write(&histories.to_rows()?)?;
+            }
+            bar.set_position(part.photons.end - start);
+            report.add(part);
+            Ok::<(), PhotonError>(())
+        });
+        bar.finish_and_clear();
+        done?;
+        report.duration = begin.elapsed();
+        if let Some(table) = steps {
+            table.finish()?;
+        }
+        Ok(report)
     }
 }
 

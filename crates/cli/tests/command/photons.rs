@@ -75,7 +75,7 @@ fn bad_arguments_are_explained() {
     let fails = |code: i32, more: &[&str]| bench.fails(code, &run(more));
     assert!(fails(2, &["--range", "10:5"]).contains("A at most B"));
     assert!(fails(2, &["--range", "0:3000"]).contains("the run has 2000 photons"));
-    assert!(fails(2, &["--json", "-o", "-"]).contains("write one of them to a file"));
+    assert!(fails(2, &["--json", "-o", "-"]).contains("several things go to standard output"));
     assert!(fails(2, &["--towards", "0,0,0"]).contains("it must be finite and not zero"));
     assert!(fails(2, &["--max-time", "0"]).contains("the maximum time is 0 ns: it must be positive."));
     let negative = ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength=-5"];
@@ -93,4 +93,53 @@ fn bad_arguments_are_explained() {
     bench.write("plain.toml", "rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n");
     let plain = ["photons", "plain.toml", "--at", "0,0,0", "--wavelength", "500"];
     assert!(bench.fails(3, &plain).contains("the model has no optical properties: it has no table [gdml]."));
+}
+
+/// Steps, counts and sequences agree with the ways of ending; recording and drawing do not change the hits.
+#[test]
+fn histories_and_drawings() {
+    let bench = bench();
+    let plain = bench.json(&run(&["--json", "-o", "plain.csv"]));
+    let drawings =
+        ["--draw", "t.svg", "--tracks", "30", "--plane", "yz", "--map", "m.svg", "--spectra", "s.svg"];
+    let mut more = vec!["--json", "-o", "hits.csv", "--steps", "steps.csv", "--counts", "--sequences", "5"];
+    more.extend(drawings);
+    let found = bench.json(&run(&more));
+    assert_eq!(bench.read("hits.csv"), bench.read("plain.csv"));
+    assert_eq!(found["ends"], plain["ends"]);
+    let table = bench.read("steps.csv");
+    let mut lines = table.lines();
+    let header = "photon,track,step,process,x,y,z,time,dx,dy,dz,px,py,pz,wavelength_nm,volume,surface";
+    assert_eq!(lines.next(), Some(header));
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    let count = |process: &str| rows.iter().filter(|row| row[3] == process).count() as u64;
+    assert_eq!(count("emission"), 2000);
+    for (process, number) in found["processes"].as_object().unwrap() {
+        assert_eq!(number.as_u64(), Some(count(process)), "{process}");
+    }
+    for (end, number) in found["ends"].as_object().unwrap() {
+        assert_eq!(number.as_u64(), Some(count(end)), "{end}");
+    }
+    for row in found["surfaces"].as_array().unwrap() {
+        let [surface, process] = ["surface", "process"].map(|key| row[key].as_str().unwrap());
+        let own = rows.iter().filter(|row| row[16] == surface && row[3] == process);
+        assert_eq!(row["count"], own.count(), "{row}");
+    }
+    let sequences = found["sequences"].as_array().unwrap();
+    assert_eq!(sequences.len(), 5);
+    // photons that are absorbed on their first way: of 400 mm on at most 10 sqrt(3) to 50 mm
+    assert!(sequences.iter().any(|row| row["sequence"] == "TO AB"), "{sequences:?}");
+    assert!(bench.read("t.svg").contains("section x = 0") && bench.read("t.svg").contains("550 nm"));
+    assert!(bench.read("m.svg").contains(&format!("{} hits of one sensor", found["hits"])));
+    assert!(bench.read("s.svg").contains("time / ns"));
+    let text = bench.says(&run(&["--counts", "--sequences"]));
+    assert!(text.contains("Wrapping  lambertian_reflection") && text.contains("TO DR"), "{text}");
+    // the history of one photon is a part of the histories of all
+    bench.says(&run(&["--range", "17:18", "--steps", "one.csv", "--draw", "one.png", "--tracks", "1"]));
+    let one = bench.read("one.csv");
+    let whole: Vec<&str> = table.lines().filter(|line| line.starts_with("17,")).collect();
+    assert_eq!(one.lines().skip(1).collect::<Vec<_>>(), whole);
+    assert!(bench.fails(2, &run(&["--draw", "a.pdf"])).contains(".svg or .png"));
+    assert!(bench.fails(2, &run(&["--draw", "-", "--map", "-"])).contains("`-` is given more than once"));
+    assert!(bench.fails(2, &run(&["--plane", "yz"])).contains("--draw"));
 }

@@ -52,7 +52,12 @@ impl Chart {
     }
 
     /// Draws title, subtitle, and axes with ticks. `unit` is that of lengths.
-    pub fn draw(&self, svg: &mut Svg, [title, subtitle]: [&str; 2], unit: &str) {
+    pub fn draw(&self, svg: &mut Svg, titles: [&str; 2], unit: &str) {
+        self.draw_axes(svg, titles, ["x", "y"], unit);
+    }
+
+    /// Like [`Chart::draw`], with the names of the axes.
+    pub fn draw_axes(&self, svg: &mut Svg, [title, subtitle]: [&str; 2], names: [&str; 2], unit: &str) {
         let [x, y] = self.corner;
         svg.text("title", [x + MARGIN, y + 30.0], Anchor::Start, title, title);
         svg.text("tick", [x + MARGIN, y + 48.0], Anchor::Start, subtitle, subtitle);
@@ -78,7 +83,7 @@ impl Chart {
             svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
         }
         svg.path("axis", path, "");
-        let (across, up) = (format!("x / {unit}"), format!("y / {unit}"));
+        let [across, up] = names.map(|name| format!("{name} / {unit}"));
         svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, &across, &across);
         svg.text("tick", [left - 8.0, top - 8.0], Anchor::End, &up, &up);
     }

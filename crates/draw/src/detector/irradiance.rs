@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// Steps of the colour scale.
 const LEVELS: usize = 128;
 
-const STYLE: &str = ".cell { stroke: none; shape-rendering: crispEdges }\n";
+pub(super) const STYLE: &str = ".cell { stroke: none; shape-rendering: crispEdges }\n";
 
 /// Draws a map of irradiance: a colour for each cell, from black for no light to white for the maximum, with a colour bar.
 /// Irradiance is in the unit of power of the sources per square of `unit`, the unit of lengths.
@@ -27,10 +27,11 @@ const STYLE: &str = ".cell { stroke: none; shape-rendering: crispEdges }\n";
 pub fn irradiance_svg(map: &IrradianceMap, name: &str, unit: &str) -> String {
     let chart = Chart::new(map.lo, map.hi);
     let mut svg = Svg::default();
-    draw_cells(map, &chart, &mut svg);
+    draw_cells(map, map.peak(), &chart, &mut svg);
     let (title, subtitle) = (format!("Irradiance: {name}"), subtitle(map));
     chart.draw(&mut svg, [&title, &subtitle], unit);
-    let right = draw_colour_bar(map.peak(), &chart, unit, &mut svg);
+    let label = format!("power / {unit}\u{b2}");
+    let right = draw_colour_bar(map.peak(), chart.frame(), &label, &mut svg);
     let [_, top, _, height] = chart.frame();
     svg.finish([right.max(400.0), top + height.max(120.0) + BELOW], &title, &subtitle, STYLE)
 }
@@ -40,12 +41,11 @@ fn subtitle(map: &IrradianceMap) -> String {
     format!("power {power} on {} \u{d7} {} cells", map.columns, map.rows())
 }
 
-/// Draws all cells of one colour as one path.
-fn draw_cells(map: &IrradianceMap, chart: &Chart, svg: &mut Svg) {
+/// Draws all cells of one colour as one path; the brightest colour is that of `peak`.
+pub(super) fn draw_cells(map: &IrradianceMap, peak: f64, chart: &Chart, svg: &mut Svg) {
     let mut paths: BTreeMap<usize, String> = BTreeMap::new();
     let [_, top, width, height] = chart.frame();
     let (w, h) = (width / map.columns as f64, height / map.rows() as f64);
-    let peak = map.peak();
     for (k, &value) in map.values.iter().enumerate() {
         let level = (value / peak * (LEVELS - 1) as f64).round() as usize;
         let (column, row) = (k % map.columns, map.rows() - 1 - k / map.columns);
@@ -59,9 +59,13 @@ fn draw_cells(map: &IrradianceMap, chart: &Chart, svg: &mut Svg) {
     }
 }
 
-/// Draws the colours with their values. Returns the right end of the drawing.
-fn draw_colour_bar(peak: f64, chart: &Chart, unit: &str, svg: &mut Svg) -> f64 {
-    let [left, top, width, height] = chart.frame();
+/// Draws the colours with their values to the right of a frame. Returns the right end of the drawing.
+pub(super) fn draw_colour_bar(
+    peak: f64,
+    [left, top, width, height]: [f64; 4],
+    label: &str,
+    svg: &mut Svg,
+) -> f64 {
     let (x, height) = (left + width + 30.0, height.max(120.0));
     let step = height / LEVELS as f64;
     for level in 0..LEVELS {
@@ -75,8 +79,7 @@ fn draw_colour_bar(peak: f64, chart: &Chart, unit: &str, svg: &mut Svg) -> f64 {
         characters = characters.max(text.chars().count());
         svg.text("tick", [x + 24.0, axis.position(value) + 4.0], Anchor::Start, &text, &text);
     }
-    let label = format!("power / {unit}\u{b2}");
-    svg.text("tick", [x, top - 8.0], Anchor::Start, &label, &label);
+    svg.text("tick", [x, top - 8.0], Anchor::Start, label, label);
     x + 30.0 + 6.4 * characters as f64 + MARGIN
 }
 

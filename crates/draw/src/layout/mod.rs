@@ -75,6 +75,10 @@ pub struct OpticalLayout {
     parts: Vec<Part>,
     sheets: Vec<Vec<[f64; 2]>>,
     segments: Segments,
+    /// True for light of [`OpticalLayout::of_light`]: thin lines, the thinner the more there are.
+    is_dense: bool,
+    /// Points that are marked, and the meaning of the marks.
+    marks: Option<(String, Vec<[f64; 2]>)>,
     colour: RayColour,
     sources: usize,
 }
@@ -121,12 +125,55 @@ impl OpticalLayout {
             parts: Vec::new(),
             sheets: Vec::new(),
             segments,
+            is_dense: false,
+            marks: None,
             colour: options.colour,
             sources: trial.sources,
         };
-        layout.cut_solids(system, &make)?;
+        let medium = |region| system.medium_of(region).map(|medium| medium.name().to_owned());
+        layout.cut_solids(&make(system.program().clone()), medium)?;
         layout.cut_sheets(system, &make)?;
         Ok(layout)
+    }
+
+    /// Cuts a model of regions and draws traced light, all of it, projected into the plane. `medium` is the name of the medium
+    /// of a region, `None` for opaque ones. The window holds the ends of all segments; light that escapes is drawn up to its edge.
+    ///
+    /// # Errors
+    /// [`DrawError::Section`] for a plane or a model without size.
+    pub fn of_light<E: Evaluator>(
+        evaluator: &E,
+        medium: impl Fn(RegionId) -> Option<String>,
+        segments: Segments,
+        plane: Option<LayoutPlane>,
+    ) -> Result<OpticalLayout, DrawError> {
+        let plane = plane.unwrap_or_else(|| plane::nearest_to_light(&segments));
+        let cut = plane.cut()?;
+        let of_light = light_range(&cut, &segments);
+        let (lo, hi) = with_margins(of_light.map(|range| range.unwrap_or([1.0, -1.0])));
+        let mut layout = OpticalLayout {
+            plane,
+            cut,
+            lo,
+            hi,
+            parts: Vec::new(),
+            sheets: Vec::new(),
+            segments,
+            is_dense: true,
+            marks: None,
+            colour: RayColour::Wavelength,
+            sources: 1,
+        };
+        layout.cut_solids(evaluator, medium)?;
+        Ok(layout)
+    }
+
+    /// Marks points, such as those of detection; `name` is their meaning in the legend.
+    #[must_use]
+    pub fn with_marks(mut self, name: &str, points: impl IntoIterator<Item = Vec3>) -> OpticalLayout {
+        let points = points.into_iter().map(|point| self.cut.place(point)).collect();
+        self.marks = Some((name.to_owned(), points));
+        self
     }
 
     /// The layout as SVG. `unit` is that of lengths.
@@ -141,16 +188,14 @@ impl OpticalLayout {
 
     fn cut_solids<E: Evaluator>(
         &mut self,
-        system: &System,
-        make: impl Fn(Arc<Program>) -> E,
+        evaluator: &E,
+        medium: impl Fn(RegionId) -> Option<String>,
     ) -> Result<(), DrawError> {
-        let program = system.program();
-        let found = self.section(&make(program.clone()), self.lo, self.hi)?;
-        for (number, region) in (1..).zip(program.regions()) {
+        let found = self.section(evaluator, self.lo, self.hi)?;
+        for (number, region) in (1..).zip(evaluator.program().regions()) {
             let number = RegionId(number);
-            let medium = system.medium_of(number).map(|medium| medium.name().to_owned());
             let contours = found.contours(number);
-            self.parts.push(Part { name: region.name.clone(), medium, contours });
+            self.parts.push(Part { name: region.name.clone(), medium: medium(number), contours });
         }
         Ok(())
     }

@@ -24,6 +24,7 @@ const STYLE: &str = "\
 .outline { fill: none; stroke: #3a556e; stroke-width: 1; stroke-linejoin: round }
 .sheet { fill: none; stroke: #1d2733; stroke-width: 2.2; stroke-linecap: round }
 .ray { fill: none; stroke-linecap: round; stroke-linejoin: round }
+.mark { fill: none; stroke: #c0392b; stroke-width: 1.2 }
 .centre { fill: none; stroke: #8d97a3; stroke-width: 0.8; stroke-dasharray: 14 4 2 4 }
 @media (prefers-color-scheme: dark) {
 .glass { fill-opacity: 0.35 }
@@ -36,6 +37,12 @@ const STYLE: &str = "\
 const MEDIA: [&str; 7] = ["#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4", "#d2eeea", "#ecebc4"];
 /// The fill of opaque regions.
 const OPAQUE: &str = "#b9c0c8";
+
+/// The number of segments from which on lines of dense light are thinner.
+const DENSE: f64 = 150.0;
+
+/// The colour of marks.
+const MARK: &str = "#c0392b";
 
 /// The sine of the angle between chord and direction below which a segment is straight.
 const STRAIGHT: f64 = 1e-6;
@@ -54,6 +61,7 @@ pub fn drawing(layout: &OpticalLayout, title: &str, unit: &str) -> String {
     layout.parts.iter().for_each(|part| pen.fill(part, &media));
     layout.parts.iter().for_each(|part| pen.outline(part));
     pen.rays();
+    pen.marks();
     layout.sheets.iter().for_each(|line| pen.line("sheet", line, false));
     pen.axes(unit);
     let height = pen.legend(&media);
@@ -122,7 +130,8 @@ impl<'a> Drawing<'a> {
         let segments = &self.layout.segments;
         let emitted = emitted(segments);
         let tangents = tangents(segments);
-        let mut paths: BTreeMap<(usize, String), String> = BTreeMap::new();
+        let thinning = self.thinning();
+        let mut paths: BTreeMap<(usize, String, i64), String> = BTreeMap::new();
         for (segment, tangent) in segments.iter().zip(tangents) {
             let part = segment.intensity / emitted.get(&segment.id).copied().unwrap_or(1.0);
             if part < FAINTEST {
@@ -130,7 +139,9 @@ impl<'a> Drawing<'a> {
             }
             let weight = WEIGHTS.iter().position(|(least, ..)| part >= *least).unwrap_or(WEIGHTS.len() - 1);
             let Some([from, to]) = self.visible(&segment) else { continue };
-            let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment))).or_default();
+            // one path for each track of dense light: where tracks overlap, the colour is stronger
+            let track = if self.layout.is_dense { segment.id } else { 0 };
+            let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment), track)).or_default();
             let ([x0, y0], [x1, y1]) =
                 (self.plan.position(from).map(Pixels), self.plan.position(to).map(Pixels));
             let _ = match tangent.and_then(|tangent| self.control_points(&segment, tangent)) {
@@ -139,8 +150,9 @@ impl<'a> Drawing<'a> {
             };
         }
         // faint rays first
-        for ((weight, colour), path) in paths {
+        for ((weight, colour, _), path) in paths {
             let (_, width, opacity) = WEIGHTS[WEIGHTS.len() - weight];
+            let (width, opacity) = (Pixels(width * thinning), Pixels(opacity * thinning));
             let stroke = format!(r#" stroke="{colour}" stroke-width="{width}" stroke-opacity="{opacity}""#);
             self.svg.path("ray", path, &stroke);
         }
@@ -181,9 +193,31 @@ impl<'a> Drawing<'a> {
         clipped(from, to, *lo, *hi)
     }
 
+    /// The factor of the width and the opacity of rays: lines of dense light are thinner the more there are.
+    fn thinning(&self) -> f64 {
+        match self.layout.is_dense {
+            true => (DENSE / self.layout.segments.len().max(1) as f64).sqrt().clamp(0.35, 1.0),
+            false => 1.0,
+        }
+    }
+
+    fn marks(&mut self) {
+        let OpticalLayout { lo, hi, marks, .. } = self.layout;
+        for &point in marks.iter().flat_map(|(_, points)| points) {
+            if (0..2).all(|k| lo[k] <= point[k] && point[k] <= hi[k]) {
+                self.svg.circle("mark", self.plan.position(point), 3.0, "");
+            }
+        }
+    }
+
+    /// The height of the scale bar and the axes: the section of dense light fills the window down to its lower edge.
+    fn bar(&self) -> f64 {
+        if self.layout.is_dense { BAR + 14.0 } else { BAR }
+    }
+
     /// Draws the axes in the lower left corner and the scale bar in the lower right one.
     fn axes(&mut self, unit: &str) {
-        let y = self.plan.bottom + BAR - 4.0;
+        let y = self.plan.bottom + self.bar() - 4.0;
         Plan::axes(&mut self.svg, [MARGIN + 4.0, y], self.layout.plane.axis_names());
         self.plan.scale_bar(&mut self.svg, [WIDTH - MARGIN, y], WIDTH, unit);
     }
@@ -204,7 +238,13 @@ impl<'a> Drawing<'a> {
             }
             RayColour::Source => sources(self.layout.sources),
         });
-        legend::draw(&mut self.svg, &entries, self.plan.bottom + BAR + ROW, WIDTH)
+        entries.extend(self.layout.marks.iter().map(|(name, points)| Entry {
+            name: format!("{name}: {}", points.len()),
+            colour: MARK.to_owned(),
+            is_line: true,
+        }));
+        let top = self.plan.bottom + self.bar() + ROW;
+        legend::draw(&mut self.svg, &entries, top, WIDTH)
     }
 }
 

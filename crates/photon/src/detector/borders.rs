@@ -145,7 +145,7 @@ impl Border {
 }
 
 /// A name without the pointer suffix that programs append to make it unique, as occurrence paths have it.
-fn bare(name: &str) -> &str {
+pub(crate) fn bare(name: &str) -> &str {
     match name.rsplit_once("0x") {
         Some((bare, suffix))
             if !bare.is_empty()

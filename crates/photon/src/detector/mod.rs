@@ -11,6 +11,7 @@ use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
 use crate::tables::SurfaceTables;
 use borders::SurfaceTable;
+pub(crate) use borders::bare;
 use gdml::Volumes;
 use properties::PropertyReader;
 use rayweave_error::Message;
@@ -124,19 +125,39 @@ impl Detector {
         &self.program
     }
 
+    /// The names of the regions and of their sensors, for sensitive volumes (auxiliary tag `SensDet`).
+    pub fn sensors(&self) -> impl Iterator<Item = (&str, &str)> {
+        let regions = self.region_names.iter().zip(&self.sensors);
+        regions.filter_map(|(region, sensor)| Some((region.as_str(), sensor.as_deref()?)))
+    }
+
     /// The number of sensitive volumes.
     #[must_use]
     pub fn sensor_count(&self) -> usize {
         self.sensors.iter().flatten().count()
     }
 
-    pub(crate) fn material(&self, region: RegionId) -> &OpticalMaterial {
+    /// The material of a region.
+    #[must_use]
+    pub fn material(&self, region: RegionId) -> &OpticalMaterial {
         &self.materials[self.material_of[region.index()] as usize]
+    }
+
+    /// The name of the material of a region; `None` without a refractive index.
+    #[must_use]
+    pub fn medium(&self, region: RegionId) -> Option<String> {
+        let material = self.material(region);
+        material.index.as_ref().map(|_| material.name.clone())
     }
 
     /// The optical surface at a crossing, if there is one.
     pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
+    }
+
+    /// The number of the optical surface at a crossing, if there is one.
+    pub(crate) fn surface_number(&self, crossing: &Crossing) -> Option<u32> {
+        self.boundaries.find(&self.program, crossing).map(|number| number as u32)
     }
 }
 

@@ -61,6 +61,19 @@ fn finishes() -> Vec<Word<SurfaceFinish>> {
     FINISHES.into_iter().chain(measured).collect()
 }
 
+impl OpticalSurface {
+    /// The words of model, finish and type in GDML files, such as `unified`, `groundfrontpainted`, `dielectric_metal`.
+    #[must_use]
+    pub fn words(&self) -> [&'static str; 3] {
+        [word_of(self.model, &MODELS), word_of(self.finish, &finishes()), word_of(self.kind, &TYPES)]
+    }
+}
+
+/// The word of a value.
+fn word_of<T: Copy + PartialEq>(value: T, words: &[Word<T>]) -> &'static str {
+    words.iter().find(|(.., own)| *own == value).map_or("", |(word, ..)| word)
+}
+
 fn surface(
     row: &Datum,
     tables: &SurfaceTables,
@@ -179,8 +192,8 @@ fn word<T: Copy + Default>(
         return Some(*value);
     }
     let names = words.iter().map(|(word, ..)| *word);
-    let listed = names.clone().take(MOST_LISTED).collect::<Vec<_>>().join(", ");
-    let more = if words.len() > MOST_LISTED { ", and those of Geant4's tables" } else { "" };
+    let listed = names.clone().take(MAX_LISTED).collect::<Vec<_>>().join(", ");
+    let more = if words.len() > MAX_LISTED { ", and those of Geant4's tables" } else { "" };
     let problem = format!("the {attribute} `{text}` of {owner} is not supported");
     let message = Message::new(problem, format!("the supported ones are {listed}{more}"));
     let message = match did_you_mean(text, names) {
@@ -192,4 +205,4 @@ fn word<T: Copy + Default>(
 }
 
 /// The number of words that a message lists.
-const MOST_LISTED: usize = 6;
+const MAX_LISTED: usize = 6;

@@ -149,7 +149,7 @@ impl Lint<'_> {
             at = mother;
         }
         let world = self.table.text("world");
-        positions.truncate(MOST_COPIES);
+        positions.truncate(MAX_COPIES);
         (at == world).then_some(positions)
     }
 
@@ -173,7 +173,7 @@ impl Lint<'_> {
 }
 
 /// The largest number of copies that are compared in pairs.
-const MOST_COPIES: usize = 1000;
+const MAX_COPIES: usize = 1000;
 
 /// Two of several copies of a box at positions whose faces touch; `size` is that of the box around all of them.
 fn touching(positions: &[[f64; 3]], size: [f64; 3]) -> Option<[usize; 2]> {

@@ -3,6 +3,7 @@
 mod boundary;
 mod bulk;
 mod detector;
+mod history;
 mod lint;
 mod reproducible;
 mod surfaces;

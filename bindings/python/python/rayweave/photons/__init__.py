@@ -1,0 +1,30 @@
+"""Optical photons in detectors: Geant4's physics in exact geometry, from GDML files to arrays of hits.
+
+Lengths are in mm, times in ns, energies in eV and wavelengths in nm.
+
+>>> import rayweave.photons
+>>> detector = rayweave.photons.load("bar.gdml")  # doctest: +SKIP
+>>> run = detector.simulate(rayweave.photons.point([0, 0, 0], 550), n=100_000)  # doctest: +SKIP
+>>> run.hits.position.shape, run.ends["detected"]  # doctest: +SKIP
+((7480, 3), 7480)
+"""
+
+from rayweave.photons._detector import Detector, Material, Property, Surface, load, loads
+from rayweave.photons._run import Histories, Hits, Run, Sequences
+from rayweave.photons._sources import Source, photons, point
+
+__all__ = [
+    "Detector",
+    "Histories",
+    "Hits",
+    "Material",
+    "Property",
+    "Run",
+    "Sequences",
+    "Source",
+    "Surface",
+    "load",
+    "loads",
+    "photons",
+    "point",
+]

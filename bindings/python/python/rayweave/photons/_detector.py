@@ -1,0 +1,356 @@
+"""Detectors: materials, surfaces, sensors, and simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave.optics._given import real, unknown, whole
+from rayweave.optics._stream import Progress, reporter
+from rayweave.photons._run import Run
+from rayweave.photons._sources import Source
+
+#: Planck's constant times the speed of light, in eV nm (CODATA 2018, exact).
+_HC = 1239.841984332002
+
+Numbers: TypeAlias = NDArray[np.float64]
+_Thing = TypeVar("_Thing", bound="_Described")
+Record: TypeAlias = Literal["counts", "sequences", "steps"]
+
+#: Whether steps and sequences are recorded, by the name of the record.
+_RECORDS: dict[str, tuple[bool, bool]] = {
+    "counts": (False, False),
+    "sequences": (False, True),
+    "steps": (True, True),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Property:
+    """A function of the photon energy: linear between its points, constant beyond them."""
+
+    name: str
+    """The name in GDML files, such as RINDEX."""
+    energy_ev: Numbers
+    """(N,) the energies in eV, ascending."""
+    values: Numbers
+    """(N,) the values."""
+    unit: str
+    """The unit of the values; "" for pure numbers."""
+
+    @property
+    def wavelength_nm(self) -> Numbers:
+        """(N,) the wavelengths of the points in nm, descending."""
+        return _HC / self.energy_ev
+
+    def at(self, wavelength_nm: ArrayLike) -> Numbers:
+        """The values at wavelengths in nm."""
+        wavelengths = np.asarray(wavelength_nm, float)
+        if not np.all(wavelengths > 0.0):
+            raise _core.RayweaveError("wavelength_nm has entries that are not positive: wavelengths are greater than 0.")
+        return np.asarray(np.interp(_HC / wavelengths, self.energy_ev, self.values))
+
+
+@dataclass(frozen=True, eq=False)
+class _Described:
+    name: str
+    """The name."""
+    properties: Mapping[str, Property] = field(repr=False)
+    """The properties that depend on the energy, by their names in GDML files."""
+    constants: Mapping[str, float] = field(repr=False)
+    """The constant properties, by their names in GDML files."""
+
+
+@dataclass(frozen=True, eq=False)
+class Material(_Described):
+    """A material with its optical properties."""
+
+    @property
+    def refractive_index(self) -> Property | None:
+        """RINDEX; photons end in materials without it."""
+        return self.properties.get("RINDEX")
+
+    @property
+    def group_velocity(self) -> Property | None:
+        """GROUPVEL in mm/ns; derived from RINDEX where the file does not state it."""
+        return self.properties.get("GROUPVEL")
+
+    @property
+    def absorption_length(self) -> Property | None:
+        """ABSLENGTH in mm."""
+        return self.properties.get("ABSLENGTH")
+
+    @property
+    def rayleigh_length(self) -> Property | None:
+        """RAYLEIGH in mm, stated or derived from the compressibility."""
+        return self.properties.get("RAYLEIGH")
+
+
+@dataclass(frozen=True, eq=False)
+class Surface(_Described):
+    """An optical surface."""
+
+    model: str
+    """The model of the microfacets, such as unified."""
+    finish: str
+    """The finish, such as groundfrontpainted."""
+    type: str
+    """dielectric_dielectric, dielectric_metal or another type of GDML files."""
+    value: float
+    """The standard deviation of the facet angles in radians of the unified model, the polish of the glisur model."""
+
+    @property
+    def reflectivity(self) -> Property | None:
+        """REFLECTIVITY: 1 minus the fraction that is lost at the surface."""
+        return self.properties.get("REFLECTIVITY")
+
+    @property
+    def efficiency(self) -> Property | None:
+        """EFFICIENCY: the probability that an absorbed photon is detected."""
+        return self.properties.get("EFFICIENCY")
+
+
+class Detector:
+    """A detector: exact geometry with optical materials, surfaces and sensors. `load` and `loads` make detectors."""
+
+    def __init__(self, compiled: _core.CompiledDetector, name: str) -> None:
+        self._compiled = compiled
+        self.name = name
+        self.materials = tuple(Material(*_described(row)) for row in compiled.materials())
+        """The materials; the first one is that of the world outside of all volumes."""
+        self.surfaces = tuple(
+            Surface(*_described(row), *words, value) for words, value, row in compiled.surfaces()
+        )
+        """The optical surfaces, in the order of the file."""
+
+    def __repr__(self) -> str:
+        return (
+            f"<Detector {self.name}: {len(self.materials)} materials, {len(self.surfaces)} surfaces, "
+            f"{len(self.sensors)} sensitive volumes>"
+        )
+
+    @property
+    def sensors(self) -> dict[str, str]:
+        """The names of the sensitive volumes, and of their sensors (auxiliary tag SensDet)."""
+        return dict(self._compiled.sensors)
+
+    @property
+    def notes(self) -> list[str]:
+        """The ignored properties and surfaces, one sentence each."""
+        return self._compiled.notes
+
+    @property
+    def warnings(self) -> list[str]:
+        """The warnings of the reader of the file."""
+        return self._compiled.warnings
+
+    def material(self, name: str) -> Material:
+        """The material of a name."""
+        return _named(self.materials, "material", name)
+
+    def surface(self, name: str) -> Surface:
+        """The optical surface of a name."""
+        return _named(self.surfaces, "surface", name)
+
+    def simulate(
+        self,
+        source: Source,
+        n: int | None = None,
+        *,
+        range: tuple[int, int] | range | None = None,
+        seed: int = 0,
+        detect: Literal["both", "efficiency", "volume"] = "both",
+        max_steps: int = 10_000,
+        max_time: float = np.inf,
+        record: Record | None = None,
+        event: int = 0,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Run:
+        """Simulates photons until each of them ends.
+
+        A photon is a function of the detector, the source, the seed and its number: `threads`, `record` and `range` do not
+        change it.
+
+        Parameters
+        ----------
+        source
+            The source.
+        n
+            The number of photons of the run; by default that of the source.
+        range
+            The photons of the run to simulate, from the first number up to the second one exclusively.
+        seed
+            The seed of all random numbers. Runs of equal seeds have equal random numbers: give each event its own.
+        detect
+            The events that count as detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive
+            volume, or both.
+        max_steps, max_time
+            The maximum number of steps of a photon, and its maximum time in ns.
+        record
+            The histories to record: "counts" of processes and surfaces; "sequences" of Opticks' flags, with counts; or all
+            "steps", with both.
+        event
+            The event number in the table of hits.
+        threads
+            The number of threads; by default RAYWEAVE_THREADS or the number of cores.
+        progress
+            Called with the number of finished photons and the total; True draws a bar on standard error.
+
+        Examples
+        --------
+        >>> import rayweave.photons
+        >>> detector = rayweave.photons.load("bar.gdml")  # doctest: +SKIP
+        >>> source = rayweave.photons.point([0, 0, 0], 550)
+        >>> run = detector.simulate(source, n=100_000, seed=1)  # doctest: +SKIP
+        >>> run.hits.save("hits.parquet")  # doctest: +SKIP
+        """
+        first, last = self._numbers(source, n, range)
+        settings = _settings(seed, detect, max_steps, max_time, record, threads)
+        return self._run(source, (first, last), settings, event, progress)
+
+    def stream(
+        self,
+        source: Source,
+        n: int | None = None,
+        *,
+        chunk: int = 1 << 18,
+        range: tuple[int, int] | range | None = None,
+        seed: int = 0,
+        detect: Literal["both", "efficiency", "volume"] = "both",
+        max_steps: int = 10_000,
+        max_time: float = np.inf,
+        record: Record | None = None,
+        event: int = 0,
+        threads: int | None = None,
+        progress: Progress = None,
+    ) -> Iterator[Run]:
+        """Simulates photons in runs of `chunk` photons each, in memory that does not grow with their number. The runs, one after
+        the other, hold the photons of `simulate` with the same arguments.
+
+        Examples
+        --------
+        >>> for run in detector.stream(source, n=10**9):  # doctest: +SKIP
+        ...     total += len(run.hits["photon"])
+        """
+        first, last = self._numbers(source, n, range)
+        size = whole(chunk, "chunk", least=1)
+        settings = _settings(seed, detect, max_steps, max_time, record, threads)
+        return self._stream(source, (first, last), size, settings, event, progress)
+
+    def _stream(
+        self,
+        source: Source,
+        numbers: tuple[int, int],
+        size: int,
+        settings: dict[str, Any],
+        event: int,
+        progress: Progress,
+    ) -> Iterator[Run]:
+        first, last = numbers
+        tell = reporter(progress)
+        while first < last:
+            end = min(first + size, last)
+            begin = first
+            run = self._run(
+                source,
+                (first, end),
+                settings,
+                event,
+                None if progress is None else lambda done, _: tell(begin - numbers[0] + done, last - numbers[0]),
+            )
+            first = end
+            yield run
+
+    def _run(
+        self, source: Source, numbers: tuple[int, int], settings: dict[str, Any], event: int, progress: Progress
+    ) -> Run:
+        tell = None if progress is None or progress is False else reporter(progress)
+        compiled = self._compiled.simulate(source.compiled, settings | {"range": numbers}, tell)
+        return Run(compiled, whole(event, "event", bits=63), self.name)
+
+    def _numbers(self, source: Source, n: int | None, range: Any) -> tuple[int, int]:
+        """The numbers of the photons of a run."""
+        if not isinstance(source, Source):
+            raise TypeError(f"source is {source!r}: a Source is needed. rayweave.photons.point and photons make one.")
+        if n is None:
+            if source.count is None:
+                raise _core.RayweaveError("n is missing: the source has no number of photons of its own.")
+            n = source.count
+        count = whole(n, "n", bits=62)
+        if range is None:
+            return 0, count
+        first, last = _ends(range)
+        if not first <= last <= count:
+            raise _core.RayweaveError(f"range is ({first}, {last}): the run has the photons 0 to {count}.")
+        return first, last
+
+
+def load(path: str | PathLike[str], *, allow: Sequence[str | PathLike[str]] = (), strict: bool = False) -> Detector:
+    """Reads a detector from a GDML file, or from a native model converted from one.
+
+    The file may read others in its folder and below, and the files and folders in `allow`. With `strict`, warnings of the reader
+    are errors. All invalid properties are reported at once.
+
+    Examples
+    --------
+    >>> import rayweave.photons
+    >>> detector = rayweave.photons.load("bar.gdml")  # doctest: +SKIP
+    >>> detector.material("Crystal").refractive_index.at([400, 550])  # doctest: +SKIP
+    array([1.79, 1.79])
+    """
+    compiled = _core.load_detector(path, allow=list(allow), strict=strict)
+    return Detector(compiled, Path(path).name)
+
+
+def loads(text: str, *, allow: Sequence[str | PathLike[str]] = (), strict: bool = False) -> Detector:
+    """As `load`, from the text of a GDML file. Names of files are relative to the current folder."""
+    return Detector(_core.loads_detector(text, allow=list(allow), strict=strict), "detector")
+
+
+def _settings(
+    seed: int, detect: str, max_steps: int, max_time: float, record: Record | None, threads: int | None
+) -> dict[str, Any]:
+    if record is not None and record not in _RECORDS:
+        unknown("record", record, _RECORDS)
+    return {
+        "seed": whole(seed, "seed"),
+        "detect": detect,
+        "max_steps": whole(max_steps, "max_steps", bits=32),
+        "max_time": real(max_time, "max_time"),
+        "threads": None if threads is None else whole(threads, "threads", least=1),
+        "record": None if record is None else _RECORDS[record],
+    }
+
+
+def _ends(numbers: Any) -> tuple[int, int]:
+    """The first and the last number of a range or a pair."""
+    if isinstance(numbers, type(range(0))):
+        if numbers.step != 1:
+            raise _core.RayweaveError(f"range is {numbers!r}: its step must be 1.")
+        return numbers.start, max(numbers.start, numbers.stop)
+    try:
+        first, last = numbers
+    except (TypeError, ValueError):
+        raise TypeError(f"range is {numbers!r}: a pair of numbers is needed.") from None
+    return whole(first, "range[0]", bits=62), whole(last, "range[1]", bits=62)
+
+
+def _described(row: Any) -> tuple[str, dict[str, Property], dict[str, float]]:
+    name, properties, constants = row
+    tables = {key: Property(key, energies * 1e6, values, unit) for key, energies, values, unit in properties}
+    return name, tables, dict(constants)
+
+
+def _named(things: Sequence[_Thing], kind: str, name: str) -> _Thing:
+    for thing in things:
+        if thing.name == name:
+            return thing
+    unknown(kind, name, [thing.name for thing in things])

@@ -1,0 +1,287 @@
+"""Results of runs: hits, ways of ending, histories."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave import _core
+from rayweave._drawing import Drawing
+from rayweave.optics._columns import Columns
+from rayweave.optics._given import package
+
+Numbers = NDArray[np.float64]
+
+#: The bit of a detected photon in Opticks' flags (SURFACE_DETECT of OpticksPhoton.h).
+_SURFACE_DETECT = 1 << 6
+
+
+class _Named(Columns):
+    """Columns, some of which are numbers of names."""
+
+    #: The names of the values of such columns; -1 has no name.
+    names: dict[str, list[str]]
+
+    def _vector(self, letters: str) -> Numbers:
+        return np.stack([self[name] for name in letters.split()], axis=1)
+
+    @property
+    def position(self) -> Numbers:
+        """(N, 3) the positions in mm."""
+        return self._vector("x y z")
+
+    @property
+    def direction(self) -> Numbers:
+        """(N, 3) the directions: unit vectors."""
+        return self._vector("dx dy dz")
+
+    @property
+    def polarisation(self) -> Numbers:
+        """(N, 3) the polarisations: unit vectors."""
+        return self._vector("px py pz")
+
+    @property
+    def time(self) -> Numbers:
+        """(N,) the times in ns."""
+        return self["time"]
+
+    @property
+    def wavelength_nm(self) -> Numbers:
+        """(N,) the wavelengths in nm."""
+        return self["wavelength_nm"]
+
+    def named(self, column: str) -> NDArray[np.object_]:
+        """The names of a column of numbers; None for -1."""
+        names = np.array([*self.names[column], None], dtype=object)
+        return np.asarray(names[self[column]])
+
+    def to_pandas(self) -> Any:
+        """The columns as a pandas DataFrame, with names as categories; the units are in its `attrs`."""
+        pandas = package("pandas", "data frames")
+        table = super().to_pandas()
+        for column, names in self.names.items():
+            table[column] = pandas.Categorical.from_codes(self[column], names)
+        return table
+
+    def to_arrow(self) -> Any:
+        """The columns as an Arrow table, with names as dictionaries; the units are in the metadata of its fields."""
+        arrow = package("pyarrow", "Arrow tables")
+        table = super().to_arrow()
+        for column, names in self.names.items():
+            codes = arrow.array(self[column], mask=self[column] < 0)
+            values = arrow.DictionaryArray.from_arrays(codes, arrow.array(names, arrow.string()))
+            table = table.set_column(table.schema.get_field_index(column), column, values)
+        return table
+
+
+def _save(columns: _Named, compiled: _core.PhotonHits | _core.PhotonHistories, path: str | PathLike[str]) -> None:
+    target = Path(path)
+    if target.suffix.lower() != ".parquet":
+        # the writer of the command
+        return compiled.save(target)
+    parquet = package("pyarrow.parquet", "Parquet files")
+    if not target.absolute().parent.is_dir():
+        raise _core.RayweaveError(f"cannot create {target}: the folder {target.parent} does not exist. Create it first.")
+    # written beside the target and renamed when complete
+    unfinished = target.with_name(f".{target.name}.{os.getpid()}.part")
+    units = {f"unit.{name}": unit for name, unit in columns.units.items() if unit}
+    try:
+        parquet.write_table(columns.to_arrow().replace_schema_metadata(units), unfinished)
+        os.replace(unfinished, target)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+class Hits(_Named):
+    """The detected photons: `photon`, the number in the run; `event`; the position `x`, `y`, `z` in mm; `time` in ns; the
+    direction `dx`, `dy`, `dz`; the polarisation `px`, `py`, `pz`; `wavelength_nm`; `weight`, which is 1; the number of `steps`;
+    `sensor`, an index of `sensor_paths`; `copy`, the number of the innermost copy in its path, -1 without one.
+
+    All photons of a wavelength shifter have the number of the absorbed one.
+    """
+
+    def __init__(self, compiled: _core.PhotonHits, event: int, title: str) -> None:
+        found = compiled.columns()
+        count = len(found["photon"])
+        columns = {
+            "event": np.full(count, event, np.int64),
+            **found,
+            "weight": np.ones(count),
+        }
+        super().__init__(columns, {"x": "mm", "y": "mm", "z": "mm", "time": "ns", "wavelength_nm": "nm"})
+        self.names = {"sensor": compiled.sensor_paths}
+        self._compiled = compiled
+        self._title = title
+
+    @property
+    def sensor_paths(self) -> list[str]:
+        """The paths of the sensors with hits: the names and copy numbers of the placements that lead to them."""
+        return self.names["sensor"]
+
+    def counts(self) -> dict[str, int]:
+        """The number of hits of each sensor."""
+        counts = np.bincount(self["sensor"], minlength=len(self.sensor_paths))
+        return dict(zip(self.sensor_paths, counts.tolist(), strict=True))
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes a table, complete or not at all: .csv or .npy (with a table of names), the table of hits of the command
+        `rayweave photons`; or .parquet, all columns, by pyarrow."""
+        _save(self, self._compiled, path)
+
+    def to_opticks(self) -> NDArray[np.float32]:
+        """(N, 4, 4): the photons in the layout of Opticks' `hit.npy` (`sphoton.h`).
+
+        Rows: position and time; direction and weight; polarisation and wavelength; as integers (`view(np.uint32)`), the flag
+        SURFACE_DETECT, the number of the sensor plus 1 (24 bits) with the upper bits of the photon's number, its lower bits, and the
+        flag mask. Opticks' number of the boundary is 0.
+        """
+        found = np.zeros((self.rows, 4, 4), np.float32)
+        found[:, 0, :3], found[:, 0, 3] = self.position, self.time
+        found[:, 1, :3], found[:, 1, 3] = self.direction, self["weight"]
+        found[:, 2, :3], found[:, 2, 3] = self.polarisation, self.wavelength_nm
+        flags = found.view(np.uint32)[:, 3]
+        photon = self["photon"].astype(np.uint64)
+        flags[:, 0] = _SURFACE_DETECT
+        flags[:, 1] = ((photon >> np.uint64(32)) & np.uint64(0xFF)) << np.uint64(24)
+        flags[:, 1] |= (self["sensor"] + 1).astype(np.uint32) & np.uint32(0xFFFFFF)
+        flags[:, 2] = photon & np.uint64(0xFFFFFFFF)
+        flags[:, 3] = _SURFACE_DETECT
+        return found
+
+    def plot(self) -> Drawing:
+        """Maps of the hits: hits per area of each sensor, in the plane in which they are spread most. Of several sensors, the
+        first map has all hits, and the eight sensors with the most hits have maps of their own."""
+        return Drawing(self._compiled.map_svg(self._title))
+
+    def plot_spectra(self) -> Drawing:
+        """Histograms of the times and of the wavelengths."""
+        return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}"))
+
+
+@dataclass(frozen=True, eq=False)
+class Sequences:
+    """The histories of photons as Opticks' packed sequences."""
+
+    photon: NDArray[np.int64]
+    """(N,) the number of the photon in the run."""
+    track: NDArray[np.int64]
+    """(N,) the number of the track, as in `Histories`."""
+    words: NDArray[np.uint64]
+    """(N, 2) the sequences, as `seq[:, 0]` of Opticks: 4 bits for each of the first 32 rows of the history, the first one in the
+    lowest bits; 1 plus the number of the flag's bit in OpticksPhoton.h, and 0 after the end."""
+    texts: list[str]
+    """The sequences as texts, such as "TO BT SD"."""
+
+    def counts(self) -> dict[str, int]:
+        """The number of photons of each sequence, the most frequent first."""
+        counts: dict[str, int] = {}
+        for text in self.texts:
+            counts[text] = counts.get(text, 0) + 1
+        return dict(sorted(counts.items(), key=lambda item: (-item[1], item[0])))
+
+
+class Histories(_Named):
+    """The steps of photons: a row for the emission and for each process, with the photon after it.
+
+    `photon`, the number in the run; `track`, equal to it, and a number of 2^62 or more for further photons of a wavelength
+    shifter; `step`, the number of steps so far; `process`, an index of `process_names`; `x`, `y`, `z` in mm; `time` in ns; `dx`,
+    `dy`, `dz`; `px`, `py`, `pz`; `wavelength_nm`; `volume`, the volume that the step led through, an index of `volume_paths`;
+    `surface`, the optical surface at its end, an index of `surface_names`, -1 without one. The last row of a track is its end.
+    """
+
+    def __init__(self, compiled: _core.PhotonHistories, title: str) -> None:
+        units = {"x": "mm", "y": "mm", "z": "mm", "time": "ns", "wavelength_nm": "nm"}
+        super().__init__(compiled.columns(), units)
+        self.names = {
+            "process": compiled.process_names,
+            "volume": compiled.volume_paths,
+            "surface": compiled.surface_names,
+        }
+        self._compiled = compiled
+        self._title = title
+
+    @property
+    def process_names(self) -> list[str]:
+        """The names of the processes."""
+        return self.names["process"]
+
+    @property
+    def volume_paths(self) -> list[str]:
+        """The paths of the volumes."""
+        return self.names["volume"]
+
+    @property
+    def surface_names(self) -> list[str]:
+        """The names of the optical surfaces."""
+        return self.names["surface"]
+
+    @property
+    def processes(self) -> dict[str, int]:
+        """The number of rows by process."""
+        return dict(self._compiled.processes)
+
+    @property
+    def surfaces(self) -> dict[str | None, dict[str, int]]:
+        """The number of events at each optical surface by process; None for interfaces without a surface."""
+        found: dict[str | None, dict[str, int]] = {}
+        for surface, process, count in self._compiled.surfaces:
+            name = None if surface is None else self.surface_names[surface]
+            found.setdefault(name, {})[process] = count
+        return found
+
+    def sequences(self) -> Sequences:
+        """The sequences of flags; empty in a record of counts."""
+        return Sequences(*self._compiled.sequences())
+
+    def of(self, photon: int) -> Columns:
+        """The rows of one photon, with the names of processes, volumes and surfaces."""
+        rows = np.flatnonzero(self["photon"] == photon)
+        columns = {name: self.named(name)[rows] if name in self.names else self[name][rows] for name in self}
+        return Columns(columns, self.units)
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the table of steps of the command `rayweave photons`, complete or not at all: .csv, .npy (with a table of
+        names), or .parquet by pyarrow."""
+        _save(self, self._compiled, path)
+
+    def plot(self, plane: str | None = None) -> Drawing:
+        """The tracks in a section of the detector: lines coloured by wavelength, and a circle where a photon is detected.
+
+        `plane` is "yz", "xz", "xy", or a position along an axis such as "x=2.5"; by default the plane nearest to the tracks. Record the
+        steps of a few hundred photons for a legible drawing.
+        """
+        return Drawing(self._compiled.tracks_svg(self._title, plane))
+
+
+class Run:
+    """The result of a run."""
+
+    def __init__(self, compiled: _core.PhotonRun, event: int, title: str) -> None:
+        self.photons: int = compiled.photons
+        """The number of photons, with those that wavelength shifters emitted in addition."""
+        self.steps: int = compiled.steps
+        """The number of steps of all photons."""
+        self.seconds: float = compiled.seconds
+        """The duration in seconds."""
+        self.ends: dict[str, int] = compiled.ends
+        """The number of photons by way of ending; the sum is `photons`."""
+        self.hits = Hits(compiled.hits, event, title)
+        """The detected photons."""
+        self._histories = None if compiled.histories is None else Histories(compiled.histories, title)
+
+    @property
+    def histories(self) -> Histories:
+        """The recorded histories."""
+        if self._histories is None:
+            raise _core.RayweaveError('no histories are recorded: simulate with record="steps", "sequences" or "counts".')
+        return self._histories
+
+    def __repr__(self) -> str:
+        ends = ", ".join(f"{count} {end}" for end, count in self.ends.items() if count)
+        return f"<Run of {self.photons} photons: {ends or 'none'}>"

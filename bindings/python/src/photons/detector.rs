@@ -1,0 +1,260 @@
+//! Detectors: GDML files with optical properties, and simulation of photons in them.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use rayweave::Packets;
+use rayweave::formats::{self, Format, Imported, Options};
+use rayweave::model::drive::Cancel;
+use rayweave::photon::property::PropertyTable;
+use rayweave::photon::{
+    DetectionRule, Detector, Histories, HistoryOptions, OpticalMaterial, OpticalSurface, PhotonPart,
+    PhotonRun, RunSettings, simulate_parts,
+};
+
+use crate::error::bad_value;
+use crate::interrupt::{abandonable, interruptible};
+use crate::photons::run::{Halt, PhotonWatch, PyPhotonRun};
+use crate::photons::source::PyPhotonSource;
+
+/// A property: its name, energies in MeV, values, and unit.
+type Property<'py> = (&'static str, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, &'static str);
+
+/// The properties and constants of a material or surface, after its name.
+type Described<'py> = (String, Vec<Property<'py>>, Vec<(&'static str, f64)>);
+
+/// A detector with its evaluator.
+pub struct DetectorParts {
+    pub detector: Detector,
+    pub evaluator: Packets,
+}
+
+/// A detector, compiled: see `rayweave.photons.Detector`.
+#[pyclass(frozen, module = "rayweave.photons", name = "CompiledDetector")]
+pub struct PyDetector {
+    parts: Arc<DetectorParts>,
+    warnings: Vec<String>,
+}
+
+/// Reads a detector from a GDML file, or from a native model converted from one.
+#[pyfunction]
+#[pyo3(signature = (path, *, allow = Vec::new(), strict = false))]
+pub fn load_detector(
+    py: Python<'_>,
+    path: PathBuf,
+    allow: Vec<PathBuf>,
+    strict: bool,
+) -> PyResult<PyDetector> {
+    let options = Options { allow, strict, ..Options::default() };
+    abandonable(py, move || {
+        let imported = formats::load(&path, None, &[], &options).map_err(bad_value)?;
+        PyDetector::new(&imported)
+    })?
+}
+
+/// Reads a detector from the text of a GDML file.
+#[pyfunction]
+#[pyo3(signature = (text, *, allow = Vec::new(), strict = false))]
+pub fn loads_detector(
+    py: Python<'_>,
+    text: String,
+    allow: Vec<PathBuf>,
+    strict: bool,
+) -> PyResult<PyDetector> {
+    let options = Options { allow, strict, ..Options::default() };
+    abandonable(py, move || {
+        let imported = formats::parse(&text, Format::Gdml, &[], &options).map_err(bad_value)?;
+        PyDetector::new(&imported)
+    })?
+}
+
+/// The settings of a run.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PhotonSettings {
+    seed: u64,
+    range: (u64, u64),
+    detect: String,
+    max_steps: u32,
+    max_time: f64,
+    threads: Option<NonZeroUsize>,
+    record: Option<(bool, bool)>,
+}
+
+impl PhotonSettings {
+    fn settings(&self, cancel: &Cancel) -> PyResult<RunSettings> {
+        let detection = match self.detect.as_str() {
+            "efficiency" => DetectionRule::Efficiency,
+            "volume" => DetectionRule::Volume,
+            "both" => DetectionRule::Both,
+            other => {
+                let known = "it must be efficiency, volume or both";
+                return Err(bad_value(format!("detect is {other:?}: {known}.")));
+            }
+        };
+        Ok(RunSettings {
+            seed: self.seed,
+            detection,
+            max_steps: self.max_steps,
+            max_time: self.max_time,
+            threads: self.threads,
+            cancel: cancel.clone(),
+            ..RunSettings::new(self.range.0..self.range.1)
+        })
+    }
+}
+
+#[pymethods]
+impl PyDetector {
+    /// Warnings of the reader of the file.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// The ignored properties and surfaces, one sentence each.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.parts.detector.notes().to_vec()
+    }
+
+    /// The names of the sensitive volumes and of their sensors.
+    #[getter]
+    fn sensors(&self) -> Vec<(String, String)> {
+        let own = |(volume, sensor): (&str, &str)| (volume.to_owned(), sensor.to_owned());
+        self.parts.detector.sensors().map(own).collect()
+    }
+
+    /// The materials: name; properties with their energies in MeV, values and units; constants.
+    #[cfg_attr(
+        false,
+        stub(
+            "() -> list[tuple[str, list[tuple[str, NDArray[np.float64], NDArray[np.float64], str]], list[tuple[str, float]]]]"
+        )
+    )]
+    fn materials<'py>(&self, py: Python<'py>) -> Vec<Described<'py>> {
+        self.parts.detector.materials().iter().map(|material| described_material(py, material)).collect()
+    }
+
+    /// The surfaces: the words of model, finish and type, the value; name, properties and constants as those of materials.
+    #[cfg_attr(
+        false,
+        stub(
+            "() -> list[tuple[tuple[str, str, str], float, tuple[str, list[tuple[str, NDArray[np.float64], NDArray[np.float64], str]], list[tuple[str, float]]]]]"
+        )
+    )]
+    fn surfaces<'py>(&self, py: Python<'py>) -> Vec<((&str, &str, &str), f64, Described<'py>)> {
+        let own = |surface: &'_ OpticalSurface| {
+            let [model, finish, kind] = surface.words();
+            ((model, finish, kind), surface.value, described_surface(py, surface))
+        };
+        self.parts.detector.surfaces().iter().map(own).collect()
+    }
+
+    /// Simulates photons of a source. `progress` is called with the number of finished photons and the total.
+    #[pyo3(signature = (source, settings, progress: "Callable[[int, int], object] | None" = None))]
+    fn simulate(
+        &self,
+        py: Python<'_>,
+        source: &PyPhotonSource,
+        settings: PhotonSettings,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<PyPhotonRun> {
+        let cancel = Cancel::new();
+        let run = settings.settings(&cancel)?;
+        let record = settings.record.map(|(steps, sequences)| HistoryOptions { steps, sequences });
+        let parts = self.parts.clone();
+        let begin = Instant::now();
+        let simulate = || {
+            let source = source.source(run.seed);
+            let mut watch = PhotonWatch::new(&run.photons, progress);
+            let (mut total, mut histories) = (PhotonRun::default(), Histories::default());
+            let merge = |part: PhotonPart| -> Result<(), Halt> {
+                watch.check(part.photons.end)?;
+                total.append(part.run);
+                part.histories.into_iter().for_each(|own| histories.append(own));
+                Ok(())
+            };
+            simulate_parts(&parts.detector, &parts.evaluator, &source, &run, record, merge)?;
+            watch.end()?;
+            Ok((total, record.map(|_| histories)))
+        };
+        // errors of Python pass through as they are
+        let done: Result<_, Halt> = interruptible(py, &cancel, || Ok::<_, String>(simulate()))?;
+        let (run, histories) = done.map_err(Halt::into_error)?;
+        PyPhotonRun::new(run, histories, begin.elapsed(), self.parts.clone())
+    }
+}
+
+impl PyDetector {
+    fn new(imported: &Imported) -> PyResult<PyDetector> {
+        let detector = Detector::new(&imported.scene, &imported.document()).map_err(bad_value)?;
+        let evaluator = Packets::new(detector.program().clone());
+        let rendered = |warning: &rayweave::scene::Diagnostic| {
+            rayweave::scene::Diagnostics::from(warning.clone()).render(false)
+        };
+        let warnings = imported.scene.warnings.iter().map(rendered).collect();
+        Ok(PyDetector { parts: Arc::new(DetectorParts { detector, evaluator }), warnings })
+    }
+}
+
+/// Tables of a name, if there is one, and a unit.
+type Table<'a> = (&'static str, Option<&'a PropertyTable>, &'static str);
+
+fn properties<'py>(py: Python<'py>, tables: &[Table<'_>]) -> Vec<Property<'py>> {
+    let own = |&(name, table, unit): &Table<'_>| {
+        let array = |values: &[f64]| PyArray1::from_slice(py, values);
+        table.map(|table| (name, array(table.energies()), array(table.values()), unit))
+    };
+    tables.iter().filter_map(own).collect()
+}
+
+fn described_material<'py>(py: Python<'py>, material: &OpticalMaterial) -> Described<'py> {
+    let OpticalMaterial { index, group_velocity, absorption_length, rayleigh_length, mie, .. } = material;
+    let mut tables: Vec<Table<'_>> = vec![
+        ("RINDEX", index.as_ref(), ""),
+        ("GROUPVEL", group_velocity.as_ref(), "mm/ns"),
+        ("ABSLENGTH", absorption_length.as_ref(), "mm"),
+        ("RAYLEIGH", rayleigh_length.as_ref(), "mm"),
+        ("MIEHG", mie.as_ref().map(|mie| &mie.length), "mm"),
+    ];
+    let mut constants = Vec::new();
+    if let Some(mie) = mie {
+        let values = [mie.forward, mie.backward, mie.forward_ratio];
+        constants.extend(["MIEHG_FORWARD", "MIEHG_BACKWARD", "MIEHG_FORWARD_RATIO"].into_iter().zip(values));
+    }
+    let sets = [
+        ["WLSABSLENGTH", "WLSTIMECONSTANT", "WLSMEANNUMBERPHOTONS"],
+        ["WLSABSLENGTH2", "WLSTIMECONSTANT2", "WLSMEANNUMBERPHOTONS2"],
+    ];
+    for ([length, time, mean], shifter) in sets.into_iter().zip(&material.shifters) {
+        tables.push((length, Some(&shifter.length), "mm"));
+        constants.push((time, shifter.time));
+        constants.extend(shifter.mean_photons.map(|number| (mean, number)));
+    }
+    (material.name.clone(), properties(py, &tables), constants)
+}
+
+fn described_surface<'py>(py: Python<'py>, surface: &OpticalSurface) -> Described<'py> {
+    let (real, imaginary) = match &surface.metal_index {
+        Some((real, imaginary)) => (Some(real), Some(imaginary)),
+        None => (None, None),
+    };
+    let tables = [
+        ("REFLECTIVITY", surface.reflectivity.as_ref(), ""),
+        ("TRANSMITTANCE", surface.transmittance.as_ref(), ""),
+        ("EFFICIENCY", surface.efficiency.as_ref(), ""),
+        ("RINDEX", surface.index.as_ref(), ""),
+        ("REALRINDEX", real, ""),
+        ("IMAGINARYRINDEX", imaginary, ""),
+        ("SPECULARLOBECONSTANT", surface.lobe.as_ref(), ""),
+        ("SPECULARSPIKECONSTANT", surface.spike.as_ref(), ""),
+        ("BACKSCATTERCONSTANT", surface.backscatter.as_ref(), ""),
+    ];
+    let constants = vec![("SURFACEROUGHNESS", surface.roughness)];
+    (surface.name.clone(), properties(py, &tables), constants)
+}

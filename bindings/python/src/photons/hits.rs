@@ -1,0 +1,82 @@
+//! Detected photons as arrays, files and drawings.
+
+use std::path::PathBuf;
+
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
+use rayweave::photon::{Hits, hit_schema};
+use rayweave::table::{TableError, TableWriter};
+
+use crate::error::bad_value;
+
+/// The detected photons of a run: see `rayweave.photons.Hits`.
+#[pyclass(frozen, module = "rayweave.photons", name = "PhotonHits")]
+pub struct PyPhotonHits(pub Hits);
+
+#[pymethods]
+impl PyPhotonHits {
+    /// The columns by name.
+    #[pyo3(signature = () -> "dict[str, NDArray[Any]]")]
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let hits = &self.0;
+        let table = PyDict::new(py);
+        table.set_item("photon", PyArray1::from_slice(py, &hits.photon))?;
+        let vectors = [
+            (["x", "y", "z"], &hits.position),
+            (["dx", "dy", "dz"], &hits.direction),
+            (["px", "py", "pz"], &hits.polarisation),
+        ];
+        for (k, (names, columns)) in vectors.into_iter().enumerate() {
+            for (name, column) in names.into_iter().zip(columns) {
+                table.set_item(name, PyArray1::from_slice(py, column))?;
+            }
+            // in the order of the command's table
+            if k == 0 {
+                table.set_item("time", PyArray1::from_slice(py, &hits.time))?;
+            }
+        }
+        table.set_item("wavelength_nm", PyArray1::from_slice(py, &hits.wavelength_nm))?;
+        table.set_item("steps", PyArray1::from_slice(py, &hits.steps))?;
+        let sensor = hits.sensor.iter().map(|&sensor| sensor as i32);
+        table.set_item("sensor", PyArray1::from_iter(py, sensor))?;
+        let copies = hits.sensor.iter().map(|&sensor| hits.copies()[sensor as usize]);
+        table.set_item("copy", PyArray1::from_iter(py, copies))?;
+        Ok(table)
+    }
+
+    /// The paths of the sensors with hits.
+    #[getter]
+    fn sensor_paths(&self) -> Vec<String> {
+        self.0.paths().to_vec()
+    }
+
+    /// Writes the table of hits of the command: .csv, .npy or .parquet.
+    #[pyo3(signature = (path))]
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let write = || -> Result<(), TableError> {
+            let mut table = TableWriter::create(&path, &hit_schema(&self.0)?)?;
+            table.write(&self.0.to_rows()?)?;
+            table.finish().map(|_| ())
+        };
+        py.detach(write).map_err(bad_value)
+    }
+
+    /// Maps of the hits of each sensor as SVG.
+    #[pyo3(signature = (title))]
+    fn map_svg(&self, py: Python<'_>, title: &str) -> String {
+        let [x, y, z] = &self.0.position;
+        let hits = HitPositions { names: self.0.paths(), sensors: &self.0.sensor, positions: [x, y, z] };
+        py.detach(|| hit_maps_svg(hits, title, "mm"))
+    }
+
+    /// Spectra of times and wavelengths as SVG.
+    #[pyo3(signature = (title))]
+    fn spectra_svg(&self, py: Python<'_>, title: &str) -> String {
+        let time = Histogram { name: "time", unit: "ns", values: &self.0.time, is_wavelength: false };
+        let wavelength =
+            Histogram { name: "wavelength", unit: "nm", values: &self.0.wavelength_nm, is_wavelength: true };
+        py.detach(|| histograms_svg(&[time, wavelength], title))
+    }
+}

@@ -1,0 +1,7 @@
+//! Optical photons in detectors: see `rayweave.photons`.
+
+pub mod detector;
+pub mod histories;
+pub mod hits;
+pub mod run;
+pub mod source;

@@ -1,0 +1,368 @@
+"""Optical photons in detectors: closed forms, arrays, files, histories, errors."""
+
+import math
+import re
+import signal
+import subprocess
+import threading
+import time
+import _thread
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import rayweave.photons as rp
+from rayweave import RayweaveError
+
+ROOT = Path(__file__).resolve().parents[3]
+GUIDE = (ROOT / "docs/guides/photons.md").read_text(encoding="utf-8")
+BAR = re.search(r"^```xml\n(.*?)^```$", GUIDE, re.MULTILINE | re.DOTALL)[1]
+
+#: A world of 2 m filled with a medium of index 1.5 and absorption length 100 mm.
+ABSORBER = """<gdml><define>
+<matrix name="GLASS" coldim="2" values="1*eV 1.5 10*eV 1.5"/>
+<matrix name="LENGTH" coldim="2" values="2*eV 100 4*eV 300"/></define>
+<materials><element name="H" Z="1"><atom value="1"/></element>
+<material name="Medium"><D value="1"/><fraction n="1" ref="H"/><property name="RINDEX" ref="GLASS"/>
+<property name="ABSLENGTH" ref="LENGTH"/></material></materials>
+<solids><box name="WorldBox" x="2000" y="2000" z="2000" lunit="mm"/></solids>
+<structure><volume name="World"><materialref ref="Medium"/><solidref ref="WorldBox"/></volume></structure>
+<setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"""
+
+C = 299.792458
+
+
+@pytest.fixture(scope="module")
+def bar():
+    return rp.loads(BAR)
+
+
+def from_middle(**more):
+    return rp.point([0, 0, 0], 550, **more)
+
+
+def test_properties_are_arrays(bar):
+    crystal = bar.material("Crystal")
+    assert crystal.name == "Crystal" and crystal.refractive_index.unit == ""
+    np.testing.assert_allclose(crystal.refractive_index.energy_ev, [1.5, 4.0], rtol=1e-15)
+    np.testing.assert_array_equal(crystal.refractive_index.values, [1.79, 1.79])
+    assert crystal.absorption_length.unit == "mm" and crystal.absorption_length.values[0] == 400.0
+    # without dispersion the group velocity is c / n
+    np.testing.assert_allclose(crystal.group_velocity.values, C / 1.79, rtol=1e-15)
+    assert bar.material("Opaque").refractive_index is None and crystal.rayleigh_length is None
+    absorption = rp.loads(ABSORBER).material("Medium").absorption_length
+    # linear in the energy, constant beyond the ends: 3 eV is 413.28 nm
+    np.testing.assert_allclose(absorption.at([1239.841984332 / 3.0, 2000.0, 10.0]), [200.0, 100.0, 300.0])
+    np.testing.assert_allclose(absorption.wavelength_nm, 1239.841984332 / np.array([2.0, 4.0]))
+    wrapping, cathode = bar.surface("Wrapping"), bar.surface("Cathode")
+    assert (wrapping.model, wrapping.finish, wrapping.type) == ("unified", "groundfrontpainted", "dielectric_dielectric")
+    assert (cathode.finish, cathode.type, cathode.value) == ("polished", "dielectric_metal", 0.0)
+    assert cathode.efficiency.at(550) == 0.3 and wrapping.efficiency is None
+    assert bar.sensors == {}
+    assert "3 materials" in repr(bar) or "2 materials" in repr(bar)
+    with pytest.raises(RayweaveError, match="Did you mean 'Crystal'"):
+        bar.material("Cristal")
+
+
+def test_absorption_follows_the_exponential_law():
+    """3 eV: 200 mm. The mean depth, and the fraction beyond one absorption length, of 40,000 photons."""
+    detector = rp.loads(ABSORBER)
+    source = rp.point([0, 0, -999], 1239.841984332 / 3.0, towards=[0, 0, 1])
+    run = detector.simulate(source, n=40_000, record="steps", seed=4)
+    steps = run.histories
+    ends = steps["process"] == steps.process_names.index("absorbed")
+    depth = steps["z"][ends] + 999
+    # behind 1999 mm a photon leaves the world, with the probability exp(-10)
+    assert ends.sum() + run.ends["escaped"] == 40_000
+    assert abs(depth.mean() - 200.0) < 5 * 200.0 / math.sqrt(40_000)
+    beyond = np.count_nonzero(depth > 200.0) + run.ends["escaped"]
+    expected, deviation = 40_000 * math.exp(-1), math.sqrt(40_000 * math.exp(-1) * (1 - math.exp(-1)))
+    assert abs(beyond - expected) < 5 * deviation
+    # n / c of the way
+    np.testing.assert_allclose(steps["time"][ends], depth * 1.5 / C, rtol=1e-12, atol=1e-12)
+
+
+def test_hits_are_columns(bar):
+    run = bar.simulate(from_middle(), n=3000, event=7)
+    hits = run.hits
+    assert sum(run.ends.values()) == run.photons == 3000 and run.ends["detected"] == hits.rows > 100
+    assert hits.position.shape == hits.direction.shape == hits.polarisation.shape == (hits.rows, 3)
+    np.testing.assert_allclose(hits.position[:, 2], 50.0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(hits.direction, axis=1), 1.0, atol=1e-12)
+    np.testing.assert_allclose((hits.direction * hits.polarisation).sum(axis=1), 0.0, atol=1e-9)
+    assert (hits.time >= 50 * 1.79 / C * (1 - 1e-12)).all()
+    assert set(hits["event"]) == {7} and set(hits["weight"]) == {1.0} and set(hits["copy"]) == {-1}
+    assert hits.sensor_paths == ["Diode"] and set(hits.named("sensor")) == {"Diode"}
+    assert hits.counts() == {"Diode": hits.rows}
+    assert "detected" in repr(run) and hits.units["time"] == "ns"
+    frame = hits.to_pandas()
+    assert list(frame.columns) == list(hits) and set(frame["sensor"]) == {"Diode"}
+    assert frame["x"].to_numpy().tolist() == hits["x"].tolist() and frame.attrs["units"]["x"] == "mm"
+    table = hits.to_arrow()
+    assert table["sensor"].to_pylist() == ["Diode"] * hits.rows
+    assert table.schema.field("time").metadata[b"unit"] == b"ns"
+
+
+def test_no_hits_have_columns_too(bar):
+    run = bar.simulate(rp.point([0, 0, 90], 550), n=10, record="steps")
+    assert run.hits.rows == 0 and run.ends["no_index"] == 10
+    assert run.hits.position.shape == (0, 3) and run.hits.to_opticks().shape == (0, 4, 4)
+    assert run.hits.to_pandas().empty and run.hits.to_arrow().num_rows == 0
+    assert "no hits" in run.hits.plot().svg and "no hits" in run.hits.plot_spectra().svg
+    assert run.histories.plot().svg.startswith("<svg ")
+    assert bar.simulate(from_middle(), n=0).photons == 0
+
+
+def test_the_layout_of_opticks(bar):
+    hits = bar.simulate(from_middle(), n=2000).hits
+    photons = hits.to_opticks()
+    assert photons.dtype == np.float32 and photons.shape == (hits.rows, 4, 4)
+    np.testing.assert_array_equal(photons[:, 0], np.column_stack([hits.position, hits.time]).astype(np.float32))
+    np.testing.assert_array_equal(photons[:, 2, 3], hits.wavelength_nm.astype(np.float32))
+    flags = photons.view(np.uint32)[:, 3]
+    np.testing.assert_array_equal(flags[:, 2], hits["photon"])
+    assert set(flags[:, 0]) == {1 << 6} and set(flags[:, 1]) == {1}
+
+
+def same(a, b):
+    return all(np.array_equal(a[name], b[name]) for name in a) and a.sensor_paths == b.sensor_paths
+
+
+def test_runs_are_reproducible(bar):
+    whole = bar.simulate(from_middle(), n=9000, seed=3)
+    assert same(bar.simulate(from_middle(), n=9000, seed=3, threads=3, record="steps").hits, whole.hits)
+    assert not same(bar.simulate(from_middle(), n=9000, seed=4).hits, whole.hits)
+    parts = [bar.simulate(from_middle(), n=9000, seed=3, range=part).hits for part in [(0, 11), range(11, 9000)]]
+    chunks = [run.hits for run in bar.stream(from_middle(), n=9000, seed=3, chunk=2500)]
+    assert len(chunks) == 4
+    for pieces in (parts, chunks):
+        for name in whole.hits:
+            joined = np.concatenate([piece[name] for piece in pieces])
+            np.testing.assert_array_equal(joined, whole.hits[name], err_msg=name)
+
+
+def test_arrays_are_a_source(bar):
+    """Equal photons from arrays and from a point have the same histories, bit for bit."""
+    point = bar.simulate(from_middle(towards=[1, 2, 3]), n=3000, seed=8, record="steps")
+    given = rp.photons([0, 0, 0], np.tile([1, 2, 3], (3000, 1)), wavelengths_nm=550)
+    assert given.count == 3000
+    arrays = bar.simulate(given, seed=8, record="steps")
+    for name in point.histories:
+        np.testing.assert_array_equal(arrays.histories[name], point.histories[name], err_msg=name)
+    # with the polarisations of the emission, for any seed
+    emitted = arrays.histories["process"] == 0
+    full = rp.photons(
+        [0, 0, 0], [1, 2, 3], wavelengths_nm=550, polarisations=arrays.histories.polarisation[emitted]
+    )
+    again = bar.simulate(full, seed=8).hits
+    np.testing.assert_allclose(again.position, arrays.hits.position, atol=1e-9)
+    late = bar.simulate(rp.photons([0, 0, 0], [1, 2, 3], wavelengths_nm=550, times=np.full(3000, 5.0)), seed=8).hits
+    np.testing.assert_allclose(late.time, point.hits.time + 5.0, rtol=1e-12)
+    chunked = [run.hits for run in bar.stream(given, seed=8, chunk=1000)]
+    np.testing.assert_array_equal(np.concatenate([hits["x"] for hits in chunked]), arrays.hits["x"])
+
+
+def test_histories(bar):
+    run = bar.simulate(from_middle(), n=500, record="steps", seed=2)
+    steps = run.histories
+    names = steps.named("process")
+    assert {name: np.count_nonzero(names == name) for name in steps.processes} == steps.processes
+    assert steps.processes["emission"] == 500
+    assert {end: count for end, count in run.ends.items() if count} == {
+        end: steps.processes[end] for end in run.ends if end in steps.processes
+    }
+    wrapping = steps.surfaces["Wrapping"]
+    assert wrapping["lambertian_reflection"] == steps.processes["lambertian_reflection"]
+    on_wrapping = steps.named("surface") == "Wrapping"
+    assert np.count_nonzero(on_wrapping) == sum(wrapping.values())
+    assert set(steps.named("volume")) == {"Bar"}
+    # between reflections photons travel straight, at c / n
+    for photon in (0, 1, 499):
+        track = steps.of(photon)
+        points = np.stack([track["x"], track["y"], track["z"]], axis=1)
+        lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        np.testing.assert_allclose(np.diff(track["time"]), lengths * 1.79 / C, rtol=1e-9, atol=1e-12)
+        assert track["process"][0] == "emission" and track["process"][-1] in run.ends
+    found = steps.sequences()
+    assert found.words.shape == (500, 2) and found.words.dtype == np.uint64
+    # the nibbles of TO, DR, SD, SA, AB in OpticksPhoton.h
+    codes = {"TO": 13, "DR": 9, "SD": 7, "SA": 8, "AB": 4}
+    for text, (low, high) in zip(found.texts, found.words.tolist(), strict=True):
+        slots = text.split()
+        expected = sum(codes[slot] << (4 * k) for k, slot in enumerate(slots))
+        assert low | high << 64 == expected
+    assert sum(found.counts().values()) == 500 and next(iter(found.counts())).startswith("TO")
+    only = bar.simulate(from_middle(), n=500, record="sequences", seed=2).histories
+    assert only.rows == 0 and only.sequences().texts == found.texts
+    counts = bar.simulate(from_middle(), n=500, record="counts", seed=2).histories
+    assert counts.processes == steps.processes and counts.surfaces == steps.surfaces and not counts.sequences().texts
+    with pytest.raises(RayweaveError, match="no histories are recorded"):
+        bar.simulate(from_middle(), n=1).histories  # noqa: B018
+
+
+def test_drawings(bar, tmp_path):
+    run = bar.simulate(from_middle(), n=100, record="steps")
+    tracks = run.histories.plot("yz")
+    assert "section x = 0" in tracks.svg and f"detected: {run.hits.rows}" in tracks.svg
+    assert tracks.svg.count('class="mark"') == run.hits.rows
+    assert f"{run.hits.rows} hits of one sensor" in run.hits.plot().svg
+    assert "550 nm" in tracks.svg and "time / ns" in run.hits.plot_spectra().svg
+    tracks.save(tmp_path / "tracks.svg")
+    assert (tmp_path / "tracks.svg").read_text(encoding="utf-8") == tracks._repr_svg_()
+    with pytest.raises(RayweaveError, match="`up` is no plane"):
+        run.histories.plot("up")
+
+
+def command():
+    """The command of this checkout, if it is built."""
+    built = [ROOT / "target" / kind / "rayweave" for kind in ("debug", "release")]
+    found = [path for path in built if path.exists()]
+    return max(found, key=lambda path: path.stat().st_mtime) if found else None
+
+
+@pytest.mark.parametrize("kind", ["csv", "npy"])
+def test_files_are_those_of_the_command(bar, tmp_path, kind):
+    program = command()
+    if program is None:
+        pytest.skip("the command is not built")
+    (tmp_path / "bar.gdml").write_text(BAR, encoding="utf-8")
+    table = ["-o", f"c.{kind}", "--steps", f"s.{kind}"]
+    arguments = ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "2000", "--seed", "5"]
+    subprocess.run([program, *arguments, *table], cwd=tmp_path, check=True, capture_output=True)
+    run = rp.load(tmp_path / "bar.gdml").simulate(from_middle(), n=2000, seed=5, record="steps")
+    run.hits.save(tmp_path / f"p.{kind}")
+    run.histories.save(tmp_path / f"q.{kind}")
+    for own, other in ("pc", "qs"):
+        assert (tmp_path / f"{own}.{kind}").read_bytes() == (tmp_path / f"{other}.{kind}").read_bytes()
+
+
+def test_files_hold_the_hits(bar, tmp_path):
+    hits = bar.simulate(from_middle(), n=1000).hits
+    hits.save(tmp_path / "hits.npy")
+    table = np.load(tmp_path / "hits.npy")
+    for name in table.dtype.names:
+        np.testing.assert_array_equal(table[name], hits[name], err_msg=name)
+    parquet = pytest.importorskip("pyarrow.parquet")
+    hits.save(tmp_path / "hits.parquet")
+    read = parquet.read_table(tmp_path / "hits.parquet")
+    np.testing.assert_array_equal(read["x"].to_numpy(), hits["x"])
+    assert set(read["sensor"].to_pylist()) == {"Diode"} and set(read.column_names) == set(hits)
+    assert read.schema.metadata[b"unit.time"] == b"ns"
+    with pytest.raises(RayweaveError, match="does not exist. Create it first"):
+        hits.save(tmp_path / "no/hits.parquet")
+    assert [path.name for path in tmp_path.iterdir() if "part" in path.name] == []
+    for bad, reason in (("hits.txt", "table format is unknown"), ("no/hits.csv", "no/hits.csv")):
+        with pytest.raises(RayweaveError, match=reason):
+            hits.save(tmp_path / bad)
+    assert not (tmp_path / "hits.txt").exists()
+
+
+def test_bad_sources_are_explained(bar):
+    nan = [[0, 0, 0], [0, float("nan"), 0]]
+    up = [0, 0, 1]
+    cases = [
+        (lambda: rp.point([0, 0, float("nan")], 550), r"position\[2\] is NaN"),
+        (lambda: rp.point([0, 0], 550), "position has 2 numbers: 3 are needed"),
+        (lambda: rp.point([0, 0, 0], 0), "the wavelength is 0 nm: it must be positive"),
+        (lambda: rp.point([0, 0, 0], float("inf")), "the wavelength is inf nm"),
+        (lambda: rp.point([0, 0, 0], 550, towards=[0, 0, 0]), "it must be finite and not zero"),
+        (lambda: rp.photons(nan, up, wavelengths_nm=550), r"positions\[1\] is .*it must be finite"),
+        (lambda: rp.photons([0, 0, 0], [up, [0, 0, 0]], wavelengths_nm=550), r"directions\[1\] is"),
+        (lambda: rp.photons([0, 0, 0], up, wavelengths_nm=[550, 0]), r"wavelengths_nm\[1\] is 0: it must be positive"),
+        (lambda: rp.photons([0, 0, 0], up, wavelengths_nm=550, times=[0, math.inf]), r"times\[1\] is inf"),
+        (lambda: rp.photons([0, 0, 0], up, wavelengths_nm=550, polarisations=up), r"polarisations\[0\].*not along"),
+        (lambda: rp.photons(np.zeros((3, 3)), np.ones((2, 3)), wavelengths_nm=550), "directions has 2 rows: positions has 3"),
+        (lambda: rp.photons(np.zeros((3, 2)), up, wavelengths_nm=550), r"positions has shape \(3, 2\)"),
+        (lambda: rp.photons([0, 0, 0], up, wavelengths_nm=np.ones((2, 2))), r"wavelengths_nm has shape \(2, 2\)"),
+    ]
+    for make, reason in cases:
+        with pytest.raises(RayweaveError, match=reason):
+            make()
+    with pytest.raises(TypeError, match="wavelength_nm is 'blue'"):
+        rp.point([0, 0, 0], "blue")
+    with pytest.raises(TypeError, match="source is 5"):
+        bar.simulate(5, n=1)
+
+
+def test_bad_settings_are_explained(bar, tmp_path):
+    source = from_middle()
+    cases = [
+        ({}, "n is missing"),
+        ({"n": -1}, "n is -1"),
+        ({"n": 10, "range": (5, 3)}, r"range is \(5, 3\)"),
+        ({"n": 10, "range": (0, 11)}, "the run has the photons 0 to 10"),
+        ({"n": 10, "range": range(0, 10, 2)}, "its step must be 1"),
+        ({"n": 10, "seed": -1}, "seed is -1"),
+        ({"n": 10, "detect": "all"}, "it must be efficiency, volume or both"),
+        ({"n": 10, "record": "step"}, "Did you mean 'steps'"),
+        ({"n": 10, "max_time": 0}, "the maximum time is 0 ns: it must be positive"),
+        ({"n": 10, "max_time": math.nan}, "the maximum time is NaN ns"),
+        ({"n": 10, "threads": 0}, "threads is 0"),
+    ]
+    for arguments, reason in cases:
+        with pytest.raises(RayweaveError, match=reason):
+            bar.simulate(source, **arguments)
+    with pytest.raises(RayweaveError, match="the source has 1 photons"):
+        bar.simulate(rp.photons([0, 0, 0], [0, 0, 1], wavelengths_nm=550), n=2)
+    with pytest.raises(RayweaveError, match="chunk is 0"):
+        bar.stream(source, n=5, chunk=0)
+    with pytest.raises(RayweaveError, match="missing.gdml"):
+        rp.load(tmp_path / "missing.gdml")
+    with pytest.raises(RayweaveError, match="property `RINDEX` of material `Crystal` is invalid"):
+        rp.loads(BAR.replace("1.5*eV 1.79 4*eV 1.79", "1.5*eV 1.79 4*eV 0"))
+    (tmp_path / "plain.toml").write_text("rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n")
+    with pytest.raises(RayweaveError, match=r"it has no table \[gdml\]"):
+        rp.load(tmp_path / "plain.toml")
+
+
+def test_progress(bar):
+    reported = []
+    bar.simulate(from_middle(), n=9000, progress=lambda done, total: reported.append((done, total)))
+    assert reported[-1] == (9000, 9000) and all(0 < done <= total for done, total in reported)
+    reported.clear()
+    for _ in bar.stream(from_middle(), n=9000, chunk=4000, progress=lambda *done: reported.append(done)):
+        pass
+    assert {(4000, 9000), (8000, 9000), (9000, 9000)} <= set(reported) and reported == sorted(reported)
+
+    def stop(done, total):
+        raise ValueError("enough")
+
+    with pytest.raises(ValueError, match="enough"):
+        bar.simulate(from_middle(), n=100, progress=stop)
+
+
+def test_an_interrupt_stops_a_run(bar):
+    # a shell without job control starts what it runs in the background with the signal ignored
+    handler = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        timer = threading.Timer(0.5, _thread.interrupt_main)
+        timer.start()
+        begin = time.monotonic()
+        with pytest.raises(KeyboardInterrupt):
+            bar.simulate(rp.point([0, 0, 0], 550), n=2**61)
+        assert time.monotonic() - begin < 60
+        timer.join()
+    finally:
+        signal.signal(signal.SIGINT, handler)
+
+
+def test_other_threads_run_meanwhile(bar):
+    """A thread counts while photons are simulated: the GIL is released."""
+    running, count = threading.Event(), 0
+    running.set()
+
+    def counting():
+        nonlocal count
+        while running.is_set():
+            count += 1
+            time.sleep(1e-4)
+
+    thread = threading.Thread(target=counting)
+    thread.start()
+    before = count
+    bar.simulate(from_middle(), n=20_000)
+    after = count
+    running.clear()
+    thread.join()
+    assert after - before > 5

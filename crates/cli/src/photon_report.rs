@@ -1,0 +1,149 @@
+//! Report of a run of photons: ways of ending, processes, sequences.
+
+use crate::terminal;
+use rayweave::photon::{Detector, End, Histories, PhotonPart, PhotonRun, Process, sequence_text};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// The name of interfaces without an optical surface in reports.
+const BARE: &str = "(none)";
+
+/// The results of a run.
+pub struct PhotonReport {
+    pub run: PhotonRun,
+    pub duration: Duration,
+    detection: &'static str,
+    /// Processes and events at surfaces, if they are reported.
+    counts: Option<Histories>,
+    /// The number of photons by sequence, and the number of sequences to report.
+    sequences: Option<(BTreeMap<[u64; 2], u64>, usize)>,
+    surfaces: Vec<String>,
+}
+
+impl PhotonReport {
+    /// A report without photons. `sequences` is the number of sequences to report.
+    pub fn new(
+        detector: &Detector,
+        detection: &'static str,
+        counts: bool,
+        sequences: Option<usize>,
+    ) -> PhotonReport {
+        PhotonReport {
+            run: PhotonRun::default(),
+            duration: Duration::ZERO,
+            detection,
+            counts: counts.then(Histories::default),
+            sequences: sequences.map(|most| (BTreeMap::new(), most)),
+            surfaces: detector.surfaces().iter().map(|surface| surface.name.clone()).collect(),
+        }
+    }
+
+    /// Adds a part of the run.
+    pub fn add(&mut self, part: PhotonPart) {
+        self.run.append(part.run);
+        let Some(histories) = part.histories else { return };
+        if let Some((found, _)) = &mut self.sequences {
+            for sequence in &histories.sequences {
+                *found.entry(sequence.words).or_default() += 1;
+            }
+        }
+        if let Some(counts) = &mut self.counts {
+            let mut histories = histories;
+            // only the counts are kept
+            histories.steps = Vec::new();
+            histories.sequences = Vec::new();
+            counts.append(histories);
+        }
+    }
+
+    pub fn as_json(&self) -> Value {
+        let ends: Map<String, Value> = End::ALL
+            .iter()
+            .map(|end| (end.name().to_owned(), json!(self.run.ends.get(end).unwrap_or(&0))))
+            .collect();
+        let mut report = json!({
+            "photons": self.run.photons,
+            "hits": self.run.hits.len(),
+            "steps": self.run.steps,
+            "seconds": terminal::rounded(self.duration.as_secs_f64(), 6),
+            "detection": self.detection,
+            "ends": ends,
+        });
+        if let Some(counts) = &self.counts {
+            let processes = counts.processes.iter().map(|(process, n)| (process.name().to_owned(), json!(n)));
+            report["processes"] = processes.collect::<Map<_, _>>().into();
+            let row = |((surface, process), count): (&(Option<u32>, Process), &u64)| {
+                let name = surface.map(|number| &self.surfaces[number as usize]);
+                json!({ "surface": name, "process": process.name(), "count": count })
+            };
+            report["surfaces"] = counts.surfaces.iter().map(row).collect();
+        }
+        if self.sequences.is_some() {
+            let row = |(words, count): ([u64; 2], u64)| json!({ "sequence": sequence_text(words), "photons": count });
+            report["sequences"] = self.most_frequent().into_iter().map(row).collect();
+        }
+        report
+    }
+
+    pub fn as_text(&self) -> String {
+        let row = |end: &End| {
+            let count = *self.run.ends.get(end)?;
+            Some(vec![end.name().to_owned(), count.to_string(), self.percent(count)])
+        };
+        let rows: Vec<Vec<String>> = End::ALL.iter().filter_map(row).collect();
+        let mut text = terminal::table(&["end", "photons", "%"], &rows, &[false, true, true]) + "\n";
+        if let Some(counts) = &self.counts {
+            text += &(self.process_table(counts) + "\n");
+        }
+        if self.sequences.is_some() {
+            let row = |(words, count): ([u64; 2], u64)| {
+                vec![count.to_string(), self.percent(count), sequence_text(words)]
+            };
+            let rows: Vec<Vec<String>> = self.most_frequent().into_iter().map(row).collect();
+            text += &(terminal::table(&["photons", "%", "sequence"], &rows, &[true, true, false]) + "\n");
+        }
+        let seconds = self.duration.as_secs_f64();
+        let rate = |count: u64| terminal::short3(count as f64 / seconds.max(1e-9));
+        text + &format!(
+            "{} photons, {} steps in {} s: {} photons/s, {} steps/s; detection by {}\n",
+            self.run.photons,
+            self.run.steps,
+            terminal::short3(seconds),
+            rate(self.run.photons),
+            rate(self.run.steps),
+            self.detection,
+        )
+    }
+
+    fn percent(&self, count: u64) -> String {
+        format!("{:.2}", 100.0 * count as f64 / self.run.photons.max(1) as f64)
+    }
+
+    /// The processes in total, and by surface.
+    fn process_table(&self, counts: &Histories) -> String {
+        let rows: Vec<Vec<String>> = counts
+            .processes
+            .iter()
+            .map(|(process, count)| vec![process.name().to_owned(), count.to_string()])
+            .collect();
+        let total = terminal::table(&["process", "count"], &rows, &[false, true]);
+        let row = |((surface, process), count): (&(Option<u32>, Process), &u64)| {
+            let name = surface.map_or(BARE, |number| self.surfaces[number as usize].as_str());
+            vec![name.to_owned(), process.name().to_owned(), count.to_string()]
+        };
+        let rows: Vec<Vec<String>> = counts.surfaces.iter().map(row).collect();
+        let by_surface = terminal::table(&["surface", "process", "count"], &rows, &[false, false, true]);
+        format!("{total}\n{by_surface}")
+    }
+
+    /// The sequences with the largest numbers of photons, the most frequent first.
+    fn most_frequent(&self) -> Vec<([u64; 2], u64)> {
+        let Some((found, most)) = &self.sequences else { return Vec::new() };
+        let mut list: Vec<([u64; 2], u64)> = found.iter().map(|(words, count)| (*words, *count)).collect();
+        // of equal numbers the order of the sequences
+        list.sort_by_key(|&(words, count)| (std::cmp::Reverse(count), words));
+        list.truncate(*most);
+        list
+    }
+}

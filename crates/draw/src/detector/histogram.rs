@@ -1,0 +1,185 @@
+//! Histograms as SVG: spectra of times and wavelengths.
+
+use super::chart::{BELOW, LEFT, MARGIN, TOP};
+use crate::axis::{Axis, format_number, round_step};
+use crate::legend::wavelength_paint;
+use crate::svg::{Anchor, Pixels, Svg};
+use std::fmt::Write;
+
+/// Values of a quantity.
+#[derive(Clone, Copy, Debug)]
+pub struct Histogram<'a> {
+    /// The name of the quantity, such as `time`.
+    pub name: &'a str,
+    /// The unit.
+    pub unit: &'a str,
+    /// The values; those that are not finite are left out.
+    pub values: &'a [f64],
+    /// True for wavelengths in nm: bars have the colours of light.
+    pub is_wavelength: bool,
+}
+
+const WIDTH: f64 = 420.0;
+const HEIGHT: f64 = 260.0;
+const HEADING: f64 = 0.0;
+
+/// About the number of bins of a histogram with many values.
+const BINS: f64 = 60.0;
+
+/// The number of empty bins on either side of equal values.
+const ALONE: f64 = 10.0;
+
+/// The fraction of the values that the axis holds at least: single late photons do not hide the shape.
+const SHOWN: f64 = 0.995;
+
+const STYLE: &str = "\
+.bar { stroke: none; shape-rendering: crispEdges }
+";
+
+/// The fill of bars.
+const BAR: &str = "#4a7fb0";
+
+/// The bins of a histogram.
+struct Bins {
+    lo: f64,
+    width: f64,
+    counts: Vec<u64>,
+    /// The number of values beyond the last bin.
+    beyond: usize,
+}
+
+/// Draws histograms side by side: the number of values by bins of a round width. The highest 0.5 % of the values may lie beyond
+/// the axis: the subtitle states their number.
+///
+/// ```
+/// use rayweave_draw::detector::{Histogram, histograms_svg};
+///
+/// let times = [1.0, 1.5, 2.0, 2.1];
+/// let time = Histogram { name: "time", unit: "ns", values: &times, is_wavelength: false };
+/// assert!(histograms_svg(&[time], "hits").contains("time / ns"));
+/// ```
+pub fn histograms_svg(histograms: &[Histogram<'_>], title: &str) -> String {
+    let mut svg = Svg::default();
+    svg.text("title", [MARGIN, 30.0], Anchor::Start, title, title);
+    let panel = [LEFT + WIDTH + MARGIN, TOP + HEIGHT + BELOW];
+    for (k, histogram) in histograms.iter().enumerate() {
+        draw(histogram, [panel[0] * k as f64 + LEFT, HEADING + TOP], &mut svg);
+    }
+    let names: Vec<&str> = histograms.iter().map(|histogram| histogram.name).collect();
+    let description = format!("Histograms: {}.", names.join(", "));
+    svg.finish([panel[0] * histograms.len().max(1) as f64, HEADING + panel[1]], title, &description, STYLE)
+}
+
+fn draw(histogram: &Histogram<'_>, [left, top]: [f64; 2], svg: &mut Svg) {
+    let Histogram { name, unit, is_wavelength, .. } = *histogram;
+    let values: Vec<f64> = histogram.values.iter().copied().filter(|value| value.is_finite()).collect();
+    let bins = Bins::new(&values);
+    let highest = bins.counts.iter().copied().max().unwrap_or(0).max(1) as f64;
+    let (right, bottom) = (left + WIDTH, top + HEIGHT);
+    let across = Axis { min: bins.lo, max: bins.end(), start: left, end: right };
+    let up = Axis { min: 0.0, max: 1.05 * highest, start: bottom, end: top };
+    for (k, &count) in bins.counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let [from, to] = [k, k + 1].map(|k| bins.lo + k as f64 * bins.width);
+        let (x, end, y) = (across.position(from), across.position(to), up.position(count as f64));
+        let fill = if is_wavelength { wavelength_paint(0.5 * (from + to)) } else { BAR.to_owned() };
+        svg.rectangle("bar", [x, y, (end - x).max(1.0), bottom - y], &format!(r#" fill="{fill}""#));
+    }
+    let mut path = format!("M{} {}V{}H{}", Pixels(left), Pixels(top), Pixels(bottom), Pixels(right));
+    // writing to a string cannot fail
+    for (value, text) in across.ticks(WIDTH / 80.0) {
+        let x = across.position(value);
+        let _ = write!(path, "M{} {}v5", Pixels(x), Pixels(bottom));
+        svg.text("tick", [x, bottom + 18.0], Anchor::Middle, &text, &text);
+    }
+    for (value, text) in up.ticks(HEIGHT / 50.0) {
+        let y = up.position(value);
+        let _ = write!(path, "M{} {}h-5", Pixels(left), Pixels(y));
+        svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
+    }
+    svg.path("axis", path, "");
+    let label = format!("{name} / {unit}");
+    svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, &label, &label);
+    let width = format!("hits per {} {unit}", format_number(bins.width, 1e-3 * bins.width));
+    svg.text("tick", [left - 8.0, top - 8.0], Anchor::Start, &width, &width);
+    let subtitle = subtitle(&values, unit, bins.beyond);
+    svg.text("tick", [left + MARGIN - LEFT, top - 34.0], Anchor::Start, &subtitle, &subtitle);
+}
+
+fn subtitle(values: &[f64], unit: &str, beyond: usize) -> String {
+    if values.is_empty() {
+        return "no hits".to_owned();
+    }
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let square = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>();
+    let deviation = (square / values.len() as f64).sqrt();
+    let [mean, deviation] = [mean, deviation].map(|x| format_number(x, 1e-4 * mean.abs().max(1e-300)));
+    let beyond = if beyond > 0 { format!(", {beyond} beyond the axis") } else { String::new() };
+    format!("{} hits, mean {mean} {unit}, standard deviation {deviation} {unit}{beyond}", values.len())
+}
+
+impl Bins {
+    fn new(values: &[f64]) -> Bins {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let (Some(&first), Some(&last)) = (sorted.first(), sorted.last()) else {
+            return Bins { lo: 0.0, width: 1.0, counts: vec![0], beyond: 0 };
+        };
+        let high = sorted[((sorted.len() - 1) as f64 * SHOWN).ceil() as usize];
+        // a long tail is cut off, a short one is not
+        let last = if last - first > 1.5 * (high - first) && high > first { high } else { last };
+        // fewer bins for few values
+        let most = BINS.min((2.0 * (values.len() as f64).sqrt()).max(5.0));
+        let (width, margin) = match last > first {
+            true => (round_step((last - first) / most), 0.0),
+            // equal values: one bin among empty ones, narrow compared with them, but wider than their rounding
+            false => (round_step((1e-3 * first.abs()).max(1e-6)), ALONE),
+        };
+        let begin = (first / width).floor() - margin;
+        let lo = begin * width;
+        let bin = |value: f64| (value / width).floor() - begin;
+        let count = (bin(last) + margin).clamp(0.0, 4.0 * BINS) as usize + 1;
+        let mut counts = vec![0; count];
+        let mut beyond = 0;
+        for value in sorted {
+            match counts.get_mut(bin(value) as usize) {
+                Some(count) => *count += 1,
+                None => beyond += 1,
+            }
+        }
+        Bins { lo, width, counts, beyond }
+    }
+
+    fn end(&self) -> f64 {
+        self.lo + self.counts.len() as f64 * self.width
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_value_is_in_a_bin_or_beyond() {
+        let late: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.01).chain([500.0]).collect();
+        let spectra: [&[f64]; 6] = [&[], &[0.0], &[550.0; 9], &[1.0, 2.0], &late, &[-3.0, 4.0, 1e9]];
+        for values in spectra {
+            let bins = Bins::new(values);
+            assert_eq!(bins.counts.iter().sum::<u64>() as usize + bins.beyond, values.len(), "{values:?}");
+            assert!(bins.lo < bins.end() && bins.counts.len() < 300, "{values:?}");
+            assert!(values.iter().all(|value| *value >= bins.lo), "{values:?}");
+        }
+        assert_eq!(Bins::new(&late).beyond, 1);
+        // 60 bins: a width of 0.2, from 0 to 10
+        assert_eq!((Bins::new(&late).width, Bins::new(&late).counts[0]), (0.2, 20));
+    }
+
+    #[test]
+    fn texts() {
+        let values = [1.0, 3.0];
+        let time = Histogram { name: "time", unit: "ns", values: &values, is_wavelength: false };
+        let drawing = histograms_svg(&[time], "hits");
+        assert!(drawing.contains("2 hits, mean 2 ns, standard deviation 1 ns"), "{drawing}");
+        let none = Histogram { values: &[], ..time };
+        assert!(histograms_svg(&[none], "hits").contains("no hits"));
+    }
+}

@@ -1,0 +1,183 @@
+//! Maps of the hits of single photons, sensor by sensor, as SVG.
+
+use super::chart::{BELOW, Chart, LEFT, MARGIN, TOP};
+use super::irradiance::{STYLE, draw_cells, draw_colour_bar};
+use crate::svg::{Anchor, Svg};
+use rayweave_optics::detector::{IrradianceBins, IrradianceMap};
+
+/// Hits with their sensors.
+#[derive(Clone, Copy, Debug)]
+pub struct HitPositions<'a> {
+    /// The names of the sensors.
+    pub names: &'a [String],
+    /// The sensor of each hit: an index into `names`.
+    pub sensors: &'a [u32],
+    /// The coordinates x, y, z of each hit.
+    pub positions: [&'a [f64]; 3],
+}
+
+/// The length of an axis where several maps are drawn, their columns, and the height of the title above.
+const PANEL: f64 = 250.0;
+const MAX_COLUMNS: usize = 3;
+const HEADING: f64 = 52.0;
+
+/// The most sensors that have a map of their own.
+const MAX_SENSORS: usize = 8;
+
+/// The most cells along a side of a map, and the mean number of hits in a cell of a square map with fewer cells.
+const CELLS: usize = 64;
+const HITS_PER_CELL: usize = 4;
+
+/// A map of hits in the plane of two coordinates.
+struct Panel<'a> {
+    name: &'a str,
+    hits: usize,
+    axes: [&'static str; 2],
+    map: IrradianceMap,
+}
+
+/// Draws the number of hits per area of each sensor, by colour, in the plane of the two coordinates in which the hits of single
+/// sensors are spread most. Of several sensors, the first map has all hits, and the eight sensors with the most hits have maps of their own, with a
+/// common scale of colours. `unit` is that of lengths.
+///
+/// ```
+/// use rayweave_draw::detector::{HitPositions, hit_maps_svg};
+///
+/// let x: Vec<f64> = (0..100).map(|k| f64::from(k % 10)).collect();
+/// let y: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).collect();
+/// let names = ["cathode".to_owned()];
+/// let hits = HitPositions { names: &names, sensors: &[0; 100], positions: [&x, &y, &[50.0; 100]] };
+/// assert!(hit_maps_svg(hits, "detector.gdml", "mm").contains("cathode"));
+/// ```
+pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
+    let panels = panels(hits);
+    let peak = |panels: &[Panel<'_>]| panels.iter().map(|panel| panel.map.peak()).fold(0.0, f64::max);
+    // the hits of all sensors may overlap in the plane: the first of several maps has a scale of its own
+    let (first, others) = panels.split_at(1.min(panels.len()));
+    let peaks = [peak(first), peak(others)];
+    let mut svg = Svg::default();
+    let count = hits.sensors.len();
+    let (title, subtitle) = (format!("Hits: {title}"), subtitle(hits, others.len()));
+    svg.text("title", [MARGIN, 30.0], Anchor::Start, &title, &title);
+    svg.text("tick", [MARGIN, 48.0], Anchor::Start, &subtitle, &subtitle);
+    let columns = panels.len().clamp(1, MAX_COLUMNS);
+    let [width, height] = [LEFT + PANEL + 110.0, TOP + PANEL + BELOW];
+    for (k, panel) in panels.iter().enumerate() {
+        let corner = [width * (k % columns) as f64, HEADING + height * (k / columns) as f64];
+        let chart = Chart::at(corner, PANEL, panel.map.lo, panel.map.hi);
+        let peak = peaks[usize::from(k > 0)];
+        draw_cells(&panel.map, peak, &chart, &mut svg);
+        let part = format!("{} hits, {:.1} %", panel.hits, 100.0 * panel.hits as f64 / count.max(1) as f64);
+        chart.draw_axes(&mut svg, [panel.name, &part], panel.axes, unit);
+        draw_colour_bar(peak, chart.frame(), &format!("hits / {unit}\u{b2}"), &mut svg);
+    }
+    let size = match panels.len() {
+        0 => [400.0, 80.0],
+        n => [width * columns as f64, HEADING + height * n.div_ceil(columns) as f64],
+    };
+    svg.finish(size, &title, &subtitle, STYLE)
+}
+
+fn subtitle(hits: HitPositions<'_>, maps: usize) -> String {
+    let sensors = counts(hits).len();
+    match (hits.sensors.len(), sensors) {
+        (0, _) => "no hits".to_owned(),
+        (n, 1) => format!("{n} hits of one sensor"),
+        (n, sensors) if maps < sensors => {
+            format!("{n} hits of {sensors} sensors; the {maps} sensors with the most hits")
+        }
+        (n, sensors) => format!("{n} hits of {sensors} sensors"),
+    }
+}
+
+/// The sensors with hits, and their numbers of hits: the largest first.
+fn counts(hits: HitPositions<'_>) -> Vec<(u32, usize)> {
+    let mut counts = vec![0; hits.names.len()];
+    hits.sensors.iter().for_each(|&sensor| counts[sensor as usize] += 1);
+    let mut counts: Vec<(u32, usize)> = (0..).zip(counts).filter(|(_, count)| *count > 0).collect();
+    counts.sort_by_key(|&(sensor, count)| (std::cmp::Reverse(count), sensor));
+    counts
+}
+
+fn panels(hits: HitPositions<'_>) -> Vec<Panel<'_>> {
+    let counts = counts(hits);
+    let plane = Plane::new(hits);
+    let own =
+        |&(sensor, _): &(u32, usize)| Panel::new(hits, &hits.names[sensor as usize], Some(sensor), plane);
+    let all = (counts.len() > 1).then(|| Panel::new(hits, "all sensors", None, plane));
+    all.into_iter().chain(counts.iter().take(MAX_SENSORS).map(own)).collect()
+}
+
+/// The plane of two coordinates: their numbers and names.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    axes: [usize; 2],
+    names: [&'static str; 2],
+}
+
+impl Plane {
+    /// The plane without the coordinate in which the hits of single sensors are spread least.
+    fn new(hits: HitPositions<'_>) -> Plane {
+        let extent = |k: usize| {
+            let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); hits.names.len()];
+            for (&sensor, &x) in hits.sensors.iter().zip(hits.positions[k]) {
+                let (lo, hi) = &mut ranges[sensor as usize];
+                (*lo, *hi) = (lo.min(x), hi.max(x));
+            }
+            ranges.into_iter().filter(|(lo, hi)| lo <= hi).map(|(lo, hi)| hi - lo).sum::<f64>()
+        };
+        // the last one of equal extents
+        match [2, 1, 0].into_iter().min_by(|&a, &b| extent(a).total_cmp(&extent(b))) {
+            Some(0) => Plane { axes: [1, 2], names: ["y", "z"] },
+            Some(1) => Plane { axes: [0, 2], names: ["x", "z"] },
+            _ => Plane { axes: [0, 1], names: ["x", "y"] },
+        }
+    }
+}
+
+impl<'a> Panel<'a> {
+    /// The map of one sensor, or of all of them.
+    fn new(hits: HitPositions<'_>, name: &'a str, sensor: Option<u32>, plane: Plane) -> Panel<'a> {
+        let own = (0..hits.sensors.len()).filter(|&row| sensor.is_none_or(|own| hits.sensors[row] == own));
+        let rows: Vec<usize> = own.collect();
+        let mut bins = IrradianceBins::default();
+        rows.iter().for_each(|&row| bins.add(plane.axes.map(|k| hits.positions[k][row]), 1.0));
+        Panel {
+            name,
+            hits: rows.len(),
+            axes: plane.names,
+            map: bins.finish((rows.len() / HITS_PER_CELL).isqrt().clamp(4, CELLS)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square at x = 5 in y and z, and one hit of another sensor.
+    #[test]
+    fn maps_are_drawn_in_the_plane_of_the_hits() {
+        let y: Vec<f64> = (0..100).map(|k| f64::from(k % 10)).chain([40.0]).collect();
+        let z: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).chain([7.0]).collect();
+        let x = vec![5.0; 101];
+        let sensors: Vec<u32> = (0..101).map(|k| u32::from(k == 100)).collect();
+        let names = ["wide".to_owned(), "single".to_owned(), "dark".to_owned()];
+        let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z] };
+        let panels = panels(hits);
+        let found: Vec<_> = panels.iter().map(|panel| (panel.name, panel.hits, panel.axes)).collect();
+        assert_eq!(found[..2], [("all sensors", 101, ["y", "z"]), ("wide", 100, ["y", "z"])]);
+        assert_eq!((found[2].0, found[2].1, found.len()), ("single", 1, 3));
+        for panel in &panels {
+            assert!((panel.map.power() - panel.hits as f64).abs() < 1e-9);
+        }
+        let drawing = hit_maps_svg(hits, "a", "mm");
+        assert!(drawing.contains("101 hits of 2 sensors") && drawing.contains("99.0 %"), "{drawing}");
+    }
+
+    #[test]
+    fn no_hits() {
+        let hits = HitPositions { names: &[], sensors: &[], positions: [&[]; 3] };
+        assert!(hit_maps_svg(hits, "a", "mm").contains("no hits"));
+    }
+}

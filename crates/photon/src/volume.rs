@@ -1,0 +1,87 @@
+//! Paths of volumes: the names and copy numbers of the placements that lead to a volume.
+
+use crate::detector::{Detector, bare};
+use rayweave_model::Face;
+use std::collections::HashMap;
+
+/// The copy number of a volume whose placements have no numbers.
+const NO_COPY: i64 = -1;
+
+/// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
+/// or of a volume placed in it, as crossings at the ends of a step through the volume have it.
+fn volume_path(detector: &Detector, region: u32, face: Option<Face>) -> (String, i64) {
+    let own = bare(&detector.region_names[region as usize]);
+    let Some(face) = face else { return (own.to_owned(), NO_COPY) };
+    let path = detector.program.occurrence_path(face.occurrence()).placed();
+    let steps = path.steps();
+    let is_other = |name: &str| detector.region_names.iter().any(|region| bare(region) == name);
+    let length = match steps.iter().rposition(|step| step.name == own) {
+        Some(last) => last + 1,
+        // a face of a daughter of the world, or of a mother whose own name is not part of the path
+        None if steps.last().is_none_or(|step| is_other(step.name)) => 0,
+        None => steps.len(),
+    };
+    let names: Vec<String> = steps[..length].iter().map(ToString::to_string).collect();
+    let copy = steps[..length].iter().rev().find_map(|step| step.copy);
+    match names.is_empty() {
+        true => (own.to_owned(), NO_COPY),
+        false => (names.join("/"), copy.unwrap_or(NO_COPY)),
+    }
+}
+
+/// The distinct paths of volumes, numbered in the order of their appearance.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct VolumePaths {
+    names: Vec<String>,
+    /// The copy number of each path.
+    copies: Vec<i64>,
+    numbers: HashMap<String, u32>,
+    /// The number by region and occurrence of a face: paths are made once.
+    known: HashMap<(u32, Option<[u32; 2]>), u32>,
+}
+
+impl PartialEq for VolumePaths {
+    fn eq(&self, other: &VolumePaths) -> bool {
+        self.names == other.names
+    }
+}
+
+impl VolumePaths {
+    /// The paths by number.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The copy number of each path, -1 without one.
+    pub fn copies(&self) -> &[i64] {
+        &self.copies
+    }
+
+    /// The number of the path of a volume ([`volume_path`]).
+    pub fn number(&mut self, detector: &Detector, region: u32, face: Option<Face>) -> u32 {
+        let key = (region, face.map(|face| [face.placement.0, face.leaf.0]));
+        if let Some(&number) = self.known.get(&key) {
+            return number;
+        }
+        let (path, copy) = volume_path(detector, region, face);
+        let number = self.insert(&path, copy);
+        self.known.insert(key, number);
+        number
+    }
+
+    /// Adds the paths of another list; returns the number of each of them.
+    pub fn absorb(&mut self, other: &VolumePaths) -> Vec<u32> {
+        other.names.iter().zip(&other.copies).map(|(path, &copy)| self.insert(path, copy)).collect()
+    }
+
+    fn insert(&mut self, path: &str, copy: i64) -> u32 {
+        if let Some(&number) = self.numbers.get(path) {
+            return number;
+        }
+        let number = self.names.len() as u32;
+        self.names.push(path.to_owned());
+        self.copies.push(copy);
+        self.numbers.insert(path.to_owned(), number);
+        number
+    }
+}
