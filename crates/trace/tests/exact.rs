@@ -35,6 +35,11 @@ fn planted_coincidences() {
 }
 
 #[test]
+fn meshes() {
+    exact::meshes(&evaluators(), SHORT).finish("meshes", 20_000);
+}
+
+#[test]
 fn transversal_rays() {
     exact::transversal(&evaluators(), SHORT).finish("transversal", 45_000);
 }
@@ -69,6 +74,12 @@ fn planted_coincidences_that_were_wrong_once() {
 #[ignore = "long"]
 fn long_planted_coincidences() {
     planted(LONG, 9_000_000);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_meshes() {
+    exact::meshes(&evaluators(), LONG).finish("meshes", 4_000_000);
 }
 
 #[test]
