@@ -352,6 +352,22 @@ fn booleans_of_twenty_pairs_of_meshes_agree_with_those_of_the_kernel() {
     }
 }
 
+/// Only curved faces are approximated: the triangles of a box, and of a mesh that was read, are exact.
+#[test]
+fn plane_faces_are_not_reported_as_approximated() {
+    let cuboid = Solid::from(Primitive::from(primitive::CentredBox::new(Vec3::new(2.0, 3.0, 4.0)).unwrap()));
+    let ball = Solid::from(Primitive::from(primitive::Sphere::new(1.0).unwrap()));
+    let format = Format::Mesh(MeshFormat::Off);
+    let reports_curves = |scene: &Scene| {
+        let remarks = written(scene, format, None).remarks;
+        remarks.iter().any(|remark| remark.to_string().contains("curved faces"))
+    };
+    let plain = scene(&[("cuboid", cuboid)]);
+    assert!(!reports_curves(&plain));
+    assert!(!reports_curves(&back(&written(&plain, format, None), format).scene));
+    assert!(reports_curves(&scene(&[("ball", ball)])));
+}
+
 /// A box without curved faces, and a ball, in centimetres.
 #[test]
 fn lengths_are_millimetres_where_a_format_says_no_unit() {
@@ -365,7 +381,7 @@ fn lengths_are_millimetres_where_a_format_says_no_unit() {
         // the tolerance is in the unit of the scene
         let file = written(&scene, format, Some(0.01));
         let remarks: Vec<String> = file.remarks.iter().map(ToString::to_string).collect();
-        assert!(remarks.contains(&"changed: lengths in cm are in mm".to_owned()), "{format} {remarks:?}");
+        assert!(remarks.contains(&"changed: lengths, from cm to mm".to_owned()), "{format} {remarks:?}");
         assert!(!remarks.iter().any(|line| line.contains("unit")), "{format} {remarks:?}");
         let back = back(&file, format).scene;
         assert_eq!(back.unit, Unit::Millimetre);

@@ -1,6 +1,6 @@
 //! All evaluators against the exact oracle.
 //!
-//! `cargo run --release -p rayweave-trace --example exact -- transversal|planted|turned|points FROM TO`: the
+//! `cargo run --release -p rayweave-trace --example exact -- transversal|planted|meshes|turned|points FROM TO`: the
 //! models of the seeds FROM..TO, fifty rays each (0 200000 are 1e7 rays). A seed always gives the same model
 //! and rays. Prints the counts and each wrong model, minimised; exits with 1 if there is one.
 
@@ -53,6 +53,7 @@ fn main() -> ExitCode {
         [] => (exact::planted, "0", "20"),
         ["transversal", from, to] => (exact::transversal, from, to),
         ["planted", from, to] => (exact::planted, from, to),
+        ["meshes", from, to] => (exact::meshes, from, to),
         ["turned", from, to] => (exact::turned, from, to),
         ["points", from, to] => (exact::points, from, to),
         _ => return usage(),
@@ -64,6 +65,6 @@ fn main() -> ExitCode {
 }
 
 fn usage() -> ExitCode {
-    eprintln!("exact [transversal|planted|turned|points FROM TO]");
+    eprintln!("exact [transversal|planted|meshes|turned|points FROM TO]");
     ExitCode::from(2)
 }

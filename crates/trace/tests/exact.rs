@@ -35,6 +35,11 @@ fn planted_coincidences() {
 }
 
 #[test]
+fn meshes() {
+    exact::meshes(&evaluators(), SHORT).finish("meshes", 20_000);
+}
+
+#[test]
 fn transversal_rays() {
     exact::transversal(&evaluators(), SHORT).finish("transversal", 45_000);
 }
@@ -51,12 +56,13 @@ fn points() {
 
 /// Models of the long form on which engine and oracle once differed: parts placed far from the origin with
 /// rays near their faces, cones and crossing planes with rays through the singular point, boundary events
-/// that change the result only together, a stretched tube and a pin, crossings beside ties and touches.
+/// that change the result only together, a stretched tube and a pin, crossings beside ties and touches, rays nearly
+/// along infinite cylinders.
 #[test]
 fn planted_coincidences_that_were_wrong_once() {
     let seeds = [
-        11731, 23972, 26017, 36059, 36742, 44966, 59295, 67026, 101_429, 107_824, 121_913, 123_821, 125_825,
-        126_583, 154_945, 157_042, 159_435, 169_340, 192_450, 196_390,
+        4599, 7260, 8002, 11731, 12007, 23972, 26017, 36059, 36742, 44966, 59295, 67026, 101_429, 107_824,
+        121_913, 123_821, 125_825, 126_583, 154_945, 157_042, 159_435, 169_340, 192_450, 196_390,
     ];
     for seed in seeds {
         exact::planted(&evaluators(), seed..seed + 1).finish("planted", 20);
@@ -68,6 +74,12 @@ fn planted_coincidences_that_were_wrong_once() {
 #[ignore = "long"]
 fn long_planted_coincidences() {
     planted(LONG, 9_000_000);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_meshes() {
+    exact::meshes(&evaluators(), LONG).finish("meshes", 4_000_000);
 }
 
 #[test]

@@ -187,6 +187,11 @@ impl Along {
 
 /// `[rise, level]` of `w . grad f` along a ray in the surface; `None` if it is constant up to rounding.
 fn turn(surface: &Surface, line: &Line, span: &Span) -> Result<Option<[Dyadic; 2]>, Uncertain> {
+    // along the rulings of a cylinder the gradient is constant; a ray that drifts away from them, within the tolerance
+    // on the chord, would get a change of side far outside the model
+    if surface.is_circular_cylinder() {
+        return Ok(None);
+    }
     let slope = |t: Dyadic| {
         let gradient = surface.gradient(&line.at(&t));
         let w = W.map(Dyadic::from);

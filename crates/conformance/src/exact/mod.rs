@@ -36,7 +36,7 @@ pub use map::Map;
 pub use root::{Root, SignChanges, sign_changes};
 pub use scrutiny::{Scrutiny, scrutiny};
 pub use shape::Shape;
-pub use suite::{planted, points, transversal, turned};
+pub use suite::{meshes, planted, points, transversal, turned};
 pub use surface::{Line, Surface};
 pub use tree::{Part, Tree, regions};
 pub use trial::{Binary, Family, Operator, Trial, trial};

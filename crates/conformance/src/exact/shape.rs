@@ -18,6 +18,8 @@ pub enum Shape {
     Box([f64; 3]),
     /// Between two corners.
     Corners([f64; 3], [f64; 3]),
+    /// Between two corners, as a closed mesh of twelve triangles.
+    MeshCorners([f64; 3], [f64; 3]),
     /// `a x + b y + c z < d` for all rows.
     Convex(Vec<[f64; 4]>),
     /// A sector around z: the quarter at which it starts and the number of quarters, 1 to 3.
@@ -120,7 +122,25 @@ fn cone_side(radius1: f64, radius2: f64, height: f64) -> Facet {
     Facet { anchor: if size == 0.0 { Vec3::Z * apex } else { Vec3::ZERO }, size, ..side }
 }
 
+/// Vertices and triangles of a box, counter-clockwise from outside. Bit k of a vertex's number selects the upper corner on
+/// axis k.
+fn box_mesh(lo: [f64; 3], hi: [f64; 3]) -> [Vec<Vec<f64>>; 2] {
+    let vertex = |k: usize| (0..3).map(|axis| if k >> axis & 1 == 1 { hi[axis] } else { lo[axis] }).collect();
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+    [(0..8).map(vertex).collect(), triangles.map(|triangle| triangle.map(f64::from).to_vec()).collect()]
+}
+
 impl Shape {
+    /// A box from its corners as a mesh; other shapes unchanged.
+    pub fn meshed(&self) -> Shape {
+        match self {
+            Shape::Box(size) => Shape::MeshCorners(size.map(|s| -0.5 * s), size.map(|s| 0.5 * s)),
+            Shape::Corners(lo, hi) => Shape::MeshCorners(*lo, *hi),
+            other => other.clone(),
+        }
+    }
+
     /// The facets whose intersection is the shape, or, if the flag is true, its complement.
     pub fn facets(&self) -> (Vec<Facet>, bool) {
         let with_caps = |side: Facet, height: f64| [vec![side], caps(height)].concat();
@@ -130,7 +150,7 @@ impl Shape {
             Shape::Box(size) => {
                 return Shape::Corners(size.map(|s| -0.5 * s), size.map(|s| 0.5 * s)).facets();
             }
-            Shape::Corners(lo, hi) => {
+            Shape::Corners(lo, hi) | Shape::MeshCorners(lo, hi) => {
                 (0..3).flat_map(|k| slab(Vec3::AXES[k].to_array(), lo[k], hi[k])).collect()
             }
             Shape::Convex(rows) => rows.iter().map(|&[a, b, c, d]| plane([a, b, c], d)).collect(),
@@ -176,6 +196,10 @@ impl Shape {
             }
             Shape::Box(size) => ("box", vec![("size", vector(size))]),
             Shape::Corners(lo, hi) => ("box_from_corners", vec![("lo", vector(lo)), ("hi", vector(hi))]),
+            Shape::MeshCorners(lo, hi) => {
+                let [vertices, faces] = box_mesh(*lo, *hi);
+                ("mesh", vec![("vertices", Value::Rows(vertices)), ("faces", Value::Rows(faces))])
+            }
             Shape::Convex(rows) => ("convex", vec![("planes", rows.as_slice().into())]),
             Shape::Wedge(start, sweep) => {
                 let degrees = |k: u8| Value::Number(90.0 * f64::from(k));

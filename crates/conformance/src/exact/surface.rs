@@ -72,6 +72,15 @@ impl Surface {
         plane.then(|| q[3][3].abs() / normal.length())
     }
 
+    /// True for circular cylinders: the quadratic part A is a multiple of the projection across the axis, so that
+    /// `2 A^2 = trace(A) A`.
+    pub fn is_circular_cylinder(&self) -> bool {
+        let a = |i: usize, j: usize| &self.matrix[i][j];
+        let trace = &(a(0, 0) + a(1, 1)) + a(2, 2);
+        let square = |i: usize, j: usize| (0..3).fold(Dyadic::ZERO, |sum, k| &sum + &(a(i, k) * a(k, j)));
+        !trace.is_zero() && (0..9).all(|k| square(k / 3, k % 3).scaled(1) == &trace * a(k / 3, k % 3))
+    }
+
     /// True if the engine's unit normal or principal axes are rounded: for planes not perpendicular to a
     /// coordinate axis, and for quadrics whose axes are not the coordinate axes.
     pub fn is_rounded(&self) -> bool {

@@ -1,6 +1,7 @@
 //! Boolean trees of exact shapes, and the engine's solids for them.
 
 use super::{Map, Shape};
+use crate::Random;
 use rayweave_math::Affine;
 use rayweave_model::{Region, Solid};
 
@@ -54,6 +55,28 @@ impl Tree {
     /// The image under a shift.
     pub fn at(self, x: f64, y: f64, z: f64) -> Tree {
         self.moved(Map::Move([x, y, z]))
+    }
+
+    /// True if a leaf is a mesh.
+    pub fn has_mesh(&self) -> bool {
+        matches!(self, Tree::Leaf(Shape::MeshCorners(..))) || self.operands().into_iter().any(Tree::has_mesh)
+    }
+
+    /// The tree with boxes as meshes, each with the given probability.
+    pub fn meshed(&self, rng: &mut Random, chance: f64) -> Tree {
+        let mut all = |trees: &[Tree]| trees.iter().map(|tree| tree.meshed(rng, chance)).collect::<Vec<_>>();
+        match self {
+            Tree::Empty => Tree::Empty,
+            Tree::Universe => Tree::Universe,
+            Tree::Any(trees) => Tree::Any(all(trees)),
+            Tree::All(trees) => Tree::All(all(trees)),
+            Tree::Odd(trees) => Tree::Odd(all(trees)),
+            Tree::Leaf(shape) => Tree::Leaf(if rng.chance(chance) { shape.meshed() } else { shape.clone() }),
+            Tree::Not(a) => a.meshed(rng, chance).complement(),
+            Tree::Minus(a, b) => a.meshed(rng, chance).minus(b.meshed(rng, chance)),
+            Tree::Moved(map, a) => a.meshed(rng, chance).moved(*map),
+            Tree::Placed(maps, a) => Tree::Placed(maps.clone(), Box::new(a.meshed(rng, chance))),
+        }
     }
 
     /// The tree as the engine's solid; nodes with two operands are made by operators.

@@ -41,7 +41,7 @@ pub(super) fn write(
     remarks: &mut Remarks,
 ) -> Result<Vec<u8>, WriteError> {
     let scale = model.millimetres();
-    model.tell_unit(remarks);
+    model.remark_on_unit(remarks);
     let table = table.and_then(|foreign| match &foreign.value.value {
         Datum::Table(table) => Some(table),
         _ => None,
@@ -49,7 +49,7 @@ pub(super) fn write(
     let records = table.filter(|_| scale == 1.0).and_then(|table| stated::tree(table, model.scene));
     let records = records.filter(|records| tree::is_rigid(records));
     if records.is_none() {
-        model.tell_cuts(remarks);
+        model.remark_on_cuts(remarks);
         if table.is_some() {
             remarks.add(
                 RemarkKind::Dropped,
@@ -76,7 +76,7 @@ pub(super) fn write(
         None => writer.flat(&names, &materials.names)?,
     };
     writer.remarks.add(RemarkKind::Dropped, "names of faces");
-    model.tell_pictures(writer.remarks);
+    model.remark_on_pictures(writer.remarks);
     let Structure { volumes, world } = structure;
     let (defines, solids, more) =
         (writer.defines, writer.solids, table.map(materials::after).unwrap_or_default());

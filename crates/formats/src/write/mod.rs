@@ -54,7 +54,7 @@ pub fn write(
     let foreign = || stated.into_iter().flat_map(|document| &document.foreign);
     let table = foreign().find(|foreign| format == Format::Gdml && foreign.name.value == "gdml");
     if foreign().count() > usize::from(table.is_some()) {
-        remarks.add(RemarkKind::Dropped, "tables of other programs and of optics");
+        remarks.add(RemarkKind::Dropped, "tables of optics and of other programs");
     }
     let bytes = match format {
         Format::OpenScad => openscad::write(&model, &mut remarks)?,
@@ -72,9 +72,9 @@ fn native(scene: &Scene, stated: Option<&Document>) -> Written {
     let document = match stated {
         Some(stated) if !names_files(stated) => stated.clone(),
         Some(stated) => {
-            remarks.add(RemarkKind::Changed, "files that the model names are now in its text");
+            remarks.add(RemarkKind::Changed, "the contents of referenced files, now part of the model");
             if !stated.parameters.is_empty() {
-                remarks.add(RemarkKind::Dropped, "parameters: their values are in their places.");
+                remarks.add(RemarkKind::Dropped, "parameters, replaced by their values");
             }
             let heading = stated.heading.clone();
             Document { foreign: stated.foreign.clone(), heading, ..Document::from_scene(scene) }

@@ -6,6 +6,7 @@ use crate::Format;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Program;
 use rayweave_scene::{Scene, SceneRegion, Unit};
+use rayweave_shape::surface::Surface;
 
 /// Margin of the clip box relative to the size of the model, so that no face of the model lies in a face of the box.
 const MARGIN: f64 = 0.125;
@@ -19,13 +20,18 @@ pub(super) struct Model<'s> {
     /// Clip box: contains all regions, with a margin.
     pub clip: Bounds,
     pub tolerance: f64,
+    /// Whether a face of the model is not plane.
+    pub has_curved_faces: bool,
     /// For each region the indices of the later regions whose boxes overlap its own.
     pub later: Vec<Vec<usize>>,
 }
 
 impl<'s> Model<'s> {
     pub fn new(scene: &'s Scene, format: Format, options: &WriteOptions) -> Result<Model<'s>, WriteError> {
-        let boxes = Program::compile_regions(&scene.model_regions())?.region_bounds();
+        let program = Program::compile_regions(&scene.model_regions())?;
+        let boxes = program.region_bounds();
+        let has_curved_faces =
+            program.surfaces().iter().any(|entry| !matches!(entry.surface, Surface::Plane(_)));
         let is_endless = |bounds: &Bounds| !bounds.is_empty() && !bounds.is_finite();
         if let Some(number) = boxes.iter().position(is_endless) {
             return Err(WriteError::Unbounded { region: scene.regions[number].name.clone(), format });
@@ -40,7 +46,7 @@ impl<'s> Model<'s> {
         let later = later(&boxes);
         // a flat region has no extent in some direction
         let clip = whole.grown(MARGIN * diagonal);
-        Ok(Model { scene, clip, tolerance, later })
+        Ok(Model { scene, clip, tolerance, has_curved_faces, later })
     }
 
     /// The regions with a medium other than the world's, with their indices.
@@ -54,27 +60,30 @@ impl<'s> Model<'s> {
     }
 
     /// Adds a remark if lengths are converted to millimetres.
-    pub fn tell_unit(&self, remarks: &mut Remarks) {
+    pub fn remark_on_unit(&self, remarks: &mut Remarks) {
         if self.scene.unit != Unit::Millimetre {
-            remarks.add(RemarkKind::Changed, format!("lengths in {} are in mm", self.scene.unit));
+            remarks.add(RemarkKind::Changed, format!("lengths, from {} to mm", self.scene.unit));
         }
     }
 
     /// Adds a remark on subtracted regions.
-    pub fn tell_cuts(&self, remarks: &mut Remarks) {
+    pub fn remark_on_cuts(&self, remarks: &mut Remarks) {
         if self.later.iter().any(|list| !list.is_empty()) {
-            remarks.add(RemarkKind::Changed, "regions have the later ones cut out that come near to them");
+            remarks.add(
+                RemarkKind::Changed,
+                "from each region the later regions that may overlap it are subtracted",
+            );
         }
     }
 
     /// Adds remarks on data that only the native format holds.
-    pub fn tell_pictures(&self, remarks: &mut Remarks) {
+    pub fn remark_on_pictures(&self, remarks: &mut Remarks) {
         let scene = self.scene;
         let all = [
             (scene.camera.is_some(), "the camera"),
             (!scene.lights.is_empty(), "lights"),
-            (scene.render != Default::default(), "how pictures are drawn"),
-            (!scene.parameters.is_empty(), "parameters: their values are in their places."),
+            (scene.render != Default::default(), "render settings"),
+            (!scene.parameters.is_empty(), "parameters, replaced by their values"),
         ];
         for (_, what) in all.into_iter().filter(|(is_there, _)| *is_there) {
             remarks.add(RemarkKind::Dropped, what);
@@ -82,11 +91,11 @@ impl<'s> Model<'s> {
     }
 
     /// Adds a remark on media, for formats without media.
-    pub fn tell_media(&self, remarks: &mut Remarks) {
+    pub fn remark_on_media(&self, remarks: &mut Remarks) {
         let has_numbers =
             self.scene.media.iter().any(|medium| medium.index.is_some() || !medium.numbers.is_empty());
         if has_numbers {
-            remarks.add(RemarkKind::Dropped, "numbers of media: index, density and others.");
+            remarks.add(RemarkKind::Dropped, "properties of media such as index and density");
         }
     }
 }

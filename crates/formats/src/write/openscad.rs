@@ -37,7 +37,7 @@ struct Writer<'m, 's> {
 }
 
 pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, WriteError> {
-    model.tell_cuts(remarks);
+    model.remark_on_cuts(remarks);
     let mut writer = Writer { model, remarks, region: 0, pieces: Vec::new(), cut: 0, known: HashMap::new() };
     let mut text = String::new();
     let scale = model.millimetres();
@@ -57,14 +57,14 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
         }
         text += "}\n";
     }
-    model.tell_unit(writer.remarks);
+    model.remark_on_unit(writer.remarks);
     let names: BTreeSet<_> = model.regions().map(|(_, region)| region.colour.to_string()).collect();
-    writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces: regions keep their colours.");
+    writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces");
     if names.len() < model.regions().count() {
-        writer.remarks.add(RemarkKind::Changed, "regions of one colour are one");
+        writer.remarks.add(RemarkKind::Changed, "regions of equal colour, united");
     }
-    model.tell_media(writer.remarks);
-    model.tell_pictures(writer.remarks);
+    model.remark_on_media(writer.remarks);
+    model.remark_on_pictures(writer.remarks);
     Ok(text.into_bytes())
 }
 

@@ -127,16 +127,16 @@ pub(super) fn write(
     let is_plain =
         matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !options.text;
     let bodies = if is_plain && model.regions().count() > 1 {
-        remarks.add(RemarkKind::Dropped, "what tells regions apart: they are one body.");
+        remarks.add(RemarkKind::Dropped, "the division into regions: the file holds one body");
         whole(model)?.into_iter().map(|body| (String::new(), body)).collect()
     } else {
-        model.tell_cuts(remarks);
+        model.remark_on_cuts(remarks);
         meshes(model)?
     };
     if bodies.is_empty() {
-        remarks.add(RemarkKind::Changed, "there is nothing in the model, nor in the file");
+        remarks.add(RemarkKind::Changed, "the model is empty, and so is the file");
     }
-    tell(model, format, options, remarks);
+    remark_on_format(model, format, options, remarks);
     let mut parts = Vec::new();
     for (name, body) in &bodies {
         let failed = |why: String| WriteError::Kernel { region: name.clone(), why };
@@ -154,10 +154,12 @@ pub(super) fn write(
     Ok(bytes)
 }
 
-fn tell(model: &Model, format: MeshFormat, options: &WriteOptions, remarks: &mut Remarks) {
-    let (tolerance, unit) = (model.tolerance, model.scene.unit);
-    remarks
-        .add(RemarkKind::Approximated, format!("curved faces, by triangles within {tolerance:.3e} {unit}"));
+fn remark_on_format(model: &Model, format: MeshFormat, options: &WriteOptions, remarks: &mut Remarks) {
+    if model.has_curved_faces {
+        let (tolerance, unit) = (model.tolerance, model.scene.unit);
+        let text = format!("curved faces, by triangles within {tolerance:.3e} {unit}");
+        remarks.add(RemarkKind::Approximated, text);
+    }
     let is_single =
         matches!(format, MeshFormat::Gltf | MeshFormat::Glb) || format == MeshFormat::Stl && !options.text;
     if is_single {
@@ -165,11 +167,11 @@ fn tell(model: &Model, format: MeshFormat, options: &WriteOptions, remarks: &mut
     }
     let has_unit = matches!(format, MeshFormat::ThreeMf | MeshFormat::Gltf | MeshFormat::Glb);
     if !has_unit {
-        model.tell_unit(remarks);
+        model.remark_on_unit(remarks);
     }
     remarks.add(RemarkKind::Dropped, "colours and names of faces");
-    model.tell_media(remarks);
-    model.tell_pictures(remarks);
+    model.remark_on_media(remarks);
+    model.remark_on_pictures(remarks);
 }
 
 /// A point in the unit and axes of the format: metres with y up for glTF, else millimetres.

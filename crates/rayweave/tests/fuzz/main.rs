@@ -4,6 +4,7 @@ mod arrays;
 mod bytes;
 mod expression;
 mod glass;
+mod imported;
 mod model_file;
 mod trees;
 

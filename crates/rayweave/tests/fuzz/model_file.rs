@@ -40,7 +40,7 @@ fn rebuilt(scene: &Scene) {
     assert_eq!(again.regions, scene.regions, "{text}");
 }
 
-fn trace(scene: &Scene) {
+pub fn trace(scene: &Scene) {
     let compiled = match Compiled::new(scene) {
         Ok(compiled) => compiled,
         Err(error) => return assert!(!error.to_string().is_empty()),

@@ -154,13 +154,13 @@ impl Materials {
         if medium.numbers.iter().any(|(name, _)| !is_known(name)) {
             remarks.add(
                 RemarkKind::Dropped,
-                "numbers of media other than density, temperature, pressure, excitation energy and index",
+                "properties of media other than density, temperature, pressure, excitation energy and index",
             );
         }
         // no remark for the surroundings of the model
         if k > 0 {
             let what = format!(
-                "media are hydrogen of their density, or of {NO_DENSITY:?} g/cm3 where they have none"
+                "materials: hydrogen with the density of the medium, or {NO_DENSITY:?} g/cm3 if it has none"
             );
             remarks.add(RemarkKind::Changed, what);
         }
