@@ -5,27 +5,58 @@
 //! starts on several surfaces: all within `delta` of the point.
 
 use rayweave_bvh::ExactBvh;
-use rayweave_math::{Bounds, Vec3};
+use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_model::weld::local_ray;
-use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId, attributes};
+use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId};
 use rayweave_shape::Ray;
-use rayweave_shape::surface::{delta, delta_of};
+use rayweave_shape::surface::{Surface, delta, delta_of};
 use std::collections::HashMap;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// The surfaces of a program, with the boxes in which they matter, for point queries.
 #[derive(Clone, Debug, Default)]
 pub struct StartSurfaces {
-    entries: Vec<PlacedSurface>,
-    /// The boxes in which they matter.
+    /// Surfaces of one placement that matter in the same box, and these boxes.
+    clusters: Vec<Cluster>,
     boxes: Vec<Bounds>,
+    /// Boxes that are out of reach of all surfaces of a cluster, for points whose tolerance is not extreme; may be empty.
+    cores: Vec<Bounds>,
+    surfaces: Vec<SurfaceId>,
+    frames: Vec<Frame>,
     tree: ExactBvh,
+    neighbours: Neighbours,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct PlacedSurface {
+/// Surfaces of one placement that matter in the same box.
+#[derive(Clone, Debug)]
+struct Cluster {
     placement: PlacementId,
-    surface: SurfaceId,
+    /// A range of the list of surfaces.
+    surfaces: Range<u32>,
+}
+
+/// The frame of a placement, for a conservative test whether a surface is out of reach.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    /// The composed map, which may differ by rounding from the maps that rays pass one after the other.
+    local_from_world: Affine,
+    /// Upper bound of the factor by which it scales a length.
+    norm: f64,
+    /// The lengths of the translations composed into it.
+    path: f64,
+}
+
+/// The clusters whose boxes meet the box of a cluster, for those that meet few.
+#[derive(Clone, Debug, Default)]
+struct Neighbours {
+    /// The lists, one after the other, and the first of each cluster; empty for clusters with too many neighbours.
+    lists: Vec<u32>,
+    first: Vec<u32>,
+    /// The first cluster of each placement, and of each surface the position of its cluster there.
+    of_placement: Vec<u32>,
+    of_surface: Vec<u32>,
+    /// The growth of all boxes in the lists.
+    slack: f64,
 }
 
 /// The side of a surface on which a scattered ray leaves it.
@@ -37,43 +68,108 @@ pub enum ExitSide {
     Transmitted,
 }
 
+/// Number of neighbours above which the tree is faster than a list.
+const FEW: usize = 16;
+
+/// Ratio of the growth of boxes in lists of neighbours to the size of the model; it covers the tolerances of rays that are
+/// up to 10^5 times as long.
+const SLACK: f64 = 1e-6;
+
+/// Number of nested placements whose maps are composed.
+const NESTED: usize = 4;
+
 impl StartSurfaces {
     /// Collects the surfaces of a program.
     #[must_use]
     pub fn new(program: &Program) -> StartSurfaces {
-        let (mut entries, mut boxes) = (Vec::new(), Vec::<Bounds>::new());
+        let mut found = StartSurfaces::default();
+        let mut of_surface = vec![0; program.surfaces().len()];
+        let mut of_placement = Vec::new();
         let mut matters = HashMap::new();
         for placement in (0..program.prototypes()[0].placements).map(PlacementId) {
             let (world_from_local, id) = program.placement(placement);
             let group = program.prototype(id);
             let boxes_of_leaves = matters.entry(id).or_insert_with(|| program.matters(group));
             let mut known = HashMap::new();
+            let mut placed: Vec<(Bounds, SurfaceId)> = Vec::new();
             for (leaf, bounds) in group.leaves.clone().map(LeafId).zip(&*boxes_of_leaves) {
                 if bounds.is_empty() {
                     continue;
                 }
                 let bounds = bounds.transformed(&world_from_local);
                 for surface in program.leaf(leaf).facets().iter().map(|facet| facet.surface()) {
-                    let new = entries.len();
+                    let new = placed.len();
                     let at = *known.entry(surface).or_insert(new);
                     if at == new {
-                        entries.push(PlacedSurface { placement, surface });
-                        boxes.push(bounds);
+                        placed.push((bounds, surface));
                     } else {
-                        boxes[at] = boxes[at].union(&bounds);
+                        placed[at].0 = placed[at].0.union(&bounds);
                     }
                 }
             }
+            of_placement.push(found.clusters.len() as u32);
+            found.frames.push(Frame::new(program, placement));
+            for same in placed.chunk_by(|a, b| a.0 == b.0) {
+                let first = found.surfaces.len() as u32;
+                for (_, surface) in same {
+                    of_surface[surface.index()] =
+                        found.clusters.len() as u32 - of_placement[placement.index()];
+                    found.surfaces.push(*surface);
+                }
+                found.clusters.push(Cluster { placement, surfaces: first..found.surfaces.len() as u32 });
+                found.boxes.push(same[0].0);
+            }
         }
-        let tree = ExactBvh::listed(&boxes);
-        StartSurfaces { entries, boxes, tree }
+        found.tree = ExactBvh::listed(&found.boxes);
+        found.neighbours =
+            Neighbours { of_placement, of_surface, ..Neighbours::new(&found.boxes, &found.tree) };
+        found.cores = (0..found.clusters.len()).map(|k| found.core(program, k)).collect();
+        found
     }
 
     /// The surfaces with their boxes; `None` if some belong to placed solids.
     pub(crate) fn unplaced(&self) -> Option<impl Iterator<Item = (Bounds, SurfaceId)> + '_> {
-        let is_unplaced = self.entries.iter().all(|entry| entry.placement == PlacementId(0));
-        let surfaces = self.entries.iter().map(|entry| entry.surface);
-        is_unplaced.then(|| self.boxes.iter().copied().zip(surfaces))
+        let is_unplaced = self.clusters.iter().all(|cluster| cluster.placement == PlacementId(0));
+        let surfaces = self.clusters.iter().zip(&self.boxes).flat_map(|(cluster, &bounds)| {
+            self.surfaces_of(cluster).iter().map(move |&surface| (bounds, surface))
+        });
+        is_unplaced.then_some(surfaces)
+    }
+
+    /// The largest box about the centre of a cluster that none of its surfaces passes, if all are planes across the axes of the
+    /// world; otherwise an empty one.
+    fn core(&self, program: &Program, k: usize) -> Bounds {
+        let (cluster, bounds, slack) = (&self.clusters[k], &self.boxes[k], self.neighbours.slack);
+        let frame = &self.frames[cluster.placement.index()];
+        let magnitudes = self.surfaces_of(cluster).iter().map(|&surface| program.surface(surface).magnitude);
+        let lengths = frame.norm * (slack / SLACK) + frame.path + magnitudes.fold(0.0, f64::max);
+        let stretch = program.placement(cluster.placement).0.linear_norm();
+        // tolerances in the frame are not much larger than in the world
+        let is_certain = frame.norm * stretch < 100.0 && 1e3 * delta_of(lengths) * stretch <= slack;
+        if !bounds.is_finite() || !is_certain {
+            return Bounds::EMPTY;
+        }
+        let (centre, mut core) = (bounds.centre(), Bounds::ALL);
+        for &surface in self.surfaces_of(cluster) {
+            let Surface::Plane(plane) = &program.surface(surface).surface else { return Bounds::EMPTY };
+            let Affine { linear, translation } = frame.local_from_world;
+            let normal = linear.transpose() * plane.normal;
+            let axis = normal.abs().max_position();
+            let others = normal.abs().element_sum() - normal[axis].abs();
+            if others > 1e-12 * normal[axis].abs() {
+                return Bounds::EMPTY;
+            }
+            let at = (plane.offset - plane.normal.dot(translation)) / normal[axis];
+            match at > centre[axis] {
+                true => core.hi[axis] = core.hi[axis].min(at - slack),
+                false => core.lo[axis] = core.lo[axis].max(at + slack),
+            }
+        }
+        core
+    }
+
+    fn surfaces_of(&self, cluster: &Cluster) -> &[SurfaceId] {
+        &self.surfaces[cluster.surfaces.start as usize..cluster.surfaces.end as usize]
     }
 
     /// Appends the start list of a ray that leaves a point of an incident ray: the surface of the
@@ -86,12 +182,19 @@ impl StartSurfaces {
         side: ExitSide,
         starts: &mut Vec<Start>,
     ) {
-        let first = starts.len();
-        if let Some(Crossing { face, .. }) = crossing {
-            let gradient = attributes::world_gradient(program, ray, *face, t);
-            let inside = starts_inside(gradient.dot(ray.direction), 0.0, side);
-            starts.push(Start { surface: face.surface, placement: face.placement, inside });
+        match crossing {
+            Some(crossing) => self.append_at(&Contact::new(program, ray, crossing), side, starts),
+            None => self.append_others(program, (ray, t), starts.len(), side, starts),
         }
+    }
+
+    /// Appends the start list of a ray that leaves a crossing: the surface of the crossing and all others within the
+    /// tolerance.
+    pub fn append_at(&self, contact: &Contact<'_>, side: ExitSide, starts: &mut Vec<Start>) {
+        let &Contact { program, ray, crossing: Crossing { t, face, .. }, .. } = contact;
+        let first = starts.len();
+        let inside = starts_inside(contact.slope(), 0.0, side);
+        starts.push(Start { surface: face.surface, placement: face.placement, inside });
         self.append_others(program, (ray, t), first, side, starts);
     }
 
@@ -112,42 +215,137 @@ impl StartSurfaces {
         // reach
         let margin = 1e3 * delta_of(lengths);
         let is_around = |bounds: &Bounds| bounds.grown(margin).contains(point);
-        let mut add = |entry: &PlacedSurface| {
-            let listed = |s: &Start| (s.surface, s.placement) == (entry.surface, entry.placement);
-            if entry.is_far(program, point, lengths) || starts[first..].iter().any(listed) {
-                return;
+        let is_core = |k: usize| margin <= self.neighbours.slack && self.cores[k].contains(point);
+        let at = Departure { program, ray, t, point, lengths, side };
+        let near = starts.get(first).and_then(|own| self.neighbours.of(own));
+        match near.filter(|(own, _)| self.neighbours.cover(&self.boxes[*own], point, margin)) {
+            Some((_, near)) => {
+                for k in near.iter().map(|&k| k as usize) {
+                    if is_around(&self.boxes[k]) && !is_core(k) {
+                        self.append_cluster(k, &at, first, starts);
+                    }
+                }
             }
-            let inside = entry.side(program, ray, t, side);
-            starts.extend(inside.map(|inside| Start {
-                surface: entry.surface,
-                placement: entry.placement,
-                inside,
-            }));
+            None => {
+                let _ = self.tree.visit(is_around, |k| {
+                    if !is_core(k) {
+                        self.append_cluster(k, &at, first, starts);
+                    }
+                    ControlFlow::Continue(())
+                });
+            }
+        }
+    }
+
+    /// Appends the surfaces of a cluster that are within the tolerance.
+    fn append_cluster(&self, k: usize, at: &Departure<'_>, first: usize, starts: &mut Vec<Start>) {
+        let cluster = &self.clusters[k];
+        let placement = cluster.placement;
+        let frame = &self.frames[placement.index()];
+        let (point, reach) = match placement {
+            PlacementId(0) => (at.point, at.lengths),
+            _ => (frame.local_from_world.point(at.point), frame.norm * at.lengths + frame.path),
         };
-        let _ = self.tree.visit(is_around, |k| {
-            add(&self.entries[k]);
-            ControlFlow::Continue(())
-        });
+        for &surface in self.surfaces_of(cluster) {
+            let listed = |s: &Start| (s.surface, s.placement) == (surface, placement);
+            if is_far(at.program, surface, point, reach) || starts[first..].iter().any(listed) {
+                continue;
+            }
+            let inside = at.side(surface, placement);
+            starts.extend(inside.map(|inside| Start { surface, placement, inside }));
+        }
     }
 }
 
-impl PlacedSurface {
-    /// True if the surface is certainly out of reach: a conservative form of the test in
-    /// [`PlacedSurface::side`].
-    fn is_far(&self, program: &Program, point: Vec3, lengths: f64) -> bool {
-        let entry = program.surface(self.surface);
-        let (value, gradient) = entry.surface.value_and_gradient(point);
-        let near = 2.0 * delta_of(lengths + entry.magnitude) * gradient.abs().element_sum();
-        self.placement == PlacementId(0) && value.abs() > near
+/// True if the surface is certainly out of reach of a point that is known up to rounding: a conservative form of the test in
+/// [`Departure::side`].
+fn is_far(program: &Program, surface: SurfaceId, point: Vec3, reach: f64) -> bool {
+    let entry = program.surface(surface);
+    let (value, gradient) = entry.surface.value_and_gradient(point);
+    value.abs() > 1e3 * delta_of(reach + entry.magnitude) * gradient.abs().element_sum()
+}
+
+/// A point at which a ray is scattered.
+struct Departure<'a> {
+    program: &'a Program,
+    /// The incident ray and its time at the point.
+    ray: &'a Ray,
+    t: f64,
+    point: Vec3,
+    /// Upper bound of the lengths of the ray's origin and of its way to the point.
+    lengths: f64,
+    side: ExitSide,
+}
+
+impl Departure<'_> {
+    /// Whether the scattered ray starts inside a surface, if that is within the tolerance of the point.
+    fn side(&self, surface: SurfaceId, placement: PlacementId) -> Option<bool> {
+        let (local, magnitude) = local_ray(self.program, self.ray, placement);
+        let entry = self.program.surface(surface);
+        let (value, gradient) = entry.surface.value_and_gradient(local.at(self.t));
+        let near = value.abs() <= delta(entry.magnitude + magnitude, &local, self.t) * gradient.length();
+        near.then(|| starts_inside(gradient.dot(local.direction), value, self.side))
+    }
+}
+
+impl Frame {
+    fn new(program: &Program, placement: PlacementId) -> Frame {
+        let mut frame = Frame { local_from_world: Affine::IDENTITY, norm: 1.0, path: 0.0 };
+        for (depth, place) in program.descend(placement).enumerate() {
+            let norm = place.local_from_world.linear_norm();
+            frame.local_from_world = frame.local_from_world.then(&place.local_from_world);
+            frame.norm *= norm;
+            frame.path = norm * (frame.path + place.path);
+            if depth == NESTED {
+                // the bounds of deeper frames are not certain to cover the roundings: no surface is far
+                frame.norm = f64::INFINITY;
+            }
+        }
+        frame
+    }
+}
+
+impl Neighbours {
+    fn new(boxes: &[Bounds], tree: &ExactBvh) -> Neighbours {
+        let finite = boxes.iter().filter(|bounds| bounds.is_finite());
+        let all = finite.fold(Bounds::EMPTY, |all, bounds| all.union(bounds));
+        let mut found = Neighbours { first: vec![0], ..Neighbours::default() };
+        if !all.is_empty() {
+            found.slack = SLACK * all.lo.abs().max(all.hi.abs()).max_element();
+        }
+        for bounds in boxes {
+            let own = bounds.grown(2.0 * found.slack);
+            let first = found.lists.len();
+            let _ = tree.visit(
+                |other| !other.intersection(&own).is_empty(),
+                |k| {
+                    found.lists.push(k as u32);
+                    if found.lists.len() - first > FEW {
+                        ControlFlow::Break(())
+                    } else {
+                        ControlFlow::Continue(())
+                    }
+                },
+            );
+            if found.lists.len() - first > FEW {
+                found.lists.truncate(first);
+            }
+            found.first.push(found.lists.len() as u32);
+        }
+        found
     }
 
-    /// Whether the scattered ray starts inside the surface, if that is within the tolerance of the point.
-    fn side(&self, program: &Program, ray: &Ray, t: f64, side: ExitSide) -> Option<bool> {
-        let (local, magnitude) = local_ray(program, ray, self.placement);
-        let entry = program.surface(self.surface);
-        let (value, gradient) = entry.surface.value_and_gradient(local.at(t));
-        let near = value.abs() <= delta(entry.magnitude + magnitude, &local, t) * gradient.length();
-        near.then(|| starts_inside(gradient.dot(local.direction), value, side))
+    /// The cluster of a surface and its neighbours, itself included; `None` if it has too many.
+    fn of(&self, start: &Start) -> Option<(usize, &[u32])> {
+        let own =
+            (self.of_placement[start.placement.index()] + self.of_surface[start.surface.index()]) as usize;
+        let list = &self.lists[self.first[own] as usize..self.first[own + 1] as usize];
+        (!list.is_empty()).then_some((own, list))
+    }
+
+    /// True if the neighbours of a box include all clusters whose boxes, grown by a margin, contain a point.
+    fn cover(&self, own: &Bounds, point: Vec3, margin: f64) -> bool {
+        margin <= self.slack && own.grown(self.slack).contains(point)
     }
 }
 
@@ -159,18 +357,170 @@ pub(crate) fn starts_inside(slope: f64, value: f64, side: ExitSide) -> bool {
     }
 }
 
+/// Number of nested placements whose maps are kept without a heap allocation.
+const KEPT: usize = 2;
+
+/// A crossing of a ray, with the surface at the point where it is crossed.
+#[derive(Clone, Debug)]
+pub struct Contact<'a> {
+    program: &'a Program,
+    ray: &'a Ray,
+    crossing: Crossing,
+    /// The maps into the frame of the surface, outermost first.
+    places: [Option<Affine>; KEPT],
+    deeper: Vec<Affine>,
+    /// The surface's function at the point, and its gradient, in that frame.
+    value: f64,
+    gradient: Vec3,
+}
+
+impl<'a> Contact<'a> {
+    /// Evaluates the surface of a crossing.
+    #[must_use]
+    pub fn new(program: &'a Program, ray: &'a Ray, crossing: &Crossing) -> Contact<'a> {
+        let (mut local, mut places, mut deeper) = (*ray, [None; KEPT], Vec::new());
+        for (depth, place) in program.descend(crossing.face.placement).enumerate() {
+            local = local.transformed(&place.local_from_world);
+            match places.get_mut(depth) {
+                Some(kept) => *kept = Some(place.local_from_world),
+                None => deeper.push(place.local_from_world),
+            }
+        }
+        let surface = &program.surface(crossing.face.surface).surface;
+        let (value, gradient) = surface.value_and_gradient(local.at(crossing.t));
+        Contact { program, ray, crossing: *crossing, places, deeper, value, gradient }
+    }
+
+    fn maps(&self) -> impl DoubleEndedIterator<Item = &Affine> {
+        self.places.iter().flatten().chain(&self.deeper)
+    }
+
+    /// The slope along the ray of the surface's function, up to a positive factor, as that of
+    /// [`rayweave_model::attributes::world_gradient`].
+    fn slope(&self) -> f64 {
+        let up = self.maps().rev().fold(self.gradient, |gradient, map| map.linear.transpose() * gradient);
+        let largest = up.abs().max_element();
+        let gradient = if largest > 0.0 { up / largest } else { Vec3::ZERO };
+        gradient.dot(self.ray.direction)
+    }
+
+    /// The point of the crossing, projected onto the surface by one Newton step along a normal.
+    #[must_use]
+    pub fn project(&self, normal: Vec3) -> Vec3 {
+        let along = self.maps().fold(normal, |normal, map| map.vector(normal));
+        newton_step(self.ray.at(self.crossing.t), normal, self.value / self.gradient.dot(along))
+    }
+}
+
 /// The point of a crossing, projected onto its surface by one Newton step along the normal.
 #[must_use]
 pub fn project(program: &Program, ray: &Ray, crossing: &Crossing, normal: Vec3) -> Vec3 {
-    let (local, _) = local_ray(program, ray, crossing.face.placement);
-    let surface = &program.surface(crossing.face.surface).surface;
-    let (value, gradient) = surface.value_and_gradient(local.at(crossing.t));
-    let steps = program.descend(crossing.face.placement);
-    let along = steps.fold(normal, |n, place| place.local_from_world.vector(n));
-    newton_step(ray.at(crossing.t), normal, value / gradient.dot(along))
+    Contact::new(program, ray, crossing).project(normal)
 }
 
 /// A point after a step against a direction; a step that is not finite is ignored.
 pub(crate) fn newton_step(point: Vec3, normal: Vec3, step: f64) -> Vec3 {
     if step.is_finite() { point - step * normal } else { point }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave_model::{Region, Solid};
+    use rayweave_shape::primitive::{Value, build};
+
+    fn shape(name: &str, argument: &str, value: f64) -> Solid {
+        Solid::from(build(name, &[(argument, Value::Number(value))]).unwrap())
+    }
+
+    /// Boxes that touch, plain, turned and nested, and balls, in a large box.
+    fn model() -> Program {
+        let cube = shape("box", "size", 2.0);
+        let grid: Vec<Affine> = (0..27)
+            .map(|k| {
+                Affine::translate(2.0 * Vec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)))
+            })
+            .collect();
+        let turned = |angle: f64| {
+            (0..4).map(move |k| {
+                Affine::rotation(Vec3::Z, angle).then(&Affine::translate(Vec3::new(
+                    -4.0,
+                    3.0 * f64::from(k),
+                    1.0,
+                )))
+            })
+        };
+        let maps: Vec<Affine> = turned(90.0).chain(turned(30.0)).collect();
+        let inner = shape("box", "size", 1.0);
+        let solids = [
+            shape("box", "size", 40.0),
+            cube.place(grid.clone()),
+            cube.place(maps.clone()),
+            inner.place(maps),
+            shape("sphere", "radius", 1.0).place(grid),
+        ];
+        let region =
+            |(k, solid): (u32, &Solid)| Region { name: format!("{k}"), solid: solid.clone(), medium: k + 1 };
+        Program::compile_regions(&(0..).zip(&solids).map(region).collect::<Vec<_>>()).unwrap()
+    }
+
+    /// The list of a point is that of a test of all surfaces.
+    #[test]
+    fn lists_hold_all_surfaces_near_a_point() {
+        let program = model();
+        let all = StartSurfaces::new(&program);
+        let mut state = 1u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let (mut longest, mut by_list, mut by_core) = (0, 0, 0);
+        for k in 0..all.clusters.len() {
+            let (cluster, bounds) = (&all.clusters[k], all.boxes[k]);
+            let (up, _) = program.placement(cluster.placement);
+            for &surface in all.surfaces_of(cluster) {
+                for _ in 0..20 {
+                    let inside = Vec3::new(uniform(), uniform(), uniform());
+                    // some of them on edges and corners
+                    let inside = if uniform() < 0.3 { inside.round() } else { inside };
+                    let place = bounds.lo + inside * (bounds.hi - bounds.lo);
+                    let mut local = all.frames[cluster.placement.index()].local_from_world.point(place);
+                    for _ in 0..6 {
+                        let (f, gradient) = program.surface(surface).surface.value_and_gradient(local);
+                        local -= gradient * (f / gradient.length_squared());
+                    }
+                    let origin = 6.0 * Vec3::new(uniform(), uniform(), uniform());
+                    let ray = Ray::new(origin, up.point(local) - origin);
+                    let side = ExitSide::Incident;
+                    let own = Start { surface, placement: cluster.placement, inside: false };
+                    let mut starts = vec![own];
+                    all.append_others(&program, (&ray, 1.0), 0, side, &mut starts);
+                    let point = ray.at(1.0);
+                    let lengths = ray.origin.abs().element_sum() + ray.direction.abs().element_sum();
+                    let at = Departure { program: &program, ray: &ray, t: 1.0, point, lengths, side };
+                    let margin = 1e3 * delta_of(lengths);
+                    let mut expected = vec![own];
+                    for (j, other) in all.clusters.iter().enumerate() {
+                        let is_near = all.boxes[j].grown(margin).contains(point);
+                        for &surface in all.surfaces_of(other) {
+                            let inside = at.side(surface, other.placement).filter(|_| is_near);
+                            let start = |inside| Start { surface, placement: other.placement, inside };
+                            let new = |start: &Start| {
+                                (start.surface, start.placement) != (own.surface, own.placement)
+                            };
+                            expected.extend(inside.map(start).filter(new));
+                        }
+                        by_core += usize::from(is_near && all.cores[j].contains(point));
+                    }
+                    let key = |start: &Start| (start.placement, start.surface);
+                    starts.sort_by_key(key);
+                    expected.sort_by_key(key);
+                    assert_eq!(starts, expected, "at {point} on {own:?}");
+                    longest = longest.max(starts.len());
+                    by_list += usize::from(all.neighbours.of(&own).is_some());
+                }
+            }
+        }
+        assert!(longest >= 6 && by_list > 1000 && by_core > 1000, "{longest} {by_list} {by_core}");
+    }
 }

@@ -18,7 +18,7 @@ use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
 };
-use rayweave_optics::start_surfaces::{ExitSide, project};
+use rayweave_optics::start_surfaces::{Contact, ExitSide};
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -272,6 +272,26 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     found: Columns,
     result: PhotonRun,
     recorder: R,
+    ends: Tally<End>,
+    boundary_events: Tally<BoundaryEvent>,
+}
+
+/// Counts of a few kinds of events.
+#[derive(Debug)]
+struct Tally<K>(Vec<(K, u64)>);
+
+impl<K: Copy + Ord> Tally<K> {
+    fn add(&mut self, kind: K) {
+        match self.0.iter_mut().find(|(known, _)| *known == kind) {
+            Some((_, count)) => *count += 1,
+            None => self.0.push((kind, 1)),
+        }
+    }
+
+    /// The counts, which begin at 0 again.
+    fn take(&mut self) -> BTreeMap<K, u64> {
+        self.0.drain(..).collect()
+    }
 }
 
 /// The next crossings of the photons of a batch.
@@ -328,6 +348,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             found: Columns::default(),
             result: PhotonRun::default(),
             recorder,
+            ends: Tally(Vec::new()),
+            boundary_events: Tally(Vec::new()),
         }
     }
 
@@ -349,6 +371,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
         // by photon number, whatever the number of steps
         self.result.hits.sort();
+        self.result.ends = self.ends.take();
+        self.result.boundary_events = self.boundary_events.take();
         std::mem::take(&mut self.result)
     }
 
@@ -375,7 +399,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             self.rays.push(Ray { origin: flight.photon.position, direction: flight.photon.direction });
         }
         let lists = StartLists { first: &self.first, entries: &self.starts };
-        let query = Query { starts: (!self.starts.is_empty()).then_some(lists), ..Query::nearest() };
+        // rays with a start list, even an empty one, may start inside
+        let query = Query { starts: Some(lists), ..Query::nearest() };
         self.found.reset(self.flights.len());
         let Columns { t, face, placement, before, after, normal: [x, y, z], between } = &mut self.found;
         let mut columns = FirstHits { t, face, placement, before, after, normal: Some([x, y, z]) };
@@ -386,7 +411,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     /// Ends a photon, at the surface of a crossing or in the volume.
     fn end(&mut self, flight: &Flight, end: End, at: Option<&Crossing>) {
         self.recorder.record(self.detector, flight, Process::End(end), at);
-        *self.result.ends.entry(end).or_default() += 1;
+        self.ends.add(end);
     }
 
     /// The crossing of a photon, if it has one.
@@ -493,10 +518,11 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let detector = self.detector;
         let normal = self.found.normal(i);
         let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-        flight.photon.position = project(&detector.program, ray, crossing, normal);
         if crossing.after.0 == 0 {
             return self.end(&flight, End::Escaped, None);
         }
+        let contact = Contact::new(&detector.program, ray, crossing);
+        flight.photon.position = contact.project(normal);
         let [front, behind] = [crossing.before, crossing.after].map(|region| detector.material(region));
         let energy = flight.photon.energy;
         let at = |material: &OpticalMaterial| material.index.as_ref().map(|index| index.at(energy));
@@ -514,7 +540,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         };
         let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Boundary);
         let (event, is_behind) = boundary.apply(&mut stream);
-        *self.result.boundary_events.entry(event).or_default() += 1;
+        self.boundary_events.add(event);
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
         let detects_volume = self.settings.detection != DetectionRule::Efficiency;
         match event {
@@ -536,13 +562,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
         let first = self.next_starts.len();
-        detector.starts.append(
-            &detector.program,
-            (ray, crossing.t),
-            Some(crossing),
-            side,
-            &mut self.next_starts,
-        );
+        detector.starts.append_at(&contact, side, &mut self.next_starts);
         if side == ExitSide::Incident && crossing.t == 0.0 {
             // At an edge a photon is reflected by one face and then, without any way between, by the next: the way does not
             // show on which side of the first face the photon is, but its start list does.
@@ -560,7 +580,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn detect(&mut self, flight: &Flight, crossing: &Crossing) {
         let volume = (crossing.after.0, crossing.entered);
         self.result.hits.push((flight.origin, flight.steps), &flight.photon, self.detector, volume);
-        *self.result.ends.entry(End::Detected).or_default() += 1;
+        self.ends.add(End::Detected);
     }
 }
 

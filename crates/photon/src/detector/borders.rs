@@ -17,7 +17,23 @@ pub(crate) struct SurfaceTable {
     skins: HashMap<u32, usize>,
     /// Pairs of a mother and its daughter.
     nested: HashSet<(u32, u32)>,
+    /// For detectors of few regions, the answer for each region in front and each one behind.
+    table: Vec<Pair>,
+    /// The number of rows of the table, and of columns.
+    regions: usize,
 }
+
+/// The surface between two regions.
+#[derive(Clone, Copy, Debug)]
+enum Pair {
+    /// The same at every crossing.
+    Same(Option<usize>),
+    /// A question of the placements.
+    Placed,
+}
+
+/// Largest number of regions, with the world, for which the surfaces of all pairs are tabulated.
+const TABULATED: usize = 512;
 
 /// A border surface between two placements.
 #[derive(Debug)]
@@ -66,6 +82,7 @@ impl SurfaceTable {
             let note = Message::new(format!("{owner} is ignored"), "it is attached to no volume");
             properties.note(owner, note);
         }
+        found.tabulate(volumes);
         found
     }
 
@@ -112,15 +129,44 @@ impl SurfaceTable {
             || [before, after].iter().any(|region| self.skins.contains_key(region))
     }
 
+    /// Tabulates the surfaces of all pairs of regions.
+    fn tabulate(&mut self, volumes: &Volumes) {
+        let last = volumes.regions.values().flatten().max().copied().unwrap_or(0);
+        self.regions = last as usize + 1;
+        if self.regions > TABULATED {
+            return;
+        }
+        let all = || 0..=last;
+        let pair = |before, after| match self.borders.get(&(before, after)).map(|list| list.first()) {
+            Some(Some(border)) if border.required.is_empty() => Pair::Same(Some(border.surface)),
+            Some(Some(_)) => Pair::Placed,
+            _ => Pair::Same(self.skin(before, after)),
+        };
+        self.table = all()
+            .flat_map(|before| all().map(move |after| (before, after)))
+            .map(|(a, b)| pair(a, b))
+            .collect();
+    }
+
     /// The number of the surface at a crossing (`G4LogicalBorderSurface`, then `G4LogicalSkinSurface`): a border
     /// surface from the volume in front to the one behind; else, if the photon enters a daughter, the skin of the daughter
     /// and then that of its mother; otherwise the skin of the volume in front, then of the one behind.
     pub fn find(&self, program: &Program, crossing: &Crossing) -> Option<usize> {
         let (before, after) = (crossing.before.0, crossing.after.0);
+        if let Some(Pair::Same(surface)) =
+            self.table.get(crossing.before.index() * self.regions + crossing.after.index())
+        {
+            return *surface;
+        }
         let borders = self.borders.get(&(before, after));
         if let Some(border) = borders.into_iter().flatten().find(|border| border.is_at(program, crossing)) {
             return Some(border.surface);
         }
+        self.skin(before, after)
+    }
+
+    /// The number of the skin surface between two regions.
+    fn skin(&self, before: u32, after: u32) -> Option<usize> {
         let order = if self.nested.contains(&(before, after)) { [after, before] } else { [before, after] };
         order.iter().find_map(|region| self.skins.get(region).copied())
     }

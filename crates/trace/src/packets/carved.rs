@@ -64,6 +64,11 @@ impl Carved {
     pub fn leaf_count(&self) -> usize {
         self.leaves.len()
     }
+
+    /// The facets of all leaves.
+    pub fn facets(&self) -> &Vec<LaneFacet> {
+        &self.facets
+    }
 }
 
 impl Builder<'_> {

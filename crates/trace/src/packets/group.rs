@@ -97,6 +97,59 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         (uncertain, starts.simd_gt(splat(self.simd, 0.0)))
     }
 
+    /// [`BundleEvaluation::enter`] for rays that may start on surfaces, each with its own lower bound of t.
+    pub fn enter_from(
+        &mut self,
+        plan: &Plan,
+        ray: &LaneRay<S>,
+        starts: Option<&LaneStarts<S>>,
+        (from, t_max): (Lanes<S>, f64),
+    ) -> (Uncertain<S>, Mask<S>) {
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let never = Mask::splat(simd, false);
+                let mut uncertain = Uncertain { always: never, grazes: never };
+                if !self.find_spans(plan, ray, starts, &mut uncertain) {
+                    self.no_changes();
+                    return (uncertain, never);
+                }
+                self.changes(plan, from, t_max, true, &mut uncertain);
+                let starts = Lanes::load_array(simd, self.starts(plan, from));
+                (uncertain, starts.simd_gt(splat(simd, 0.0)))
+            },
+        )
+    }
+
+    /// The span of a single leaf without gaps, for rays that may start on its surfaces.
+    pub fn only_span(
+        &mut self,
+        plan: &Plan,
+        ray: &LaneRay<S>,
+        starts: Option<&LaneStarts<S>>,
+    ) -> (LaneSpan<S>, Uncertain<S>) {
+        let simd = self.simd;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let never = Mask::splat(simd, false);
+                let mut uncertain = Uncertain { always: never, grazes: never };
+                let mut span = LaneSpan::line(simd);
+                for facet in &plan.facets {
+                    match starts {
+                        Some(starts) => facet.narrow_from(simd, ray, starts, &mut span, &mut uncertain),
+                        None => facet.narrow(simd, ray, &mut span, &mut uncertain),
+                    };
+                    if !span.is_some().any_true() {
+                        break;
+                    }
+                }
+                (span, uncertain)
+            },
+        )
+    }
+
     /// Finds the changes of the rays from `at` on: all, or only the first two. If fewer than eight rays are
     /// left, the last one fills the other lanes.
     #[inline(always)]

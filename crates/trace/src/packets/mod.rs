@@ -24,7 +24,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use group::{BundleEvaluation, Found, Memory, Row, load, whole};
 use normal::Hits;
-use objects::{First, Objects};
+use objects::{First, Objects, Walk};
 use plan::{APART, Common, Plan, SMALL};
 use rayweave_bvh::BundleTraversal;
 use rayweave_model::{
@@ -44,7 +44,10 @@ const TOGETHER: usize = 256;
 pub struct Packets {
     weave: Weave,
     plan: Option<Box<Plan>>,
-    objects: Option<Box<Objects>>,
+    /// For rays that start outside of all solids.
+    objects: Option<Arc<Objects>>,
+    /// For rays that may start inside.
+    layers: Option<Arc<Objects>>,
     level: Level,
 }
 
@@ -54,6 +57,7 @@ pub struct PacketsScratch {
     weave: WeaveScratch,
     memory: Option<Box<Memory>>,
     ahead: [BundleTraversal; 2],
+    walk: Walk,
     crossings: Vec<Crossing>,
 }
 
@@ -76,21 +80,18 @@ impl Packets {
         let model = Common::new(&program);
         let plan = model.as_ref().and_then(|model| Plan::new(&program, model));
         let comparisons = plan.as_ref().map_or(usize::MAX, Plan::comparisons);
-        let objects = model.as_ref().filter(|_| comparisons > APART);
-        let objects = objects.and_then(|model| Objects::new(&program, model));
-        let objects = objects.filter(|objects| comparisons > SMALL || objects.count() > 1);
+        let objects = model.as_ref().filter(|_| comparisons > APART || program.regions().len() > 1);
+        let objects = objects.and_then(|model| Objects::new(&program, model)).map(Arc::new);
+        let layers = objects.clone().filter(|objects| objects.is_layered());
+        let objects =
+            objects.filter(|objects| comparisons > SMALL || (comparisons > APART && objects.count() > 1));
         let plan = plan.filter(|_| comparisons <= TOGETHER);
-        Packets {
-            plan: plan.map(Box::new),
-            objects: objects.map(Box::new),
-            weave: Weave::new(program),
-            level,
-        }
+        Packets { plan: plan.map(Box::new), objects, layers, weave: Weave::new(program), level }
     }
 
     /// True if the model is traced in lanes of eight rays.
     pub fn uses_lanes(&self) -> bool {
-        self.plan.is_some() || self.objects.is_some()
+        self.plan.is_some() || self.objects.is_some() || self.layers.is_some()
     }
 }
 
@@ -471,8 +472,8 @@ impl Firsts<'_, '_> {
     /// Writes first hits among many solids; the caller overwrites uncertain lanes.
     #[inline(always)]
     fn put_first<S: Simd>(&mut self, simd: S, objects: &Objects, first: &First, at: usize, count: usize) {
-        let First { t, face, region: after, placement, .. } = *first;
-        let eight = Eight { t, face, before: Row([0.0; LANES]), after, placement };
+        let First { t, face, before, region: after, placement, .. } = *first;
+        let eight = Eight { t, face, before, after, placement };
         self.write(&eight, at, count);
         if let Some(hits) = self.hits(simd, &eight, at) {
             let (normals, others) = objects.normals(simd, self.weave.program(), first, &hits);
@@ -560,6 +561,14 @@ impl Evaluator for Packets {
             let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
             dispatch!(self.level, simd => firsts.among(simd, objects, &mut memory, &mut ahead));
             (scratch.memory, scratch.ahead) = (Some(memory), ahead);
+            return;
+        }
+        if let (Some(layers), Some(_)) = (&self.layers, query.starts) {
+            let mut memory = scratch.memory.take().unwrap_or_default();
+            let mut walk = std::mem::take(&mut scratch.walk);
+            let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
+            dispatch!(self.level, simd => firsts.within(simd, layers, &mut memory, &mut walk));
+            (scratch.memory, scratch.walk) = (Some(memory), walk);
             return;
         }
         let Some(plan) = &self.plan else {

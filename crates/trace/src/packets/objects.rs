@@ -6,6 +6,10 @@
 //! entries occur at the same time, or if the entry and the next change are so close that they may have to be
 //! welded.
 
+mod within;
+
+pub(super) use within::Walk;
+
 use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
@@ -37,6 +41,8 @@ pub(super) struct Objects {
     condition: f64,
     /// True if there are so few leaves that all eight rays are traced together, however far apart they are.
     is_few: bool,
+    /// True if there are several regions, each with a medium of its own: see [`within`].
+    is_layered: bool,
 }
 
 /// One of the solids.
@@ -58,6 +64,8 @@ struct Part {
     limits: LaneLimits,
     /// See [`Prototype::condition`].
     condition: f64,
+    /// The numbers of its surfaces.
+    surfaces: Vec<u32>,
 }
 
 /// The method of intersection of a solid.
@@ -73,6 +81,18 @@ impl Method {
             Method::Plan(plan) => plan.leaves.len(),
             Method::Carved(carved) => carved.leaf_count(),
         }
+    }
+
+    fn surfaces(&self) -> Vec<u32> {
+        let facets = match self {
+            Method::Plan(plan) => &plan.facets,
+            Method::Carved(carved) => carved.facets(),
+        };
+        let mut surfaces: Vec<u32> =
+            facets.iter().flat_map(|facet| facet.surfaces).map(|surface| surface as u32).collect();
+        surfaces.sort_unstable();
+        surfaces.dedup();
+        surfaces
     }
 }
 
@@ -98,7 +118,13 @@ impl Objects {
         let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
         let is_few = leaves.sum::<usize>() <= MAX_SPANS;
         let condition = group.condition;
-        Some(Objects { model: model.clone(), objects, parts, steps, boxes, condition, is_few })
+        let is_layered = is_layered(program);
+        Some(Objects { model: model.clone(), objects, parts, steps, boxes, condition, is_few, is_layered })
+    }
+
+    /// True if [`Objects::first_within`] applies.
+    pub fn is_layered(&self) -> bool {
+        self.is_layered
     }
 
     /// The number of solids.
@@ -109,6 +135,13 @@ impl Objects {
     fn steps(&self, object: &Object) -> &[Step] {
         &self.steps[object.steps.start as usize..object.steps.end as usize]
     }
+}
+
+/// True if there are several regions, each with a medium of its own.
+fn is_layered(program: &Program) -> bool {
+    let mut media: Vec<u32> = program.regions().iter().map(|region| region.medium).collect();
+    media.sort_unstable();
+    media.len() > 1 && media.windows(2).all(|pair| pair[0] < pair[1])
 }
 
 /// A solid within a group that may be placed.
@@ -236,7 +269,8 @@ impl<'p> Gathered<'p> {
         let all = leaves.into_iter().map(|leaf| self.leaf(within, leaf));
         let (limits, condition) = (limits(program, group, all), group.condition);
         let method = self.method(within, group)?;
-        self.parts.push(Part { method, limits, condition });
+        let surfaces = method.surfaces();
+        self.parts.push(Part { method, limits, condition, surfaces });
         Some(self.parts.len() as u32 - 1)
     }
 
@@ -323,7 +357,8 @@ pub(super) struct First {
     pub t: Row,
     /// The numbers of the faces; -1 for a miss.
     pub face: Row,
-    /// The regions entered; 0 for a miss.
+    /// The regions before and after; without a hit both are that of the start.
+    pub before: Row,
     pub region: Row,
     /// The placements of the faces; 0 for a miss.
     pub placement: Row,
@@ -495,6 +530,7 @@ impl Objects {
         let mut first = First {
             t: Row(search.first.to_array()),
             face: Row(search.face.to_array()),
+            before: zero,
             region: zero,
             placement: zero,
             object,

@@ -1,0 +1,437 @@
+//! First hits of eight rays that may start inside solids and on their surfaces.
+//!
+//! A point belongs to the last region that holds it, and each region is a union of solids. If each has a medium of its own,
+//! the first change along a ray is the exit from the solid that owns its start, or the entry into a solid of a later
+//! region, whichever comes first. A ray falls back to the weave where several solids begin or end at the same time or nearly
+//! so, and where more of its way through a solid would have to be known than the first two changes.
+
+use super::super::Firsts;
+use super::super::group::{BundleEvaluation, CODE, Memory, Row, whole};
+use super::super::normal::Hits;
+use super::super::places::{Carried, slabs};
+use super::super::plan::Plan;
+use super::{First, Method, Object, Objects, Part, Search, latest};
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use rayweave_bvh::{BundleTraversal, BundleWindow};
+use rayweave_math::Vec3;
+use rayweave_model::{Crossing, Evaluator, MARGIN, Program, Query, Rays, RegionId, Start, attributes};
+use rayweave_shape::lanes::{LANES, LaneRay, LaneStarts, Lanes, Mask, Vec3Lanes, splat};
+
+/// Scratch memory of a thread.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Walk {
+    ahead: BundleTraversal,
+    met: Vec<Met>,
+    starts: Vec<LaneStart>,
+    /// The rays in the order in which they are traced, as sort keys in the upper half and numbers in the lower one.
+    order: Vec<u64>,
+}
+
+/// A solid that some ray of a bundle may pass.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    object: u32,
+    region: f64,
+    /// The times of the first two changes after the start, +inf for none, and the face of the first one.
+    first: Row,
+    second: Row,
+    face: Row,
+    /// Bit mask of the rays that start inside.
+    inside: u64,
+    /// Bit mask of the rays that graze a surface.
+    grazes: u64,
+    /// True if there are no more than two changes.
+    is_single: bool,
+}
+
+/// A surface that one of eight rays starts on.
+#[derive(Clone, Copy, Debug)]
+struct LaneStart {
+    lane: usize,
+    start: Start,
+}
+
+/// Largest number of solids that a bundle of rays may come near; otherwise the weave traces its rays.
+const MAX_MET: usize = 96;
+
+/// Length behind a hit, in radii of the model, in which solids are still searched: less than between solids that nearly touch,
+/// and far above the length of a weld. A separate check proves that no weld reaches farther.
+const BEHIND: f64 = 2e-4;
+
+/// Eight rays of a batch.
+struct Eight<'n, S: Simd> {
+    /// The numbers of the rays, in the low halves; the last ray fills further lanes.
+    numbers: &'n [u64],
+    origin: Vec3Lanes<S>,
+    direction: Vec3Lanes<S>,
+    /// The lower bounds of t.
+    from: Lanes<S>,
+}
+
+fn number(entry: u64) -> usize {
+    (entry & u64::from(u32::MAX)) as usize
+}
+
+impl<'n, S: Simd> Eight<'n, S> {
+    #[inline(always)]
+    fn new(simd: S, rays: &Rays<'_>, query: &Query<'_>, numbers: &'n [u64]) -> Self {
+        let ray = |lane: usize| number(numbers[lane.min(numbers.len() - 1)]);
+        let column = |column: &[f64]| Lanes::load_array(simd, std::array::from_fn(|lane| column[ray(lane)]));
+        let vectors = |[x, y, z]: [&[f64]; 3]| Vec3Lanes { x: column(x), y: column(y), z: column(z) };
+        let t_min = query.window.t_min();
+        let from = |lane: usize| match query.starts {
+            // t = 0 is included: see `Query::is_past`
+            Some(lists) if t_min <= 0.0 && !lists.of(ray(lane)).is_empty() => -f64::from_bits(1),
+            _ => t_min,
+        };
+        Eight {
+            numbers,
+            origin: vectors(rays.origins),
+            direction: vectors(rays.directions),
+            from: Lanes::load_array(simd, std::array::from_fn(from)),
+        }
+    }
+}
+
+/// State of a search.
+struct Progress<S: Simd> {
+    /// The last region found so far that holds the start.
+    owner: Lanes<S>,
+    /// Upper bound of the time of the first change if no later region holds the start.
+    bound: Lanes<S>,
+    uncertain: Mask<S>,
+}
+
+impl Firsts<'_, '_> {
+    /// First hits of rays that may start inside solids.
+    #[inline(always)]
+    pub(in super::super) fn within<S: Simd>(
+        &mut self,
+        simd: S,
+        objects: &Objects,
+        memory: &mut Memory,
+        walk: &mut Walk,
+    ) {
+        let mut group = BundleEvaluation::new(simd, memory);
+        let mut order = std::mem::take(&mut walk.order);
+        objects.order(&self.rays, &mut order);
+        for numbers in order.chunks(LANES) {
+            let program = self.weave.program();
+            let eight = Eight::new(simd, &self.rays, &self.query, numbers);
+            let first = objects.first_within(&mut group, walk, program, &eight, &self.query);
+            self.put_within(simd, objects, &first, &eight);
+            for (lane, &entry) in numbers.iter().enumerate() {
+                if first.uncertain >> lane & 1 == 1 {
+                    self.put_one(number(entry));
+                }
+            }
+        }
+        walk.order = order;
+    }
+
+    /// Writes the certain hits.
+    #[inline(always)]
+    fn put_within<S: Simd>(&mut self, simd: S, objects: &Objects, first: &First, eight: &Eight<'_, S>) {
+        let hits = &mut *self.hits;
+        for (lane, &entry) in eight.numbers.iter().enumerate() {
+            let ray = number(entry);
+            hits.t[ray] = first.t.0[lane];
+            hits.face[ray] = whole(first.face.0[lane]);
+            hits.before[ray] = whole(first.before.0[lane]) as u32;
+            hits.after[ray] = whole(first.region.0[lane]) as u32;
+            hits.placement[ray] = whole(first.placement.0[lane]) as u32;
+        }
+        let Some([x, y, z]) = &mut hits.normal else { return };
+        let zero = splat(simd, 0.0);
+        let leaves = Lanes::load_array_ref(simd, &first.region.0).simd_le(zero);
+        let hit = Lanes::load_array_ref(simd, &first.face.0).simd_ge(zero).to_bitmask() & !first.uncertain;
+        let t = Lanes::load_array_ref(simd, &first.t.0);
+        let found =
+            Hits { origin: eight.origin, direction: eight.direction, t, face: first.face, leaves, hit };
+        let program = self.weave.program();
+        let (normals, others) = objects.normals(simd, program, first, &found);
+        for (lane, &entry) in eight.numbers.iter().enumerate() {
+            let ray = number(entry);
+            let mut normal =
+                [normals.x.as_slice()[lane], normals.y.as_slice()[lane], normals.z.as_slice()[lane]];
+            if others >> lane & 1 == 1 {
+                let face = objects.face(first, lane);
+                let [before, after] = [hits.before[ray], hits.after[ray]].map(RegionId);
+                let crossing = Crossing { t: hits.t[ray], face, left: face, entered: face, before, after };
+                normal = attributes::normal(program, &self.rays.get(ray), &crossing).to_array();
+            }
+            [x[ray], y[ray], z[ray]] = normal;
+        }
+    }
+}
+
+impl Objects {
+    /// Lists the rays such that neighbours start close to each other, and of those from one place that they have similar
+    /// directions, in the order of a space-filling curve (Morton 1966).
+    fn order(&self, rays: &Rays<'_>, order: &mut Vec<u64>) {
+        order.clear();
+        if self.is_few {
+            order.extend(0..rays.len() as u64);
+            return;
+        }
+        let limits = &self.model.limits;
+        let low = limits.centre - Vec3::splat(limits.radius);
+        let scale = 16.0 / limits.radius;
+        let cell = |value: f64| SPREAD[value.clamp(0.0, 31.0) as usize];
+        let place = |k: usize, ray: usize| cell((rays.origins[k][ray] - low[k]) * scale) << k;
+        // directions are mostly unit vectors
+        let towards = |k: usize, ray: usize| cell(16.0 * rays.directions[k][ray] + 16.0) << k;
+        order.extend((0..rays.len()).map(|ray| {
+            let places = place(0, ray) | place(1, ray) | place(2, ray);
+            let directions = towards(0, ray) | towards(1, ray) | towards(2, ray);
+            (places << 15 | directions) << 32 | ray as u64
+        }));
+        order.sort_unstable();
+    }
+
+    /// The first hits of eight rays, each in the region in which it starts.
+    #[inline(always)]
+    fn first_within<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        walk: &mut Walk,
+        program: &Program,
+        eight: &Eight<'_, S>,
+        query: &Query<'_>,
+    ) -> First {
+        let simd = group.simd;
+        let Walk { ahead, met, starts, .. } = walk;
+        met.clear();
+        starts.clear();
+        if let Some(lists) = query.starts {
+            for (lane, &entry) in eight.numbers.iter().enumerate() {
+                starts.extend(lists.of(number(entry)).iter().map(|&start| LaneStart { lane, start }));
+            }
+        }
+        let (ray, uncertain) = LaneRay::new(simd, eight.origin, eight.direction, &self.model.limits);
+        let margin = ray.origin.taxicab() * (self.condition * MARGIN);
+        let slabs = slabs(simd, ray.origin, ray.direction, margin);
+        let behind = splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab();
+        let some = (1 << eight.numbers.len()) - 1;
+        let bundle = slabs.bundle(some);
+        let window = query.window;
+        let (from, end) = (eight.from, splat(simd, window.t_max()));
+        let low = window.t_min();
+        let queried = Mask::from_bitmask(simd, some);
+        let mut intervals = BundleWindow { rays: queried, from: (from, low), until: (end, window.t_max()) };
+        let mut progress = Progress {
+            owner: splat(simd, 0.0),
+            bound: splat(simd, f64::INFINITY),
+            uncertain: uncertain.always,
+        };
+        ahead.begin(simd, &self.boxes, &bundle, &intervals);
+        while let Some(item) = ahead.next(simd, &self.boxes, (&slabs, &bundle), &intervals) {
+            if met.len() == MAX_MET {
+                progress.uncertain = queried;
+                break;
+            }
+            let limits = (eight.from, window.t_max());
+            let found = self.meet(group, item, (&ray, starts, queried), limits, &mut progress);
+            if let Some(found) = found {
+                met.push(found);
+                let until = (progress.bound + behind).min(end);
+                intervals.until = (until, latest(queried.select(until, from)));
+            }
+        }
+        let (search, before, after) = first_change(simd, met, &progress, queried);
+        let mut first = self.found(simd, &ray, &search, behind, (program, window));
+        (first.before, first.region) = (Row(before.to_array()), Row(after.to_array()));
+        first
+    }
+
+    /// Intersects one solid; `None` if no ray passes it.
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        item: u32,
+        (ray, starts, queried): (&LaneRay<S>, &[LaneStart], Mask<S>),
+        (from, t_max): (Lanes<S>, f64),
+        progress: &mut Progress<S>,
+    ) -> Option<Met> {
+        let simd = group.simd;
+        let object = &self.objects[item as usize];
+        let part = &self.parts[object.part as usize];
+        let (listed, several) = listed(simd, object, part, starts);
+        progress.uncertain |= Mask::from_bitmask(simd, several);
+        let (mut always, mut carried_ray) = (Mask::splat(simd, false), *ray);
+        let steps = self.steps(object);
+        if !steps.is_empty() {
+            let carried = Carried::new(simd, ray.origin, ray.direction, steps);
+            let (ray, uncertain) = carried.ready(simd, &part.limits);
+            (always, carried_ray) = (uncertain.always, ray);
+        }
+        let (infinity, never) = (splat(simd, f64::INFINITY), Mask::splat(simd, false));
+        let (first, second, face, inside, grazes, is_single);
+        match &part.method {
+            Method::Plan(plan) if is_single_span(plan) => {
+                let (span, uncertain) = group.only_span(plan, &carried_ray, listed.as_ref());
+                let is_some = span.is_some() & span.to.simd_gt(from);
+                inside = is_some & span.from.simd_le(from);
+                let earliest = inside.select(span.to, span.from);
+                let comes = is_some & earliest.simd_lt(t_max);
+                first = comes.select(earliest, infinity);
+                second = (comes & !inside & span.to.simd_lt(t_max)).select(span.to, infinity);
+                face = inside.select(span.to_face, span.from_face);
+                always |= uncertain.always;
+                (grazes, is_single) = (uncertain.grazes, true);
+            }
+            Method::Plan(plan) => {
+                let (uncertain, starts_inside) =
+                    group.enter_from(plan, &carried_ray, listed.as_ref(), (from, t_max));
+                always |= uncertain.always;
+                (inside, grazes, is_single) = (starts_inside, uncertain.grazes, false);
+                (first, second, face) = first_two(group);
+            }
+            Method::Carved(_) => {
+                // no kernel for rays that start on it
+                always = !never;
+                (inside, grazes, is_single) = (never, never, false);
+                (first, second, face) = (infinity, infinity, infinity);
+            }
+        }
+        progress.uncertain |= always & queried;
+        if !(first.simd_lt(infinity) | inside).any_true() {
+            return None;
+        }
+        let region = splat(simd, object.region);
+        let owns = inside & region.simd_gt(progress.owner);
+        let enters = !inside & region.simd_gt(progress.owner);
+        progress.bound = (owns | enters).select(progress.bound.min(first), progress.bound);
+        progress.owner = owns.select(region, progress.owner);
+        Some(Met {
+            object: item,
+            region: object.region,
+            first: Row(first.to_array()),
+            second: Row(second.to_array()),
+            face: Row(face.to_array()),
+            inside: (inside & queried).to_bitmask(),
+            grazes: grazes.to_bitmask(),
+            is_single,
+        })
+    }
+}
+
+/// The numbers below 32 with two zero bits before each bit.
+const SPREAD: [u64; 32] = spread();
+
+const fn spread() -> [u64; 32] {
+    let mut table = [0; 32];
+    let mut k = 0;
+    while k < 32 {
+        let mut bit = 0;
+        while bit < 5 {
+            table[k] |= ((k as u64 >> bit) & 1) << (3 * bit);
+            bit += 1;
+        }
+        k += 1;
+    }
+    table
+}
+
+/// True if the solid is one leaf, whose span has no gaps.
+fn is_single_span(plan: &Plan) -> bool {
+    plan.leaves.len() == 1 && plan.span_count() == 1
+}
+
+/// The surface of a solid on which each of eight rays starts, if there are any, and a bit mask of the rays that start on several
+/// of its surfaces.
+#[inline(always)]
+fn listed<S: Simd>(
+    simd: S,
+    object: &Object,
+    part: &Part,
+    starts: &[LaneStart],
+) -> (Option<LaneStarts<S>>, u64) {
+    let (mut surface, mut inside, mut known, mut several) = (Row([-1.0; LANES]), 0, 0u64, 0);
+    for &LaneStart { lane, start } in starts {
+        if start.placement.0 == object.placement && part.surfaces.contains(&start.surface.0) {
+            several |= known & 1 << lane;
+            known |= 1 << lane;
+            surface.0[lane % LANES] = f64::from(start.surface.0);
+            inside |= u64::from(start.inside) << lane;
+        }
+    }
+    let listed = (known != 0).then(|| LaneStarts {
+        surface: Lanes::load_array_ref(simd, &surface.0),
+        inside: Mask::from_bitmask(simd, inside),
+    });
+    (listed, several)
+}
+
+/// The times of the first two changes, +inf for none, and the face of the first; the second time may be slightly too early.
+#[inline(always)]
+fn first_two<S: Simd>(group: &BundleEvaluation<'_, S>) -> (Lanes<S>, Lanes<S>, Lanes<S>) {
+    let simd = group.simd;
+    let (mut t, mut face) = (Row([f64::INFINITY; LANES]), Row([-1.0; LANES]));
+    for lane in 0..LANES {
+        if let Some(code) = group.code(0, lane) {
+            t.0[lane] = group.memory.ends[code].0[lane];
+            face.0[lane] = group.memory.faces[code].0[lane];
+        }
+    }
+    // without the index of the end in its low bits
+    let second = Lanes::from_bits(group.key(1).to_bits() & !CODE);
+    (Lanes::load_array_ref(simd, &t.0), second, Lanes::load_array_ref(simd, &face.0))
+}
+
+/// The first change of region along each ray, and the regions before and after it.
+#[inline(always)]
+fn first_change<S: Simd>(
+    simd: S,
+    met: &[Met],
+    progress: &Progress<S>,
+    queried: Mask<S>,
+) -> (Search<S>, Lanes<S>, Lanes<S>) {
+    let infinity = splat(simd, f64::INFINITY);
+    let owner = progress.owner;
+    let mut search = Search::new(simd, progress.uncertain & queried);
+    search.queried = queried;
+    let (mut owns, mut again) = (Mask::splat(simd, false), infinity);
+    for solid in met {
+        let (t, region) = (Lanes::load_array_ref(simd, &solid.first.0), splat(simd, solid.region));
+        let inside = Mask::from_bitmask(simd, solid.inside);
+        let is_own = region.simd_eq(owner);
+        // two copies of one region overlap
+        search.always |= owns & inside & is_own;
+        owns |= inside & is_own;
+        again = again.min((!inside & is_own).select(t, infinity));
+        let changes = (inside & is_own) | (!inside & region.simd_gt(owner));
+        let closer = changes & t.simd_lt(search.first);
+        search.first = closer.select(t, search.first);
+        search.face = closer.select(Lanes::load_array_ref(simd, &solid.face.0), search.face);
+        search.object = closer.select(splat(simd, f64::from(solid.object)), search.object);
+        search.grazes = (closer & Mask::from_bitmask(simd, solid.grazes)) | (search.grazes & !closer);
+    }
+    let (first, object) = (search.first, search.object);
+    let is_hit = first.simd_lt(infinity);
+    // another copy of the same region begins before this one ends, or solids farther away may be missing
+    search.always |= (is_hit & again.simd_le(first)) | progress.bound.simd_lt(first);
+    let mut after = splat(simd, 0.0);
+    for solid in met {
+        let region = splat(simd, solid.region);
+        let [t, second] = [&solid.first, &solid.second].map(|row| Lanes::load_array_ref(simd, &row.0));
+        let inside = Mask::from_bitmask(simd, solid.inside);
+        let begun = first.simd_ge(t);
+        let holds = (inside & !begun) | (!inside & begun & first.simd_lt(second));
+        after = (holds & region.simd_gt(after)).select(region, after);
+        let is_other = !object.simd_eq(splat(simd, f64::from(solid.object)));
+        search.always |= is_hit & is_other & (t.simd_eq(first) | second.simd_eq(first));
+        if !solid.is_single {
+            search.always |= is_hit & first.simd_ge(second);
+        }
+    }
+    for solid in met {
+        let [t, second] = [&solid.first, &solid.second].map(|row| Lanes::load_array_ref(simd, &row.0));
+        let next = t.simd_gt(first).select(t, second.simd_gt(first).select(second, infinity));
+        let matters = splat(simd, solid.region).simd_ge(after);
+        search.second = search.second.min(matters.select(next, infinity));
+    }
+    (search, owner, is_hit.select(after, owner))
+}
