@@ -6,9 +6,7 @@ use rayweave::formats::{Format, Imported, Options, parse};
 use rayweave::lens::prescription::{read_zmx, write_zmx};
 use rayweave::mesh_io::{MeshFormat, ReadOptions, read_bytes};
 use rayweave::scene::{self, Diagnostics};
-use std::cell::OnceCell;
 use std::fs;
-use std::path::PathBuf;
 
 /// GDML.
 pub fn gdml(data: &[u8]) {
@@ -31,14 +29,17 @@ pub fn openscad(data: &[u8]) {
 pub fn drawing(data: &[u8]) {
     let Some((&first, rest)) = data.split_first() else { return };
     let name = if first % 2 == 0 { "in.dxf" } else { "in.svg" };
-    let path = folder().join(name);
+    let folder = std::env::temp_dir().join(format!("rayweave-fuzz-{}", std::process::id()));
+    fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(name);
     fs::write(&path, rest).unwrap();
     let text = format!(
         "linear_extrude(height = 3) {{ import(file = {:?}, scale = 1); }}",
         path.display().to_string()
     );
-    let options = Options { facets: first % 4 > 1, allow: vec![folder()], ..Options::default() };
+    let options = Options { facets: first % 4 > 1, allow: vec![folder.clone()], ..Options::default() };
     check(&text, parse(&text, Format::OpenScad, &[], &options));
+    fs::remove_dir_all(&folder).unwrap();
 }
 
 /// Meshes; the first byte selects the format and whether defects are repaired.
@@ -100,19 +101,4 @@ fn check(text: &str, read: Result<Imported, Diagnostics>) {
             }
         }
     }
-}
-
-/// A folder of this process for the files that an input refers to.
-fn folder() -> PathBuf {
-    thread_local! {
-        static FOLDER: OnceCell<PathBuf> = const { OnceCell::new() };
-    }
-    FOLDER.with(|folder| {
-        let made = folder.get_or_init(|| {
-            let path = std::env::temp_dir().join(format!("rayweave-fuzz-{}", std::process::id()));
-            fs::create_dir_all(&path).unwrap();
-            path
-        });
-        made.clone()
-    })
 }

@@ -71,3 +71,29 @@ fn trees_of_solids() {
 fn catalogues_of_glasses() {
     replay("fuzz/corpus/glass", glass::run);
 }
+
+#[test]
+fn gdml_files() {
+    replay("fuzz/corpus/gdml", imported::gdml);
+}
+
+#[test]
+fn openscad_dumps() {
+    replay("fuzz/corpus/openscad", imported::openscad);
+}
+
+#[test]
+fn drawings_in_dumps() {
+    replay("fuzz/corpus/drawing", imported::drawing);
+}
+
+#[test]
+fn meshes() {
+    replay("fuzz/corpus/mesh", imported::mesh);
+}
+
+#[test]
+fn lens_files() {
+    replay("fuzz/corpus/zmx", imported::zmx);
+    replay("models/optics", imported::zmx);
+}
