@@ -153,33 +153,3 @@ impl Bins {
         self.lo + self.counts.len() as f64 * self.width
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_value_is_in_a_bin_or_beyond() {
-        let late: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.01).chain([500.0]).collect();
-        let spectra: [&[f64]; 6] = [&[], &[0.0], &[550.0; 9], &[1.0, 2.0], &late, &[-3.0, 4.0, 1e9]];
-        for values in spectra {
-            let bins = Bins::new(values);
-            assert_eq!(bins.counts.iter().sum::<u64>() as usize + bins.beyond, values.len(), "{values:?}");
-            assert!(bins.lo < bins.end() && bins.counts.len() < 300, "{values:?}");
-            assert!(values.iter().all(|value| *value >= bins.lo), "{values:?}");
-        }
-        assert_eq!(Bins::new(&late).beyond, 1);
-        // 60 bins: a width of 0.2, from 0 to 10
-        assert_eq!((Bins::new(&late).width, Bins::new(&late).counts[0]), (0.2, 20));
-    }
-
-    #[test]
-    fn texts() {
-        let values = [1.0, 3.0];
-        let time = Histogram { name: "time", unit: "ns", values: &values, is_wavelength: false };
-        let drawing = histograms_svg(&[time], "hits");
-        assert!(drawing.contains("2 hits, mean 2 ns, standard deviation 1 ns"), "{drawing}");
-        let none = Histogram { values: &[], ..time };
-        assert!(histograms_svg(&[none], "hits").contains("no hits"));
-    }
-}

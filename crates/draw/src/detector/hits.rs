@@ -150,34 +150,3 @@ impl<'a> Panel<'a> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A square at x = 5 in y and z, and one hit of another sensor.
-    #[test]
-    fn maps_are_drawn_in_the_plane_of_the_hits() {
-        let y: Vec<f64> = (0..100).map(|k| f64::from(k % 10)).chain([40.0]).collect();
-        let z: Vec<f64> = (0..100).map(|k| f64::from(k / 10)).chain([7.0]).collect();
-        let x = vec![5.0; 101];
-        let sensors: Vec<u32> = (0..101).map(|k| u32::from(k == 100)).collect();
-        let names = ["wide".to_owned(), "single".to_owned(), "dark".to_owned()];
-        let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z] };
-        let panels = panels(hits);
-        let found: Vec<_> = panels.iter().map(|panel| (panel.name, panel.hits, panel.axes)).collect();
-        assert_eq!(found[..2], [("all sensors", 101, ["y", "z"]), ("wide", 100, ["y", "z"])]);
-        assert_eq!((found[2].0, found[2].1, found.len()), ("single", 1, 3));
-        for panel in &panels {
-            assert!((panel.map.power() - panel.hits as f64).abs() < 1e-9);
-        }
-        let drawing = hit_maps_svg(hits, "a", "mm");
-        assert!(drawing.contains("101 hits of 2 sensors") && drawing.contains("99.0 %"), "{drawing}");
-    }
-
-    #[test]
-    fn no_hits() {
-        let hits = HitPositions { names: &[], sensors: &[], positions: [&[]; 3] };
-        assert!(hit_maps_svg(hits, "a", "mm").contains("no hits"));
-    }
-}
