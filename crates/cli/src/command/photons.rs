@@ -5,11 +5,13 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal;
 use clap::{Args, ValueEnum};
+use rayweave::model::RegionId;
 use rayweave::photon::{
-    DetectionRule, Detector, End, Hits, PhotonRun, PointSource, RunSettings, Source, hit_schema, simulate,
+    DetectionRule, Detector, DichroicTable, End, Hits, PhotonRun, PointSource, RunSettings, Source,
+    SurfaceTables, hit_schema, simulate,
 };
 use rayweave::table::TableWriter;
-use rayweave::{Packets, Vec3};
+use rayweave::{Evaluator, Packets, Vec3};
 use serde_json::{Value, json};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -67,6 +69,14 @@ pub struct Photons {
     /// Rule of detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive volume, or both
     #[arg(long, value_name = "RULE", default_value = "both")]
     detect: Rule,
+
+    /// Folder with the tables of Geant4's data set RealSurface, decompressed (PolishedTyvek.dat), for LUT and DAVIS surfaces
+    #[arg(long, value_name = "FOLDER")]
+    surface_tables: Option<PathBuf>,
+
+    /// Table of the transmittance of dichroic surfaces, in the format of Geant4 (G4DICHROICDATA)
+    #[arg(long, value_name = "FILE")]
+    dichroic: Option<PathBuf>,
 
     /// Maximum number of steps of a photon
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -130,7 +140,7 @@ impl Photons {
         let point = PointSource::isotropic(Vec3::from_array(self.at), self.wavelength)?;
         let point = self.towards.map_or(Ok(point), |direction| point.towards(Vec3::from_array(direction)))?;
         let (document, scene) = self.model.load_document()?;
-        let detector = Detector::new(&scene, &document)?;
+        let detector = Detector::with_tables(&scene, &document, &self.tables()?)?;
         if !global.quiet {
             detector.notes().iter().for_each(|note| terminal::note(note));
         }
@@ -144,6 +154,9 @@ impl Photons {
             ..RunSettings::new(range)
         };
         let evaluator = Packets::new(detector.program().clone());
+        if !global.quiet && is_outside(&evaluator, self.at) {
+            terminal::note("the source is outside all volumes: photons that meet no volume escape.");
+        }
         let start = Instant::now();
         let run = simulate(&detector, &evaluator, &Source::Point(point), &settings);
         let (run, duration) = (run?, start.elapsed());
@@ -157,6 +170,18 @@ impl Photons {
             () if is_piped || global.quiet => Ok(()),
             () => terminal::print(&self.text(&run, duration)),
         }
+    }
+
+    /// The tables of measured surfaces.
+    fn tables(&self) -> Result<SurfaceTables, Failure> {
+        let mut tables = SurfaceTables::default();
+        if let Some(folder) = &self.surface_tables {
+            tables = tables.folder(folder);
+        }
+        if let Some(path) = &self.dichroic {
+            tables = tables.dichroic(DichroicTable::read(path)?);
+        }
+        Ok(tables)
     }
 
     fn json(&self, run: &PhotonRun, duration: Duration) -> Value {
@@ -194,6 +219,14 @@ impl Photons {
             self.detect.rule().1,
         )
     }
+}
+
+/// True for a point in no region.
+fn is_outside(evaluator: &Packets, at: [f64; 3]) -> bool {
+    let mut region = [RegionId(0)];
+    let [x, y, z] = at.map(|coordinate| [coordinate]);
+    evaluator.regions_at([&x, &y, &z], &mut evaluator.scratch(), &mut region);
+    region == [RegionId(0)]
 }
 
 /// A range of photon numbers, `A:B`.
