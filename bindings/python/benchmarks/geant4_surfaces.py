@@ -101,6 +101,8 @@ def tables(folder):
     incidence, theta, phi = np.meshgrid(np.arange(91), np.arange(45), np.arange(37), indexing="ij")
     mirror = -90 + 4 * theta + incidence
     lut = 0.02 + 0.9 * np.exp(-((mirror / 20.0) ** 2) - ((-90 + 5 * phi) / 30.0) ** 2)
+    # directions in the surface itself: their volume is a matter of rounding
+    lut[(theta == 0) | (phi == 0)] = 0
     lut = lut.transpose(2, 1, 0).ravel()
     rng = np.random.default_rng(3)
     azimuth = rng.normal(0, 0.7, 7_280_001 // 2)
