@@ -8,7 +8,7 @@ use numpy::{Element, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Vec3;
-use rayweave::layout::{OpticalLayout, LayoutPlane};
+use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{Histories, Process, StepRow, sequence_text, step_schema};
 use rayweave::table::{TableError, TableWriter};
 

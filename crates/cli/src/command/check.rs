@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
 use rayweave::AnyEvaluator;
-use rayweave::check::{CheckReport, CheckSettings, Finding, Hierarchy, FindingKind, check, finding_section};
+use rayweave::check::{CheckReport, CheckSettings, Finding, FindingKind, Hierarchy, check, finding_section};
 use rayweave::photon::{SurfaceTables, lint};
 use rayweave::scene::Scene;
 use rayweave::section::section_svg;

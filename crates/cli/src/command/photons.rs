@@ -8,13 +8,14 @@ use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
 use clap::{Args, ValueEnum};
 use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
-use rayweave::layout::{OpticalLayout, LayoutPlane};
+use rayweave::layout::{LayoutPlane, OpticalLayout};
+use rayweave::model::RegionId;
 use rayweave::photon::{
-    DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, PointSource, RunSettings, Source,
-    hit_schema, simulate_parts, step_schema,
+    DetectionRule, Detector, DichroicTable, Histories, HistoryOptions, Hits, PhotonError, PointSource,
+    RunSettings, Source, SurfaceTables, hit_schema, simulate_parts, step_schema,
 };
 use rayweave::table::TableWriter;
-use rayweave::{Packets, Vec3};
+use rayweave::{Evaluator, Packets, Vec3};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -75,6 +76,14 @@ pub struct Photons {
     /// Rule of detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive volume, or both
     #[arg(long, value_name = "RULE", default_value = "both")]
     detect: Rule,
+
+    /// Folder with the tables of Geant4's data set RealSurface, decompressed (PolishedTyvek.dat), for LUT and DAVIS surfaces
+    #[arg(long, value_name = "FOLDER")]
+    surface_tables: Option<PathBuf>,
+
+    /// Table of the transmittance of dichroic surfaces, in the format of Geant4 (G4DICHROICDATA)
+    #[arg(long, value_name = "FILE")]
+    dichroic: Option<PathBuf>,
 
     /// Maximum number of steps of a photon
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -168,7 +177,7 @@ impl Photons {
         let point = self.towards.map_or(Ok(point), |direction| point.towards(Vec3::from_array(direction)))?;
         let source = Source::Point(point);
         let (document, scene) = self.model.load_document()?;
-        let detector = Detector::new(&scene, &document)?;
+        let detector = Detector::with_tables(&scene, &document, &self.tables()?)?;
         if !global.quiet {
             detector.notes().iter().for_each(|note| terminal::note(note));
         }
@@ -181,6 +190,9 @@ impl Photons {
             cancel: interrupt::token()?,
             ..RunSettings::new(range)
         };
+        if !global.quiet && is_outside(&Packets::new(detector.program().clone()), self.at) {
+            terminal::note("the source is outside all volumes: photons that meet no volume escape.");
+        }
         let report = self.simulate(global, &detector, &source, &settings)?;
         if let Some(path) = &self.out {
             let mut table = TableWriter::create(path, &hit_schema(&report.run.hits)?)?;
@@ -207,6 +219,18 @@ impl Photons {
                 Err(Failure::Usage(text.to_owned()))
             }
         }
+    }
+
+    /// The tables of measured surfaces.
+    fn tables(&self) -> Result<SurfaceTables, Failure> {
+        let mut tables = SurfaceTables::default();
+        if let Some(folder) = &self.surface_tables {
+            tables = tables.folder(folder);
+        }
+        if let Some(path) = &self.dichroic {
+            tables = tables.dichroic(DichroicTable::read(path)?);
+        }
+        Ok(tables)
     }
 
     fn drawings(&self) -> impl Iterator<Item = &PathBuf> {
@@ -284,6 +308,14 @@ impl Photons {
         }
         Ok(report)
     }
+}
+
+/// True for a point in no region.
+fn is_outside(evaluator: &Packets, at: [f64; 3]) -> bool {
+    let mut region = [RegionId(0)];
+    let [x, y, z] = at.map(|coordinate| [coordinate]);
+    evaluator.regions_at([&x, &y, &z], &mut evaluator.scratch(), &mut region);
+    region == [RegionId(0)]
 }
 
 /// A range of photon numbers, `A:B`.

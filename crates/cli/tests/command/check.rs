@@ -62,3 +62,27 @@ fn refusals() {
     bench.write("far.toml", BALL.replace("R = 1.0", "R = 1e200"));
     bench.fails(3, &["check", "far.toml", "--cells", "8", "--define", "R=1e400"]);
 }
+
+/// Findings about optical properties name the file, the line and the column.
+#[test]
+fn optical_properties_of_gdml_files() {
+    let bench = Bench::new();
+    let page = include_str!("../../../../docs/guides/photons.md");
+    let (_, rest) = page.split_once("```xml\n").unwrap();
+    let bar = rest.split_once("```\n").unwrap().0;
+    // energies in MeV by mistake, and a property that nothing uses
+    let bar = bar.replace("1.5*eV 400 4*eV 400", "1.5 400 4 400").replace(
+        r#"<property name="ABSLENGTH""#,
+        "<property name=\"ABSORPTION\" ref=\"LENGTH\"/>\n<property name=\"ABSLENGTH\"",
+    );
+    bench.write("bar.gdml", &bar);
+    let line = bar.lines().position(|line| line.contains("\"ABSLENGTH\"")).unwrap() + 1;
+    let said = bench.says(&["check", "bar.gdml", "--cells", "8"]);
+    let expected = format!(
+        "bar.gdml:{line}:1: the energies of `ABSLENGTH` of material `Crystal` are not those of light"
+    );
+    assert!(said.contains(&expected) && said.contains("The numbers look like eV"), "{said}");
+    assert!(said.contains("unused: bar.gdml") && said.contains("`ABSORPTION` is ignored"), "{said}");
+    assert_eq!(bench.run(&["check", "bar.gdml", "--cells", "8", "--fail-on", "optical"]).code, 1);
+    bench.says(&["check", "bar.gdml", "--cells", "8", "--fail-on", "overlap"]);
+}

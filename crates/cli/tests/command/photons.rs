@@ -143,3 +143,22 @@ fn histories_and_drawings() {
     assert!(bench.fails(2, &run(&["--draw", "-", "--map", "-"])).contains("`-` is given more than once"));
     assert!(bench.fails(2, &run(&["--plane", "yz"])).contains("--draw"));
 }
+
+/// A wrapping of the `LUT` model needs its table; a source outside all volumes is noted.
+#[test]
+fn measured_surfaces_and_outer_sources() {
+    let bench = bench();
+    let wrapped = block("xml").replace(
+        r#"finish="groundfrontpainted" type="dielectric_dielectric""#,
+        r#"finish="groundtyvekair" type="dielectric_LUT""#,
+    );
+    bench.write("wrapped.gdml", &wrapped);
+    let run = ["photons", "wrapped.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "100", "--json"];
+    assert!(bench.fails(3, &run).contains("data set RealSurface with GroundTyvek.dat"));
+    bench.write("GroundTyvek.dat", &"1 ".repeat(151_515));
+    let with: Vec<&str> = run.into_iter().chain(["--surface-tables", "."]).collect();
+    assert_eq!(bench.json(&with)["photons"], 100);
+    let outside = ["photons", "bar.gdml", "--at", "0,0,500", "--wavelength", "550", "-n", "10"];
+    let done = bench.run(&outside);
+    assert!(done.code == 0 && done.err.contains("the source is outside all volumes"), "{}", done.err);
+}

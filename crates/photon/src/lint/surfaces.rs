@@ -18,6 +18,19 @@ impl Lint<'_> {
                 let advice = "Rayweave simulates the film; in Geant4 set the type in C++.";
                 self.find(&owner, "", Message::new(problem, reason).suggest(advice));
             }
+            let has_own_table = matches!(
+                surface.kind,
+                SurfaceType::DielectricLut
+                    | SurfaceType::DielectricLutDavis
+                    | SurfaceType::DielectricDichroic
+            );
+            if has_own_table && matches!(surface.model, SurfaceModel::Glisur | SurfaceModel::Unified) {
+                let problem = format!("the model of {owner} does not fit its type");
+                let reason =
+                    "with the models glisur and unified Geant4 does not read the table that the type needs";
+                let advice = "Set the model to LUT, DAVIS or dichroic.";
+                self.find(&owner, "", Message::new(problem, reason).suggest(advice));
+            }
             let value = surface.value;
             let (is_off, advice) = match surface.model {
                 SurfaceModel::Unified => {

@@ -12,7 +12,7 @@ pub(super) fn short(value: f64) -> String {
     if value == 0.0 || !(1e-3..1e6).contains(&value.abs()) {
         return format!("{value:.3e}").replace(".000e", "e");
     }
-    let digits = (3.0 - value.abs().log10().floor()).max(0.0) as usize;
+    let digits = (3.0 - libm::log10(value.abs()).floor()).max(0.0) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }

@@ -154,6 +154,15 @@ fn names_and_order_of_geant4_are_respected() {
 <property name="COATEDRINDEX" ref="GLASS"/></opticalsurface>"#;
     let coated = found(&SlabDetector { surfaces: coated, links: SKIN, ..CLEAR }, "the type `coated`");
     assert!(coated.to_string().contains("reads it as `x_ray`"), "{coated}");
+    let filter =
+        r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_dichroic" value="1"/>"#;
+    let slab = SlabDetector { surfaces: filter, links: SKIN, ..CLEAR };
+    assert!(
+        found(&slab, "does not fit its type")
+            .to_string()
+            .contains("Set the model to LUT, DAVIS or dichroic.")
+    );
+    assert!(found(&slab, "has no table").place.is_some());
 }
 
 #[test]
