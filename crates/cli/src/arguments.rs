@@ -68,7 +68,7 @@ pub struct ModelArguments {
 impl ModelArguments {
     /// Reads the model file for an answer that depends on all of its geometry. Warnings go to standard error.
     pub fn load(&self) -> Result<Scene, Failure> {
-        self.import_all().map(|imported| imported.scene)
+        self.all_of(&self.model, self.import_scene_only()?).map(|imported| imported.scene)
     }
 
     /// Reads the model file like [`load`](Self::load), and records the losses of the import.
@@ -93,7 +93,16 @@ impl ModelArguments {
 
     /// Reads what there is of the model file, and records the losses of the import. Warnings go to standard error.
     pub fn import(&self) -> Result<Imported, Failure> {
-        self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions)
+        self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions, false)
+    }
+
+    /// Reads what there is of the model file, without its document. Warnings go to standard error.
+    pub fn import_scene(&self) -> Result<Scene, Failure> {
+        self.import_scene_only().map(|imported| imported.scene)
+    }
+
+    fn import_scene_only(&self) -> Result<Imported, Failure> {
+        self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions, true)
     }
 
     /// Reads a second model by the same options, except format and unit; its parameters keep their
@@ -104,7 +113,7 @@ impl ModelArguments {
         format: Option<&str>,
         unit: Option<&str>,
     ) -> Result<Scene, Failure> {
-        self.all_of(path, self.read(path, format, unit, &[])?).map(|imported| imported.scene)
+        self.all_of(path, self.read(path, format, unit, &[], true)?).map(|imported| imported.scene)
     }
 
     fn read(
@@ -113,6 +122,7 @@ impl ModelArguments {
         format: Option<&str>,
         unit: Option<&str>,
         definitions: &[(String, String)],
+        scene_only: bool,
     ) -> Result<Imported, Failure> {
         let options = Options {
             facets: self.facets,
@@ -121,6 +131,7 @@ impl ModelArguments {
             allow: self.allow.clone(),
             strict: self.strict,
             unit: unit.and_then(Unit::parse),
+            scene_only,
         };
         let imported = formats::load(path, format.and_then(Format::from_name), definitions, &options);
         let imported = imported.map_err(rayweave::Error::from)?;

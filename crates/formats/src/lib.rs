@@ -55,21 +55,27 @@ pub fn load(
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     let path = path.as_ref();
-    let imported = match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
-        Format::Native => {
-            let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
-            report::refuse_unit(&source, Format::Native, options)?;
-            report::refuse_program(&source, path, format)?;
-            rayweave_scene::load_allowing(path, overrides, &options.allow).map(native)
-        }
-        Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
-        Format::Mesh(kind) => {
-            let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
-            report::refuse_overrides(&source, Format::Mesh(kind), overrides)?;
-            mesh::load(path, kind, options)
-        }
-        other => understand(Source::read(path)?, other, overrides, options),
-    };
+    let imported =
+        match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
+            Format::Native => {
+                let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
+                report::refuse_unit(&source, Format::Native, options)?;
+                report::refuse_program(&source, path, format)?;
+                match options.scene_only {
+                    true => rayweave_scene::load_scene(path, overrides, &options.allow).map(|scene| {
+                        Imported { stated: None, scene, report: Report::default(), places: Places::default() }
+                    }),
+                    false => rayweave_scene::load_allowing(path, overrides, &options.allow).map(native),
+                }
+            }
+            Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
+            Format::Mesh(kind) => {
+                let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
+                report::refuse_overrides(&source, Format::Mesh(kind), overrides)?;
+                mesh::load(path, kind, options)
+            }
+            other => understand(Source::read(path)?, other, overrides, options),
+        };
     strictly(imported?, options)
 }
 

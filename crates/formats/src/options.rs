@@ -20,4 +20,7 @@ pub struct Options {
     pub strict: bool,
     /// Unit of length for formats without units (STL, OBJ, PLY, OFF and OpenSCAD dumps); default: millimetres.
     pub unit: Option<Unit>,
+    /// Whether the scene of a native file is enough. Its document is then dropped while the scene is made, which takes less
+    /// memory.
+    pub scene_only: bool,
 }

@@ -119,15 +119,16 @@ impl Compiler {
     fn group(
         &mut self,
         id: usize,
-        mut group: Group,
+        group: Group,
         first_leaf: u32,
         observer: &mut impl Observer,
     ) -> Result<GroupTables, CompileError> {
         let inner = |prototype: crate::PrototypeId| self.done[prototype.index()].unwrap_or_default();
         let mut tables = Tables::of(&group, &mut self.labels, inner)?;
-        tables.share(&group, &self.labels)?;
-        let trail = std::mem::take(&mut group.trail);
-        let prepared = tables.prepare(group, inner, observer);
+        let path = group.parts.first().map(|part| group.path(part)).unwrap_or_default();
+        let (formula, trail) = group.into_formula();
+        tables.share(&path, &self.labels)?;
+        let prepared = tables.prepare(formula, inner, observer);
         self.done[id] = Some(prepared.extent);
         let Tables { leaves, surfaces, .. } = tables;
         let prototype = Prototype {

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::collections::hash_map::RandomState;
+use std::hash::BuildHasher;
 use std::sync::Arc;
 
 /// The names of a shape and of its faces.
@@ -26,7 +28,11 @@ impl Label {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Labels {
     labels: Vec<Label>,
-    numbers: HashMap<Label, u32>,
+    hasher: RandomState,
+    /// For each hash the last label with it.
+    newest: HashMap<u64, u32>,
+    /// For each label the one before it with the same hash; itself if there is none.
+    older: Vec<u32>,
     /// The distinct lists of face names.
     faces: HashMap<Arc<[Cow<'static, str>]>, ()>,
 }
@@ -52,11 +58,18 @@ impl Labels {
     pub fn insert(&mut self, mut label: Label) -> u32 {
         label.faces = self.faces(label.faces);
         let fresh = self.labels.len() as u32;
-        let number = *self.numbers.entry(label.clone()).or_insert(fresh);
-        if number == fresh {
-            self.labels.push(label);
+        let newest = self.newest.entry(self.hasher.hash_one(&label)).or_insert(fresh);
+        let (mut number, mut next) = (fresh, *newest);
+        while number != next {
+            number = next;
+            if self.labels[number as usize] == label {
+                return number;
+            }
+            next = self.older[number as usize];
         }
-        number
+        self.older.push(std::mem::replace(newest, fresh));
+        self.labels.push(label);
+        fresh
     }
 
     fn faces(&mut self, faces: Arc<[Cow<'static, str>]>) -> Arc<[Cow<'static, str>]> {

@@ -26,9 +26,18 @@ pub(crate) struct Group<'a> {
     /// The names around the leaves.
     pub trail: Trail,
     contexts: Vec<Context<'a>>,
+    maps: Vec<Map>,
 }
 
+/// A map into the frame of a group, and the sum of the lengths of the translations composed into it.
+type Map = (Affine, f64);
+
 impl Group<'_> {
+    /// The formula and the trail, without what only messages need.
+    pub fn into_formula(self) -> (Formula, Trail) {
+        (self.formula, self.trail)
+    }
+
     /// The path from the root to a leaf, for messages. Computed on demand: the paths to all leaves of a deep
     /// tree have quadratic total length.
     pub fn path(&self, part: &Part<'_>) -> String {
@@ -41,16 +50,15 @@ impl Group<'_> {
 
     /// The map of a part into the frame of the group, and the sum of the lengths of the translations composed
     /// into it.
-    pub fn place(&self, part: &Part<'_>) -> (Affine, f64) {
-        let Context { world_from_local, way, .. } = self.contexts[part.context as usize];
-        (world_from_local, way)
+    pub fn place(&self, part: &Part<'_>) -> Map {
+        self.maps[self.contexts[part.context as usize].map as usize]
     }
 
     /// The name of the compound around a leaf's own name, if it is at most [`MAX_NAME_LEVELS`] levels up.
     pub fn outer_name(&self, part: &Part<'_>) -> Option<&str> {
         let above = |&context: &u32| (context != 0).then(|| self.contexts[context as usize].parent);
         let contexts = std::iter::successors(Some(part.context), above).take(MAX_NAME_LEVELS);
-        contexts.filter_map(|context| self.contexts[context as usize].name.as_deref()).nth(1)
+        contexts.filter_map(|context| self.contexts[context as usize].name).map(|name| &**name).nth(1)
     }
 }
 
@@ -105,18 +113,20 @@ impl<'a> Prototypes<'a> {
 }
 
 /// A position in the traversal: the composed map and the names on the path.
+#[derive(Clone, Copy)]
 struct Context<'a> {
     parent: u32,
-    name: Option<Arc<str>>,
+    name: Option<&'a Arc<str>>,
     /// The single copy with a label that this context is inside of.
     copy: Option<&'a Copies>,
     /// The innermost context with a name or a copy, this one included; 0 if there is none.
     step: u32,
-    /// The innermost name, and whether only maps and complements lie between it and this position.
-    leaf_name: Option<Arc<str>>,
+    /// The innermost context with a name, this one included; 0 if there is none.
+    named: u32,
+    /// True if only maps and complements lie between that name and this position.
     direct: bool,
-    world_from_local: Affine,
-    way: f64,
+    /// The number of the composed map, which a name shares with the context around it.
+    map: u32,
 }
 
 /// A node (by address) and the context of its visit.
@@ -155,6 +165,7 @@ struct Lowering<'p, 'a> {
     parts: Vec<Part<'a>>,
     leaf_count: usize,
     contexts: Vec<Context<'a>>,
+    maps: Vec<Map>,
     /// True until the first node that is not a map or complement: a name there is that of the whole group.
     at_root: bool,
     /// The context of the name of the whole group; 0 if there is none.
@@ -171,16 +182,7 @@ struct Lowering<'p, 'a> {
 
 impl<'p, 'a> Lowering<'p, 'a> {
     fn new(prototypes: &'p mut Prototypes<'a>, is_placed: bool) -> Self {
-        let root = Context {
-            parent: 0,
-            name: None,
-            copy: None,
-            step: 0,
-            leaf_name: None,
-            direct: false,
-            world_from_local: Affine::IDENTITY,
-            way: 0.0,
-        };
+        let root = Context { parent: 0, name: None, copy: None, step: 0, named: 0, direct: false, map: 0 };
         Lowering {
             prototypes,
             formula: Formula::default(),
@@ -188,6 +190,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
             parts: Vec::new(),
             leaf_count: 0,
             contexts: vec![root],
+            maps: vec![(Affine::IDENTITY, 0.0)],
             at_root: is_placed,
             own: 0,
             leaf_names: LeafNames::default(),
@@ -212,9 +215,11 @@ impl<'p, 'a> Lowering<'p, 'a> {
             }
         }
         self.operands.iter().for_each(|&output| self.formula.add_output(output));
-        let Lowering { formula, names, parts, leaf_count, contexts, own, .. } = self;
+        // the trail takes memory too
+        (self.context_of, self.leaf_of, self.done) = Default::default();
+        let Lowering { formula, names, parts, leaf_count, contexts, maps, own, .. } = self;
         let trail = trail(&contexts, &parts, own);
-        Ok(Group { formula, names, parts, leaf_count, trail, contexts })
+        Ok(Group { formula, names, parts, leaf_count, trail, contexts, maps })
     }
 
     /// Pushes operands onto the stack in reverse, so that they are visited in order.
@@ -376,28 +381,39 @@ impl<'p, 'a> Lowering<'p, 'a> {
         }
         map.inverse()
             .map_err(|e| CompileError { path: self.path(visit.context, "transform"), problem: e.into() })?;
-        let next = Context { copy, ..self.step(visit.context, map) };
-        Ok(self.enter(visit, next))
+        let Context { map: outer, step, named, direct, .. } = self.contexts[visit.context as usize];
+        let next = Context { parent: visit.context, name: None, copy, step, named, direct, map: 0 };
+        Ok(self.enter_moved(visit, next, self.composed(map, outer)))
     }
 
-    fn step(&self, context: u32, map: &Affine) -> Context<'a> {
-        let outer = &self.contexts[context as usize];
-        Context {
-            parent: context,
-            name: None,
-            copy: None,
-            step: outer.step,
-            leaf_name: outer.leaf_name.clone(),
-            direct: outer.direct,
-            world_from_local: map.then(&outer.world_from_local),
-            way: outer.way + outer.world_from_local.vector(map.translation).length(),
+    /// A map, followed by a composed one.
+    fn composed(&self, map: &Affine, outer: u32) -> Map {
+        let (outer, way) = self.maps[outer as usize];
+        (map.then(&outer), way + outer.vector(map.translation).length())
+    }
+
+    fn named(&mut self, visit: &Visit<'a>, name: &'a Arc<str>) -> u32 {
+        let Context { map, step, .. } = self.contexts[visit.context as usize];
+        let named = self.contexts.len() as u32;
+        let name = Some(name);
+        let next = Context { parent: visit.context, name, copy: None, step, named, direct: true, map };
+        let composed = self.composed(&Affine::IDENTITY, map);
+        let bits = |map: &Affine| map.to_rows().map(|row| row.map(f64::to_bits));
+        // the product with the identity may have another zero than -0
+        match bits(&composed.0) == bits(&self.maps[map as usize].0) {
+            true => self.enter(visit, next),
+            false => self.enter_moved(visit, next, composed),
         }
     }
 
-    fn named(&mut self, visit: &Visit<'a>, name: &Arc<str>) -> u32 {
-        let mut next = self.step(visit.context, &Affine::IDENTITY);
-        (next.name, next.leaf_name, next.direct) = (Some(name.clone()), Some(name.clone()), true);
-        self.enter(visit, next)
+    /// Enters a context with a map of its own.
+    fn enter_moved(&mut self, visit: &Visit<'a>, next: Context<'a>, map: Map) -> u32 {
+        let number = self.maps.len() as u32;
+        let context = self.enter(visit, Context { map: number, ..next });
+        if self.contexts[context as usize].map == number {
+            self.maps.push(map);
+        }
+        context
     }
 
     fn enter(&mut self, visit: &Visit<'a>, mut next: Context<'a>) -> u32 {
@@ -419,16 +435,16 @@ impl<'p, 'a> Lowering<'p, 'a> {
     /// Marks the innermost name as that of a compound, not of one leaf; returns that name the first time.
     fn undirect(&mut self, context: u32) -> Option<Arc<str>> {
         let context = &mut self.contexts[context as usize];
-        let direct = std::mem::replace(&mut context.direct, false);
-        context.leaf_name.clone().filter(|_| direct)
+        let (named, direct) = (context.named, std::mem::replace(&mut context.direct, false));
+        self.contexts[named as usize].name.filter(|_| direct).cloned()
     }
 
     /// The name given to a leaf, or its kind after the name of the enclosing compound.
     fn leaf_name(&mut self, context: u32, kind: &'static str) -> Arc<str> {
-        let Context { leaf_name, direct, .. } = &self.contexts[context as usize];
-        match leaf_name {
-            Some(name) if *direct => name.clone(),
-            name => self.leaf_names.of(name.as_ref(), kind),
+        let Context { named, direct, .. } = self.contexts[context as usize];
+        match self.contexts[named as usize].name {
+            Some(name) if direct => name.clone(),
+            name => self.leaf_names.of(name, kind),
         }
     }
 
@@ -516,7 +532,7 @@ impl Steps<'_, '_> {
         let mut node = self.node_of.get(&at).copied().unwrap_or(TOP);
         for step in missing.into_iter().rev() {
             let context = &contexts[step as usize];
-            node = match (&context.name, context.copy.and_then(Copies::label)) {
+            node = match (context.name, context.copy.and_then(Copies::label)) {
                 (Some(name), _) => self.builder.named(node, name),
                 (None, Some(label)) => self.builder.labelled(node, label),
                 (None, None) => node,
@@ -542,7 +558,7 @@ fn own_name(mut solid: &Solid) -> Option<&Arc<str>> {
 fn path(contexts: &[Context<'_>], mut context: u32, what: &str) -> String {
     let mut names = vec![what];
     while context != 0 {
-        names.extend(contexts[context as usize].name.as_deref());
+        names.extend(contexts[context as usize].name.map(|name| &**name));
         context = contexts[context as usize].parent;
     }
     names.reverse();

@@ -7,7 +7,7 @@ use crate::label::Labels;
 use crate::leaf::{LeafFacet, LeafTable};
 use crate::lower::{Content, Group, Part};
 use crate::program::SurfaceEntry;
-use crate::simplify::{Observer, bounds, leaf_needs, output_bounds, prepare_observed};
+use crate::simplify::{Formula, Observer, bounds, leaf_needs, output_bounds, prepare_observed};
 use crate::{Ball, CompileError, CompileProblem, Expression, PrototypeId, SurfaceId};
 use rayweave_math::{Bounds, Transform};
 use rayweave_shape::Ray;
@@ -161,8 +161,8 @@ impl Tables {
         Ok(())
     }
 
-    /// Replaces coincident surfaces by one representative, bit for bit.
-    pub fn share(&mut self, group: &Group<'_>, labels: &Labels) -> Result<(), CompileError> {
+    /// Replaces coincident surfaces by one representative, bit for bit. `path` is that of the first leaf.
+    pub fn share(&mut self, path: &str, labels: &Labels) -> Result<(), CompileError> {
         let candidates: Vec<_> = self.surfaces.iter().map(|s| (&s.surface, s.magnitude)).collect();
         let shared = share(&candidates).map_err(|wide| {
             let name = |surface: usize| {
@@ -172,36 +172,47 @@ impl Tables {
                 labels.get(leaf.label_number()).face_name(facet - leaf.first_facet())
             };
             CompileError {
-                path: group.parts.first().map(|part| group.path(part)).unwrap_or_default(),
+                path: path.to_owned(),
                 problem: CompileProblem::WideClass { first: name(wide.first), second: name(wide.second) },
             }
         })?;
+        drop(candidates);
         let mut number = vec![u32::MAX; self.surfaces.len()];
-        let mut kept: Vec<SurfaceEntry> = Vec::new();
+        // the representative of each class, and its magnitude
+        let mut kept: Vec<(u32, f64)> = Vec::new();
         for facet in &mut self.leaves.facets {
             let k = facet.surface().index();
-            let representative = shared.representative[k] as usize;
-            if number[representative] == u32::MAX {
-                number[representative] = kept.len() as u32;
-                kept.push(self.surfaces[representative].clone());
+            let representative = shared.representative[k];
+            let class = &mut number[representative as usize];
+            if *class == u32::MAX {
+                *class = kept.len() as u32;
+                kept.push((representative, self.surfaces[representative as usize].magnitude));
             }
-            let entry = &mut kept[number[representative] as usize];
+            let magnitude = &mut kept[*class as usize].1;
             // the class shares one tolerance, wide enough for each of its members
-            entry.magnitude = entry.magnitude.max(self.surfaces[k].magnitude);
-            *facet = LeafFacet::new(SurfaceId(number[representative]), facet.inside() ^ shared.flipped[k]);
+            *magnitude = magnitude.max(self.surfaces[k].magnitude);
+            *facet = LeafFacet::new(SurfaceId(*class), facet.inside() ^ shared.flipped[k]);
         }
-        self.surfaces = kept;
+        drop((number, shared));
+        // Surfaces are numbered in the order of the facets, and classes too, so class k has no member before
+        // surface k, and no later class has surface k.
+        for (k, &(representative, magnitude)) in kept.iter().enumerate() {
+            if representative as usize != k {
+                self.surfaces[k] = self.surfaces[representative as usize].clone();
+            }
+            self.surfaces[k].magnitude = magnitude;
+        }
+        self.surfaces.truncate(kept.len());
         Ok(())
     }
 
-    /// Simplifies the formula of the group and marks the leaves that affect no output.
+    /// Simplifies the formula of a group and marks the leaves that affect no output.
     pub fn prepare(
         &mut self,
-        group: Group<'_>,
+        mut formula: Formula,
         inner: impl Fn(PrototypeId) -> Extent,
         observer: &mut impl Observer,
     ) -> Prepared {
-        let Group { mut formula, .. } = group;
         formula.complement_leaves(|leaf| self.leaves.leaf(leaf.index()).is_complement());
         let boxes = Boxes { leaves: &self.leaves, surfaces: &self.surfaces, inner };
         let count = self.leaves.len();

@@ -158,7 +158,7 @@ fn call(name: &str, count: usize, span: Span) -> Result<Operation, Fault> {
         let names: Vec<&str> = FUNCTIONS.iter().map(|function| function.name).collect();
         let reason = format!("the functions are {}", names.join(", "));
         let suggestion = did_you_mean(name, names);
-        let span = Span::new(span.start, span.start + name.len());
+        let span = Span::new(span.start(), span.start() + name.len());
         return Err(Fault::new(span, format!("unknown function `{name}`"), reason).suggest(suggestion));
     };
     let (least, most) = FUNCTIONS[index].arity;

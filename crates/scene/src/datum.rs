@@ -91,23 +91,29 @@ pub fn lookup<'t>(table: &'t Table, key: &str) -> Option<&'t Datum> {
     table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
 }
 
-/// Converts a table of the syntax tree. The TOML parser limits the nesting of tables to fewer than
-/// 300 levels.
-pub(crate) fn from_toml(table: &DeTable, source: &Arc<Source>, problems: &mut Vec<Diagnostic>) -> Table {
+/// Converts a table of the syntax tree of a text that begins at `offset` in the source. The TOML parser
+/// limits the nesting of tables to fewer than 300 levels.
+pub(crate) fn from_toml(
+    table: &DeTable,
+    offset: usize,
+    source: &Arc<Source>,
+    problems: &mut Vec<Diagnostic>,
+) -> Table {
     let entry = |(key, value): (&toml::Spanned<_>, &toml::Spanned<_>)| {
         let key: &toml::Spanned<toml::de::DeString> = key;
-        let name = Spanned::new(key.get_ref().to_string(), key.span());
-        (name, datum(value, source, problems))
+        let name = Spanned::new(key.get_ref().to_string(), Span::from(key.span()).shifted(offset));
+        (name, datum(value, offset, source, problems))
     };
-    table.iter().map(entry).collect()
+    collected(table.iter().map(entry))
 }
 
 fn datum(
     value: &toml::Spanned<DeValue>,
+    offset: usize,
     source: &Arc<Source>,
     problems: &mut Vec<Diagnostic>,
 ) -> Spanned<Datum> {
-    let span = Span::from(value.span());
+    let span = Span::from(value.span()).shifted(offset);
     let datum = match value.get_ref() {
         DeValue::String(text) => Datum::Text(text.to_string()),
         DeValue::Integer(integer) => Datum::Number(whole(integer)),
@@ -115,11 +121,19 @@ fn datum(
         DeValue::Boolean(boolean) => Datum::Boolean(*boolean),
         DeValue::Datetime(time) => Datum::Time(time.to_string()),
         DeValue::Array(list) => {
-            Datum::List(list.iter().map(|value| datum(value, source, problems)).collect())
+            Datum::List(list.iter().map(|value| datum(value, offset, source, problems)).collect())
         }
-        DeValue::Table(table) => Datum::Table(from_toml(table, source, problems)),
+        DeValue::Table(table) => Datum::Table(from_toml(table, offset, source, problems)),
     };
     Spanned::new(datum, span)
+}
+
+/// Collects items into a list without spare room. `collect` makes room for four at least, and most lists of a
+/// large file have one.
+pub(crate) fn collected<T>(items: impl ExactSizeIterator<Item = T>) -> Vec<T> {
+    let mut list = Vec::with_capacity(items.len());
+    list.extend(items);
+    list
 }
 
 fn whole(integer: &DeInteger) -> f64 {
@@ -196,7 +210,7 @@ mod tests {
         let mut problems = Vec::new();
         let (table, errors) = DeTable::parse_recoverable(text);
         assert_eq!(errors, []);
-        (from_toml(table.get_ref(), &source, &mut problems), problems)
+        (from_toml(table.get_ref(), 0, &source, &mut problems), problems)
     }
 
     #[test]

@@ -102,14 +102,14 @@ impl Diagnostic {
     /// Line and column, from 1; columns count characters.
     pub fn line_column(&self) -> Option<(usize, usize)> {
         let (source, span) = self.place.as_ref()?;
-        span.map(|span| source.line_column(span.start))
+        span.map(|span| source.line_column(span.start()))
     }
 
     /// Related places: line, column and note.
     pub fn notes(&self) -> impl Iterator<Item = (usize, usize, &str)> {
         let source = self.place.as_ref().map(|(source, _)| source.clone());
         self.notes.iter().filter_map(move |(span, text)| {
-            let (line, column) = source.as_ref()?.line_column(span.start);
+            let (line, column) = source.as_ref()?.line_column(span.start());
             Some((line, column, text.as_str()))
         })
     }
@@ -144,7 +144,7 @@ const LONGEST: usize = 4096;
 
 /// The position of a range, for lines too long to show.
 fn origin(source: &Source, span: Span) -> annotate_snippets::Origin<'_> {
-    let (line, column) = source.line_column(span.start);
+    let (line, column) = source.line_column(span.start());
     annotate_snippets::Origin::path(source.name()).line(line).char_column(column)
 }
 

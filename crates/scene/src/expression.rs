@@ -266,7 +266,7 @@ fn call(name: &str, count: usize, span: Span) -> Result<ExpressionItem, Fault> {
     let names = FUNCTIONS.map(Operator::function);
     let problem = format!("unknown function `{name}`");
     let reason = format!("the functions of solids are {}", names.join(", "));
-    let span = Span::new(span.start, span.start + name.len());
+    let span = Span::new(span.start(), span.start() + name.len());
     Err(Fault::new(span, problem, reason).suggest(did_you_mean(name, names)))
 }
 

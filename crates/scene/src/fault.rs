@@ -35,7 +35,7 @@ impl Fault {
 /// The span in the file of a part of a string value; the whole value if it is written with escapes.
 pub(crate) fn place_in(source: &Source, text: &str, value: Span, part: Span) -> Span {
     match source.slice(value).find(text) {
-        Some(at) if !text.is_empty() => part.shifted(value.start + at),
+        Some(at) if !text.is_empty() => part.shifted(value.start() + at),
         _ => value,
     }
 }

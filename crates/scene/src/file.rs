@@ -2,8 +2,8 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::document::Document;
-use crate::formats::native;
-use crate::resolve::{reason, resolve};
+use crate::formats::native::{self, Reading};
+use crate::resolve::{reason, resolve, resolve_last};
 use crate::scene::Scene;
 use crate::source::{Source, Span};
 use rayweave_error::with_limited_suggestions;
@@ -73,6 +73,23 @@ pub fn parse_allowing(
     understand(Arc::new(Source::new(None, text.to_owned())), overrides, allowed)
 }
 
+/// Reads a model file as [`load_allowing`] does, without its document, which takes less memory.
+///
+/// # Errors
+///
+/// All problems of the file at once.
+pub fn load_scene(
+    path: impl AsRef<Path>,
+    overrides: &[(String, String)],
+    allowed: &[PathBuf],
+) -> Result<Scene, Diagnostics> {
+    let source = Arc::new(Source::read(path.as_ref())?);
+    with_limited_suggestions(|| {
+        let Reading { document, problems, unreadable, .. } = read(source, allowed)?;
+        resolve_last(document, overrides, &unreadable, problems)
+    })
+}
+
 fn understand(
     source: Arc<Source>,
     overrides: &[(String, String)],
@@ -86,13 +103,18 @@ fn read_and_resolve(
     overrides: &[(String, String)],
     allowed: &[PathBuf],
 ) -> Result<(Document, Scene), Diagnostics> {
+    let Reading { document, problems, unreadable, .. } = read(source, allowed)?;
+    let scene = resolve(&document, overrides, &unreadable, problems)?;
+    Ok((document, scene))
+}
+
+fn read(source: Arc<Source>, allowed: &[PathBuf]) -> Result<Reading, Diagnostics> {
     let mut reading = native::read(source);
     reading.document.allowed = allowed.to_vec();
-    if reading.broken {
-        return Err(Diagnostics::new(reading.problems));
+    match reading.broken {
+        true => Err(Diagnostics::new(reading.problems)),
+        false => Ok(reading),
     }
-    let scene = resolve(&reading.document, overrides, &reading.unreadable, reading.problems)?;
-    Ok((reading.document, scene))
 }
 
 impl Source {

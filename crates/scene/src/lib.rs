@@ -61,7 +61,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
 pub use error::SceneError;
 pub use expression::{Expression, ExpressionItem, Operator};
-pub use file::{load, load_allowing, parse, parse_allowing, parse_with};
+pub use file::{load, load_allowing, load_scene, parse, parse_allowing, parse_with};
 pub use formats::povray::{PovRay, PovRayError};
 pub use number::Number;
 pub use resolve::reason;

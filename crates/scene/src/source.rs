@@ -2,35 +2,46 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
-/// A range of bytes in a text.
+/// A range of bytes in a text. Positions from 4 GiB on, far beyond the largest file, are stored as that.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span {
-    /// The first byte.
-    pub start: usize,
-    /// The byte after the last.
-    pub end: usize,
+    // a large model has tens of millions of spans
+    start: u32,
+    end: u32,
 }
 
 impl Span {
     /// From the first byte and the byte after the last.
     pub fn new(start: usize, end: usize) -> Span {
-        Span { start, end }
+        let stored = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
+        Span { start: stored(start), end: stored(end) }
+    }
+
+    /// The first byte.
+    pub fn start(self) -> usize {
+        self.start as usize
+    }
+
+    /// The byte after the last.
+    pub fn end(self) -> usize {
+        self.end as usize
     }
 
     /// The range of bytes.
     pub fn range(self) -> Range<usize> {
-        self.start..self.end
+        self.start()..self.end()
     }
 
     /// The smallest span that contains both.
     pub fn to(self, other: Span) -> Span {
-        Span::new(self.start.min(other.start), self.end.max(other.end))
+        Span { start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 
     /// The span, offset by a number of bytes.
     pub(crate) fn shifted(self, by: usize) -> Span {
-        Span::new(self.start + by, self.end + by)
+        Span::new(self.start() + by, self.end() + by)
     }
 }
 
@@ -81,7 +92,8 @@ impl From<&str> for Spanned<String> {
 pub struct Source {
     path: Option<PathBuf>,
     text: String,
-    line_starts: Vec<usize>,
+    /// The first byte of each line, found when a position is asked for first: most files have no problems.
+    line_starts: OnceLock<Vec<usize>>,
 }
 
 impl Default for Source {
@@ -93,9 +105,14 @@ impl Default for Source {
 impl Source {
     /// Creates a source from a text, and the file that it was read from or another name for it.
     pub fn new(path: Option<PathBuf>, text: String) -> Source {
-        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        let line_starts = std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect();
-        Source { path, text, line_starts }
+        Source { path, text, line_starts: OnceLock::new() }
+    }
+
+    fn line_starts(&self) -> &[usize] {
+        self.line_starts.get_or_init(|| {
+            let ends = self.text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+            std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect()
+        })
     }
 
     /// The file, if the text has one.
@@ -122,24 +139,24 @@ impl Source {
     /// Line and column of a byte, both from 1; columns count characters.
     pub fn line_column(&self, at: usize) -> (usize, usize) {
         let line = self.line_index(at);
-        let before = self.text.get(self.line_starts[line]..at).unwrap_or_default();
+        let before = self.text.get(self.line_starts()[line]..at).unwrap_or_default();
         (line + 1, before.chars().count() + 1)
     }
 
     /// The whole lines that a range overlaps, without the last line end, and the range relative to
     /// their start.
     pub(crate) fn lines_of(&self, span: Span) -> (usize, &str, Span) {
-        let first = self.line_index(span.start);
-        let last = self.line_index(span.end.max(span.start));
-        let start = self.line_starts[first];
-        let end = self.line_starts.get(last + 1).map_or(self.text.len(), |next| next - 1);
+        let first = self.line_index(span.start());
+        let last = self.line_index(span.end().max(span.start()));
+        let start = self.line_starts()[first];
+        let end = self.line_starts().get(last + 1).map_or(self.text.len(), |next| next - 1);
         let text = self.text.get(start..end).unwrap_or_default();
         let within = |at: usize| at.saturating_sub(start).min(text.len());
-        (first + 1, text, Span::new(within(span.start), within(span.end)))
+        (first + 1, text, Span::new(within(span.start()), within(span.end())))
     }
 
     fn line_index(&self, at: usize) -> usize {
-        self.line_starts.partition_point(|start| *start <= at).max(1) - 1
+        self.line_starts().partition_point(|start| *start <= at).max(1) - 1
     }
 }
 

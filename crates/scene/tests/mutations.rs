@@ -95,7 +95,7 @@ fn damaged_models_are_diagnosed() {
                     for problem in problems.iter() {
                         let span = problem.span();
                         assert!(
-                            span.is_none_or(|span| span.start <= span.end && span.end <= text.len()),
+                            span.is_none_or(|span| span.start() <= span.end() && span.end() <= text.len()),
                             "{problem:?}"
                         );
                     }

@@ -37,7 +37,7 @@ impl Export {
                 self.out.display()
             )));
         }
-        let mut scene = self.model.import()?.scene;
+        let mut scene = self.model.import_scene()?;
         let compiled = Compiled::new(&scene)?;
         let (camera, settings) = arrange(&scene, &compiled, &PictureOptions::default())?;
         let size = (settings.size.width() as u32, settings.size.height() as u32);

@@ -36,7 +36,7 @@ pub struct Info {
 
 impl Info {
     pub fn run(&self) -> Result<(), Failure> {
-        let scene = self.model.import()?.scene;
+        let scene = self.model.import_scene()?;
         let compiled = Compiled::new(&scene)?;
         let preparations = match self.explain {
             true => Preparation::of_regions(&scene.model_regions()).map_err(rayweave::Error::from)?,

@@ -138,7 +138,7 @@ impl Render {
         let explosion: Option<Explosion> = self.explode.as_deref().map(str::parse).transpose()?;
         let opacities = self.opacity.iter().map(|text| text.parse());
         let opacities: Vec<Opacity> = opacities.collect::<Result<_, _>>()?;
-        let mut scene = self.model.import()?.scene;
+        let mut scene = self.model.import_scene()?;
         if let Some(name) = &self.subject.solid {
             scene = scene.alone(name)?;
         }

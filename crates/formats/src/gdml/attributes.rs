@@ -105,9 +105,9 @@ impl<'c> Numbers<'c> {
     }
 
     fn fault(&mut self, fault: Fault, attribute: &Attribute) -> Failure {
-        let start = attribute.place.span.start;
+        let start = attribute.place.span.start();
         let span = match attribute.verbatim {
-            true => Span::new(start + fault.span.start, start + fault.span.end),
+            true => Span::new(start + fault.span.start(), start + fault.span.end()),
             false => attribute.place.span,
         };
         let trouble = Trouble::new(fault.problem, Place { span, ..attribute.place });

@@ -103,7 +103,7 @@ impl Names {
         };
         let base = before.len() + 1;
         let shifted = |fault: Fault, by: usize| Fault {
-            span: Span::new(fault.span.start + by, fault.span.end + by),
+            span: Span::new(fault.span.start() + by, fault.span.end() + by),
             ..fault
         };
         let Some((inside, after)) = rest.split_once(']') else {
@@ -416,7 +416,7 @@ mod tests {
         let names = Names::default();
         let fault = |text: &str| {
             let fault = names.evaluate(text).unwrap_err();
-            (fault.span.start, fault.span.end, fault.problem)
+            (fault.span.start(), fault.span.end(), fault.problem)
         };
         assert_eq!(fault("1 + 1e400").0, 4);
         assert_eq!(fault("2 * (3 + x)").0, 9);
@@ -439,6 +439,6 @@ mod tests {
         assert_eq!(names.expand("plain").unwrap(), "plain");
         assert!(names.expand("a[-1e30]").unwrap().starts_with("a_-9"));
         assert!(names.expand("a[i").is_err());
-        assert_eq!(names.expand("a[k]").unwrap_err().span.start, 2);
+        assert_eq!(names.expand("a[k]").unwrap_err().span.start(), 2);
     }
 }

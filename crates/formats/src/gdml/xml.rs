@@ -91,7 +91,7 @@ pub(super) struct Attribute {
 impl Attribute {
     /// A part of the value, from a byte offset on.
     pub fn part(&self, text: &str, at: usize) -> Attribute {
-        let start = self.place.span.start + at;
+        let start = self.place.span.start() + at;
         let span = if self.verbatim { Span::new(start, start + text.len()) } else { self.place.span };
         Attribute { value: text.to_owned(), place: Place { span, ..self.place }, ..self.clone_head() }
     }
@@ -263,7 +263,7 @@ impl Tree<'_> {
         for attribute in tag.attributes() {
             let attribute =
                 attribute.map_err(|error| Trouble::new(format!("the tag is malformed: {error}."), place))?;
-            let at = place.span.start + 1 + offset_in(tag, &attribute.value);
+            let at = place.span.start() + 1 + offset_in(tag, &attribute.value);
             let place = Place { file: place.file, span: Span::new(at, at + attribute.value.len()) };
             let value = self.unescaped(&attribute.value, place, depth)?;
             let verbatim = value == *attribute.value;
@@ -292,7 +292,7 @@ impl Tree<'_> {
             if trimmed.is_empty() {
                 return;
             }
-            let at = place.span.start + start;
+            let at = place.span.start() + start;
             let place = Place { span: Span::new(at, at + trimmed.len()), ..place };
             let name = Name::new("");
             element.content =
@@ -495,10 +495,10 @@ fn offset_in(text: &str, part: &str) -> usize {
 
 fn syntax_trouble(error: &Error, place: Place, at: usize, text: &str) -> Trouble {
     let at = at.min(text.len());
-    let span = if at > place.span.start {
-        Span::new(place.span.start, at)
+    let span = if at > place.span.start() {
+        Span::new(place.span.start(), at)
     } else {
-        Span::new(at, at.max(place.span.end))
+        Span::new(at, at.max(place.span.end()))
     };
     Trouble::new(format!("the file is not well-formed XML: {error}."), Place { span, ..place })
 }

@@ -169,7 +169,7 @@ impl Parser<'_> {
             (_, span) => {
                 // single child without braces: the loop reads its first token again
                 self.open.push(Open { node, brace: None });
-                self.tokens = Tokens::after(self.source.text(), span.start);
+                self.tokens = Tokens::after(self.source.text(), span.start());
             }
         }
         Ok(())

@@ -83,7 +83,7 @@ pub(crate) trait Observer {
 impl Observer for () {}
 
 /// Runs all passes in order: De Morgan, chains, constants, sharing, bounds; then the first four again on the
-/// result.
+/// result. Where parts are repeated, constants come first too.
 ///
 /// `leaves` are the boxes that [`prune`](prune()) takes.
 pub fn prepare(formula: &Formula, leaves: &[Bounds]) -> Formula {
@@ -120,8 +120,10 @@ const ROUNDS: usize = 4;
 /// Repeats the passes that need no bounds until they change nothing, at most [`ROUNDS`] times.
 fn tidy(formula: &Formula, observer: &mut impl Observer) -> Formula {
     let mut formula = Cow::Borrowed(formula);
-    for _ in 0..ROUNDS {
-        for (pass, run) in TIDYING {
+    // De Morgan takes the complement of a part apart, which then no longer cancels the part: `s - s` for a union s
+    let first = repeats_parts(&formula).then_some((Pass::Fold, fold as Run));
+    for round in 0..ROUNDS {
+        for (pass, run) in first.into_iter().filter(|_| round == 0).chain(TIDYING) {
             let after = run(&formula);
             observer.pass(pass, &formula, &after);
             formula = Cow::Owned(after);
@@ -131,4 +133,10 @@ fn tidy(formula: &Formula, observer: &mut impl Observer) -> Formula {
         }
     }
     formula.into_owned()
+}
+
+/// True if a node other than a leaf has several uses.
+fn repeats_parts(formula: &Formula) -> bool {
+    let uses = formula.uses();
+    formula.nodes().any(|(node, term, _)| uses[node.index()] > 1 && matches!(term, Term::Join(_)))
 }

@@ -97,7 +97,7 @@ fn check(text: &str, read: Result<Imported, Diagnostics>) {
             assert!(!problems.render(true).is_empty());
             for problem in problems.iter().filter(|problem| problem.path().is_none()) {
                 let Some(span) = problem.span() else { continue };
-                assert!(span.start <= span.end && span.end <= text.len(), "{span:?}");
+                assert!(span.start() <= span.end() && span.end() <= text.len(), "{span:?}");
             }
         }
     }

@@ -28,7 +28,7 @@ pub fn run(data: &[u8]) {
             assert!(problems.has_errors());
             assert!(!problems.render(true).is_empty());
             for span in problems.iter().filter_map(|problem| problem.span()) {
-                assert!(span.start <= span.end && span.end <= text.len(), "{span:?}");
+                assert!(span.start() <= span.end() && span.end() <= text.len(), "{span:?}");
             }
         }
     }

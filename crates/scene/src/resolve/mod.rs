@@ -13,6 +13,7 @@ use crate::scene::Scene;
 pub(crate) use context::Context;
 pub use files::reason;
 pub(crate) use numbers::Numbers;
+use solids::Definitions;
 pub(crate) use solids::product;
 use std::collections::HashSet;
 
@@ -26,9 +27,34 @@ pub(crate) fn resolve(
     unreadable: &HashSet<String>,
     problems: Vec<Diagnostic>,
 ) -> Result<Scene, Diagnostics> {
+    let names = document.solids.iter().map(|entry| entry.name.value.clone()).collect();
+    let definitions = Definitions::Kept(&document.solids);
+    evaluate(document, names, definitions, overrides, unreadable, problems)
+}
+
+/// Evaluates a document that is not needed any more. The definition of each solid is dropped once the solid is
+/// built, so that a large model takes less memory.
+pub(crate) fn resolve_last(
+    mut document: Document,
+    overrides: &[(String, String)],
+    unreadable: &HashSet<String>,
+    problems: Vec<Diagnostic>,
+) -> Result<Scene, Diagnostics> {
+    let (names, definitions) = Definitions::of(std::mem::take(&mut document.solids));
+    evaluate(&document, names, definitions, overrides, unreadable, problems)
+}
+
+fn evaluate(
+    document: &Document,
+    names: Vec<String>,
+    definitions: Definitions<'_>,
+    overrides: &[(String, String)],
+    unreadable: &HashSet<String>,
+    problems: Vec<Diagnostic>,
+) -> Result<Scene, Diagnostics> {
     let mut context = Context { document, problems, unreadable };
     let mut numbers = Numbers::new(&mut context, overrides);
-    let solids = solids::build(&mut context, &mut numbers);
+    let solids = solids::build(&mut context, &mut numbers, &names, definitions);
     let (media, regions) = regions::build(&mut context, &mut numbers, &solids);
     let (camera, lights, render) = view::build(&mut context, &mut numbers);
     if context.problems.iter().any(|problem| problem.severity() == Severity::Error) {
@@ -37,18 +63,18 @@ pub(crate) fn resolve(
     // only after all expressions have been evaluated
     numbers.warn_unused(&mut context);
     // a model of light may consist of sheets alone
-    if document.solids.is_empty() && document.foreign("optics").is_none() {
+    if names.is_empty() && document.foreign("optics").is_none() {
         let problem = Diagnostic::warning("the model is empty")
             .why("it has no solid")
             .suggest(Some("define one, as `[solid.ball]` with `sphere = { radius = 1 }`".to_owned()));
         context.problems.push(problem.in_file(&document.source));
     }
-    let names = document.solids.iter().map(|entry| &entry.name.value);
-    let built = names.zip(solids.built).filter_map(|(name, solid)| Some((name.clone(), solid?)));
+    let built = solids.built;
+    let solids = names.into_iter().zip(built).filter_map(|(name, solid)| Some((name, solid?)));
     Ok(Scene {
         unit: document.unit.as_ref().map(|unit| unit.value).unwrap_or_default(),
         parameters: numbers.into_values(document),
-        solids: built.collect(),
+        solids: solids.collect(),
         regions,
         media,
         camera,

@@ -17,15 +17,15 @@ use std::collections::HashMap;
 pub(crate) const WORLD: &str = "world";
 
 /// The media, that of the world first, and the regions.
-pub(super) fn build<'d>(
-    context: &mut Context<'d>,
+pub(super) fn build(
+    context: &mut Context<'_>,
     numbers: &mut Numbers,
-    solids: &Solids<'d>,
+    solids: &Solids<'_>,
 ) -> (Vec<Medium>, Vec<SceneRegion>) {
     let mut media = Media::new(context, numbers);
     let document = context.document;
     if document.regions.is_empty() {
-        let regions = implied(context, solids, &mut media);
+        let regions = implied(solids, &mut media);
         return (media.list, regions);
     }
     let mut regions = Vec::new();
@@ -45,9 +45,9 @@ pub(super) fn build<'d>(
 }
 
 /// One region.
-fn region<'d>(
-    context: &mut Context<'d>,
-    solids: &Solids<'d>,
+fn region(
+    context: &mut Context<'_>,
+    solids: &Solids<'_>,
     media: &mut Media,
     entry: &RegionEntry,
     number: usize,
@@ -78,15 +78,14 @@ fn region<'d>(
 
 /// The regions of a document without `[[region]]`: each solid that no other solid uses, with a
 /// medium of its own.
-fn implied<'d>(context: &Context<'d>, solids: &Solids<'d>, media: &mut Media) -> Vec<SceneRegion> {
-    let document = context.document;
-    let unused = document.solids.iter().zip(&solids.built).zip(&solids.used).filter(|(_, used)| !**used);
+fn implied(solids: &Solids<'_>, media: &mut Media) -> Vec<SceneRegion> {
+    let unused = solids.names.iter().zip(&solids.built).zip(&solids.used).filter(|(_, used)| !**used);
     let mut regions = Vec::new();
-    for ((entry, solid), _) in unused {
+    for ((name, solid), _) in unused {
         let Some(solid) = solid.clone() else {
             continue;
         };
-        let name = entry.name.value.clone();
+        let name = name.clone();
         let medium = media.find_or_add(&name);
         let colour = media.list[medium as usize].colour.unwrap_or(Colour::numbered(regions.len()));
         regions.push(SceneRegion { name, solid, medium, colour });

@@ -14,25 +14,90 @@ use crate::suggestion::did_you_mean;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Copies, Solid};
 use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// The maximum number of copies of one placement.
 const MAX_COPIES: u32 = 1 << 22;
 
+/// The definitions of all solids.
+pub(super) enum Definitions<'d> {
+    /// Those of a document.
+    Kept(&'d [SolidEntry]),
+    /// Definitions without their names, each dropped once its solid is built.
+    Dropped(Vec<Definition>),
+}
+
+/// The definition of a solid.
+#[derive(Default)]
+pub(super) struct Definition {
+    label: Option<Spanned<String>>,
+    body: Option<Body>,
+    transform: Vec<Spanned<Step>>,
+}
+
+impl Definitions<'_> {
+    /// Divides the solids of a document into names and definitions.
+    pub fn of(solids: Vec<SolidEntry>) -> (Vec<String>, Self) {
+        let divided = solids.into_iter().map(|SolidEntry { name, label, body, transform }| {
+            (name.value, Definition { label, body: Some(body), transform })
+        });
+        let (names, definitions) = divided.unzip();
+        (names, Definitions::Dropped(definitions))
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Definitions::Kept(entries) => entries.len(),
+            Definitions::Dropped(definitions) => definitions.len(),
+        }
+    }
+
+    /// The definition of a solid; none after it was dropped.
+    fn body(&self, index: usize) -> Option<&Body> {
+        match self {
+            Definitions::Kept(entries) => Some(&entries[index].body),
+            Definitions::Dropped(definitions) => definitions[index].body.as_ref(),
+        }
+    }
+
+    fn transform(&self, index: usize) -> &[Spanned<Step>] {
+        match self {
+            Definitions::Kept(entries) => &entries[index].transform,
+            Definitions::Dropped(definitions) => &definitions[index].transform,
+        }
+    }
+
+    fn label(&self, index: usize) -> Option<&str> {
+        let label = match self {
+            Definitions::Kept(entries) => &entries[index].label,
+            Definitions::Dropped(definitions) => &definitions[index].label,
+        };
+        label.as_ref().map(|label| label.value.as_str())
+    }
+
+    fn release(&mut self, index: usize) {
+        if let Definitions::Dropped(definitions) = self {
+            definitions[index] = Definition::default();
+        }
+    }
+}
+
 /// All solids.
-pub(super) struct Solids<'d> {
+pub(super) struct Solids<'n> {
+    /// The names, in the order of the document.
+    pub names: &'n [String],
     /// The number of each name.
-    pub index: HashMap<&'d str, usize>,
+    pub index: HashMap<&'n str, usize>,
     /// In the order of the document; `None` for an invalid solid, whose problem has been reported.
     pub built: Vec<Option<Solid>>,
     /// Whether another solid is made from it.
     pub used: Vec<bool>,
 }
 
-impl<'d> Solids<'d> {
+impl Solids<'_> {
     /// The number of a solid; an unknown name is reported.
-    pub fn find(&self, context: &mut Context<'d>, name: &str, span: Span) -> Option<usize> {
+    pub fn find(&self, context: &mut Context<'_>, name: &str, span: Span) -> Option<usize> {
         let found = self.index.get(name).copied();
         if found.is_none() && !context.is_unreadable(name) {
             let problem = Diagnostic::error(format!("unknown solid `{name}`"))
@@ -45,34 +110,42 @@ impl<'d> Solids<'d> {
 }
 
 /// Builds all solids.
-pub(super) fn build<'d>(context: &mut Context<'d>, numbers: &mut Numbers) -> Solids<'d> {
-    let document = context.document;
-    let count = document.solids.len();
-    let names = document.solids.iter().enumerate().map(|(index, entry)| (entry.name.value.as_str(), index));
+pub(super) fn build<'n>(
+    context: &mut Context<'_>,
+    numbers: &mut Numbers,
+    names: &'n [String],
+    definitions: Definitions<'_>,
+) -> Solids<'n> {
+    let count = definitions.len();
+    let index = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
     let mut builder = Builder {
-        solids: Solids { index: names.collect(), built: vec![None; count], used: vec![false; count] },
+        solids: Solids { names, index, built: vec![None; count], used: vec![false; count] },
+        definitions,
         parts: Vec::with_capacity(count),
+        failed: HashSet::new(),
     };
-    for entry in &document.solids {
-        let parts = builder.parts_of(context, entry);
-        builder.parts.push(parts);
+    for index in 0..count {
+        let parts = builder.parts_of(context, index);
+        builder.parts.push(parts.map(Box::new));
     }
     builder.settle_all(context, numbers);
     builder.solids
 }
 
-/// Body of a solid.
-#[derive(Default)]
-struct Parts {
+/// The parts of a solid that is made from others.
+struct Joined {
     expression: Option<Expression>,
     /// The numbers of the solids with the places of their names; `None` for unknown ones.
-    needs: Vec<(Option<usize>, Span)>,
-    failed: bool,
+    needs: Vec<(Option<u32>, Span)>,
 }
 
-struct Builder<'d> {
-    solids: Solids<'d>,
-    parts: Vec<Parts>,
+struct Builder<'n, 'd> {
+    solids: Solids<'n>,
+    definitions: Definitions<'d>,
+    /// `None` for shapes and for expressions with errors.
+    parts: Vec<Option<Box<Joined>>>,
+    /// Solids with a problem of their own, which has been reported.
+    failed: HashSet<usize>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -82,49 +155,26 @@ enum State {
     Done,
 }
 
-impl<'d> Builder<'d> {
-    fn parts_of(&mut self, context: &mut Context<'d>, entry: &'d SolidEntry) -> Parts {
-        match &entry.body {
-            Body::Shape(..) => Parts::default(),
+impl Builder<'_, '_> {
+    fn parts_of(&mut self, context: &mut Context<'_>, index: usize) -> Option<Joined> {
+        match self.definitions.body(index)? {
+            Body::Shape(..) => None,
             Body::Place(place) => {
-                let found = self.solids.find(context, &place.solid.value, place.solid.span);
-                self.mark(found);
-                Parts { needs: vec![(found, place.solid.span)], ..Parts::default() }
+                let span = place.solid.span;
+                let found = need(&mut self.solids, context, &place.solid.value, span);
+                Some(Joined { expression: None, needs: vec![(found, span)] })
             }
-            Body::Expression(text) => self.parts_of_expression(context, text),
-        }
-    }
-
-    fn parts_of_expression(&mut self, context: &mut Context<'d>, text: &Spanned<String>) -> Parts {
-        let source = &context.document.source;
-        let expression = match Expression::parse(&text.value) {
-            Ok(expression) => expression,
-            Err(faults) => {
-                let problems = faults.into_iter().map(|fault| fault.located(source, &text.value, text.span));
-                context.problems.extend(problems);
-                return Parts { failed: true, ..Parts::default() };
+            Body::Expression(text) => {
+                let parts = parts_of_expression(&mut self.solids, context, text);
+                if parts.is_none() {
+                    self.failed.insert(index);
+                }
+                parts
             }
-        };
-        let offset = place_in(source, &text.value, text.span, Span::default());
-        let exact = offset.start == offset.end;
-        let mut needs = Vec::new();
-        for (name, part) in expression.names() {
-            let span = if exact { part.shifted(offset.start) } else { text.span };
-            let found = self.solids.find(context, name, span);
-            self.mark(found);
-            needs.push((found, span));
-        }
-        Parts { expression: Some(expression), needs, failed: false }
-    }
-
-    fn mark(&mut self, used: Option<usize>) {
-        if let Some(index) = used {
-            self.solids.used[index] = true;
         }
     }
-
     /// Resolves all solids by a depth-first traversal with an explicit stack.
-    fn settle_all(&mut self, context: &mut Context<'d>, numbers: &mut Numbers) {
+    fn settle_all(&mut self, context: &mut Context<'_>, numbers: &mut Numbers) {
         let mut states = vec![State::New; self.parts.len()];
         for root in 0..self.parts.len() {
             // each open solid with the number of its parts that have been visited
@@ -134,14 +184,15 @@ impl<'d> Builder<'d> {
                     continue;
                 }
                 states[index] = State::Open;
-                match self.parts[index].needs.get(next).copied() {
+                match self.parts[index].as_ref().and_then(|parts| parts.needs.get(next)).copied() {
                     None => {
                         self.solids.built[index] = self.build_one(context, numbers, index);
+                        self.definitions.release(index);
                         states[index] = State::Done;
                     }
                     Some((needed, span)) => {
                         path.push((index, next + 1));
-                        match needed {
+                        match needed.map(|needed| needed as usize) {
                             Some(needed) if states[needed] == State::New => path.push((needed, 0)),
                             Some(needed) if states[needed] == State::Open => {
                                 self.report_cycle(context, &path, needed, span);
@@ -154,38 +205,35 @@ impl<'d> Builder<'d> {
         }
     }
 
-    fn report_cycle(&mut self, context: &mut Context<'d>, path: &[(usize, usize)], index: usize, span: Span) {
-        let document = context.document;
+    fn report_cycle(&mut self, context: &mut Context<'_>, path: &[(usize, usize)], index: usize, span: Span) {
         let start = path.iter().position(|(other, _)| *other == index).unwrap_or(0);
-        let names: Vec<&str> =
-            path[start..].iter().map(|(i, _)| document.solids[*i].name.value.as_str()).collect();
+        let names: Vec<&str> = path[start..].iter().map(|(i, _)| self.solids.names[*i].as_str()).collect();
         let problem = Diagnostic::error(format!("the solid `{}` is made from itself", names[0]));
         context.push(problem.why(cycle_text(&names)), span);
-        path[start..].iter().for_each(|(index, _)| self.parts[*index].failed = true);
+        self.failed.extend(path[start..].iter().map(|(index, _)| *index));
     }
 
-    fn build_one(&mut self, context: &mut Context<'d>, numbers: &mut Numbers, index: usize) -> Option<Solid> {
-        let document = context.document;
-        let entry = &document.solids[index];
-        let body = match &entry.body {
+    fn build_one(&self, context: &mut Context<'_>, numbers: &mut Numbers, index: usize) -> Option<Solid> {
+        let body = match self.definitions.body(index)? {
             Body::Shape(keyword, arguments) => shape(context, numbers, keyword, arguments),
             Body::Expression(_) => self.combine(index),
             Body::Place(place) => self.place(context, numbers, index, place),
         };
-        let steps = steps(context, numbers, &entry.transform);
-        let failed = self.parts[index].failed || context.is_unreadable(&entry.name.value);
+        let steps = steps(context, numbers, self.definitions.transform(index));
+        let name = &self.solids.names[index];
+        let failed = self.failed.contains(&index) || context.is_unreadable(name);
         let solid = steps?.iter().fold(body?, |solid, step| solid.apply(*step));
-        (!failed).then(|| named(entry, solid))
+        (!failed).then(|| named(name, self.definitions.label(index), solid))
     }
 
     fn combine(&self, index: usize) -> Option<Solid> {
-        let parts = &self.parts[index];
+        let parts = self.parts[index].as_ref()?;
         let mut needs = parts.needs.iter();
         let mut stack: Vec<Solid> = Vec::new();
         for (term, _) in parts.expression.as_ref()?.terms() {
             let operands = stack.split_off(stack.len() - term.arity());
             stack.push(match term {
-                ExpressionItem::Name(_) => self.solids.built[needs.next()?.0?].clone()?,
+                ExpressionItem::Name(_) => self.solids.built[needs.next()?.0? as usize].clone()?,
                 ExpressionItem::Empty => Solid::empty(),
                 ExpressionItem::Universe => Solid::universe(),
                 ExpressionItem::Operation(operator, _) => operate(*operator, operands)?,
@@ -196,7 +244,7 @@ impl<'d> Builder<'d> {
 
     fn place(
         &self,
-        context: &mut Context<'d>,
+        context: &mut Context<'_>,
         numbers: &mut Numbers,
         index: usize,
         place: &Place,
@@ -204,14 +252,41 @@ impl<'d> Builder<'d> {
         let maps = layout(context, numbers, &place.layout);
         let given = place.numbers.as_ref();
         let given = given.map(|given| copy_numbers(context, numbers, given, maps.as_ref()));
-        let needed = self.parts[index].needs[0].0?;
-        let solid = self.solids.built[needed].as_ref()?;
+        let needed = self.parts[index].as_ref()?.needs[0].0?;
+        let solid = self.solids.built[needed as usize].as_ref()?;
         let given = given.map_or(Some(None), |given| given.map(Some))?;
         Some(match &place.name {
             Some(name) => solid.place_copies(Copies::labelled(maps?, &name.value, given)),
             None => solid.place(maps?),
         })
     }
+}
+
+fn parts_of_expression(solids: &mut Solids, context: &mut Context, text: &Spanned<String>) -> Option<Joined> {
+    let source = &context.document.source;
+    let expression = match Expression::parse(&text.value) {
+        Ok(expression) => expression,
+        Err(faults) => {
+            let problems = faults.into_iter().map(|fault| fault.located(source, &text.value, text.span));
+            context.problems.extend(problems);
+            return None;
+        }
+    };
+    let offset = place_in(source, &text.value, text.span, Span::default());
+    let exact = offset.start() == offset.end();
+    let mut needs = Vec::new();
+    for (name, part) in expression.names() {
+        let span = if exact { part.shifted(offset.start()) } else { text.span };
+        needs.push((need(solids, context, name, span), span));
+    }
+    Some(Joined { expression: Some(expression), needs })
+}
+
+/// The number of a solid that another one is made from.
+fn need(solids: &mut Solids, context: &mut Context, name: &str, span: Span) -> Option<u32> {
+    let found = solids.find(context, name, span)?;
+    solids.used[found] = true;
+    Some(found as u32)
 }
 
 fn operate(operator: Operator, operands: Vec<Solid>) -> Option<Solid> {
@@ -226,13 +301,12 @@ fn operate(operator: Operator, operands: Vec<Solid>) -> Option<Solid> {
 }
 
 /// A solid under its name. Names that begin with `_` are private to the file.
-fn named(entry: &SolidEntry, solid: Solid) -> Solid {
-    let name = match &entry.label {
-        Some(label) => &label.value,
-        None if entry.name.value.starts_with('_') => return solid,
-        None => &entry.name.value,
-    };
-    solid.named(name)
+fn named(name: &str, label: Option<&str>, solid: Solid) -> Solid {
+    match label {
+        Some(label) => solid.named(label),
+        None if name.starts_with('_') => solid,
+        None => solid.named(name),
+    }
 }
 
 fn shape(

@@ -28,15 +28,16 @@ use crate::surface::Surface;
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 
 /// The inside of a surface of the second degree: [the manual page](self).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Quadric {
-    matrix: [[f64; 4]; 4],
+    // boxed, since each node of a tree of solids has room for the largest primitive
+    matrix: Box<[[f64; 4]; 4]>,
 }
 
 impl Quadric {
     /// The points with `[x y z 1] matrix [x y z 1]^T < 0`.
     pub fn new(matrix: [[f64; 4]; 4]) -> Result<Quadric, ShapeError> {
-        Quadric { matrix }.validated()
+        Quadric { matrix: Box::new(matrix) }.validated()
     }
 
     /// The exactly symmetric matrix, scaled if its entries are near the ends of the range of `f64`.
@@ -119,12 +120,12 @@ impl Shape for Quadric {
     fn example() -> Quadric {
         // a hyperboloid of one sheet about z, like a cooling tower
         Quadric {
-            matrix: [
+            matrix: Box::new([
                 [1.0, 0.0, 0.0, 0.0],
                 [0.0, 1.0, 0.0, 0.0],
                 [0.0, 0.0, -0.5, 0.0],
                 [0.0, 0.0, 0.0, -0.2],
-            ],
+            ]),
         }
     }
 
@@ -145,7 +146,7 @@ impl Shape for Quadric {
             }
         }
         matrix[3][3] = between(rng, -1.0, 0.1);
-        Quadric { matrix }
+        Quadric { matrix: Box::new(matrix) }
     }
 }
 
@@ -184,7 +185,7 @@ mod tests {
         let mut rng = uniform(8);
         for _ in 0..300 {
             let solid = Quadric::random(&mut rng);
-            let q = solid.matrix;
+            let q = &solid.matrix;
             let form = |p: Vec3| {
                 let v = [p.x, p.y, p.z, 1.0];
                 (0..16).map(|k| v[k / 4] * q[k / 4][k % 4] * v[k % 4]).sum::<f64>()
@@ -288,7 +289,7 @@ mod tests {
 
     #[test]
     fn refusals() {
-        let mut q = Quadric::example().matrix;
+        let mut q = *Quadric::example().matrix;
         q[1][2] = 0.5;
         assert_eq!(
             message(Quadric::new(q)),

@@ -10,10 +10,13 @@ pub(super) struct Sections<'a> {
     source: &'a Source,
     /// Start of each section, and the top-level table that it belongs to.
     starts: Vec<(usize, &'a str)>,
+    /// The end of the last section.
+    end: usize,
 }
 
 impl<'a> Sections<'a> {
-    pub fn new(source: &'a Source, table: &'a Table) -> Sections<'a> {
+    /// The sections of a table, the last of which ends at `end`.
+    pub fn new(source: &'a Source, table: &'a Table, end: usize) -> Sections<'a> {
         let mut starts = Vec::new();
         for (name, value) in table {
             collect_headers(source, value, &name.value, &mut starts);
@@ -23,13 +26,13 @@ impl<'a> Sections<'a> {
         }
         starts.sort();
         starts.dedup_by_key(|(start, _)| *start);
-        Sections { source, starts }
+        Sections { source, starts, end }
     }
 
     /// The text of a top-level table: that of all its sections, or `name = { .. }` if it has none.
     pub fn text(&self, entry: &(Spanned<String>, Spanned<Datum>)) -> String {
         let (name, value) = entry;
-        let ends = self.starts.iter().skip(1).map(|(start, _)| *start).chain([self.source.text().len()]);
+        let ends = self.starts.iter().skip(1).map(|(start, _)| *start).chain([self.end]);
         let mine = self.starts.iter().zip(ends).filter(|((_, owner), _)| *owner == name.value);
         let text: String = mine.map(|((start, _), end)| self.source.slice(Span::new(*start, end))).collect();
         let text = match text.trim_end() {
@@ -47,7 +50,7 @@ impl<'a> Sections<'a> {
 /// True if a text is exactly equivalent to an entry.
 fn says(text: &str, entry: &(Spanned<String>, Spanned<Datum>)) -> bool {
     let source = Arc::new(Source::default());
-    let table = DeTable::parse(text).map(|table| from_toml(table.get_ref(), &source, &mut Vec::new()));
+    let table = DeTable::parse(text).map(|table| from_toml(table.get_ref(), 0, &source, &mut Vec::new()));
     table.is_ok_and(|table| table.as_slice() == std::slice::from_ref(entry))
 }
 
@@ -61,7 +64,7 @@ fn collect_headers<'a>(
     match &value.value {
         Datum::Table(table) => {
             if source.slice(value.span).starts_with('[') {
-                starts.push((value.span.start, name));
+                starts.push((value.span.start(), name));
             }
             table.iter().for_each(|(_, value)| collect_headers(source, value, name, starts));
         }
@@ -72,7 +75,7 @@ fn collect_headers<'a>(
 }
 
 /// Moves the start of a header to the first of the comment lines directly above it.
-fn with_comment(text: &str, header: usize) -> usize {
+pub(super) fn with_comment(text: &str, header: usize) -> usize {
     let mut start = text[..header].rfind('\n').map_or(0, |end| end + 1);
     loop {
         let Some(above) = text[..start].strip_suffix('\n') else {

@@ -3,6 +3,7 @@
 use super::VERSION;
 use super::fields::{Fields, Problems};
 use super::foreign::Sections;
+use super::pieces::{LENGTH, Merge, pieces};
 use crate::datum::{self, Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
@@ -35,25 +36,40 @@ const OWNED: [&str; 2] = ["optics", "gdml"];
 
 /// Reads as much as possible, and collects all problems.
 pub(crate) fn read(source: Arc<Source>) -> Reading {
-    let (table, errors) = DeTable::parse_recoverable(source.text());
-    let mut problems = Problems { source: source.clone(), list: Vec::new() };
-    let table = datum::from_toml(table.get_ref(), &source, &mut problems.list);
-    let mut reader = Reader {
-        document: Document { source: source.clone(), heading: heading(source.text()), ..Document::default() },
-        problems,
-        unreadable: HashSet::new(),
-    };
-    reader.top(&source, table);
-    let broken = !errors.is_empty();
-    if broken {
+    match read_pieces(&source, LENGTH) {
+        Some(reader) => reader.finish(false),
+        None => read_whole(&source),
+    }
+}
+
+/// Reads a text in pieces of at least this length; `None` if it is not valid TOML, or if its pieces depend on
+/// each other.
+pub(super) fn read_pieces(source: &Arc<Source>, length: usize) -> Option<Reader> {
+    let mut reader = Reader::new(source);
+    let mut merge = Merge::default();
+    for piece in pieces(source.text(), length) {
+        let (start, end) = (piece.start, piece.end);
+        let tree = DeTable::parse(&source.text()[piece]).ok()?;
+        let table = datum::from_toml(tree.get_ref(), start, source, &mut reader.problems.list);
+        drop(tree);
+        if !merge.admits(source, &table) {
+            return None;
+        }
+        reader.top(table, end);
+    }
+    Some(reader)
+}
+
+pub(super) fn read_whole(source: &Arc<Source>) -> Reading {
+    let (tree, errors) = DeTable::parse_recoverable(source.text());
+    let mut reader = Reader::new(source);
+    let table = datum::from_toml(tree.get_ref(), 0, source, &mut reader.problems.list);
+    drop(tree);
+    reader.top(table, source.text().len());
+    if !errors.is_empty() {
         reader.add_syntax_errors(&errors);
     }
-    Reading {
-        document: reader.document,
-        problems: reader.problems.list,
-        broken,
-        unreadable: reader.unreadable,
-    }
+    reader.finish(!errors.is_empty())
 }
 
 /// The comment lines at the head of the file.
@@ -63,20 +79,44 @@ fn heading(text: &str) -> Vec<String> {
     comments.map(|line| line.trim().to_owned()).collect()
 }
 
-struct Reader {
+pub(super) struct Reader {
     document: Document,
     problems: Problems,
     unreadable: HashSet<String>,
+    /// True if the text has the version of the format.
+    stated: bool,
 }
 
 impl Reader {
+    fn new(source: &Arc<Source>) -> Reader {
+        let heading = heading(source.text());
+        Reader {
+            document: Document { source: source.clone(), heading, ..Document::default() },
+            problems: Problems { source: source.clone(), list: Vec::new() },
+            unreadable: HashSet::new(),
+            stated: false,
+        }
+    }
+
+    pub fn finish(mut self, broken: bool) -> Reading {
+        if !self.stated {
+            let problem =
+                Diagnostic::warning("the file does not say which version of the format it is written in")
+                    .why("formats change")
+                    .suggest(Some("begin with `rayweave = 1`".to_owned()));
+            self.problems.list.push(problem.in_file(&self.document.source));
+        }
+        let Reader { document, problems, unreadable, .. } = self;
+        Reading { document, problems: problems.list, broken, unreadable }
+    }
+
     /// Adds the syntax errors and removes other problems on the same lines, which are consequences
     /// of them.
     fn add_syntax_errors(&mut self, errors: &[toml::de::Error]) {
         let source = self.problems.source.clone();
         let span = |error: &toml::de::Error| error.span().map(Span::from).unwrap_or_default();
         let lines: HashSet<usize> =
-            errors.iter().map(|error| source.line_column(span(error).start).0).collect();
+            errors.iter().map(|error| source.line_column(span(error).start()).0).collect();
         let stays =
             |problem: &Diagnostic| problem.line_column().is_none_or(|(line, _)| !lines.contains(&line));
         self.problems.list.retain(stays);
@@ -89,33 +129,27 @@ impl Reader {
         }
     }
 
-    fn top(&mut self, source: &Source, table: Table) {
-        let sections = Sections::new(source, &table);
-        let foreign: Vec<String> = table
-            .iter()
-            .map(|entry| if self.is_foreign(entry) { sections.text(entry) } else { String::new() })
-            .collect();
-        let stated = table.iter().any(|(key, _)| key.value == "rayweave");
-        if !stated {
-            let problem =
-                Diagnostic::warning("the file does not say which version of the format it is written in")
-                    .why("formats change")
-                    .suggest(Some("begin with `rayweave = 1`".to_owned()));
-            self.problems.list.push(problem.in_file(&self.problems.source.clone()));
+    /// Reads the entries of a piece of the text, which ends at `end`.
+    fn top(&mut self, table: Table, end: usize) {
+        let mut foreign = vec![String::new(); table.len()];
+        if table.iter().any(is_foreign) {
+            let source = self.document.source.clone();
+            let sections = Sections::new(&source, &table, end);
+            for (text, entry) in foreign.iter_mut().zip(&table).filter(|(_, entry)| is_foreign(entry)) {
+                *text = sections.text(entry);
+            }
         }
         for ((key, value), text) in table.into_iter().zip(foreign) {
             self.entry(key, value, text);
         }
     }
 
-    fn is_foreign(&self, (key, value): &(Spanned<String>, Spanned<Datum>)) -> bool {
-        let known = TABLES.contains(&key.value.as_str()) || matches!(key.value.as_str(), "rayweave" | "unit");
-        !known && (matches!(value.value, Datum::Table(_)) || is_tables(&value.value))
-    }
-
     fn entry(&mut self, key: Spanned<String>, value: Spanned<Datum>, text: String) {
         match key.value.as_str() {
-            "rayweave" => self.version(value),
+            "rayweave" => {
+                self.stated = true;
+                self.version(value);
+            }
             "unit" => self.unit(value),
             "parameters" => self.parameters(value),
             "solid" => self.named_tables("solid", value, Reader::solid),
@@ -302,6 +336,12 @@ impl Reader {
     }
 }
 
+/// True for a table of another program.
+fn is_foreign((key, value): &(Spanned<String>, Spanned<Datum>)) -> bool {
+    let known = TABLES.contains(&key.value.as_str()) || matches!(key.value.as_str(), "rayweave" | "unit");
+    !known && (matches!(value.value, Datum::Table(_)) || is_tables(&value.value))
+}
+
 fn is_tables(value: &Datum) -> bool {
     match value {
         Datum::List(list) => {
@@ -404,7 +444,11 @@ fn arguments(problems: &mut Problems, keyword: &Spanned<String>, datum: Spanned<
 /// The valid steps of a transform.
 pub(crate) fn transform(problems: &mut Problems, datum: Spanned<Datum>) -> Vec<Spanned<Step>> {
     match datum.value {
-        Datum::List(list) => list.into_iter().filter_map(|item| step(problems, item)).collect(),
+        Datum::List(list) => {
+            let mut steps = Vec::with_capacity(list.len());
+            steps.extend(list.into_iter().filter_map(|item| step(problems, item)));
+            steps
+        }
         // a single step needs no brackets
         Datum::Table(_) => step(problems, datum).into_iter().collect(),
         _ => {
