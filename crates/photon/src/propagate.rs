@@ -14,6 +14,7 @@ use crate::scatter;
 use crate::source::{Photon, Source};
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::memory::{Growth, Shortage};
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
 };
@@ -25,6 +26,9 @@ use std::ops::Range;
 
 /// The number of photons that advance together.
 const BATCH: u64 = 4096;
+
+/// The limit of photon numbers: larger ones are those of further photons of wavelength shifters.
+const MOST_PHOTONS: u64 = 1 << 62;
 
 /// The way in which a photon ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -147,7 +151,7 @@ impl PhotonRun {
 ///
 /// # Errors
 ///
-/// [`PhotonError::Setting`] for invalid photons and limits, [`PhotonError::Cancelled`].
+/// [`PhotonError::Setting`] for invalid photons and limits, [`PhotonError::Memory`], [`PhotonError::Cancelled`].
 pub fn simulate<E: Evaluator>(
     detector: &Detector,
     evaluator: &E,
@@ -164,13 +168,17 @@ pub fn simulate<E: Evaluator>(
         let problem = format!("the maximum time is {} ns", settings.max_time);
         return Err(PhotonError::setting(problem, "it must be positive"));
     }
+    if end > MOST_PHOTONS {
+        let problem = format!("photons {start} to {end} are requested");
+        return Err(PhotonError::setting(problem, format!("their numbers must be below {MOST_PHOTONS}")));
+    }
     let chunks = (0..(end.saturating_sub(start)).div_ceil(BATCH))
         .map(|k| start + k * BATCH..(start + (k + 1) * BATCH).min(end));
-    let mut total = PhotonRun::default();
+    let (mut total, mut growth) = (PhotonRun::default(), Growth::default());
     let work = |batch: &mut Batch<'_, E>, numbers: Range<u64>| batch.run(source, numbers);
-    let merge = |part: PhotonRun| -> Result<(), PhotonError> {
-        total.append(part);
-        Ok(())
+    let merge = |part: Result<PhotonRun, Shortage>| -> Result<(), PhotonError> {
+        total.append(part?);
+        Ok(growth.check(total.hits.len() as u64 * Hits::ROW)?)
     };
     drive(
         thread_count(settings.threads),
@@ -214,6 +222,9 @@ struct Batch<'d, E: Evaluator> {
     next_starts: Vec<Start>,
     found: Columns,
     result: PhotonRun,
+    growth: Growth,
+    /// Set when the photons of wavelength shifters do not fit into memory.
+    shortage: Option<Shortage>,
 }
 
 /// The next crossings of the photons of a batch.
@@ -269,10 +280,12 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             next_starts: Vec::new(),
             found: Columns::default(),
             result: PhotonRun::default(),
+            growth: Growth::default(),
+            shortage: None,
         }
     }
 
-    fn run(&mut self, source: &Source, numbers: Range<u64>) -> PhotonRun {
+    fn run(&mut self, source: &Source, numbers: Range<u64>) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
         for number in numbers {
             let photon = source.photon(self.settings.seed, number);
@@ -285,11 +298,14 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             for i in 0..self.flights.len() {
                 self.step(i);
             }
+            if let Some(shortage) = self.shortage.take() {
+                return Err(shortage);
+            }
             self.swap();
         }
         // by photon number, whatever the number of steps
         self.result.hits.sort();
-        std::mem::take(&mut self.result)
+        Ok(std::mem::take(&mut self.result))
     }
 
     /// Keeps a photon for the next step; its start list has been appended already.
@@ -401,6 +417,12 @@ impl<'d, E: Evaluator> Batch<'d, E> {
         let shifter = &material.shifters[shifter];
         let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Reemission);
         let count = shifter.mean_photons.map_or(1, |mean| stream.poisson(mean));
+        // each of them may be absorbed and emitted again: their number has no limit
+        let bytes = (self.next.len() as u64 + u64::from(count)) * size_of::<Flight>() as u64;
+        if let Err(shortage) = self.growth.check(bytes) {
+            self.shortage = Some(shortage);
+            return;
+        }
         let mut emitted = 0;
         for _ in 0..count {
             let Some(energy) = shifter.spectrum.quantile(stream.uniform(), flight.photon.energy) else {

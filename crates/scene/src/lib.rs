@@ -44,7 +44,6 @@ mod file;
 pub mod foreign;
 mod formats;
 mod keys;
-pub mod memory;
 mod number;
 mod resolve;
 mod scene;

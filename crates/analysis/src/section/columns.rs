@@ -2,9 +2,9 @@
 
 use super::{Cut, SectionError, SectionWindow, Sweep};
 use rayweave_model::drive::{Stopped, drive, thread_count};
+use rayweave_model::memory::Growth;
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
-use std::convert::Infallible;
 
 /// A crossing of a column from one region into another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +33,11 @@ pub struct Column {
 }
 
 impl Column {
+    /// Its memory in bytes.
+    fn size(&self) -> u64 {
+        (size_of::<Placed>() + self.passes.len() * size_of::<Pass>()) as u64
+    }
+
     fn is_like(&self, other: &Column) -> bool {
         let alike = |(a, b): (&Pass, &Pass)| a.is_like(b);
         self.passes.len() == other.passes.len() && self.passes.iter().zip(&other.passes).all(alike)
@@ -74,6 +79,9 @@ pub struct Columns<'a, E: Evaluator> {
     cut: &'a Cut,
     window: &'a SectionWindow,
     sweep: &'a Sweep,
+    /// The size of all columns so far, in bytes.
+    bytes: u64,
+    growth: Growth,
 }
 
 impl<'a, E: Evaluator> Columns<'a, E> {
@@ -83,7 +91,8 @@ impl<'a, E: Evaluator> Columns<'a, E> {
         window: &'a SectionWindow,
         sweep: &'a Sweep,
     ) -> Columns<'a, E> {
-        Columns { evaluator, scratch: evaluator.scratch(), cut, window, sweep }
+        let (scratch, growth) = (evaluator.scratch(), Growth::default());
+        Columns { evaluator, scratch, cut, window, sweep, bytes: 0, growth }
     }
 
     /// Traces and refines all columns; returns them from left to right.
@@ -170,26 +179,31 @@ impl<'a, E: Evaluator> Columns<'a, E> {
 
     /// Traces the columns at some positions; on this thread if they are few.
     fn trace_columns(&mut self, places: &[f64]) -> Result<Vec<Column>, SectionError> {
-        let (tracer, sweep) = (ColumnTracer::new(self.evaluator, self.cut, self.window), self.sweep);
+        let (evaluator, sweep) = (self.evaluator, self.sweep);
+        let tracer = ColumnTracer::new(evaluator, self.cut, self.window);
         if sweep.cancel.is_cancelled() {
             return Err(SectionError::Cancelled);
         }
         if places.len() <= 2 * CHUNK {
-            return Ok(tracer.columns(places, &mut self.scratch));
+            let columns = tracer.columns(places, &mut self.scratch);
+            self.bytes += columns.iter().map(Column::size).sum::<u64>();
+            self.growth.check(self.bytes)?;
+            return Ok(columns);
         }
         let mut all = Vec::with_capacity(places.len());
         let work = |scratch: &mut E::Scratch, places: &[f64]| tracer.columns(places, scratch);
-        let merge = |columns| {
-            all.extend::<Vec<Column>>(columns);
-            Ok::<(), Infallible>(())
+        let merge = |columns: Vec<Column>| {
+            self.bytes += columns.iter().map(Column::size).sum::<u64>();
+            all.extend(columns);
+            self.growth.check(self.bytes)
         };
-        let scratch = || self.evaluator.scratch();
+        let scratch = || evaluator.scratch();
         let run =
             drive(thread_count(sweep.threads), &sweep.cancel, places.chunks(CHUNK), scratch, work, merge);
         match run {
             Ok(()) => Ok(all),
             Err(Stopped::Cancelled) => Err(SectionError::Cancelled),
-            Err(Stopped::Failed(never)) => match never {},
+            Err(Stopped::Failed(shortage)) => Err(SectionError::Memory(shortage)),
         }
     }
 }

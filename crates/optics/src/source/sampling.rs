@@ -73,7 +73,10 @@ impl Sampling {
     pub fn count(&self) -> u64 {
         match *self {
             Sampling::Grid { columns, rows } => u64::from(columns) * u64::from(rows),
-            Sampling::Hexapolar { rings } => 3 * u64::from(rings) * (u64::from(rings) + 1) + 1,
+            Sampling::Hexapolar { rings } => {
+                let half = u64::from(rings) * (u64::from(rings) + 1);
+                half.saturating_mul(3).saturating_add(1)
+            }
             Sampling::Fibonacci { count } | Sampling::Random { count } => count,
         }
     }
