@@ -299,7 +299,8 @@ fn placed<'py>(engine: &Engine, arguments: &QueryArguments<'_, 'py>) -> PyResult
     let (total, rest) = answer.fill(|rows, start_inside| {
         let mut offsets = offsets.readwrite();
         let ends = begun(&mut offsets)?;
-        let mut places = Places { rows, start_inside, ends, total: 0, rest: Vec::new(), size: TableSize::default() };
+        let mut places =
+            Places { rows, start_inside, ends, total: 0, rest: Vec::new(), size: TableSize::default() };
         fill_places(engine, arguments, &mut places)?;
         Ok((places.total, places.rest))
     })?;

@@ -119,7 +119,9 @@ impl From<InfillError> for Stopped {
 fn fill<F: Fillable>(fillable: &F, filling: &Filling, layers: &Layers, run: &Run) -> PyResult<Table> {
     let (mut table, mut growth) = (Table::default(), Growth::default());
     infill(fillable, filling, layers, run, |layer| {
-        growth.check((table.numbers[0].len() + layer.traces.len()) as u64 * ROW).map_err(InfillError::from)?;
+        growth
+            .check((table.numbers[0].len() + layer.traces.len()) as u64 * ROW)
+            .map_err(InfillError::from)?;
         table.add(&layer);
         Python::attach(|py| py.check_signals()).map_err(Stopped)
     })

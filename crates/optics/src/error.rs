@@ -99,7 +99,9 @@ pub enum OpticsError {
         range_nm: [f64; 2],
     },
     /// The segments of the light do not fit into memory.
-    #[error("the segments of {rays} rays cannot be kept: {shortage}. Trace fewer rays, or write the segments to a file.")]
+    #[error(
+        "the segments of {rays} rays cannot be kept: {shortage}. Trace fewer rays, or write the segments to a file."
+    )]
     Memory {
         /// The number of rays.
         rays: usize,

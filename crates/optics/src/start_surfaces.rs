@@ -78,12 +78,17 @@ impl StartSurfaces {
 
     /// Appends the start list of a ray that leaves a point of an incident ray: the surface of the
     /// crossing there, if there is one, and all other surfaces within the tolerance.
+    ///
+    /// `known` is the start list of the incident ray; empty if the ray does not begin at t = 0. At an
+    /// edge a ray is reflected by one face and then, at t = 0, by the next: its direction does not show
+    /// on which side of the first face it is, but its start list does.
     pub fn append(
         &self,
         program: &Program,
         (ray, t): (&Ray, f64),
         crossing: Option<&Crossing>,
         side: ExitSide,
+        known: &[Start],
         starts: &mut Vec<Start>,
     ) {
         let first = starts.len();
@@ -92,7 +97,16 @@ impl StartSurfaces {
             let inside = starts_inside(gradient.dot(ray.direction), 0.0, side);
             starts.push(Start { surface: face.surface, placement: face.placement, inside });
         }
+        let others = starts.len();
         self.append_others(program, (ray, t), first, side, starts);
+        if side == ExitSide::Incident && t == 0.0 {
+            for start in &mut starts[others..] {
+                let own = |s: &&Start| (s.surface, s.placement) == (start.surface, start.placement);
+                if let Some(known) = known.iter().find(own) {
+                    start.inside = known.inside;
+                }
+            }
+        }
     }
 
     /// Appends the surfaces within the tolerance of a point of an incident ray to a start list that

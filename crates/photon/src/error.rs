@@ -58,7 +58,9 @@ pub enum PhotonError {
     #[error(transparent)]
     Table(#[from] TableError),
     /// The photons and their hits do not fit into memory.
-    #[error("the photons and their hits cannot be kept: {0}. Simulate parts of the range one after the other.")]
+    #[error(
+        "the photons and their hits cannot be kept: {0}. Simulate parts of the range one after the other."
+    )]
     Memory(#[from] Shortage),
     /// The run was cancelled.
     #[error("the run was cancelled.")]

@@ -483,25 +483,9 @@ impl<'d, E: Evaluator> Batch<'d, E> {
             return self.detect(flight, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
-        let first = self.next_starts.len();
-        detector.starts.append(
-            &detector.program,
-            (ray, crossing.t),
-            Some(crossing),
-            side,
-            &mut self.next_starts,
-        );
-        if side == ExitSide::Incident && crossing.t == 0.0 {
-            // At an edge a photon is reflected by one face and then, without any way between, by the next: the way does not
-            // show on which side of the first face the photon is, but its start list does.
-            let lists = StartLists { first: &self.first, entries: &self.starts };
-            for start in &mut self.next_starts[first + 1..] {
-                let own = |s: &&Start| (s.surface, s.placement) == (start.surface, start.placement);
-                if let Some(known) = lists.of(i).iter().find(own) {
-                    start.inside = known.inside;
-                }
-            }
-        }
+        let known = StartLists { first: &self.first, entries: &self.starts }.of(i);
+        let (program, starts) = (&detector.program, &mut self.next_starts);
+        detector.starts.append(program, (ray, crossing.t), Some(crossing), side, known, starts);
         self.continue_with(flight);
     }
 

@@ -31,6 +31,7 @@
 //! ```
 
 pub mod arithmetic;
+mod bare_name;
 mod colour;
 mod compiled;
 mod datum;
@@ -53,6 +54,7 @@ mod suggestion;
 mod syntax;
 mod unit;
 
+pub use bare_name::bare_name;
 pub use colour::Colour;
 pub use compiled::Compiled;
 pub use datum::{Datum, Table, lookup};
@@ -60,7 +62,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
 pub use error::SceneError;
 pub use expression::{Expression, Operator, Term};
-pub use file::{load, load_allowing, parse, parse_allowing, parse_with};
+pub use file::{load, load_allowing, parse, parse_allowing, parse_with, read_bytes};
 pub use formats::povray::{PovRay, PovRayError};
 pub use number::Number;
 pub use resolve::reason;

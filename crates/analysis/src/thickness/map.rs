@@ -73,10 +73,13 @@ impl ThicknessMap {
             return Err(AnalysisError::Value(Message::new(problem, reason).suggest("Reduce the size.")));
         }
         // each length, and its copy in a table or array
-        memory::check(count.unwrap_or(usize::MAX) as u64, 2 * size_of::<f64>() as u64).map_err(|shortage| {
-            let problem = format!("a map of {width}x{height} pixels with {} media cannot be kept", media.len());
-            AnalysisError::Value(Message::new(problem, shortage.to_string()).suggest("Reduce the size."))
-        })?;
+        memory::check(count.unwrap_or(usize::MAX) as u64, 2 * size_of::<f64>() as u64).map_err(
+            |shortage| {
+                let problem =
+                    format!("a map of {width}x{height} pixels with {} media cannot be kept", media.len());
+                AnalysisError::Value(Message::new(problem, shortage.to_string()).suggest("Reduce the size."))
+            },
+        )?;
         let ray = |k: usize| ray(k % width, k / width);
         let lengths = path_lengths(evaluator, media.len(), width * height, ray, run)?;
         Ok(ThicknessMap { size: [width, height], media, lengths })

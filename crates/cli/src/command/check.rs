@@ -120,7 +120,7 @@ impl Check {
             within: self.within.bounds(),
             seed: self.seed,
             threads: global.threads,
-            cancel: interrupt::token()?,
+            cancel: interrupt::token(),
         };
         let hierarchy = imported.stated.and_then(|document| Hierarchy::of(&document, &scene));
         let bar = terminal::counter("rays", global.quiet);

@@ -140,7 +140,7 @@ impl Photons {
             max_steps: self.max_steps,
             max_time: self.max_time,
             threads: global.threads,
-            cancel: interrupt::token()?,
+            cancel: interrupt::token(),
             ..RunSettings::new(range)
         };
         let evaluator = Packets::new(detector.program().clone());

@@ -60,7 +60,7 @@ impl Thickness {
         let bar = terminal::progress_bar(None, Unit::Percent, global.quiet);
         let mut progress = |done: usize| bar.set_position(done as u64);
         let mut run =
-            Run { threads: global.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
+            Run { threads: global.threads, cancel: interrupt::token(), progress: Some(&mut progress) };
         let (camera, Settings { size, .. }) = arrange(&scene, &compiled, &options)?;
         let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
         let map = ThicknessMap::new(&compiled, &evaluator, [size.width(), size.height()], ray, &mut run);

@@ -188,6 +188,12 @@ mod tests {
         assert!(far.in_disc(first - 1, &[0.0; 8]).turn > 0.999);
     }
 
+    #[test]
+    fn counts_do_not_overflow() {
+        assert_eq!(Sampling::Hexapolar { rings: u32::MAX }.count(), u64::MAX);
+        assert_eq!(Sampling::Grid { columns: u32::MAX, rows: u32::MAX }.count(), 0xffff_fffe_0000_0001);
+    }
+
     /// The concentric map preserves areas: moments of a fine grid are those of the disc.
     #[test]
     fn discs_are_covered_evenly() {

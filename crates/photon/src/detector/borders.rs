@@ -5,18 +5,24 @@ use super::properties::PropertyReader;
 use crate::surface::OpticalSurface;
 use rayweave_error::Message;
 use rayweave_model::{Crossing, Program};
-use rayweave_scene::Datum;
+use rayweave_scene::{Datum, bare_name};
 use std::collections::{HashMap, HashSet};
 
 /// The surfaces of all boundaries.
 #[derive(Debug, Default)]
 pub(crate) struct SurfaceTable {
-    /// Border surfaces by the regions in front of and behind them.
-    borders: HashMap<(u32, u32), Vec<Border>>,
+    /// Pairs of regions, in front of a boundary and behind it, with border surfaces or nested in each other.
+    pairs: HashMap<(u32, u32), Pair>,
     /// The skin surface of each region, if it has one.
-    skins: HashMap<u32, usize>,
-    /// Pairs of a mother and its daughter.
-    nested: HashSet<(u32, u32)>,
+    skins: Vec<Option<usize>>,
+}
+
+/// A region in front of a boundary and one behind it.
+#[derive(Debug, Default)]
+struct Pair {
+    borders: Vec<Border>,
+    /// True if the region in front is the mother of the one behind.
+    is_nested: bool,
 }
 
 /// A border surface between two placements.
@@ -35,7 +41,8 @@ impl SurfaceTable {
         volumes: &Volumes,
         properties: &mut PropertyReader,
     ) -> SurfaceTable {
-        let mut found = SurfaceTable { nested: volumes.nested.clone(), ..SurfaceTable::default() };
+        let nested = volumes.nested.iter().map(|&pair| (pair, Pair { is_nested: true, ..Pair::default() }));
+        let mut found = SurfaceTable { pairs: nested.collect(), skins: Vec::new() };
         let mut attached = HashSet::new();
         let number = |row: &Datum| surfaces.iter().position(|surface| surface.name == row.text("surface"));
         for row in table.list("skin") {
@@ -44,7 +51,9 @@ impl SurfaceTable {
             for volume in row.list("volume").filter_map(Datum::as_text) {
                 // of several skins of a volume the first one counts
                 for &region in volumes.regions.get(volume).into_iter().flatten() {
-                    found.skins.entry(region).or_insert(surface);
+                    let region = region as usize;
+                    found.skins.resize(found.skins.len().max(region + 1), None);
+                    found.skins[region].get_or_insert(surface);
                 }
             }
         }
@@ -96,7 +105,7 @@ impl SurfaceTable {
                 for from in regions(before) {
                     for to in regions(after) {
                         let border = Border { surface, required: required.clone() };
-                        self.borders.entry((from, to)).or_default().push(border);
+                        self.pairs.entry((from, to)).or_default().borders.push(border);
                     }
                 }
             }
@@ -108,12 +117,14 @@ impl SurfaceTable {
     /// and then that of its mother; otherwise the skin of the volume in front, then of the one behind.
     pub fn find(&self, program: &Program, crossing: &Crossing) -> Option<usize> {
         let (before, after) = (crossing.before.0, crossing.after.0);
-        let borders = self.borders.get(&(before, after));
-        if let Some(border) = borders.into_iter().flatten().find(|border| border.is_at(program, crossing)) {
+        let pair = self.pairs.get(&(before, after));
+        let mut borders = pair.into_iter().flat_map(|pair| &pair.borders);
+        if let Some(border) = borders.find(|border| border.is_at(program, crossing)) {
             return Some(border.surface);
         }
-        let order = if self.nested.contains(&(before, after)) { [after, before] } else { [before, after] };
-        order.iter().find_map(|region| self.skins.get(region).copied())
+        let is_nested = pair.is_some_and(|pair| pair.is_nested);
+        let order = if is_nested { [after, before] } else { [before, after] };
+        order.iter().find_map(|&region| self.skins.get(region as usize).copied().flatten())
     }
 }
 
@@ -127,24 +138,10 @@ impl Border {
         let has = |placement: &Placement| {
             let mut steps = paths.iter().flat_map(|path| path.steps());
             steps.any(|step| {
-                step.name == bare(&placement.volume)
+                step.name == bare_name(&placement.volume)
                     && step.copy.is_some_and(|copy| placement.copies.contains(&copy))
             })
         };
         self.required.iter().all(has)
-    }
-}
-
-/// A name without the pointer suffix that programs append to make it unique, as occurrence paths have it.
-fn bare(name: &str) -> &str {
-    match name.rsplit_once("0x") {
-        Some((bare, suffix))
-            if !bare.is_empty()
-                && !suffix.is_empty()
-                && suffix.bytes().all(|byte| byte.is_ascii_hexdigit()) =>
-        {
-            bare
-        }
-        _ => name,
     }
 }
