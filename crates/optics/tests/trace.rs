@@ -528,6 +528,21 @@ fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn segments_that_do_not_fit_into_memory_are_refused() {
+    use rayweave_optics::source::{Pattern, Source, Sources};
+    let system = Assembly::new().add(Element::transparent("ball", ball(1.0), &glass(1.5))).compile().unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    let line = Source::new(Pattern::Line { length: 1.0, count: 1 << 53 }).unwrap();
+    for light in [Sources::new(vec![line.clone()]), Sources::new(vec![line; 5000])] {
+        let refused = tracer.trace(&light, &Settings::default()).unwrap_err();
+        assert!(matches!(refused, OpticsError::Memory { .. }), "{refused:?}");
+        let text = refused.to_string();
+        assert!(text.starts_with("the segments of ") && text.contains(" rays cannot be kept: "), "{text}");
+    }
+}
+
+#[test]
 fn results_do_not_depend_on_threads() {
     let (crown, flint) = doublet();
     let rough = Element::transparent("flint", flint, &glass(1.62)).finish(Finish::Rough { slope: 0.05 });
