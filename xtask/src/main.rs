@@ -3,6 +3,7 @@
 mod accepted;
 mod allow;
 mod cycles;
+mod dist;
 mod features;
 mod layers;
 mod lean;
@@ -41,6 +42,7 @@ Commands:
   generated [--accept] compare the sources generated from the registry of primitives, or write them
   stub [--accept]      compare the stub of the Python package with the sources of the binding, or write it
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
+  dist                 build the release command and the wheel into dist/, with checksums
   help                 print this text
 
 Options of test:
@@ -95,6 +97,10 @@ fn run() -> Result<ExitCode, String> {
             layers::run(&Repository::find()?)?;
             lean::run(&Repository::find()?)?;
             features::run(&Repository::find()?)?;
+        }
+        "dist" => {
+            finish(arguments)?;
+            dist::run(&Repository::find()?)?;
         }
         "help" => print!("{HELP}"),
         other => return Err(usage(&format!("no command '{other}'"))),

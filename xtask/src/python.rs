@@ -71,20 +71,29 @@ impl Python {
     }
 
     fn build_and_install(&mut self) -> Result<(), String> {
+        let (wheels, target) = (self.target.join("wheels"), self.target.clone());
+        remove_old(&wheels)?;
+        let wheel = self.build_wheel(&wheels, |maturin| maturin.env("CARGO_TARGET_DIR", target))?;
+        self.install(&[&wheel.to_string_lossy()])
+    }
+
+    /// Builds the wheel into a folder without other wheels; `configure` completes the call of maturin.
+    pub fn build_wheel(
+        &mut self,
+        folder: &Path,
+        configure: impl FnOnce(&mut Command) -> &mut Command,
+    ) -> Result<PathBuf, String> {
         let project = self.root.join(BINDING).join("pyproject.toml");
         if !project.is_file() {
             return Err(format!("{BINDING}/pyproject.toml: no such file: the package is built from it."));
         }
         self.install(&["maturin>=1.16,<2"])?;
-        let wheels = self.target.join("wheels");
-        remove_old(&wheels)?;
-        let (target, interpreter) = (self.target.clone(), self.environment()?.join("bin").join("python"));
+        let interpreter = self.environment()?.join("bin").join("python");
         let mut maturin = self.program("maturin")?;
-        maturin.current_dir(self.root.join(BINDING)).env("CARGO_TARGET_DIR", target);
-        maturin.args(["build", "--release", "--interpreter"]).arg(interpreter).arg("--out").arg(&wheels);
-        process::run(&mut maturin)?;
-        let wheel = the_wheel(&wheels)?;
-        self.install(&[&wheel.to_string_lossy()])
+        maturin.current_dir(self.root.join(BINDING));
+        maturin.args(["build", "--release", "--interpreter"]).arg(interpreter).arg("--out").arg(folder);
+        process::run(configure(&mut maturin))?;
+        the_wheel(folder)
     }
 }
 
@@ -125,7 +134,7 @@ fn make_environment(folder: &Path) -> Result<PathBuf, String> {
 }
 
 /// Removes a folder of an earlier run.
-fn remove_old(folder: &Path) -> Result<(), String> {
+pub fn remove_old(folder: &Path) -> Result<(), String> {
     match fs::remove_dir_all(folder) {
         Err(error) if folder.exists() => Err(format!("{}: cannot be removed: {error}.", folder.display())),
         _ => Ok(()),

@@ -1,5 +1,7 @@
 //! Conversion of NumPy arguments: dtypes, memory layouts and shapes.
 
+use std::fmt::Display;
+
 use numpy::ndarray::Array2;
 use numpy::{
     Element, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
@@ -9,6 +11,8 @@ use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyTuple;
+
+use rayweave::model::memory;
 
 use crate::error::{bad_type, bad_value};
 
@@ -59,7 +63,10 @@ pub fn list(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
         return Err(bad_value(format!("{name} has shape {shape}: a list of numbers is needed.")));
     }
     let array = array.try_readonly().map_err(bad_value)?;
-    Ok(array.as_array().iter().copied().collect())
+    // an array may be larger than its memory, by a stride of 0
+    let mut numbers = room(array.len())?;
+    numbers.extend(array.as_array().iter());
+    Ok(numbers)
 }
 
 /// A one-dimensional array as a list of numbers, for argument checks of functions written in
@@ -121,15 +128,19 @@ fn is_plain<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
     array.is_aligned() && array.strides().iter().all(whole) && array.len() > 0
 }
 
+/// The error about something that does not fit into memory.
+pub fn no_memory(what: &str, reason: &dyn Display) -> PyErr {
+    PyMemoryError::new_err(format!("there is no memory for {what}: {reason}."))
+}
+
 /// An empty list with capacity for `len` entries, or a `MemoryError`.
 pub fn room<T>(len: usize) -> PyResult<Vec<T>> {
+    let refused = |reason: &dyn Display| {
+        no_memory(&format!("a list of {len} entries of {} bytes", size_of::<T>()), reason)
+    };
+    memory::check(len as u64, size_of::<T>() as u64).map_err(|shortage| refused(&shortage))?;
     let mut list = Vec::new();
-    match list.try_reserve_exact(len) {
-        Ok(()) => Ok(list),
-        Err(_) => {
-            Err(PyMemoryError::new_err(format!("no memory for {len} entries of {} bytes", size_of::<T>())))
-        }
-    }
+    list.try_reserve_exact(len).map(|()| list).map_err(|error| refused(&error))
 }
 
 /// The number of elements from which on NumPy allocates the array, because it uses large pages and
@@ -170,13 +181,9 @@ pub fn fresh_flags(py: Python<'_>, len: usize) -> PyResult<Bound<'_, PyArray1<bo
 }
 
 fn empty<'py, T: Element>(py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyAny>> {
-    let bytes = shape.iter().try_fold(size_of::<T>(), |bytes, &size| bytes.checked_mul(size));
-    if bytes.is_none_or(|bytes| isize::try_from(bytes).is_err()) {
-        return Err(PyMemoryError::new_err(format!(
-            "the answer of shape {} is too large",
-            shape_text(shape)
-        )));
-    }
+    let entries = shape.iter().fold(1u64, |entries, &size| entries.saturating_mul(size as u64));
+    memory::check(entries, size_of::<T>() as u64)
+        .map_err(|shortage| no_memory(&format!("the answer of shape {}", shape_text(shape)), &shortage))?;
     static EMPTY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     EMPTY.import(py, "numpy", "empty")?.call1((PyTuple::new(py, shape)?, T::get_dtype(py)))
 }

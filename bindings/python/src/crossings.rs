@@ -10,12 +10,13 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyType};
 use rayweave::AnyEvaluator;
+use rayweave::model::memory::Growth;
 use rayweave::model::{Crossing, Evaluator, Program, Query, RayAnswer, Window, attributes};
 use rayweave::shape::Ray;
 use rayweave::space::{Curve, CurveTrace, curve_normal, curve_point};
 
 use crate::answer::{Answer, Rows, column, medium_of, take};
-use crate::arrays::{MANY, fresh, room};
+use crate::arrays::{MANY, fresh, no_memory, room};
 use crate::engine::{BLOCK, Chunking, Engine, QueryOptions, Worker, inside, run_query, share, surface};
 use crate::error::bad_value;
 use crate::rays::{Columns, RayArrays, RayRows};
@@ -122,6 +123,21 @@ fn put<T>(rows: &[Row], to: &mut [T], of: impl Fn(&Row) -> T) {
     zip(to, rows).for_each(|(to, row)| *to = of(row));
 }
 
+/// The size of buffered tables, checked against the available memory.
+#[derive(Default)]
+struct TableSize {
+    rows: usize,
+    growth: Growth,
+}
+
+impl TableSize {
+    fn add(&mut self, table: &Table) -> PyResult<()> {
+        self.rows += table.rows.len();
+        let grown = self.growth.check((self.rows * size_of::<Row>()) as u64);
+        grown.map_err(|shortage| no_memory("the crossings", &shortage))
+    }
+}
+
 /// The arguments of the query.
 struct QueryArguments<'a, 'py> {
     py: Python<'py>,
@@ -159,7 +175,9 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
 
     fn tables(&self) -> PyResult<Vec<Table>> {
         let mut tables = room(self.chunking.chunks())?;
+        let mut size = TableSize::default();
         self.run(Table::default, |table| {
+            size.add(&table)?;
             tables.push(table);
             Ok(())
         })?;
@@ -255,20 +273,22 @@ struct Places<'a> {
     total: usize,
     /// Tables that exceed the buffers, each with the number of its first row.
     rest: Vec<(usize, Table)>,
+    size: TableSize,
 }
 
 impl<'a> Places<'a> {
     /// Assigns the next buffers to a table, if there are enough rows left.
-    fn take(&mut self, table: Table) -> Option<Job<'a>> {
+    fn take(&mut self, table: Table) -> PyResult<Option<Job<'a>>> {
         let (first, count, rays) = (self.total, table.rows.len(), table.counts.len());
         self.total += count;
         let (start_inside, ends) = (take(&mut self.start_inside, rays), take(&mut self.ends, rays));
         if self.rest.is_empty() && count <= self.rows.len() {
-            return Some(Job { table, first, rows: self.rows.take(count), start_inside, ends });
+            return Ok(Some(Job { table, first, rows: self.rows.take(count), start_inside, ends }));
         }
+        self.size.add(&table)?;
         table.put_rays(first, start_inside, ends);
         self.rest.push((first, table));
-        None
+        Ok(None)
     }
 }
 
@@ -279,7 +299,8 @@ fn placed<'py>(engine: &Engine, arguments: &QueryArguments<'_, 'py>) -> PyResult
     let (total, rest) = answer.fill(|rows, start_inside| {
         let mut offsets = offsets.readwrite();
         let ends = begun(&mut offsets)?;
-        let mut places = Places { rows, start_inside, ends, total: 0, rest: Vec::new() };
+        let mut places =
+            Places { rows, start_inside, ends, total: 0, rest: Vec::new(), size: TableSize::default() };
         fill_places(engine, arguments, &mut places)?;
         Ok((places.total, places.rest))
     })?;
@@ -304,7 +325,7 @@ fn fill_places<'a>(
         job.map_or_else(Table::default, |job| job.run(engine))
     };
     arguments.run(table, |table| {
-        lock(&jobs).extend(places.take(table));
+        lock(&jobs).extend(places.take(table)?);
         Ok(())
     })?;
     let left = std::mem::take(&mut *lock(&jobs));

@@ -9,6 +9,7 @@ use rayweave::infill::{
     Fillable, Filling, InfillError, InfillRun, LayerTraces, Layers, Raster, Slices, infill,
 };
 use rayweave::model::Program;
+use rayweave::model::memory::Growth;
 
 use crate::arrays::list;
 use crate::engine::{Engine, thread_argument};
@@ -105,6 +106,9 @@ struct Table {
     numbers: [Vec<f64>; 5],
 }
 
+/// The size of a row of the table in bytes.
+const ROW: u64 = 8 * 8;
+
 /// The reason why a run ended early.
 struct Stopped(PyErr);
 
@@ -115,8 +119,11 @@ impl From<InfillError> for Stopped {
 }
 
 fn fill<F: Fillable>(fillable: &F, filling: &Filling, layers: &Layers, run: &InfillRun) -> PyResult<Table> {
-    let mut table = Table::default();
+    let (mut table, mut growth) = (Table::default(), Growth::default());
     infill(fillable, filling, layers, run, |layer| {
+        growth
+            .check((table.numbers[0].len() + layer.traces.len()) as u64 * ROW)
+            .map_err(InfillError::from)?;
         table.add(&layer);
         Python::attach(|py| py.check_signals()).map_err(Stopped)
     })

@@ -5,7 +5,7 @@ use numpy::{PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayweave::math::{Affine, Vec3};
 
-use crate::arrays::{double_array, list, shape_text};
+use crate::arrays::{double_array, list, room, shape_text};
 use crate::error::bad_value;
 
 /// A vector of finite numbers.
@@ -67,13 +67,16 @@ pub fn vectors(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
     let array = array.try_readonly().map_err(bad_value)?;
     let row = |row: ArrayView1<'_, f64>| Vec3::new(row[0], row[1], row[2]);
     let view = array.as_array().into_dimensionality::<Ix2>().map_err(bad_value)?;
-    Ok(view.rows().into_iter().map(row).collect())
+    let mut vectors = room(view.nrows())?;
+    vectors.extend(view.rows().into_iter().map(row));
+    Ok(vectors)
 }
 
 /// Many maps: translations (N, 3) or matrices (N, 4, 4).
 pub fn maps(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Affine>> {
     let array = double_array(object, name)?;
-    let entries: Vec<f64> = array.try_readonly().map_err(bad_value)?.as_array().iter().copied().collect();
+    let mut entries: Vec<f64> = room(array.len())?;
+    entries.extend(array.try_readonly().map_err(bad_value)?.as_array().iter());
     match array.shape() {
         [_, 3] => Ok(entries.chunks_exact(3).map(Vec3::from_slice).map(Affine::translate)).and_then(|maps| {
             maps.enumerate().map(|(k, map)| invertible(map, &format!("{name}[{k}]"))).collect()
@@ -108,7 +111,9 @@ pub fn points(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f64; 2]>> 
     };
     let array = array.try_readonly().map_err(bad_value)?;
     let view = array.as_array().into_dimensionality::<Ix2>().map_err(bad_value)?;
-    Ok(view.rows().into_iter().map(|row: ArrayView1<'_, f64>| [row[0], row[1]]).collect())
+    let mut points = room(view.nrows())?;
+    points.extend(view.rows().into_iter().map(|row: ArrayView1<'_, f64>| [row[0], row[1]]));
+    Ok(points)
 }
 
 /// A list of points as an array (N, 2).

@@ -14,7 +14,7 @@ Exit codes:
   1    the run failed, because a file could not be written for instance
   2    the command line is wrong
   3    the model or another input file is wrong or cannot be read
-  130  cancelled by Ctrl-C; unfinished files are removed
+  130  cancelled by Ctrl-C or a termination signal; unfinished files are removed
 
 Environment:
   RAYWEAVE_THREADS  the number of threads, where --threads is not given

@@ -1,19 +1,37 @@
-//! Ctrl-C and termination signals (SIGTERM, SIGHUP): cancel runs, so that they remove their unfinished files.
+//! Ctrl-C and termination signals (SIGTERM, SIGHUP): end the command at any time, without unfinished files.
 
 use crate::failure::Failure;
-use rayweave::model::drive::Cancel;
+use rayweave::model::drive::{Cancel, aside};
+use rayweave::table::AtomicFile;
 use std::io::{self, Read};
+use std::sync::OnceLock;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// A token that Ctrl-C and termination signals cancel.
-pub fn token() -> Result<Cancel, Failure> {
-    let cancel = Cancel::new();
-    let own = cancel.clone();
+/// The time after a signal in which the command may end by itself. Runs check [`token`] between their tasks; files are read and
+/// models are compiled without many such checks.
+const PATIENCE: Duration = Duration::from_millis(300);
+
+/// The token that Ctrl-C and termination signals cancel.
+pub fn token() -> Cancel {
+    static TOKEN: OnceLock<Cancel> = OnceLock::new();
+    TOKEN.get_or_init(Cancel::new).clone()
+}
+
+/// Runs the command on a thread of its own, and ends it soon after a signal: at the next check of [`token`], or at any point where it
+/// has no unfinished file.
+pub fn watch(command: impl FnOnce() -> Result<(), Failure> + Send + 'static) -> Result<(), Failure> {
+    let (cancel, own) = (token(), token());
     ctrlc::set_handler(move || own.cancel())
         .map_err(|error| Failure::Run(format!("cannot listen for Ctrl-C: {error}.")))?;
-    Ok(cancel)
+    let mut signalled = None;
+    let look = || match cancel.is_cancelled() {
+        true if signalled.get_or_insert_with(Instant::now).elapsed() < PATIENCE => Ok(()),
+        true if AtomicFile::none_from_now_on() => Err(Failure::Cancelled),
+        _ => Ok(()),
+    };
+    aside(|| token().while_current(command), look)?
 }
 
 /// A reader of a source that may block for ever, such as a pipe. A separate thread reads the

@@ -9,7 +9,7 @@ use rayweave::lens::prescription::{FieldKind, IMAGE, Prescription, PrescriptionE
 use rayweave::optics::file::OpticalScene;
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
 use rayweave::optics::{Beam, TraceSettings};
-use rayweave::scene::Unit;
+use rayweave::scene::{Unit, read_bytes};
 use std::path::Path;
 
 /// The number of rings of rays in the pupil: 331 rays for each field and wavelength.
@@ -44,7 +44,7 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     }
     let name = path.display();
     let bytes =
-        std::fs::read(path).map_err(|error| Failure::Input(format!("{name}: cannot be read: {error}.")))?;
+        read_bytes(path).map_err(|reason| Failure::Input(format!("{name}: cannot be read: {reason}.")))?;
     let wrong = |error: &dyn std::error::Error| {
         let lines: Vec<String> = error.to_string().lines().map(|line| format!("{name}: {line}")).collect();
         Failure::Input(lines.join("\nerror: "))

@@ -25,7 +25,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return print(&error),
     };
-    match cli::run(&cli) {
+    match interrupt::watch(move || cli::run(&cli)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => terminal::report(&failure),
     }

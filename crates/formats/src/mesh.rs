@@ -12,9 +12,9 @@ use crate::{Format, Imported, LossKind, Options, Report};
 use rayweave_math::Vec3;
 use rayweave_mesh::{Diagnosis, Mesh, MeshError, PairBudget, Polyhedron, Repair};
 use rayweave_mesh_io::{self as mesh_io, FileError, LoadedMesh, MeshFormat, ReadOptions};
-use rayweave_model::Solid;
+use rayweave_model::{Solid, memory};
 use rayweave_scene::{
-    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit, memory,
+    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit,
 };
 use rayweave_shape::primitive::{self, Primitive};
 use rayweave_table::AllowedFiles;

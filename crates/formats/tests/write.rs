@@ -278,6 +278,31 @@ fn booleans_of_meshes_keep_edges_and_closed_forms() {
     }
 }
 
+/// A volume that its daughters fill up to 1e-8 mm is a film: glTF, in single precision, has no volume for it, OBJ has.
+#[test]
+fn regions_without_volume_are_left_out() {
+    let corners = |hi: &str| format!("box_from_corners = {{ lo = [0, 0, 0], hi = [{hi}, 1, 1] }}\n");
+    let text = format!(
+        "rayweave = 1\nunit = 'mm'\n[solid.mother]\n{}[solid.daughter]\n{}[[region]]\nsolid = 'mother'\n[[region]]\nsolid = 'daughter'\n",
+        corners("1.00000001"),
+        corners("1")
+    );
+    let (_, scene) = rayweave_scene::parse(&text).unwrap();
+    for (format, expected) in
+        [(MeshFormat::Gltf, &["daughter"][..]), (MeshFormat::Obj, &["mother", "daughter"])]
+    {
+        let written = written(&scene, Format::Mesh(format), None);
+        let left_out = "`mother` is left out: beside the regions after it, it has no volume";
+        let is_told = written.remarks.iter().any(|remark| remark.what == left_out);
+        assert_eq!(is_told, expected.len() == 1, "{:?}", written.remarks);
+        let found = back(&written, Format::Mesh(format)).scene;
+        let names: Vec<&str> = found.regions.iter().map(|region| region.name.as_str()).collect();
+        // a file with one object has the name of the file
+        assert_eq!(names.len(), expected.len(), "{names:?}");
+        assert!(expected.len() == 1 || names == expected, "{names:?}");
+    }
+}
+
 #[test]
 fn what_cannot_be_written_says_why() {
     let endless =

@@ -10,6 +10,7 @@
 pub mod attributes;
 pub mod drive;
 pub mod gate;
+pub mod memory;
 pub mod plain;
 pub mod simplify;
 pub mod weld;

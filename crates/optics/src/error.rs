@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 use rayweave_error::{Classified, ErrorKind, Message};
+use rayweave_model::memory::Shortage;
 use rayweave_model::{BadRay, CompileError};
 
 /// Error of an optical system, or of light that cannot be traced.
@@ -96,6 +97,16 @@ pub enum OpticsError {
         medium: String,
         /// The range of its index.
         range_nm: [f64; 2],
+    },
+    /// The segments of the light do not fit into memory.
+    #[error(
+        "the segments of {rays} rays cannot be kept: {shortage}. Trace fewer rays, or write the segments to a file."
+    )]
+    Memory {
+        /// The number of rays.
+        rays: usize,
+        /// The memory.
+        shortage: Shortage,
     },
     /// The run was cancelled.
     #[error("cancelled")]

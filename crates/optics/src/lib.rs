@@ -63,7 +63,7 @@ pub use phase::Phases;
 pub use segments::{Balance, Event, Segment, Segments};
 pub use settings::{Branches, Keep, TraceSettings};
 pub use system::{Assembly, System};
-pub use trace::{Trace, Tracer};
+pub use trace::{RowLimit, Trace, Tracer};
 
 /// The code of the guide to gradients, compiled and run with the documentation tests.
 #[cfg(doctest)]

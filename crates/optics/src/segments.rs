@@ -146,6 +146,9 @@ impl Segments {
         self.id.is_empty()
     }
 
+    /// The size of a row in bytes.
+    pub const ROW: u64 = 15 * 8 + 4 * 4 + 1;
+
     /// Reserves memory for a number of additional rows.
     pub fn reserve(&mut self, rows: usize) {
         self.id.reserve(rows);

@@ -174,28 +174,38 @@ impl StartSurfaces {
 
     /// Appends the start list of a ray that leaves a point of an incident ray: the surface of the
     /// crossing there, if there is one, and all other surfaces within the tolerance.
+    ///
+    /// `known` is the start list of the incident ray; empty if the ray does not begin at t = 0. At an
+    /// edge a ray is reflected by one face and then, at t = 0, by the next: its direction does not show
+    /// on which side of the first face it is, but its start list does.
     pub fn append(
         &self,
         program: &Program,
         (ray, t): (&Ray, f64),
         crossing: Option<&Crossing>,
         side: ExitSide,
+        known: &[Start],
         starts: &mut Vec<Start>,
     ) {
         match crossing {
-            Some(crossing) => self.append_at(&Contact::new(program, ray, crossing), side, starts),
-            None => self.append_others(program, (ray, t), starts.len(), side, starts),
+            Some(crossing) => self.append_at(&Contact::new(program, ray, crossing), side, known, starts),
+            None => {
+                let first = starts.len();
+                self.append_others(program, (ray, t), first, side, starts);
+                keep_sides((t, side), known, &mut starts[first..]);
+            }
         }
     }
 
     /// Appends the start list of a ray that leaves a crossing: the surface of the crossing and all others within the
-    /// tolerance.
-    pub fn append_at(&self, contact: &Contact<'_>, side: ExitSide, starts: &mut Vec<Start>) {
+    /// tolerance. `known` is the start list of the incident ray, as for [`append`](StartSurfaces::append).
+    pub fn append_at(&self, contact: &Contact<'_>, side: ExitSide, known: &[Start], starts: &mut Vec<Start>) {
         let &Contact { program, ray, crossing: Crossing { t, face, .. }, .. } = contact;
         let first = starts.len();
         let inside = starts_inside(contact.slope(), 0.0, side);
         starts.push(Start { surface: face.surface, placement: face.placement, inside });
         self.append_others(program, (ray, t), first, side, starts);
+        keep_sides((t, side), known, &mut starts[first + 1..]);
     }
 
     /// Appends the surfaces within the tolerance of a point of an incident ray to a start list that
@@ -253,6 +263,20 @@ impl StartSurfaces {
             }
             let inside = at.side(surface, placement);
             starts.extend(inside.map(|inside| Start { surface, placement, inside }));
+        }
+    }
+}
+
+/// Gives surfaces of a reflected ray the sides of the incident ray's start list, if the incident ray is reflected where it
+/// starts: its direction does not show the sides.
+fn keep_sides((t, side): (f64, ExitSide), known: &[Start], starts: &mut [Start]) {
+    if side != ExitSide::Incident || t != 0.0 {
+        return;
+    }
+    for start in starts {
+        let own = |s: &&Start| (s.surface, s.placement) == (start.surface, start.placement);
+        if let Some(known) = known.iter().find(own) {
+            start.inside = known.inside;
         }
     }
 }

@@ -56,6 +56,21 @@ fn a_plate_shifts_light_sideways() {
     assert_eq!(system.surface_name(rows[0].surface as usize), "plate.z-");
 }
 
+/// In a cube with an index of 1.5, light along its diagonal meets each face at 54.7 degrees, beyond the critical angle of 41.8
+/// degrees: it stays for ever. All rays hit edges of the cube exactly, the first one its corners.
+#[test]
+fn light_does_not_leak_at_edges() {
+    let cube = Element::transparent("cube", block(10.0, 10.0, 10.0), &glass(1.5));
+    let system = Assembly::new().add(cube).compile().unwrap();
+    let inside = |k: i32| Light::new(Vec3::new(0.1 * f64::from(k), 0.0, 0.0), Vec3::ONE, D_NM);
+    let beam: Beam = (0..40).map(inside).collect();
+    let settings = TraceSettings { generation_limit: 300, ..TraceSettings::default() };
+    let found = trace(&system, &beam, &settings);
+    assert_eq!((found.balance.escaped, found.balance.dropped), (0.0, 40.0));
+    assert!(found.segments.iter().all(|row| row.event == Event::TotallyReflected));
+    assert!(found.segments.iter().all(|row| row.end.abs().max_element() < 5.0 + 1e-9));
+}
+
 #[test]
 fn lenses_agree_with_a_sequential_trace() {
     // a biconvex lens of radius 50, 8 thick; the reference is the same ray by hand in the meridional plane
@@ -517,6 +532,21 @@ fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
         // light beside the spot is transmitted, whatever the names of the leaves
         let beside = one(&system, along_z(5.0, 0.5), &TraceSettings::default());
         assert_eq!(beside[1].event, Event::Transmitted, "{beside:?}");
+    }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn segments_that_do_not_fit_into_memory_are_refused() {
+    use rayweave_optics::source::{Pattern, Source, Sources};
+    let system = Assembly::new().add(Element::transparent("ball", ball(1.0), &glass(1.5))).compile().unwrap();
+    let tracer = Tracer::new(&system, Packets::new);
+    let line = Source::new(Pattern::Line { length: 1.0, count: 1 << 53 }).unwrap();
+    for light in [Sources::new(vec![line.clone()]), Sources::new(vec![line; 5000])] {
+        let refused = tracer.trace(&light, &TraceSettings::default()).unwrap_err();
+        assert!(matches!(refused, OpticsError::Memory { .. }), "{refused:?}");
+        let text = refused.to_string();
+        assert!(text.starts_with("the segments of ") && text.contains(" rays cannot be kept: "), "{text}");
     }
 }
 

@@ -2,6 +2,7 @@
 
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::CompileError;
+use rayweave_model::memory::Shortage;
 use rayweave_table::TableError;
 
 /// The reason why a table of a property is invalid.
@@ -56,6 +57,11 @@ pub enum PhotonError {
     /// A file of hits cannot be written.
     #[error(transparent)]
     Table(#[from] TableError),
+    /// The photons and their hits do not fit into memory.
+    #[error(
+        "the photons and their hits cannot be kept: {0}. Simulate parts of the range one after the other."
+    )]
+    Memory(#[from] Shortage),
     /// The run was cancelled.
     #[error("the run was cancelled.")]
     Cancelled,
@@ -78,7 +84,7 @@ impl Classified for PhotonError {
         match self {
             PhotonError::Detector(_) => ErrorKind::Optics,
             PhotonError::Compile(_) => ErrorKind::Compile,
-            PhotonError::Setting(_) => ErrorKind::Value,
+            PhotonError::Setting(_) | PhotonError::Memory(_) => ErrorKind::Value,
             PhotonError::Table(error) => error.kind(),
             PhotonError::Cancelled => ErrorKind::Cancelled,
         }

@@ -30,6 +30,9 @@ pub struct Hits {
 }
 
 impl Hits {
+    /// The size of a hit in bytes.
+    pub(crate) const ROW: u64 = 13 * 8 + 4;
+
     /// The number of hits.
     #[must_use]
     pub fn len(&self) -> usize {

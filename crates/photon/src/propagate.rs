@@ -15,6 +15,7 @@ use crate::scatter;
 use crate::source::{Photon, Source};
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::memory::{Growth, Shortage};
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
 };
@@ -26,6 +27,9 @@ use std::ops::Range;
 
 /// The number of photons that advance together.
 const BATCH: u64 = 4096;
+
+/// The limit of photon numbers: larger ones are those of further photons of wavelength shifters.
+const MAX_PHOTONS: u64 = 1 << 62;
 
 /// The way in which a photon ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -149,17 +153,17 @@ impl PhotonRun {
 ///
 /// # Errors
 ///
-/// [`PhotonError::Setting`] for invalid photons and limits, [`PhotonError::Cancelled`].
+/// [`PhotonError::Setting`] for invalid photons and limits, [`PhotonError::Memory`], [`PhotonError::Cancelled`].
 pub fn simulate<E: Evaluator>(
     detector: &Detector,
     evaluator: &E,
     source: &Source,
     settings: &RunSettings,
 ) -> Result<PhotonRun, PhotonError> {
-    let mut total = PhotonRun::default();
-    simulate_parts(detector, evaluator, source, settings, None, |part| {
+    let (mut total, mut growth) = (PhotonRun::default(), Growth::default());
+    simulate_parts(detector, evaluator, source, settings, None, |part| -> Result<(), PhotonError> {
         total.append(part.run);
-        Ok::<(), PhotonError>(())
+        Ok(growth.check(total.hits.len() as u64 * Hits::ROW)?)
     })?;
     Ok(total)
 }
@@ -204,16 +208,15 @@ fn run_batches<E: Evaluator, R: Recorder, X: From<PhotonError>>(
     source: &Source,
     settings: &RunSettings,
     recorder: &R,
-    merge: impl FnMut(PhotonPart) -> Result<(), X>,
+    mut merge: impl FnMut(PhotonPart) -> Result<(), X>,
 ) -> Result<(), X> {
     check(source, settings)?;
     let Range { start, end } = settings.photons;
     let chunks = (0..(end.saturating_sub(start)).div_ceil(BATCH))
         .map(|k| start + k * BATCH..(start + (k + 1) * BATCH).min(end));
-    let work = |batch: &mut Batch<'_, E, R>, numbers: Range<u64>| PhotonPart {
-        photons: numbers.clone(),
-        run: batch.run(source, numbers),
-        histories: batch.recorder.take(),
+    let work = |batch: &mut Batch<'_, E, R>, numbers: Range<u64>| -> Result<PhotonPart, Shortage> {
+        let run = batch.run(source, numbers.clone())?;
+        Ok(PhotonPart { photons: numbers, run, histories: batch.recorder.take() })
     };
     drive(
         thread_count(settings.threads),
@@ -221,7 +224,7 @@ fn run_batches<E: Evaluator, R: Recorder, X: From<PhotonError>>(
         chunks,
         || Batch::new(detector, evaluator, settings, recorder.clone()),
         work,
-        merge,
+        |part| merge(part.map_err(PhotonError::from)?),
     )
     .map_err(|stopped| match stopped {
         Stopped::Cancelled => PhotonError::Cancelled.into(),
@@ -240,6 +243,10 @@ fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
     if settings.max_time.is_nan() || settings.max_time <= 0.0 {
         let problem = format!("the maximum time is {} ns", settings.max_time);
         return Err(PhotonError::setting(problem, "it must be positive"));
+    }
+    if end > MAX_PHOTONS {
+        let problem = format!("photons {start} to {end} are requested");
+        return Err(PhotonError::setting(problem, format!("their numbers must be below {MAX_PHOTONS}")));
     }
     Ok(())
 }
@@ -274,6 +281,9 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     recorder: R,
     ends: Tally<End>,
     boundary_events: Tally<BoundaryEvent>,
+    growth: Growth,
+    /// Set when the photons of wavelength shifters do not fit into memory.
+    shortage: Option<Shortage>,
 }
 
 /// Counts of a few kinds of events.
@@ -350,10 +360,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             recorder,
             ends: Tally(Vec::new()),
             boundary_events: Tally(Vec::new()),
+            growth: Growth::default(),
+            shortage: None,
         }
     }
 
-    fn run(&mut self, source: &Source, numbers: Range<u64>) -> PhotonRun {
+    fn run(&mut self, source: &Source, numbers: Range<u64>) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
         for number in numbers {
             let photon = source.photon(self.settings.seed, number);
@@ -367,13 +379,16 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             for i in 0..self.flights.len() {
                 self.step(i);
             }
+            if let Some(shortage) = self.shortage.take() {
+                return Err(shortage);
+            }
             self.swap();
         }
         // by photon number, whatever the number of steps
         self.result.hits.sort();
         self.result.ends = self.ends.take();
         self.result.boundary_events = self.boundary_events.take();
-        std::mem::take(&mut self.result)
+        Ok(std::mem::take(&mut self.result))
     }
 
     /// Keeps a photon for the next step; its start list has been appended already.
@@ -491,6 +506,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let shifter = &material.shifters[shifter];
         let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Reemission);
         let count = shifter.mean_photons.map_or(1, |mean| stream.poisson(mean));
+        // each of them may be absorbed and emitted again: their number has no limit
+        let bytes = (self.next.len() as u64 + u64::from(count)) * size_of::<Flight>() as u64;
+        if let Err(shortage) = self.growth.check(bytes) {
+            self.shortage = Some(shortage);
+            return;
+        }
         let mut emitted = 0;
         for _ in 0..count {
             let Some(energy) = shifter.spectrum.quantile(stream.uniform(), flight.photon.energy) else {
@@ -561,19 +582,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             return self.detect(&flight, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
-        let first = self.next_starts.len();
-        detector.starts.append_at(&contact, side, &mut self.next_starts);
-        if side == ExitSide::Incident && crossing.t == 0.0 {
-            // At an edge a photon is reflected by one face and then, without any way between, by the next: the way does not
-            // show on which side of the first face the photon is, but its start list does.
-            let lists = StartLists { first: &self.first, entries: &self.starts };
-            for start in &mut self.next_starts[first + 1..] {
-                let own = |s: &&Start| (s.surface, s.placement) == (start.surface, start.placement);
-                if let Some(known) = lists.of(i).iter().find(own) {
-                    start.inside = known.inside;
-                }
-            }
-        }
+        let known = StartLists { first: &self.first, entries: &self.starts }.of(i);
+        detector.starts.append_at(&contact, side, known, &mut self.next_starts);
         self.continue_with(flight);
     }
 

@@ -1,7 +1,8 @@
 //! Paths of volumes: the names and copy numbers of the placements that lead to a volume.
 
-use crate::detector::{Detector, bare};
+use crate::detector::Detector;
 use rayweave_model::Face;
+use rayweave_scene::bare_name;
 use std::collections::HashMap;
 
 /// The copy number of a volume whose placements have no numbers.
@@ -10,11 +11,11 @@ const NO_COPY: i64 = -1;
 /// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
 /// or of a volume placed in it, as crossings at the ends of a step through the volume have it.
 fn volume_path(detector: &Detector, region: u32, face: Option<Face>) -> (String, i64) {
-    let own = bare(&detector.region_names[region as usize]);
+    let own = bare_name(&detector.region_names[region as usize]);
     let Some(face) = face else { return (own.to_owned(), NO_COPY) };
     let path = detector.program.occurrence_path(face.occurrence()).placed();
     let steps = path.steps();
-    let is_other = |name: &str| detector.region_names.iter().any(|region| bare(region) == name);
+    let is_other = |name: &str| detector.region_names.iter().any(|region| bare_name(region) == name);
     let length = match steps.iter().rposition(|step| step.name == own) {
         Some(last) => last + 1,
         // a face of a daughter of the world, or of a mother whose own name is not part of the path

@@ -208,7 +208,7 @@ pub mod model {
         Crossing, CrossingColumns, Evaluator, Face, FirstHits, HitArrayRows, Leaf, LeafFacet, LeafId,
         LeafKind, Limit, Medium, Node, Occurrence, OccurrencePath, PathStep, Place, PlacementId, Program,
         Prototype, PrototypeId, Query, RayAnswer, RayBatch, Rays, Region, RegionId, RegionInfo, Sink, Solid,
-        SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, plain, simplify,
+        SurfaceEntry, SurfaceId, Window, WindowError, attributes, drive, memory, plain, simplify,
     };
 }
 

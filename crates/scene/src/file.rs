@@ -150,7 +150,12 @@ impl Source {
     }
 }
 
-fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
+/// The bytes of a text file of at most 256 MiB, for readers of other formats.
+///
+/// # Errors
+///
+/// The reason why it cannot be read, for the middle of a message.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let file = File::open(path).map_err(|error| reason(&error))?;
     let metadata = file.metadata().map_err(|error| reason(&error))?;
     if metadata.is_dir() {

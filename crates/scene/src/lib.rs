@@ -31,6 +31,7 @@
 //! ```
 
 pub mod arithmetic;
+mod bare_name;
 mod colour;
 mod compiled;
 mod datum;
@@ -44,7 +45,6 @@ mod file;
 pub mod foreign;
 mod formats;
 mod keys;
-pub mod memory;
 mod number;
 mod resolve;
 mod scene;
@@ -54,6 +54,7 @@ mod suggestion;
 mod syntax;
 mod unit;
 
+pub use bare_name::bare_name;
 pub use colour::Colour;
 pub use compiled::Compiled;
 pub use datum::{Datum, Table, lookup};
@@ -61,7 +62,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
 pub use error::SceneError;
 pub use expression::{Expression, ExpressionItem, Operator};
-pub use file::{load, load_allowing, load_scene, parse, parse_allowing, parse_with};
+pub use file::{load, load_allowing, load_scene, parse, parse_allowing, parse_with, read_bytes};
 pub use formats::povray::{PovRay, PovRayError};
 pub use number::Number;
 pub use resolve::reason;

@@ -6,6 +6,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::TableError;
 
@@ -45,7 +46,7 @@ pub struct AtomicFile {
 #[derive(Debug)]
 enum Destination {
     /// The file `temporary`, which is renamed to `resolved`.
-    Temporary { temporary: PathBuf, resolved: PathBuf },
+    Temporary { temporary: PathBuf, resolved: PathBuf, _counted: Counted },
     /// The target itself: a device or a pipe.
     Direct,
 }
@@ -66,6 +67,14 @@ impl AtomicFile {
             destination,
             failed: false,
         })
+    }
+
+    /// True if this process has no temporary file at the moment. None can be created from then on, so that the process may exit
+    /// at any time: attempts return an error.
+    pub fn none_from_now_on() -> bool {
+        let mut unfinished = lock();
+        unfinished.refused |= unfinished.count == 0;
+        unfinished.refused
     }
 
     /// The path of the target as given by the caller.
@@ -90,7 +99,7 @@ impl AtomicFile {
             return Err(io::Error::other("an earlier write failed"));
         }
         self.flush()?;
-        let Destination::Temporary { temporary, resolved } = &self.destination else {
+        let Destination::Temporary { temporary, resolved, .. } = &self.destination else {
             return Ok(());
         };
         // close before the rename: some systems cannot rename an open file
@@ -178,12 +187,49 @@ fn resolve_link(target: &Path) -> PathBuf {
     }
 }
 
+/// The temporary files of this process.
+struct Unfinished {
+    count: usize,
+    /// True if there must not be any further ones.
+    refused: bool,
+}
+
+static UNFINISHED: Mutex<Unfinished> = Mutex::new(Unfinished { count: 0, refused: false });
+
+fn lock() -> MutexGuard<'static, Unfinished> {
+    // no panic is possible under the lock
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary file in the count of [`Unfinished`].
+#[derive(Debug)]
+struct Counted(());
+
+impl Counted {
+    fn new() -> io::Result<Counted> {
+        let mut unfinished = lock();
+        if unfinished.refused {
+            return Err(io::Error::other("the program ends"));
+        }
+        unfinished.count += 1;
+        Ok(Counted(()))
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        lock().count -= 1;
+    }
+}
+
 fn open_temporary(resolved: PathBuf) -> io::Result<(File, Destination)> {
+    // before the file exists, until it does not any more
+    let counted = Counted::new()?;
     loop {
         let temporary = temporary_path(&resolved)?;
         match OpenOptions::new().write(true).create_new(true).open(&temporary) {
             Ok(file) => {
-                return Ok((file, Destination::Temporary { temporary, resolved }));
+                return Ok((file, Destination::Temporary { temporary, resolved, _counted: counted }));
             }
             // left by a killed process with the same id: try the next name
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}

@@ -67,7 +67,6 @@ pub fn tolerance<'py>(
     let py = lens.py();
     let threads = threads.map(thread_argument).transpose()?;
     let start = Tolerancing::new(lens.get().lens(), named("merit", merit, &MERITS)?);
-    check_rings(rings)?;
     let start = start.rings(rings).seed(seed).threads(threads);
     let start = if refocus { start.refocused() } else { start };
     let start = if vignette { start.vignetted() } else { start };
@@ -164,7 +163,6 @@ pub fn optimise<'py>(
     patience: usize,
 ) -> PyResult<(PyPrescription, Bound<'py, PyDict>)> {
     let py = lens.py();
-    check_rings(rings)?;
     let start = Optimiser::new(lens.get().lens()).rings(rings).evaluation_limit(patience);
     let start = parameters
         .iter()
@@ -183,13 +181,4 @@ pub fn optimise<'py>(
     table.set_item("has_converged", found.has_converged)?;
     table.set_item("reason", found.reason)?;
     Ok((PyPrescription::from(found.lens), table))
-}
-
-/// Rejects a number of rings whose rays would not fit into memory.
-fn check_rings(rings: usize) -> PyResult<()> {
-    const MAX_RINGS: usize = 1 << 10;
-    match rings > MAX_RINGS {
-        true => Err(bad_value(format!("rings is {rings}: it must be at most {MAX_RINGS}."))),
-        false => Ok(()),
-    }
 }

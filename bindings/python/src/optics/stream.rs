@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::Packets;
 use rayweave::model::drive::Cancel;
+use rayweave::model::memory::Growth;
 use rayweave::optics::source::Sources;
 use rayweave::optics::{Balance, OpticsError, Phases, Segments, System, TraceSettings, Tracer};
 
@@ -39,6 +40,8 @@ pub struct PyStream {
     cancel: Cancel,
     system: Arc<System>,
     batch: Batch,
+    /// The number of rays of all sources.
+    total: usize,
     state: Mutex<State>,
 }
 
@@ -66,7 +69,7 @@ impl PyStream {
     /// Starts the run on threads of its own.
     pub fn start(system: Arc<System>, light: Sources, settings: TraceSettings, batch: Batch) -> PyStream {
         let traced = system.clone();
-        let cancel = settings.cancel.clone();
+        let (cancel, total) = (settings.cancel.clone(), light.count() as usize);
         let (sender, messages) = sync_channel(WAITING);
         // not joined: it ends when the receiver is dropped
         thread::spawn(move || {
@@ -83,6 +86,7 @@ impl PyStream {
             cancel,
             system,
             batch,
+            total,
             state: Mutex::default(),
         }
     }
@@ -111,11 +115,18 @@ impl PyStream {
 
     /// The rows of the next table; empty at the end.
     fn gather(&self, py: Python<'_>) -> PyResult<Segments> {
-        let mut gathered = Segments::default();
+        let (mut gathered, mut growth) = (Segments::default(), Growth::default());
         while gathered.len() < self.batch.rows {
             match py.detach(|| self.receive()) {
                 None => {}
-                Some(Message::Part(part)) => gathered.append(&part),
+                Some(Message::Part(part)) => {
+                    growth
+                        .check((gathered.len() + part.len()) as u64 * Segments::ROW)
+                        .map_err(|shortage| OpticsError::Memory { rays: self.total, shortage })
+                        .inspect_err(|_| self.cancel.cancel())
+                        .map_err(bad_value)?;
+                    gathered.append(&part);
+                }
                 Some(Message::End(ended)) => {
                     self.state().ended = true;
                     match ended {

@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 use rayweave::Packets;
 use rayweave::optics::source::Sources;
 use rayweave::optics::table::{SegmentFile, trace_light};
-use rayweave::optics::{Assembly, Balance, Emitter, Segments, System, TraceSettings, Tracer};
+use rayweave::optics::{Assembly, Balance, Emitter, RowLimit, Segments, System, TraceSettings, Tracer};
 
 use crate::error::bad_value;
 use crate::optics::element::Part;
@@ -152,7 +152,9 @@ impl PySystem {
     ) -> PyResult<(Segments, Balance)> {
         let tracer = Tracer::new(&self.system, Packets::new);
         let (mut segments, mut watch) = (Segments::default(), Watch::new(light, progress));
+        let mut limit = RowLimit::new(light, settings).map_err(bad_value)?;
         let balance = tracer.run(light, settings, |part| {
+            limit.check(segments.len() + part.len())?;
             segments.append(&part);
             watch.check(&part).map_err(Halt::Raised)
         });

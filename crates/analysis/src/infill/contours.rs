@@ -26,10 +26,10 @@ const MAX_PROBLEMS: usize = 20;
 /// region.
 pub fn read_region(path: impl AsRef<Path>, outside: Side) -> Result<Polygons, AnalysisError> {
     let path = path.as_ref();
-    let bytes = std::fs::read(path).map_err(|error| TableError::Io {
+    let bytes = rayweave_scene::read_bytes(path).map_err(|reason| TableError::Io {
         action: "read",
         path: path.display().to_string(),
-        error,
+        error: std::io::Error::other(reason),
     })?;
     let wrong = |problems| ContourProblems { file: path.display().to_string(), problems };
     let contours = parse(&bytes).map_err(wrong)?;

@@ -1,6 +1,7 @@
 //! Errors of infill.
 
 use rayweave_error::{Classified, ErrorKind};
+use rayweave_model::memory::Shortage;
 
 /// Error of infill, printed as `problem: reason. Suggestion.`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -81,6 +82,9 @@ pub enum InfillError {
         /// The limit.
         most: f64,
     },
+    /// The traces do not fit into memory.
+    #[error("the traces cannot be kept: {0}. Use a larger spacing, or fill fewer layers at a time.")]
+    Memory(#[from] Shortage),
     /// The run was cancelled.
     #[error("cancelled")]
     Cancelled,

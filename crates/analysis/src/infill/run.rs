@@ -6,6 +6,7 @@ use super::region::Piece;
 use super::{Fillable, InfillError, Layers, Raster};
 use rayweave_math::Bounds;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::memory::Growth;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
@@ -96,8 +97,8 @@ struct Task {
 ///
 /// # Errors
 ///
-/// [`InfillError`] for settings out of range, an empty or unbounded region, too many scan lines, or a
-/// cancelled run; or the error of `take`, which ends the run.
+/// [`InfillError`] for settings out of range, an empty or unbounded region, too many scan lines, a
+/// layer whose traces do not fit into memory, or a cancelled run; or the error of `take`, which ends the run.
 pub fn infill<F: Fillable, X: From<InfillError>>(
     fillable: &F,
     filling: &Filling,
@@ -109,9 +110,12 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
     let rasters = rasters(filling, heights.len())?;
     let tasks = tasks(&fillable.bounds(), &heights, &rasters)?;
     let mut summary = Summary { layers: heights.len(), ..Summary::default() };
-    let mut pieces: Vec<Piece> = Vec::new();
+    let (mut pieces, mut growth): (Vec<Piece>, Growth) = Default::default();
     let merge = |(task, found): (Task, Vec<Piece>)| {
         pieces.extend(found);
+        // the traces of the layer are made of them
+        let bytes = pieces.len() * (size_of::<Piece>() + size_of::<InfillTrace>());
+        growth.check(bytes as u64).map_err(InfillError::from)?;
         if !task.is_last {
             return Ok(());
         }

@@ -2,6 +2,7 @@
 
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_math::Vec3;
+use rayweave_model::memory::Shortage;
 
 /// Error of a section.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -29,6 +30,9 @@ pub enum SectionError {
         /// The tolerance.
         tolerance: f64,
     },
+    /// The section does not fit into memory.
+    #[error("the section cannot be kept: {0}. Use fewer columns or planes, or a larger tolerance.")]
+    Memory(#[from] Shortage),
     /// The run was cancelled.
     #[error("cancelled")]
     Cancelled,

@@ -2,9 +2,9 @@
 
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
+use rayweave_model::memory::Growth;
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId, Window};
 use rayweave_shape::Ray;
-use std::convert::Infallible;
 
 /// A crossing of a scan line from one region into another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +33,11 @@ pub struct ScanLine {
 }
 
 impl ScanLine {
+    /// Its memory in bytes.
+    fn size(&self) -> u64 {
+        (size_of::<Placed>() + self.passes.len() * size_of::<ScanCrossing>()) as u64
+    }
+
     fn is_like(&self, other: &ScanLine) -> bool {
         let alike = |(a, b): (&ScanCrossing, &ScanCrossing)| a.is_like(b);
         self.passes.len() == other.passes.len() && self.passes.iter().zip(&other.passes).all(alike)
@@ -74,6 +79,9 @@ pub struct ScanLines<'a, E: Evaluator> {
     cut: &'a Cut,
     window: &'a SectionWindow,
     sweep: &'a SectionRun,
+    /// The size of all scan lines so far, in bytes.
+    bytes: u64,
+    growth: Growth,
 }
 
 impl<'a, E: Evaluator> ScanLines<'a, E> {
@@ -83,7 +91,8 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         window: &'a SectionWindow,
         sweep: &'a SectionRun,
     ) -> ScanLines<'a, E> {
-        ScanLines { evaluator, scratch: evaluator.scratch(), cut, window, sweep }
+        let (scratch, growth) = (evaluator.scratch(), Growth::default());
+        ScanLines { evaluator, scratch, cut, window, sweep, bytes: 0, growth }
     }
 
     /// Traces and refines all scan lines; returns them from left to right.
@@ -170,26 +179,31 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
 
     /// Traces the scan lines at some positions; on this thread if they are few.
     fn trace_scan_lines(&mut self, places: &[f64]) -> Result<Vec<ScanLine>, SectionError> {
-        let (tracer, sweep) = (ScanLineTracer::new(self.evaluator, self.cut, self.window), self.sweep);
+        let (evaluator, sweep) = (self.evaluator, self.sweep);
+        let tracer = ScanLineTracer::new(evaluator, self.cut, self.window);
         if sweep.cancel.is_cancelled() {
             return Err(SectionError::Cancelled);
         }
         if places.len() <= 2 * CHUNK {
-            return Ok(tracer.scan_lines(places, &mut self.scratch));
+            let scan_lines = tracer.scan_lines(places, &mut self.scratch);
+            self.bytes += scan_lines.iter().map(ScanLine::size).sum::<u64>();
+            self.growth.check(self.bytes)?;
+            return Ok(scan_lines);
         }
         let mut all = Vec::with_capacity(places.len());
         let work = |scratch: &mut E::Scratch, places: &[f64]| tracer.scan_lines(places, scratch);
-        let merge = |scan_lines| {
-            all.extend::<Vec<ScanLine>>(scan_lines);
-            Ok::<(), Infallible>(())
+        let merge = |scan_lines: Vec<ScanLine>| {
+            self.bytes += scan_lines.iter().map(ScanLine::size).sum::<u64>();
+            all.extend(scan_lines);
+            self.growth.check(self.bytes)
         };
-        let scratch = || self.evaluator.scratch();
+        let scratch = || evaluator.scratch();
         let run =
             drive(thread_count(sweep.threads), &sweep.cancel, places.chunks(CHUNK), scratch, work, merge);
         match run {
             Ok(()) => Ok(all),
             Err(Stopped::Cancelled) => Err(SectionError::Cancelled),
-            Err(Stopped::Failed(never)) => match never {},
+            Err(Stopped::Failed(shortage)) => Err(SectionError::Memory(shortage)),
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::measure::one_medium_each;
 use crate::subject::{clipped, subject};
 use rayweave_error::{Classified, Message};
 use rayweave_math::Bounds;
+use rayweave_model::memory::Growth;
 use rayweave_model::{Evaluator, Program, Region, RegionId};
 use rayweave_scene::{Colour, Scene, SceneRegion};
 use std::sync::Arc;
@@ -82,6 +83,12 @@ impl CrossSection {
     pub fn part(&self, name: &str) -> Option<&SectionPart> {
         self.parts.iter().find(|part| part.name == name)
     }
+
+    /// About the memory that it takes, in bytes.
+    fn size(&self) -> u64 {
+        let points: usize = self.parts.iter().flat_map(|part| &part.contours).map(Vec::len).sum();
+        (points * size_of::<[f64; 2]>() + self.parts.len() * size_of::<SectionPart>()) as u64
+    }
 }
 
 /// Cuts the regions of a scene, or one of its solids alone, by planes. `make` creates the evaluator of a
@@ -91,8 +98,8 @@ impl CrossSection {
 ///
 /// # Errors
 ///
-/// [`AnalysisError`]: an unknown solid, a model that is unbounded in a plane, settings out of range, a
-/// cancelled run.
+/// [`AnalysisError`]: an unknown solid, a model that is unbounded in a plane, settings out of range,
+/// sections that do not fit into memory, a cancelled run.
 pub fn cross_sections<E: Evaluator, X: Classified + Send + Sync + 'static>(
     scene: &Scene,
     solid: Option<&str>,
@@ -107,8 +114,12 @@ pub fn cross_sections<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let program = Arc::new(Program::compile_regions(&one_medium_each(&regions))?);
     let cutter = Cutter { evaluator: maker(make)(program)?, kinds, settings };
     let mut sections = Vec::with_capacity(planes.len());
+    let (mut bytes, mut growth) = (0, Growth::default());
     for plane in planes {
-        sections.push(cutter.cut(plane)?);
+        let section = cutter.cut(plane)?;
+        bytes += section.size();
+        growth.check(bytes).map_err(SectionError::from)?;
+        sections.push(section);
         progress(sections.len());
     }
     Ok(sections)

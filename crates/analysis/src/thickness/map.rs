@@ -3,7 +3,7 @@
 use super::{PathLengths, ThicknessRun, path_lengths};
 use crate::AnalysisError;
 use rayweave_error::Message;
-use rayweave_model::Evaluator;
+use rayweave_model::{Evaluator, memory};
 use rayweave_scene::{Compiled, Scene};
 use rayweave_shape::Ray;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
@@ -57,7 +57,7 @@ impl ThicknessMap {
     ///
     /// # Errors
     ///
-    /// [`AnalysisError::Value`] for more than [`MAX_LENGTHS`] path lengths; [`AnalysisError::Cancelled`].
+    /// [`AnalysisError::Value`] for more than [`MAX_LENGTHS`] path lengths, or more than fit into memory; [`AnalysisError::Cancelled`].
     pub fn new<E: Evaluator>(
         compiled: &Compiled,
         evaluator: &E,
@@ -72,6 +72,14 @@ impl ThicknessMap {
             let reason = format!("a map holds at most {MAX_LENGTHS} path lengths");
             return Err(AnalysisError::Value(Message::new(problem, reason).suggest("Reduce the size.")));
         }
+        // each length, and its copy in a table or array
+        memory::check(count.unwrap_or(usize::MAX) as u64, 2 * size_of::<f64>() as u64).map_err(
+            |shortage| {
+                let problem =
+                    format!("a map of {width}x{height} pixels with {} media cannot be kept", media.len());
+                AnalysisError::Value(Message::new(problem, shortage.to_string()).suggest("Reduce the size."))
+            },
+        )?;
         let ray = |k: usize| ray(k % width, k / width);
         let lengths = path_lengths(evaluator, media.len(), width * height, ray, run)?;
         Ok(ThicknessMap { size: [width, height], media, lengths })

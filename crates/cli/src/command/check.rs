@@ -123,7 +123,7 @@ impl Check {
             within: self.within.bounds(),
             seed: self.seed,
             threads: global.threads,
-            cancel: interrupt::token()?,
+            cancel: interrupt::token(),
         };
         let places = |element, name: &str, property: &str| {
             imported.places.find(element, name, property).map(str::to_owned)

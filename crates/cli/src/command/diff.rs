@@ -145,7 +145,7 @@ impl Diff {
                 within: self.within.bounds(),
                 seed: self.seed,
                 threads: global.threads,
-                cancel: interrupt::token()?,
+                cancel: interrupt::token(),
             },
         })
     }

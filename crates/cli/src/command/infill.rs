@@ -131,7 +131,7 @@ impl Infill {
         unit: &str,
         mut picture: InfillPicture,
     ) -> Result<(), Failure> {
-        let run = InfillRun { threads: global.threads, cancel: interrupt::token()? };
+        let run = InfillRun { threads: global.threads, cancel: interrupt::token() };
         let mut lost = Vec::new();
         let summary = write_infill(fillable, filling, layers, &run, unit, self.out.as_deref(), |layer| {
             if layer.traces.is_empty() {

@@ -200,7 +200,7 @@ impl Optics {
         settings.polarised |= self.polarised;
         settings.seed = self.seed.unwrap_or(settings.seed);
         settings.threads = global.threads;
-        settings.cancel = interrupt::token()?;
+        settings.cancel = interrupt::token();
         Ok(optics)
     }
 

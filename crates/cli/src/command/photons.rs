@@ -187,7 +187,7 @@ impl Photons {
             max_steps: self.max_steps,
             max_time: self.max_time,
             threads: global.threads,
-            cancel: interrupt::token()?,
+            cancel: interrupt::token(),
             ..RunSettings::new(range)
         };
         if !global.quiet && is_outside(&Packets::new(detector.program().clone()), self.at) {

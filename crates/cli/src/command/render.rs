@@ -109,7 +109,7 @@ impl Render {
         let bar = terminal::progress_bar(Some(100), Unit::Percent, global.quiet);
         let mut progress = |part: f64| bar.set_position((100.0 * part) as u64);
         let mut run =
-            Run { threads: global.threads, cancel: interrupt::token()?, progress: Some(&mut progress) };
+            Run { threads: global.threads, cancel: interrupt::token(), progress: Some(&mut progress) };
         let drawn = match self.sheet() {
             Some(kind) => PictureSheet::draw(kind, &scene, &compiled, &evaluator, &self.options(), &mut run)
                 .map(Drawn::PictureSheet),

@@ -89,7 +89,7 @@ impl Section {
         let planes = self.planes()?;
         let scene = self.model.load()?;
         let by = if self.by_region { By::Region } else { By::Medium };
-        let sweep = SectionRun { threads: global.threads, cancel: interrupt::token()? };
+        let sweep = SectionRun { threads: global.threads, cancel: interrupt::token() };
         let (tolerance, columns, within) = (self.tolerance, self.columns, self.within.bounds());
         let settings = SectionSettings { by, tolerance, columns, within, sweep };
         let bar = terminal::progress_bar(Some(planes.len() as u64), Unit::Percent, global.quiet);

@@ -61,7 +61,7 @@ impl Thickness {
         let mut progress = |done: usize| bar.set_position(done as u64);
         let mut run = ThicknessRun {
             threads: global.threads,
-            cancel: interrupt::token()?,
+            cancel: interrupt::token(),
             progress: Some(&mut progress),
         };
         let (camera, RenderOptions { size, .. }) = arrange(&scene, &compiled, &options)?;

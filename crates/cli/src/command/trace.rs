@@ -58,7 +58,7 @@ impl Trace {
         let scene = self.model.load()?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
-        let cancel = interrupt::token()?;
+        let cancel = interrupt::token();
         let rays = open(&self.rays, &cancel).map_err(|error| input_failure(error, &cancel))?;
         let options = TraceOptions {
             query,

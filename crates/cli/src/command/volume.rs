@@ -45,7 +45,7 @@ impl Volume {
             within: self.within.bounds(),
             seed: self.sampling.seed,
             threads: global.threads,
-            cancel: interrupt::token()?,
+            cancel: interrupt::token(),
         };
         let solid = self.subject.solid.as_deref();
         let make = AnyEvaluator::maker(self.subject.evaluator.as_deref());

@@ -86,4 +86,16 @@ fn files_elsewhere_need_permission() {
     let here = bench.path("");
     bench.says(&["info", "model/part.toml", "--allow-path", here.to_str().unwrap()]);
     bench.says(&["info", "model/part.toml", "--allow-path", "nowhere", "--allow-path", "ball.off"]);
+    // the light of a source
+    bench.write("rays.csv", "ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n");
+    bench.write(
+        "model/light.toml",
+        "rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n[optics.medium]\na = 1.5\n[[optics.source]]\nrays = { file = '../rays.csv' }\n",
+    );
+    let refused = bench.fails(3, &["optics", "model/light.toml"]);
+    assert!(
+        refused.contains("outside the folder of the model") && refused.contains("--allow-path"),
+        "{refused}"
+    );
+    bench.says(&["optics", "model/light.toml", "--allow-path", "rays.csv"]);
 }

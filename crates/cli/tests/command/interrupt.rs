@@ -44,6 +44,52 @@ fn trace(bench: &Bench) -> Child {
     command.stdin(Stdio::piped()).spawn().unwrap()
 }
 
+/// A model file in a pipe without a writer is never loaded.
+#[test]
+fn loading_can_be_interrupted() {
+    let rest: [&[&str]; 5] = [
+        &["trace", "endless.toml", "--rays", "-", "-o", "hits.csv"],
+        &["optics", "endless.toml", "--out", "light.csv"],
+        &["render", "endless.toml"],
+        &["info", "endless.toml"],
+        &["convert", "endless.toml", "-o", "other.csg"],
+    ];
+    for (arguments, signal) in rest.into_iter().zip(["-INT", "-TERM", "-HUP", "-INT", "-TERM"]) {
+        let bench = Bench::new();
+        assert!(Command::new("mkfifo").arg(bench.path("endless.toml")).status().unwrap().success());
+        let child = bench.command(arguments).spawn().unwrap();
+        wait_until(|| listens(&child));
+        send(&child, signal);
+        let done = done(child.wait_with_output().unwrap());
+        std::fs::remove_file(bench.path("endless.toml")).unwrap();
+        assert_cancelled(&bench, done);
+    }
+}
+
+#[test]
+fn compiling_can_be_interrupted() {
+    // 2^18 spheres, each in a place of its own, intersected with a different sphere
+    let mut model = "rayweave = 1\n[solid.s0]\nsphere = { radius = 1 }\n".to_owned();
+    for k in 0..18 {
+        let next = k + 1;
+        model += &format!(
+            "[solid.t{next}]\nexpr = \"s{k}\"\ntransform = [{{ translate = [{}, 0.5, 0] }}]\n",
+            1 << k
+        );
+        model += &format!("[solid.s{next}]\nexpr = \"s{k} ^ t{next}\"\n");
+    }
+    for signal in ["-INT", "-TERM"] {
+        let bench = Bench::new();
+        bench.write("ball.toml", &model);
+        let child = trace(&bench);
+        wait_until(|| listens(&child));
+        // it takes seconds
+        std::thread::sleep(Duration::from_millis(50));
+        send(&child, signal);
+        assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
+    }
+}
+
 #[test]
 fn a_busy_trace_leaves_nothing() {
     let bench = Bench::new();

@@ -32,12 +32,12 @@ pub use sheet::{PictureSheet, PlacedPicture, SheetKind};
 
 use crate::DrawError;
 use rayweave_error::Message;
-use rayweave_model::{Evaluator, RegionId, RegionInfo};
+use rayweave_model::{Evaluator, RegionId, RegionInfo, memory};
 use rayweave_render::{
     Background, Camera, IdKind, Image, Light, LightKind, Lines, PixelGrid, Projection, RenderError,
     RenderOptions, Rgba, Run, Size, Style, View, depth, ids, normals, png, region_colour, render,
 };
-use rayweave_scene::{self as scene, Compiled, Scene, SceneRegion, memory};
+use rayweave_scene::{self as scene, Compiled, Scene, SceneRegion};
 use std::str::FromStr;
 
 /// The options of a picture. `None` stands for the value in the model file, and where the file has none, for the default of

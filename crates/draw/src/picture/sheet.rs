@@ -6,9 +6,9 @@ use crate::axis::{format_number, round_step};
 use crate::legend::{self, Entry};
 use crate::svg::{Anchor, INK, Svg, paint};
 use rayweave_error::Message;
-use rayweave_model::Evaluator;
+use rayweave_model::{Evaluator, memory};
 use rayweave_render::{Camera, Image, Projection, RenderOptions, Rgba, Run, Size, View, render};
-use rayweave_scene::{Compiled, Scene, memory};
+use rayweave_scene::{Compiled, Scene};
 use std::collections::BTreeMap;
 
 /// A sheet of pictures.

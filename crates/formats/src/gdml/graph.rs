@@ -2,11 +2,11 @@
 
 use super::materials::Materials;
 use super::optical::Surfaces;
-use super::solids::{Shape, bare};
+use super::solids::Shape;
 use super::trouble::Place;
 use rayweave_math::Affine;
 use rayweave_model::Solid;
-use rayweave_scene::Table;
+use rayweave_scene::{Table, bare_name};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -81,6 +81,6 @@ impl Volume {
 
     /// The name without a pointer suffix.
     pub fn bare_name(&self) -> &str {
-        bare(&self.name)
+        bare_name(&self.name)
     }
 }

@@ -2,12 +2,11 @@
 
 use super::attributes::{Failure, Numbers};
 use super::define;
-use super::solids::bare;
 use super::trouble::Place;
 use super::trouble::Trouble;
 use super::units::{GRAM_PER_CM3, PA, Quantity};
 use super::xml::Element;
-use rayweave_scene::Medium;
+use rayweave_scene::{Medium, bare_name};
 use std::collections::BTreeMap;
 
 /// All materials of a model.
@@ -260,6 +259,6 @@ impl Material {
 
     /// The name without a pointer suffix.
     pub fn bare_name(&self) -> &str {
-        bare(&self.name)
+        bare_name(&self.name)
     }
 }

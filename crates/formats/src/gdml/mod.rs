@@ -41,7 +41,7 @@ mod xml;
 
 use crate::{Imported, Options, Places};
 use context::Context;
-use rayweave_scene::memory;
+use rayweave_model::memory;
 use rayweave_scene::{Diagnostic, Diagnostics, Foreign, Scene, Source};
 use rayweave_table::AllowedFiles;
 use std::path::PathBuf;

@@ -14,7 +14,7 @@ use super::xml::{Element, Name};
 use crate::LossKind;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
-use rayweave_scene::Table;
+use rayweave_scene::{Table, bare_name};
 use std::collections::BTreeMap;
 
 /// The solids of a file by name; `None` for refused ones.
@@ -143,11 +143,11 @@ impl Library {
         let made = self.shape(numbers, element);
         let shape = refuse_or_keep(numbers, element, made);
         if let Some(shape) = shape.as_ref().filter(|_| !COMPOSED.contains(&element.name.as_str())) {
-            self.origins.extend(origin::row(numbers, element, bare(&name), &shape.solid));
+            self.origins.extend(origin::row(numbers, element, bare_name(&name), &shape.solid));
         }
         self.solids.insert(
             name.clone(),
-            shape.map(|shape| Shape { solid: shape.solid.named(bare(&name)), ..shape }),
+            shape.map(|shape| Shape { solid: shape.solid.named(bare_name(&name)), ..shape }),
         );
     }
 
@@ -251,20 +251,6 @@ fn refuse_or_keep(numbers: &mut Numbers, element: &Element, made: Result<Shape, 
 fn placed(solid: &Solid, rotation: Affine, position: Vec3) -> Solid {
     let map = rotation.then(&Affine::translate(position));
     if map == Affine::IDENTITY { solid.clone() } else { solid.apply(map) }
-}
-
-/// A name without the pointer suffix that programs append to make it unique: `World0x55f3c0` becomes `World`.
-pub(super) fn bare(name: &str) -> &str {
-    match name.rfind("0x") {
-        Some(at)
-            if at > 0
-                && name.len() > at + 2
-                && name[at + 2..].bytes().all(|byte| byte.is_ascii_hexdigit()) =>
-        {
-            &name[..at]
-        }
-        _ => name,
-    }
 }
 
 /// A solid without references to other solids.
@@ -675,18 +661,4 @@ fn polyhedra_to_corners(numbers: &mut Numbers, e: &Element) -> Made {
         (plane.rmin, plane.rmax) = (cos * plane.rmin, cos * plane.rmax);
     }
     polyhedra(&planes, sides, phi)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::bare;
-
-    #[test]
-    fn addresses_are_taken_off_names() {
-        assert_eq!(bare("World0x55f3c0"), "World");
-        assert_eq!(bare("World"), "World");
-        assert_eq!(bare("0xff"), "0xff");
-        assert_eq!(bare("a0x"), "a0x");
-        assert_eq!(bare("box0xg1"), "box0xg1");
-    }
 }

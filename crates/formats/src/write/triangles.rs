@@ -133,20 +133,30 @@ pub(super) fn write(
         model.remark_on_cuts(remarks);
         meshes(model)?
     };
-    if bodies.is_empty() {
-        remarks.add(RemarkKind::Changed, "the model is empty, and so is the file");
-    }
     remark_on_format(model, format, options, remarks);
     let mut parts = Vec::new();
     for (name, body) in &bodies {
         let failed = |why: String| WriteError::Kernel { region: name.clone(), why };
         let mesh = body.mesh().map_err(failed)?;
+        let mapped = |mesh: &Mesh, map: &dyn Fn(Vec3) -> Vec3| {
+            mesh.mapped(map).map_err(|error| failed(error.to_string()))
+        };
+        let written = mapped(&mesh, &|p| in_format(p, format, model))?;
+        let in_file = mapped(&written, &|p| in_precision(p, format, options))?;
+        // such as a volume that its daughters fill: films of rounding errors, which no reader takes for a solid
+        if in_file.is_flat() {
+            let text = format!("`{name}` is left out: beside the regions after it, it has no volume");
+            remarks.add(RemarkKind::Changed, text);
+            continue;
+        }
         let diagnosis = mesh.diagnose();
         if !diagnosis.is_sound() {
             remarks.add(RemarkKind::Approximated, format!("the mesh of `{name}` is not sound: {diagnosis}"));
         }
-        let mesh = mesh.mapped(|p| in_format(p, format, model));
-        parts.push((name.as_str(), mesh.map_err(|error| failed(error.to_string()))?));
+        parts.push((name.as_str(), written));
+    }
+    if parts.is_empty() {
+        remarks.add(RemarkKind::Changed, "there is nothing in the model, nor in the file");
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();
@@ -160,9 +170,7 @@ fn remark_on_format(model: &Model, format: MeshFormat, options: &WriteOptions, r
         let text = format!("curved faces, by triangles within {tolerance:.3e} {unit}");
         remarks.add(RemarkKind::Approximated, text);
     }
-    let is_single =
-        matches!(format, MeshFormat::Gltf | MeshFormat::Glb) || format == MeshFormat::Stl && !options.text;
-    if is_single {
+    if is_single(format, options) {
         remarks.add(RemarkKind::Approximated, "coordinates, in single precision");
     }
     let has_unit = matches!(format, MeshFormat::ThreeMf | MeshFormat::Gltf | MeshFormat::Glb);
@@ -172,6 +180,17 @@ fn remark_on_format(model: &Model, format: MeshFormat, options: &WriteOptions, r
     remarks.add(RemarkKind::Dropped, "colours and names of faces");
     model.remark_on_media(remarks);
     model.remark_on_pictures(remarks);
+}
+
+/// True for formats with coordinates in single precision.
+fn is_single(format: MeshFormat, options: &WriteOptions) -> bool {
+    matches!(format, MeshFormat::Gltf | MeshFormat::Glb) || format == MeshFormat::Stl && !options.text
+}
+
+/// A point as it is read back.
+fn in_precision(p: Vec3, format: MeshFormat, options: &WriteOptions) -> Vec3 {
+    let rounded = |x: f64| if is_single(format, options) { f64::from(x as f32) } else { x };
+    Vec3::new(rounded(p.x), rounded(p.y), rounded(p.z))
 }
 
 /// A point in the unit and axes of the format: metres with y up for glTF, else millimetres.

@@ -4,6 +4,7 @@ use crate::analysis::LensAnalysisError;
 use crate::design::DesignParameter;
 use crate::prescription::PrescriptionError;
 use rayweave_error::{Classified, ErrorKind};
+use rayweave_model::memory::Shortage;
 
 /// Error of a design task, printed as `problem: reason. Suggestion.`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -35,6 +36,9 @@ pub enum DesignError {
     /// An empty list where at least one entry is needed.
     #[error("there is no {0}: at least one is needed.")]
     None(&'static str),
+    /// The results of the trials do not fit into memory.
+    #[error("the results of the trials cannot be kept: {0}. Run fewer trials.")]
+    Memory(#[from] Shortage),
     /// The merit function has no finite value at the start.
     #[error("the search cannot begin: {0}")]
     NoStart(String),

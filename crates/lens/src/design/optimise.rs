@@ -1,8 +1,7 @@
 //! Optimisation by damped least squares (Levenberg-Marquardt).
 
-use super::variant::Variant;
+use super::variant::{Variant, pupil};
 use super::{DesignError, DesignParameter, Goal, Quantity};
-use crate::analysis::hexapolar;
 use crate::prescription::Prescription;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
@@ -115,7 +114,7 @@ impl<'a> Optimiser<'a> {
         let scales: Vec<f64> = self.parameters.iter().map(scale).collect::<Result<_, _>>()?;
         Ok(Task {
             optimiser: self,
-            pupil: hexapolar(self.rings),
+            pupil: pupil(self.rings)?,
             at: DVector::zeros(scales.len()),
             scales,
             penalty: f64::INFINITY,

@@ -2,13 +2,14 @@
 //! sensitivities.
 
 use super::merit::{MeritEvaluator, MeritValue};
+use super::variant::pupil;
 use super::{DesignError, DesignParameter, Merit};
-use crate::analysis::hexapolar;
 use crate::prescription::Prescription;
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 use rayweave_math::unit_fraction;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::memory::Growth;
 use std::num::NonZeroUsize;
 
 /// Random stream of tolerances, distinct from other streams of the same seed.
@@ -131,20 +132,21 @@ impl<'a> Tolerancing<'a> {
                 return Err(DesignError::BadNumber { what, value: scale, range });
             }
         }
-        MeritEvaluator::new(self.lens, self.merit, [self.refocus, self.vignettes], hexapolar(self.rings))
+        MeritEvaluator::new(self.lens, self.merit, [self.refocus, self.vignettes], pupil(self.rings)?)
     }
 
     /// Runs `count` trials. The merit is NaN in a trial in which no light arrives or a number is out of its
     /// range.
     ///
     /// # Errors
-    /// As of [`Tolerancing::nominal`], and [`DesignError::None`] without errors. A cancelled run returns
+    /// As of [`Tolerancing::nominal`], and [`DesignError::None`] without errors, and
+    /// [`DesignError::Memory`] for trials that do not fit into memory. A cancelled run returns
     /// fewer trials.
     pub fn trials(&self, count: u64) -> Result<Trials, DesignError> {
         if self.errors.is_empty() {
             return Err(DesignError::None("parameter with an error"));
         }
-        let evaluator = self.evaluator()?;
+        let (evaluator, mut growth) = (self.evaluator()?, Growth::default());
         let mut trials = Trials {
             nominal: evaluator.evaluate(self.lens, &[])?.merit,
             parameters: self.errors.iter().map(|(parameter, _)| *parameter).collect(),
@@ -159,7 +161,8 @@ impl<'a> Tolerancing<'a> {
         };
         let merge = |found: Vec<(Vec<f64>, MeritValue)>| {
             found.iter().for_each(|(deviations, value)| trials.push(deviations, *value));
-            Ok::<(), DesignError>(())
+            let numbers = trials.merits.len() * (self.errors.len() + 3);
+            Ok(growth.check(numbers as u64 * 8)?)
         };
         match drive(thread_count(self.threads), &self.cancel, chunks, || (), work, merge) {
             Ok(()) | Err(Stopped::Cancelled) => Ok(trials),

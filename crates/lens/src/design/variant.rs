@@ -1,10 +1,24 @@
 //! Prescriptions with changed parameters, and their images.
 
 use super::{DesignError, DesignParameter, Quantity};
-use crate::analysis::{Arrival, Wavefront, followed, moved, reference_radius};
+use crate::analysis::{Arrival, Wavefront, followed, hexapolar, moved, reference_radius};
 use crate::paraxial::FirstOrder;
 use crate::prescription::{Pose, Prescription, PrescriptionError, Resolved, Surface, SurfaceIntersection};
 use rayweave_math::{Affine, Vec3};
+
+/// The limit of rings of rays in the pupil: 3 million rays for each field and wavelength.
+const MAX_RINGS: usize = 1 << 10;
+
+/// The points of the pupil.
+pub(super) fn pupil(rings: usize) -> Result<Vec<[f64; 2]>, DesignError> {
+    match rings {
+        0..=MAX_RINGS => Ok(hexapolar(rings)),
+        _ => {
+            let what = "the number of rings".to_owned();
+            Err(DesignError::BadNumber { what, value: rings as f64, range: "at most 1024" })
+        }
+    }
+}
 
 /// A prescription with changed parameters.
 #[derive(Clone, Debug)]

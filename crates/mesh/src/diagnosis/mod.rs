@@ -113,6 +113,15 @@ impl Mesh {
         self.diagnose_within(&mut PairBudget::default())
     }
 
+    /// True if the mesh is closed and encloses no volume, as [`Diagnosis::is_flat`], without the search for other defects.
+    pub fn is_flat(&self) -> bool {
+        let mesh = self.welded();
+        let uses = edge_uses(&mesh);
+        let components = shells::Shells::new(&mesh, &uses).components(&mesh, &uses);
+        let is_closed = by_edge(&uses).all(|edge| edge.len() % 2 == 0);
+        is_closed && !components.is_empty() && encloses_no_volume(&mesh, &components)
+    }
+
     /// [`Mesh::diagnose`] with a budget for the search for intersections, which the meshes of one file share.
     pub fn diagnose_within(&self, budget: &mut PairBudget) -> Diagnosis {
         let mesh = self.welded();

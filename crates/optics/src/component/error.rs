@@ -18,6 +18,16 @@ pub enum ComponentError {
         /// Its value.
         value: f64,
     },
+    /// A size that is negative, infinite or NaN.
+    #[error("{parameter} of the {part} is {value}: it must be finite and at least 0.{}", or_positive(*.value))]
+    Negative {
+        /// The component.
+        part: &'static str,
+        /// The parameter at fault.
+        parameter: String,
+        /// Its value.
+        value: f64,
+    },
     /// A number that is NaN or infinite.
     #[error("{parameter} of the {part} is {value}: it must be finite.")]
     NotFinite {

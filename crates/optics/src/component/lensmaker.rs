@@ -1,7 +1,7 @@
 //! The lensmaker's equation: focal length of a thick lens.
 
 use super::ComponentError;
-use super::error::{finite, positive};
+use super::error::positive;
 use super::face::Profile;
 
 /// The focal length of a thick lens in a uniform medium, in the unit of its radii; infinite for a window or
@@ -27,12 +27,9 @@ pub fn lensmaker(r1: f64, r2: f64, n: f64, thickness: f64) -> Result<f64, Compon
     Profile::sphere(r1).checked(part, "r1")?;
     Profile::sphere(r2).checked(part, "r2")?;
     positive(part, "n", n)?;
-    if finite(part, "thickness", thickness)? < 0.0 {
-        return Err(ComponentError::NotPositive {
-            part,
-            parameter: "thickness".to_owned(),
-            value: thickness,
-        });
+    if !(0.0..f64::INFINITY).contains(&thickness) {
+        let parameter = "thickness".to_owned();
+        return Err(ComponentError::Negative { part, parameter, value: thickness });
     }
     let (c1, c2, step) = (1.0 / r1, 1.0 / r2, n - 1.0);
     let power = step * (c1 - c2 + step * thickness * c1 * c2 / n);
@@ -82,6 +79,10 @@ mod tests {
         );
         assert!(message(f64::NAN, 1.5, 1.0).starts_with("r1 of the lensmaker's equation is NaN"));
         assert!(message(1.0, -1.5, 1.0).contains("equation is -1.5"));
-        assert!(message(1.0, 1.5, -1.0).ends_with("Did you mean 1?"));
+        assert_eq!(
+            message(1.0, 1.5, -1.0),
+            "thickness of the lensmaker's equation is -1: it must be finite and at least 0. Did you mean 1?"
+        );
+        assert!(message(1.0, 1.5, f64::NAN).ends_with("is NaN: it must be finite and at least 0."));
     }
 }

@@ -157,7 +157,7 @@ impl Propagator<'_> {
             let t = crossing.t.min(end);
             let row = self.travel_curve(field, region, light, step, (from, t));
             let crossing = Crossing { t: 0.0, ..*crossing };
-            if !self.hit_sheet(light, row, *sheet, &crossing, 0.0) {
+            if !self.hit_sheet(light, row, *sheet, (&crossing, 0.0), &[]) {
                 return false;
             }
             self.drop_row_before_next();
@@ -170,7 +170,7 @@ impl Propagator<'_> {
         };
         let crossing = Crossing { t: 0.0, ..crossing };
         let normal = attributes::normal(&self.system.program, &light.ray, &crossing);
-        self.hit_face(light, row, &crossing, oriented_against(normal, light.ray.direction));
+        self.hit_face(light, row, (&crossing, oriented_against(normal, light.ray.direction)), &[]);
         false
     }
 

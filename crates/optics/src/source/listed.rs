@@ -4,6 +4,7 @@ use super::SourceError;
 use super::rays::LocalRay;
 use rayweave_error::Message;
 use rayweave_math::Vec3;
+use rayweave_model::memory::Growth;
 use rayweave_table::{AllowedFiles, RAYS_PER_CHUNK, RayChunk, RayReader, TableError};
 use std::path::Path;
 use std::sync::Arc;
@@ -92,7 +93,7 @@ impl ListedRays {
 
     fn from_reader(mut reader: RayReader) -> Result<ListedRays, SourceError> {
         let (mut chunk, mut all) = (RayChunk::default(), RayChunk::default());
-        let (mut origins, mut directions) = (Vec::new(), Vec::new());
+        let (mut origins, mut directions, mut growth) = (Vec::new(), Vec::new(), Growth::default());
         while reader.read(&mut chunk, RAYS_PER_CHUNK).map_err(unreadable)? > 0 {
             let vector =
                 |columns: &[Vec<f64>; 3], k: usize| Vec3::new(columns[0][k], columns[1][k], columns[2][k]);
@@ -100,6 +101,11 @@ impl ListedRays {
             directions.extend((0..chunk.len()).map(|k| vector(&chunk.direction, k)));
             all.wavelength_nm.append(&mut chunk.wavelength_nm);
             all.power.append(&mut chunk.power);
+            // origin, direction, wavelength and power
+            growth.check(8 * 8 * origins.len() as u64).map_err(|shortage| {
+                let problem = "the rays of the file do not fit into memory";
+                SourceError::Inconsistent(Message::new(problem, shortage.to_string()))
+            })?;
         }
         if origins.is_empty() {
             let message = Message::new("the file has no rays", "a source needs at least one");

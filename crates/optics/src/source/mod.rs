@@ -240,7 +240,7 @@ impl Sources {
 
     /// The number of all rays.
     pub fn count(&self) -> u64 {
-        self.sources.iter().map(Source::count).sum()
+        self.sources.iter().map(Source::count).fold(0, u64::saturating_add)
     }
 
     /// The rays with numbers in a range, clipped to [`Sources::count`].
@@ -260,7 +260,7 @@ impl Sources {
         for (number, source) in (0..).zip(&self.sources) {
             let piece = range.start.saturating_sub(first)..range.end.saturating_sub(first);
             source.each(piece, number, |k, light| take(first + k, light));
-            first += source.count();
+            first = first.saturating_add(source.count());
         }
     }
 }

@@ -73,7 +73,10 @@ impl Sampling {
     pub fn count(&self) -> u64 {
         match *self {
             Sampling::Grid { columns, rows } => u64::from(columns) * u64::from(rows),
-            Sampling::Hexapolar { rings } => 3 * u64::from(rings) * (u64::from(rings) + 1) + 1,
+            Sampling::Hexapolar { rings } => {
+                let half = u64::from(rings) * (u64::from(rings) + 1);
+                half.saturating_mul(3).saturating_add(1)
+            }
             Sampling::Fibonacci { count } | Sampling::Random { count } => count,
         }
     }
@@ -183,6 +186,12 @@ mod tests {
         let first = 3 * 3_999_999 * 3_999_998 + 1;
         assert_eq!(far.in_disc(first, &[0.0; 8]).turn, 0.0);
         assert!(far.in_disc(first - 1, &[0.0; 8]).turn > 0.999);
+    }
+
+    #[test]
+    fn counts_do_not_overflow() {
+        assert_eq!(Sampling::Hexapolar { rings: u32::MAX }.count(), u64::MAX);
+        assert_eq!(Sampling::Grid { columns: u32::MAX, rows: u32::MAX }.count(), 0xffff_fffe_0000_0001);
     }
 
     /// The concentric map preserves areas: moments of a fine grid are those of the disc.

@@ -265,6 +265,11 @@ impl Generation {
         }
     }
 
+    /// The start list of a ray.
+    pub fn starts_of(&self, i: usize) -> &[Start] {
+        StartLists { first: &self.first, entries: &self.starts }.of(i)
+    }
+
     pub fn start_lists(&self) -> Option<StartLists<'_>> {
         let lists = StartLists { first: &self.first, entries: &self.starts };
         (!self.starts.is_empty()).then_some(lists)

@@ -13,6 +13,7 @@ mod generation;
 mod hits;
 mod index_cache;
 mod propagate;
+mod row_limit;
 mod rows;
 mod splitmix;
 
@@ -20,6 +21,7 @@ pub(crate) use generation::{Generation, Pending, RayState};
 pub(crate) use hits::Hits;
 pub(crate) use index_cache::OpticalConstants;
 pub(crate) use propagate::{Propagator, oriented_against};
+pub use row_limit::RowLimit;
 
 use crate::beam::{Beam, Emitter};
 use crate::bundle;
@@ -29,6 +31,7 @@ use crate::settings::TraceSettings;
 use crate::system::System;
 use finder::HitFinder;
 use rayweave_model::drive::{Stopped, drive, thread_count};
+use rayweave_model::memory::{self, Growth, Shortage};
 use rayweave_model::{Evaluator, Program};
 use rows::{Pool, Rows};
 use std::ops::Range;
@@ -73,7 +76,8 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     /// Traces light and keeps all segments.
     ///
     /// # Errors
-    /// [`OpticsError`] for light that cannot be traced, and if the run is cancelled.
+    /// [`OpticsError`] for light that cannot be traced, for segments that do not fit into memory, and if the
+    /// run is cancelled.
     pub fn trace(&self, light: &impl Emitter, settings: &TraceSettings) -> Result<Trace, OpticsError> {
         let mut trace = Trace::default();
         self.trace_into(light, settings, &mut trace)?;
@@ -93,13 +97,17 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     ) -> Result<(), OpticsError> {
         let segments = &mut trace.segments;
         segments.clear();
+        let mut limit = RowLimit::new(light, settings)?;
         trace.balance = self.run_with(light, settings, |rows| {
             if segments.is_empty() {
                 // assumes about as many rows in every chunk
-                segments.reserve(rows.len() * light.count().div_ceil(CHUNK));
+                let expected = rows.len().saturating_mul(light.count().div_ceil(CHUNK));
+                if memory::check(expected as u64, Segments::ROW).is_ok() {
+                    segments.reserve(expected);
+                }
             }
             rows.append_to(segments, settings.keep);
-            Ok::<(), OpticsError>(())
+            limit.check(segments.len())
         })?;
         Ok(())
     }
@@ -160,6 +168,7 @@ struct Worker<'t, E: Evaluator> {
     beam: Beam,
     now: Generation,
     pending: Pending,
+    growth: Growth,
 }
 
 impl<'t, E: Evaluator> Worker<'t, E> {
@@ -171,6 +180,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             beam: Beam::default(),
             now: Generation::default(),
             pending: Pending::default(),
+            growth: Growth::default(),
         }
     }
 
@@ -186,14 +196,15 @@ impl<'t, E: Evaluator> Worker<'t, E> {
         bundle::trace(&mut self.light, (&self.beam, first), &mut self.pending, &mut |rays| {
             finder.common_hit(rays)
         });
-        self.trace_generations();
+        self.trace_generations().map_err(|shortage| OpticsError::Memory { rays: range.len(), shortage })?;
         let rows = self.pool.take().unwrap_or_default();
         let balance = std::mem::take(&mut self.light.balance);
         Ok((std::mem::replace(&mut self.light.rows, rows), balance))
     }
 
-    /// Traces the pending rays generation by generation until none is left.
-    fn trace_generations(&mut self) {
+    /// Traces the pending rays generation by generation until none is left. Where light is divided again and again, their number
+    /// grows as a power of the number of generations.
+    fn trace_generations(&mut self) -> Result<(), Shortage> {
         self.now.clear();
         let mut number = 0;
         while self.now.len() > 0 || number < self.pending.generations() {
@@ -208,7 +219,10 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             std::mem::swap(&mut self.now, &mut self.light.next);
             self.light.next.clear();
             number += 1;
+            let rays = self.now.len() + self.light.rows.len();
+            self.growth.check(rays as u64 * Segments::ROW)?;
         }
+        Ok(())
     }
 }
 

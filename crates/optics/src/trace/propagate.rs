@@ -61,7 +61,7 @@ impl<'t> Propagator<'t> {
             if !(here.is_empty() && is_simple && self.transmit(now, hits, i)) {
                 match self.is_graded(hits, i) {
                     true => self.propagate_graded(now, hits, i),
-                    false => self.propagate(now.get(i), hits, i, here),
+                    false => self.propagate(now, hits, i, here),
                 }
             }
             i += 1;
@@ -122,7 +122,8 @@ impl<'t> Propagator<'t> {
     }
 
     /// Propagates a ray to its next event, straight through the sheets that transmit it unchanged.
-    fn propagate(&mut self, mut light: RayState, hits: &Hits, i: usize, sheets: &[SheetHit]) {
+    fn propagate(&mut self, now: &Generation, hits: &Hits, i: usize, sheets: &[SheetHit]) {
+        let (mut light, known) = (now.get(i), now.starts_of(i));
         let region = RegionId(hits.before[i]);
         let solid = hits.crossing(self.system, i);
         let end = solid.map_or(f64::INFINITY, |crossing| crossing.t);
@@ -132,7 +133,7 @@ impl<'t> Propagator<'t> {
         for SheetHit { sheet, crossing, .. } in sheets.iter().filter(|hit| hit.crossing.t <= end + slack) {
             let t = crossing.t.min(end);
             let row = self.travel(&mut light, region, (from, t));
-            if !self.hit_sheet(&mut light, row, *sheet, crossing, t) {
+            if !self.hit_sheet(&mut light, row, *sheet, (crossing, t), known) {
                 return;
             }
             self.drop_row_before_next();
@@ -143,20 +144,21 @@ impl<'t> Propagator<'t> {
             Some(crossing) => {
                 let normal = oriented_against(hits.normal(i), light.ray.direction);
                 let row = self.travel(&mut light, region, (from, crossing.t));
-                self.hit_face(&light, row, &crossing, normal);
+                self.hit_face(&light, row, (&crossing, normal), known);
             }
         }
     }
 
     /// Applies a sheet to a ray that has travelled to it, at time `t`; false unless the ray
-    /// continues straight.
+    /// continues straight. `known` is the start list of the ray, as of [`StartSurfaces::append`](
+    /// crate::start_surfaces::StartSurfaces::append).
     pub(crate) fn hit_sheet(
         &mut self,
         light: &mut RayState,
         row: Segment,
         sheet: usize,
-        crossing: &Crossing,
-        t: f64,
+        (crossing, t): (&Crossing, f64),
+        known: &[Start],
     ) -> bool {
         let compiled = &self.system.sheets[sheet];
         let normal = match compiled.action.has_sides() {
@@ -181,13 +183,19 @@ impl<'t> Propagator<'t> {
             return !self.is_terminated(light.payload.generation, light.payload.power);
         }
         self.spawn(light, row, compiled.element, &outcome, |propagator, scattered| {
-            propagator.ray_from_sheet(&light.ray, (sheet, compiled), (crossing, t), scattered)
+            propagator.ray_from_sheet(&light.ray, (sheet, compiled), (crossing, t), scattered, known)
         });
         false
     }
 
-    /// Applies a face of a solid to a ray that has travelled to it.
-    pub(crate) fn hit_face(&mut self, light: &RayState, row: Segment, crossing: &Crossing, normal: Vec3) {
+    /// Applies a face of a solid to a ray that has travelled to it; for `known` see [`Propagator::hit_sheet`].
+    pub(crate) fn hit_face(
+        &mut self,
+        light: &RayState,
+        row: Segment,
+        (crossing, normal): (&Crossing, Vec3),
+        known: &[Start],
+    ) {
         let system = self.system;
         let incident = incident(light, normal, row.index);
         let face = system.face_at(crossing);
@@ -197,9 +205,9 @@ impl<'t> Propagator<'t> {
         let row = self.record(row, face.element, face.surface, outcome.event);
         self.spawn(light, row, face.element, &outcome, |propagator, scattered| {
             let point = project(&system.program, &light.ray, crossing, normal);
-            let near = (&light.ray, crossing.t);
+            let (program, near) = (&system.program, (&light.ray, crossing.t));
             let starts = &mut propagator.next.starts;
-            system.start_surfaces.append(&system.program, near, Some(crossing), scattered.side, starts);
+            system.start_surfaces.append(program, near, Some(crossing), scattered.side, known, starts);
             (Ray::new(point, scattered.direction), None)
         });
     }
@@ -211,14 +219,15 @@ impl<'t> Propagator<'t> {
         (sheet, compiled): (usize, &CompiledSheet),
         (crossing, t): (&Crossing, f64),
         scattered: &Scattered,
+        known: &[Start],
     ) -> (Ray, Option<(usize, Start)>) {
         let system = self.system;
         // faces of solids within the tolerance are crossed later
         let starts = &mut self.next.starts;
-        system.start_surfaces.append(&system.program, (ray, t), None, ExitSide::Incident, starts);
+        system.start_surfaces.append(&system.program, (ray, t), None, ExitSide::Incident, known, starts);
         let mut on = Vec::new();
-        let at = (ray, crossing.t);
-        compiled.start_surfaces.append(&compiled.program, at, Some(crossing), scattered.side, &mut on);
+        let (program, at) = (&compiled.program, (ray, crossing.t));
+        compiled.start_surfaces.append(program, at, Some(crossing), scattered.side, &[], &mut on);
         (Ray::new(ray.at(t), scattered.direction), on.first().map(|start| (sheet, *start)))
     }
 

@@ -5,7 +5,7 @@ use super::properties::{Owner, PropertyReader};
 use crate::surface::OpticalSurface;
 use rayweave_error::Message;
 use rayweave_model::{Crossing, Program};
-use rayweave_scene::Datum;
+use rayweave_scene::{Datum, bare_name};
 use std::collections::{HashMap, HashSet};
 
 /// The surfaces of all boundaries.
@@ -182,24 +182,10 @@ impl Border {
         let has = |placement: &Placement| {
             let mut steps = paths.iter().flat_map(|path| path.steps());
             steps.any(|step| {
-                step.name == bare(&placement.volume)
+                step.name == bare_name(&placement.volume)
                     && step.copy.is_some_and(|copy| placement.copies.contains(&copy))
             })
         };
         self.required.iter().all(has)
-    }
-}
-
-/// A name without the pointer suffix that programs append to make it unique, as occurrence paths have it.
-pub(crate) fn bare(name: &str) -> &str {
-    match name.rsplit_once("0x") {
-        Some((bare, suffix))
-            if !bare.is_empty()
-                && !suffix.is_empty()
-                && suffix.bytes().all(|byte| byte.is_ascii_hexdigit()) =>
-        {
-            bare
-        }
-        _ => name,
     }
 }

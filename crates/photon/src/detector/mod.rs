@@ -11,7 +11,6 @@ use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
 use crate::tables::SurfaceTables;
 use borders::SurfaceTable;
-pub(crate) use borders::bare;
 use gdml::Volumes;
 use properties::PropertyReader;
 use rayweave_error::Message;

@@ -64,6 +64,31 @@ fn ranges_of_shifted_photons_are_parts_of_the_run() {
     assert!(whole.hits.photon.iter().all(|number| (0..1000).contains(number)));
 }
 
+/// A shifter that emits four billion photons is refused before they are made, and so are numbers that secondaries use.
+#[test]
+#[cfg(target_os = "linux")]
+fn photons_that_do_not_fit_into_memory_are_refused() {
+    let slab = SlabDetector {
+        matrices: r#"<matrix name="SHORT" coldim="2" values="1*eV 0.1 10*eV 0.1"/>
+<matrix name="BAND" coldim="2" values="2.0*eV 1 2.5*eV 1"/><matrix name="MEAN" coldim="1" values="4e9"/>"#,
+        inner: r#"<property name="RINDEX" ref="GLASS"/><property name="WLSABSLENGTH" ref="SHORT"/>
+<property name="WLSCOMPONENT" ref="BAND"/><property name="WLSMEANNUMBERPHOTONS" ref="MEAN"/>"#,
+        ..scattering()
+    };
+    let detector = slab.build();
+    let source = Source::Point(PointSource::isotropic(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap());
+    let evaluator = rayweave_trace::Packets::new(detector.program().clone());
+    let refused = |photons| {
+        let settings = RunSettings { threads: NonZeroUsize::new(1), ..RunSettings::new(photons) };
+        rayweave_photon::simulate(&detector, &evaluator, &source, &settings).unwrap_err().to_string()
+    };
+    let message = refused(0..1);
+    assert!(message.starts_with("the photons and their hits cannot be kept: "), "{message}");
+    assert!(message.ends_with(" Simulate parts of the range one after the other."), "{message}");
+    let message = refused(u64::MAX - 5000..u64::MAX);
+    assert!(message.contains("must be below 4611686018427387904"), "{message}");
+}
+
 /// The bits of each hit.
 fn lines(hits: &Hits) -> Vec<(i64, [u64; 5], String)> {
     let bits = |row: usize| {

@@ -2,11 +2,11 @@
 
 use super::context::Context;
 use crate::diagnostic::Diagnostic;
-use crate::memory;
 use crate::source::Spanned;
 use rayweave_math::{Affine, Vec3};
 use rayweave_mesh::{MeshError, Polyhedron};
 use rayweave_mesh_io::{FileError, ReadOptions, read_allowed};
+use rayweave_model::memory;
 use rayweave_shape::primitive::Mesh;
 use rayweave_table::{AllowedFiles, NpyArray, NpyArrayError, RefusedFile};
 use std::io::BufReader;

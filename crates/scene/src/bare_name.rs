@@ -1,0 +1,30 @@
+//! Names in GDML files without pointer suffixes.
+
+/// A name without the pointer suffix that programs append to make it unique: `World0x55f3c0` becomes `World`. Regions and occurrence
+/// paths have these names.
+pub fn bare_name(name: &str) -> &str {
+    match name.rsplit_once("0x") {
+        Some((bare, suffix))
+            if !bare.is_empty()
+                && !suffix.is_empty()
+                && suffix.bytes().all(|byte| byte.is_ascii_hexdigit()) =>
+        {
+            bare
+        }
+        _ => name,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bare_name;
+
+    #[test]
+    fn addresses_are_taken_off_names() {
+        assert_eq!(bare_name("World0x55f3c0"), "World");
+        assert_eq!(bare_name("World"), "World");
+        assert_eq!(bare_name("0xff"), "0xff");
+        assert_eq!(bare_name("a0x"), "a0x");
+        assert_eq!(bare_name("box0xg1"), "box0xg1");
+    }
+}
