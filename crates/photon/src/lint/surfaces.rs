@@ -1,6 +1,6 @@
 //! Rules for optical surfaces: words that Geant4 reads otherwise, surfaces that compete.
 
-use super::Lint;
+use super::state::Lint;
 use crate::detector::properties::Owner;
 use crate::surface::{SurfaceFinish, SurfaceModel, SurfaceType};
 use rayweave_error::Message;

@@ -1,6 +1,6 @@
 //! Rules for volumes: materials without an index, sensors out of reach, copies that touch.
 
-use super::Lint;
+use super::state::Lint;
 use crate::detector::properties::Owner;
 use rayweave_error::Message;
 use rayweave_scene::Datum;
