@@ -18,12 +18,12 @@ impl Lint<'_> {
     }
 
     /// The number of the medium of a region, from 1.
-    fn medium(&self, region: u32) -> Option<usize> {
+    pub(super) fn medium(&self, region: u32) -> Option<usize> {
         let region = self.scene.regions.get((region as usize).checked_sub(1)?)?;
         Some(region.medium as usize)
     }
 
-    fn has_index(&self, medium: usize) -> bool {
+    pub(super) fn has_index(&self, medium: usize) -> bool {
         self.optics.materials.get(medium).is_some_and(|material| material.index.is_some())
     }
 
