@@ -155,7 +155,7 @@ fn measured_surfaces_and_outer_sources() {
     bench.write("wrapped.gdml", &wrapped);
     let run = ["photons", "wrapped.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "100", "--json"];
     assert!(bench.fails(3, &run).contains("data set RealSurface with GroundTyvek.dat"));
-    bench.write("GroundTyvek.dat", &"1 ".repeat(151_515));
+    bench.write("GroundTyvek.dat", "1 ".repeat(151_515));
     let with: Vec<&str> = run.into_iter().chain(["--surface-tables", "."]).collect();
     assert_eq!(bench.json(&with)["photons"], 100);
     let outside = ["photons", "bar.gdml", "--at", "0,0,500", "--wavelength", "550", "-n", "10"];

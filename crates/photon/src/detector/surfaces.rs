@@ -138,6 +138,9 @@ fn measured_table(
     let is_tabulated = matches!(kind, SurfaceType::DielectricLut | SurfaceType::DielectricLutDavis);
     match finish {
         SurfaceFinish::Measured(finish) if is_tabulated => {
+            if tables.has(name) {
+                return tables.find(name, kind, finish);
+            }
             if let Some(table) = known.get(finish) {
                 return Ok(Some(table.clone()));
             }

@@ -1,6 +1,7 @@
 //! Rules for the properties of one material or surface: names, energies, order.
 
-use super::{Lint, values};
+use super::state::Lint;
+use super::values;
 use crate::detector::properties::Owner;
 use rayweave_error::Message;
 use rayweave_scene::Datum;

@@ -1,6 +1,6 @@
 //! Rules for optical surfaces: words that Geant4 reads otherwise, surfaces that compete.
 
-use super::Lint;
+use super::state::Lint;
 use crate::detector::properties::Owner;
 use crate::surface::{SurfaceFinish, SurfaceModel, SurfaceType};
 use rayweave_error::Message;
@@ -105,6 +105,12 @@ impl Lint<'_> {
                     .first()
                     .map(|placement| placement.volume.as_str())
             };
+            // no light returns from an opaque volume
+            let regions = volume(second).and_then(|volume| self.optics.volumes.regions.get(volume));
+            let is_clear = |region: &u32| self.medium(*region).is_some_and(|medium| self.has_index(medium));
+            if !regions.into_iter().flatten().any(is_clear) {
+                continue;
+            }
             let skin = [first, second].into_iter().filter_map(volume).find_map(|volume| {
                 let (skin, own) = skins.get(volume)?;
                 (own != surface).then_some((volume, *skin))

@@ -1,6 +1,6 @@
 //! Rules for volumes: materials without an index, sensors out of reach, copies that touch.
 
-use super::Lint;
+use super::state::Lint;
 use crate::detector::properties::Owner;
 use rayweave_error::Message;
 use rayweave_scene::Datum;
@@ -18,12 +18,12 @@ impl Lint<'_> {
     }
 
     /// The number of the medium of a region, from 1.
-    fn medium(&self, region: u32) -> Option<usize> {
+    pub(super) fn medium(&self, region: u32) -> Option<usize> {
         let region = self.scene.regions.get((region as usize).checked_sub(1)?)?;
         Some(region.medium as usize)
     }
 
-    fn has_index(&self, medium: usize) -> bool {
+    pub(super) fn has_index(&self, medium: usize) -> bool {
         self.optics.materials.get(medium).is_some_and(|material| material.index.is_some())
     }
 

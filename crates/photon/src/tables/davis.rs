@@ -1,6 +1,7 @@
 //! Samples of reflected and transmitted directions by angle of incidence: the tables of the `DAVIS` model.
 
-use super::{nearest_rows, read_numbers};
+use super::rows::nearest_rows;
+use super::text::read_numbers;
 use crate::error::PhotonError;
 use std::path::Path;
 

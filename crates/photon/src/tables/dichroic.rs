@@ -1,6 +1,6 @@
 //! Transmittance of a dichroic filter by wavelength and angle of incidence.
 
-use super::text;
+use super::text::read_numbers;
 use crate::error::PhotonError;
 use rayweave_error::Message;
 use std::path::Path;
@@ -62,7 +62,7 @@ impl DichroicTable {
     ///
     /// [`PhotonError::Setting`] for files that cannot be read, and for those of [`DichroicTable::new`].
     pub fn read(path: &Path) -> Result<DichroicTable, PhotonError> {
-        let numbers: Vec<f64> = text::read(path, MAX_VALUES).map_err(PhotonError::Setting)?;
+        let numbers: Vec<f64> = read_numbers(path, MAX_VALUES)?;
         let refuse = |reason: String| {
             let problem = format!("cannot read the dichroic table {}", path.display());
             PhotonError::Setting(Message::new(problem, reason))

@@ -1,6 +1,7 @@
 //! Distributions of reflected light by angle of incidence: the tables of the `LUT` model.
 
-use super::{nearest_rows, read_numbers};
+use super::rows::nearest_rows;
+use super::text::read_numbers;
 use crate::error::PhotonError;
 use std::path::Path;
 

@@ -1,5 +1,6 @@
 //! Reader of whitespace-separated numbers.
 
+use crate::error::PhotonError;
 use rayweave_error::Message;
 use std::path::Path;
 use std::str::FromStr;
@@ -29,7 +30,7 @@ impl Number for f64 {
 /// # Errors
 ///
 /// A file that cannot be read, is too large, is compressed, or holds other text than finite numbers.
-pub(super) fn read<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, Message> {
+fn read<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, Message> {
     let problem = || format!("cannot read the table {}", path.display());
     let cannot = |error: std::io::Error| {
         let compressed = path.with_extension("z");
@@ -49,12 +50,21 @@ pub(super) fn read<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, Messa
     parse(text, &path.display().to_string(), limit)
 }
 
+/// The numbers of a file, at most `limit`.
+///
+/// # Errors
+///
+/// [`PhotonError::Setting`] for files that cannot be read, are compressed, or hold other text.
+pub(super) fn read_numbers<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, PhotonError> {
+    read(path, limit).map_err(PhotonError::Setting)
+}
+
 /// The numbers of a text with a name, at most `limit`.
 ///
 /// # Errors
 ///
 /// Anything but finite numbers, with its place.
-pub(super) fn parse<T: Number>(text: &str, name: &str, limit: usize) -> Result<Vec<T>, Message> {
+fn parse<T: Number>(text: &str, name: &str, limit: usize) -> Result<Vec<T>, Message> {
     let mut numbers = Vec::new();
     for word in text.split_ascii_whitespace().take(limit) {
         match word.parse::<T>() {
