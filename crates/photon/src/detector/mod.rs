@@ -2,6 +2,7 @@
 
 mod borders;
 mod gdml;
+mod native;
 mod properties;
 mod sensors;
 
@@ -47,20 +48,26 @@ pub struct Detector {
 }
 
 impl Detector {
-    /// Compiles a scene and reads the optical properties in the `[gdml]` table of its document.
+    /// Compiles a scene and reads the optical properties in the `[gdml]` or the `[photons]` table of its document.
     ///
     /// # Errors
     ///
-    /// [`PhotonError::Detector`] for invalid properties, all of them at once, and [`PhotonError::Compile`].
+    /// [`PhotonError::Detector`] and, with their positions in a native model file, [`PhotonError::File`] for missing or invalid
+    /// properties, all of them at once, and [`PhotonError::Compile`].
     pub fn new(scene: &Scene, document: &Document) -> Result<Detector, PhotonError> {
-        let table = document.foreign("gdml").map(|foreign| &foreign.value.value);
-        let Some(table) = table else {
-            let message = Message::new("the model has no optical properties", "it has no table [gdml]");
-            let message = message.suggest("Use a GDML file, or a native model converted from one.");
-            return Err(PhotonError::Detector(vec![message]));
+        let gdml = document.foreign("gdml").map(|foreign| &foreign.value.value);
+        let is_native = document.foreign(native::NAME).is_some();
+        let read;
+        let (table, source) = match gdml {
+            Some(table) if !is_native => (table, None),
+            None if is_native => {
+                read = native::table(document, scene).map_err(PhotonError::File)?;
+                (&read, Some(&document.source))
+            }
+            _ => return Err(no_properties(is_native)),
         };
         let program = Arc::new(Program::compile_regions(&regions(scene))?);
-        let mut properties = properties::PropertyReader::new(table);
+        let mut properties = properties::PropertyReader::new(table, source);
         let materials = gdml::materials(table, &scene.medium_names(), &mut properties);
         let surfaces = gdml::surfaces(table, &mut properties);
         let volumes = gdml::volumes(table, scene);
@@ -126,6 +133,20 @@ impl Detector {
     pub(crate) fn surface(&self, crossing: &Crossing) -> Option<&OpticalSurface> {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
     }
+}
+
+/// The error of a model without optical properties, or with both tables of them.
+fn no_properties(has_both: bool) -> PhotonError {
+    let message = if has_both {
+        let reason = "it has both of the tables [gdml] and [photons]";
+        Message::new("the optical properties of the model are not clear", reason)
+            .suggest("Remove one of them.")
+    } else {
+        let reason = "it has neither a table [photons] nor a table [gdml]";
+        let message = Message::new("the model has no optical properties", reason);
+        message.suggest("Use a GDML file, or add the table [photons] to a native model.")
+    };
+    PhotonError::Detector(vec![message])
 }
 
 /// The regions of a scene, each with a medium of its own: a photon stops at every boundary between two volumes, even of

@@ -3,13 +3,16 @@
 use crate::error::{PhotonError, PropertyError};
 use crate::property::{PropertyTable, Spectrum};
 use rayweave_error::Message;
-use rayweave_scene::Datum;
+use rayweave_scene::{Datum, Diagnostic, Diagnostics, Source, Span, Spanned};
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Reads properties and collects problems and notes.
 pub(crate) struct PropertyReader {
     matrices: HashMap<String, Matrix>,
-    problems: Vec<Message>,
+    /// The native model file that the properties come from.
+    source: Option<Arc<Source>>,
+    problems: Vec<(Message, Span)>,
     notes: Vec<String>,
 }
 
@@ -26,12 +29,14 @@ pub(crate) struct Properties<'r> {
     /// The owner of the properties, as in "material `Water`".
     owner: String,
     /// Those that no process has read yet.
-    rest: Vec<(String, Datum)>,
+    rest: Vec<(String, Spanned<Datum>)>,
+    /// The places of all properties.
+    spans: HashMap<String, Span>,
 }
 
 impl PropertyReader {
-    /// A reader of the matrices of a `[gdml]` table.
-    pub fn new(table: &Datum) -> PropertyReader {
+    /// A reader of the matrices of a `[gdml]` table, or of the properties in a native model file.
+    pub fn new(table: &Datum, source: Option<&Arc<Source>>) -> PropertyReader {
         let matrix = |row: &Datum| {
             let name = row.get("name")?.as_text()?.to_owned();
             let columns = row.get("columns")?.as_number()? as usize;
@@ -39,19 +44,28 @@ impl PropertyReader {
             Some((name, Matrix { columns, values: values.collect() }))
         };
         let matrices = table.list("matrix").filter_map(matrix).collect();
-        PropertyReader { matrices, problems: Vec::new(), notes: Vec::new() }
+        PropertyReader { matrices, source: source.cloned(), problems: Vec::new(), notes: Vec::new() }
     }
 
     /// The properties in a row of the table.
     pub fn of<'r>(&'r mut self, owner: String, row: &Datum) -> Properties<'r> {
-        let entries = row.get("properties").into_iter().flat_map(Datum::entries);
-        let rest = entries.map(|(name, datum)| (name.to_owned(), datum.clone())).collect();
-        Properties { reader: self, owner, rest }
+        let entries = match row.get("properties") {
+            Some(Datum::Table(table)) => table.as_slice(),
+            _ => &[],
+        };
+        let rest = entries.iter().map(|(name, datum)| (name.value.clone(), datum.clone())).collect();
+        let spans = entries.iter().map(|(name, datum)| (name.value.clone(), datum.span)).collect();
+        Properties { reader: self, owner, rest, spans }
     }
 
     /// Adds a problem.
     pub fn problem(&mut self, problem: Message) {
-        self.problems.push(problem);
+        self.problem_at(problem, Span::default());
+    }
+
+    /// Adds a problem at a place of a native model file.
+    pub fn problem_at(&mut self, problem: Message, span: Span) {
+        self.problems.push((problem, span));
     }
 
     /// Adds a note: a sentence.
@@ -65,7 +79,21 @@ impl PropertyReader {
     ///
     /// All problems, if there are any.
     pub fn finish(self) -> Result<Vec<String>, PhotonError> {
-        if self.problems.is_empty() { Ok(self.notes) } else { Err(PhotonError::Detector(self.problems)) }
+        let PropertyReader { source, problems, notes, .. } = self;
+        if problems.is_empty() {
+            return Ok(notes);
+        }
+        Err(match source {
+            None => PhotonError::Detector(problems.into_iter().map(|(message, _)| message).collect()),
+            Some(source) => {
+                let diagnostic = |(message, span): (Message, Span)| {
+                    let suggestion = message.suggestion().map(str::to_owned);
+                    let problem = Diagnostic::error(message.problem()).why(message.reason());
+                    problem.suggest(suggestion).at(&source, span)
+                };
+                PhotonError::File(Diagnostics::new(problems.into_iter().map(diagnostic).collect()))
+            }
+        })
     }
 }
 
@@ -73,7 +101,11 @@ impl Properties<'_> {
     fn take(&mut self, name: &str) -> Option<Matrix> {
         let at = self.rest.iter().position(|(own, _)| own == name)?;
         let (_, datum) = self.rest.remove(at);
-        match datum {
+        match datum.value {
+            Datum::List(_) => {
+                let values = datum.value.items().filter_map(Datum::as_number).collect();
+                Some(Matrix { columns: 2, values })
+            }
             Datum::Number(value) => Some(Matrix { columns: 1, values: vec![value] }),
             // an unknown matrix was reported by the reader of the file
             Datum::Text(matrix) => self.reader.matrices.get(&matrix).cloned(),
@@ -84,6 +116,10 @@ impl Properties<'_> {
     /// A property that depends on the energy.
     pub fn table(&mut self, name: &str) -> Option<PropertyTable> {
         let matrix = self.take(name)?;
+        if let (Some(_), [value]) = (&self.reader.source, matrix.values.as_slice()) {
+            // a number in a native model file holds at all energies
+            return self.accept(name, PropertyTable::new(vec![(1e-6, *value)]));
+        }
         if matrix.columns != 2 {
             self.problem(name, "it has one column: pairs of an energy and a value are needed (coldim=\"2\")");
             return None;
@@ -145,6 +181,45 @@ impl Properties<'_> {
         }
     }
 
+    /// A constant property that is at least 0 and finite.
+    pub fn at_least_zero(&mut self, name: &str) -> Option<f64> {
+        let value = self.constant(name)?;
+        if value >= 0.0 && value.is_finite() {
+            return Some(value);
+        }
+        self.problem(name, &format!("it is {value}: it must be finite and at least 0"));
+        None
+    }
+
+    /// Reads a property by its former name as well, with a note.
+    pub fn former(&mut self, former: &str, name: &str) {
+        let Some(at) = self.rest.iter().position(|(own, _)| own == former) else { return };
+        if self.has(name) {
+            // noted as unused
+            return;
+        }
+        name.clone_into(&mut self.rest[at].0);
+        self.spans.insert(name.to_owned(), self.rest[at].1.span);
+        let owner = &self.owner;
+        self.reader
+            .note(format!("{owner}: the property `{former}` is read as `{name}`, its name since Geant4 11."));
+    }
+
+    /// The share of the first of two components, from 0 to 1: a property of Geant4 before version 11, which is noted.
+    pub fn ratio(&mut self, name: &str) -> Option<f64> {
+        let value = self.at_least_zero(name)?;
+        if value > 1.0 {
+            self.problem(name, &format!("it is {value}: it must be from 0 to 1"));
+            return None;
+        }
+        let owner = &self.owner;
+        self.reader.note(format!(
+            "{owner}: the property `{name}` is read as `SCINTILLATIONYIELD1` = {value} and `SCINTILLATIONYIELD2` = {}.",
+            1.0 - value
+        ));
+        Some(value)
+    }
+
     fn accept<T>(&mut self, name: &str, made: Result<T, PropertyError>) -> Option<T> {
         made.map_err(|error| self.problem(name, error.to_string().trim_end_matches('.'))).ok()
     }
@@ -152,7 +227,8 @@ impl Properties<'_> {
     /// Reports a problem of a property.
     pub fn problem(&mut self, name: &str, reason: &str) {
         let problem = format!("the property `{name}` of {} is invalid", self.owner);
-        self.reader.problem(Message::new(problem, reason));
+        let span = self.spans.get(name).copied().unwrap_or_default();
+        self.reader.problem_at(Message::new(problem, reason), span);
     }
 
     /// True if a property has not been read yet.
@@ -162,7 +238,7 @@ impl Properties<'_> {
 
     /// Notes the properties that nothing has read.
     pub fn finish(self) {
-        let Properties { reader, owner, rest } = self;
+        let Properties { reader, owner, rest, .. } = self;
         for (name, _) in rest {
             reader.note(format!(
                 "{owner}: the property `{name}` is ignored: no process of this version uses it."

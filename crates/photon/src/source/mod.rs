@@ -1,9 +1,21 @@
 //! Sources of photons.
 
+mod start;
+mod torch;
+mod volume;
+
+use crate::detector::Detector;
 use crate::error::PhotonError;
+use crate::genstep::Gensteps;
 use crate::philox::{Purpose, Stream};
-use crate::property::HC_MEV_NM;
 use rayweave_math::Vec3;
+use rayweave_model::Evaluator;
+use std::ops::Range;
+
+pub use start::{check_start, emit};
+pub(crate) use torch::transverse;
+pub use torch::{Directions, Origin, Pulse, Torch, Wavelengths};
+pub use volume::SourceVolume;
 
 /// A photon at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +24,8 @@ pub struct Photon {
     pub position: Vec3,
     /// The direction: a unit vector.
     pub direction: Vec3,
-    /// The polarisation: a unit vector perpendicular to the direction.
+    /// The polarisation: a unit vector perpendicular to the direction. Zero in a list of photons means unpolarised: a random
+    /// one is chosen.
     pub polarisation: Vec3,
     /// The energy in MeV.
     pub energy: f64,
@@ -20,93 +33,101 @@ pub struct Photon {
     pub time: f64,
 }
 
-/// Photons by number: the photon of a number is a function of the seed and the number alone.
+/// Photons by number: the photon of a number is a function of the seed, the event and the number alone.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// Photons from one point.
-    Point(PointSource),
+    /// Photons of one kind, from a point, a line, a surface or a volume.
+    Torch(Torch),
     /// Given photons; the photon with number k is the one at index k.
     Photons(Vec<Photon>),
+    /// Cerenkov and scintillation photons along the steps of particles.
+    Gensteps(Gensteps),
 }
 
-/// A point that emits photons of one wavelength at time 0, unpolarised.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointSource {
-    position: Vec3,
-    energy: f64,
-    direction: Option<Vec3>,
+/// The run that photons are emitted for: what their random numbers depend on, beside their own number.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EventKey {
+    pub seed: u64,
+    pub event: u32,
 }
 
-impl PointSource {
-    /// A point that emits in all directions with equal probability. The position is in mm, the wavelength in nm.
-    ///
-    /// # Errors
-    ///
-    /// [`PhotonError::Setting`] if the position is not finite or the wavelength is not positive and finite.
-    pub fn isotropic(position: Vec3, wavelength_nm: f64) -> Result<PointSource, PhotonError> {
-        if !position.is_finite() {
-            return Err(PhotonError::setting(
-                format!("the source is at {position}"),
-                "its coordinates must be finite",
-            ));
-        }
-        if !(wavelength_nm > 0.0 && wavelength_nm.is_finite()) {
-            let problem = format!("the wavelength is {wavelength_nm} nm");
-            return Err(PhotonError::setting(problem, "it must be positive and finite"));
-        }
-        Ok(PointSource { position, energy: HC_MEV_NM / wavelength_nm, direction: None })
-    }
-
-    /// The same point with one direction for all photons.
-    ///
-    /// # Errors
-    ///
-    /// [`PhotonError::Setting`] if the direction is zero or not finite.
-    pub fn towards(self, direction: Vec3) -> Result<PointSource, PhotonError> {
-        match direction.try_normalize() {
-            Some(unit) => Ok(PointSource { direction: Some(unit), ..self }),
-            None => {
-                let problem = format!("the direction of the source is {direction}");
-                Err(PhotonError::setting(problem, "it must be finite and not zero"))
-            }
-        }
-    }
-
-    fn photon(&self, stream: &mut Stream) -> Photon {
-        let direction = self.direction.unwrap_or_else(|| stream.direction());
-        let polarisation = stream.polarisation(direction);
-        Photon { position: self.position, direction, polarisation, energy: self.energy, time: 0.0 }
+impl EventKey {
+    /// The number that selects the random numbers of a photon.
+    pub fn number(self, photon: u64) -> u64 {
+        u64::from(self.event) << 32 | photon
     }
 }
+
+/// The largest number of photons of an event: each has a number of 32 bits.
+pub(crate) const MOST_PHOTONS: u64 = 1 << 32;
 
 impl Source {
-    /// The photon of a number.
-    pub(crate) fn photon(&self, seed: u64, number: u64) -> Photon {
+    /// The number of photons, if it is limited.
+    #[must_use]
+    pub fn limit(&self) -> Option<u64> {
         match self {
-            Source::Point(point) => point.photon(&mut Stream::new(seed, number, 0, Purpose::Emission)),
-            Source::Photons(photons) => photons[number as usize],
+            Source::Torch(_) => None,
+            Source::Photons(photons) => Some(photons.len() as u64),
+            Source::Gensteps(gensteps) => Some(gensteps.photons()),
         }
     }
 
-    /// The number of photons, if it is limited.
-    pub(crate) fn limit(&self) -> Option<u64> {
+    /// Appends the photons of a range of numbers.
+    pub(crate) fn emit<E: Evaluator>(
+        &self,
+        (detector, evaluator): (&Detector, &E),
+        scratch: &mut E::Scratch,
+        key: EventKey,
+        numbers: Range<u64>,
+        photons: &mut Vec<Photon>,
+    ) {
+        let stream = |number: u64| Stream::new(key.seed, key.number(number), 0, Purpose::Emission);
+        let first = photons.len();
         match self {
-            Source::Point(_) => None,
-            Source::Photons(photons) => Some(photons.len() as u64),
+            Source::Torch(torch) => {
+                photons.extend(numbers.clone().map(|number| torch.photon(&mut stream(number))));
+                if let Some(volume) = torch.volume() {
+                    volume.place(evaluator, scratch, key, numbers.start, &mut photons[first..]);
+                }
+            }
+            Source::Photons(list) => photons.extend(numbers.map(|number| {
+                let photon = list[number as usize];
+                if photon.polarisation != Vec3::ZERO {
+                    return photon;
+                }
+                Photon { polarisation: stream(number).polarisation(photon.direction), ..photon }
+            })),
+            Source::Gensteps(gensteps) => gensteps.emit(detector, numbers, stream, photons),
         }
+    }
+
+    /// Checks the numbers of the photons to emit.
+    pub(crate) fn check_range(&self, numbers: &Range<u64>) -> Result<(), PhotonError> {
+        let Range { start, end } = numbers;
+        let problem = || format!("photons {start} to {end} are requested");
+        if let Some(limit) = self.limit().filter(|limit| limit < end) {
+            return Err(PhotonError::setting(problem(), format!("the source has {limit} photons")));
+        }
+        if *end > MOST_PHOTONS {
+            return Err(PhotonError::setting(problem(), "an event has at most 4294967296 photons"));
+        }
+        Ok(())
     }
 
     /// Checks given photons.
     pub(crate) fn check(&self) -> Result<(), PhotonError> {
         let Source::Photons(photons) = self else { return Ok(()) };
         for (index, photon) in photons.iter().enumerate() {
+            let is_polarised = photon.polarisation != Vec3::ZERO;
             let fault = match () {
                 () if !photon.position.is_finite() => "its position must be finite",
-                () if (photon.direction.length() - 1.0).abs() > 1e-6 => "its direction must have length 1",
-                () if (photon.polarisation.length() - 1.0).abs() > 1e-6 => {
-                    "its polarisation must have length 1"
+                () if !((photon.direction.length() - 1.0).abs() <= 1e-6) => {
+                    "its direction must have length 1"
                 }
-                () if photon.polarisation.dot(photon.direction).abs() > 1e-6 => {
+                () if is_polarised && !((photon.polarisation.length() - 1.0).abs() <= 1e-6) => {
+                    "its polarisation must have length 1, or 0 if it is unpolarised"
+                }
+                () if !(photon.polarisation.dot(photon.direction).abs() <= 1e-6) => {
                     "its polarisation must be perpendicular to its direction"
                 }
                 () if !(photon.energy > 0.0 && photon.energy.is_finite()) => {
