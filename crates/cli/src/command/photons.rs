@@ -1,15 +1,16 @@
 //! `rayweave photons`: optical photons in a detector.
 
-use crate::arguments::{GlobalArguments, ModelArguments, point};
+use super::photon_source::SourceArguments;
+use crate::arguments::{GlobalArguments, ModelArguments};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::terminal;
 use clap::{Args, ValueEnum};
+use rayweave::Packets;
 use rayweave::photon::{
-    DetectionRule, Detector, End, Hits, PhotonRun, PointSource, RunSettings, Source, hit_schema, simulate,
+    DetectionRule, Detector, End, Hits, PhotonRun, RunSettings, check_start, hit_schema, simulate,
 };
 use rayweave::table::TableWriter;
-use rayweave::{Packets, Vec3};
 use serde_json::{Value, json};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -21,44 +22,37 @@ use std::time::{Duration, Instant};
 /// and sensitive volumes (auxiliary tag SensDet). The physics is that of Geant4: absorption, Rayleigh and Mie scattering,
 /// wavelength shifting and the optical boundary process. The geometry is exact.
 ///
-/// A photon's history depends on the model, the seed and its number alone: the same photons end in the same way with any
+/// A photon's history depends on the model, the seed, the event and its number alone: the same photons end in the same way with any
 /// number of threads, and --range simulates a part of a run.
 ///
-/// The table has a row for each detected photon with the columns photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
+/// The table has a row for each detected photon with the columns event, photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
 /// wavelength_nm, steps, sensor. Lengths are in mm.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 100000 -o hits.csv
   rayweave photons detector.gdml --at 0,0,0 --towards 0,0,1 --wavelength 420 -n 1000 --json
-  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 1000000 --range 0:250000 -o part1.npy")]
+  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 1000000 --range 0:250000 -o part1.npy
+  rayweave photons detector.gdml --source volume --volume Target --spectrum emission.csv --time-decay 6 -o hits.csv
+  rayweave photons detector.gdml --gensteps gensteps.npy --event 7 -o hits.csv")]
 pub struct Photons {
     #[command(flatten)]
     model: ModelArguments,
 
-    /// Kind of the source
-    #[arg(long, value_name = "KIND", default_value = "point")]
-    source: SourceKind,
+    #[command(flatten)]
+    source: SourceArguments,
 
-    /// Position of the source, in mm
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    at: [f64; 3],
-
-    /// Direction of the photons [default: all directions with equal probability]
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    towards: Option<[f64; 3]>,
-
-    /// Wavelength in vacuum, in nm
-    #[arg(long, value_name = "NM")]
-    wavelength: f64,
-
-    /// Number of photons
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 10_000)]
-    photons: u64,
+    /// Number of photons [default: 10000, or all photons of --gensteps or --photons]
+    #[arg(short = 'n', long, value_name = "N")]
+    count: Option<u64>,
 
     /// Simulate only the photons numbered A to B - 1 of the run
     #[arg(long, value_name = "A:B", value_parser = range)]
     range: Option<Range<u64>>,
+
+    /// Number of the event: photons of different events have different random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    event: u32,
 
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -85,13 +79,6 @@ pub struct Photons {
     json: bool,
 }
 
-/// The kinds of sources.
-#[derive(Clone, Copy, ValueEnum)]
-enum SourceKind {
-    /// A point that emits unpolarised photons of one wavelength
-    Point,
-}
-
 /// Names of [`DetectionRule`].
 #[derive(Clone, Copy, ValueEnum)]
 enum Rule {
@@ -112,11 +99,6 @@ impl Rule {
 
 impl Photons {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        let range = self.range.clone().unwrap_or(0..self.photons);
-        if range.end > self.photons {
-            let text = format!("--range ends at {}: the run has {} photons (-n).", range.end, self.photons);
-            return Err(Failure::Usage(text));
-        }
         let is_piped = self.out.as_deref() == Some("-".as_ref());
         if is_piped && self.json {
             let text = "--json and `-o -` both write to standard output: write one of them to a file.";
@@ -126,16 +108,20 @@ impl Photons {
             // a path that cannot be written is reported before the run, not after it; the unfinished file is removed
             TableWriter::create(path, &hit_schema(&Hits::default())?)?;
         }
-        let SourceKind::Point = self.source;
-        let point = PointSource::isotropic(Vec3::from_array(self.at), self.wavelength)?;
-        let point = self.towards.map_or(Ok(point), |direction| point.towards(Vec3::from_array(direction)))?;
         let (document, scene) = self.model.load_document()?;
         let detector = Detector::new(&scene, &document)?;
-        if !global.quiet {
-            detector.notes().iter().for_each(|note| terminal::note(note));
-        }
+        let note = |text: &str| {
+            if !global.quiet {
+                terminal::note(text);
+            }
+        };
+        detector.notes().iter().for_each(|text| note(text));
+        let evaluator = Packets::new(detector.program().clone());
+        let source = self.source.source(&detector, &evaluator, note)?;
+        let range = self.numbers(source.limit())?;
         let settings = RunSettings {
             seed: self.seed,
+            event: self.event,
             detection: self.detect.rule().0,
             max_steps: self.max_steps,
             max_time: self.max_time,
@@ -143,9 +129,11 @@ impl Photons {
             cancel: interrupt::token()?,
             ..RunSettings::new(range)
         };
-        let evaluator = Packets::new(detector.program().clone());
+        if let Some(text) = check_start(&detector, &evaluator, &source, &settings)? {
+            note(&text);
+        }
         let start = Instant::now();
-        let run = simulate(&detector, &evaluator, &Source::Point(point), &settings);
+        let run = simulate(&detector, &evaluator, &source, &settings);
         let (run, duration) = (run?, start.elapsed());
         if let Some(path) = &self.out {
             let mut table = TableWriter::create(path, &hit_schema(&run.hits)?)?;
@@ -157,6 +145,21 @@ impl Photons {
             () if is_piped || global.quiet => Ok(()),
             () => terminal::print(&self.text(&run, duration)),
         }
+    }
+
+    /// The numbers of the photons to simulate.
+    fn numbers(&self, limit: Option<u64>) -> Result<Range<u64>, Failure> {
+        let count = self.count.or(limit).unwrap_or(10_000);
+        if let Some(limit) = limit.filter(|limit| *limit < count) {
+            let text = format!("-n is {count}: the source has {limit} photons.");
+            return Err(Failure::Usage(text));
+        }
+        let range = self.range.clone().unwrap_or(0..count);
+        if range.end > count {
+            let text = format!("--range ends at {}: the run has {count} photons.", range.end);
+            return Err(Failure::Usage(text));
+        }
+        Ok(range)
     }
 
     fn json(&self, run: &PhotonRun, duration: Duration) -> Value {

@@ -142,18 +142,15 @@ fn surface(reader: &mut Reader, scene: &Scene, item: Spanned<Datum>, rows: &mut 
     }
     let pairs = keys.take("border").map(|datum| items(reader, "border", datum)).unwrap_or_default();
     for pair in pairs {
-        let span = pair.span;
+        let (span, count) = (pair.span, pair.value.items().count());
         let names = regions(reader, scene, "border", pair);
-        match names.len() {
-            2 => {
-                let names = list(names.into_iter().map(Datum::Text).collect());
-                let border = [("name", text(&name)), ("surface", text(&name)), ("placements", names)];
-                rows.borders.push(row(border));
-            }
-            count => {
-                let problem = Diagnostic::error(format!("a border has {count} known regions"));
-                reader.report(problem.why("it leads from a first to a second one"), span);
-            }
+        if count != 2 {
+            let problem = Diagnostic::error(format!("a border has {count} regions"));
+            reader.report(problem.why("it leads from a first to a second one"), span);
+        } else if names.len() == 2 {
+            let names = list(names.into_iter().map(Datum::Text).collect());
+            let border = [("name", text(&name)), ("surface", text(&name)), ("placements", names)];
+            rows.borders.push(row(border));
         }
     }
     reader.reject_unknown(keys);

@@ -31,12 +31,14 @@ impl Path {
 /// density that is linear along the step.
 pub(super) fn cerenkov_photon(
     path: &Path,
-    (index, inverse_beta, energies): (&PropertyTable, f64, [f64; 2]),
+    (index, inverse_beta, energies): (Option<&PropertyTable>, f64, [f64; 2]),
     density: [f64; 2],
     stream: &mut Stream,
 ) -> Photon {
-    let (energy, cosine) =
-        cerenkov::sample(index, inverse_beta, energies, stream.uniform()).unwrap_or((energies[0], 1.0));
+    let fraction = stream.uniform();
+    let sample = index.and_then(|index| cerenkov::sample(index, inverse_beta, energies, fraction));
+    // a genstep with photons has an index above the threshold
+    let (energy, cosine) = sample.unwrap_or((energies[0], 1.0));
     let sine = ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt();
     let azimuth = std::f64::consts::TAU * stream.uniform();
     let axis = path.displacement.normalize();

@@ -127,18 +127,18 @@ impl Gensteps {
 
 impl Resolved {
     fn photon(&self, material: &OpticalMaterial, stream: &mut Stream) -> Photon {
-        match (self.light, &material.index) {
-            (Light::Cerenkov { inverse_beta, energies, density }, Some(index)) => {
+        match self.light {
+            Light::Cerenkov { inverse_beta, energies, density } => {
+                let index = material.index.as_ref();
                 cerenkov_photon(&self.path, (index, inverse_beta, energies), density, stream)
             }
-            (Light::Scintillation { component, time, rise_time, is_charged }, _) => {
+            Light::Scintillation { component, time, rise_time, is_charged } => {
                 let components = &material.scintillation;
                 let component = &components[component.unwrap_or_else(|| chosen(components, stream))];
                 let decay = time.or(component.time).unwrap_or(0.0);
                 let rise = rise_time.unwrap_or(component.rise_time);
                 scintillation_photon(&self.path, is_charged, (&component.spectrum, decay, rise), stream)
             }
-            (Light::Cerenkov { .. }, None) => unreachable!("a Cerenkov genstep has a material with an index"),
         }
     }
 }

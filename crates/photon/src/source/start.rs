@@ -49,7 +49,7 @@ pub fn check_start<E: Evaluator>(
         [0, 1, 2].map(|axis| photons.iter().map(|photon| photon.position[axis]).collect::<Vec<_>>());
     let mut regions = vec![RegionId(0); photons.len()];
     evaluator.regions_at(columns.each_ref().map(Vec::as_slice), &mut evaluator.scratch(), &mut regions);
-    let is_lost = |region: &RegionId| region.0 == 0 || detector.material(*region).index.is_none();
+    let is_lost = |region: &RegionId| detector.material(*region).index.is_none();
     let lost = regions.iter().filter(|region| is_lost(region)).count();
     let Some(at) = regions.iter().position(is_lost) else { return Ok(None) };
     let place = match regions[at].0 {
