@@ -3,6 +3,7 @@
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::CompileError;
 use rayweave_model::memory::Shortage;
+use rayweave_scene::Diagnostics;
 use rayweave_table::TableError;
 
 /// The reason why a table of a property is invalid.
@@ -19,6 +20,14 @@ pub enum PropertyError {
         index: usize,
         /// The energy in MeV.
         energy: f64,
+    },
+    /// A wavelength that no photon has.
+    #[error("the wavelength of point {index} is {wavelength} nm: it must be positive and finite.")]
+    Wavelength {
+        /// The point, from 0.
+        index: usize,
+        /// The wavelength in nm.
+        wavelength: f64,
     },
     /// A value that is not finite.
     #[error("the value of point {index} is {value}: it must be finite.")]
@@ -48,6 +57,12 @@ pub enum PhotonError {
     /// Optical properties that are invalid, missing, or contradict each other: all of them.
     #[error("{}", lines(.0))]
     Detector(Vec<Message>),
+    /// A spectrum of a source is invalid.
+    #[error("the spectrum of the source is invalid: {0}")]
+    Spectrum(#[from] PropertyError),
+    /// The `[photons]` tables of a model file are invalid: all problems with their positions.
+    #[error("{0}")]
+    File(#[source] Diagnostics),
     /// The geometry cannot be compiled.
     #[error(transparent)]
     Compile(#[from] CompileError),
@@ -83,8 +98,9 @@ impl Classified for PhotonError {
     fn kind(&self) -> ErrorKind {
         match self {
             PhotonError::Detector(_) => ErrorKind::Optics,
+            PhotonError::File(_) => ErrorKind::ModelFile,
             PhotonError::Compile(_) => ErrorKind::Compile,
-            PhotonError::Setting(_) | PhotonError::Memory(_) => ErrorKind::Value,
+            PhotonError::Setting(_) | PhotonError::Memory(_) | PhotonError::Spectrum(_) => ErrorKind::Value,
             PhotonError::Table(error) => error.kind(),
             PhotonError::Cancelled => ErrorKind::Cancelled,
         }

@@ -10,7 +10,9 @@ use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
 /// The detected photons, in the order of their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hits {
-    /// The number of the photon in the run; all photons of a wavelength shifter have that of the absorbed one.
+    /// The number of the event.
+    pub event: Vec<i64>,
+    /// The number of the photon in the event; all photons of a wavelength shifter have that of the absorbed one.
     pub photon: Vec<i64>,
     /// The position in mm: x, y, z.
     pub position: [Vec<f64>; 3],
@@ -60,11 +62,13 @@ impl Hits {
     /// Adds a hit in the volume of a region that is entered through a face.
     pub(crate) fn push(
         &mut self,
-        (number, steps): (u64, u32),
+        (event, number): (u32, u64),
+        steps: u32,
         photon: &Photon,
         detector: &Detector,
         (region, face): (u32, Face),
     ) {
+        self.event.push(i64::from(event));
         self.photon.push(number as i64);
         let vectors = [
             (&mut self.position, photon.position),
@@ -87,7 +91,7 @@ impl Hits {
         let vectors = [&mut self.position, &mut self.direction, &mut self.polarisation];
         let columns = vectors.into_iter().flatten().chain([&mut self.time, &mut self.wavelength_nm]);
         columns.for_each(|column| *column = order.iter().map(|&row| column[row]).collect());
-        for column in [&mut self.photon, &mut self.steps] {
+        for column in [&mut self.event, &mut self.photon, &mut self.steps] {
             *column = order.iter().map(|&row| column[row]).collect();
         }
         self.sensor = order.iter().map(|&row| self.sensor[row]).collect();
@@ -95,6 +99,7 @@ impl Hits {
 
     /// Appends other hits.
     pub fn append(&mut self, mut other: Hits) {
+        self.event.append(&mut other.event);
         self.photon.append(&mut other.photon);
         let pairs = [
             (&mut self.position, &mut other.position),
@@ -117,7 +122,7 @@ impl Hits {
     ///
     /// None: the columns are of equal length.
     pub fn to_rows(&self) -> Result<Chunk, TableError> {
-        let mut columns: Vec<Values> = vec![self.photon.clone().into()];
+        let mut columns: Vec<Values> = vec![self.event.clone().into(), self.photon.clone().into()];
         columns.extend(self.position.iter().cloned().map(Values::from));
         columns.push(self.time.clone().into());
         columns.extend(self.direction.iter().chain(&self.polarisation).cloned().map(Values::from));
@@ -128,14 +133,14 @@ impl Hits {
     }
 }
 
-/// The columns of a table of hits: `photon`; `x`, `y`, `z` in mm; `time` in ns; the direction `dx`, `dy`, `dz`; the
+/// The columns of a table of hits: `event`, `photon`; `x`, `y`, `z` in mm; `time` in ns; the direction `dx`, `dy`, `dz`; the
 /// polarisation `px`, `py`, `pz`; `wavelength_nm`; `steps`; `sensor`, a path.
 ///
 /// # Errors
 ///
 /// None: the names are fixed.
 pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
-    let mut columns = vec![Column::new("photon", DType::I64)];
+    let mut columns = vec![Column::new("event", DType::I64), Column::new("photon", DType::I64)];
     columns.extend(["x", "y", "z"].map(|name| Column::new(name, DType::F64).unit("mm")));
     columns.push(Column::new("time", DType::F64).unit("ns"));
     columns.extend(["dx", "dy", "dz", "px", "py", "pz"].map(|name| Column::new(name, DType::F64)));

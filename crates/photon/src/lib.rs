@@ -1,12 +1,13 @@
 //! Optical photons in detectors: simulation of single photons by Geant4's physics in exact geometry.
 //!
-//! A [`Detector`] is a compiled scene with optical materials and surfaces, read from the `[gdml]` table of a document.
-//! [`simulate`] propagates photons of a [`Source`] until each of them ends: absorbed, detected, escaped or at a limit.
-//! The result holds the [`Hits`] and the number of photons by way of ending. [`simulate_parts`] returns it in parts, in
-//! bounded memory, and records [`Histories`]: steps, sequences of flags and counts.
+//! A [`Detector`] is a compiled scene with optical materials and surfaces, read from the `[gdml]` or the `[photons]` table of a
+//! document. [`simulate`] propagates photons of a [`Source`] (a [`Torch`], [`Gensteps`] or a list of photons) until each of
+//! them ends: absorbed, detected, escaped or at a limit. The result holds the [`Hits`] and the number of photons by way of
+//! ending. [`simulate_parts`] returns it in parts, in bounded memory, and records [`Histories`]: steps, sequences of flags and
+//! counts.
 //!
 //! - Volumes are exact solids: no triangles, no offsets. A photon that leaves a boundary starts on it.
-//! - The history of a photon is a function of the detector, the seed and the number of the photon
+//! - The history of a photon is a function of the detector, the seed, the event and the number of the photon
 //!   ([`philox`]): it does not depend on threads, batches or on the other photons of a run.
 //! - Units are those of Geant4: mm, ns, MeV; wavelengths are in nm.
 //!
@@ -17,6 +18,7 @@
 mod boundary;
 mod detector;
 mod error;
+mod genstep;
 mod history;
 mod hits;
 mod lint;
@@ -24,6 +26,7 @@ mod material;
 pub mod philox;
 mod propagate;
 pub mod property;
+mod sample;
 mod scatter;
 mod source;
 mod step_table;
@@ -35,12 +38,20 @@ mod volume;
 pub use boundary::BoundaryEvent;
 pub use detector::{DetectionRule, Detector};
 pub use error::{PhotonError, PropertyError};
+pub use genstep::{
+    EmissionProcess, Genstep, Gensteps, cerenkov_yield, from_geant4, from_opticks, photons_from_opticks,
+};
 pub use history::{Histories, HistoryOptions, Process, Sequence, StepRow, sequence_text};
 pub use hits::{Hits, hit_schema};
 pub use lint::{LintFinding, lint};
-pub use material::{Compressibility, Mie, OpticalMaterial, WavelengthShifter, rayleigh_length};
+pub use material::{
+    Compressibility, Mie, OpticalMaterial, ScintillationComponent, WavelengthShifter, rayleigh_length,
+};
 pub use propagate::{End, PhotonPart, PhotonRun, RunSettings, simulate, simulate_parts};
-pub use source::{Photon, PointSource, Source};
+pub use sample::LinearDensity;
+pub use source::{
+    Directions, Origin, Photon, Pulse, Source, SourceVolume, Torch, Wavelengths, check_start, emit,
+};
 pub use step_table::step_schema;
 pub use surface::{
     Coating, DAVIS_FINISHES, LUT_FINISHES, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel,

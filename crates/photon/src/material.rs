@@ -19,6 +19,23 @@ pub struct OpticalMaterial {
     pub mie: Option<Mie>,
     /// Wavelength shifting, the first and the second set of properties.
     pub shifters: Vec<WavelengthShifter>,
+    /// The components of scintillation.
+    pub scintillation: Vec<ScintillationComponent>,
+}
+
+/// A component of scintillation, with its number k.
+#[derive(Clone, Debug)]
+pub struct ScintillationComponent {
+    /// The number, 1 to 3.
+    pub number: u32,
+    /// The emission spectrum, `SCINTILLATIONCOMPONENTk`.
+    pub spectrum: Spectrum,
+    /// The time constant in ns, `SCINTILLATIONTIMECONSTANTk`.
+    pub time: Option<f64>,
+    /// The rise time in ns, `SCINTILLATIONRISETIMEk`; 0 by default.
+    pub rise_time: f64,
+    /// The relative yield, `SCINTILLATIONYIELDk`; by default 1 for the first component and 0 for the others.
+    pub share: f64,
 }
 
 /// Scattering by small particles: the phase function of Henyey and Greenstein (1941) with two lobes.

@@ -47,6 +47,8 @@ pub enum Purpose {
     Boundary = 3,
     /// Emission after absorption: wavelength shifting.
     Reemission = 4,
+    /// The place in a volume where a photon starts; the step counts the attempts.
+    Position = 5,
 }
 
 /// The random numbers of one purpose in one step of one photon.
@@ -148,7 +150,7 @@ impl Stream {
 
 /// Two unit vectors that form a right-handed orthonormal basis with a unit vector (Duff et al.,
 /// "Building an orthonormal basis, revisited", JCGT 6 (2017) 1).
-fn perpendicular(z: Vec3) -> (Vec3, Vec3) {
+pub(crate) fn perpendicular(z: Vec3) -> (Vec3, Vec3) {
     let sign = 1f64.copysign(z.z);
     let a = -1.0 / (sign + z.z);
     let b = z.x * z.y * a;

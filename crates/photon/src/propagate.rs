@@ -12,7 +12,7 @@ use crate::material::OpticalMaterial;
 use crate::philox::{Purpose, Stream};
 use crate::property::LIGHT_SPEED;
 use crate::scatter;
-use crate::source::{Photon, Source};
+use crate::source::{EventKey, Photon, Source};
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::memory::{Growth, Shortage};
@@ -86,6 +86,8 @@ impl End {
 pub struct RunSettings {
     /// The seed of all random numbers.
     pub seed: u64,
+    /// The number of the event: photons of different events have different random numbers.
+    pub event: u32,
     /// The numbers of the photons to simulate. A run of a part of a range gives that part of its results.
     pub photons: Range<u64>,
     /// The rule of detection.
@@ -106,6 +108,7 @@ impl RunSettings {
     pub fn new(photons: Range<u64>) -> RunSettings {
         RunSettings {
             seed: 0,
+            event: 0,
             photons,
             detection: DetectionRule::default(),
             max_steps: 10_000,
@@ -236,10 +239,7 @@ fn run_batches<E: Evaluator, R: Recorder, X: From<PhotonError>>(
 fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
     source.check()?;
     let Range { start, end } = settings.photons;
-    if let Some(limit) = source.limit().filter(|limit| *limit < end) {
-        let problem = format!("photons {start} to {end} are requested");
-        return Err(PhotonError::setting(problem, format!("the source has {limit} photons")));
-    }
+    source.check_range(&settings.photons)?;
     if settings.max_time.is_nan() || settings.max_time <= 0.0 {
         let problem = format!("the maximum time is {} ns", settings.max_time);
         return Err(PhotonError::setting(problem, "it must be positive"));
@@ -367,10 +367,13 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     fn run(&mut self, source: &Source, numbers: Range<u64>) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
-        for number in numbers {
-            let photon = source.photon(self.settings.seed, number);
-            self.continue_with(Flight { origin: number, number, steps: 0, photon });
-            self.result.photons += 1;
+        let key = EventKey { seed: self.settings.seed, event: self.settings.event };
+        let mut photons = Vec::new();
+        let start = numbers.start;
+        source.emit((self.detector, self.evaluator), &mut self.scratch, key, numbers, &mut photons);
+        self.result.photons = photons.len() as u64;
+        for (origin, photon) in (start..).zip(photons) {
+            self.continue_with(Flight { origin, number: key.number(origin), steps: 0, photon });
         }
         self.swap();
         // the result of a cancelled run is dropped
@@ -589,7 +592,13 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
 
     fn detect(&mut self, flight: &Flight, crossing: &Crossing) {
         let volume = (crossing.after.0, crossing.entered);
-        self.result.hits.push((flight.origin, flight.steps), &flight.photon, self.detector, volume);
+        self.result.hits.push(
+            (self.settings.event, flight.origin),
+            flight.steps,
+            &flight.photon,
+            self.detector,
+            volume,
+        );
         self.ends.add(End::Detected);
     }
 }

@@ -84,7 +84,7 @@ impl Error {
     /// The problems of a model file, each with its position.
     pub fn diagnostics(&self) -> Option<&Diagnostics> {
         let error: &dyn std::error::Error = &*self.0;
-        error.downcast_ref::<Diagnostics>()
+        error.downcast_ref().or_else(|| error.source()?.downcast_ref())
     }
 }
 

@@ -143,6 +143,9 @@ fn what_is_right_fits() {
         "[[optics.sheet]]\nname = 's'\nrectangle = [4, 3]\naction = { retarder = [90, 45] }\ntransform = { scale = 2 }\n",
         "[[optics.source]]\nbeam = { circle = 4, rays = 9, waist = 2 }\nwavelength_nm = [[486.1, 1]]\n",
         "[[optics.source]]\nlamp = { width = 4, height = 9, angle = 2, rays = 'N' }\nwavelength_nm = { band = [4, 7] }\n",
+        "[photons.medium.m]\nRINDEX = 1.5\nABSLENGTH = { eV = [1, 2], value = [3, 'a'] }\ntemperature = 300\n",
+        "[[photons.surface]]\nname = 's'\nskin = ['a']\nborder = [['a', 'b']]\nREFLECTIVITY = 0.5\n",
+        "[photons.sensor]\na = 'pmt'\n",
     ] {
         assert_eq!(check(text), None, "{text}");
     }
@@ -194,6 +197,12 @@ fn what_is_wrong_with_light_does_not_fit() {
         "[[optics.source]]\nbeam = { rays = 5 }\n",
         "[[optics.source]]\ncone = { rays = 5 }\n",
         "[[optics.source]]\nline = { length = 1, rays = 5 }\nwavelength_nm = { bland = [1, 2] }\n",
+        "[photons.media.m]\nRINDEX = 1.5\n",
+        "[photons.medium.m]\nRINDEX = [1.5]\n",
+        "[photons.medium.m]\nRINDEX = { eV = [1, 2] }\n",
+        "[[photons.surface]]\nskin = ['a']\n",
+        "[[photons.surface]]\nname = 's'\nborder = [['a']]\n",
+        "[photons.sensor]\na = 1\n",
     ] {
         assert!(check(text).is_some(), "{text}");
     }

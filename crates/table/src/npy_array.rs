@@ -1,8 +1,8 @@
-//! Reader of whole NPY arrays of float64 numbers, in constant depth and with a limit on their number.
+//! Reader of whole NPY arrays of floating-point numbers, in constant depth and with a limit on their number.
 
 use std::io::{self, Read};
 
-use crate::npy_header;
+use crate::npy_header::{self, NpyHeader};
 
 /// An array of float64 numbers in row-major order.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +35,23 @@ pub enum NpyArrayError {
 }
 
 impl NpyArray {
+    /// Reads an array of float32 or float64 numbers like [`read`](Self::read); true if they are float32. The bits of a
+    /// float32 number that is not NaN are recovered by conversion.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn read_floats(source: &mut impl Read, most: u64) -> Result<(NpyArray, bool), NpyArrayError> {
+        let header = npy_header::read(source)?.map_err(NpyArrayError::Header)?;
+        let single = match header.descr.as_str() {
+            "<f4" | "=f4" => f32::from_le_bytes,
+            ">f4" => f32::from_be_bytes,
+            _ => return Ok((NpyArray::body(source, header, most)?, false)),
+        };
+        let decode = |bytes: [u8; 4]| f64::from(single(bytes));
+        Ok((NpyArray::numbers_of(source, header, most, decode)?, true))
+    }
+
     /// Reads an array of at most `most` numbers, of either byte order. Memory grows with the data that is read, not with the
     /// size that the header states.
     ///
@@ -43,19 +60,34 @@ impl NpyArray {
     /// [`NpyArrayError`]; a file that ends too early is an [`io::ErrorKind::UnexpectedEof`].
     pub fn read(source: &mut impl Read, most: u64) -> Result<NpyArray, NpyArrayError> {
         let header = npy_header::read(source)?.map_err(NpyArrayError::Header)?;
+        NpyArray::body(source, header, most)
+    }
+
+    /// The numbers after a header, float64.
+    fn body(source: &mut impl Read, header: NpyHeader, most: u64) -> Result<NpyArray, NpyArrayError> {
         let decode = match header.descr.as_str() {
             "<f8" | "=f8" if !header.structured => f64::from_le_bytes,
             ">f8" if !header.structured => f64::from_be_bytes,
             _ => return Err(NpyArrayError::Type(npy_header::abridged(&header.descr))),
         };
+        NpyArray::numbers_of(source, header, most, decode)
+    }
+
+    /// The numbers after a header, of `N` bytes each.
+    fn numbers_of<const N: usize>(
+        source: &mut impl Read,
+        header: NpyHeader,
+        most: u64,
+        decode: impl Fn([u8; N]) -> f64,
+    ) -> Result<NpyArray, NpyArrayError> {
         if header.fortran_order {
             return Err(NpyArrayError::Order);
         }
         let count = header.shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
         let count = count.filter(|&count| count <= most).ok_or(NpyArrayError::TooLarge(most))?;
         let mut bytes = Vec::new();
-        source.take(8 * count).read_to_end(&mut bytes)?;
-        let numbers: Vec<f64> = bytes.as_chunks::<8>().0.iter().map(|&number| decode(number)).collect();
+        source.take(count.saturating_mul(N as u64)).read_to_end(&mut bytes)?;
+        let numbers: Vec<f64> = bytes.as_chunks::<N>().0.iter().map(|&number| decode(number)).collect();
         if (numbers.len() as u64) < count {
             return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
         }
@@ -90,6 +122,26 @@ mod tests {
             assert_eq!(array, NpyArray { numbers: numbers.to_vec(), shape: vec![2, 3] });
             assert!(matches!(NpyArray::read(&mut &bytes[..], 5), Err(NpyArrayError::TooLarge(5))));
         }
+    }
+
+    /// Integers as bits in float32, as in gensteps, are recovered.
+    #[test]
+    fn single_precision_keeps_its_bits() {
+        let numbers = [1.5f32, f32::from_bits(15), f32::from_bits(100_000), -0.0, f32::INFINITY, 3e38];
+        for (descr, encode) in
+            [("'<f4'", f32::to_le_bytes as fn(f32) -> [u8; 4]), ("'>f4'", f32::to_be_bytes)]
+        {
+            let mut bytes = file(&header(descr, "(3, 2)"), &[], f64::to_le_bytes);
+            bytes.extend(numbers.iter().flat_map(|&number| encode(number)));
+            let (array, is_single) = NpyArray::read_floats(&mut &bytes[..], 6).unwrap();
+            assert!(is_single && array.shape == [3, 2]);
+            let bits: Vec<u32> = array.numbers.iter().map(|&number| (number as f32).to_bits()).collect();
+            assert_eq!(bits, numbers.map(f32::to_bits));
+            assert!(matches!(NpyArray::read(&mut &bytes[..], 6), Err(NpyArrayError::Type(_))));
+        }
+        let bytes = file(&header("'<f8'", "(1,)"), &[0.1], f64::to_le_bytes);
+        let (array, is_single) = NpyArray::read_floats(&mut &bytes[..], 1).unwrap();
+        assert!(!is_single && array.numbers == [0.1]);
     }
 
     /// Nested brackets and huge sizes: parsers that recurse take exponential time for the first, or overflow the stack.

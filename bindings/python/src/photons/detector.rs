@@ -170,7 +170,7 @@ impl PyDetector {
         let parts = self.parts.clone();
         let begin = Instant::now();
         let simulate = || {
-            let source = source.source(run.seed);
+            let source = &source.source;
             let mut watch = PhotonWatch::new(&run.photons, progress);
             let (mut total, mut histories) = (PhotonRun::default(), Histories::default());
             let merge = |part: PhotonPart| -> Result<(), Halt> {
@@ -179,7 +179,7 @@ impl PyDetector {
                 part.histories.into_iter().for_each(|own| histories.append(own));
                 Ok(())
             };
-            simulate_parts(&parts.detector, &parts.evaluator, &source, &run, record, merge)?;
+            simulate_parts(&parts.detector, &parts.evaluator, source, &run, record, merge)?;
             watch.end()?;
             Ok((total, record.map(|_| histories)))
         };

@@ -1,13 +1,11 @@
 //! Sources of photons.
 
 use std::fmt::Display;
-use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use rayweave::Vec3;
-use rayweave::photon::philox::{Purpose, Stream};
 use rayweave::photon::property::HC_MEV_NM;
-use rayweave::photon::{Photon, PointSource, Source};
+use rayweave::photon::{Directions, Photon, Source, Torch};
 
 use crate::arrays::list;
 use crate::error::bad_value;
@@ -16,16 +14,7 @@ use crate::vectors::{vector, vectors};
 /// A source of photons: see `rayweave.photons.Source`.
 #[pyclass(frozen, module = "rayweave.photons", name = "PhotonSource")]
 pub struct PyPhotonSource {
-    kind: Kind,
-    /// The source of the last seed: parts of a run share it.
-    last: Mutex<Option<(u64, Arc<Source>)>>,
-}
-
-enum Kind {
-    /// The same photons for every seed.
-    Fixed(Arc<Source>),
-    /// Photons of random polarisation.
-    Unpolarised(Vec<Photon>),
+    pub source: Source,
 }
 
 #[pymethods]
@@ -38,13 +27,15 @@ impl PyPhotonSource {
         wavelength_nm: f64,
         towards: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let point =
-            PointSource::isotropic(vector(position, "position")?, wavelength_nm).map_err(bad_value)?;
-        let point = match towards {
-            None => point,
-            Some(direction) => point.towards(vector(direction, "towards")?).map_err(bad_value)?,
+        let torch = Torch::point(vector(position, "position")?, wavelength_nm).map_err(bad_value)?;
+        let torch = match towards {
+            None => torch,
+            Some(direction) => {
+                let directions = Directions::Cone { axis: vector(direction, "towards")?, half_angle: 0.0 };
+                torch.towards(directions).map_err(bad_value)?
+            }
         };
-        Ok(Self::new(Kind::Fixed(Arc::new(Source::Point(point)))))
+        Ok(PyPhotonSource { source: Source::Torch(torch) })
     }
 
     /// Given photons.
@@ -91,49 +82,13 @@ impl PyPhotonSource {
             Ok(Photon { position: positions[k], direction, polarisation, energy, time: times[k] })
         };
         let photons: Vec<Photon> = (0..count).map(photon).collect::<PyResult<_>>()?;
-        Ok(Self::new(match given {
-            Some(_) => Kind::Fixed(Arc::new(Source::Photons(photons))),
-            None => Kind::Unpolarised(photons),
-        }))
+        Ok(PyPhotonSource { source: Source::Photons(photons) })
     }
 
     /// The number of photons, if it is limited.
     #[getter]
-    fn count(&self) -> Option<usize> {
-        match &self.kind {
-            Kind::Unpolarised(photons) => Some(photons.len()),
-            Kind::Fixed(source) => match &**source {
-                Source::Photons(photons) => Some(photons.len()),
-                _ => None,
-            },
-        }
-    }
-}
-
-impl PyPhotonSource {
-    fn new(kind: Kind) -> PyPhotonSource {
-        PyPhotonSource { kind, last: Mutex::default() }
-    }
-
-    /// The photons of a run with a seed.
-    pub fn source(&self, seed: u64) -> Arc<Source> {
-        let photons = match &self.kind {
-            Kind::Fixed(source) => return source.clone(),
-            Kind::Unpolarised(photons) => photons,
-        };
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((known, source)) = last.as_ref()
-            && *known == seed
-        {
-            return source.clone();
-        }
-        let polarised = |(number, photon): (u64, &Photon)| {
-            let polarisation = Stream::new(seed, number, 0, Purpose::Emission).polarisation(photon.direction);
-            Photon { polarisation, ..*photon }
-        };
-        let source = Arc::new(Source::Photons((0..).zip(photons).map(polarised).collect()));
-        *last = Some((seed, source.clone()));
-        source
+    fn count(&self) -> Option<u64> {
+        self.source.limit()
     }
 }
 

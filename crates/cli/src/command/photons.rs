@@ -1,21 +1,21 @@
 //! `rayweave photons`: optical photons in a detector.
 
-use crate::arguments::{GlobalArguments, ModelArguments, point};
+use super::photon_source::SourceArguments;
+use crate::arguments::{GlobalArguments, ModelArguments};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
 use clap::{Args, ValueEnum};
+use rayweave::Packets;
 use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
-use rayweave::model::RegionId;
 use rayweave::photon::{
-    DetectionRule, Detector, DichroicTable, Histories, HistoryOptions, Hits, PhotonError, PointSource,
-    RunSettings, Source, SurfaceTables, hit_schema, simulate_parts, step_schema,
+    DetectionRule, Detector, DichroicTable, Histories, HistoryOptions, Hits, PhotonError, RunSettings,
+    Source, SurfaceTables, check_start, hit_schema, simulate_parts, step_schema,
 };
 use rayweave::table::TableWriter;
-use rayweave::{Evaluator, Packets, Vec3};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -26,10 +26,10 @@ use std::time::Instant;
 /// and sensitive volumes (auxiliary tag SensDet). The physics is that of Geant4: absorption, Rayleigh and Mie scattering,
 /// wavelength shifting and the optical boundary process. The geometry is exact.
 ///
-/// A photon's history depends on the model, the seed and its number alone: the same photons end in the same way with any
+/// A photon's history depends on the model, the seed, the event and its number alone: the same photons end in the same way with any
 /// number of threads, and --range simulates a part of a run.
 ///
-/// The table has a row for each detected photon with the columns photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
+/// The table has a row for each detected photon with the columns event, photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
 /// wavelength_nm, steps, sensor. Lengths are in mm. The table of steps has a row for the emission and for each process of each
 /// photon, with the columns photon, track, step, process, x, y, z, time, dx, dy, dz, px, py, pz, wavelength_nm, volume, surface.
 #[derive(Args)]
@@ -40,34 +40,27 @@ Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 1000000 --range 0:250000 -o part1.npy
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --draw tracks.svg --map map.svg --spectra spectra.svg
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --counts --sequences 10
-  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --range 17:18 --steps photon17.csv")]
+  rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --range 17:18 --steps photon17.csv
+  rayweave photons detector.gdml --source volume --volume Target --spectrum emission.csv --time-decay 6 -o hits.csv
+  rayweave photons detector.gdml --gensteps gensteps.npy --event 7 -o hits.csv")]
 pub struct Photons {
     #[command(flatten)]
     model: ModelArguments,
 
-    /// Kind of the source
-    #[arg(long, value_name = "KIND", default_value = "point")]
-    source: SourceKind,
+    #[command(flatten)]
+    source: SourceArguments,
 
-    /// Position of the source, in mm
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    at: [f64; 3],
-
-    /// Direction of the photons [default: all directions with equal probability]
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
-    towards: Option<[f64; 3]>,
-
-    /// Wavelength in vacuum, in nm
-    #[arg(long, value_name = "NM")]
-    wavelength: f64,
-
-    /// Number of photons
-    #[arg(short = 'n', long, value_name = "N", default_value_t = 10_000)]
-    photons: u64,
+    /// Number of photons [default: 10000, or all photons of --gensteps or --photons]
+    #[arg(short = 'n', long, value_name = "N")]
+    count: Option<u64>,
 
     /// Simulate only the photons numbered A to B - 1 of the run
     #[arg(long, value_name = "A:B", value_parser = range)]
     range: Option<Range<u64>>,
+
+    /// Number of the event: photons of different events have different random numbers
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    event: u32,
 
     /// Seed of all random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -134,13 +127,6 @@ pub struct Photons {
     json: bool,
 }
 
-/// The kinds of sources.
-#[derive(Clone, Copy, ValueEnum)]
-enum SourceKind {
-    /// A point that emits unpolarised photons of one wavelength
-    Point,
-}
-
 /// Names of [`DetectionRule`].
 #[derive(Clone, Copy, ValueEnum)]
 enum Rule {
@@ -161,28 +147,26 @@ impl Rule {
 
 impl Photons {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        let range = self.range.clone().unwrap_or(0..self.photons);
-        if range.end > self.photons {
-            let text = format!("--range ends at {}: the run has {} photons (-n).", range.end, self.photons);
-            return Err(Failure::Usage(text));
-        }
         let is_piped = self.is_piped()?;
         self.drawings().try_for_each(|path| drawing::check(path))?;
         if let Some(path) = self.out.as_deref().filter(|_| !is_piped) {
             // a path that cannot be written is reported before the run, not after it; the unfinished file is removed
             TableWriter::create(path, &hit_schema(&Hits::default())?)?;
         }
-        let SourceKind::Point = self.source;
-        let point = PointSource::isotropic(Vec3::from_array(self.at), self.wavelength)?;
-        let point = self.towards.map_or(Ok(point), |direction| point.towards(Vec3::from_array(direction)))?;
-        let source = Source::Point(point);
         let (document, scene) = self.model.load_document()?;
         let detector = Detector::with_tables(&scene, &document, &self.tables()?)?;
-        if !global.quiet {
-            detector.notes().iter().for_each(|note| terminal::note(note));
-        }
+        let note = |text: &str| {
+            if !global.quiet {
+                terminal::note(text);
+            }
+        };
+        detector.notes().iter().for_each(|text| note(text));
+        let evaluator = Packets::new(detector.program().clone());
+        let source = self.source.source(&detector, &evaluator, note)?;
+        let range = self.numbers(source.limit())?;
         let settings = RunSettings {
             seed: self.seed,
+            event: self.event,
             detection: self.detect.rule().0,
             max_steps: self.max_steps,
             max_time: self.max_time,
@@ -190,8 +174,8 @@ impl Photons {
             cancel: interrupt::token(),
             ..RunSettings::new(range)
         };
-        if !global.quiet && is_outside(&Packets::new(detector.program().clone()), self.at) {
-            terminal::note("the source is outside all volumes: photons that meet no volume escape.");
+        if let Some(text) = check_start(&detector, &evaluator, &source, &settings)? {
+            note(&text);
         }
         let report = self.simulate(global, &detector, &source, &settings)?;
         if let Some(path) = &self.out {
@@ -206,6 +190,21 @@ impl Photons {
             () if is_piped || global.quiet => Ok(()),
             () => terminal::print(&report.as_text()),
         }
+    }
+
+    /// The numbers of the photons to simulate.
+    fn numbers(&self, limit: Option<u64>) -> Result<Range<u64>, Failure> {
+        let count = self.count.or(limit).unwrap_or(10_000);
+        if let Some(limit) = limit.filter(|limit| *limit < count) {
+            let text = format!("-n is {count}: the source has {limit} photons.");
+            return Err(Failure::Usage(text));
+        }
+        let range = self.range.clone().unwrap_or(0..count);
+        if range.end > count {
+            let text = format!("--range ends at {}: the run has {count} photons.", range.end);
+            return Err(Failure::Usage(text));
+        }
+        Ok(range)
     }
 
     /// Whether standard output carries a file instead of the summary; at most one file can.
@@ -308,14 +307,6 @@ impl Photons {
         }
         Ok(report)
     }
-}
-
-/// True for a point in no region.
-fn is_outside(evaluator: &Packets, at: [f64; 3]) -> bool {
-    let mut region = [RegionId(0)];
-    let [x, y, z] = at.map(|coordinate| [coordinate]);
-    evaluator.regions_at([&x, &y, &z], &mut evaluator.scratch(), &mut region);
-    region == [RegionId(0)]
 }
 
 /// A range of photon numbers, `A:B`.

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 const PAGE: &str = include_str!("../../../../docs/guides/photons.md");
 
-const HEADER: &str = "photon,x,y,z,time,dx,dy,dz,px,py,pz,wavelength_nm,steps,sensor";
+const HEADER: &str = "event,photon,x,y,z,time,dx,dy,dz,px,py,pz,wavelength_nm,steps,sensor";
 
 /// The first block of a kind on the page.
 fn block(kind: &str) -> &'static str {
@@ -47,9 +47,9 @@ fn the_guide() {
     assert!(rows.len() > 50, "{}", rows.len());
     let number = |text: &str| text.parse::<f64>().unwrap();
     for row in &rows {
-        assert!((number(row[3]) - 50.0).abs() < 1e-12, "{row:?}");
-        assert!(number(row[4]) >= 50.0 * 1.79 / 299.792_458 * (1.0 - 1e-12), "{row:?}");
-        assert_eq!(row[13], "Diode");
+        assert!((number(row[4]) - 50.0).abs() < 1e-12, "{row:?}");
+        assert!(number(row[5]) >= 50.0 * 1.79 / 299.792_458 * (1.0 - 1e-12), "{row:?}");
+        assert_eq!(row[14], "Diode");
     }
 }
 
@@ -92,7 +92,142 @@ fn bad_arguments_are_explained() {
     }
     bench.write("plain.toml", "rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n");
     let plain = ["photons", "plain.toml", "--at", "0,0,0", "--wavelength", "500"];
-    assert!(bench.fails(3, &plain).contains("the model has no optical properties: it has no table [gdml]."));
+    let reason = "the model has no optical properties: it has neither a table [photons] nor a table [gdml].";
+    assert!(bench.fails(3, &plain).contains(reason));
+}
+
+/// A NPY file of numbers.
+fn npy(descr: &str, shape: &str, bytes: impl IntoIterator<Item = u8>) -> Vec<u8> {
+    let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.bytes());
+    file.extend(bytes);
+    file
+}
+
+fn singles(numbers: &[f32]) -> impl Iterator<Item = u8> {
+    numbers.iter().flat_map(|number| number.to_le_bytes())
+}
+
+/// All kinds of sources run, with their distributions, and say which options they miss.
+#[test]
+fn sources() {
+    let bench = bench();
+    bench.write("lines.csv", "wavelength_nm,density\n500,0\n550,2\n600,0\n");
+    let run = |text: &str| {
+        let base = ["photons", "bar.gdml", "-n", "500"];
+        base.into_iter().chain(text.split_whitespace()).map(str::to_owned).collect::<Vec<String>>()
+    };
+    let says = |text: &str| {
+        let arguments = run(&format!("{text} -o -"));
+        bench.says(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let fails = |text: &str| {
+        let arguments = run(text);
+        bench.fails(2, &arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    for text in [
+        "--source disc --at 0,0,0 --radius 5 --towards 0,0,1 --cone 30 --wavelength 500:600",
+        "--source line --at 0,0,-40 --to 0,0,40 --spectrum lines.csv --time 5:10",
+        "--source volume --volume Bar --wavelength 500:600 --black-body 5000 --time-deviation 0.1",
+        "--source surface --volume Bar --wavelength 550 --time-decay 100 --polarisation 1,0,0",
+    ] {
+        let table = says(text);
+        assert!(table.lines().count() > 20, "{text}: {table}");
+        let wavelengths =
+            table.lines().skip(1).map(|row| row.split(',').nth(12).unwrap().parse::<f64>().unwrap());
+        assert!(wavelengths.clone().all(|nm| (500.0..=600.0 + 1e-9).contains(&nm)), "{text}");
+    }
+    let events = |event: &str| says(&format!("--at 0,0,0 --wavelength 550 --event {event}"));
+    assert!(events("7").lines().skip(1).all(|row| row.starts_with("7,")));
+    let photons = |table: String| table.lines().map(|row| row[2..].to_owned()).collect::<Vec<_>>();
+    assert_ne!(photons(events("7")), photons(events("8")));
+    for (text, reason) in [
+        ("--wavelength 550", "--at is missing: the source `point` needs it."),
+        ("--at 0,0,0", "the wavelength is missing"),
+        ("--source disc --at 0,0,0 --radius 5 --wavelength 550", "--normal is missing"),
+        ("--source volume --volume Baar --wavelength 550", "Did you mean `Bar`?"),
+        ("--at 0,0,0 --wavelength 600:500", "A at most B"),
+        ("--at 0,0,0 --radius 3 --wavelength 550", "--radius has no effect on the source `point`."),
+        ("--at 0,0,90 --wavelength 550", "in the volume `World` of material `Opaque`, which has no RINDEX"),
+        ("--at 0,0,900 --wavelength 550", "is outside the world"),
+    ] {
+        let message = fails(text);
+        assert!(message.contains(reason), "{text}: {message}");
+    }
+    bench.write("bad.csv", "500,1\n550\n");
+    let bad = ["photons", "bar.gdml", "--at", "0,0,0", "--spectrum", "bad.csv"];
+    assert!(bench.fails(3, &bad).contains("bad.csv: line 2: two numbers are needed"));
+}
+
+/// Gensteps and photons from arrays; the numbers of their photons are those of the file.
+#[test]
+fn arrays() {
+    let bench = bench();
+    let bits = |integer: u32| f32::from_bits(integer);
+    let mut step = vec![bits(15), bits(1), bits(4), bits(400), 0.0, 0.0, -20.0, 2.0, 0.0, 0.0, 40.0, 40.0];
+    step.extend([bits(11), -1.0, 1.0, 290.0, 1.03, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 290.0]);
+    bench.write("steps.npy", npy("<f4", "(1, 6, 4)", singles(&step)));
+    let run = |more: &[&str]| {
+        let arguments = ["photons", "bar.gdml", "--gensteps", "steps.npy"];
+        arguments.into_iter().chain(more.iter().copied()).map(str::to_owned).collect::<Vec<String>>()
+    };
+    let text = |arguments: &[String]| arguments.iter().map(String::as_str).collect::<Vec<_>>().join(" ");
+    let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<String>>();
+    let done = |more: &[&str]| {
+        let line = text(&run(more));
+        let words = words(&line);
+        bench.run(&words.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let whole = done(&["--json", "--quiet"]);
+    let found: Value = serde_json::from_str(&whole.out).unwrap();
+    assert_eq!(found["photons"], 400, "{}", whole.err);
+    assert!(found["hits"].as_u64().unwrap() > 10);
+    assert_eq!(done(&["--material", "4=Crystal", "-o", "-"]).out, done(&["-o", "-", "--quiet"]).out);
+    assert!(done(&["--material", "4=Water"]).err.contains("no material is called `Water`"));
+    assert!(done(&["-n", "401"]).err.contains("-n is 401: the source has 400 photons."));
+    assert!(done(&["--at", "0,0,0"]).err.contains("cannot be used with"));
+    let photon = [0.0f32, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 550.0, 0.0, 0.0, 0.0, 0.0];
+    bench.write("photons.npy", npy("<f4", "(1, 4, 4)", singles(&photon)));
+    let given = ["photons", "bar.gdml", "--photons", "photons.npy", "--json"];
+    assert_eq!(bench.json(&given)["photons"], 1);
+    bench.write("flat.npy", npy("<f4", "(16,)", singles(&photon)));
+    let flat = ["photons", "bar.gdml", "--photons", "flat.npy"];
+    assert!(bench.fails(3, &flat).contains("flat.npy: its shape is (16): it must be (n, 4, 4)."));
+    let ints = ["photons", "bar.gdml", "--gensteps", "ints.npy"];
+    bench.write("ints.npy", npy("<i4", "(1, 6, 4)", singles(&step)));
+    assert!(bench.fails(3, &ints).contains("its numbers are <i4: they must be float32 or float64."));
+}
+
+/// The native model of the guide has the hits of the GDML file.
+#[test]
+fn native_models() {
+    let bench = bench();
+    bench.write("bar.toml", block("toml"));
+    let run = |model: &str| {
+        let source = ["--at", "0,0,0", "--wavelength", "550", "-n", "2000", "-o", "-"];
+        let arguments: Vec<&str> = ["photons", model].into_iter().chain(source).collect();
+        let numbers = |row: &str| row.rsplit_once(',').map(|(numbers, _)| numbers.to_owned());
+        bench.says(&arguments).lines().filter_map(numbers).collect::<Vec<String>>()
+    };
+    let native = run("bar.toml");
+    assert!(native.len() > 50);
+    assert_eq!(native, run("bar.gdml"));
+    for (from, to, place, reason) in [
+        ("RINDEX = 1.79", "RINDEX = -1", "bar.toml:26:1", "it has the value -1: it must be positive"),
+        ("\"bar\", \"diode\"", "\"bar\", \"dioda\"", "bar.toml:43:19", "Did you mean `diode`?"),
+        ("unified", "unifide", "bar.toml:31:9", "the model `unifide` of optical surface `wrapping`"),
+        ("[400, 400]", "[400]", "bar.toml:27:38", "`ABSLENGTH` has 1 values: `eV` has 2 numbers"),
+        ("skin", "skins", "bar.toml:35:1", "Did you mean `skin`?"),
+        ("unit = \"mm\"", "unit = \"cm\"", "bar.toml:", "not in millimetres"),
+        ("[photons.medium.crystal]", "[photons.medium.cristal]", "bar.toml:25:17", "Did you mean `crystal`?"),
+    ] {
+        bench.write("bar.toml", block("toml").replacen(from, to, 1));
+        let bad = ["photons", "bar.toml", "--at", "0,0,0", "--wavelength", "550"];
+        let message = bench.fails(3, &bad);
+        assert!(message.contains(place) && message.contains(reason), "{message}");
+    }
 }
 
 /// Steps, counts and sequences agree with the ways of ending; recording and drawing do not change the hits.

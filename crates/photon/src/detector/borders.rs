@@ -5,7 +5,7 @@ use super::properties::{Owner, PropertyReader};
 use crate::surface::OpticalSurface;
 use rayweave_error::Message;
 use rayweave_model::{Crossing, Program};
-use rayweave_scene::{Datum, bare_name};
+use rayweave_scene::{Datum, Span, bare_name};
 use std::collections::{HashMap, HashSet};
 
 /// The surfaces of all boundaries.
@@ -72,7 +72,11 @@ impl SurfaceTable {
                 let problem =
                     format!("border surface `{}` names {} placements", row.text("name"), names.len());
                 let owner = Owner::new("border", row.text("name"));
-                properties.problem(owner, Message::new(problem, "a border lies between two"));
+                properties.problem(
+                    owner,
+                    Message::new(problem, "a border lies between two"),
+                    Span::default(),
+                );
                 continue;
             };
             found.add_border(surface, (first, second), volumes, (row.text("name"), properties));

@@ -2,8 +2,8 @@
 
 use super::properties::{Owner, Properties, PropertyReader};
 use crate::material::{
-    Compressibility, Mie, OpticalMaterial, WATER_COMPRESSIBILITY, WATER_TEMPERATURE, WavelengthShifter,
-    rayleigh_length,
+    Compressibility, Mie, OpticalMaterial, ScintillationComponent, WATER_COMPRESSIBILITY, WATER_TEMPERATURE,
+    WavelengthShifter, rayleigh_length,
 };
 use crate::property::group_velocity;
 use rayweave_scene::{Datum, Scene};
@@ -59,6 +59,7 @@ fn material(row: &Datum, medium: &str, properties: &mut PropertyReader) -> Optic
         ["WLSABSLENGTH2", "WLSCOMPONENT2", "WLSTIMECONSTANT2", "WLSMEANNUMBERPHOTONS2"],
     ];
     let shifters = sets.iter().filter_map(|names| shifter(&mut properties, names)).collect();
+    let scintillation = scintillation(&mut properties);
     properties.finish();
     OpticalMaterial {
         name: name.to_owned(),
@@ -68,6 +69,7 @@ fn material(row: &Datum, medium: &str, properties: &mut PropertyReader) -> Optic
         rayleigh_length,
         mie,
         shifters,
+        scintillation,
     }
 }
 
@@ -97,6 +99,38 @@ fn shifter(properties: &mut Properties<'_>, names: &[&str; 4]) -> Option<Wavelen
     let time = properties.constant(names[2]).unwrap_or(0.0);
     let mean_photons = properties.constant(names[3]);
     Some(WavelengthShifter { length: length?, spectrum: spectrum?, time, mean_photons })
+}
+
+/// Names of properties of scintillation before version 11 of Geant4, and their names since then.
+const FORMER_NAMES: [(&str, &str); 6] = [
+    ("FASTCOMPONENT", "SCINTILLATIONCOMPONENT1"),
+    ("SLOWCOMPONENT", "SCINTILLATIONCOMPONENT2"),
+    ("FASTTIMECONSTANT", "SCINTILLATIONTIMECONSTANT1"),
+    ("SLOWTIMECONSTANT", "SCINTILLATIONTIMECONSTANT2"),
+    ("FASTSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME1"),
+    ("SLOWSCINTILLATIONRISETIME", "SCINTILLATIONRISETIME2"),
+];
+
+fn scintillation(properties: &mut Properties<'_>) -> Vec<ScintillationComponent> {
+    for (former, name) in FORMER_NAMES {
+        properties.former(former, name);
+    }
+    // the share of the fast component, before version 11
+    let ratio = properties.ratio("YIELDRATIO");
+    let component = |number: u32| {
+        let spectrum = properties.spectrum(&format!("SCINTILLATIONCOMPONENT{number}"));
+        let mut constant = |name: &str| properties.at_least_zero(&format!("SCINTILLATION{name}{number}"));
+        let time = constant("TIMECONSTANT");
+        let rise_time = constant("RISETIME").unwrap_or(0.0);
+        let share = constant("YIELD").unwrap_or(match (number, ratio) {
+            (1, Some(ratio)) => ratio,
+            (2, Some(ratio)) => 1.0 - ratio,
+            (1, None) => 1.0,
+            _ => 0.0,
+        });
+        spectrum.map(|spectrum| ScintillationComponent { number, spectrum, time, rise_time, share })
+    };
+    (1..=3).filter_map(component).collect()
 }
 
 /// The logical volumes: their regions and what is placed in them.

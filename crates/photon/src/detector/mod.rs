@@ -2,6 +2,7 @@
 
 mod borders;
 mod gdml;
+mod native;
 pub(crate) mod properties;
 mod sensors;
 mod surfaces;
@@ -16,7 +17,8 @@ use properties::PropertyReader;
 use rayweave_error::Message;
 use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, RegionId};
 use rayweave_optics::start_surfaces::StartSurfaces;
-use rayweave_scene::{Datum, Document, Scene};
+use rayweave_scene::{Datum, Document, Scene, Source};
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// The events that count as the detection of a photon.
@@ -51,11 +53,12 @@ pub struct Detector {
 }
 
 impl Detector {
-    /// Compiles a scene and reads the optical properties in the `[gdml]` table of its document.
+    /// Compiles a scene and reads the optical properties in the `[gdml]` or the `[photons]` table of its document.
     ///
     /// # Errors
     ///
-    /// [`PhotonError::Detector`] for invalid properties, all of them at once, and [`PhotonError::Compile`].
+    /// [`PhotonError::Detector`] and, with their positions in a native model file, [`PhotonError::File`] for missing or invalid
+    /// properties, all of them at once, and [`PhotonError::Compile`].
     pub fn new(scene: &Scene, document: &Document) -> Result<Detector, PhotonError> {
         Detector::with_tables(scene, document, &SurfaceTables::default())
     }
@@ -70,14 +73,10 @@ impl Detector {
         document: &Document,
         tables: &SurfaceTables,
     ) -> Result<Detector, PhotonError> {
-        let Some(table) = foreign(document) else {
-            let message = Message::new("the model has no optical properties", "it has no table [gdml]");
-            let message = message.suggest("Use a GDML file, or a native model converted from one.");
-            return Err(PhotonError::Detector(vec![message]));
-        };
+        let table = OpticalTable::of(scene, document)?;
         let program = Arc::new(Program::compile_regions(&regions(scene))?);
         let Optics { properties, materials, surfaces, boundaries, sensors, .. } =
-            Optics::read(table, scene, tables);
+            Optics::read(&table, scene, tables);
         let names = std::iter::once("").chain(scene.regions.iter().map(|region| region.name.as_str()));
         let region_names = names.map(str::to_owned).collect();
         let starts = StartSurfaces::new(&program);
@@ -160,9 +159,27 @@ impl Detector {
     }
 }
 
-/// The table with the data of a GDML file.
-pub(crate) fn foreign(document: &Document) -> Option<&Datum> {
-    document.foreign("gdml").map(|foreign| &foreign.value.value)
+/// The optical properties of a model, in the form of a `[gdml]` table.
+pub(crate) struct OpticalTable<'d> {
+    pub table: Cow<'d, Datum>,
+    /// The native model file that the properties come from.
+    source: Option<&'d Arc<Source>>,
+}
+
+impl<'d> OpticalTable<'d> {
+    /// The `[gdml]` or the `[photons]` table of a document.
+    pub fn of(scene: &Scene, document: &'d Document) -> Result<OpticalTable<'d>, PhotonError> {
+        let gdml = document.foreign("gdml").map(|foreign| &foreign.value.value);
+        let is_native = document.foreign(native::NAME).is_some();
+        match gdml {
+            Some(table) if !is_native => Ok(OpticalTable { table: Cow::Borrowed(table), source: None }),
+            None if is_native => {
+                let table = native::table(document, scene).map_err(PhotonError::File)?;
+                Ok(OpticalTable { table: Cow::Owned(table), source: Some(&document.source) })
+            }
+            _ => Err(no_properties(is_native)),
+        }
+    }
 }
 
 /// The optical part of a detector, as its file states it.
@@ -179,8 +196,9 @@ pub(crate) struct Optics {
 }
 
 impl Optics {
-    pub fn read(table: &Datum, scene: &Scene, tables: &SurfaceTables) -> Optics {
-        let mut properties = PropertyReader::new(table);
+    pub fn read(own: &OpticalTable<'_>, scene: &Scene, tables: &SurfaceTables) -> Optics {
+        let table = own.table.as_ref();
+        let mut properties = PropertyReader::new(table, own.source);
         let materials = gdml::materials(table, &scene.medium_names(), &mut properties);
         let surfaces = surfaces::read(table, tables, &mut properties);
         let volumes = gdml::volumes(table, scene);
@@ -188,6 +206,20 @@ impl Optics {
         let sensors = sensors::names(table, scene);
         Optics { properties, materials, surfaces, volumes, boundaries, sensors }
     }
+}
+
+/// The error of a model without optical properties, or with both tables of them.
+fn no_properties(has_both: bool) -> PhotonError {
+    let message = if has_both {
+        let reason = "it has both of the tables [gdml] and [photons]";
+        Message::new("the optical properties of the model are not clear", reason)
+            .suggest("Remove one of them.")
+    } else {
+        let reason = "it has neither a table [photons] nor a table [gdml]";
+        let message = Message::new("the model has no optical properties", reason);
+        message.suggest("Use a GDML file, or add the table [photons] to a native model.")
+    };
+    PhotonError::Detector(vec![message])
 }
 
 /// The regions of a scene, each with a medium of its own: a photon stops at every boundary between two volumes, even of

@@ -3,17 +3,31 @@
 use crate::error::{PhotonError, PropertyError};
 use crate::property::{PropertyTable, Spectrum};
 use rayweave_error::Message;
-use rayweave_scene::Datum;
+use rayweave_scene::{Datum, Diagnostic, Diagnostics, Source, Span, Spanned};
 use std::collections::HashMap;
 use std::fmt;
+use std::sync::Arc;
 
 /// Reads properties and collects problems and notes.
 pub(crate) struct PropertyReader {
     matrices: HashMap<String, Matrix>,
-    /// Invalid input, with its owner and the property, or an empty name.
-    pub problems: Vec<(Owner, String, Message)>,
+    /// The native model file that the properties come from.
+    source: Option<Arc<Source>>,
+    /// Invalid input.
+    pub problems: Vec<Remark>,
     /// Ignored input.
-    pub notes: Vec<(Owner, String, Message)>,
+    pub notes: Vec<Remark>,
+}
+
+/// A message about an element or one of its properties.
+#[derive(Clone, Debug)]
+pub(crate) struct Remark {
+    pub owner: Owner,
+    /// The property; empty if the message is about the element.
+    pub property: String,
+    pub message: Message,
+    /// The place in a native model file.
+    span: Span,
 }
 
 /// An element of a GDML file that messages are about.
@@ -54,12 +68,14 @@ pub(crate) struct Properties<'r> {
     reader: &'r mut PropertyReader,
     owner: Owner,
     /// Those that no process has read yet.
-    rest: Vec<(String, Datum)>,
+    rest: Vec<(String, Spanned<Datum>)>,
+    /// The places of all properties.
+    spans: HashMap<String, Span>,
 }
 
 impl PropertyReader {
-    /// A reader of the matrices of a `[gdml]` table.
-    pub fn new(table: &Datum) -> PropertyReader {
+    /// A reader of the matrices of a `[gdml]` table, or of the properties in a native model file.
+    pub fn new(table: &Datum, source: Option<&Arc<Source>>) -> PropertyReader {
         let matrix = |row: &Datum| {
             let name = row.get("name")?.as_text()?.to_owned();
             let columns = row.get("columns")?.as_number()? as usize;
@@ -67,24 +83,28 @@ impl PropertyReader {
             Some((name, Matrix { columns, values: values.collect() }))
         };
         let matrices = table.list("matrix").filter_map(matrix).collect();
-        PropertyReader { matrices, problems: Vec::new(), notes: Vec::new() }
+        PropertyReader { matrices, source: source.cloned(), problems: Vec::new(), notes: Vec::new() }
     }
 
     /// The properties in a row of the table.
     pub fn of<'r>(&'r mut self, owner: Owner, row: &Datum) -> Properties<'r> {
-        let entries = row.get("properties").into_iter().flat_map(Datum::entries);
-        let rest = entries.map(|(name, datum)| (name.to_owned(), datum.clone())).collect();
-        Properties { reader: self, owner, rest }
+        let entries = match row.get("properties") {
+            Some(Datum::Table(table)) => table.as_slice(),
+            _ => &[],
+        };
+        let rest = entries.iter().map(|(name, datum)| (name.value.clone(), datum.clone())).collect();
+        let spans = entries.iter().map(|(name, datum)| (name.value.clone(), datum.span)).collect();
+        Properties { reader: self, owner, rest, spans }
     }
 
-    /// Adds a problem of an element.
-    pub fn problem(&mut self, owner: Owner, problem: Message) {
-        self.problems.push((owner, String::new(), problem));
+    /// Adds a problem of an element, at a place of a native model file.
+    pub fn problem(&mut self, owner: Owner, message: Message, span: Span) {
+        self.problems.push(Remark { owner, property: String::new(), message, span });
     }
 
     /// Adds a note about an element.
     pub fn note(&mut self, owner: Owner, note: Message) {
-        self.notes.push((owner, String::new(), note));
+        self.notes.push(Remark { owner, property: String::new(), message: note, span: Span::default() });
     }
 
     /// The notes.
@@ -93,10 +113,21 @@ impl PropertyReader {
     ///
     /// All problems, if there are any.
     pub fn finish(self) -> Result<Vec<String>, PhotonError> {
-        if self.problems.is_empty() {
-            return Ok(self.notes.into_iter().map(|(.., note)| note.to_string()).collect());
+        let PropertyReader { source, problems, notes, .. } = self;
+        if problems.is_empty() {
+            return Ok(notes.into_iter().map(|note| note.message.to_string()).collect());
         }
-        Err(PhotonError::Detector(self.problems.into_iter().map(|(.., problem)| problem).collect()))
+        Err(match source {
+            None => PhotonError::Detector(problems.into_iter().map(|problem| problem.message).collect()),
+            Some(source) => {
+                let diagnostic = |Remark { message, span, .. }: Remark| {
+                    let suggestion = message.suggestion().map(str::to_owned);
+                    let problem = Diagnostic::error(message.problem()).why(message.reason());
+                    problem.suggest(suggestion).at(&source, span)
+                };
+                PhotonError::File(Diagnostics::new(problems.into_iter().map(diagnostic).collect()))
+            }
+        })
     }
 }
 
@@ -104,7 +135,11 @@ impl Properties<'_> {
     fn take(&mut self, name: &str) -> Option<Matrix> {
         let at = self.rest.iter().position(|(own, _)| own == name)?;
         let (_, datum) = self.rest.remove(at);
-        match datum {
+        match datum.value {
+            Datum::List(_) => {
+                let values = datum.value.items().filter_map(Datum::as_number).collect();
+                Some(Matrix { columns: 2, values })
+            }
             Datum::Number(value) => Some(Matrix { columns: 1, values: vec![value] }),
             // an unknown matrix was reported by the reader of the file
             Datum::Text(matrix) => self.reader.matrices.get(&matrix).cloned(),
@@ -115,6 +150,10 @@ impl Properties<'_> {
     /// A property that depends on the energy.
     pub fn table(&mut self, name: &str) -> Option<PropertyTable> {
         let matrix = self.take(name)?;
+        if let (Some(_), [value]) = (&self.reader.source, matrix.values.as_slice()) {
+            // a number in a native model file holds at all energies
+            return self.accept(name, PropertyTable::new(vec![(1e-6, *value)]));
+        }
         if matrix.columns != 2 {
             self.problem(name, "it has one column: pairs of an energy and a value are needed (coldim=\"2\")");
             return None;
@@ -176,6 +215,47 @@ impl Properties<'_> {
         }
     }
 
+    /// A constant property that is at least 0 and finite.
+    pub fn at_least_zero(&mut self, name: &str) -> Option<f64> {
+        let value = self.constant(name)?;
+        if value >= 0.0 && value.is_finite() {
+            return Some(value);
+        }
+        self.problem(name, &format!("it is {value}: it must be finite and at least 0"));
+        None
+    }
+
+    /// Reads a property by its former name as well, with a note.
+    pub fn former(&mut self, former: &str, name: &str) {
+        let Some(at) = self.rest.iter().position(|(own, _)| own == former) else { return };
+        if self.has(name) {
+            // noted as unused
+            return;
+        }
+        name.clone_into(&mut self.rest[at].0);
+        self.spans.insert(name.to_owned(), self.rest[at].1.span);
+        let problem = format!("{}: the property `{former}` is read as `{name}`", self.owner);
+        self.note(former, Message::new(problem, "that is its name since Geant4 11"));
+    }
+
+    /// The share of the first of two components, from 0 to 1: a property of Geant4 before version 11, which is noted.
+    pub fn ratio(&mut self, name: &str) -> Option<f64> {
+        let value = self.at_least_zero(name)?;
+        if value > 1.0 {
+            self.problem(name, &format!("it is {value}: it must be from 0 to 1"));
+            return None;
+        }
+        let problem = format!("{}: the property `{name}` is read as two yields", self.owner);
+        let reason = format!("`SCINTILLATIONYIELD1` is {value} and `SCINTILLATIONYIELD2` is {}", 1.0 - value);
+        self.note(name, Message::new(problem, reason));
+        Some(value)
+    }
+
+    fn note(&mut self, property: &str, message: Message) {
+        let (owner, property, span) = (self.owner.clone(), property.to_owned(), Span::default());
+        self.reader.notes.push(Remark { owner, property, message, span });
+    }
+
     fn accept<T>(&mut self, name: &str, made: Result<T, PropertyError>) -> Option<T> {
         made.map_err(|error| self.problem(name, error.to_string().trim_end_matches('.'))).ok()
     }
@@ -183,7 +263,10 @@ impl Properties<'_> {
     /// Reports a problem of a property.
     pub fn problem(&mut self, name: &str, reason: &str) {
         let problem = format!("the property `{name}` of {} is invalid", self.owner);
-        self.reader.problems.push((self.owner.clone(), name.to_owned(), Message::new(problem, reason)));
+        let span = self.spans.get(name).copied().unwrap_or_default();
+        let message = Message::new(problem, reason);
+        let remark = Remark { owner: self.owner.clone(), property: name.to_owned(), message, span };
+        self.reader.problems.push(remark);
     }
 
     /// Removes a property, which nothing uses, without a note.
@@ -204,11 +287,12 @@ impl Properties<'_> {
 
     /// Notes the properties that nothing has read.
     pub fn finish(self) {
-        let Properties { reader, owner, rest } = self;
+        let Properties { reader, owner, rest, .. } = self;
         for (name, _) in rest {
             let problem = format!("{owner}: the property `{name}` is ignored");
             let note = Message::new(problem, "no process of this version uses it");
-            reader.notes.push((owner.clone(), name, note));
+            let span = Span::default();
+            reader.notes.push(Remark { owner: owner.clone(), property: name, message: note, span });
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::surface::{
 };
 use crate::tables::SurfaceTables;
 use rayweave_error::{Message, did_you_mean};
-use rayweave_scene::Datum;
+use rayweave_scene::{Datum, Span};
 use std::collections::HashMap;
 
 /// The optical surfaces, in the order of the file.
@@ -88,7 +88,7 @@ fn surface(
     let value = row.get("value").and_then(Datum::as_number).unwrap_or(1.0);
     let table = kind.zip(finish).and_then(|(kind, finish)| {
         let table = measured_table(&name, kind, finish, tables, known);
-        table.map_err(|message| properties.problem(owner.clone(), message)).ok().flatten()
+        table.map_err(|message| properties.problem(owner.clone(), message, place(row, "type"))).ok().flatten()
     });
     let kind = kind.unwrap_or_default();
     let mut properties = properties.of(owner, row);
@@ -203,9 +203,16 @@ fn word<T: Copy + Default>(
         Some(meant) => message.suggest(format!("Did you mean `{meant}`?")),
         None => message,
     };
-    properties.problem(owner.clone(), message);
+    properties.problem(owner.clone(), message, place(row, attribute));
     None
 }
 
 /// The number of words that a message lists.
 const MAX_LISTED: usize = 6;
+
+/// The place of the value of a key in a native model file.
+fn place(row: &Datum, key: &str) -> Span {
+    let Datum::Table(table) = row else { return Span::default() };
+    let entry = table.iter().find(|(name, _)| name.value == key);
+    entry.map(|(_, value)| value.span).unwrap_or_default()
+}

@@ -101,5 +101,5 @@ fn a_model_without_optical_properties_is_refused() {
     let (document, scene) =
         rayweave_scene::parse("rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n").unwrap();
     let message = rayweave_photon::Detector::new(&scene, &document).unwrap_err().to_string();
-    assert!(message.contains("it has no table [gdml]. Use a GDML file"), "{message}");
+    assert!(message.contains("neither a table [photons] nor a table [gdml]. Use a GDML file"), "{message}");
 }

@@ -3,8 +3,8 @@
 use crate::{CLEAR, SlabDetector, beam, count, detector, run, settings};
 use rayweave_math::Vec3;
 use rayweave_photon::{
-    Detector, End, Histories, HistoryOptions, PhotonError, PhotonRun, PointSource, Process, RunSettings,
-    Source, sequence_text, simulate_parts,
+    Detector, End, Histories, HistoryOptions, PhotonError, PhotonRun, Process, RunSettings, Source, Torch,
+    sequence_text, simulate_parts,
 };
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
@@ -40,7 +40,7 @@ fn busy() -> SlabDetector<'static> {
 }
 
 fn inside() -> Source {
-    Source::Point(PointSource::isotropic(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap())
+    Source::Torch(Torch::point(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap())
 }
 
 /// A photon through a clear slab: every step in closed form, with two steps in vacuum and one in glass.

@@ -3,9 +3,11 @@
 mod boundary;
 mod bulk;
 mod detector;
+mod gensteps;
 mod history;
 mod lint;
 mod reproducible;
+mod sources;
 mod surfaces;
 
 use rayweave_formats::{Format, Options};
@@ -121,6 +123,32 @@ fn assert_binomial(count: u64, total: u64, probability: f64, what: &str) {
     let deviation = (expected * (1.0 - probability)).sqrt().max(1e-9);
     let z = (count as f64 - expected) / deviation;
     assert!(z.abs() < 5.0, "{what}: {count} of {total}, expected {expected:.1} (z = {z:.1})");
+}
+
+/// Asserts that a sample has a distribution, by the test of Kolmogorov and Smirnov at the significance 1e-4: the largest
+/// difference of the distributions times the root of the size is at most 2.225.
+fn assert_distribution(mut sample: Vec<f64>, distribution: impl Fn(f64) -> f64, what: &str) {
+    let count = sample.len() as f64;
+    assert!(count >= 1000.0, "{what}: {count} values");
+    sample.sort_by(f64::total_cmp);
+    let mut largest = 0f64;
+    for (rank, value) in (0..).map(f64::from).zip(sample) {
+        let expected = distribution(value);
+        assert!((-1e-9..=1.0 + 1e-9).contains(&expected), "{what}: {expected} at {value}");
+        largest = largest.max(expected - rank / count).max((rank + 1.0) / count - expected);
+    }
+    let statistic = largest * count.sqrt();
+    assert!(statistic < 2.225, "{what}: the Kolmogorov statistic is {statistic:.2}");
+}
+
+/// The photons of a source as they start.
+fn photons_of(detector: &Detector, source: &Source, settings: &RunSettings) -> Vec<Photon> {
+    rayweave_photon::emit(detector, &Packets::new(detector.program().clone()), source, settings).unwrap()
+}
+
+/// The uniform distribution between two numbers.
+fn uniform(from: f64, to: f64) -> impl Fn(f64) -> f64 {
+    move |x| ((x - from) / (to - from)).clamp(0.0, 1.0)
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::{CLEAR, SlabDetector, run};
 use rayweave_math::Vec3;
-use rayweave_photon::{Hits, PointSource, RunSettings, Source};
+use rayweave_photon::{Hits, RunSettings, Source, Torch};
 use std::num::NonZeroUsize;
 
 fn scattering() -> SlabDetector<'static> {
@@ -20,7 +20,7 @@ fn scattering() -> SlabDetector<'static> {
 #[test]
 fn threads_and_ranges_change_nothing() {
     let detector = scattering().build();
-    let source = Source::Point(PointSource::isotropic(Vec3::new(1.0, 2.0, 30.0), 420.0).unwrap());
+    let source = Source::Torch(Torch::point(Vec3::new(1.0, 2.0, 30.0), 420.0).unwrap());
     let settings = |range, threads| RunSettings {
         seed: 5,
         threads: NonZeroUsize::new(threads),
@@ -53,7 +53,7 @@ fn ranges_of_shifted_photons_are_parts_of_the_run() {
         ..scattering()
     };
     let detector = slab.build();
-    let source = Source::Point(PointSource::isotropic(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap());
+    let source = Source::Torch(Torch::point(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap());
     let whole = run(&detector, &source, &RunSettings::new(0..1000));
     // one photon for each with the probability exp(-3) of none
     assert!(whole.photons > 2500 && whole.photons < 3500, "{}", whole.photons);
@@ -76,7 +76,7 @@ fn photons_that_do_not_fit_into_memory_are_refused() {
         ..scattering()
     };
     let detector = slab.build();
-    let source = Source::Point(PointSource::isotropic(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap());
+    let source = Source::Torch(Torch::point(Vec3::new(1.0, 2.0, 30.0), 400.0).unwrap());
     let evaluator = rayweave_trace::Packets::new(detector.program().clone());
     let refused = |photons| {
         let settings = RunSettings { threads: NonZeroUsize::new(1), ..RunSettings::new(photons) };

@@ -2,6 +2,7 @@
 
 mod optics;
 mod parts;
+mod photons;
 
 use crate::document::Shading;
 use crate::formats::native::VERSION;
@@ -44,6 +45,7 @@ pub fn schema() -> Value {
             "light": { "description": "Lights.", "type": "array", "items": light() },
             "render": render(),
             "optics": optics::optics(),
+            "photons": photons::photons(),
         },
         // tables of other names belong to other programs
         "additionalProperties": { "type": ["object", "array"] },

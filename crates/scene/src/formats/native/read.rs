@@ -32,7 +32,7 @@ pub(crate) struct Reading {
 const TABLES: [&str; 7] = ["parameters", "solid", "region", "medium", "camera", "light", "render"];
 
 /// Tables that other parts of Rayweave read.
-const OWNED: [&str; 2] = ["optics", "gdml"];
+const OWNED: [&str; 3] = ["optics", "photons", "gdml"];
 
 /// Reads as much as possible, and collects all problems.
 pub(crate) fn read(source: Arc<Source>) -> Reading {

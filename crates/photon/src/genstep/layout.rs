@@ -1,0 +1,172 @@
+//! Layouts of arrays of gensteps and photons.
+
+use super::{EmissionProcess, Genstep};
+use crate::error::PhotonError;
+use crate::property::{HC_MEV_NM, LIGHT_SPEED};
+use crate::source::{Photon, transverse};
+use rayweave_math::Vec3;
+
+const CERENKOV: u32 = 15;
+const SCINTILLATION: u32 = 16;
+
+/// Reads gensteps in the layout of Opticks: 24 float32 numbers for each, some of which hold the bits of integers.
+///
+/// | row | columns |
+/// | --- | --- |
+/// | 0 | kind (15 Cerenkov, 16 scintillation), track, number of the material, number of photons: integers |
+/// | 1 | position in mm, time in ns |
+/// | 2 | displacement in mm, length of the step in mm |
+/// | 3 | code (integer), charge, weight, velocity in mm/ns: before the step (Cerenkov), or its mean (scintillation) |
+/// | 4 | Cerenkov: 1/beta, shortest and longest wavelength in nm (0 for all of `RINDEX`), largest cosine; scintillation: component (integer; 0 to choose one by the yields) |
+/// | 5 | Cerenkov: largest sin^2, mean numbers of photons before and after the step, velocity after it; scintillation: time constant in ns (0 for that of the material) |
+///
+/// The track, the code, the weight, the largest cosine and the largest sin^2 are not used.
+///
+/// # Errors
+///
+/// [`PhotonError::Setting`] with the number of the genstep: an unknown kind, or a number out of range.
+pub fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
+    let read = |(row, values): (usize, &[f32; 24])| {
+        let real = |k: usize| f64::from(values[k]);
+        let vector = |k: usize| Vec3::new(real(k), real(k + 1), real(k + 2));
+        let integer = |k: usize| values[k].to_bits();
+        let velocity = real(15);
+        let (process, velocity) = match integer(0) {
+            CERENKOV => {
+                let [shortest, longest] = [real(17), real(18)];
+                let wavelengths =
+                    [shortest, if longest == 0.0 && shortest == 0.0 { f64::INFINITY } else { longest }];
+                let density = [real(21), real(22)];
+                let process = EmissionProcess::Cerenkov { inverse_beta: real(16), wavelengths, density };
+                (process, [velocity, real(23)])
+            }
+            SCINTILLATION => {
+                let component = Some(integer(16)).filter(|&component| component > 0);
+                let process = EmissionProcess::Scintillation { component, time: real(20), rise_time: None };
+                (process, [velocity; 2])
+            }
+            kind => return Err(unknown_kind(row, f64::from(kind))),
+        };
+        Ok(Genstep {
+            process,
+            material: integer(2),
+            photons: integer(3),
+            position: vector(4),
+            time: real(7),
+            displacement: vector(8),
+            step_length: real(11),
+            charge: real(13),
+            velocity,
+        })
+    };
+    numbers.as_chunks::<24>().0.iter().enumerate().map(read).collect()
+}
+
+/// Reads gensteps with the fields of the offload interface of Geant4 11.4 (`G4QuasiOpticalData`,
+/// `G4CerenkovQuasiTrackInfo`, `G4ScintillationQuasiTrackInfo`), 16 numbers for each.
+///
+/// | column | contents |
+/// | --- | --- |
+/// | 0 | kind: 15 Cerenkov, 16 scintillation |
+/// | 1 to 4 | position of the track in mm, its time in ns |
+/// | 5 | index of the material |
+/// | 6 | number of photons |
+/// | 7 | charge |
+/// | 8 | length of the step in mm |
+/// | 9, 10 | velocity before the step in mm/ns, and its change |
+/// | 11 to 13 | displacement in mm |
+/// | 14, 15 | Cerenkov: mean numbers of photons before and after the step; scintillation: time constant and rise time in ns |
+///
+/// The mean velocity of the step gives 1/beta. A component of scintillation is found by its time constant.
+///
+/// # Errors
+///
+/// As [`from_opticks`].
+pub fn from_geant4(numbers: &[f64]) -> Result<Vec<Genstep>, PhotonError> {
+    let read = |(row, values): (usize, &[f64; 16])| {
+        let vector = |k: usize| Vec3::new(values[k], values[k + 1], values[k + 2]);
+        let whole = |k: usize, what: &str| {
+            let value = values[k];
+            if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
+                return Ok(value as u32);
+            }
+            let problem = format!("the {what} of genstep {row} is {value}");
+            Err(PhotonError::setting(problem, "it must be a whole number from 0 to 4294967295"))
+        };
+        let (before, change) = (values[9], values[10]);
+        let pair = [values[14], values[15]];
+        let process = match values[0] {
+            kind if kind == f64::from(CERENKOV) => EmissionProcess::Cerenkov {
+                inverse_beta: LIGHT_SPEED / (before + 0.5 * change),
+                wavelengths: [0.0, f64::INFINITY],
+                density: pair,
+            },
+            kind if kind == f64::from(SCINTILLATION) => {
+                EmissionProcess::Scintillation { component: None, time: pair[0], rise_time: Some(pair[1]) }
+            }
+            kind => return Err(unknown_kind(row, kind)),
+        };
+        Ok(Genstep {
+            process,
+            material: whole(5, "material")?,
+            photons: whole(6, "number of photons")?,
+            position: vector(1),
+            time: values[4],
+            displacement: vector(11),
+            step_length: values[8],
+            charge: values[7],
+            velocity: [before, before + change],
+        })
+    };
+    numbers.as_chunks::<16>().0.iter().enumerate().map(read).collect()
+}
+
+fn unknown_kind(row: usize, kind: f64) -> PhotonError {
+    let problem = format!("genstep {row} is of the kind {kind}");
+    PhotonError::setting(problem, "the kinds are 15 (Cerenkov) and 16 (scintillation)")
+}
+
+/// The largest deviation of directions and polarisations in float32 from unit vectors that are perpendicular to each other.
+const LOOSE: f64 = 1e-3;
+
+/// Reads photons in the layout of Opticks, 16 numbers for each: position in mm and time in ns; direction and weight;
+/// polarisation and wavelength in nm; four flags. Weight and flags are not used.
+///
+/// Directions and polarisations are made unit vectors that are perpendicular to each other; a polarisation of 0 0 0 means
+/// unpolarised.
+///
+/// # Errors
+///
+/// [`PhotonError::Setting`] with the number of the photon: a number that is not finite, a wavelength that is not positive, a
+/// direction or polarisation that deviates by more than 1e-3.
+pub fn photons_from_opticks(numbers: &[f64]) -> Result<Vec<Photon>, PhotonError> {
+    let read = |(row, values): (usize, &[f64; 16])| {
+        let bad = |reason: &str| PhotonError::setting(format!("photon {row} is invalid"), reason);
+        let vector = |k: usize| Vec3::new(values[k], values[k + 1], values[k + 2]);
+        let [position, direction, polarisation] = [0, 4, 8].map(vector);
+        let is_unit = |vector: Vec3| (vector.length() - 1.0).abs() <= LOOSE;
+        if !position.is_finite() || !values[3].is_finite() {
+            return Err(bad("its position and time must be finite"));
+        }
+        if !is_unit(direction) {
+            return Err(bad("its direction must have length 1"));
+        }
+        let direction = direction.normalize();
+        let polarisation = if polarisation == Vec3::ZERO {
+            polarisation
+        } else {
+            if !is_unit(polarisation) {
+                return Err(bad("its polarisation must have length 1, or 0 if it is unpolarised"));
+            }
+            let part =
+                (polarisation.dot(direction).abs() <= LOOSE).then(|| transverse(polarisation, direction));
+            part.flatten().ok_or_else(|| bad("its polarisation must be perpendicular to its direction"))?
+        };
+        let wavelength = values[11];
+        if !(wavelength > 0.0 && wavelength.is_finite()) {
+            return Err(bad("its wavelength must be positive and finite"));
+        }
+        Ok(Photon { position, direction, polarisation, energy: HC_MEV_NM / wavelength, time: values[3] })
+    };
+    numbers.as_chunks::<16>().0.iter().enumerate().map(read).collect()
+}

@@ -1,0 +1,143 @@
+//! Sources of photons.
+
+mod start;
+mod torch;
+mod volume;
+
+use crate::detector::Detector;
+use crate::error::PhotonError;
+use crate::genstep::Gensteps;
+use crate::philox::{Purpose, Stream};
+use rayweave_math::Vec3;
+use rayweave_model::Evaluator;
+use std::ops::Range;
+
+pub use start::{check_start, emit};
+pub(crate) use torch::transverse;
+pub use torch::{Directions, Origin, Pulse, Torch, Wavelengths};
+pub use volume::SourceVolume;
+
+/// A photon at one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Photon {
+    /// The position in mm.
+    pub position: Vec3,
+    /// The direction: a unit vector.
+    pub direction: Vec3,
+    /// The polarisation: a unit vector perpendicular to the direction. Zero in a list of photons means unpolarised: a random
+    /// one is chosen.
+    pub polarisation: Vec3,
+    /// The energy in MeV.
+    pub energy: f64,
+    /// The time in ns.
+    pub time: f64,
+}
+
+/// Photons by number: the photon of a number is a function of the seed, the event and the number alone.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// Photons of one kind, from a point, a line, a surface or a volume.
+    Torch(Torch),
+    /// Given photons; the photon with number k is the one at index k.
+    Photons(Vec<Photon>),
+    /// Cerenkov and scintillation photons along the steps of particles.
+    Gensteps(Gensteps),
+}
+
+/// The run that photons are emitted for: what their random numbers depend on, beside their own number.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EventKey {
+    pub seed: u64,
+    pub event: u32,
+}
+
+impl EventKey {
+    /// The number that selects the random numbers of a photon.
+    pub fn number(self, photon: u64) -> u64 {
+        u64::from(self.event) << 32 | photon
+    }
+}
+
+/// The largest number of photons of an event: each has a number of 32 bits.
+pub(crate) const MOST_PHOTONS: u64 = 1 << 32;
+
+impl Source {
+    /// The number of photons, if it is limited.
+    #[must_use]
+    pub fn limit(&self) -> Option<u64> {
+        match self {
+            Source::Torch(_) => None,
+            Source::Photons(photons) => Some(photons.len() as u64),
+            Source::Gensteps(gensteps) => Some(gensteps.photons()),
+        }
+    }
+
+    /// Appends the photons of a range of numbers.
+    pub(crate) fn emit<E: Evaluator>(
+        &self,
+        (detector, evaluator): (&Detector, &E),
+        scratch: &mut E::Scratch,
+        key: EventKey,
+        numbers: Range<u64>,
+        photons: &mut Vec<Photon>,
+    ) {
+        let stream = |number: u64| Stream::new(key.seed, key.number(number), 0, Purpose::Emission);
+        let first = photons.len();
+        match self {
+            Source::Torch(torch) => {
+                photons.extend(numbers.clone().map(|number| torch.photon(&mut stream(number))));
+                if let Some(volume) = torch.volume() {
+                    volume.place(evaluator, scratch, key, numbers.start, &mut photons[first..]);
+                }
+            }
+            Source::Photons(list) => photons.extend(numbers.map(|number| {
+                let photon = list[number as usize];
+                if photon.polarisation != Vec3::ZERO {
+                    return photon;
+                }
+                Photon { polarisation: stream(number).polarisation(photon.direction), ..photon }
+            })),
+            Source::Gensteps(gensteps) => gensteps.emit(detector, numbers, stream, photons),
+        }
+    }
+
+    /// Checks the numbers of the photons to emit.
+    pub(crate) fn check_range(&self, numbers: &Range<u64>) -> Result<(), PhotonError> {
+        let Range { start, end } = numbers;
+        let problem = || format!("photons {start} to {end} are requested");
+        if let Some(limit) = self.limit().filter(|limit| limit < end) {
+            return Err(PhotonError::setting(problem(), format!("the source has {limit} photons")));
+        }
+        if *end > MOST_PHOTONS {
+            return Err(PhotonError::setting(problem(), "an event has at most 4294967296 photons"));
+        }
+        Ok(())
+    }
+
+    /// Checks given photons.
+    pub(crate) fn check(&self) -> Result<(), PhotonError> {
+        let Source::Photons(photons) = self else { return Ok(()) };
+        for (index, photon) in photons.iter().enumerate() {
+            let is_polarised = photon.polarisation != Vec3::ZERO;
+            let fault = match () {
+                () if !photon.position.is_finite() => "its position must be finite",
+                () if !((photon.direction.length() - 1.0).abs() <= 1e-6) => {
+                    "its direction must have length 1"
+                }
+                () if is_polarised && !((photon.polarisation.length() - 1.0).abs() <= 1e-6) => {
+                    "its polarisation must have length 1, or 0 if it is unpolarised"
+                }
+                () if !(photon.polarisation.dot(photon.direction).abs() <= 1e-6) => {
+                    "its polarisation must be perpendicular to its direction"
+                }
+                () if !(photon.energy > 0.0 && photon.energy.is_finite()) => {
+                    "its energy must be positive and finite"
+                }
+                () if !photon.time.is_finite() => "its time must be finite",
+                () => continue,
+            };
+            return Err(PhotonError::setting(format!("photon {index} is invalid"), fault));
+        }
+        Ok(())
+    }
+}

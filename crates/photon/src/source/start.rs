@@ -1,0 +1,73 @@
+//! Emission of photons without propagation, and a check of the places where they start.
+
+use super::{EventKey, Photon, Source};
+use crate::detector::Detector;
+use crate::error::PhotonError;
+use crate::propagate::RunSettings;
+use rayweave_model::{Evaluator, RegionId};
+
+/// The photons of a run as the source emits them, by their numbers.
+///
+/// # Errors
+///
+/// [`PhotonError::Setting`] for invalid photons, and for numbers beyond those of the source.
+pub fn emit<E: Evaluator>(
+    detector: &Detector,
+    evaluator: &E,
+    source: &Source,
+    settings: &RunSettings,
+) -> Result<Vec<Photon>, PhotonError> {
+    source.check()?;
+    source.check_range(&settings.photons)?;
+    let mut photons = Vec::new();
+    let key = EventKey { seed: settings.seed, event: settings.event };
+    let numbers = settings.photons.clone();
+    source.emit((detector, evaluator), &mut evaluator.scratch(), key, numbers, &mut photons);
+    Ok(photons)
+}
+
+/// The number of photons whose places are checked.
+const CHECKED: u64 = 1000;
+
+/// Checks where the first photons of a run start. Returns a sentence if some of them start outside the world or in a
+/// material without a refractive index, where they end at once.
+///
+/// # Errors
+///
+/// [`PhotonError::Setting`] if all of them do.
+pub fn check_start<E: Evaluator>(
+    detector: &Detector,
+    evaluator: &E,
+    source: &Source,
+    settings: &RunSettings,
+) -> Result<Option<String>, PhotonError> {
+    let start = settings.photons.start;
+    let end = settings.photons.end.min(start.saturating_add(CHECKED));
+    let photons =
+        emit(detector, evaluator, source, &RunSettings { photons: start..end, ..settings.clone() })?;
+    let columns =
+        [0, 1, 2].map(|axis| photons.iter().map(|photon| photon.position[axis]).collect::<Vec<_>>());
+    let mut regions = vec![RegionId(0); photons.len()];
+    evaluator.regions_at(columns.each_ref().map(Vec::as_slice), &mut evaluator.scratch(), &mut regions);
+    let is_lost = |region: &RegionId| detector.material(*region).index.is_none();
+    let lost = regions.iter().filter(|region| is_lost(region)).count();
+    let Some(at) = regions.iter().position(is_lost) else { return Ok(None) };
+    let place = match regions[at].0 {
+        0 => "outside the world".to_owned(),
+        region => {
+            let material = &detector.material(regions[at]).name;
+            let volume = &detector.region_names[region as usize];
+            format!("in the volume `{volume}` of material `{material}`, which has no RINDEX")
+        }
+    };
+    let position = photons[at].position;
+    if lost == photons.len() {
+        let problem = format!("the source at {position} is {place}");
+        return Err(PhotonError::setting(problem, "no photon can move there"));
+    }
+    Ok(Some(format!(
+        "{lost} of the first {} photons end at once: photon {} starts at {position}, {place}.",
+        photons.len(),
+        start + at as u64
+    )))
+}

@@ -1,0 +1,395 @@
+//! Cerenkov and scintillation photons against closed forms and quadrature.
+
+use crate::sources::simpson;
+use crate::{CLEAR, SlabDetector, assert_binomial, assert_distribution, photons_of, run, settings, uniform};
+use rayweave_math::Vec3;
+use rayweave_photon::property::{HC_MEV_NM, LIGHT_SPEED};
+use rayweave_photon::{
+    Detector, EmissionProcess, Genstep, Gensteps, Photon, PhotonError, RunSettings, Source, cerenkov_yield,
+    from_geant4, from_opticks, photons_from_opticks,
+};
+use rayweave_trace::Packets;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::num::NonZeroUsize;
+
+const COUNT: u32 = 20_000;
+
+/// A slab of a material with dispersion and three components of scintillation.
+fn slab() -> Detector {
+    SlabDetector {
+        matrices: r#"<matrix name="WATER" coldim="2" values="2*eV 1.30 3*eV 1.36 3.5*eV 1.34 5*eV 1.45"/>
+<matrix name="BLUE" coldim="2" values="2.5*eV 0 3*eV 2 3.5*eV 1 4*eV 0"/>
+<matrix name="RED" coldim="2" values="1.8*eV 1 2.0*eV 1"/>
+<matrix name="FAST" coldim="1" values="6*ns"/><matrix name="RISE" coldim="1" values="2*ns"/>
+<matrix name="SLOW" coldim="1" values="1.5*us"/><matrix name="THIRD" coldim="1" values="0.3"/>
+<matrix name="REST" coldim="1" values="0.7"/>"#,
+        inner: r#"<property name="RINDEX" ref="WATER"/>
+<property name="SCINTILLATIONCOMPONENT1" ref="BLUE"/><property name="SCINTILLATIONTIMECONSTANT1" ref="FAST"/>
+<property name="SCINTILLATIONRISETIME1" ref="RISE"/><property name="SCINTILLATIONYIELD1" ref="THIRD"/>
+<property name="SCINTILLATIONCOMPONENT2" ref="RED"/><property name="SCINTILLATIONTIMECONSTANT2" ref="SLOW"/>
+<property name="SCINTILLATIONYIELD2" ref="REST"/>"#,
+        ..CLEAR
+    }
+    .build()
+}
+
+/// The index of the slab by its definition, at an energy in eV.
+fn index(ev: f64) -> f64 {
+    match ev {
+        e if e < 3.0 => 1.30 + 0.06 * (e - 2.0),
+        e if e < 3.5 => 1.36 - 0.04 * (e - 3.0),
+        e => 1.34 + 0.11 / 1.5 * (e - 3.5),
+    }
+}
+
+/// sin^2 of the angle of emission, 0 below the threshold.
+fn sin2(ev: f64, inverse_beta: f64) -> f64 {
+    (1.0 - (inverse_beta / index(ev)).powi(2)).max(0.0)
+}
+
+/// The integral of sin^2 up to an energy, in parts that end where it has a kink.
+fn integral(ev: f64, inverse_beta: f64) -> f64 {
+    // index 1.35 at 2.8333, 3.25 and 3.6364 eV
+    let kinks = [2.0f64, 2.0 + 5.0 / 6.0, 3.0, 3.25, 3.5, 3.5 + 15.0 / 110.0, 5.0];
+    let parts = kinks.windows(2).map(|part| (part[0], part[1].min(ev)));
+    parts
+        .filter(|(from, to)| from < to)
+        .map(|(from, to)| simpson(|e| sin2(e, inverse_beta), from, to, 64))
+        .sum()
+}
+
+/// A step of 40 mm in the slab, in a direction without symmetry, of a particle that slows down.
+fn step(process: EmissionProcess) -> Genstep {
+    let displacement = 39.0 * Vec3::new(1.0, 2.0, 2.0) / 3.0;
+    Genstep {
+        process,
+        material: 7,
+        photons: COUNT,
+        position: Vec3::new(10.0, 20.0, 30.0),
+        time: 5.0,
+        displacement,
+        step_length: 40.0,
+        charge: -1.0,
+        velocity: [250.0, 200.0],
+    }
+}
+
+fn cerenkov(inverse_beta: f64, density: [f64; 2]) -> Genstep {
+    step(EmissionProcess::Cerenkov { inverse_beta, wavelengths: [0.0, f64::INFINITY], density })
+}
+
+fn scintillation(component: Option<u32>, time: f64, rise_time: Option<f64>) -> Genstep {
+    step(EmissionProcess::Scintillation { component, time, rise_time })
+}
+
+fn resolved(detector: &Detector, steps: &[Genstep]) -> Result<Gensteps, PhotonError> {
+    Gensteps::new(detector, &Packets::new(detector.program().clone()), steps, &BTreeMap::new())
+}
+
+fn photons(genstep: Genstep) -> Vec<Photon> {
+    let detector = slab();
+    let source = Source::Gensteps(resolved(&detector, &[genstep]).unwrap());
+    photons_of(&detector, &source, &settings(COUNT as usize))
+}
+
+/// The integral of Frank and Tamm by quadrature: alpha / (hbar c) = 369.81 photons per eV and cm.
+#[test]
+fn the_cerenkov_yield_is_that_of_frank_and_tamm() {
+    let detector = slab();
+    let table =
+        detector.materials().iter().find_map(|m| (m.name == "Inner").then(|| m.index.clone().unwrap()));
+    let table = table.unwrap();
+    for inverse_beta in [1.0, 1.2, 1.35] {
+        let expected = 36.981 * integral(5.0, inverse_beta);
+        for charge in [1.0, -2.0] {
+            let found = cerenkov_yield(&table, inverse_beta, charge);
+            let ratio = found / (expected * charge * charge);
+            assert!((ratio - 1.0).abs() < 3e-6, "1/beta {inverse_beta}, charge {charge}: {ratio}");
+        }
+    }
+    assert_eq!(cerenkov_yield(&table, 1.45, 1.0), 0.0);
+    assert_eq!(cerenkov_yield(&table, 2.0, 1.0), 0.0);
+}
+
+/// The spectrum, above and partly below the threshold: 1/beta = 1.35 emits in two bands.
+#[test]
+fn the_cerenkov_spectrum_is_that_of_frank_and_tamm() {
+    for inverse_beta in [1.0, 1.2, 1.35] {
+        let photons = photons(cerenkov(inverse_beta, [1.0, 1.0]));
+        let total = integral(5.0, inverse_beta);
+        let energies: Vec<f64> = photons.iter().map(|photon| 1e6 * photon.energy).collect();
+        assert!(energies.iter().all(|e| sin2(*e, inverse_beta) > 0.0));
+        assert_distribution(energies, |e| integral(e, inverse_beta) / total, "Cerenkov energy");
+    }
+}
+
+/// The angle of each photon follows from its energy; the polarisation is in the plane of the path and the direction.
+#[test]
+fn cerenkov_photons_lie_on_the_cone() {
+    let axis = Vec3::new(1.0, 2.0, 2.0) / 3.0;
+    let x = Vec3::new(2.0, 1.0, -2.0) / 3.0;
+    let photons = photons(cerenkov(1.2, [1.0, 1.0]));
+    for photon in &photons {
+        let cosine = photon.direction.dot(axis);
+        assert!((cosine - 1.2 / index(1e6 * photon.energy)).abs() < 1e-12);
+        assert!(photon.polarisation.dot(photon.direction).abs() < 1e-14);
+        assert!(photon.polarisation.dot(photon.direction.cross(axis)).abs() < 1e-14);
+        // cos 90 degrees + theta to the path
+        assert!((photon.polarisation.dot(axis) + (1.0 - cosine * cosine).sqrt()).abs() < 1e-12);
+    }
+    let azimuth = |photon: &Photon| photon.direction.dot(axis.cross(x)).atan2(photon.direction.dot(x));
+    assert_distribution(photons.iter().map(azimuth).collect(), uniform(-PI, PI), "azimuth");
+}
+
+/// The density along the step is linear, and the time that of a velocity which is linear in the fraction of the step.
+#[test]
+fn photons_start_along_the_step() {
+    let fractions = |photons: &[Photon]| -> Vec<f64> {
+        let fraction = |photon: &Photon| {
+            let away = photon.position - Vec3::new(10.0, 20.0, 30.0);
+            let fraction = away.length() / 39.0;
+            assert!((away - fraction * 39.0 * Vec3::new(1.0, 2.0, 2.0) / 3.0).length() < 1e-12);
+            fraction
+        };
+        photons.iter().map(fraction).collect()
+    };
+    for [before, after] in [[3.0, 1.0], [0.0, 5.0], [2.0, 2.0]] {
+        let photons = photons(cerenkov(1.2, [before, after]));
+        let found = fractions(&photons);
+        for (photon, x) in photons.iter().zip(&found) {
+            let time = 5.0 + 40.0 * x / (250.0 - 25.0 * x);
+            assert!((photon.time - time).abs() < 1e-12);
+        }
+        let distribution =
+            move |x: f64| (before * x + 0.5 * (after - before) * x * x) / (0.5 * (before + after));
+        assert_distribution(found, distribution, "fraction of the step");
+    }
+    let light = photons(scintillation(Some(1), 6.0, None));
+    assert_distribution(fractions(&light), uniform(0.0, 1.0), "fraction of the step");
+    let neutral = photons(Genstep { charge: 0.0, ..scintillation(Some(1), 6.0, None) });
+    assert!(fractions(&neutral).iter().all(|x| (x - 1.0).abs() < 1e-12));
+}
+
+/// The spectrum is sampled by its trapezoidal integral, linear between the points of the table as in Geant4: the areas are
+/// 0.5, 0.75 and 0.25.
+#[test]
+fn scintillation_has_its_spectrum() {
+    let photons = photons(scintillation(Some(1), 6.0, None));
+    let integral = |e: f64| match e {
+        e if e < 3.0 => (e - 2.5) / 0.5 / 3.0,
+        e if e < 3.5 => (0.5 + 0.75 * (e - 3.0) / 0.5) / 1.5,
+        e => (1.25 + 0.25 * (e - 3.5) / 0.5) / 1.5,
+    };
+    assert_distribution(photons.iter().map(|p| 1e6 * p.energy).collect(), integral, "energy");
+    for (axis, what) in (0..3).zip(["x", "y", "z"]) {
+        assert_distribution(photons.iter().map(|p| p.direction[axis]).collect(), uniform(-1.0, 1.0), what);
+    }
+    assert!(photons.iter().all(|p| p.polarisation.dot(p.direction).abs() < 1e-14));
+}
+
+/// The time after the passage of the particle, with and without a rise time: the density (1 - exp(-t / r)) exp(-t / d).
+#[test]
+fn scintillation_has_its_profile_of_time() {
+    let delays = |genstep: Genstep| -> Vec<f64> {
+        let at_rest = Genstep { step_length: 0.0, displacement: Vec3::ZERO, velocity: [0.0; 2], ..genstep };
+        photons(at_rest).iter().map(|photon| photon.time - 5.0).collect()
+    };
+    // those of the genstep, those of the material, those of the component that has the time constant
+    for (genstep, decay, rise) in [
+        (scintillation(Some(1), 20.0, Some(3.0)), 20.0, 3.0),
+        (scintillation(Some(1), 0.0, None), 6.0, 2.0),
+        (scintillation(None, 6.0, Some(12.0)), 6.0, 12.0),
+        (scintillation(Some(2), 0.0, None), 1500.0, 0.0),
+    ] {
+        let short = rise * decay / (rise + decay);
+        let distribution = |t: f64| {
+            let fast = if rise > 0.0 { short * (1.0 - (-t / short).exp()) } else { 0.0 };
+            (decay * (1.0 - (-t / decay).exp()) - fast) / (decay - short)
+        };
+        let found = delays(genstep);
+        let mean = found.iter().sum::<f64>() / f64::from(COUNT);
+        let error = ((decay * decay + short * short) / f64::from(COUNT)).sqrt();
+        assert!((mean - decay - short).abs() < 5.0 * error, "{mean}, expected {}", decay + short);
+        assert_distribution(found, distribution, "delay");
+    }
+}
+
+/// Component 0: each photon is of component 1 with the probability 0.3 and of component 2 with 0.7.
+#[test]
+fn components_have_their_yields() {
+    let found = photons(scintillation(None, 0.0, None));
+    // the spectra do not overlap
+    let red = found.iter().filter(|photon| photon.energy < 2.2e-6).count() as u64;
+    assert_binomial(red, u64::from(COUNT), 0.7, "component 2");
+    let late = found.iter().filter(|photon| photon.time > 105.0).count() as u64;
+    assert_binomial(late, u64::from(COUNT), 0.7 * (-100f64 / 1500.0).exp(), "late photons");
+}
+
+/// The layouts of Opticks and Geant4 hold the same steps.
+#[test]
+fn layouts_are_equal() {
+    let bits = |integer: u32| f32::from_bits(integer);
+    let mut rows = vec![
+        [bits(15), bits(9), bits(7), bits(300), 10.0, 20.0, 30.0, 5.0, 13.0, 26.0, 26.0, 40.0],
+        [bits(16), bits(9), bits(7), bits(200), 10.0, 20.0, 30.0, 5.0, 13.0, 26.0, 26.0, 40.0],
+    ];
+    let ends = [
+        [bits(11), -1.0, 1.0, 250.0, 1.25, 0.0, 0.0, 0.9, 0.2, 3.0, 2.0, 200.0],
+        [bits(11), -1.0, 1.0, 225.0, bits(1), 0.0, 0.0, 0.0, 6.0, 0.0, 0.0, 0.0],
+    ];
+    let opticks: Vec<f32> = rows.drain(..).zip(ends).flat_map(|(a, b)| a.into_iter().chain(b)).collect();
+    let steps = from_opticks(&opticks).unwrap();
+    let expected = cerenkov(1.25, [3.0, 2.0]);
+    assert_eq!(steps[0], Genstep { photons: 300, ..expected });
+    let light = scintillation(Some(1), 6.0, None);
+    assert_eq!(steps[1], Genstep { photons: 200, velocity: [225.0; 2], ..light });
+    // 1/beta from the mean velocity
+    let mean = LIGHT_SPEED / 1.25;
+    let common = [7.0, 300.0, -1.0, 40.0, mean + 10.0, -20.0, 13.0, 26.0, 26.0];
+    let row = |kind: f64, last: [f64; 2]| [&[kind, 10.0, 20.0, 30.0, 5.0], &common[..], &last[..]].concat();
+    let steps = from_geant4(&[row(15.0, [3.0, 2.0]), row(16.0, [6.0, 2.0])].concat()).unwrap();
+    let velocity = [mean + 10.0, mean - 10.0];
+    let EmissionProcess::Cerenkov { inverse_beta, .. } = steps[0].process else { panic!("a Cerenkov step") };
+    assert!((inverse_beta - 1.25).abs() < 1e-15);
+    assert_eq!(steps[0], Genstep { photons: 300, velocity, ..cerenkov(inverse_beta, [3.0, 2.0]) });
+    assert_eq!(steps[1], Genstep { photons: 300, velocity, ..scintillation(None, 6.0, Some(2.0)) });
+    let unknown = from_geant4(&row(6.0, [0.0; 2])).unwrap_err().to_string();
+    assert!(unknown.contains("genstep 0 is of the kind 6: the kinds are 15"), "{unknown}");
+    let broken = from_geant4(&row(15.0, [0.0; 2]).into_iter().map(|x| x + 0.5).collect::<Vec<_>>());
+    assert!(broken.is_err());
+}
+
+/// The bits of photons of gensteps and of a volume do not depend on threads and ranges; events differ.
+#[test]
+fn gensteps_are_reproducible() {
+    let detector = slab();
+    let empty = Genstep { photons: 0, ..cerenkov(1.2, [1.0, 1.0]) };
+    let steps = [
+        Genstep { photons: 3000, ..cerenkov(1.2, [1.0, 1.0]) },
+        empty,
+        Genstep { photons: 7000, ..scintillation(None, 0.0, None) },
+        empty,
+    ];
+    let gensteps = resolved(&detector, &steps).unwrap();
+    assert_eq!([0, 2999, 3000, 9999].map(|photon| gensteps.parent(photon)), [0, 0, 2, 2]);
+    let source = Source::Gensteps(gensteps);
+    let whole = photons_of(&detector, &source, &settings(10_000));
+    let parts = [0..1, 1..2999, 2999..3002, 3002..10_000];
+    let parts: Vec<Photon> = parts
+        .into_iter()
+        .flat_map(|range| photons_of(&detector, &source, &RunSettings::new(range)))
+        .collect();
+    assert_eq!(parts, whole);
+    let other = photons_of(&detector, &source, &RunSettings { event: 1, ..settings(10_000) });
+    assert!(whole.iter().zip(&other).all(|(a, b)| a.direction != b.direction));
+    let one = run(&detector, &source, &RunSettings { threads: NonZeroUsize::new(1), ..settings(10_000) });
+    let three = run(&detector, &source, &RunSettings { threads: NonZeroUsize::new(3), ..settings(10_000) });
+    assert_eq!(one, three);
+    let beyond = rayweave_photon::simulate(
+        &detector,
+        &Packets::new(detector.program().clone()),
+        &source,
+        &RunSettings::new(0..10_001),
+    );
+    assert!(beyond.unwrap_err().to_string().contains("the source has 10000 photons"));
+}
+
+/// Materials by name, by the middle of the steps, and the messages about those that do not fit.
+#[test]
+fn materials_are_found_or_refused() {
+    let detector = slab();
+    let evaluator = Packets::new(detector.program().clone());
+    let step = cerenkov(1.2, [1.0, 1.0]);
+    let with = |steps: &[Genstep], names: &[(u32, &str)]| {
+        let names = names.iter().map(|(number, name)| (*number, (*name).to_owned())).collect();
+        Gensteps::new(&detector, &evaluator, steps, &names)
+    };
+    let fails = |steps: &[Genstep], names: &[(u32, &str)], text: &str| {
+        let message = with(steps, names).unwrap_err().to_string();
+        assert!(message.contains(text), "{message}");
+    };
+    assert_eq!(with(&[step], &[(7, "Inner")]).unwrap().photons(), u64::from(COUNT));
+    fails(&[step], &[(7, "Iner")], "no material is called `Iner`");
+    fails(&[step], &[(7, "Outer")], "genstep 0 is invalid: 1/beta = 1.2 is not below the RINDEX of `Outer`");
+    let outside = Genstep { position: Vec3::new(0.0, 0.0, -100.0), ..step };
+    fails(&[step, outside], &[], "steps with this number are in `Inner` and in `Outer`. State the names");
+    let beyond = Genstep { position: Vec3::new(0.0, 0.0, 9000.0), material: 8, ..step };
+    fails(&[step, beyond], &[], "genstep 1 is not known: the middle of the step is outside the world");
+    fails(&[scintillation(Some(3), 6.0, None)], &[], "has no SCINTILLATIONCOMPONENT3");
+    fails(
+        &[scintillation(None, 7.0, None)],
+        &[],
+        "no scintillation of its material `Inner` has the time constant 7 ns",
+    );
+    fails(&[scintillation(Some(1), 6.0, None)], &[(7, "Outer")], "has no SCINTILLATIONCOMPONENT1");
+    for (bad, text) in [
+        (Genstep { time: f64::NAN, ..step }, "its time and charge must be finite"),
+        (Genstep { step_length: -1.0, ..step }, "the length of its step"),
+        (Genstep { velocity: [0.0, 0.0], ..step }, "its velocity is 0"),
+        (Genstep { displacement: Vec3::ZERO, ..step }, "a Cerenkov step needs a displacement"),
+        (cerenkov(0.9, [1.0, 1.0]), "1/beta must be finite and at least 1"),
+        (cerenkov(1.2, [f64::INFINITY, 1.0]), "its mean numbers of photons"),
+        (scintillation(Some(1), -1.0, None), "its time constants"),
+    ] {
+        fails(&[bad], &[], text);
+    }
+    let most = vec![Genstep { photons: u32::MAX, ..step }; 2];
+    fails(&most, &[], "an event has at most 4294967296");
+    // a number of photons that the index does not explain
+    let mean = 36.981 * 40.0 * integral(5.0, 1.2);
+    let stated = |photons: f64| with(&[Genstep { photons: photons as u32, ..step }], &[]).unwrap();
+    assert!(stated(mean).notes().is_empty());
+    let note = stated(2.0 * mean).notes().join(" ");
+    assert!(note.contains("Cerenkov photons, of which its RINDEX explains"), "{note}");
+}
+
+/// Photons in the layout of Opticks: float32 vectors are made unit vectors, and an absent polarisation random.
+#[test]
+fn photons_are_read() {
+    let row = [1.0, 2.0, 50.0, 4.0, 0.6, 0.0, 0.8, 1.0, 0.8, 0.0, -0.600_01, 500.0, 0.0, 0.0, 0.0, 0.0];
+    let mut unpolarised = row;
+    unpolarised[8..11].fill(0.0);
+    let photons = photons_from_opticks(&[row, unpolarised].concat()).unwrap();
+    assert!((photons[0].polarisation - Vec3::new(0.8, 0.0, -0.6)).length() < 1e-4);
+    assert!(photons[0].polarisation.dot(photons[0].direction).abs() < 1e-15);
+    assert!((photons[0].energy - HC_MEV_NM / 500.0).abs() < 1e-20);
+    let emitted = photons_of(&slab(), &Source::Photons(photons.clone()), &settings(2));
+    assert_eq!(emitted[0], photons[0]);
+    assert!((emitted[1].polarisation.length() - 1.0).abs() < 1e-14);
+    assert!(emitted[1].polarisation.dot(emitted[1].direction).abs() < 1e-14);
+    for (k, value, text) in [
+        (0, f64::NAN, "its position and time must be finite"),
+        (6, 0.0, "its direction must have length 1"),
+        (8, 0.9, "its polarisation must have length 1"),
+        (11, 0.0, "its wavelength must be positive"),
+    ] {
+        let mut bad = row;
+        bad[k] = value;
+        let message = photons_from_opticks(&[row, bad].concat()).unwrap_err().to_string();
+        assert!(message.contains("photon 1 is invalid") && message.contains(text), "{message}");
+    }
+}
+
+/// The names of properties before version 11 of Geant4 are read, with notes.
+#[test]
+fn former_names_are_read() {
+    let slab = SlabDetector {
+        matrices: r#"<matrix name="BAND" coldim="2" values="2*eV 1 3*eV 1"/>
+<matrix name="TIME" coldim="1" values="6*ns"/><matrix name="RATIO" coldim="1" values="0.8"/>"#,
+        inner: r#"<property name="RINDEX" ref="GLASS"/><property name="FASTCOMPONENT" ref="BAND"/>
+<property name="SLOWCOMPONENT" ref="BAND"/><property name="FASTTIMECONSTANT" ref="TIME"/>
+<property name="YIELDRATIO" ref="RATIO"/>"#,
+        ..CLEAR
+    }
+    .build();
+    let material = slab.materials().iter().find(|material| material.name == "Inner").unwrap();
+    let found: Vec<_> = material.scintillation.iter().map(|c| (c.number, c.time, c.share)).collect();
+    assert_eq!(found, [(1, Some(6.0), 0.8), (2, None, 1.0 - 0.8)]);
+    let notes = slab.notes().join("\n");
+    assert!(
+        notes.contains("`FASTCOMPONENT` is read as `SCINTILLATIONCOMPONENT1`, its name since"),
+        "{notes}"
+    );
+    assert!(notes.contains("`YIELDRATIO` is read as `SCINTILLATIONYIELD1` = 0.8"), "{notes}");
+}

@@ -1,0 +1,231 @@
+//! Torches against the distributions that they are defined by.
+
+use crate::{
+    CLEAR, SlabDetector, assert_binomial, assert_distribution, detector, photons_of, settings, uniform,
+};
+use rayweave_math::Vec3;
+use rayweave_photon::property::wavelength_nm;
+use rayweave_photon::{
+    Detector, Directions, LinearDensity, Origin, Photon, Pulse, RunSettings, Source, SourceVolume, Torch,
+    Wavelengths, check_start,
+};
+use rayweave_trace::Packets;
+use std::f64::consts::{PI, TAU};
+
+const COUNT: usize = 20_000;
+
+const GREEN: Wavelengths = Wavelengths::Single(520.0);
+
+fn emitted(torch: Torch) -> Vec<Photon> {
+    photons_of(&CLEAR.build(), &Source::Torch(torch), &settings(COUNT))
+}
+
+fn point() -> Torch {
+    Torch::point(Vec3::new(1.0, 2.0, 30.0), 420.0).unwrap()
+}
+
+/// A hollow ball with the radii 50 mm and 100 mm in a box.
+fn hollow_ball() -> Detector {
+    let text = CLEAR
+        .text()
+        .replace(r#"<box name="SlabBox" x="1000" y="1000" z="100" lunit="mm"/>"#, SHELL)
+        .replace(r#"<position name="p" z="50" unit="mm"/>"#, r#"<position name="p" x="20" unit="mm"/>"#);
+    detector(&text).unwrap()
+}
+
+const SHELL: &str =
+    r#"<sphere name="SlabBox" rmin="50" rmax="100" deltaphi="360" deltatheta="180" aunit="deg" lunit="mm"/>"#;
+
+fn positions(detector: &Detector, volume: SourceVolume) -> Vec<Vec3> {
+    let torch = Torch::new(Origin::Volume(volume), GREEN).unwrap();
+    let photons = photons_of(detector, &Source::Torch(torch), &settings(COUNT));
+    photons.iter().map(|photon| photon.position).collect()
+}
+
+#[test]
+fn a_disc_is_uniform() {
+    let (centre, axis) = (Vec3::new(5.0, -3.0, 20.0), Vec3::new(1.0, 2.0, 2.0) / 3.0);
+    let torch = Torch::new(Origin::Disc { centre, axis: 7.0 * axis, radius: 30.0 }, GREEN).unwrap();
+    let photons = emitted(torch);
+    let away: Vec<Vec3> = photons.iter().map(|photon| photon.position - centre).collect();
+    assert!(away.iter().all(|away| away.dot(axis).abs() < 1e-12 && away.length() <= 30.0 + 1e-12));
+    assert_distribution(away.iter().map(|away| away.length()).collect(), |r| r * r / 900.0, "radius");
+    let x = Vec3::new(2.0, 1.0, -2.0) / 3.0;
+    let azimuth = |away: &Vec3| away.dot(axis.cross(x)).atan2(away.dot(x));
+    assert_distribution(away.iter().map(azimuth).collect(), uniform(-PI, PI), "azimuth");
+}
+
+#[test]
+fn a_line_is_uniform() {
+    let (from, to) = (Vec3::new(1.0, 0.0, -5.0), Vec3::new(4.0, 4.0, 7.0));
+    let photons = emitted(Torch::new(Origin::Line(from, to), GREEN).unwrap());
+    let along = |photon: &Photon| (photon.position - from).dot(to - from) / 169.0;
+    assert!(photons.iter().all(|p| (p.position - from - along(p) * (to - from)).length() < 1e-12));
+    assert_distribution(photons.iter().map(along).collect(), uniform(0.0, 1.0), "line");
+}
+
+#[test]
+fn a_volume_is_uniform() {
+    let detector = hollow_ball();
+    let evaluator = Packets::new(detector.program().clone());
+    let inside = positions(&detector, SourceVolume::inside(&detector, &evaluator, "Slab").unwrap());
+    let from_centre: Vec<Vec3> = inside.iter().map(|p| *p - Vec3::new(20.0, 0.0, 0.0)).collect();
+    let cube = |r: f64| (r.powi(3) - 50f64.powi(3)) / (100f64.powi(3) - 50f64.powi(3));
+    assert_distribution(from_centre.iter().map(|p| p.length()).collect(), cube, "radius");
+    for (axis, what) in (0..3).zip(["x", "y", "z"]) {
+        let cosines = from_centre.iter().map(|p| p[axis] / p.length());
+        assert_distribution(cosines.collect(), uniform(-1.0, 1.0), what);
+    }
+    // the mother without its daughter
+    let slab = CLEAR.build();
+    let evaluator = Packets::new(slab.program().clone());
+    let outside = positions(&slab, SourceVolume::inside(&slab, &evaluator, "World").unwrap());
+    let is_in_slab = |p: &Vec3| p.x.abs() < 500.0 && p.y.abs() < 500.0 && (0.0..100.0).contains(&p.z);
+    assert!(!outside.iter().any(is_in_slab));
+    let below = outside.iter().filter(|p| p.z < 0.0).count() as u64;
+    assert_binomial(below, COUNT as u64, 4.0 / 7.9, "below the slab");
+}
+
+/// The outer sphere has four times the area of the inner one; on each of them the cosines are uniform (Archimedes).
+#[test]
+fn a_surface_is_uniform() {
+    let detector = hollow_ball();
+    let evaluator = Packets::new(detector.program().clone());
+    let places = positions(&detector, SourceVolume::boundary(&detector, &evaluator, "Slab").unwrap());
+    let from_centre: Vec<Vec3> = places.iter().map(|p| *p - Vec3::new(20.0, 0.0, 0.0)).collect();
+    // 1 nm inside along a line, so between 1 nm and nothing below the surface
+    let is_outer = |p: &&Vec3| (100.0 - 1.001e-6..100.0).contains(&p.length());
+    let is_inner = |p: &&Vec3| (50.0..50.0 + 1.001e-6).contains(&p.length());
+    let outer: Vec<&Vec3> = from_centre.iter().filter(is_outer).collect();
+    assert_eq!(outer.len() + from_centre.iter().filter(is_inner).count(), COUNT);
+    assert_binomial(outer.len() as u64, COUNT as u64, 0.8, "outer sphere");
+    for (axis, what) in (0..3).zip(["x", "y", "z"]) {
+        let cosines = outer.iter().map(|p| p[axis] / p.length());
+        assert_distribution(cosines.collect(), uniform(-1.0, 1.0), what);
+    }
+    // faces of a box by their areas: two of 1000 x 1000 and four of 1000 x 100
+    let slab = CLEAR.build();
+    let evaluator = Packets::new(slab.program().clone());
+    let places = positions(&slab, SourceVolume::boundary(&slab, &evaluator, "Slab").unwrap());
+    let top: Vec<&Vec3> = places.iter().filter(|p| p.z > 100.0 - 2e-6).collect();
+    assert_binomial(top.len() as u64, COUNT as u64, 1.0 / 2.4, "top");
+    assert_distribution(top.iter().map(|p| p.x).collect(), uniform(-500.0, 500.0), "x of the top");
+    let side: Vec<f64> = places.iter().filter(|p| p.x > 500.0 - 2e-6).map(|p| p.z).collect();
+    assert_binomial(side.len() as u64, COUNT as u64, 0.1 / 2.4, "side");
+    assert!(side.len() < 1000 || side.iter().all(|z| (0.0..100.0).contains(z)));
+}
+
+#[test]
+fn directions_are_uniform_in_solid_angle() {
+    let axis = Vec3::new(2.0, -2.0, 1.0) / 3.0;
+    let photons = emitted(point());
+    for (k, what) in (0..3).zip(["x", "y", "z"]) {
+        assert_distribution(photons.iter().map(|p| p.direction[k]).collect(), uniform(-1.0, 1.0), what);
+    }
+    for half_angle in [20.0, 150.0] {
+        let cone = point().towards(Directions::Cone { axis, half_angle }).unwrap();
+        let photons = emitted(cone);
+        let cosines = photons.iter().map(|photon| photon.direction.dot(axis)).collect();
+        assert_distribution(cosines, uniform(half_angle.to_radians().cos(), 1.0), "cosine");
+    }
+    let beam = emitted(point().towards(Directions::Cone { axis: 3.0 * axis, half_angle: 0.0 }).unwrap());
+    assert!(beam.iter().all(|photon| (photon.direction - axis).length() < 1e-15));
+}
+
+#[test]
+fn polarisations_are_perpendicular() {
+    let is_transverse = |photon: &Photon| {
+        photon.polarisation.dot(photon.direction).abs() < 1e-14
+            && (photon.polarisation.length() - 1.0).abs() < 1e-14
+    };
+    let photons = emitted(point());
+    assert!(photons.iter().all(is_transverse));
+    let along_z = |p: &Photon| {
+        let x = p.direction.cross(Vec3::Z).normalize();
+        p.polarisation.dot(p.direction.cross(x)).atan2(p.polarisation.dot(x))
+    };
+    assert_distribution(photons.iter().map(along_z).collect(), uniform(-PI, PI), "azimuth of polarisation");
+    let vector = Vec3::new(1.0, 1.0, 0.0);
+    let photons = emitted(point().polarised(vector).unwrap());
+    assert!(photons.iter().all(is_transverse));
+    // in the plane of the vector and the direction, on the side of the vector
+    let is_in_plane = |p: &Photon| p.polarisation.dot(p.direction.cross(vector)).abs() < 1e-12;
+    assert!(photons.iter().all(|p| is_in_plane(p) && p.polarisation.dot(vector) > 0.0));
+    let beam = point().towards(Directions::Cone { axis: vector, half_angle: 0.0 }).unwrap();
+    assert!(beam.polarised(2.0 * vector).unwrap_err().to_string().contains("is parallel to the direction"));
+}
+
+#[test]
+fn spectra_have_their_densities() {
+    let nm = |wavelengths: Wavelengths| -> Vec<f64> {
+        let torch = Torch::new(Origin::Point(Vec3::ZERO), wavelengths).unwrap();
+        emitted(torch).iter().map(|photon| wavelength_nm(photon.energy)).collect()
+    };
+    assert_distribution(nm(Wavelengths::uniform(300.0, 700.0).unwrap()), uniform(300.0, 700.0), "uniform");
+    // rising from 0 at 400 to 2 at 500, then falling to 1 at 600: areas 100 and 150
+    let table = LinearDensity::new(vec![(600.0, 1.0), (400.0, 0.0), (500.0, 2.0)]).unwrap();
+    let integral = |x: f64| match x {
+        x if x < 500.0 => (x - 400.0).powi(2) / 100.0 / 250.0,
+        x => (100.0 + 2.0 * (x - 500.0) - (x - 500.0).powi(2) / 200.0) / 250.0,
+    };
+    assert_distribution(nm(Wavelengths::Density(table)), integral, "table");
+    let planck = |nm: f64| 1.0 / (nm.powi(4) * ((1.438_776_877e7 / (nm * 3000.0)).exp() - 1.0));
+    let upto = |nm: f64| simpson(planck, 300.0, nm, 2000);
+    let total = upto(1100.0);
+    assert_distribution(
+        nm(Wavelengths::black_body(3000.0, 300.0, 1100.0).unwrap())[..2000].to_vec(),
+        |nm| upto(nm) / total,
+        "black body",
+    );
+}
+
+/// Simpson's rule with an even number of intervals.
+pub(crate) fn simpson(f: impl Fn(f64) -> f64, from: f64, to: f64, intervals: usize) -> f64 {
+    let h = (to - from) / intervals as f64;
+    let weight = |k: usize| match k {
+        0 => 1.0,
+        k if k == intervals => 1.0,
+        k => 2.0 + 2.0 * (k % 2) as f64,
+    };
+    (0..=intervals).map(|k| weight(k) * f(from + h * k as f64)).sum::<f64>() * h / 3.0
+}
+
+#[test]
+fn times_have_their_distributions() {
+    let times = |interval, deviation, decay| -> Vec<f64> {
+        let photons = emitted(point().pulsed(Pulse { interval, deviation, decay }).unwrap());
+        photons.iter().map(|photon| photon.time).collect()
+    };
+    assert!(times([3.0, 3.0], 0.0, 0.0).iter().all(|time| *time == 3.0));
+    assert_distribution(times([3.0, 8.0], 0.0, 0.0), uniform(3.0, 8.0), "interval");
+    assert_distribution(times([2.0, 2.0], 0.0, 5.0), |t| 1.0 - (-(t - 2.0) / 5.0).exp(), "decay");
+    let normal = |t: f64| simpson(|x| (-0.5 * x * x).exp() / TAU.sqrt(), -10.0, t.clamp(-10.0, 10.0), 400);
+    assert_distribution(times([0.0, 0.0], 1.0, 0.0), normal, "normal");
+    let bad = Pulse { interval: [1.0, 0.0], ..Pulse::default() };
+    assert!(point().pulsed(bad).unwrap_err().to_string().contains("must not end before it starts"));
+}
+
+#[test]
+fn places_without_an_index_are_reported() {
+    let opaque = SlabDetector { inner: "", ..CLEAR }.build();
+    let evaluator = Packets::new(opaque.program().clone());
+    let check = |origin: Origin| {
+        let source = Source::Torch(Torch::new(origin, GREEN).unwrap());
+        check_start(&opaque, &evaluator, &source, &RunSettings::new(0..500))
+    };
+    let inside = check(Origin::Point(Vec3::new(0.0, 0.0, 50.0))).unwrap_err().to_string();
+    assert!(inside.contains("in the volume `Slab` of material `Inner`, which has no RINDEX"), "{inside}");
+    let outside = check(Origin::Point(Vec3::new(0.0, 0.0, 5000.0))).unwrap_err().to_string();
+    assert!(outside.contains("is outside the world"), "{outside}");
+    assert_eq!(check(Origin::Point(Vec3::ZERO - 10.0 * Vec3::Z)).unwrap(), None);
+    let half = check(Origin::Line(Vec3::new(0.0, 0.0, -100.0), Vec3::new(0.0, 0.0, 100.0))).unwrap().unwrap();
+    assert!(half.contains(" of the first 500 photons end at once: photon "), "{half}");
+}
+
+#[test]
+fn unknown_and_thin_volumes_are_refused() {
+    let detector = CLEAR.build();
+    let evaluator = Packets::new(detector.program().clone());
+    let unknown = SourceVolume::inside(&detector, &evaluator, "Slap").unwrap_err().to_string();
+    assert_eq!(unknown, "no volume is called `Slap`: the names are World, Slab. Did you mean `Slab`?");
+}
