@@ -11,7 +11,7 @@ use rayweave_error::{Classified, ErrorKind};
 pub enum DesignError {
     /// Text that names no parameter.
     #[error(
-        "`{0}` is no parameter: radius, curvature, thickness, conic, index, r^1 to r^16 have the number of a surface, as `radius 2`; decentre x, decentre y, tilt x, tilt y that of one or of several, as `tilt x 3-4`."
+        "`{0}` is not a parameter: radius, curvature, thickness, conic, index and r^1 to r^16 take the number of a surface, as `radius 2`; decentre x, decentre y, tilt x and tilt y take one surface or a range, as `tilt x 3-4`."
     )]
     NoParameter(String),
     /// A parameter that the prescription does not have.
@@ -33,7 +33,7 @@ pub enum DesignError {
         range: &'static str,
     },
     /// An empty list where at least one entry is needed.
-    #[error("there is no {0}: at least one is needed.")]
+    #[error("there is no {0}: at least one is required.")]
     None(&'static str),
     /// The merit function has no finite value at the start.
     #[error("the search cannot begin: {0}")]
