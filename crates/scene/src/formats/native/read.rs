@@ -43,8 +43,8 @@ pub(crate) fn read(source: Arc<Source>) -> Reading {
         problems,
         unreadable: HashSet::new(),
     };
-    reader.top(&source, table);
     let broken = !errors.is_empty();
+    reader.top(&source, table, broken);
     if broken {
         reader.add_syntax_errors(&errors);
     }
@@ -83,24 +83,24 @@ impl Reader {
         let mut seen = HashSet::new();
         for error in errors {
             if seen.insert((span(error), error.message())) {
-                let problem = Diagnostic::error(error.message()).why("the text is not TOML here");
+                let problem = Diagnostic::error("invalid TOML").why(error.message());
                 self.problems.push(problem, span(error));
             }
         }
     }
 
-    fn top(&mut self, source: &Source, table: Table) {
+    fn top(&mut self, source: &Source, table: Table, broken: bool) {
         let sections = Sections::new(source, &table);
         let foreign: Vec<String> = table
             .iter()
             .map(|entry| if self.is_foreign(entry) { sections.text(entry) } else { String::new() })
             .collect();
         let stated = table.iter().any(|(key, _)| key.value == "rayweave");
-        if !stated {
-            let problem =
-                Diagnostic::warning("the file does not say which version of the format it is written in")
-                    .why("formats change")
-                    .suggest(Some("begin with `rayweave = 1`".to_owned()));
+        // with syntax errors the key may be one of the entries that cannot be read
+        if !stated && !broken {
+            let problem = Diagnostic::warning("the format version is missing")
+                .why("future versions may read the file differently")
+                .suggest(Some("add `rayweave = 1` as the first line".to_owned()));
             self.problems.list.push(problem.in_file(&self.problems.source.clone()));
         }
         for ((key, value), text) in table.into_iter().zip(foreign) {
