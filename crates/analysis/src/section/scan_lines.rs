@@ -1,4 +1,4 @@
-//! ScanLines: the rays that sweep a plane, refined where neighbours differ.
+//! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
@@ -64,16 +64,16 @@ enum Gap {
 /// Refinement stops at this number of scan lines; a sweep has fewer than twice as many.
 const MAX_COLUMNS: usize = 1 << 20;
 
-/// ScanLines per batch.
+/// Scan lines per batch.
 const CHUNK: usize = 1024;
 
-/// A sweep.
+/// The scan lines of one section.
 pub struct ScanLines<'a, E: Evaluator> {
     evaluator: &'a E,
     scratch: E::Scratch,
     cut: &'a Cut,
     window: &'a SectionWindow,
-    sweep: &'a SectionRun,
+    run: &'a SectionRun,
 }
 
 impl<'a, E: Evaluator> ScanLines<'a, E> {
@@ -81,9 +81,9 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         evaluator: &'a E,
         cut: &'a Cut,
         window: &'a SectionWindow,
-        sweep: &'a SectionRun,
+        run: &'a SectionRun,
     ) -> ScanLines<'a, E> {
-        ScanLines { evaluator, scratch: evaluator.scratch(), cut, window, sweep }
+        ScanLines { evaluator, scratch: evaluator.scratch(), cut, window, run }
     }
 
     /// Traces and refines all scan lines; returns them from left to right.
@@ -170,8 +170,8 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
 
     /// Traces the scan lines at some positions; on this thread if they are few.
     fn trace_scan_lines(&mut self, places: &[f64]) -> Result<Vec<ScanLine>, SectionError> {
-        let (tracer, sweep) = (ScanLineTracer::new(self.evaluator, self.cut, self.window), self.sweep);
-        if sweep.cancel.is_cancelled() {
+        let (tracer, run) = (ScanLineTracer::new(self.evaluator, self.cut, self.window), self.run);
+        if run.cancel.is_cancelled() {
             return Err(SectionError::Cancelled);
         }
         if places.len() <= 2 * CHUNK {
@@ -184,9 +184,9 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
             Ok::<(), Infallible>(())
         };
         let scratch = || self.evaluator.scratch();
-        let run =
-            drive(thread_count(sweep.threads), &sweep.cancel, places.chunks(CHUNK), scratch, work, merge);
-        match run {
+        let outcome =
+            drive(thread_count(run.threads), &run.cancel, places.chunks(CHUNK), scratch, work, merge);
+        match outcome {
             Ok(()) => Ok(all),
             Err(Stopped::Cancelled) => Err(SectionError::Cancelled),
             Err(Stopped::Failed(never)) => match never {},
