@@ -63,7 +63,7 @@ impl LocalPaths {
         let cargo = cargo.or_else(|| home.as_ref().map(|home| home.join(".cargo")));
         let sysroot = process::output(Command::new("rustc").args(["--print", "sysroot"]))?;
         let all = [
-            (home, "/home"),
+            (home, "/anon"),
             (cargo, "/cargo"),
             (Some(PathBuf::from(sysroot.trim())), "/rust"),
             (Some(repository.root.clone()), "/rayweave"),
@@ -116,12 +116,12 @@ mod tests {
     use super::*;
 
     fn paths() -> LocalPaths {
-        LocalPaths(vec![("/users/ann".into(), "/home"), ("/users/ann/.cargo".into(), "/cargo")])
+        LocalPaths(vec![("/users/ann".into(), "/anon"), ("/users/ann/.cargo".into(), "/cargo")])
     }
 
     #[test]
     fn paths_in_files_are_found() {
-        assert_eq!(paths().first_in(b"\x7fELF /home/x /cargo/y.rs /users/anna/z.rs"), None);
+        assert_eq!(paths().first_in(b"\x7fELF /anon/x /cargo/y.rs /users/anna/z.rs"), None);
         let found = paths().first_in(b"\x7fELF\0/users/ann/.cargo/registry/x.rs:1").unwrap();
         assert!(found.starts_with("/users/ann/.cargo/registry/x.rs"), "{found}");
         let folder = env::temp_dir().join(format!("xtask-dist-{}", std::process::id()));
@@ -143,7 +143,7 @@ mod tests {
         paths().hide(&mut cargo, Path::new("/t"));
         let arguments: Vec<_> = cargo.get_args().map(|word| word.to_str().unwrap()).collect();
         let flags =
-            "[\"--remap-path-prefix=/users/ann=/home\",\"--remap-path-prefix=/users/ann/.cargo=/cargo\"]";
+            "[\"--remap-path-prefix=/users/ann=/anon\",\"--remap-path-prefix=/users/ann/.cargo=/cargo\"]";
         assert_eq!(arguments, ["--config", &format!("target.'cfg(all())'.rustflags={flags}")]);
     }
 }

@@ -36,7 +36,7 @@ pub fn real_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<RealA
     match array.dtype().kind() {
         b'f' if array.dtype().itemsize() == size_of::<f32>() => converted(&array).map(RealArray::Single),
         b'f' | b'i' | b'u' => converted(&array).map(RealArray::Double),
-        _ => Err(bad_type(format!("{name} has dtype {}: real numbers are needed.", array.dtype()))),
+        _ => Err(bad_type(format!("{name} has dtype {}: its numbers must be real.", array.dtype()))),
     }
 }
 
@@ -60,7 +60,7 @@ pub fn list(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let array = double_array(object, name)?;
     if array.ndim() != 1 {
         let shape = shape_text(array.shape());
-        return Err(bad_value(format!("{name} has shape {shape}: a list of numbers is needed.")));
+        return Err(bad_value(format!("{name} has shape {shape}: it must be a list of numbers.")));
     }
     let array = array.try_readonly().map_err(bad_value)?;
     // an array may be larger than its memory, by a stride of 0
@@ -104,7 +104,7 @@ fn as_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, 
     match module.call_method1("asarray", (object,)) {
         Ok(array) => Ok(array.cast_into()?),
         Err(error) if error.is_instance_of::<PyValueError>(py) => {
-            Err(bad_value(format!("{name} is no array of numbers: {}.", error.value(py))))
+            Err(bad_value(format!("{name} is not an array of numbers: {}.", error.value(py))))
         }
         Err(error) => Err(error),
     }

@@ -169,7 +169,7 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
         if run_query(self.py, &self.evaluator, self.chunking, self.chunking.ranges(), work, merge)? {
             Ok(())
         } else {
-            Err(self.rays.refusal())
+            Err(self.rays.invalid_input())
         }
     }
 

@@ -189,7 +189,7 @@ impl QueryOptions {
 pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
     let number: i64 = threads
         .extract()
-        .map_err(|_| bad_type(format!("threads is {}: a whole number is needed.", threads.get_type())))?;
+        .map_err(|_| bad_type(format!("threads is {}: it must be a whole number.", threads.get_type())))?;
     usize::try_from(number)
         .ok()
         .and_then(NonZeroUsize::new)

@@ -138,7 +138,7 @@ fn output<'a, 'py, T: Element>(out: &'a Bound<'py, PyAny>, shape: &[usize]) -> P
             Err(_) => out.get_type().to_string(),
         };
         return Err(bad_type(format!(
-            "out is {found}: an array of dtype {} is needed.",
+            "out is {found}: it must be an array of dtype {}.",
             T::get_dtype(out.py())
         )));
     };
@@ -178,7 +178,7 @@ fn regularize_from(object: &Bound<'_, PyAny>) -> PyResult<Regularize<f64>> {
     match object.extract::<f64>() {
         Ok(min_sep) => Ok(Regularize::Weld(min_sep)),
         Err(_) => Err(bad_type(format!(
-            "regularize is {}: True, False or the least length of a piece is needed.",
+            "regularize is {}: it must be True, False or the least length of a piece.",
             object.get_type()
         ))),
     }

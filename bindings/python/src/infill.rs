@@ -63,7 +63,7 @@ pub fn infill_columns<'py>(
                 (None, Some(height)) => Layers::Every(height),
                 _ => {
                     return Err(bad_value(
-                        "either layers or layer_height is needed: a solid is filled at heights.",
+                        "layers or layer_height must be given, but not both: a solid is filled layer by layer.",
                     ));
                 }
             };
@@ -87,7 +87,7 @@ fn program_of(subject: &Bound<'_, PyAny>) -> PyResult<Arc<Program>> {
     match subject.cast::<PyModel>() {
         Ok(model) => model.get().compiled(py).map(|(_, engine)| program(engine)),
         Err(_) => Err(bad_type(format!(
-            "subject is {}: a Solid, a Model or Polygons is needed.",
+            "subject is {}: it must be a Solid, a Model or Polygons.",
             subject.get_type()
         ))),
     }

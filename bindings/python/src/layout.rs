@@ -4,12 +4,16 @@
 use fearless_simd::{Level, dispatch};
 
 /// Copies rows of vectors into columns; true if `accepts` every one of them.
-pub fn separate(rows: &[[f64; 3]], columns: [&mut [f64]; 3], accepts: impl Fn([f64; 3]) -> bool) -> bool {
-    dispatch!(Level::new(), _simd => separate_here(rows, columns, accepts))
+pub fn deinterleave(rows: &[[f64; 3]], columns: [&mut [f64]; 3], accepts: impl Fn([f64; 3]) -> bool) -> bool {
+    dispatch!(Level::new(), _simd => deinterleave_here(rows, columns, accepts))
 }
 
 #[inline(always)]
-fn separate_here(rows: &[[f64; 3]], [x, y, z]: [&mut [f64]; 3], accepts: impl Fn([f64; 3]) -> bool) -> bool {
+fn deinterleave_here(
+    rows: &[[f64; 3]],
+    [x, y, z]: [&mut [f64]; 3],
+    accepts: impl Fn([f64; 3]) -> bool,
+) -> bool {
     // as wide as the components, which avoids conversions of lanes
     let mut refused = 0_u64;
     for (((row, x), y), z) in rows.iter().zip(x).zip(y).zip(z) {
@@ -20,7 +24,7 @@ fn separate_here(rows: &[[f64; 3]], [x, y, z]: [&mut [f64]; 3], accepts: impl Fn
 }
 
 /// Copies columns into rows of vectors.
-pub fn join([x, y, z]: [&[f64]; 3], rows: &mut [[f64; 3]]) {
+pub fn interleave([x, y, z]: [&[f64]; 3], rows: &mut [[f64; 3]]) {
     dispatch!(Level::new(), _simd => {
         for (((row, x), y), z) in rows.iter_mut().zip(x).zip(y).zip(z) {
             *row = [*x, *y, *z];

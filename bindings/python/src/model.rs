@@ -119,8 +119,7 @@ pub fn load_model(
 }
 
 fn format_of(name: &str) -> PyResult<Format> {
-    let reason =
-        || bad_value(format!("no format is called '{name}': there is {}.", Format::NAMES.join(", ")));
+    let reason = || bad_value(format!("unknown format '{name}': it can be {}.", Format::NAMES.join(", ")));
     Format::from_name(name).ok_or_else(reason)
 }
 
@@ -156,7 +155,7 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
         Err(_) => match value.extract::<f64>() {
             Ok(number) => Ok(format!("{number:?}")),
             Err(_) => Err(bad_type(format!(
-                "parameters['{name}'] is {}: a number or arithmetic text is needed.",
+                "parameters['{name}'] is {}: it must be a number or arithmetic text.",
                 value.get_type()
             ))),
         },

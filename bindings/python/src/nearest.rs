@@ -46,7 +46,7 @@ pub fn nearest<'py>(
         let work = |worker: &mut Worker<'_, Scratch>, places: Places<'_>| question.answer(worker, places);
         run_query(py, &evaluator, chunking, chunks, work, |()| Ok(()))
     })?;
-    if done { answer.into_python(engine, None) } else { Err(rays.refusal()) }
+    if done { answer.into_python(engine, None) } else { Err(rays.invalid_input()) }
 }
 
 struct Question<'a> {

@@ -49,7 +49,7 @@ fn numbers(occurrences: &Bound<'_, PyAny>) -> PyResult<Vec<i64>> {
     }
     let wrong = |_| {
         let kind = occurrences.get_type();
-        bad_type(format!("occurrences is {kind}: an array or a list of whole numbers is needed."))
+        bad_type(format!("occurrences is {kind}: it must be an array or a list of whole numbers."))
     };
     occurrences.extract().map_err(wrong)
 }

@@ -7,7 +7,7 @@ use rayweave::model::{Evaluator, RegionId};
 use crate::arrays::fresh_flags;
 use crate::engine::{BLOCK, Engine, QueryOptions, Worker, inside, run_query};
 use crate::error::bad_value;
-use crate::rays::{Columns, Rows, Vectors, refusal};
+use crate::rays::{Columns, Rows, Vectors, invalid_input};
 
 type PointWorker<'e> = Worker<'e, (Columns, Vec<RegionId>)>;
 
@@ -29,7 +29,7 @@ pub fn contains<'py>(
         .map(move |range| (range.start, rest.split_off_mut(..range.len()).unwrap_or_default()));
     let work = |worker: &mut PointWorker<'_>, chunk| write(worker, rows, chunk);
     if !run_query(py, &evaluator, chunking, chunks, work, |()| Ok(()))? {
-        return Err(refusal(&[&vectors]));
+        return Err(invalid_input(&[&vectors]));
     }
     drop(flags);
     Ok(answer)

@@ -43,9 +43,9 @@ pub fn region_from_polygons(
         -1 => Side::Inside,
         other => return Err(bad_value(format!("outside is {other}: it must be +1 or -1."))),
     };
-    let each = contours
-        .try_iter()
-        .map_err(|_| bad_type(format!("contours is {}: a list of arrays is needed.", contours.get_type())))?;
+    let each = contours.try_iter().map_err(|_| {
+        bad_type(format!("contours is {}: it must be a list of arrays.", contours.get_type()))
+    })?;
     let contours: Vec<Vec<[f64; 2]>> =
         each.enumerate().map(|(k, contour)| vertices(&contour?, k)).collect::<PyResult<_>>()?;
     py.detach(|| from_polygons(&contours, side)).map(PyPolygons).map_err(bad_value)
@@ -58,7 +58,7 @@ fn vertices(object: &Bound<'_, PyAny>, number: usize) -> PyResult<Vec<[f64; 2]>>
         [_, 2] | [0] => {}
         shape => {
             let shape = shape_text(shape);
-            return Err(bad_value(format!("{name} has shape {shape}: (N, 2) is needed.")));
+            return Err(bad_value(format!("{name} has shape {shape}: it must be (N, 2).")));
         }
     }
     let array = array.try_readonly().map_err(bad_value)?;
@@ -69,7 +69,7 @@ fn vertices(object: &Bound<'_, PyAny>, number: usize) -> PyResult<Vec<[f64; 2]>>
 fn pair(object: &Bound<'_, PyAny>, name: &str) -> PyResult<[f64; 2]> {
     let numbers = list(object, name)?;
     let found = numbers.len();
-    numbers.try_into().map_err(|_| bad_value(format!("{name} has {found} numbers: 2 are needed.")))
+    numbers.try_into().map_err(|_| bad_value(format!("{name} has {found} numbers: it must have 2.")))
 }
 
 #[pymethods]

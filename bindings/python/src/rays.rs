@@ -10,19 +10,19 @@ use rayweave::model::Rays;
 
 use crate::arrays::{double_array, shape_text};
 use crate::error::bad_value;
-use crate::layout::separate;
+use crate::layout::deinterleave;
 
 /// Requirements on the components of vectors.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     /// The components are finite and not too large.
     Point,
-    /// In addition, the components are not all zero.
+    /// In addition, the largest component is at least [`Ray::MIN_DIRECTION`] in magnitude.
     Direction,
 }
 
 impl Kind {
-    /// True if a vector is valid. NaN is in no range.
+    /// True if a vector is valid. NaN is rejected.
     #[inline(always)]
     fn accepts(self, [x, y, z]: [f64; 3]) -> bool {
         let (x, y, z) = (x.abs(), y.abs(), z.abs());
@@ -65,7 +65,7 @@ impl<'py> Vectors<'py> {
             [3] => (array.reshape([1, 3])?.into_any(), true),
             other => {
                 let shape = shape_text(other);
-                return Err(bad_value(format!("{name} has shape {shape}: (N, 3) or (3,) is needed.")));
+                return Err(bad_value(format!("{name} has shape {shape}: it must be (N, 3) or (3,).")));
             }
         };
         let rows = rows.cast_into::<PyArray2<f64>>()?;
@@ -86,11 +86,11 @@ impl<'py> Vectors<'py> {
         self.rows.as_array().nrows()
     }
 
-    /// The problem of the first invalid vector.
+    /// The error for the first invalid vector; components out of range have priority.
     pub fn problem(&self) -> Option<PyErr> {
         let view = self.rows.as_array();
         let first_bad = |kind: Kind| (0..view.nrows()).find(|&i| !kind.accepts(row(view, i)));
-        // a component out of range has priority over a length, wherever it is
+        // components out of range are reported before directions that are too short, even at a later row
         let i = first_bad(Kind::Point).or_else(|| first_bad(self.kind))?;
         let [x, y, z] = row(view, i);
         let place = if self.single { self.name.to_owned() } else { format!("{}[{i}]", self.name) };
@@ -102,7 +102,7 @@ impl<'py> Vectors<'py> {
             ),
             () if [x, y, z] == [0.0; 3] => format!("{place} has length 0: a ray needs a direction."),
             () => format!(
-                "{place} is ({x:?}, {y:?}, {z:?}): its length must be at least {:e}.",
+                "{place} is ({x:?}, {y:?}, {z:?}): its largest component must be at least {:e} in magnitude.",
                 Ray::MIN_DIRECTION
             ),
         }))
@@ -113,11 +113,14 @@ fn row(view: ArrayView2<'_, f64>, i: usize) -> [f64; 3] {
     [view[[i, 0]], view[[i, 1]], view[[i, 2]]]
 }
 
-/// The problem of arrays with rejected components.
-pub fn refusal(arrays: &[&Vectors<'_>]) -> PyErr {
+/// The error for the first invalid vector of the arrays.
+pub fn invalid_input(arrays: &[&Vectors<'_>]) -> PyErr {
     let problem = arrays.iter().find_map(|vectors| vectors.problem());
-    problem.unwrap_or_else(|| bad_value("an array was changed while it was read: by another thread."))
+    problem.unwrap_or_else(|| bad_value(CHANGED))
 }
+
+/// The error if all vectors are valid when they are read again.
+const CHANGED: &str = "an array was modified during the query: another thread wrote to it. Pass a copy.";
 
 /// Rows of three components in any layout.
 #[derive(Clone, Copy)]
@@ -145,8 +148,7 @@ pub struct RayArrays<'py> {
 }
 
 impl<'py> RayArrays<'py> {
-    /// Both arrays together, broadcast to as many rays as the longer of the two has; their lengths must be equal, or one
-    /// of them 1.
+    /// Pairs origins with directions. Their lengths must be equal, or one of them 1, which is broadcast.
     pub fn new([origins, directions]: [&Bound<'py, PyAny>; 2]) -> PyResult<Self> {
         let origins = Vectors::points(origins, "origins")?;
         let directions = Vectors::directions(directions, "directions")?;
@@ -155,11 +157,11 @@ impl<'py> RayArrays<'py> {
             (1, n) | (n, 1) => n,
             (a, b) => {
                 return Err(bad_value(format!(
-                    "there are {a} origins and {b} directions: as many of both, or one of either, are needed."
+                    "there are {a} origins and {b} directions: the numbers must be equal, or one of them 1."
                 )));
             }
         };
-        // without rays no vector is read, and so none is rejected
+        // with zero rays no block is read, so the vectors are validated here
         match (len == 0).then(|| origins.problem().or_else(|| directions.problem())).flatten() {
             Some(problem) => Err(problem),
             None => Ok(RayArrays { origins, directions, len }),
@@ -176,9 +178,9 @@ impl<'py> RayArrays<'py> {
         RayRows { origins: self.origins.rows(), directions: self.directions.rows() }
     }
 
-    /// The error for rays of which some were rejected.
-    pub fn refusal(&self) -> PyErr {
-        refusal(&[&self.origins, &self.directions])
+    /// The error for the first invalid ray.
+    pub fn invalid_input(&self) -> PyErr {
+        invalid_input(&[&self.origins, &self.directions])
     }
 }
 
@@ -196,11 +198,11 @@ impl RayRows<'_> {
     }
 }
 
-/// Validated rays or points of one block as columns; each thread reuses them during a query.
+/// The rays or points of a block as columns, validated; each thread reuses the memory during a query.
 #[derive(Default)]
 pub struct Columns {
-    origins: Three,
-    directions: Three,
+    origins: VectorColumns,
+    directions: VectorColumns,
 }
 
 impl Columns {
@@ -216,18 +218,18 @@ impl Columns {
     }
 }
 
-/// Columns of vectors.
+/// Three columns: the components of vectors.
 #[derive(Default)]
-struct Three {
+struct VectorColumns {
     columns: [Vec<f64>; 3],
 }
 
-impl Three {
+impl VectorColumns {
     /// Copies rows of vectors to the columns; `None` if a row is invalid.
     fn fill(&mut self, rows: Rows<'_>, block: Range<usize>) -> Option<[&[f64]; 3]> {
         let len = block.len();
         if self.columns[0].len() < len {
-            // columns that hold a broadcast vector are kept
+            // a broadcast vector is written once; later blocks reuse it
             let vector = rows.one.unwrap_or_default();
             self.columns.iter_mut().zip(vector).for_each(|(column, value)| column.resize(len, value));
         }
@@ -235,7 +237,9 @@ impl Three {
         let (x, y, z) = (&mut x[..len], &mut y[..len], &mut z[..len]);
         let ok = match (rows.one, rows.packed) {
             (Some(vector), _) => rows.kind.accepts(vector),
-            (None, Some(packed)) => separated(rows.kind, &packed[block], [&mut *x, &mut *y, &mut *z]),
+            (None, Some(packed)) => {
+                deinterleave_checked(rows.kind, &packed[block], [&mut *x, &mut *y, &mut *z])
+            }
             (None, None) => {
                 for (k, column) in [&mut *x, &mut *y, &mut *z].into_iter().enumerate() {
                     let values = rows.view.column(k);
@@ -249,10 +253,10 @@ impl Three {
 }
 
 /// Copies rows to columns; true if all are valid.
-fn separated(kind: Kind, rows: &[[f64; 3]], columns: [&mut [f64]; 3]) -> bool {
+fn deinterleave_checked(kind: Kind, rows: &[[f64; 3]], columns: [&mut [f64]; 3]) -> bool {
     // a specialised loop for each kind
     match kind {
-        Kind::Point => separate(rows, columns, |row| Kind::Point.accepts(row)),
-        Kind::Direction => separate(rows, columns, |row| Kind::Direction.accepts(row)),
+        Kind::Point => deinterleave(rows, columns, |row| Kind::Point.accepts(row)),
+        Kind::Direction => deinterleave(rows, columns, |row| Kind::Direction.accepts(row)),
     }
 }

@@ -188,7 +188,7 @@ fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
         let ray = seed::from_pair(sign, &[]);
         return ray.map(|ray| ray.start()).map_err(|error| bad_value(format!("start: {error}")));
     }
-    Err(bad_type(format!("start is {}: +1 or 'outside', -1 or 'inside' is needed.", start.get_type())))
+    Err(bad_type(format!("start is {}: it must be +1 or 'outside', -1 or 'inside'.", start.get_type())))
 }
 
 /// The least separation of two root times: see `rayweave.rootray.min_sep`.

@@ -49,7 +49,8 @@ impl PySection {
         self.section.plane.to_string()
     }
 
-    /// The coordinate along the axis of the plane, or the distance from its point along its normal.
+    /// Offset of the plane: its coordinate along the axis or, if it was given by a normal, its signed distance from `point` along
+    /// `normal`.
     #[getter]
     fn offset(&self) -> f64 {
         self.section.plane.offset()
@@ -67,18 +68,23 @@ impl PySection {
         self.numbers(py, |part| part.area)
     }
 
-    /// (P,) lengths of all lines around the parts.
+    /// (P,) perimeters of the parts, holes included.
     #[getter]
     fn perimeters<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.numbers(py, |part| part.perimeter)
     }
 
-    /// The contours of a part, each (N, 2): outlines counter-clockwise, holes clockwise; the last point is not the first again.
+    /// The contours of a part, each (N, 2): outlines counter-clockwise, holes clockwise; the first point is not repeated at the
+    /// end.
     #[pyo3(signature = (name) -> "tuple[NDArray[np.float64], ...]")]
     fn contours<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyTuple>> {
         let Some(part) = self.section.part(name) else {
-            let known = self.names().join(", ");
-            return Err(bad_value(format!("the section has no part '{name}': there is {known}.")));
+            let names = self.names();
+            let reason = match names.is_empty() {
+                true => "it is empty".to_owned(),
+                false => format!("its parts are {}", names.join(", ")),
+            };
+            return Err(bad_value(format!("the section has no part '{name}': {reason}.")));
         };
         let array = |contour: &Vec<[f64; 2]>| {
             let points = contour.as_flattened().to_vec();
@@ -110,7 +116,7 @@ impl PySection {
     }
 }
 
-/// Sections of a solid or a model by a plane at some offsets: see `rayweave.section`.
+/// Sections of a solid or a model by a plane, at the given offsets: see `rayweave.section`.
 #[pyfunction]
 #[pyo3(signature = (
     subject: "Solid | Model", plane, point: "Sequence[float]", normal: "Sequence[float] | None", offsets, by,
@@ -149,8 +155,8 @@ pub fn section_list(
         other => return Err(bad_value(format!("by is '{other}': it can be medium or region."))),
     };
     let cancel = Cancel::new();
-    let sweep = SectionRun { threads: threads.map(thread_argument).transpose()?, cancel: cancel.clone() };
-    let settings = SectionSettings { by, tolerance, columns, within: within.map(bounds), sweep };
+    let run = SectionRun { threads: threads.map(thread_argument).transpose()?, cancel: cancel.clone() };
+    let settings = SectionSettings { by, tolerance, columns, within: within.map(bounds), run };
     let found = interruptible(py, &cancel, || {
         cross_sections(&scene, None, AnyEvaluator::maker(evaluator), &planes, &settings, &mut |_| ())
     })?;
@@ -167,6 +173,6 @@ pub fn section_text(sections: Vec<PyRef<'_, PySection>>, format: &str, title: &s
     match format {
         "svg" => Ok(section_svg(&all, title, unit)),
         "dxf" => Ok(section_dxf(&all, unit)),
-        other => Err(bad_value(format!("no format is called '{other}': there is svg, dxf."))),
+        other => Err(bad_value(format!("unknown format '{other}': it can be svg or dxf."))),
     }
 }

@@ -60,7 +60,7 @@ pub fn shape(name: &str, values: Vec<Bound<'_, PyAny>>) -> PyResult<PySolid> {
 fn value(shape: &str, parameter: &Parameter, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     let wrong = || {
         let (name, kind) = (parameter.name, parameter.kind);
-        bad_type(format!("{shape}: {name} is {}: {kind} is needed.", object.get_type()))
+        bad_type(format!("{shape}: {name} is {}: it must be {kind}.", object.get_type()))
     };
     if object.is_instance_of::<PyBool>() {
         return Err(wrong());
@@ -87,7 +87,7 @@ fn numbers(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Value> {
         [rows, 0] => Ok(Value::Rows(vec![Vec::new(); rows])),
         [_, columns] => Ok(Value::Rows(entries.chunks_exact(columns).map(<[f64]>::to_vec).collect())),
         ref other => Err(bad_value(format!(
-            "{name} has shape {}: a list of numbers or of rows is needed.",
+            "{name} has shape {}: it must be a list of numbers or of rows.",
             shape_text(other)
         ))),
     }

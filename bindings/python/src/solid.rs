@@ -432,15 +432,16 @@ pub fn place(solid: PyRef<'_, PySolid>, transforms: &Bound<'_, PyAny>) -> PyResu
 }
 
 fn operands(solids: &Bound<'_, PyAny>) -> PyResult<Vec<Solid>> {
-    let wrong = || bad_type(format!("solids is {}: an iterable of solids is needed.", solids.get_type()));
+    let wrong = || bad_type(format!("solids is {}: it must be an iterable of solids.", solids.get_type()));
     let solids: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
     solids?
         .enumerate()
         .map(|(k, item)| match item?.cast_into::<PySolid>() {
             Ok(solid) => Ok(solid.get().solid.clone()),
-            Err(error) => {
-                Err(bad_type(format!("solids[{k}] is {}: a Solid is needed.", error.into_inner().get_type())))
-            }
+            Err(error) => Err(bad_type(format!(
+                "solids[{k}] is {}: it must be a Solid.",
+                error.into_inner().get_type()
+            ))),
         })
         .collect()
 }

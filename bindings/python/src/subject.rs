@@ -21,6 +21,6 @@ pub fn scene(subject: &Bound<'_, PyAny>) -> PyResult<Scene> {
     }
     match subject.cast::<PySolid>() {
         Ok(solid) => Ok(scene_of(solid.get().solid())),
-        Err(_) => Err(bad_type(format!("subject is {}: a Solid or a Model is needed.", subject.get_type()))),
+        Err(_) => Err(bad_type(format!("subject is {}: it must be a Solid or a Model.", subject.get_type()))),
     }
 }

@@ -12,7 +12,7 @@ use crate::error::bad_value;
 pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
     let [x, y, z] = list(object, name)?
         .try_into()
-        .map_err(|list: Vec<f64>| bad_value(format!("{name} has {} numbers: 3 are needed.", list.len())))?;
+        .map_err(|list: Vec<f64>| bad_value(format!("{name} has {} numbers: it must have 3.", list.len())))?;
     for (k, value) in [x, y, z].into_iter().enumerate() {
         if !value.is_finite() {
             return Err(bad_value(format!("{name}[{k}] is {value}: it must be finite.")));
@@ -25,7 +25,7 @@ pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
 pub fn direction(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
     let vector = vector(object, name)?;
     if vector == Vec3::ZERO {
-        return Err(bad_value(format!("{name} has length 0: a direction is needed.")));
+        return Err(bad_value(format!("{name} has length 0: a direction must have a nonzero length.")));
     }
     Ok(vector)
 }
@@ -51,7 +51,7 @@ pub fn matrix(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Affine> {
     let array = double_array(object, name)?;
     if array.shape() != [4, 4] {
         let shape = shape_text(array.shape());
-        return Err(bad_value(format!("{name} has shape {shape}: (4, 4) is needed.")));
+        return Err(bad_value(format!("{name} has shape {shape}: it must be (4, 4).")));
     }
     let array = array.try_readonly().map_err(bad_value)?;
     let entries: Vec<f64> = array.as_array().iter().copied().collect();
@@ -62,7 +62,7 @@ pub fn matrix(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Affine> {
 pub fn vectors(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec3>> {
     let array = double_array(object, name)?;
     let [_, 3] = *array.shape() else {
-        return Err(bad_value(format!("{name} has shape {}: (N, 3) is needed.", shape_text(array.shape()))));
+        return Err(bad_value(format!("{name} has shape {}: it must be (N, 3).", shape_text(array.shape()))));
     };
     let array = array.try_readonly().map_err(bad_value)?;
     let row = |row: ArrayView1<'_, f64>| Vec3::new(row[0], row[1], row[2]);
@@ -86,7 +86,7 @@ pub fn maps(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Affine>> {
         }
         [0] => Ok(Vec::new()),
         other => {
-            Err(bad_value(format!("{name} has shape {}: (N, 3) or (N, 4, 4) is needed.", shape_text(other))))
+            Err(bad_value(format!("{name} has shape {}: it must be (N, 3) or (N, 4, 4).", shape_text(other))))
         }
     }
 }
@@ -107,7 +107,7 @@ fn affine(entries: &[f64], name: &str) -> PyResult<Affine> {
 pub fn points(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<[f64; 2]>> {
     let array = double_array(object, name)?;
     let [_, 2] = *array.shape() else {
-        return Err(bad_value(format!("{name} has shape {}: (N, 2) is needed.", shape_text(array.shape()))));
+        return Err(bad_value(format!("{name} has shape {}: it must be (N, 2).", shape_text(array.shape()))));
     };
     let array = array.try_readonly().map_err(bad_value)?;
     let view = array.as_array().into_dimensionality::<Ix2>().map_err(bad_value)?;

@@ -56,7 +56,7 @@ def test_save_tells_what_is_lost(model: Path, tmp_path: Path) -> None:
     assert any(line.startswith("approximated: curved faces, by triangles within 5") for line in reported)
     assert part.save(tmp_path / "again.toml") == []
     assert rayweave.load(tmp_path / "again.toml") == part
-    with pytest.raises(rayweave.RayweaveError, match="no format is called"):
+    with pytest.raises(rayweave.RayweaveError, match="unknown format 'step'"):
         part.save(tmp_path / "x", format="step")
     with pytest.raises(rayweave.RayweaveError, match="tolerance is 0"):
         part.save(tmp_path / "x.stl", tolerance=0.0)

@@ -242,7 +242,7 @@ def test_exceptions_come_out_as_they_are():
 @pytest.mark.parametrize(
     ("methods", "message"),
     [
-        ({"position": lambda t: [1.0, 2.0]}, r"position\(0.0\) of the curve has 2 numbers: 3 are needed"),
+        ({"position": lambda t: [1.0, 2.0]}, r"position\(0.0\) of the curve has 2 numbers: it must have 3"),
         ({"velocity": lambda t: np.zeros((3, 1))}, r"velocity\(0.0\) of the curve has shape \(3, 1\)"),
         ({"position": lambda t: [1.0, 2.0, math.nan]}, "curve at t = 0 .*NaN or infinite"),
         ({"velocity": lambda t: [math.inf, 0.0, 0.0]}, "curve at t = 0 .*NaN or infinite"),
@@ -304,7 +304,7 @@ def test_bad_questions():
         ball.crossings_along([helix, 3], 0, 1)
     with pytest.raises(TypeError, match="list of curves"):
         ball.crossings_along(3, 0, 1)
-    with pytest.raises(TypeError, match="one curve is needed"):
+    with pytest.raises(TypeError, match="pass one curve"):
         rs.trace_along([helix, helix], rs.ball(1, 3), 0, 1)
     with pytest.raises(TypeError):
         ball.crossings_along(helix, "now", "then")

@@ -88,7 +88,7 @@ def test_by_region_and_within():
 def test_refusals_of_sections():
     ball = rayweave.sphere(1)
     cases = [
-        ({"plane": "w=1"}, "is no plane"),
+        ({"plane": "w=1"}, "the plane `w=1` is invalid"),
         ({"normal": [0, 0, 0]}, "the normal not 0"),
         ({"normal": [0, 0, np.nan]}, "must be finite"),
         ({"point": [0, 0, 0]}, "point is given without normal"),
@@ -101,7 +101,7 @@ def test_refusals_of_sections():
     for arguments, message in cases:
         with pytest.raises(RayweaveError, match=message):
             rayweave.section(ball, **arguments)
-    with pytest.raises(TypeError, match="a Solid or a Model is needed"):
+    with pytest.raises(TypeError, match="it must be a Solid or a Model"):
         rayweave.section("ball")
 
 

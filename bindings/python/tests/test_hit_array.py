@@ -153,7 +153,7 @@ def test_wrong_dtypes_are_type_errors(bad):
         (np.zeros((2, 3)), A, r"array1 has shape \(2, 3\) and array2 has shape \(4,\)"),
         (np.zeros((2, 3, 1)), np.zeros((2, 3, 1)), r"array1 has shape \(2, 3, 1\)"),
         (3.0, A, r"array1 has shape \(\)"),
-        ([[1], [2, 3]], A, "array1 is no array of numbers"),
+        ([[1], [2, 3]], A, "array1 is not an array of numbers"),
     ],
 )
 def test_bad_values_are_named(a, b, message):

@@ -215,7 +215,7 @@ def test_openscad_models_are_read_by_ending_or_by_name(tmp_path: Path) -> None:
     assert faceted.shape == (4, 1) and 3.2 < faceted[1, 0] < 3.4
     again = pickle.loads(pickle.dumps(rw.load(dump)))
     np.testing.assert_allclose(again.hits([-4, 0, 0.6], [1, 0, 0])[:, 0], [2, 3.2, 4.8, 6], rtol=1e-14)
-    with pytest.raises(rw.RayweaveError, match="no format is called 'scad'"):
+    with pytest.raises(rw.RayweaveError, match="unknown format 'scad'"):
         rw.load(dump, format="scad")
 
 

@@ -235,7 +235,7 @@ def test_what_is_wrong_is_named() -> None:
         system.trace([])
     with pytest.raises(RayweaveError, match='branches is "all"'):
         system.trace_rays([0, 0, -5], [0, 0, 1], branches="all")  # type: ignore[arg-type]
-    with pytest.raises(RayweaveError, match=r"wavelength_nm has shape \(3,\): \(2,\) is needed\."):
+    with pytest.raises(RayweaveError, match=r"wavelength_nm has shape \(3,\): it must be \(2,\)\."):
         system.trace_rays([[0, 0, -5]] * 2, [0, 0, 1], [500.0] * 3)
     with pytest.raises(RayweaveError, match=r"directions has shape \(2,\)"):
         system.trace_rays([0, 0, -5], [0, 1])
@@ -243,7 +243,7 @@ def test_what_is_wrong_is_named() -> None:
         system.trace_rays([[0, 0, -5]] * 2, [[0, 0, 1]] * 3)
     with pytest.raises(RayweaveError, match="generation_limit is -1"):
         system.trace_rays([0, 0, -5], [0, 0, 1], generation_limit=-1)
-    with pytest.raises(TypeError, match=r"elements\[0\] is of the type Solid: an Element is needed\. Make one of a solid with element\("):
+    with pytest.raises(TypeError, match=r"elements\[0\] is of the type Solid: it must be an Element\. Make one of a solid with element\("):
         optics.System([sphere(1)])  # type: ignore[list-item]
     with pytest.raises(TypeError, match=r"sources\[0\]"):
         system.trace([optics.ball_lens(1)])  # type: ignore[list-item]

@@ -30,10 +30,10 @@ def test_parts() -> None:
     lens = {"aperture": 5}
     refuses(
         [
-            (TypeError, r"order is 1\.5: a whole number", lambda: o.grating((600, 0), 1.5, **lens)),
-            (TypeError, r"lines is 600: a vector across the grooves", lambda: o.grating(600, 1, **lens)),
+            (TypeError, r"order is 1\.5: it must be a whole number", lambda: o.grating((600, 0), 1.5, **lens)),
+            (TypeError, r"lines is 600: it must be a vector across the grooves", lambda: o.grating(600, 1, **lens)),
             (TypeError, "reflects is 2", lambda: o.grating((600, 0), 1, reflects=2, **lens)),
-            (TypeError, r"columns is 2\.5: a whole number", lambda: o.lenslet_array(20, 3, 4, 2.5, 2)),
+            (TypeError, r"columns is 2\.5: it must be a whole number", lambda: o.lenslet_array(20, 3, 4, 2.5, 2)),
             (RayweaveError, "rows is 0", lambda: o.lenslet_array(20, 3, 4, 2, 0)),
             (RayweaveError, r"r is -20: the face is convex", lambda: o.lenslet_array(-20, 3, 4, 2, 2)),
             (RayweaveError, r"r is -50: the face is convex", lambda: o.fresnel_lens(-50, 2, 2, 20)),
@@ -44,12 +44,12 @@ def test_parts() -> None:
             (RayweaveError, "degrees is nan", lambda: o.wave_plate(90, np.nan, **lens)),
             (TypeError, "degrees is 'x'", lambda: o.polariser("x", **lens)),
             (TypeError, "focal_length is 'x'", lambda: o.thin_lens("x", **lens)),
-            (TypeError, "front is 5: a pair of radii", lambda: o.toric_lens(5, -5, 1, **lens)),
+            (TypeError, "front is 5: it must be a pair of radii", lambda: o.toric_lens(5, -5, 1, **lens)),
             (TypeError, "side is 'a'", lambda: o.beam_splitter_cube("a")),
-            (TypeError, r"a face is 'x': a radius or an Asphere", lambda: o.aspheric_lens("x", 5, 1, **lens)),
+            (TypeError, r"a face is 'x': it must be a radius or an Asphere", lambda: o.aspheric_lens("x", 5, 1, **lens)),
             (TypeError, "even has dtype", lambda: o.aspheric_lens(o.Asphere(5, 0, ("a",)), 5, 1, **lens)),
-            (TypeError, r"the body of 'element' is of the type str: a Solid", lambda: o.element("x", 1.5)),
-            (TypeError, "is of the type Element: a Solid", lambda: o.element(o.ball_lens(1), 1.5)),
+            (TypeError, r"the body of 'element' is of the type str: it must be a Solid", lambda: o.element("x", 1.5)),
+            (TypeError, "is of the type Element: it must be a Solid", lambda: o.element(o.ball_lens(1), 1.5)),
             (TypeError, "materials is 1.5", lambda: o.cemented([1, 2], [1], 1.5, **lens)),
             (TypeError, "absorbs is 3", lambda: o.detector(5, absorbs=3)),
             (TypeError, "the prism is 3: it can be dispersing, ", lambda: o.prism(3, 5)),
@@ -71,7 +71,7 @@ def test_parts() -> None:
 
 
 def test_sources() -> None:
-    needed = r'a number, or a pair of "total" and a number'
+    needed = r'it must be a number, or a pair of "total" and a number'
     refuses(
         [
             (TypeError, rf"power is \('tot', 3\): {needed}", lambda: o.beam(1, 5, power=("tot", 3))),
@@ -99,7 +99,7 @@ def test_traces() -> None:
 
     refuses(
         [
-            (RayweaveError, r"source\[0\] is -1: a whole number", lambda: rays(source=[-1])),
+            (RayweaveError, r"source\[0\] is -1: it must be a whole number", lambda: rays(source=[-1])),
             (RayweaveError, r"source\[0\] is 1.5", lambda: rays(source=[1.5])),
             (RayweaveError, r"source\[0\] is nan", lambda: rays(source=np.nan)),
             (TypeError, "power is 'a'", lambda: rays(power="a")),
@@ -186,7 +186,7 @@ def test_searches_and_tolerances() -> None:
             (TypeError, "the deviation of 'radius 1' is 'a'", lambda: o.tolerance(lens, {"radius 1": ("normal", "a")})),
             (TypeError, "errors is 3", lambda: o.tolerance(lens, 3)),
             (TypeError, "a parameter is 3", lambda: o.tolerance(lens, {3: 0.1})),
-            (TypeError, r"lens is 3: a Prescription", lambda: o.tolerance(3, errors)),
+            (TypeError, r"lens is 3: it must be a Prescription", lambda: o.tolerance(3, errors)),
             (RayweaveError, "trials is 0", lambda: o.tolerance(lens, errors, trials=0)),
             (RayweaveError, "trials is -1", lambda: o.tolerance(lens, errors, trials=-1)),
             (RayweaveError, "rings is 0", lambda: o.tolerance(lens, errors, rings=0)),
@@ -196,7 +196,7 @@ def test_searches_and_tolerances() -> None:
             (TypeError, "refocus is 1", lambda: o.tolerance(lens, errors, refocus=1)),
             (RayweaveError, "rings is 0", lambda: o.optimise(lens, ["radius 1"], [o.goal("spot", field=0, wavelength_nm=500)], rings=0)),
             (RayweaveError, "patience is 0", lambda: o.optimise(lens, ["radius 1"], goals, patience=0)),
-            (TypeError, r"goals\[0\] is of the type str: a Goal", lambda: o.optimise(lens, ["radius 1"], ["spot"])),
+            (TypeError, r"goals\[0\] is of the type str: it must be a Goal", lambda: o.optimise(lens, ["radius 1"], ["spot"])),
             (TypeError, "operand is 3", lambda: o.goal(3)),
             (TypeError, "parameters is 3", lambda: o.optimise(lens, 3, goals)),
             (TypeError, "weight is 'a'", lambda: o.goal("focal length", 50, weight="a")),

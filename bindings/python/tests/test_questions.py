@@ -252,7 +252,7 @@ def test_out():
         with pytest.raises(RayweaveError, match="out has shape"):
             sphere(1).hits(origins, down, out=bad)
     for bad in (np.zeros((2, 2), np.float32), np.zeros(4), [[0, 0], [0, 0]]):
-        with pytest.raises(TypeError, match="out is no float64 array"):
+        with pytest.raises(TypeError, match="out must be a two-dimensional float64 array"):
             sphere(1).hits(origins, down, out=bad)
     with pytest.raises(RayweaveError, match="out: .*not writeable"):
         sphere(1).hits(origins, down, out=np.broadcast_to(0.0, (2, 2)))
@@ -261,7 +261,7 @@ def test_out():
 @pytest.mark.parametrize(
     ("origins", "directions", "message"),
     [
-        (np.zeros((4, 2)), [0, 0, 1], r"origins has shape \(4, 2\): \(N, 3\) or \(3,\) is needed\."),
+        (np.zeros((4, 2)), [0, 0, 1], r"origins has shape \(4, 2\): it must be \(N, 3\) or \(3,\)\."),
         ([0, 0, 0], np.zeros((2, 2, 3)), r"directions has shape \(2, 2, 3\)"),
         (np.zeros(()), [0, 0, 1], r"origins has shape \(\)"),
         ([0, 0, 0], [0, 0, 0], "directions has length 0"),
@@ -272,7 +272,7 @@ def test_out():
         ([0, 0, 0], [[0, 0, 1], [0, -1e-200, 0]], r"directions\[1\] is .* at least 1e-100"),
         ([[-1e200, 0, 0]], [0, 0, 1], r"origins\[0\] is .* from -1e100 to 1e100"),
         (np.zeros((2, 3)), np.ones((3, 3)), "there are 2 origins and 3 directions"),
-        ([[0, 0], [0]], [0, 0, 1], "origins is no array of numbers"),
+        ([[0, 0], [0]], [0, 0, 1], "origins is not an array of numbers"),
     ],
 )
 def test_bad_rays_are_named(origins, directions, message):

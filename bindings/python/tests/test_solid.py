@@ -250,7 +250,7 @@ def test_wrong_types_are_type_errors(make):
 
 
 def test_operands_are_named():
-    with pytest.raises(TypeError, match=r"solids\[1\] is <class 'int'>: a Solid is needed\."):
+    with pytest.raises(TypeError, match=r"solids\[1\] is <class 'int'>: it must be a Solid\."):
         union([sphere(1), 3])
 
 

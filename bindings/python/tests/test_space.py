@@ -224,7 +224,7 @@ def test_spaces_do_not_mix():
         (lambda: rs.ball(1, 2).affine(np.eye(3)), r"matrix has shape \(3, 3\)"),
         (lambda: rs.ball(1, 2).affine([[1, 2], [2, 4]]), "singular"),
         (lambda: rs.ball(1, 2).named(""), "name is empty"),
-        (lambda: rs.ball(1, 2).contains([1, 2, 3]), r"\(N, 2\) or \(2,\) is needed"),
+        (lambda: rs.ball(1, 2).contains([1, 2, 3]), r"it must be \(N, 2\) or \(2,\)"),
         (lambda: rs.ball(1, 2).contains([[0, 0], [math.nan, 2]]), r"points\[1\]"),
         (lambda: rs.trace([0, 0], [0, 0], rs.ball(1, 2)), "same point"),
         (lambda: rs.trace([0, 0, 0], [1, 0], rs.ball(1, 2)), "p has 3 numbers"),

@@ -78,7 +78,7 @@ impl Body {
         if !by.is_convex() {
             parts.push(Body(by.0.translate(to_kernel(of.a_point()))));
         }
-        Body::union(parts)
+        Body::union_all(parts)
     }
 
     fn facets(&self) -> Vec<Vec<Vec3>> {
@@ -102,9 +102,9 @@ impl Body {
         spacing: f64,
         tolerance: f64,
     ) -> Result<Option<Body>, String> {
-        let room = KernelBox { min: to_kernel(bounds.lo), max: to_kernel(bounds.hi) };
+        let kernel_box = KernelBox { min: to_kernel(bounds.lo), max: to_kernel(bounds.hi) };
         let of = |p: KernelVec| of(Vec3::new(p.x, p.y, p.z));
-        Body::checked(Manifold::level_set_with_tolerance(of, room, spacing, 0.0, tolerance))
+        Body::checked(Manifold::level_set_with_tolerance(of, kernel_box, spacing, 0.0, tolerance))
     }
 
     fn checked(made: Manifold) -> Result<Option<Body>, String> {
@@ -127,23 +127,23 @@ impl Body {
         Body::from_triangles(points, triangles)
     }
 
-    pub fn joined(&self, other: &Body) -> Result<Option<Body>, String> {
+    pub fn union(&self, other: &Body) -> Result<Option<Body>, String> {
         Body::checked(self.0.boolean(&other.0, OpType::Add))
     }
 
-    pub fn less(&self, other: &Body) -> Result<Option<Body>, String> {
+    pub fn difference(&self, other: &Body) -> Result<Option<Body>, String> {
         Body::checked(self.0.boolean(&other.0, OpType::Subtract))
     }
 
-    pub fn common(&self, other: &Body) -> Result<Option<Body>, String> {
+    pub fn intersection(&self, other: &Body) -> Result<Option<Body>, String> {
         Body::checked(self.0.boolean(&other.0, OpType::Intersect))
     }
 
     /// The union of all bodies, computed pairwise so that operands stay small until the last step.
-    pub fn union(mut all: Vec<Body>) -> Result<Option<Body>, String> {
+    pub fn union_all(mut all: Vec<Body>) -> Result<Option<Body>, String> {
         while all.len() > 1 {
             let pairs = all.chunks(2).map(|pair| match pair {
-                [a, b] => a.joined(b),
+                [a, b] => a.union(b),
                 rest => Ok(rest.first().cloned()),
             });
             all = pairs.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
@@ -151,7 +151,8 @@ impl Body {
         Ok(all.pop())
     }
 
-    pub fn middles(&self) -> Vec<Vec3> {
+    /// The centroids of the triangles.
+    pub fn centroids(&self) -> Vec<Vec3> {
         let (points, triangles) = self.triangles();
         triangles.iter().map(|t| t.iter().map(|k| points[*k as usize]).sum::<Vec3>() / 3.0).collect()
     }

@@ -159,7 +159,7 @@ impl<'a> Import<'a> {
                 Some(solid)
             }
             Err(error) => {
-                let problem = Diagnostic::error(format!("{what} is no solid: {error}")).why(diagnosis);
+                let problem = Diagnostic::error(format!("{what} is not a solid: {error}")).why(diagnosis);
                 let advice = "does `--repair` help (`repair=True` in Python)?".to_owned();
                 let advice = (!self.options.repair && error != MeshError::Flat).then_some(advice);
                 self.problems.push(problem.suggest(advice).in_file(self.source));

@@ -138,7 +138,7 @@ fn what_is_open_is_an_error_with_its_place_unless_it_is_repaired() {
     broken[4].swap(0, 1);
     let text = obj(&[("a", &Mesh::new(vertices, broken).unwrap())]);
     let refused = read(&text, &Options::default()).unwrap_err().to_string();
-    assert!(refused.contains("the mesh is no solid: the mesh is not closed"), "{refused}");
+    assert!(refused.contains("the mesh is not a solid: the mesh is not closed"), "{refused}");
     assert!(refused.contains("--repair"), "{refused}");
     let repair = Options { repair: true, ..Options::default() };
     let imported = read(&text, &repair).unwrap();

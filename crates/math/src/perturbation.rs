@@ -1,4 +1,5 @@
-//! Symbolic perturbation: the fixed direction along which a ray or curve that lies in a surface is moved infinitesimally.
+//! Symbolic perturbation of in-surface rays and curves (those that lie in a surface): the fixed direction along which they are moved
+//! infinitesimally.
 //!
 //! *Source*: H. Edelsbrunner and E. P. Mücke, "Simulation of simplicity: a technique to cope with degenerate cases in
 //! geometric algorithms", ACM Transactions on Graphics 9 (1990).

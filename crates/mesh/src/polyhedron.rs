@@ -2,7 +2,7 @@
 
 use crate::diagnosis::shells::Shells;
 use crate::line::{Line, MeshCrossing, Perturbation, Shear, contains_origin, is_edge_on};
-use crate::topology::{EdgeUse, SignedSets, by_edge, edge_uses};
+use crate::topology::{HalfEdge, ParityUnionFind, by_edge, half_edges};
 use crate::tree::TriangleTree;
 use crate::triangle::{self, Triangle};
 use crate::{Diagnosis, Mesh, MeshError};
@@ -76,7 +76,7 @@ impl Mesh {
     /// requires.
     pub fn is_closed(&self) -> bool {
         let mesh = self.welded();
-        check_closed(&mesh, &edge_uses(&mesh)).is_ok()
+        check_closed(&mesh, &half_edges(&mesh)).is_ok()
     }
 }
 
@@ -87,11 +87,11 @@ impl Polyhedron {
     /// [`MeshError::Empty`] if no triangle is left, [`MeshError::Open`] if an edge has an odd number of triangles.
     pub fn new(mesh: &Mesh) -> Result<Polyhedron, MeshError> {
         let mesh = mesh.welded();
-        let uses = edge_uses(&mesh);
-        check_closed(&mesh, &uses)?;
-        let face_of = faces(&mesh, &uses);
-        let shells = Shells::new(&mesh, &uses);
-        drop(uses);
+        let half_edges = half_edges(&mesh);
+        check_closed(&mesh, &half_edges)?;
+        let face_of = faces(&mesh, &half_edges);
+        let shells = Shells::new(&mesh, &half_edges);
+        drop(half_edges);
         let (tree, numbers) = TriangleTree::new(&mesh);
         let mut places = vec![0; numbers.len()];
         for (place, &number) in numbers.iter().enumerate() {
@@ -433,21 +433,21 @@ fn plane_time(triangle: Triangle, line: &Line) -> f64 {
 }
 
 /// Rejects a mesh that has an edge with an odd number of triangles.
-fn check_closed(mesh: &Mesh, uses: &[EdgeUse]) -> Result<(), MeshError> {
-    let mut open = by_edge(uses).filter(|edge| edge.len() % 2 == 1);
+fn check_closed(mesh: &Mesh, half_edges: &[HalfEdge]) -> Result<(), MeshError> {
+    let mut open = by_edge(half_edges).filter(|edge| edge.len() % 2 == 1);
     let Some(first) = open.next() else {
-        return if uses.is_empty() { Err(MeshError::Empty) } else { Ok(()) };
+        return if half_edges.is_empty() { Err(MeshError::Empty) } else { Ok(()) };
     };
     let [a, b] = first[0].ends.map(|vertex| mesh.vertices()[vertex as usize]);
     Err(MeshError::Open { edges: 1 + open.count(), at: 0.5 * (a + b) })
 }
 
 /// For each triangle the largest one that is connected to it within one plane, exactly.
-fn faces(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<u32> {
-    let mut sets = SignedSets::new(mesh.triangles().len());
-    for edge in by_edge(uses) {
+fn faces(mesh: &Mesh, half_edges: &[HalfEdge]) -> Vec<u32> {
+    let mut sets = ParityUnionFind::new(mesh.triangles().len());
+    for edge in by_edge(half_edges) {
         for pair in edge.windows(2).filter(|pair| are_coplanar(mesh, pair)) {
-            sets.join(pair[0].triangle, pair[1].triangle, false);
+            sets.union(pair[0].triangle, pair[1].triangle, false);
         }
     }
     let area = |triangle: u32| triangle::cross(mesh.corners(triangle as usize)).length_squared();
@@ -462,7 +462,7 @@ fn faces(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<u32> {
 }
 
 /// True if two triangles at an edge lie in one plane and neither is degenerate.
-fn are_coplanar(mesh: &Mesh, pair: &[EdgeUse]) -> bool {
+fn are_coplanar(mesh: &Mesh, pair: &[HalfEdge]) -> bool {
     let [a, b] = [0, 1].map(|k| mesh.corners(pair[k].triangle as usize));
     let is_end = |vertex: &&u32| pair[1].ends.contains(vertex);
     let other = mesh.triangles()[pair[1].triangle as usize].iter().find(|vertex| !is_end(vertex));

@@ -1,7 +1,7 @@
 //! Mesh repair: vertex welding, removal of degenerate and duplicate triangles, hole filling, consistent orientation.
 
 use crate::diagnosis::{holes, shells};
-use crate::topology::{edge_uses, is_collapsed};
+use crate::topology::{half_edges, is_degenerate};
 use crate::triangulate::{EarBudget, area_vector, clip_ears};
 use crate::{Mesh, MeshError};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
@@ -97,7 +97,7 @@ impl Mesh {
         let mesh = merge_close_vertices(&mesh, options.weld)?;
         done.welded = vertices - mesh.vertices().len();
         let mesh =
-            mesh.with_triangles(mesh.triangles().iter().copied().filter(|&t| !is_collapsed(t)).collect());
+            mesh.with_triangles(mesh.triangles().iter().copied().filter(|&t| !is_degenerate(t)).collect());
         done.collapsed = count - mesh.triangles().len();
         let mesh = without_duplicates(mesh, &mut done);
         let mesh = if options.fill { filled(mesh, options.weld, &mut done) } else { mesh };
@@ -155,7 +155,7 @@ fn without_duplicates(mesh: Mesh, done: &mut Repair) -> Mesh {
 }
 
 fn filled(mesh: Mesh, tolerance: f64, done: &mut Repair) -> Mesh {
-    let loops = holes::boundary_loops(&mesh, &edge_uses(&mesh));
+    let loops = holes::boundary_loops(&mesh, &half_edges(&mesh));
     let mut budget = EarBudget::default();
     let caps: Vec<Vec<[u32; 3]>> =
         loops.iter().filter_map(|corners| cap(&mesh, corners, tolerance, &mut budget)).collect();
@@ -183,9 +183,9 @@ fn cap(mesh: &Mesh, corners: &[u32], tolerance: f64, budget: &mut EarBudget) -> 
 
 /// Makes the orientation of each shell consistent and outward, by its nesting depth.
 fn oriented(mesh: Mesh, done: &mut Repair) -> Mesh {
-    let uses = edge_uses(&mesh);
-    let shells = shells::Shells::new(&mesh, &uses);
-    let components = shells.components(&mesh, &uses);
+    let half_edges = half_edges(&mesh);
+    let shells = shells::Shells::new(&mesh, &half_edges);
+    let components = shells.components(&mesh, &half_edges);
     let is_reversed = |triangle: usize| {
         let shell = &components[shells.component_of[triangle] as usize];
         shell.is_orientable && shells.is_flipped[triangle] != shell.is_inside_out()

@@ -1,4 +1,4 @@
-//! Counter-based random numbers: Philox4x32-10.
+//! Random streams of photons: the counter-based random number generator Philox4x32-10.
 //!
 //! A random number is a function of the seed and of a counter that names the event, the photon, its
 //! step and the purpose of the number. Histories therefore do not depend on the number of threads,

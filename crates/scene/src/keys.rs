@@ -41,7 +41,7 @@ impl Keys {
 
     /// The diagnostic of a missing value.
     pub(crate) fn missing(&self, what: &str) -> Diagnostic {
-        Diagnostic::error(format!("`{}` has no `{what}`", self.name)).why("it is needed")
+        Diagnostic::error(format!("`{}` has no `{what}`", self.name)).why("it is required")
     }
 
     /// The diagnostics of all keys that have not been taken.

@@ -74,10 +74,10 @@ error: there are two regions called `a`: answers call regions by their names. Gi
 fn syntax() {
     check(
         "a = \nb == 2\n[c\n",
-        "2:5 string values must be quoted, expected literal string: the text is not TOML here.\n3:4 extra `=`, expected nothing: the text is not TOML here.\n3:6 unexpected key or value, expected newline, `#`: the text is not TOML here.\n4:3 unclosed table, expected `]`: the text is not TOML here.",
+        "2:5 invalid TOML: string values must be quoted, expected literal string.\n3:4 invalid TOML: extra `=`, expected nothing.\n3:6 invalid TOML: unexpected key or value, expected newline, `#`.\n4:3 invalid TOML: unclosed table, expected `]`.",
     );
-    check("[solid.a]\nsphere = { radius = 1 }\n[solid.a]\n", "4:8 duplicate key: the text is not TOML here.");
-    check("[parameters]\nR = 1\nR = 2\n", "4:1 duplicate key: the text is not TOML here.");
+    check("[solid.a]\nsphere = { radius = 1 }\n[solid.a]\n", "4:8 invalid TOML: duplicate key.");
+    check("[parameters]\nR = 1\nR = 2\n", "4:1 invalid TOML: duplicate key.");
     // a syntax error does not hide problems elsewhere
     let both = listed(&problems("unti = 'mm'\nx = [1\n"));
     assert!(both.starts_with("2:1 unknown key `unti`"), "{both}");
@@ -119,8 +119,8 @@ fn versions() {
     assert_eq!(message("rayweave = 'x'"), "1:12 `rayweave` is a text: this program reads version 1.");
     assert_eq!(
         message(""),
-        "0:0 warning: the file does not say which version of the format it is written in: formats change. \
-         Begin with `rayweave = 1`.\n0:0 warning: the model is empty: it has no solid. \
+        "0:0 warning: the format version is missing: future versions may read the file differently. \
+         Add `rayweave = 1` as the first line.\n0:0 warning: the model is empty: it has no solid. \
          Define one, as `[solid.ball]` with `sphere = { radius = 1 }`."
     );
 }
@@ -252,7 +252,7 @@ fn transforms() {
     );
     check(
         &solid("[{ rotate = { axis = [0, 0, 1], angle = 90 } }]"),
-        "4:25 `rotate` has no `degrees`: it is needed.\n4:45 unknown key `angle` in `rotate`: the keys are axis, degrees.",
+        "4:25 `rotate` has no `degrees`: it is required.\n4:45 unknown key `angle` in `rotate`: the keys are axis, degrees.",
     );
     check(
         &solid("[{ translate = [1, 2] }, { rotate_x = 1, scale = 2 }]"),
@@ -291,7 +291,7 @@ fn placements() {
         &place("solid = 's', grid = [4000, 4000, 4000], step = [1, 1, 1]"),
         "5:32 the grid has 64000000000 copies: the most is 4194304.",
     );
-    check(&place("solid = 's', ring = 3"), "5:9 `place` has no `radius`: it is needed.");
+    check(&place("solid = 's', ring = 3"), "5:9 `place` has no `radius`: it is required.");
     check(&place("solid = 'p', at = [[0, 0, 0]]"), "5:19 the solid `p` is made from itself: p -> p.");
     check(
         &place("solid = 's', file = 'none.npy'"),
@@ -312,7 +312,7 @@ fn regions_and_media() {
     );
     check(
         &model("[[region]]\ncolor = '#fff'\n"),
-        "4:1 `region` has no `solid`: it is needed.\n5:1 unknown key `color` in `region`: the keys are solid, medium, colour, name. Did you mean `colour`?",
+        "4:1 `region` has no `solid`: it is required.\n5:1 unknown key `color` in `region`: the keys are solid, medium, colour, name. Did you mean `colour`?",
     );
     check(
         &model("[medium.glass]\nindx = 1.5\nabbe = 64\n"),
@@ -322,11 +322,11 @@ fn regions_and_media() {
 
 #[test]
 fn cameras_lights_and_drawing() {
-    check("[camera]\nfov = 30\n", "2:1 `camera` has no `position`: it is needed.");
+    check("[camera]\nfov = 30\n", "2:1 `camera` has no `position`: it is required.");
     check("[camera]\nposition = [0, 0, 0]\n", "2:1 the camera looks nowhere: its position is its target.");
     check(
         "[camera]\nposition = [0, 0, 5]\nup = [0, 0, 2]\n",
-        "2:1 the camera looks along `up`: then nothing says which way is up in the picture.",
+        "2:1 the camera looks along `up`: the upward direction of the picture is then undefined.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 180\n",
@@ -334,7 +334,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 30\nprojection = 'orthographic'\n",
-        "2:1 `camera` has no `height`: it is needed.\n4:1 `fov` has no meaning here: `fov` is for perspective cameras and `height` for orthographic ones.",
+        "2:1 `camera` has no `height`: it is required.\n4:1 `fov` has no meaning here: `fov` is for perspective cameras and `height` for orthographic ones.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nsize = [0, 1e9]\n",
@@ -448,7 +448,7 @@ fn physical_numbers_of_media() {
     }
     for (density, expected) in [
         ("'heavy'", "7:12 unknown parameter `heavy`"),
-        ("true", "7:11 `density` is `true`: a number or arithmetic text is needed."),
+        ("true", "7:11 `density` is `true`: it must be a number or arithmetic text."),
         ("-1", "7:11 the number is -1: it must be finite and at least 0."),
         ("inf", "7:11 the number is inf: it must be finite and at least 0."),
     ] {

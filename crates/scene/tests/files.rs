@@ -115,7 +115,10 @@ fn meshes_stand_in_files_beside_the_model() {
     assert!(corners.iter().all(|corner| arguments.contains(&format!("{corner:?}"))), "{arguments}");
     // a face is missing; then a face refers to a vertex that does not exist
     let open = mesh_problems("open", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
-    assert!(open.contains("the mesh in `part.off` is no solid: the mesh is not closed: 4 edges"), "{open}");
+    assert!(
+        open.contains("the mesh in `part.off` is not a solid: the mesh is not closed: 4 edges"),
+        "{open}"
+    );
     assert!(open.contains("holes: 1 (the first: (1, 0.5, 0.5), 4 edges)"), "{open}");
     let bad = mesh_problems("bad", &CUBE.replace("4 1 3 7 5", "4 1 3 8 5")).unwrap_err();
     assert!(bad.contains("line 16: triangle 10 refers to vertex 8"), "{bad}");

@@ -102,7 +102,7 @@ impl<'a> Reader<'a> {
 
     fn number(&mut self) -> f64 {
         let word = self.next();
-        word.parse().unwrap_or_else(|_| panic!("{word} is no number"))
+        word.parse().unwrap_or_else(|_| panic!("{word} is not a number"))
     }
 
     fn vector(&mut self) -> Vec3 {

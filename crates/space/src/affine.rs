@@ -2,7 +2,7 @@
 
 use crate::Point;
 use crate::error::{SpaceError, check};
-use crate::point::{along, dot, is_finite, length};
+use crate::point::{add_scaled, dot, is_finite, length};
 use crate::vector::{axis_vector, largest, padded};
 use rayweave_math::{SingularError, sin_cos_degrees};
 use std::array::from_fn;
@@ -162,8 +162,8 @@ fn eliminated<const D: usize>(mut rows: [Point<D>; D]) -> Option<[Point<D>; D]> 
         for i in (0..D).filter(|&i| i != k) {
             let factor = rows[i][k];
             if factor != 0.0 {
-                rows[i] = along(&rows[i], -factor, &rows[k]);
-                inverse[i] = along(&inverse[i], -factor, &inverse[k]);
+                rows[i] = add_scaled(&rows[i], -factor, &rows[k]);
+                inverse[i] = add_scaled(&inverse[i], -factor, &inverse[k]);
             }
         }
     }

@@ -4,7 +4,7 @@
 pub type Point<const D: usize> = [f64; D];
 
 /// `a + s b`.
-pub fn along<const D: usize>(a: &Point<D>, s: f64, b: &Point<D>) -> Point<D> {
+pub fn add_scaled<const D: usize>(a: &Point<D>, s: f64, b: &Point<D>) -> Point<D> {
     std::array::from_fn(|k| a[k] + s * b[k])
 }
 

@@ -120,7 +120,7 @@ impl<const D: usize> FaceEntry<D> {
     /// The crossings of a line with the face. A line that lies in the surface over its whole chord counts as moved infinitesimally
     /// along [`rayweave_math::perturbation_direction`].
     pub fn crossings(&self, line: &Line<D>, (a, b): (f64, f64)) -> Crossings<2> {
-        match self.surface.is_ruled() && self.surface.coincides_along(self.magnitude, line, a, b) {
+        match self.surface.may_contain_lines() && self.surface.coincides_along(self.magnitude, line, a, b) {
             true => self.surface.perturbed_crossings(line, 0.5 * (a + b)),
             false => self.surface.crossings(line),
         }

@@ -14,7 +14,7 @@ pub enum Values {
     I32(Vec<i32>),
     /// For [`DType::Bool`].
     Bool(Vec<bool>),
-    /// For [`DType::Name`]: indices into the column's table of names, or [`NO_NAME`].
+    /// For [`DType::Name`], dictionary-encoded strings: indices into the column's names, or [`NO_NAME`].
     Name(Vec<u32>),
     /// For [`DType::Text`]. Equal texts should share memory.
     Text(Vec<Arc<str>>),
@@ -107,7 +107,7 @@ pub struct Chunk {
 }
 
 impl Chunk {
-    /// A chunk of these columns, in the order of its schema.
+    /// A chunk of these columns, in the order of the columns of the table's schema.
     ///
     /// # Errors
     ///

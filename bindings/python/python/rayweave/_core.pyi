@@ -431,7 +431,7 @@ class Arrivals:
         """Their columns by name."""
 
     def moved(self, shift: float) -> Arrivals:
-        """The same rays on a plane moved along the axis."""
+        """The same rays on a plane shifted along the axis."""
 
     def spot(self) -> tuple[int, tuple[float, float], tuple[float, float, float], float]:
         """The number of rays, the centroid (x, y), the RMS radii (both, x, y) and the geometric radius."""
@@ -1115,7 +1115,9 @@ class Section:
 
     @property
     def offset(self) -> float:
-        """The coordinate along the axis of the plane, or the distance from its point along its normal."""
+        """Offset of the plane: its coordinate along the axis or, if it was given by a normal, its signed distance from `point` along
+        `normal`.
+        """
 
     @property
     def tolerance(self) -> float:
@@ -1127,10 +1129,12 @@ class Section:
 
     @property
     def perimeters(self) -> NDArray[np.float64]:
-        """(P,) lengths of all lines around the parts."""
+        """(P,) perimeters of the parts, holes included."""
 
     def contours(self, name: str) -> tuple[NDArray[np.float64], ...]:
-        """The contours of a part, each (N, 2): outlines counter-clockwise, holes clockwise; the last point is not the first again."""
+        """The contours of a part, each (N, 2): outlines counter-clockwise, holes clockwise; the first point is not repeated at the
+        end.
+        """
 
     @property
     def frame(self) -> NDArray[np.float64]:
@@ -1151,7 +1155,7 @@ def section_list(
     evaluator: str | None,
     threads: int | None,
 ) -> list[Section]:
-    """Sections of a solid or a model by a plane at some offsets: see `rayweave.section`."""
+    """Sections of a solid or a model by a plane, at the given offsets: see `rayweave.section`."""
 
 def section_text(sections: Sequence[Section], format: str, title: str) -> str:
     """Sections as one document, "svg" or "dxf"."""

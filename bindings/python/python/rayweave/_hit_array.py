@@ -99,5 +99,5 @@ def _number(operation: Operation) -> int:
     if isinstance(operation, Operation):
         return operation.value
     raise TypeError(
-        f"operation is {operation!r}: Operation.UNION, Operation.INTERSECT or Operation.DIFFERENCE is needed."
+        f"operation is {operation!r}: it must be Operation.UNION, Operation.INTERSECT or Operation.DIFFERENCE."
     )

@@ -155,7 +155,7 @@ def _unpacked(f: RootRay | Pair, name: str) -> Pair:
     try:
         start, roots = f
     except (TypeError, ValueError):
-        raise TypeError(f"{name} is {f!r}: a RootRay or a pair (+1 | -1, list of times) is needed.") from None
+        raise TypeError(f"{name} is {f!r}: it must be a RootRay or a pair (+1 | -1, list of times).") from None
     return start, roots
 
 

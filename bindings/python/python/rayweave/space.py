@@ -193,7 +193,7 @@ def prism(points: ArrayLike, d: int) -> Solid:
     """
     array = np.asarray(points)
     if array.ndim != 2 or array.shape[1] != 2:
-        raise RayweaveError(f"points has shape {array.shape}: (N, 2) is needed.")
+        raise RayweaveError(f"points has shape {array.shape}: it must be (N, 2).")
     return _shape("prism", d, (), _vector(array.ravel(), "points"))
 
 
@@ -232,7 +232,7 @@ def _shape(call: str, d: int, counts: Iterable[tuple[str, int]] = (), numbers: I
 
 def _whole(number: int, name: str) -> int:
     if isinstance(number, bool) or not isinstance(number, (int, np.integer)):
-        raise TypeError(f"{name} is {type(number)}: a whole number is needed.")
+        raise TypeError(f"{name} is {type(number)}: it must be a whole number.")
     if name == "d" and number not in (2, 3, 4):
         raise RayweaveError(f"the dimension is {number}: spaces of 2, 3 and 4 dimensions are supported.")
     return int(number)

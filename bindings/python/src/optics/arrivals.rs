@@ -4,7 +4,7 @@ use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayweave::lens::analysis::{
-    Arrival, Spot, best_focus, encircled_energy, geometric_mtf, moved, radius_of_energy,
+    Arrival, Spot, best_focus, defocused, encircled_energy, encircled_energy_radius, geometric_mtf,
 };
 
 use crate::error::bad_value;
@@ -45,10 +45,10 @@ impl PyArrivals {
         Ok(table)
     }
 
-    /// The same rays on a plane moved along the axis.
+    /// The same rays on a plane shifted along the axis.
     #[pyo3(signature = (shift))]
     fn moved(&self, shift: f64) -> Self {
-        PyArrivals(moved(&self.0, shift))
+        PyArrivals(defocused(&self.0, shift))
     }
 
     /// The number of rays, the centroid (x, y), the RMS radii (both, x, y) and the geometric radius.
@@ -68,7 +68,7 @@ impl PyArrivals {
     /// The radius of the smallest circle about the centroid with a fraction of the power; NaN if there is no light.
     #[pyo3(signature = (fraction))]
     fn radius_of_energy(&self, fraction: f64) -> f64 {
-        radius_of_energy(&self.0, fraction).unwrap_or(f64::NAN)
+        encircled_energy_radius(&self.0, fraction).unwrap_or(f64::NAN)
     }
 
     /// The geometric modulation of lines across a direction.

@@ -112,7 +112,7 @@ pub struct GoalOf(String, Vec<f64>, String, f64, f64);
 /// The number of a field or surface.
 fn whole(what: &str, number: f64) -> PyResult<usize> {
     let is_whole = number >= 0.0 && number.fract() == 0.0;
-    let problem = || bad_value(format!("{what} is {number}: a whole number is needed."));
+    let problem = || bad_value(format!("{what} is {number}: it must be a whole number."));
     is_whole.then_some(number as usize).ok_or_else(problem)
 }
 

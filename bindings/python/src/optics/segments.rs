@@ -61,7 +61,9 @@ pub fn rows_of(table: &Bound<'_, PyDict>) -> PyResult<Segments> {
     if last {
         Ok(segments)
     } else {
-        Err(bad_value("parent names a row that is not before its own: all rows of a trace are needed."))
+        Err(bad_value(
+            "parent refers to a row that is not before its own: the rows of a trace are incomplete. Pass all of them.",
+        ))
     }
 }
 

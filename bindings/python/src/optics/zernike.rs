@@ -2,7 +2,7 @@
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use rayweave::lens::analysis::{ZernikePolynomial, fit};
+use rayweave::lens::analysis::{ZernikePolynomial, fit_zernike};
 
 use crate::arrays::list;
 use crate::error::bad_value;
@@ -54,10 +54,10 @@ pub fn zernike_fit<'py>(
     let (at, wanted) = (points(pupil, "pupil")?, list(values, "values")?);
     if at.len() != wanted.len() {
         let counts = format!("pupil has {} rows and values has {}", at.len(), wanted.len());
-        return Err(bad_value(format!("{counts}: one value for every point is needed.")));
+        return Err(bad_value(format!("{counts}: there must be one value for each point.")));
     }
     let terms: Vec<ZernikePolynomial> = terms.into_iter().map(zernike).collect::<PyResult<_>>()?;
-    let fit = pupil.py().detach(|| fit(&at, &wanted, &terms)).map_err(bad_value)?;
+    let fit = pupil.py().detach(|| fit_zernike(&at, &wanted, &terms)).map_err(bad_value)?;
     let coefficients = fit.terms.iter().map(|term| term.1).collect();
     Ok((PyArray1::from_vec(pupil.py(), coefficients), fit.residual_rms))
 }

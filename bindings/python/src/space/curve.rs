@@ -60,7 +60,7 @@ impl PyCurve {
         let one = times.ndim() == 0;
         if times.ndim() > 1 {
             let shape = shape_text(times.shape());
-            return Err(bad_value(format!("t has shape {shape}: a number or (N,) is needed.")));
+            return Err(bad_value(format!("t has shape {shape}: it must be a number or (N,).")));
         }
         let times: Vec<f64> = times.try_readonly().map_err(bad_value)?.as_array().iter().copied().collect();
         if let Some(k) = times.iter().position(|t| !t.is_finite()) {
@@ -254,7 +254,7 @@ impl PyArc {
     ) -> PyResult<PyClassInitializer<PyArc>> {
         let (centre, rows) = (finite(centre, "centre")?, rows(axes, "axes")?);
         let Ok([first, second]) = <[Vec<f64>; 2]>::try_from(rows.clone()) else {
-            return Err(bad_value(format!("axes has {} rows: 2 are needed.", rows.len())));
+            return Err(bad_value(format!("axes has {} rows: it must have 2.", rows.len())));
         };
         let vectors = [centre, first, second];
         let arguments = vec![
@@ -425,7 +425,7 @@ fn spline_ends<const D: usize>(ends: &str, velocities: Option<&[Vec<f64>]>) -> P
             Ok(SplineEnds::Clamped { first: end(first), last: end(last) })
         }
         ("clamped", Some(rows)) => Err(bad_value(format!(
-            "velocities has shape ({}, {}): (2, {D}) is needed, one for each end.",
+            "velocities has shape ({}, {}): it must be (2, {D}), one for each end.",
             rows.len(),
             rows.first().map_or(0, Vec::len)
         ))),
@@ -463,7 +463,7 @@ fn in_space(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<f64>> {
     let numbers = finite(object, name)?;
     match numbers.len() {
         3 => Ok(numbers),
-        other => Err(bad_value(format!("{name} has {other} numbers: 3 are needed."))),
+        other => Err(bad_value(format!("{name} has {other} numbers: it must have 3."))),
     }
 }
 
@@ -472,7 +472,7 @@ fn rows(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec<Vec<f64>>> {
     let array = double_array(object, name)?;
     if array.ndim() != 2 {
         let shape = shape_text(array.shape());
-        return Err(bad_value(format!("{name} has shape {shape}: rows of numbers are needed.")));
+        return Err(bad_value(format!("{name} has shape {shape}: it must be rows of numbers.")));
     }
     let array = array.try_readonly().map_err(bad_value)?;
     Ok(array.as_array().rows().into_iter().map(|row| row.to_vec()).collect())

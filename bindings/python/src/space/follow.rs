@@ -103,7 +103,7 @@ where
         }
         let wrong = |_| {
             bad_type(format!(
-                "curves is {}: a curve is needed, which has position(t), velocity(t) and acceleration_bound(t0, t1), or a list of curves.",
+                "curves is {}: it must be a curve, which has position(t), velocity(t) and acceleration_bound(t0, t1), or a list of curves.",
                 object.get_type()
             ))
         };
@@ -141,7 +141,7 @@ fn times(object: &Bound<'_, PyAny>, name: &str, count: usize) -> PyResult<Vec<f6
     if array.ndim() != 1 || array.len() != count {
         let shape = shape_text(array.shape());
         return Err(bad_value(format!(
-            "{name} has shape {shape}: a number or ({count},) is needed, one for each curve."
+            "{name} has shape {shape}: it must be a number or ({count},), one for each curve."
         )));
     }
     Ok(array.try_readonly().map_err(bad_value)?.as_array().iter().copied().collect())

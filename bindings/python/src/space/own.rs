@@ -40,14 +40,14 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
             if !object.hasattr(method)? {
                 let kind = object.get_type();
                 return Err(bad_type(format!(
-                    "a curve is {kind}, without {method}: position(t), velocity(t) and acceleration_bound(t0, t1) are needed."
+                    "a curve is {kind}, without {method}: it must have position(t), velocity(t) and acceleration_bound(t0, t1)."
                 )));
             }
         }
         let domain = match object.getattr_opt("domain")? {
             None => (f64::NEG_INFINITY, f64::INFINITY),
             Some(pair) => pair.extract().map_err(|_| {
-                bad_type(format!("domain of a curve is {}: a pair of times is needed.", pair.get_type()))
+                bad_type(format!("domain of a curve is {}: it must be a pair of times.", pair.get_type()))
             })?,
         };
         let memory = Memory { failed: None, position: None, velocity: None };
@@ -74,7 +74,7 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
             let count = numbers.len();
             numbers.try_into().map_err(|_| {
                 bad_value(format!(
-                    "{name} has {count} numbers: {D} are needed, as many as the space has dimensions."
+                    "{name} has {count} numbers: it must have {D}, as many as the space has dimensions."
                 ))
             })
         });
@@ -112,7 +112,7 @@ impl<const D: usize> Curve<D> for OwnCurve<'_, D> {
             let kind = answer.get_type();
             let wrong = move |_| {
                 bad_type(format!(
-                    "acceleration_bound({t0:?}, {t1:?}) of the curve is {kind}: a number is needed."
+                    "acceleration_bound({t0:?}, {t1:?}) of the curve is {kind}: it must be a number."
                 ))
             };
             answer.extract::<f64>().map_err(wrong)

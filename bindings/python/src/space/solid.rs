@@ -70,7 +70,7 @@ impl PySpaceSolid {
         match numbers.len() == dimension {
             true => Ok(numbers),
             false => Err(bad_value(format!(
-                "{name} has {} numbers: {dimension} are needed, as many as the space has dimensions.",
+                "{name} has {} numbers: it must have {dimension}, as many as the space has dimensions.",
                 numbers.len()
             ))),
         }
@@ -120,7 +120,7 @@ impl PySpaceSolid {
         let (d, matrix) = (self.any.dimension(), double_array(matrix, "matrix")?);
         if matrix.shape() != [d, d] {
             let shape = shape_text(matrix.shape());
-            return Err(bad_value(format!("matrix has shape {shape}: ({d}, {d}) is needed.")));
+            return Err(bad_value(format!("matrix has shape {shape}: it must be ({d}, {d}).")));
         }
         let matrix = matrix.try_readonly().map_err(bad_value)?;
         let mut numbers: Vec<f64> = matrix.as_array().iter().copied().collect();
@@ -283,13 +283,13 @@ pub fn space_shape(
 #[pyo3(signature = (call, solids: "Iterable[SpaceSolid]"))]
 pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSolid> {
     let call = call_named(call).ok_or_else(|| bad_value(format!("there is no operator {call}")))?;
-    let wrong = || bad_type(format!("solids is {}: an iterable of solids is needed.", solids.get_type()));
+    let wrong = || bad_type(format!("solids is {}: it must be an iterable of solids.", solids.get_type()));
     let all: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
     let mut operands = Vec::new();
     for (k, item) in all?.enumerate() {
         let solid = item?.cast_into::<PySpaceSolid>().map_err(|error| {
             let found = error.into_inner().get_type();
-            bad_type(format!("solids[{k}] is {found}: a Solid of rayweave.space is needed."))
+            bad_type(format!("solids[{k}] is {found}: it must be a Solid of rayweave.space."))
         })?;
         operands.push(solid);
     }
@@ -357,10 +357,10 @@ where
         },
         |ray| match answer.replace(ray) {
             None => Ok(()),
-            Some(_) => Err(bad_type("curve is a list: one curve is needed; crossings_along takes many.")),
+            Some(_) => Err(bad_type("curve is a list: pass one curve, or call crossings_along.")),
         },
     )?;
-    answer.ok_or_else(|| bad_type("curve is an empty list: one curve is needed."))
+    answer.ok_or_else(|| bad_type("curve is an empty list: pass one curve."))
 }
 
 /// The root-ray without its surfaces.
@@ -388,7 +388,7 @@ fn contains<'py, const D: usize>(
 
 /// A non-negative integer, stored as f64 like all numbers of a recipe.
 fn count(object: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
-    let wrong = || bad_type(format!("{name} is {}: a whole number is needed.", object.get_type()));
+    let wrong = || bad_type(format!("{name} is {}: it must be a whole number.", object.get_type()));
     if object.is_instance_of::<pyo3::types::PyBool>() {
         return Err(wrong());
     }

@@ -46,7 +46,7 @@ impl PointTable {
             (1, n) | (n, 1) => n,
             (a, b) => {
                 return Err(bad_value(format!(
-                    "there are {a} points p and {b} points q: as many of both, or one of either, are needed."
+                    "there are {a} points p and {b} points q: the numbers must be equal, or one of them 1."
                 )));
             }
         };
@@ -183,7 +183,7 @@ pub fn points<const D: usize>(object: &Bound<'_, PyAny>, name: &'static str) -> 
         [columns] if columns == D => true,
         ref other => {
             let shape = shape_text(other);
-            return Err(bad_value(format!("{name} has shape {shape}: (N, {D}) or ({D},) is needed.")));
+            return Err(bad_value(format!("{name} has shape {shape}: it must be (N, {D}) or ({D},).")));
         }
     };
     let view = array.try_readonly().map_err(bad_value)?;

@@ -38,8 +38,8 @@ pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     // a plane that contains the ray; if possible, the one seen from the front
     let axis = if ray.y > ray.x.max(ray.z) { 0 } else { 1 };
     let plane = SectionPlane::across(axis, at[axis])?;
-    let sweep = SectionRun { threads: settings.threads, cancel: settings.cancel.clone() };
-    let section_settings = SectionSettings { by: By::Region, within, sweep, ..SectionSettings::default() };
+    let run = SectionRun { threads: settings.threads, cancel: settings.cancel.clone() };
+    let section_settings = SectionSettings { by: By::Region, within, run, ..SectionSettings::default() };
     match overlapping(scene, finding) {
         Some([a, b]) => overlap(&plane, a, b, &maker(make), &section_settings).map(Some),
         None => {

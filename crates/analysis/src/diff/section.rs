@@ -46,8 +46,8 @@ pub fn diff_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
         None => program.bounds().centre(),
     };
     let kinds = Kinds { of: vec![1, 2, 3], names: COLOURS.map(|(name, c)| (name.to_owned(), c)).into() };
-    let sweep = SectionRun { threads: settings.measure.threads, cancel: settings.measure.cancel.clone() };
-    let cut_settings = SectionSettings { sweep, ..SectionSettings::default() };
+    let run = SectionRun { threads: settings.measure.threads, cancel: settings.measure.cancel.clone() };
+    let cut_settings = SectionSettings { run, ..SectionSettings::default() };
     let cutter = Cutter { evaluator: maker(make)(program)?, kinds, settings: &cut_settings };
     match plane {
         Some(plane) => cutter.cut(&plane),

@@ -17,7 +17,7 @@ pub enum Layers {
     Every(f64),
 }
 
-/// The most layers of one run.
+/// The maximum number of layers of one run.
 pub const MAX_LAYERS: u64 = 1_000_000;
 
 impl Layers {

@@ -80,11 +80,11 @@ pub fn section_with<E: Evaluator>(
     evaluator: &E,
     cut: &Cut,
     window: &SectionWindow,
-    sweep: &SectionRun,
+    run: &SectionRun,
 ) -> Result<Section, SectionError> {
     window.check()?;
     let mut section = Section::default();
-    let mut scan_lines = ScanLines::new(evaluator, cut, window, sweep);
+    let mut scan_lines = ScanLines::new(evaluator, cut, window, run);
     let mut lines = link::Lines::new(window);
     for step in scan_lines.swept()? {
         match step {

@@ -38,8 +38,8 @@ impl SectionPlane {
         match axis < 3 && coordinate.is_finite() {
             true => Ok(SectionPlane { form: Form::Axis(axis), offset: coordinate }),
             false => Err(AnalysisError::Value(Message::new(
-                format!("there is no plane at {coordinate} along axis {axis}"),
-                "axes are 0 to 2, coordinates are finite",
+                format!("a plane at {coordinate} along axis {axis} is invalid"),
+                "the axis must be 0 to 2 and the coordinate finite",
             ))),
         }
     }
@@ -94,7 +94,7 @@ impl SectionPlane {
         };
         match problem {
             Some(reason) => {
-                let problem = format!("there is no stack from {from} to {to} in steps of {step}");
+                let problem = format!("a stack from {from} to {to} in steps of {step} is invalid");
                 Err(AnalysisError::Value(Message::new(problem, reason)))
             }
             None => (0..=steps as u32).map(|k| self.at(from + f64::from(k) * step)).collect(),
@@ -187,8 +187,8 @@ impl FromStr for SectionPlane {
 
     fn from_str(text: &str) -> Result<SectionPlane, AnalysisError> {
         let problem = || {
-            let reason = "a plane is yz, xz, xy, or a place along an axis, as z=2.5";
-            AnalysisError::Value(Message::new(format!("`{text}` is no plane"), reason))
+            let reason = "a plane is yz, xz, xy, or a finite coordinate such as z=2.5";
+            AnalysisError::Value(Message::new(format!("the plane `{text}` is invalid"), reason))
         };
         let (axis, place) = axis_and_place(text).ok_or_else(problem)?;
         SectionPlane::across(axis, place)

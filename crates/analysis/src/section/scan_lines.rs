@@ -1,4 +1,4 @@
-//! ScanLines: the rays that sweep a plane, refined where neighbours differ.
+//! Scan lines: the parallel rays that sweep a plane, refined where neighbours differ.
 
 use super::{Cut, SectionError, SectionRun, SectionWindow};
 use rayweave_model::drive::{Stopped, drive, thread_count};
@@ -69,16 +69,16 @@ enum Gap {
 /// Refinement stops at this number of scan lines; a sweep has fewer than twice as many.
 const MAX_COLUMNS: usize = 1 << 20;
 
-/// ScanLines per batch.
+/// Scan lines per batch.
 const CHUNK: usize = 1024;
 
-/// A sweep.
+/// The scan lines of one section.
 pub struct ScanLines<'a, E: Evaluator> {
     evaluator: &'a E,
     scratch: E::Scratch,
     cut: &'a Cut,
     window: &'a SectionWindow,
-    sweep: &'a SectionRun,
+    run: &'a SectionRun,
     /// The size of all scan lines so far, in bytes.
     bytes: u64,
     growth: Growth,
@@ -89,10 +89,10 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         evaluator: &'a E,
         cut: &'a Cut,
         window: &'a SectionWindow,
-        sweep: &'a SectionRun,
+        run: &'a SectionRun,
     ) -> ScanLines<'a, E> {
         let (scratch, growth) = (evaluator.scratch(), Growth::default());
-        ScanLines { evaluator, scratch, cut, window, sweep, bytes: 0, growth }
+        ScanLines { evaluator, scratch, cut, window, run, bytes: 0, growth }
     }
 
     /// Traces and refines all scan lines; returns them from left to right.
@@ -179,9 +179,9 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
 
     /// Traces the scan lines at some positions; on this thread if they are few.
     fn trace_scan_lines(&mut self, places: &[f64]) -> Result<Vec<ScanLine>, SectionError> {
-        let (evaluator, sweep) = (self.evaluator, self.sweep);
+        let (evaluator, run) = (self.evaluator, self.run);
         let tracer = ScanLineTracer::new(evaluator, self.cut, self.window);
-        if sweep.cancel.is_cancelled() {
+        if run.cancel.is_cancelled() {
             return Err(SectionError::Cancelled);
         }
         if places.len() <= 2 * CHUNK {
@@ -198,9 +198,9 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
             self.growth.check(self.bytes)
         };
         let scratch = || evaluator.scratch();
-        let run =
-            drive(thread_count(sweep.threads), &sweep.cancel, places.chunks(CHUNK), scratch, work, merge);
-        match run {
+        let outcome =
+            drive(thread_count(run.threads), &run.cancel, places.chunks(CHUNK), scratch, work, merge);
+        match outcome {
             Ok(()) => Ok(all),
             Err(Stopped::Cancelled) => Err(SectionError::Cancelled),
             Err(Stopped::Failed(shortage)) => Err(SectionError::Memory(shortage)),

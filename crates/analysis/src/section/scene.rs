@@ -35,14 +35,14 @@ pub struct SectionSettings {
     /// Restricts the section to this box.
     pub within: Option<Bounds>,
     /// Threads and cancellation token.
-    pub sweep: SectionRun,
+    pub run: SectionRun,
 }
 
 /// By medium, 512 columns.
 impl Default for SectionSettings {
     fn default() -> Self {
-        let sweep = SectionRun::default();
-        SectionSettings { by: By::Medium, tolerance: None, columns: 512, within: None, sweep }
+        let run = SectionRun::default();
+        SectionSettings { by: By::Medium, tolerance: None, columns: 512, within: None, run }
     }
 }
 
@@ -207,7 +207,7 @@ impl<E: Evaluator> Cutter<'_, E> {
             tolerance: 0.5 * tolerance,
             columns,
         };
-        let found = section_with(&self.evaluator, &cut, &window, &self.settings.sweep)?;
+        let found = section_with(&self.evaluator, &cut, &window, &self.settings.run)?;
         let found = found.renumbered(|region| self.kinds.number(region)).simplified(0.5 * tolerance);
         Ok(CrossSection { plane: *plane, parts: self.parts(&found), lo, hi, tolerance })
     }

@@ -162,13 +162,13 @@ fn labels_of_stacks_are_short() {
 fn the_same_on_any_number_of_threads() {
     let scene = scene(TWO);
     let on = |threads: usize| {
-        let sweep = SectionRun { threads: std::num::NonZeroUsize::new(threads), ..SectionRun::default() };
-        let settings = SectionSettings { sweep, columns: 5000, ..SectionSettings::default() };
+        let run = SectionRun { threads: std::num::NonZeroUsize::new(threads), ..SectionRun::default() };
+        let settings = SectionSettings { run, columns: 5000, ..SectionSettings::default() };
         cut_by(&scene, "z=0.5".parse().unwrap(), &settings)
     };
     assert_eq!(on(1), on(3));
     let settings = SectionSettings::default();
-    settings.sweep.cancel.cancel();
+    settings.run.cancel.cancel();
     let stopped = cross_sections(
         &scene,
         None,

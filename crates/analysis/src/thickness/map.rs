@@ -44,7 +44,7 @@ fn optical_depth((length, mu): (&f64, &f64)) -> f64 {
     if *mu == 0.0 { 0.0 } else { length * mu }
 }
 
-/// The most path lengths of a map, one for each pixel and medium: 2 GiB of memory.
+/// The maximum number of path lengths of a map, one for each pixel and medium: 2 GiB of memory.
 pub const MAX_LENGTHS: usize = 1 << 28;
 
 /// The transmission of the darkest pixel if no medium has an attenuation. The attenuations are then

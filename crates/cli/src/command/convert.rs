@@ -26,7 +26,7 @@ pub struct Convert {
     #[arg(value_name = "OUT")]
     out: PathBuf,
 
-    /// Output format [default: by the ending of OUT]
+    /// Output format [default: by the extension of OUT]
     #[arg(long, value_name = "NAME", value_parser = Format::NAMES)]
     to: Option<String>,
 
@@ -55,7 +55,7 @@ impl Convert {
         let options = WriteOptions { tolerance: self.tolerance, text: self.text };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);
         let written = written.map_err(rayweave::Error::from)?;
-        // what is not exact is told to everybody
+        // approximations are reported also with --quiet
         let (changes, losses): (Vec<_>, Vec<_>) =
             written.remarks.iter().partition(|remark| remark.kind == RemarkKind::Changed);
         if !global.quiet {
@@ -73,8 +73,17 @@ impl Convert {
             return Ok(format);
         }
         let unknown = || {
+            let problem = match (self.out.to_str(), self.out.extension()) {
+                (Some("-"), _) => "the output format is unknown: standard output has no extension".to_owned(),
+                (_, Some(extension)) => {
+                    format!("{}: the extension .{} is unknown", self.out.display(), extension.display())
+                }
+                (_, None) => {
+                    format!("{}: the format is unknown: the file has no extension", self.out.display())
+                }
+            };
             let known = Format::NAMES.join(", ");
-            Failure::Usage(format!("{}: unknown format: --to says it: {known}.", self.out.display()))
+            Failure::Usage(format!("{problem}. Set the format with --to: {known}."))
         };
         match self.out == Path::new("-") {
             true => Err(unknown()),

@@ -89,9 +89,9 @@ impl Section {
         let planes = self.planes()?;
         let scene = self.model.load()?;
         let by = if self.by_region { By::Region } else { By::Medium };
-        let sweep = SectionRun { threads: global.threads, cancel: interrupt::token() };
+        let run = SectionRun { threads: global.threads, cancel: interrupt::token() };
         let (tolerance, columns, within) = (self.tolerance, self.columns, self.within.bounds());
-        let settings = SectionSettings { by, tolerance, columns, within, sweep };
+        let settings = SectionSettings { by, tolerance, columns, within, run };
         let bar = terminal::progress_bar(Some(planes.len() as u64), Unit::Percent, global.quiet);
         let mut progress = |done: usize| bar.set_position(done as u64);
         let solid = self.subject.solid.as_deref();

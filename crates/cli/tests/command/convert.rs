@@ -52,7 +52,11 @@ fn what_cannot_be_written_leaves_no_file() {
     bench.write("part.toml", PART);
     bench.write("rod.toml", "rayweave = 1\n[solid.rod]\ncylinder = { radius = 1 }\n");
     assert!(bench.fails(3, &["convert", "rod.toml", "rod.stl"]).contains("region `rod` has no end"));
-    assert!(bench.fails(2, &["convert", "part.toml", "part.step"]).contains("unknown format"));
+    assert!(
+        bench
+            .fails(2, &["convert", "part.toml", "part.step"])
+            .contains("part.step: the extension .step is unknown. Set the format with --to: native, ")
+    );
     assert!(
         bench.fails(2, &["convert", "part.toml", "part.stl", "--tolerance", "0"]).contains("tolerance is 0")
     );

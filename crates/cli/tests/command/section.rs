@@ -59,7 +59,7 @@ fn refusals() {
     bench.write("empty.toml", "rayweave = 1\n[solid.a]\nexpr = \"b & c\"\n[solid.b]\nsphere = { radius = 1 }\n[solid.c]\nsphere = { radius = 1 }\ntransform = [{ translate = [9, 0, 0] }]\n[[region]]\nsolid = \"a\"");
     assert!(bench.fails(3, &["section", "empty.toml"]).contains("the model: it is empty."));
     let failed = bench.fails(2, &["section", "ball.toml", "--plane", "z=nan"]);
-    assert!(failed.contains("`z=nan` is no plane"), "{failed}");
+    assert!(failed.contains("the plane `z=nan` is invalid"), "{failed}");
     bench.fails(2, &["section", "ball.toml", "--normal", "0,0,0"]);
     bench.fails(2, &["section", "ball.toml", "--tolerance", "nan"]);
     let failed = bench.fails(2, &["section", "ball.toml", "--tolerance", "-1"]);

@@ -13,6 +13,11 @@ const W: [f64; 3] = [1.0, 0.7548776662466927, 0.5698402909980532];
 /// or not.
 pub(super) const GREY: f64 = 4.0;
 
+/// Upper bound of 1 + sqrt(2), for roots near the extremum of `f = a t^2 + ...`: if f changes by `error` where its
+/// slope v has v^2 < 4 |a| error, a root moves by at most `(v + sqrt(v^2 + 4 |a| error)) / (2 |a|)`, which is less
+/// than `(1 + sqrt(2)) sqrt(error / |a|)`.
+pub(super) const TANGENT_SHIFT: f64 = 2.5;
+
 /// The reason why the exact answer for a ray is uncertain; another ray is drawn instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertain {
@@ -55,8 +60,8 @@ impl Span {
     }
 }
 
-/// A surface along a ray.
-pub(super) struct Along {
+/// The polynomial of a surface along a ray, with its sign changes.
+pub(super) struct SurfacePolynomial {
     /// `[a, b, c]` of `a t^2 + b t + c`.
     pub(super) coefficients: [Dyadic; 3],
     pub(super) changes: SignChanges,
@@ -85,8 +90,8 @@ pub(super) fn depth(surface: &Surface, coefficients: &[Dyadic; 3], line: &Line, 
     distance(surface, coefficients, line, t) / delta(surface, line, t.to_f64())
 }
 
-impl Along {
-    pub(super) fn new(surface: &Surface, line: &Line, span: &Span) -> Result<Along, Uncertain> {
+impl SurfacePolynomial {
+    pub(super) fn new(surface: &Surface, line: &Line, span: &Span) -> Result<SurfacePolynomial, Uncertain> {
         let coefficients = surface.along(line);
         let lies = coefficients.iter().all(Dyadic::is_zero)
             || Self::nearly_lies(surface, &coefficients, line, span)?;
@@ -98,7 +103,7 @@ impl Along {
             }
             (false, _) => sign_changes(&coefficients),
         };
-        Ok(Along { coefficients, changes, lies, turn })
+        Ok(SurfacePolynomial { coefficients, changes, lies, turn })
     }
 
     /// The distance of the ray from the surface at a time, in units of the tolerance. For a ray in the surface whose side
@@ -147,7 +152,7 @@ impl Along {
 
     /// Upper bound of the change of a root if the surface moves by `by`.
     pub(super) fn time_error(&self, surface: &Surface, line: &Line, root: &Root, by: f64) -> f64 {
-        let t = root.near();
+        let t = root.approximation();
         if let Some([rise, _]) = &self.turn {
             return 2.0 * by * surface.bend() / rise.to_f64().abs();
         }
@@ -155,8 +160,13 @@ impl Along {
         let error = by * surface.slope(&line.at(&t.rounded()));
         let speed = (&(a * t).scaled(1) + b).to_f64().abs();
         let bend = a.to_f64().abs();
-        // f changes by error: a second root takes part if the extremum between them is at most that far away
-        if speed * speed >= 4.0 * bend * error { 2.0 * error / speed } else { 2.5 * (error / bend).sqrt() }
+        // f changes by error: a second root takes part if the extremum between them is at most that far away;
+        // without one the shift s = 2 error / (speed + sqrt(speed^2 - 4 bend error)) is at most 2 error / speed
+        if speed * speed >= 4.0 * bend * error {
+            2.0 * error / speed
+        } else {
+            TANGENT_SHIFT * (error / bend).sqrt()
+        }
     }
 
     /// For a surface that is touched within the tolerance but not crossed: the time, and the change of it if
@@ -171,7 +181,9 @@ impl Along {
         let slope = surface.slope(&line.at(&middle.rounded()));
         let near = polynomial(&self.coefficients, &middle).to_f64().abs()
             <= error * (slope + error * surface.bend());
-        near.then(|| (t, 2.5 * (error * (slope + error * surface.bend()) / a.to_f64().abs()).sqrt()))
+        near.then(|| {
+            (t, TANGENT_SHIFT * (error * (slope + error * surface.bend()) / a.to_f64().abs()).sqrt())
+        })
     }
 
     /// The distance between the surface and the ray at the extremum of the polynomial, where they may be

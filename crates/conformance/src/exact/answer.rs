@@ -2,7 +2,7 @@
 //! surface is perturbed symbolically along the fixed direction w, and pieces within the tolerance are welded
 //! once.
 
-use super::along::{Along, GREY, Span, Uncertain, delta, side_at};
+use super::along::{GREY, Span, SurfacePolynomial, Uncertain, delta, side_at};
 use super::{Dyadic, Exact, Line, Root, Surface};
 use rayweave_math::Vec3;
 
@@ -65,26 +65,33 @@ pub(super) struct Moment {
 }
 
 /// The computation for one ray.
-pub(super) struct Work<'a> {
+pub(super) struct RayComputation<'a> {
     pub(super) exact: &'a Exact,
     pub(super) line: &'a Line,
-    pub(super) along: Vec<Along>,
+    pub(super) along: Vec<SurfacePolynomial>,
     pub(super) moments: Vec<Moment>,
     start: (Vec<bool>, usize),
 }
 
 /// The answer for a ray through a model, or the reason why it is uncertain.
 pub fn answer(exact: &Exact, line: &Line, span: &Span) -> Result<Answer, Uncertain> {
-    let work = Work::new(exact, line, span)?;
+    let work = RayComputation::new(exact, line, span)?;
     let crossings = work.welded()?;
     Ok(Answer { start: work.start.1, crossings, traits: work.traits() })
 }
 
-impl<'a> Work<'a> {
-    pub(super) fn new(exact: &'a Exact, line: &'a Line, span: &Span) -> Result<Work<'a>, Uncertain> {
-        let along =
-            exact.surfaces.iter().map(|s| Along::new(s, line, span)).collect::<Result<Vec<_>, _>>()?;
-        let mut work = Work { exact, line, along, moments: Vec::new(), start: (Vec::new(), 0) };
+impl<'a> RayComputation<'a> {
+    pub(super) fn new(
+        exact: &'a Exact,
+        line: &'a Line,
+        span: &Span,
+    ) -> Result<RayComputation<'a>, Uncertain> {
+        let along = exact
+            .surfaces
+            .iter()
+            .map(|s| SurfacePolynomial::new(s, line, span))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut work = RayComputation { exact, line, along, moments: Vec::new(), start: (Vec::new(), 0) };
         work.sweep();
         Ok(work)
     }
@@ -122,7 +129,7 @@ impl<'a> Work<'a> {
 
     /// The distinct times with the surfaces crossed at each.
     fn times(&self) -> Vec<(Root, Vec<usize>)> {
-        let roots = |(k, along): (usize, &Along)| {
+        let roots = |(k, along): (usize, &SurfacePolynomial)| {
             along.changes.roots.iter().map(move |root| (root.clone(), k)).collect::<Vec<_>>()
         };
         let mut all: Vec<(Root, usize)> = self.along.iter().enumerate().flat_map(roots).collect();
@@ -227,7 +234,7 @@ impl<'a> Work<'a> {
 
     /// Sample times of a piece: its ends, quarters, and around the point nearest to the start of the ray.
     fn samples(&self, a: &Root, b: &Root) -> Vec<Dyadic> {
-        let (a, b) = (a.near().rounded(), b.near().rounded());
+        let (a, b) = (a.approximation().rounded(), b.approximation().rounded());
         let part = |k: f64| &a + &(&Dyadic::from(k) * &(&b - &a));
         let mut times = vec![a.clone(), part(0.25), part(0.5), part(0.75), b.clone()];
         let (first, last) = (a.to_f64(), b.to_f64());
@@ -318,8 +325,10 @@ impl<'a> Work<'a> {
 
     fn traits(&self) -> Traits {
         let surfaces = &self.exact.surfaces;
-        let touch = |a: &Along| !a.lies && !a.coefficients[0].is_zero() && a.changes.roots.is_empty();
-        let touching = |(k, a): (usize, &Along)| touch(a) && a.extremum(&surfaces[k], self.line) == 0.0;
+        let touch =
+            |a: &SurfacePolynomial| !a.lies && !a.coefficients[0].is_zero() && a.changes.roots.is_empty();
+        let touching =
+            |(k, a): (usize, &SurfacePolynomial)| touch(a) && a.extremum(&surfaces[k], self.line) == 0.0;
         Traits {
             lies: self.along.iter().any(|a| a.lies),
             ties: self.moments.iter().any(|m| m.leaves.len() > 1 || m.surfaces.len() > 1),
@@ -346,7 +355,8 @@ pub fn region_at(exact: &Exact, point: Vec3) -> Option<usize> {
         clear.then(|| value.sign() < 0)
     };
     let negative = exact.surfaces.iter().map(side).collect::<Option<Vec<bool>>>()?;
-    let work = Work { exact, line: &line, along: Vec::new(), moments: Vec::new(), start: (Vec::new(), 0) };
+    let work =
+        RayComputation { exact, line: &line, along: Vec::new(), moments: Vec::new(), start: (Vec::new(), 0) };
     let leaves: Vec<bool> = (0..exact.leaves.len()).map(|k| work.leaf_holds(k, &negative)).collect();
     Some(work.region(&leaves))
 }

@@ -19,7 +19,7 @@ mod flat;
 mod map;
 
 mod root;
-mod scrutiny;
+mod sensitivity;
 mod shape;
 mod shrink;
 mod suite;
@@ -34,7 +34,7 @@ pub use dyadic::Dyadic;
 pub use flat::{Exact, Leaf, Node};
 pub use map::Map;
 pub use root::{Root, SignChanges, sign_changes};
-pub use scrutiny::{Scrutiny, scrutiny};
+pub use sensitivity::{Sensitivity, sensitivity};
 pub use shape::Shape;
 pub use suite::{meshes, planted, points, transversal, turned};
 pub use surface::{Line, Surface};

@@ -13,7 +13,7 @@ pub struct Root {
     /// Greater than zero.
     q: Dyadic,
     /// The value, to about 190 bits.
-    near: Dyadic,
+    approximation: Dyadic,
     t: f64,
 }
 
@@ -34,9 +34,9 @@ impl Root {
             1 => &p + &d.root(),
             _ => &p - &d.root(),
         };
-        let near = top.over(&q);
-        let t = near.to_f64();
-        Root { p, side, d, q, near, t }
+        let approximation = top.over(&q);
+        let t = approximation.to_f64();
+        Root { p, side, d, q, approximation, t }
     }
 
     /// The root p / q.
@@ -45,8 +45,8 @@ impl Root {
     }
 
     /// The value, to about 190 bits (relative to the greater of p and sqrt(d), over q).
-    pub fn near(&self) -> &Dyadic {
-        &self.near
+    pub fn approximation(&self) -> &Dyadic {
+        &self.approximation
     }
 
     /// The value rounded to `f64`.
@@ -161,8 +161,9 @@ mod tests {
             let found = sign_changes(&p);
             let mut negative = found.starts_negative;
             for root in &found.roots {
-                let step = root.near().abs().scaled(-150);
-                let signs = [&root.near - &step, root.near() + &step].map(|t| value(&p, &t).sign());
+                let step = root.approximation().abs().scaled(-150);
+                let signs =
+                    [&root.approximation - &step, root.approximation() + &step].map(|t| value(&p, &t).sign());
                 assert_eq!(signs, if negative { [-1, 1] } else { [1, -1] });
                 negative = !negative;
             }
@@ -187,7 +188,7 @@ mod tests {
         let e = roots([1.0, -4.0, 3.0]);
         assert!(e[1].compare(&roots([0.0, -2.0, 6.0])[0]).is_eq());
         assert!(roots([1.0, -2.0, 1.0]).is_empty());
-        assert!(roots([1.0, -2.0, 0.0])[0].near().is_zero());
+        assert!(roots([1.0, -2.0, 0.0])[0].approximation().is_zero());
     }
 
     /// Compares with a high-precision approximation, on polynomials with small integer coefficients, which
@@ -204,7 +205,7 @@ mod tests {
             }
             for a in &sign_changes(&polynomial(p)).roots {
                 for b in &sign_changes(&polynomial(q)).roots {
-                    let gap = a.near() - b.near();
+                    let gap = a.approximation() - b.approximation();
                     let same = gap.abs().compare(&Dyadic::ONE.scaled(-150)).is_lt();
                     let expected = if same { Ordering::Equal } else { gap.sign().cmp(&0) };
                     assert_eq!(a.compare(b), expected, "{p:?} {q:?}");

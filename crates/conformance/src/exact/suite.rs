@@ -1,7 +1,7 @@
 //! Tests of evaluators against exact answers.
 
 use super::answer::{Answer, Expected, answer, region_at};
-use super::scrutiny::scrutiny;
+use super::sensitivity::sensitivity;
 use super::shrink::smaller_models;
 use super::tree::regions;
 use super::trial::{generic, through};
@@ -219,17 +219,17 @@ fn compare(subject: &Subject, ray: Ray) -> Verdict {
     let expected = if subject.is_windowed() { expected.within(far(&ray)) } else { expected };
     let mut evaluators = subject.evaluators.iter();
     let wrong = evaluators.find_map(|evaluator| differences(subject, &**evaluator, ray, &expected));
-    let look = || scrutiny(&subject.exact, &line, &span);
+    let look = || sensitivity(&subject.exact, &line, &span);
     if turned {
         match look() {
-            Ok(scrutiny) if scrutiny.clearance < 1e-9 => return Verdict::NearEdge(wrong.is_none()),
+            Ok(sensitivity) if sensitivity.clearance < 1e-9 => return Verdict::NearEdge(wrong.is_none()),
             Ok(_) => {}
             Err(_) => return Verdict::Doubtful,
         }
     }
     match wrong {
         None => Verdict::Right(expected),
-        Some(_) if look().is_ok_and(|scrutiny| scrutiny.torn) => Verdict::Torn,
+        Some(_) if look().is_ok_and(|sensitivity| sensitivity.order_uncertain) => Verdict::Torn,
         Some(what) => Verdict::Wrong(what),
     }
 }

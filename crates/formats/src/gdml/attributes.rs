@@ -12,7 +12,7 @@ use rayweave_shape::primitive::ShapeError;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Most elements that the loops of a file may generate.
+/// Maximum number of elements that the loops of a file may generate.
 const MAX_STEPS: usize = 500_000;
 
 /// The reason why an element could not be read.
@@ -69,7 +69,7 @@ impl<'c> Numbers<'c> {
         element.attribute(name).ok_or_else(|| {
             let known = element.attributes.iter().map(|attribute| attribute.name.as_str());
             let unlike = |known: &&str| !["name", "lunit", "aunit"].contains(known);
-            let message = format!("`{}` has no attribute `{name}`: it is needed.", element.name);
+            let message = format!("`{}` has no attribute `{name}`: it is required.", element.name);
             let near = rayweave_error::did_you_mean(name, known.filter(unlike));
             let slip = near.map(|near| format!(" is `{near}` meant for it?")).unwrap_or_default();
             self.tell(Trouble::new(message + &slip, element.place))
@@ -163,9 +163,9 @@ impl<'c> Numbers<'c> {
             let what = match quantity {
                 Quantity::Length => "length",
                 Quantity::Angle => "angle",
-                Quantity::Other => "this",
+                Quantity::Other => "this quantity",
             };
-            let trouble = Trouble::new(format!("`{symbol}` is no unit of {what}"), attribute.place);
+            let trouble = Trouble::new(format!("`{symbol}` is not a unit of {what}"), attribute.place);
             match quantity {
                 Quantity::Other => self.tell(trouble),
                 _ => self.tell(trouble.did_you_mean(symbol, units::names_of(quantity))),

@@ -5,7 +5,7 @@ use super::xml::Files;
 use crate::{LossKind, Report};
 use rayweave_scene::Diagnostic;
 
-/// Most problems that are reported. More indicate a loop, or a file of another format.
+/// Maximum number of problems that are reported. More indicate a loop, or a file of another format.
 const MAX_PROBLEMS: usize = 200;
 
 /// State while files are read.

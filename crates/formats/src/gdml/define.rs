@@ -9,7 +9,7 @@ use super::xml::Element;
 use rayweave_math::{Affine, Vec3};
 use std::f64::consts::PI;
 
-/// Most numbers of a matrix.
+/// Maximum number of entries of a matrix.
 const MAX_VALUES: usize = 10_000_000;
 
 /// The role of a vector: position, rotation or scale.
@@ -157,7 +157,7 @@ impl Numbers<'_> {
         let large = ["x", "y", "z"].iter().filter_map(|axis| element.attribute(axis));
         let large = large.filter_map(|attribute| attribute.value.trim().parse::<f64>().ok());
         if role == Role::Rotation && unit == 1.0 && large.fold(0.0, |a: f64, b| a.max(b.abs())) > 4.0 * PI {
-            let aunit = if element.attribute("aunit").is_some() { " `aunit` says nothing here" } else { "" };
+            let aunit = if element.attribute("aunit").is_some() { " `aunit` has no effect here" } else { "" };
             let message =
                 format!("a rotation of more than two turns (in radians) is `unit=\"deg\"` missing?{aunit}");
             self.context.warn(Trouble::new(message, element.place));

@@ -129,7 +129,7 @@ fn finite(value: f64, text: &str) -> Result<f64, Fault> {
     if value.is_finite() {
         return Ok(value);
     }
-    let problem = format!("`{}` is no finite number: the largest is about 1.8e308.", text.trim());
+    let problem = format!("`{}` is not a finite number: the largest is about 1.8e308.", text.trim());
     Err(Fault { span: Span::new(0, text.len()), problem, unknown: None })
 }
 
@@ -278,7 +278,7 @@ impl<'a> Parser<'a> {
         }
         self.at = end;
         let text = &self.text[start..end];
-        let value: f64 = text.parse().map_err(|_| self.fault(start, format!("`{text}` is no number")))?;
+        let value: f64 = text.parse().map_err(|_| self.fault(start, format!("`{text}` is not a number")))?;
         match value.is_finite() {
             true => Ok(value),
             false => {
@@ -423,10 +423,10 @@ mod tests {
         assert_eq!(fault("1.e+3mm"), (5, 6, "`m` where an operator is expected".to_owned()));
         assert_eq!(fault("(1 + 2"), (6, 6, "the end of the text where `)` is expected".to_owned()));
         assert_eq!(fault("").2, "the end of the text where a number or a name is expected");
-        assert!(fault("1/0").2.starts_with("`1/0` is no finite number"));
+        assert!(fault("1/0").2.starts_with("`1/0` is not a finite number"));
         assert!(fault(&"(".repeat(1_000_000)).2.starts_with("more than 200 parentheses"));
         assert!(fault("pow(2)").2.starts_with("`pow` has 1 arguments"));
-        assert!(fault(".").2.starts_with("`.` is no number"));
+        assert!(fault(".").2.starts_with("`.` is not a number"));
         assert!(fault("1 é").2.starts_with("`é`"));
     }
 

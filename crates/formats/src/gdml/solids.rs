@@ -125,7 +125,7 @@ impl Library {
     pub fn add(&mut self, numbers: &mut Numbers, element: &Element) {
         if !TAGS.contains(&element.name.as_str()) {
             let trouble =
-                Trouble::new(format!("`{}` is no solid that is known here", element.name), element.place);
+                Trouble::new(format!("the solid `{}` is not supported", element.name), element.place);
             numbers.context.lose(LossKind::Refused, &element.name, trouble.did_you_mean(&element.name, TAGS));
             if let Some(name) = element.attribute("name") {
                 self.solids.insert(name.value.clone(), None);
@@ -166,7 +166,7 @@ impl Library {
     /// An operand of a boolean solid.
     fn operand(&self, numbers: &mut Numbers, element: &Element, child: &str, attribute: &str) -> Made {
         let Some(child) = element.child(child) else {
-            let message = format!("`{}` has no `{child}`: it is needed.", element.name);
+            let message = format!("`{}` has no `{child}`: it is required.", element.name);
             return Err(numbers.tell(Trouble::new(message, element.place)));
         };
         let (name, place) = numbers.reference(child, attribute)?;

@@ -49,7 +49,7 @@ pub(super) fn read_file(
     if root.name != "gdml" {
         if !root.children.iter().any(|child| SECTIONS.contains(&child.name.as_str())) {
             let message =
-                format!("the file is no GDML: its outermost element is `{}`, not `gdml`.", root.name);
+                format!("the file is not GDML: its outermost element is `{}`, not `gdml`.", root.name);
             context.error(Trouble::new(message, root.place));
             return None;
         }
@@ -278,7 +278,7 @@ impl Builder<'_, '_> {
             None if element.name == "assembly" => Ok(None),
             None => {
                 let message =
-                    format!("the volume `{}` has no `solidref`: it is needed.", element.text("name"));
+                    format!("the volume `{}` has no `solidref`: it is required.", element.text("name"));
                 Err(self.numbers.tell(Trouble::new(message, element.place)))
             }
         }
@@ -355,7 +355,7 @@ impl Builder<'_, '_> {
         copies: Copies,
     ) -> Result<(), Failure> {
         let Some(reference) = element.child("volumeref") else {
-            let message = format!("the `{}` has no `volumeref`: it is needed.", element.name);
+            let message = format!("the `{}` has no `volumeref`: it is required.", element.name);
             return Err(self.numbers.tell(Trouble::new(message, element.place)));
         };
         let (name, place) = self.numbers.reference(reference, "ref")?;
@@ -432,7 +432,7 @@ impl Builder<'_, '_> {
             (None, Some(_)) => self.row_of(element)?,
             (None, None) => {
                 return Err(self.numbers.tell(Trouble::new(
-                    "`replicavol` has no `replicate_along_axis`: it is needed.",
+                    "`replicavol` has no `replicate_along_axis`: it is required.",
                     element.place,
                 )));
             }
@@ -460,7 +460,7 @@ impl Builder<'_, '_> {
     fn row_of(&mut self, element: &Element) -> Result<row::Row, Failure> {
         let attribute = self.numbers.need(element, "axis")?;
         let Some(axis) = row::axis(&attribute.value) else {
-            let trouble = Trouble::new(format!("`{}` is no axis", attribute.value), attribute.place);
+            let trouble = Trouble::new(format!("`{}` is not an axis", attribute.value), attribute.place);
             return Err(self
                 .numbers
                 .tell(trouble.did_you_mean(&attribute.value, row::AXES.map(|row| row.0))));

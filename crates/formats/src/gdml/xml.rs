@@ -18,7 +18,7 @@ use std::sync::Arc;
 const DEEPEST: usize = 200;
 /// Maximal nesting depth of entity references.
 const DEEPEST_ENTITY: usize = 20;
-/// Most entity references in a document.
+/// Maximum number of entity references in a document.
 const MAX_REFERENCES: usize = 100_000;
 /// Entity expansion limit: bytes of internal entities, counting every use.
 const MAX_EXPANDED: usize = 16 << 20;

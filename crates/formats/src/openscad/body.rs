@@ -86,7 +86,7 @@ fn union(arguments: &Arguments, mut all: Vec<Body>) -> Result<Option<Body>, Refu
         let mut joined = Vec::with_capacity(all.len().div_ceil(2));
         for pair in all.chunks(2) {
             match pair {
-                [a, b] => joined.extend(combined(arguments, a, b, Body::joined)?),
+                [a, b] => joined.extend(combined(arguments, a, b, Body::union)?),
                 rest => joined.extend(rest.first().cloned()),
             }
         }
@@ -107,13 +107,13 @@ fn join(
     let Some(mut first) = parts.next().flatten() else { return Ok(None) };
     if operation == Operation::Difference {
         return match union(arguments, parts.flatten().collect())? {
-            Some(others) => combined(arguments, &first, &others, Body::less),
+            Some(others) => combined(arguments, &first, &others, Body::difference),
             None => Ok(Some(first)),
         };
     }
     for part in parts {
         let common = match part {
-            Some(part) => combined(arguments, &first, &part, Body::common)?,
+            Some(part) => combined(arguments, &first, &part, Body::intersection)?,
             None => None,
         };
         let Some(common) = common else { return Ok(None) };

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 /// Largest drawing file in bytes.
 pub(super) const MAX_DRAWING_BYTES: u64 = 64 << 20;
 
-/// Most points of a drawing; more take too long.
+/// Maximum number of points of a drawing; more take too long.
 pub(super) const MAX_POINTS: usize = 1_000_000;
 
 /// Chord tolerance: deviation of chords from their curve, relative to the size of the drawing.
@@ -31,7 +31,7 @@ pub(super) struct Drawing {
     pub unlisted: usize,
 }
 
-/// Most omitted entities that are listed.
+/// Maximum number of omitted entities that are listed.
 const MAX_LISTED: usize = 100;
 
 impl Drawing {
@@ -125,7 +125,7 @@ mod tests {
         let mut flats = Flats::new(facets);
         let all = drawing.leaves.into_iter().map(|(leaf, map)| {
             let leaf = flats.leaf(leaf);
-            flats.moved(map, leaf)
+            flats.transformed(map, leaf)
         });
         let all = all.collect();
         let flat = flats.join(Operation::Union, all);

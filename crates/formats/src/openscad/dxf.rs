@@ -16,7 +16,7 @@ use std::collections::HashMap;
 const NEAR: f64 = 1.0 / 1024.0;
 /// Maximal nesting depth of blocks.
 const DEEPEST: usize = 20;
-/// Most block insertions, counting repetitions.
+/// Maximum number of block insertions, counting repetitions.
 const MAX_USES: usize = 100_000;
 /// Chords of a spline per knot interval.
 const SPLINE_PIECES: usize = 128;
@@ -74,7 +74,7 @@ fn pairs(text: &str) -> Result<Vec<(u16, &str, usize)>, String> {
         if code.is_empty() && all.last().is_some_and(|(_, value, _)| *value == "EOF") {
             break;
         }
-        let code = code.parse().map_err(|_| format!("line {} of it is no code of a DXF", number + 1))?;
+        let code = code.parse().map_err(|_| format!("line {} of it is not a DXF group code", number + 1))?;
         let Some((_, value)) = lines.next() else {
             return Err(format!("it ends after the code in line {}", number + 1));
         };
@@ -122,7 +122,7 @@ fn content(text: &str) -> Result<Content<'_>, String> {
     }
     match text.contains("SECTION") {
         true => Ok(content),
-        false => Err("it has no sections: it is no DXF".to_owned()),
+        false => Err("it has no sections: it is not a DXF file".to_owned()),
     }
 }
 

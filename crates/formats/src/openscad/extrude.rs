@@ -15,7 +15,7 @@ use rayweave_polygon::Point;
 use rayweave_polygon::{HalfPlane, Operator, Polygons};
 use rayweave_shape::primitive::{BoxFromCorners, Convex, Cylinder, HalfSpace, Quadric};
 
-/// Most points of an outline whose prism is a mesh.
+/// Maximum number of points of an outline whose prism is a mesh.
 const MAX_CORNERS: usize = 2000;
 
 /// Margin of the box around a pyramid, relative to its larger side.

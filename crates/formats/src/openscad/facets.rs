@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 /// Radius below which OpenSCAD treats a circle as a point: 2^-20.
 const GRID_FINE: f64 = 1.0 / 1_048_576.0;
 
-/// Most fragments of a circle; more would exhaust memory.
+/// Maximum number of fragments of a circle; more would exhaust memory.
 const MAX_FRAGMENTS: f64 = 10_000.0;
 
 /// Tessellation parameters of an item: `$fn`, `$fa` (degrees) and `$fs` (length).

@@ -29,7 +29,7 @@ pub(super) enum Leaf {
 enum Node {
     Leaf(Leaf),
     Join(Operation, Vec<Flat>),
-    Moved(Affine, Flat),
+    Transformed(Affine, Flat),
 }
 
 /// Arena of all plane regions of a file.
@@ -78,8 +78,8 @@ impl Flats {
     }
 
     /// A region under a plane map.
-    pub fn moved(&mut self, map: Affine, flat: Flat) -> Flat {
-        self.add(Node::Moved(map, flat))
+    pub fn transformed(&mut self, map: Affine, flat: Flat) -> Flat {
+        self.add(Node::Transformed(map, flat))
     }
 
     /// Folds the boolean tree: `make` converts each mapped leaf, `join` combines the results.
@@ -101,7 +101,7 @@ impl Flats {
                         arguments.spend(20 * leaf.point_count())?;
                         made.push(make(leaf, &map)?);
                     }
-                    Node::Moved(inner, flat) => tasks.push(Task::Visit(*flat, inner.then(&map))),
+                    Node::Transformed(inner, flat) => tasks.push(Task::Visit(*flat, inner.then(&map))),
                     Node::Join(operation, flats) => {
                         tasks.push(Task::Join(*operation, flats.len()));
                         tasks.extend(flats.iter().rev().map(|flat| Task::Visit(*flat, map)));

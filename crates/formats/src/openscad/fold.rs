@@ -14,7 +14,7 @@ use super::{gather, transform};
 use crate::kernel::triangulated;
 use rayweave_math::Affine;
 
-/// Most triangles of a node; more take too long.
+/// Maximum number of triangles of a node; more take too long.
 const MAX_TRIANGLES: usize = 500_000;
 
 /// A pending step of a traversal.

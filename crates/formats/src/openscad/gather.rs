@@ -20,7 +20,7 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_polygon::Point;
 use std::collections::HashMap;
 
-/// Most pairs of convex parts; only unions of many parts have more.
+/// Maximum number of pairs of convex parts; only unions of many parts have more.
 pub(super) const MAX_SUMS: usize = 2000;
 
 /// All generators below a node. Operands of booleans all count, which is right for unions only.
@@ -382,7 +382,7 @@ pub(super) fn hull_of_discs(
     }
     for (centre, radius, fragments) in discs.iter().filter(|disc| disc.1 > 0.0) {
         let disc = flats.leaf(Leaf::Disc { radius: *radius, fragments: *fragments });
-        parts.push(flats.moved(Affine::translate(Vec3::new(centre[0], centre[1], 0.0)), disc));
+        parts.push(flats.transformed(Affine::translate(Vec3::new(centre[0], centre[1], 0.0)), disc));
     }
     // later operations go over all parts
     arguments.spend(500 * parts.len())?;

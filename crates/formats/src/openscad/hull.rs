@@ -18,7 +18,7 @@ use rayweave_shape::primitive::{Cone, Cylinder, Sphere};
 /// Relative tolerance for equality: numbers are printed with six digits.
 const NEAR: f64 = 1e-7;
 
-/// Most balls of different sizes with exact hulls, since every triple is tested for tangent planes; with more, balls are
+/// Maximum number of balls of different sizes with exact hulls, since every triple is tested for tangent planes; with more, balls are
 /// replaced by their facets.
 const MAX_BALLS: usize = 100;
 
@@ -127,7 +127,7 @@ pub(super) fn vertices(arguments: &Arguments, generators: &[Generator]) -> Resul
     Ok(generators.iter().flat_map(Generator::vertices).collect())
 }
 
-/// Most points that are collected for one hull.
+/// Maximum number of points that are collected for one hull.
 const MAX_POINTS: usize = 2_000_000;
 
 /// Refuses a number of points that would exhaust memory, before they are made, and counts their cost.

@@ -142,7 +142,7 @@ fn drawn(
     }
     let moved = |(leaf, map)| {
         let flat = flats.leaf(leaf);
-        if map == Affine::IDENTITY { flat } else { flats.moved(map, flat) }
+        if map == Affine::IDENTITY { flat } else { flats.transformed(map, flat) }
     };
     let all: Vec<_> = drawing.leaves.into_iter().map(moved).collect();
     if all.is_empty() {
@@ -154,7 +154,7 @@ fn drawn(
     }
     let [lo, hi] = flats.bounds(arguments, flat)?;
     let middle = [0, 1].map(|k| -0.5 * (lo[k] + hi[k]));
-    Ok(flats.moved(shift(middle), flat).into())
+    Ok(flats.transformed(shift(middle), flat).into())
 }
 
 /// The solid inside a mesh.

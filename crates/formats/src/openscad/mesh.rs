@@ -21,13 +21,13 @@ use rayweave_model::Solid;
 use rayweave_polygon::Point;
 use rayweave_shape::primitive::{Convex, Mesh};
 
-/// Most slices of an extrusion, for the same reason.
+/// Maximum number of slices of an extrusion, for the same reason.
 const MAX_SLICES: f64 = 20_000.0;
 
 /// Relative tolerance for planes through three points: coordinates are printed with six digits.
 const DIGITS: f64 = 2e-5;
 
-/// Most faces of a convex solid of planes; larger polyhedra are faster as a mesh, which has a BVH.
+/// Maximum number of faces of a convex solid of planes; larger polyhedra are faster as a mesh, which has a BVH.
 pub(super) const MAX_PLANES: usize = 64;
 
 pub(super) fn within(

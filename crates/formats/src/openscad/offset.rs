@@ -66,7 +66,7 @@ pub(super) fn plain(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Res
     Ok(flats.leaf(Leaf::Outline(contours)))
 }
 
-/// Most parts of a union that are grown one by one; each becomes several.
+/// Maximum number of parts of a union that are grown one by one; each becomes several.
 const MAX_PARTS: usize = 1000;
 
 /// A union of few leaves: the region itself, or a region made of its boundary.
@@ -96,7 +96,7 @@ fn disc(arguments: &Arguments, flats: &mut Flats, flat: Flat, by: f64) -> Result
         return Ok(Some(Part::Empty));
     }
     let disc = flats.leaf(Leaf::Disc { radius, fragments });
-    Ok(Some(flats.moved(shift(centre), disc).into()))
+    Ok(Some(flats.transformed(shift(centre), disc).into()))
 }
 
 /// The points of the region that are farther than a distance from its boundary.

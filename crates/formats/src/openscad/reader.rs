@@ -118,9 +118,9 @@ impl<'a> Reader<'a> {
         let arguments = self.arguments(number);
         let facets = self.options.facets;
         match node.name.as_str() {
-            "group" | "union" | "render" => self.joined(&arguments, node, Operation::Union),
-            "difference" => self.joined(&arguments, node, Operation::Difference),
-            "intersection" => self.joined(&arguments, node, Operation::Intersection),
+            "group" | "union" | "render" => self.combine(&arguments, node, Operation::Union),
+            "difference" => self.combine(&arguments, node, Operation::Difference),
+            "intersection" => self.combine(&arguments, node, Operation::Intersection),
             "multmatrix" => self.transformed(node, &arguments),
             "color" => self.coloured(node, &arguments),
             "cube" => primitive::cube(&arguments),
@@ -160,15 +160,15 @@ impl<'a> Reader<'a> {
         leaf.map_or(Part::Empty, |leaf| self.flats.leaf(leaf).into())
     }
 
-    /// The boolean of the children of a node.
-    fn joined(&mut self, arguments: &Arguments, node: &Node, operation: Operation) -> Result<Part, Refusal> {
+    /// The boolean combination of the children of a node.
+    fn combine(&mut self, arguments: &Arguments, node: &Node, operation: Operation) -> Result<Part, Refusal> {
         let count =
             node.children.iter().map(|child| self.parts[*child as usize].piece_count()).sum::<usize>();
         arguments.spend(200 * (node.children.len() + count))?;
-        Ok(self.joined_parts(node, operation))
+        Ok(self.combine_parts(node, operation))
     }
 
-    fn joined_parts(&mut self, node: &Node, operation: Operation) -> Part {
+    fn combine_parts(&mut self, node: &Node, operation: Operation) -> Part {
         let (mut solids, mut flats) = (Vec::new(), Vec::new());
         let (mut other_dimension, mut is_first) = (false, true);
         for child in &node.children {
@@ -210,8 +210,8 @@ impl<'a> Reader<'a> {
 
     fn transformed(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let map = transform::matrix(arguments)?;
-        let part = self.joined(arguments, node, Operation::Union)?;
-        let map = if matches!(part, Part::Flat(_)) { transform::of_the_plane(&map) } else { map };
+        let part = self.combine(arguments, node, Operation::Union)?;
+        let map = if matches!(part, Part::Flat(_)) { transform::restricted_to_xy(&map) } else { map };
         if map.inverse().is_err() && matches!(part, Part::Solid(_) | Part::Flat(_)) {
             let why = arguments.approximation("leaves nothing: its matrix has no inverse: a scale of 0?");
             self.report.add(LossKind::Dropped, "multmatrix()", why);
@@ -223,14 +223,14 @@ impl<'a> Reader<'a> {
         arguments.spend(500 * part.piece_count())?;
         Ok(match part {
             Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
-            Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
+            Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.transformed(map, flat))),
             other => other,
         })
     }
 
     fn coloured(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
         let colour = transform::colour(arguments)?;
-        let part = self.joined(arguments, node, Operation::Union)?;
+        let part = self.combine(arguments, node, Operation::Union)?;
         if colour.is_none() {
             return Ok(part);
         }
@@ -268,7 +268,7 @@ impl<'a> Reader<'a> {
     ) -> Result<Result<Flat, Part>, Refusal> {
         // older dumps name the drawing in the extrusion itself
         let part = match import::word(arguments, "file")? {
-            Some("") | None => self.joined(arguments, node, Operation::Union)?,
+            Some("") | None => self.combine(arguments, node, Operation::Union)?,
             _ => self.import(number, arguments)?,
         };
         match part {
@@ -318,7 +318,7 @@ impl<'a> Reader<'a> {
     }
 
     fn hull(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(arguments, node, Operation::Union)? {
+        match self.combine(arguments, node, Operation::Union)? {
             Part::Solid(_) => {
                 let generators = self.generators(number)?;
                 arguments.spend(hull::cost(&generators))?;
@@ -383,7 +383,7 @@ impl<'a> Reader<'a> {
     }
 
     fn projection(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(arguments, node, Operation::Union)? {
+        match self.combine(arguments, node, Operation::Union)? {
             Part::Solid(_) => {}
             Part::Flat(_) => {
                 return Err(arguments.refusal("its children are regions of the plane, not solids"));
@@ -402,7 +402,7 @@ impl<'a> Reader<'a> {
     }
 
     fn resize(&mut self, number: usize, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        let part = self.joined(arguments, node, Operation::Union)?;
+        let part = self.combine(arguments, node, Operation::Union)?;
         let mut kept = None;
         let size = match &part {
             Part::Flat(pieces) => {
@@ -431,7 +431,7 @@ impl<'a> Reader<'a> {
         }
         Ok(match part {
             Part::Solid(pieces) => Part::Solid(mapped(pieces, |solid| solid.apply(map))),
-            Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.moved(map, flat))),
+            Part::Flat(pieces) => Part::Flat(mapped(pieces, |flat| self.flats.transformed(map, flat))),
             other => other,
         })
     }
@@ -543,7 +543,7 @@ impl<'a> Reader<'a> {
     }
 
     fn offset(&mut self, node: &Node, arguments: &Arguments) -> Result<Part, Refusal> {
-        match self.joined(arguments, node, Operation::Union)? {
+        match self.combine(arguments, node, Operation::Union)? {
             Part::Flat(pieces) => {
                 let flat = self.whole(pieces);
                 offset::offset(arguments, &mut self.flats, flat)

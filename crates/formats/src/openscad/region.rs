@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 /// Closed chains of points.
 pub(super) type Contours = Vec<Vec<Point>>;
 
-/// Most points of a region; more take too long.
+/// Maximum number of points of a region; more take too long.
 const MAX_POINTS: usize = 2_000_000;
 
 /// Largest coordinate: `i_overlay` accepts none beyond 2^500.

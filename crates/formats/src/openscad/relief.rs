@@ -11,7 +11,7 @@ use std::path::Path;
 /// Largest height map file in bytes.
 const MAX_MAP_BYTES: u64 = 64 << 20;
 
-/// Most pixels of an image, and most bytes that its decoder may allocate.
+/// Maximum number of pixels of an image, and of bytes that its decoder may allocate.
 const MAX_PIXELS: usize = 4_000_000;
 const MAX_BYTES: usize = 256 << 20;
 
@@ -78,7 +78,7 @@ fn heights(arguments: &Arguments, path: &Path, file: File) -> Result<Vec<Vec<f64
         let height = |word: &str| word.parse().ok().filter(|height: &f64| height.is_finite());
         let row: Option<Vec<f64>> = line.split_whitespace().map(height).collect();
         let reason = || {
-            arguments.refusal(&format!("line {} of its file holds something that is no number", number + 1))
+            arguments.refusal(&format!("line {} of its file has a value that is not a number", number + 1))
         };
         let row = row.ok_or_else(reason)?;
         if !row.is_empty() {

@@ -106,7 +106,7 @@ pub(super) fn flat_sum(
             // the interior of the leaf, farther from the boundary
             let shift = Affine::translate(Vec3::new(first.0[0], first.0[1], 0.0));
             let own = flats.leaf(leaf);
-            parts.push(flats.moved(map.then(&shift), own).into());
+            parts.push(flats.transformed(map.then(&shift), own).into());
         }
     }
     let flats_of = |part: Part| match part {
@@ -129,7 +129,7 @@ fn round_sums(a: &[Round], b: &[Round]) -> Vec<Round> {
 fn convex_pieces(arguments: &Arguments, leaf: &Leaf, map: &Affine) -> Result<Vec<Vec<Round>>, Refusal> {
     let mut flats = Flats::default();
     let own = flats.leaf(leaf.clone());
-    let own = flats.moved(*map, own);
+    let own = flats.transformed(*map, own);
     if is_convex_leaf(arguments, leaf)? {
         return Ok(vec![round(arguments, &flats, own)?]);
     }

@@ -26,7 +26,7 @@ use svgtypes::{Transform, ViewBox};
 const FARTHEST: f64 = 1e100;
 /// Maximal nesting depth of elements, counting each `use`.
 const DEEPEST: usize = 100;
-/// Most elements, counting each `use`.
+/// Maximum number of elements, counting each `use`.
 const MAX_ELEMENTS: usize = 200_000;
 /// Number of chords with facets: of a full ellipse, and of a curve.
 const FACETS: (usize, usize) = (40, 20);
@@ -78,10 +78,10 @@ pub(super) fn read(text: &str, options: SvgOptions<'_>) -> Result<Drawing, Strin
     let limits = ParsingOptions { allow_dtd: true, nodes_limit: 4_000_000, entity_resolver: None };
     check_depth(text)?;
     let document =
-        Document::parse_with_options(text, limits).map_err(|error| format!("it is no SVG: {error}"))?;
+        Document::parse_with_options(text, limits).map_err(|error| format!("it is not SVG: {error}"))?;
     let root = document.root_element();
     if root.tag_name().name() != "svg" {
-        return Err(format!("it is no SVG: its outermost element is `{}`", root.tag_name().name()));
+        return Err(format!("it is not SVG: its outermost element is `{}`", root.tag_name().name()));
     }
     let (page, size) = page(root, options.dpi);
     let within = TOLERANCE * size;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Maximal nesting depth of lists; a matrix is a list of lists.
 const DEEPEST_LIST: usize = 16;
 
-/// Most nodes, and most values: a file with more is not a dump, and would exhaust memory.
+/// Maximum number of nodes, and of values: a file with more is not a dump, and would exhaust memory.
 const MAX_NODES: usize = 4_000_000;
 const MAX_VALUES: usize = 32_000_000;
 
@@ -133,7 +133,7 @@ impl Parser<'_> {
                 match self.tokens.next() {
                     None => return Ok(()),
                     Some((Token::Bad(reason), span)) => {
-                        return Err(self.problem("this is no dump of OpenSCAD", reason, span));
+                        return Err(self.problem("this is not an OpenSCAD dump", reason, span));
                     }
                     Some(word) => word,
                 }

@@ -26,7 +26,7 @@ const STAND_INS: [&str; 5] = ["Liberation Sans", "Arimo", "Arial", "Helvetica", 
 /// The default font of OpenSCAD.
 const DEFAULT: &str = "Liberation Sans";
 
-/// Most characters of a text.
+/// Maximum number of characters of a text.
 const MAX_LETTERS: usize = 10_000;
 
 /// Font databases, loaded at the first text.
@@ -155,7 +155,7 @@ pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, 
     }
     let Some((database, id, stand_in)) = fonts.find(&wanted) else {
         return Err(arguments.refusal(&format!(
-            "there is no font `{}`, and none that could stand for it: name a file or a folder of fonts",
+            "there is no font `{}`, and no substitute: name a file or a folder of fonts",
             wanted.family
         )));
     };

@@ -107,7 +107,7 @@ impl<'a> Tokens<'a> {
         }
         match self.text[start..self.at].parse() {
             Ok(number) => Token::Number(number),
-            Err(_) => Token::Bad("this is no number"),
+            Err(_) => Token::Bad("this is not a number"),
         }
     }
 

@@ -5,7 +5,7 @@ use rayweave_math::{Affine, Bounds};
 use rayweave_model::{Node, Solid};
 use rayweave_shape::primitive::Primitive;
 
-/// Most shapes and operators of a region; every copy of a solid counts.
+/// Maximum number of shapes and operators of a region; every copy of a solid counts.
 const MAX_NODES: usize = 1_000_000;
 
 /// An operation on two or more parts.

@@ -436,7 +436,7 @@ impl Builder for Writer<'_, '_> {
             self.remarks.add(RemarkKind::Approximated, what);
         }
         let tolerance = self.scale * self.model.tolerance;
-        let clip = facets::room(shape, &self.clip, within);
+        let clip = facets::clip_box(shape, &self.clip, within);
         let request = Request { shape, place, clip: &clip, tolerance };
         let named = |why: String| format!("`{}`: {why}", shape.name());
         let body = facets::body(&request).map_err(|why| self.failed(named(why)))?;

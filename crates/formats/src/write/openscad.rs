@@ -16,7 +16,7 @@ use rayweave_scene::Colour;
 use rayweave_shape::primitive::{Primitive, Value};
 use std::collections::{BTreeSet, HashMap};
 
-/// Most bytes of a file; shared parts are repeated.
+/// Maximum number of bytes of a file; shared parts are repeated.
 const MAX_BYTES: usize = 256 << 20;
 
 /// A part of the file.
@@ -243,7 +243,7 @@ impl Builder for Writer<'_, '_> {
             );
             self.remarks.add(RemarkKind::Approximated, what);
         }
-        let clip = facets::room(shape, &self.room(shape), within);
+        let clip = facets::clip_box(shape, &self.room(shape), within);
         let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
         let failed = |why: String| WriteError::Kernel {
             region: self.model.scene.regions[self.region].name.clone(),

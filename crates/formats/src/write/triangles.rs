@@ -40,13 +40,13 @@ impl Builder for Triangulator<'_, '_> {
         place: &Affine,
         within: &Bounds,
     ) -> Result<Option<Body>, WriteError> {
-        let clip = facets::room(shape, &self.model.clip, within);
+        let clip = facets::clip_box(shape, &self.model.clip, within);
         let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
         facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))
     }
 
     fn join(&mut self, by: Operation, parts: Vec<Body>) -> Result<Option<Body>, WriteError> {
-        joined(by, parts).map_err(|why| self.failed(why))
+        combine(by, parts).map_err(|why| self.failed(why))
     }
 
     fn region(&self) -> String {
@@ -54,13 +54,14 @@ impl Builder for Triangulator<'_, '_> {
     }
 }
 
-fn joined(by: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, String> {
-    match by {
-        Operation::Union => Body::union(parts),
+/// The boolean of bodies, which are at least one.
+fn combine(operation: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, String> {
+    match operation {
+        Operation::Union => Body::union_all(parts),
         Operation::Difference => {
             let first = parts.remove(0);
-            match Body::union(parts)? {
-                Some(others) => first.less(&others),
+            match Body::union_all(parts)? {
+                Some(others) => first.difference(&others),
                 None => Ok(Some(first)),
             }
         }
@@ -69,7 +70,7 @@ fn joined(by: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, String> {
             let mut rest = parts.next();
             for part in parts {
                 rest = match rest {
-                    Some(rest) => rest.common(&part)?,
+                    Some(rest) => rest.intersection(&part)?,
                     None => None,
                 };
             }
@@ -93,8 +94,8 @@ pub(super) fn meshes(model: &Model) -> Result<Vec<(String, Body)>, WriteError> {
         let Some(body) = &solids[number] else { continue };
         let cutters = model.later[number].iter().filter_map(|k| solids[*k].clone()).collect();
         let failed = |why| WriteError::Kernel { region: region.name.clone(), why };
-        let rest = match Body::union(cutters).map_err(failed)? {
-            Some(cutters) => body.less(&cutters).map_err(failed)?,
+        let rest = match Body::union_all(cutters).map_err(failed)? {
+            Some(cutters) => body.difference(&cutters).map_err(failed)?,
             None => Some(body.clone()),
         };
         bodies.extend(rest.map(|body| (region.name.clone(), body)));
@@ -111,11 +112,11 @@ fn whole(model: &Model) -> Result<Option<Body>, WriteError> {
         let Some(body) = solid(model, number)? else { continue };
         if region.medium != 0 {
             together.push(body);
-        } else if let Some(all) = Body::union(std::mem::take(&mut together)).map_err(failed)? {
-            together.extend(all.less(&body).map_err(failed)?);
+        } else if let Some(all) = Body::union_all(std::mem::take(&mut together)).map_err(failed)? {
+            together.extend(all.difference(&body).map_err(failed)?);
         }
     }
-    Body::union(together).map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })
+    Body::union_all(together).map_err(|why| WriteError::Kernel { region: "model".to_owned(), why })
 }
 
 pub(super) fn write(

@@ -37,7 +37,7 @@ fn all_problems_are_reported_at_once_with_their_places() {
     let says = |k: usize, words: &str| assert!(found[k].2.contains(words), "{}", found[k].2);
     says(0, "1e400 is too large");
     says(1, "unknown name `wdth`");
-    says(2, "`mn` is no unit of length");
+    says(2, "`mn` is not a unit of length");
     says(3, "`box` has no attribute `y`");
     says(4, "unknown name `widht`");
     says(4, "Did you mean `width`?");

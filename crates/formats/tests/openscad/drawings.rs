@@ -96,10 +96,10 @@ fn damaged_drawings() {
         entity("ENDBLK", &[])
     );
     let cases = [
-        ("svg", "<svg><g>".to_owned(), "it is no SVG"),
+        ("svg", "<svg><g>".to_owned(), "it is not SVG"),
         ("svg", "<html/>".to_owned(), "its outermost element is `html`"),
         ("svg", nested, "deep"),
-        ("svg", laughs.to_owned(), "it is no SVG"),
+        ("svg", laughs.to_owned(), "it is not SVG"),
         ("svg", cycle, "deep"),
         ("svg", svg(PAGE, "<text>a</text>"), "leaves out `text` in line 1 of its file"),
         ("svg", svg(PAGE, "<path d=\"M0 0 h1e300 v1e300 z\"/>"), "too large"),
@@ -109,7 +109,7 @@ fn damaged_drawings() {
             "its transform cannot be read",
         ),
         ("dxf", "0\nSECTION\n2".to_owned(), "it ends after the code in line 3"),
-        ("dxf", "binary".to_owned(), "line 1 of it is no code"),
+        ("dxf", "binary".to_owned(), "line 1 of it is not a DXF group code"),
         ("dxf", "0\nEOF\n".to_owned(), "no sections"),
         ("dxf", dxf(&entity("INSERT", &[(2, "B")]), &block), "its blocks use each other"),
         ("dxf", dxf(&entity("HATCH", &[]), ""), "leaves out `HATCH` in line 11 of its file"),

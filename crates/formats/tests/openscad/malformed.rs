@@ -33,7 +33,7 @@ fn problems_have_places() {
         ("cube(size = [1, 2);", "unexpected `)`", (1, 18)),
         ("cube(1e400);", "`1e400` is too large", (1, 6)),
         ("cube(size = -);", "unexpected `)`", (1, 14)),
-        ("\u{e4};", "this is no dump of OpenSCAD", (1, 1)),
+        ("\u{e4};", "this is not an OpenSCAD dump", (1, 1)),
         ("solid part\n facet normal 0 0 1", "`(` is missing", (1, 7)),
         ("cube(size = cubic);", "unexpected `cubic`", (1, 13)),
         ("text(text = \"abc", "a value is missing", (1, 13)),

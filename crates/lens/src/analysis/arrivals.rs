@@ -71,8 +71,9 @@ fn arrival(segments: &Segments, row: usize, local: &Affine) -> Arrival {
     }
 }
 
-/// The arrival at the image of a ray followed through a prescription.
-pub(crate) fn followed(
+/// The arrival at the image of a ray that was traced sequentially through a prescription, from its intersection with the
+/// `last` surface.
+pub(crate) fn sequential_arrival(
     resolved: &Resolved,
     id: usize,
     last: &SurfaceIntersection,

@@ -23,7 +23,7 @@ pub fn encircled_energy(arrivals: &[Arrival], radii: &[f64]) -> Vec<f64> {
 
 /// The radius of the smallest circle about the centroid that contains a fraction of the power; `None` if
 /// there is no light.
-pub fn radius_of_energy(arrivals: &[Arrival], fraction: f64) -> Option<f64> {
+pub fn encircled_energy_radius(arrivals: &[Arrival], fraction: f64) -> Option<f64> {
     let distances = distances(arrivals);
     let wanted = fraction * distances.iter().map(|(_, power)| power).sum::<f64>();
     let mut sum = 0.0;

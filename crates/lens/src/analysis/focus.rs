@@ -2,8 +2,8 @@
 
 use super::{Arrival, Spot};
 
-/// The rays on a plane moved along its normal, with their optical paths to it.
-pub fn moved(arrivals: &[Arrival], shift: f64) -> Vec<Arrival> {
+/// The arrivals at a plane shifted along its normal, with their optical paths to it.
+pub fn defocused(arrivals: &[Arrival], shift: f64) -> Vec<Arrival> {
     let at = |arrival: &Arrival| {
         let length = shift / arrival.direction.z;
         Arrival {
@@ -15,9 +15,9 @@ pub fn moved(arrivals: &[Arrival], shift: f64) -> Vec<Arrival> {
     arrivals.iter().map(at).collect()
 }
 
-/// The spots on planes moved along the normal; empty if there is no light.
+/// The spots on planes shifted along the normal; empty if there is no light.
 pub fn through_focus(arrivals: &[Arrival], shifts: &[f64]) -> Vec<Spot> {
-    shifts.iter().filter_map(|&shift| Spot::of(&moved(arrivals, shift))).collect()
+    shifts.iter().filter_map(|&shift| Spot::of(&defocused(arrivals, shift))).collect()
 }
 
 /// The shift of the plane that minimises the RMS radius, in closed form: positions are x + s m with the

@@ -1,4 +1,4 @@
-//! Image analysis with real rays: spots, wavefronts, MTF, field and colour aberrations.
+//! Image quality by real ray tracing: spots, wavefronts, MTF, field and colour aberrations.
 //!
 //! [`arrivals`] extracts the rays of a trace that arrive at a sheet of any
 //! [`System`](rayweave_optics::System), in the coordinates of that sheet. The other functions work on these
@@ -7,10 +7,10 @@
 //! | what | where |
 //! | --- | --- |
 //! | spot: centroid, RMS and geometric radius, through focus, best focus | [`Spot`], [`through_focus`], [`best_focus`] |
-//! | encircled energy | [`encircled_energy`], [`radius_of_energy`] |
-//! | geometric modulation transfer | [`geometric_mtf`] |
-//! | wavefront against a reference sphere | [`Wavefront`] |
-//! | Zernike polynomials by Noll's and the OSA/ANSI index, fits | [`ZernikePolynomial`], [`fit`] |
+//! | encircled energy | [`encircled_energy`], [`encircled_energy_radius`] |
+//! | geometric modulation transfer function (MTF) | [`geometric_mtf`] |
+//! | wavefront error: optical path difference (OPD) from a reference sphere | [`Wavefront`] |
+//! | Zernike polynomials in Noll and OSA/ANSI indexing; least-squares fit | [`ZernikePolynomial`], [`fit_zernike`] |
 //!
 //! A [`Study`] traces and analyses a prescription field by field, and adds what needs a prescription: ray
 //! fans, distortion, field curvature, axial and lateral colour.
@@ -44,16 +44,16 @@ mod study;
 mod wavefront;
 mod zernike;
 
-pub(crate) use arrivals::followed;
+pub(crate) use arrivals::sequential_arrival;
 pub use arrivals::{Arrival, arrivals};
-pub use energy::{encircled_energy, geometric_mtf, radius_of_energy};
+pub use energy::{encircled_energy, encircled_energy_radius, geometric_mtf};
 pub use error::LensAnalysisError;
 pub use field::{Distortion, FieldFoci};
 pub(crate) use focus::focal_moments;
-pub use focus::{best_focus, moved, through_focus};
+pub use focus::{best_focus, defocused, through_focus};
 pub use pupil::{fan_x, fan_y, hexapolar, square};
 pub use spot::Spot;
 pub use study::{Fan, Study, needs_aiming};
 pub use wavefront::Wavefront;
 pub(crate) use wavefront::reference_radius;
-pub use zernike::{Fit, ZernikePolynomial, fit};
+pub use zernike::{ZernikeFit, ZernikePolynomial, fit_zernike};

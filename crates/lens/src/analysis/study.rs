@@ -1,6 +1,6 @@
 //! Image analysis of a prescription, field by field.
 
-use super::{Arrival, LensAnalysisError, Wavefront, arrivals, followed, reference_radius};
+use super::{Arrival, LensAnalysisError, Wavefront, arrivals, reference_radius, sequential_arrival};
 use crate::prescription::{IMAGE, Prescription, PrescriptionError, PrescriptionLayout};
 use rayweave_model::Evaluator;
 use rayweave_optics::{Beam, TraceSettings, Tracer};
@@ -166,7 +166,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     fn unobstructed(&self, beam: &Beam) -> Option<Arrival> {
         let light = beam.get(0);
         let passes = self.lens.follow(&light.ray, light.wavelength_nm).ok()?;
-        Some(followed(&self.lens.resolved().ok()?, 0, passes.last()?, light.wavelength_nm))
+        Some(sequential_arrival(&self.lens.resolved().ok()?, 0, passes.last()?, light.wavelength_nm))
     }
 
     /// A ray fan through points of the pupil such as those of [`fan_x`](super::fan_x) and

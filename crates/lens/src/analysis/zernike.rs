@@ -77,14 +77,14 @@ fn radial(n: usize, m: usize, r: f64) -> f64 {
 
 /// A least-squares fit: a sum of Zernike polynomials.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fit {
+pub struct ZernikeFit {
     /// The polynomials with their coefficients, in the unit of the values.
     pub terms: Vec<(ZernikePolynomial, f64)>,
     /// The root mean square of the residuals.
     pub residual_rms: f64,
 }
 
-impl Fit {
+impl ZernikeFit {
     /// The coefficient of a polynomial; 0 if it is not among the terms.
     pub fn coefficient(&self, of: ZernikePolynomial) -> f64 {
         self.terms.iter().find(|(zernike, _)| *zernike == of).map_or(0.0, |term| term.1)
@@ -101,11 +101,11 @@ impl Fit {
 ///
 /// # Errors
 /// [`LensAnalysisError::TooFew`] if there are fewer points than terms.
-pub fn fit(
+pub fn fit_zernike(
     points: &[[f64; 2]],
     values: &[f64],
     terms: &[ZernikePolynomial],
-) -> Result<Fit, LensAnalysisError> {
+) -> Result<ZernikeFit, LensAnalysisError> {
     let count = points.len().min(values.len());
     let too_few = || LensAnalysisError::TooFew { points: count, terms: terms.len() };
     if count < terms.len() || terms.is_empty() {
@@ -120,7 +120,7 @@ pub fn fit(
     // the singular value iteration stops early for nearly equal values: one step of iterative refinement
     let solution = &first + solve(&(&wanted - &matrix * &first))?;
     let left = wanted - matrix * &solution;
-    Ok(Fit {
+    Ok(ZernikeFit {
         terms: terms.iter().copied().zip(solution.iter().copied()).collect(),
         residual_rms: left.norm() / (count as f64).sqrt(),
     })

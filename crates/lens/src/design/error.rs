@@ -12,7 +12,7 @@ use rayweave_model::memory::Shortage;
 pub enum DesignError {
     /// Text that names no parameter.
     #[error(
-        "`{0}` is no parameter: radius, curvature, thickness, conic, index, r^1 to r^16 have the number of a surface, as `radius 2`; decentre x, decentre y, tilt x, tilt y that of one or of several, as `tilt x 3-4`."
+        "`{0}` is not a parameter: radius, curvature, thickness, conic, index and r^1 to r^16 take the number of a surface, as `radius 2`; decentre x, decentre y, tilt x and tilt y take one surface or a range, as `tilt x 3-4`."
     )]
     NoParameter(String),
     /// A parameter that the prescription does not have.
@@ -34,7 +34,7 @@ pub enum DesignError {
         range: &'static str,
     },
     /// An empty list where at least one entry is needed.
-    #[error("there is no {0}: at least one is needed.")]
+    #[error("there is no {0}: at least one is required.")]
     None(&'static str),
     /// The results of the trials do not fit into memory.
     #[error("the results of the trials cannot be kept: {0}. Run fewer trials.")]

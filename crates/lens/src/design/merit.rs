@@ -2,7 +2,7 @@
 
 use super::variant::Variant;
 use super::{DesignError, DesignParameter};
-use crate::analysis::{Arrival, Spot, focal_moments, moved};
+use crate::analysis::{Arrival, Spot, defocused, focal_moments};
 use crate::prescription::Prescription;
 
 /// A figure of merit of a prescription. Lengths are in its unit.
@@ -113,7 +113,7 @@ impl MeritEvaluator {
         let sum =
             images.iter().map(|rays| focal_moments(rays)).fold([0.0; 2], |[a, b], [c, d]| [a + c, b + d]);
         let shift = if sum[1] > 0.0 { -sum[0] / sum[1] } else { 0.0 };
-        Ok((images.iter().map(|rays| moved(rays, shift)).collect(), shift))
+        Ok((images.iter().map(|rays| defocused(rays, shift)).collect(), shift))
     }
 
     fn of_spots(&self, images: &[Vec<Arrival>]) -> f64 {

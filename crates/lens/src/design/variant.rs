@@ -1,7 +1,7 @@
 //! Prescriptions with changed parameters, and their images.
 
 use super::{DesignError, DesignParameter, Quantity};
-use crate::analysis::{Arrival, Wavefront, followed, hexapolar, moved, reference_radius};
+use crate::analysis::{Arrival, Wavefront, defocused, hexapolar, reference_radius, sequential_arrival};
 use crate::paraxial::FirstOrder;
 use crate::prescription::{Pose, Prescription, PrescriptionError, Resolved, Surface, SurfaceIntersection};
 use rayweave_math::{Affine, Vec3};
@@ -62,7 +62,8 @@ impl Variant {
                 Ok(passes) if self.vignettes && !self.passes(&passes) => {}
                 Ok(passes) => {
                     let last = passes.last();
-                    found.extend(last.map(|last| followed(&self.resolved, id, last, wavelength_nm)));
+                    found
+                        .extend(last.map(|last| sequential_arrival(&self.resolved, id, last, wavelength_nm)));
                 }
                 Err(PrescriptionError::Lost { .. }) => {}
                 Err(error) => return Err(error.into()),
@@ -101,9 +102,9 @@ impl Variant {
         pupil: &[[f64; 2]],
         shift: f64,
     ) -> Result<Option<Wavefront>, DesignError> {
-        let principal = moved(&self.arrivals(field, wavelength_nm, &[[0.0; 2]])?, shift);
+        let principal = defocused(&self.arrivals(field, wavelength_nm, &[[0.0; 2]])?, shift);
         let Some(principal) = principal.first() else { return Ok(None) };
-        let found = moved(&self.arrivals(field, wavelength_nm, pupil)?, shift);
+        let found = defocused(&self.arrivals(field, wavelength_nm, pupil)?, shift);
         let image = self.lens.surfaces.iter().map(|surface| surface.thickness).sum::<f64>();
         let exit = self.first_order(wavelength_nm)?.exit_pupil.position - image;
         let radius = reference_radius(principal, exit);

@@ -267,7 +267,7 @@ impl Builder<'_> {
         let name = format!("lens {}-{}", k + 1, k + 2);
         let wrong = |problem| prescription_error(problem, k);
         let (solid, has_flat) = body(&low, &high).map_err(wrong)?;
-        let mut element = Element::transparent(&name, self.moved(k, solid), &self.resolved.media[k + 1])
+        let mut element = Element::transparent(&name, self.at_pose(k, solid), &self.resolved.media[k + 1])
             .face("edge", Finish::Absorber);
         if has_flat {
             let flat = if low.reach > high.reach { "back" } else { "front" };
@@ -298,7 +298,7 @@ impl Builder<'_> {
         // the default finish is a mirror and exceptions are named: where the reflecting face coincides with a
         // face of a lens, as on the back of a meniscus, it may carry that face's name
         let name = format!("mirror {}", k + 1);
-        let mut element = Element::mirror(&name, self.moved(k, solid.translate(Vec3::Z * placed.vertex)))
+        let mut element = Element::mirror(&name, self.at_pose(k, solid.translate(Vec3::Z * placed.vertex)))
             .face(&format!("{name}.back.plane"), Finish::Absorber)
             .face(&format!("{name}.edge.side"), Finish::Absorber);
         if surface.hole > 0.0 {
@@ -309,7 +309,7 @@ impl Builder<'_> {
     }
 
     /// Moves a solid on the axis by the pose of surface `k`.
-    fn moved(&self, k: usize, solid: Solid) -> Solid {
+    fn at_pose(&self, k: usize, solid: Solid) -> Solid {
         match self.resolved.poses.get(k) {
             Some(pose) => solid.apply(pose.to_world()),
             None => solid,

@@ -3,7 +3,8 @@
 use crate::lenses::{D_NM, cassegrain, doublet, index, near, triplet};
 use rayweave_lens::analysis::{
     Arrival, LensAnalysisError, Spot, Study, Wavefront, ZernikePolynomial, arrivals, best_focus,
-    encircled_energy, fan_x, fan_y, fit, geometric_mtf, hexapolar, radius_of_energy, square, through_focus,
+    encircled_energy, encircled_energy_radius, fan_x, fan_y, fit_zernike, geometric_mtf, hexapolar, square,
+    through_focus,
 };
 use rayweave_lens::paraxial::Seidel;
 use rayweave_lens::prescription::{Behind, CoordinateBreak, Prescription, Surface};
@@ -55,8 +56,8 @@ fn spots_of_disks() {
     {
         near(energy, (radius * radius / 4.0_f64).min(1.0), 2e-3);
     }
-    near(radius_of_energy(&rays, 0.5).unwrap(), 2f64.sqrt(), 1e-2);
-    near(radius_of_energy(&rays, 1.0).unwrap(), 2.0, 1e-12);
+    near(encircled_energy_radius(&rays, 0.5).unwrap(), 2f64.sqrt(), 1e-2);
+    near(encircled_energy_radius(&rays, 1.0).unwrap(), 2.0, 1e-12);
     // the transform of a disk: 2 J1(x) / x
     let frequencies = [0.0, 0.05, 0.2, 0.305, 0.5];
     for direction in [[1.0, 0.0], [0.6, -0.8]] {
@@ -68,7 +69,7 @@ fn spots_of_disks() {
     }
     assert_eq!(Spot::of(&[]), None);
     assert_eq!(best_focus(&[]), None);
-    assert_eq!(radius_of_energy(&[], 0.5), None);
+    assert_eq!(encircled_energy_radius(&[], 0.5), None);
 }
 
 #[test]
@@ -192,7 +193,7 @@ fn fits_find_what_was_put_in() {
     let truth =
         |point: [f64; 2]| 0.3 * terms[3].at(point) - 0.07 * terms[7].at(point) + 0.02 * terms[10].at(point);
     let values: Vec<f64> = points.iter().map(|&point| truth(point)).collect();
-    let found = fit(&points, &values, &terms).unwrap();
+    let found = fit_zernike(&points, &values, &terms).unwrap();
     near(found.coefficient(ZernikePolynomial::noll(4)), 0.3, 1e-14);
     near(found.coefficient(ZernikePolynomial::noll(8)), -0.07, 1e-14);
     near(found.coefficient(ZernikePolynomial::noll(11)), 0.02, 1e-14);
@@ -201,9 +202,9 @@ fn fits_find_what_was_put_in() {
     near(found.at([0.2, 0.1]), truth([0.2, 0.1]), 1e-14);
     // the residual is r^6, which no term up to r^4 represents
     let sixth: Vec<f64> = points.iter().map(|&point| ZernikePolynomial::noll(22).at(point)).collect();
-    assert!(fit(&points, &sixth, &terms).unwrap().residual_rms > 0.8);
+    assert!(fit_zernike(&points, &sixth, &terms).unwrap().residual_rms > 0.8);
     assert_eq!(
-        fit(&points[..4], &values[..4], &terms).unwrap_err().to_string(),
+        fit_zernike(&points[..4], &values[..4], &terms).unwrap_err().to_string(),
         "4 points do not determine 15 terms: a fit needs at least one point per term. Use fewer terms."
     );
 }
@@ -219,7 +220,7 @@ fn spherical_aberration_of_a_sphere() {
     // the sign: marginal light arrives early
     near(wavefront.waves[rim], expected, 2e-3 * expected.abs());
     let terms: Vec<ZernikePolynomial> = (1..=22).map(ZernikePolynomial::noll).collect();
-    let found = fit(&wavefront.pupil, &wavefront.waves, &terms).unwrap();
+    let found = fit_zernike(&wavefront.pupil, &wavefront.waves, &terms).unwrap();
     near(
         found.coefficient(ZernikePolynomial::noll(11)),
         expected / (6.0 * 5f64.sqrt()),

@@ -204,7 +204,7 @@ fn all_problems_are_reported_with_their_lines() {
     let expected = [
         "line 1: the mode is NSC: only sequential systems, SEQ, are read.",
         "line 2: the unit \"FURLONG\" is not known: MM, CM, IN and METER are.",
-        "line 3: \"x\" is no number",
+        "line 3: \"x\" is not a number",
         "line 4: fields are of type 4: 0 to 3 are read: angle, object height, paraxial and real image height.",
         "line 8: the surface is of type TILTSURF: STANDARD, EVENASPH,",
         "line 9: no glass is named \"BK8\"",

@@ -1,7 +1,7 @@
 //! Holes: closed loops of boundary edges, which belong to one triangle only.
 
 use crate::Mesh;
-use crate::topology::{EdgeUse, by_edge};
+use crate::topology::{HalfEdge, by_edge};
 use rayweave_math::Vec3;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
@@ -30,10 +30,10 @@ impl Hole {
 ///
 /// Loops that touch in a vertex are separated arbitrarily. Chains that do not close, where neighbouring triangles have
 /// inconsistent orientations, are left out.
-pub(crate) fn boundary_loops(mesh: &Mesh, uses: &[EdgeUse]) -> Vec<Vec<u32>> {
-    debug_assert!(uses.len() <= 3 * mesh.triangles().len());
+pub(crate) fn boundary_loops(mesh: &Mesh, half_edges: &[HalfEdge]) -> Vec<Vec<u32>> {
+    debug_assert!(half_edges.len() <= 3 * mesh.triangles().len());
     let mut next: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for edge in by_edge(uses).filter(|edge| edge.len() == 1) {
+    for edge in by_edge(half_edges).filter(|edge| edge.len() == 1) {
         let [a, b] = edge[0].ends;
         // a cap runs along the edge in the direction opposite to the triangle's
         let (from, to) = if edge[0].forward { (b, a) } else { (a, b) };

@@ -2,7 +2,7 @@
 
 use super::Findings;
 use crate::Mesh;
-use crate::topology::is_collapsed;
+use crate::topology::is_degenerate;
 use crate::tree::TriangleTree;
 use crate::triangle::{self, Meeting, Triangle};
 use rayweave_math::Vec3;
@@ -66,7 +66,8 @@ pub(super) fn intersections(
     budget.left += PairBudget::PER_TRIANGLE * count;
     let left = &mut budget.left;
     let mut others: Vec<u32> = Vec::new();
-    let is_compared = |number: u32| !is_duplicate(number) && !is_collapsed(mesh.triangles()[number as usize]);
+    let is_compared =
+        |number: u32| !is_duplicate(number) && !is_degenerate(mesh.triangles()[number as usize]);
     for number in (0..count as u32).filter(|&number| is_compared(number)) {
         others.clear();
         let bounds = triangle::bounds(mesh.corners(number as usize));

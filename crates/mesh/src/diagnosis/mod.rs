@@ -4,7 +4,7 @@ pub(crate) mod holes;
 mod intersections;
 pub(crate) mod shells;
 
-use crate::topology::{EdgeUse, by_edge, edge_uses, is_collapsed};
+use crate::topology::{HalfEdge, by_edge, half_edges, is_degenerate};
 use crate::{Mesh, triangle};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rustc_hash::FxHashMap;
@@ -116,7 +116,7 @@ impl Mesh {
     /// True if the mesh is closed and encloses no volume, as [`Diagnosis::is_flat`], without the search for other defects.
     pub fn is_flat(&self) -> bool {
         let mesh = self.welded();
-        let uses = edge_uses(&mesh);
+        let uses = half_edges(&mesh);
         let components = shells::Shells::new(&mesh, &uses).components(&mesh, &uses);
         let is_closed = by_edge(&uses).all(|edge| edge.len() % 2 == 0);
         is_closed && !components.is_empty() && encloses_no_volume(&mesh, &components)
@@ -125,25 +125,25 @@ impl Mesh {
     /// [`Mesh::diagnose`] with a budget for the search for intersections, which the meshes of one file share.
     pub fn diagnose_within(&self, budget: &mut PairBudget) -> Diagnosis {
         let mesh = self.welded();
-        let uses = edge_uses(&mesh);
-        let shells = shells::Shells::new(&mesh, &uses);
+        let half_edges = half_edges(&mesh);
+        let shells = shells::Shells::new(&mesh, &half_edges);
         let (duplicates, is_duplicate) = duplicates(&mesh);
         let found = intersections::intersections(&mesh, |triangle| is_duplicate[triangle as usize], budget);
-        let components = shells.components(&mesh, &uses);
-        let open_edges = by_edge(&uses).filter(|edge| edge.len() % 2 == 1).count();
+        let components = shells.components(&mesh, &half_edges);
+        let open_edges = by_edge(&half_edges).filter(|edge| edge.len() % 2 == 1).count();
         Diagnosis {
             triangles: mesh.triangles().len(),
             vertices: mesh.vertices().len(),
             open_edges,
-            holes: holes::boundary_loops(&mesh, &uses)
+            holes: holes::boundary_loops(&mesh, &half_edges)
                 .into_iter()
                 .map(|corners| Hole::new(&mesh, corners))
                 .collect(),
-            non_manifold_edges: by_edge(&uses)
+            non_manifold_edges: by_edge(&half_edges)
                 .filter(|edge| edge.len() > 2)
                 .map(|e| middle(&mesh, e))
                 .collect(),
-            non_manifold_vertices: shells::non_manifold_vertices(&mesh, &uses)
+            non_manifold_vertices: shells::non_manifold_vertices(&mesh, &half_edges)
                 .map(|v| mesh.vertices()[v as usize])
                 .collect(),
             flipped: shells.flipped(),
@@ -164,13 +164,13 @@ fn encloses_no_volume(mesh: &Mesh, components: &[Component]) -> bool {
     components.iter().all(|component| component.volume.abs() <= rounding)
 }
 
-fn middle(mesh: &Mesh, edge: &[EdgeUse]) -> Vec3 {
+fn middle(mesh: &Mesh, edge: &[HalfEdge]) -> Vec3 {
     let [a, b] = edge[0].ends.map(|vertex| mesh.vertices()[vertex as usize]);
     0.5 * (a + b)
 }
 
 fn degenerate(mesh: &Mesh) -> impl Iterator<Item = u32> {
-    let flat = |&k: &usize| is_collapsed(mesh.triangles()[k]) || triangle::is_flat(mesh.corners(k));
+    let flat = |&k: &usize| is_degenerate(mesh.triangles()[k]) || triangle::is_flat(mesh.corners(k));
     (0..mesh.triangles().len()).filter(flat).map(|k| k as u32)
 }
 
@@ -183,7 +183,7 @@ pub(crate) fn duplicates(mesh: &Mesh) -> (Findings<[u32; 2]>, Vec<bool>) {
         key.sort_unstable();
         let number = number as u32;
         let before = *first.entry(key).or_insert(number);
-        if before != number && !is_collapsed(corners) {
+        if before != number && !is_degenerate(corners) {
             found.add([before, number]);
             is_duplicate[number as usize] = true;
         }

@@ -2,7 +2,7 @@
 
 use super::Findings;
 use crate::polyhedron::MAX_CROSSINGS;
-use crate::topology::{EdgeUse, SignedSets, by_edge};
+use crate::topology::{HalfEdge, ParityUnionFind, by_edge};
 use crate::triangle;
 use crate::{Line, Mesh, Polyhedron};
 use rayweave_math::Vec3;
@@ -41,19 +41,19 @@ pub(crate) struct Shells {
     firsts: Vec<u32>,
     /// The component of each triangle.
     pub component_of: Vec<u32>,
-    /// Whether a triangle is oriented unlike the majority of its component.
+    /// True for a triangle whose orientation differs from the majority of its component.
     pub is_flipped: Vec<bool>,
     one_sided: Vec<bool>,
 }
 
 impl Shells {
-    pub fn new(mesh: &Mesh, uses: &[EdgeUse]) -> Shells {
+    pub fn new(mesh: &Mesh, half_edges: &[HalfEdge]) -> Shells {
         let count = mesh.triangles().len();
-        let mut sets = SignedSets::new(count);
+        let mut sets = ParityUnionFind::new(count);
         let mut contradictions = Vec::new();
-        for edge in by_edge(uses).filter(|edge| edge.len() == 2) {
+        for edge in by_edge(half_edges).filter(|edge| edge.len() == 2) {
             // consistently oriented neighbours run along their edge in opposite directions
-            if !sets.join(edge[0].triangle, edge[1].triangle, edge[0].forward == edge[1].forward) {
+            if !sets.union(edge[0].triangle, edge[1].triangle, edge[0].forward == edge[1].forward) {
                 contradictions.push(edge[0].triangle);
             }
         }
@@ -128,9 +128,9 @@ impl Shells {
         (0..self.component_of.len() as u32).filter(|&triangle| self.is_flipped[triangle as usize]).collect()
     }
 
-    pub fn components(&self, mesh: &Mesh, uses: &[EdgeUse]) -> Vec<Component> {
+    pub fn components(&self, mesh: &Mesh, half_edges: &[HalfEdge]) -> Vec<Component> {
         let oriented = mesh.clone().reversed(|triangle| self.is_flipped[triangle]);
-        let (is_closed, middle) = (self.closed(uses), mesh.middle());
+        let (is_closed, middle) = (self.closed(half_edges), mesh.middle());
         let members = self.members();
         let depths = self.depths(mesh, &members, &is_closed);
         let component = |shell: usize| Component {
@@ -144,12 +144,12 @@ impl Shells {
         (0..self.firsts.len()).map(component).collect()
     }
 
-    /// Whether a component has an even number of triangles at each of its edges.
-    fn closed(&self, uses: &[EdgeUse]) -> Vec<bool> {
+    /// For each component: true if it has an even number of triangles at each of its edges.
+    fn closed(&self, half_edges: &[HalfEdge]) -> Vec<bool> {
         let mut closed = vec![true; self.firsts.len()];
         // triangles without three different corners have no edges: each is a component that is not closed
         let mut has_edges = vec![false; self.firsts.len()];
-        for edge in by_edge(uses) {
+        for edge in by_edge(half_edges) {
             let mut shells: Vec<u32> =
                 edge.iter().map(|edge| self.component_of[edge.triangle as usize]).collect();
             shells.sort_unstable();
@@ -207,18 +207,18 @@ fn area(mesh: &Mesh, triangle: usize) -> f64 {
 }
 
 /// Vertices whose triangles form more than one fan connected by edges.
-pub(super) fn non_manifold_vertices(mesh: &Mesh, uses: &[EdgeUse]) -> impl Iterator<Item = u32> {
-    let mut corners = SignedSets::new(3 * mesh.triangles().len());
-    for pair in uses.windows(2).filter(|pair| pair[0].ends == pair[1].ends) {
+pub(super) fn non_manifold_vertices(mesh: &Mesh, half_edges: &[HalfEdge]) -> impl Iterator<Item = u32> {
+    let mut corners = ParityUnionFind::new(3 * mesh.triangles().len());
+    for pair in half_edges.windows(2).filter(|pair| pair[0].ends == pair[1].ends) {
         for vertex in pair[0].ends {
             let [a, b] = [0, 1].map(|k| corner(mesh, pair[k].triangle, vertex));
-            corners.join(a, b, false);
+            corners.union(a, b, false);
         }
     }
     let mut fans = vec![0u32; mesh.vertices().len()];
     // triangles without three different corners are in no fan
     let mut counted = vec![false; 3 * mesh.triangles().len()];
-    for EdgeUse { ends, triangle, .. } in uses {
+    for HalfEdge { ends, triangle, .. } in half_edges {
         for vertex in ends {
             let (fan, _) = corners.find(corner(mesh, *triangle, *vertex));
             if !std::mem::replace(&mut counted[fan as usize], true) {

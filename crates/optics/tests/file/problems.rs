@@ -54,11 +54,11 @@ wavelength_nm = { band = [700, 400] }
 21:8 two elements are called `lens`: element names must be unique, since results refer to them. Rename one of them.
 22:10 diameter of the aperture is -40: it must be finite and greater than 0. Did you mean 40?
 23:10 unknown action `absorbed`: it may be absorb, record, mirror, splitter, thin_lens, grating, polariser, retarder. Did you mean `absorb`?
-24:1 `optics.sheet` has no `name`: it is needed.
+24:1 `optics.sheet` has no `name`: it is required.
 24:1 opening of the stop is 20 x 20 and its outline 10 x 10: the stop would have no rim. Are the two exchanged?
 27:24 `thin_lens` is 0: it must be finite and not 0.
 28:14 the transform is singular: it has no inverse. Check for a scale factor of 0.
-30:8 `beam` has no `rays`: it is needed.
+30:8 `beam` has no `rays`: it is required.
 30:23 unknown key `ray` in `beam`: the keys are rays, circle, rectangle, ellipse, waist, random, sampling. Did you mean `rays`?
 31:18 unknown parameter `lambda`: it does not stand in [parameters].
 32:9 `power` is 0: it must be finite and greater than 0.
@@ -73,7 +73,7 @@ wavelength_nm = { band = [700, 400] }
 #[test]
 fn outlines_and_values_that_are_missing() {
     let sheet = |rest: &str| problems(&format!("{BENCH}[[optics.sheet]]\nname = 'a'\n{rest}\n"));
-    let no_outline = "`optics.sheet` has no `circle` or `rectangle` or `ellipse`: it is needed.";
+    let no_outline = "`optics.sheet` has no `circle` or `rectangle` or `ellipse`: it is required.";
     assert!(sheet("action = 'absorb'").contains(no_outline));
     assert!(sheet("action = 'absorb'\nopening = { circle = 1 }").contains(no_outline));
     // a misspelt key is reported once

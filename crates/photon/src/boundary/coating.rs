@@ -11,7 +11,7 @@ impl Process<'_> {
     /// Reflection by a thin film, or transmission through it (`G4OpBoundaryProcess::CoatedDielectricDielectric`). A
     /// transmitted photon is absorbed at a surface with an efficiency.
     ///
-    /// The reflectance is that of the film; the polarisation follows Fresnel's equations of the bare interface, as in
+    /// The reflectance is that of the film; the polarisation follows the Fresnel equations of the bare interface, as in
     /// Geant4. Beyond the critical angle of the two media all is reflected, where Geant4 has no valid number.
     pub fn coated(&mut self, coating: &Coating, mut index: f64, mut behind: f64) {
         let film_index = coating.index.at(self.energy);

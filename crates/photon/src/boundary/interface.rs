@@ -6,7 +6,7 @@ use crate::property::wavelength_nm;
 use crate::surface::{SurfaceFinish, SurfaceModel};
 use rayweave_math::Vec3;
 
-/// A photon at a facet between two dielectrics, below the critical angle: its amplitudes by Fresnel's equations (J. D.
+/// A photon at a facet between two dielectrics, below the critical angle: its amplitudes by the Fresnel equations (J. D.
 /// Jackson, *Classical Electrodynamics*, section 7.3).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FacetWave {

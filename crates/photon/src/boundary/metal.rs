@@ -59,7 +59,7 @@ impl Process<'_> {
         }
     }
 
-    /// The reflectance of a metal for the polarised photon at a facet, by Fresnel's equations with a complex index;
+    /// The reflectance of a metal for the polarised photon at a facet, by the Fresnel equations with a complex index;
     /// selects the components that are reflected.
     fn metal_reflectivity(&mut self, index: f64, metal: Complex64) -> f64 {
         self.facet =

@@ -1,7 +1,7 @@
 //! The optical boundary process: what happens to a photon where it reaches another volume.
 //!
 //! *Source*: Geant4 Physics Reference Manual 11.4, "Boundary process", and the decisions of `G4OpBoundaryProcess`:
-//! loss at the surface first, then Fresnel's equations for the polarised photon at a microfacet, then the lobes of
+//! loss at the surface first, then the Fresnel equations for the polarised photon at a microfacet, then the lobes of
 //! the reflection. The fields of [`Boundary`] are the state between these decisions.
 
 mod coating;

@@ -103,7 +103,7 @@ fn physical(context: &mut Context, numbers: &Numbers, key: &str, value: &Spanned
         Datum::Text(text) => Number::Text(text.clone()),
         other => {
             let problem = Diagnostic::error(format!("`{key}` is {}", other.description()));
-            context.push(problem.why("a number or arithmetic text is needed"), value.span);
+            context.push(problem.why("it must be a number or arithmetic text"), value.span);
             return None;
         }
     };

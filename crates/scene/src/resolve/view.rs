@@ -56,7 +56,7 @@ fn sensible_up(context: &mut Context, view: Vec3, up: Vec3, stated: bool, span: 
     let parallel = view.normalize().cross(up.normalize()).length() < 1e-9;
     if parallel && stated {
         let problem = Diagnostic::error("the camera looks along `up`");
-        context.push(problem.why("then nothing says which way is up in the picture"), span);
+        context.push(problem.why("the upward direction of the picture is then undefined"), span);
         return None;
     }
     Some(if parallel { Vec3::Y } else { up })

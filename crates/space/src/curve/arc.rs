@@ -2,7 +2,7 @@
 //! perpendicular or of different lengths.
 
 use crate::curve::vector::{self, Direction};
-use crate::point::{along, dot, is_finite, length, minus};
+use crate::point::{add_scaled, dot, is_finite, length, minus};
 use crate::{Curve, CurveError, Point};
 
 /// A circle or ellipse in R^d, traversed at a constant rate of its parameter.
@@ -99,7 +99,7 @@ impl Arc<3> {
 impl<const D: usize> Curve<D> for Arc<D> {
     fn position(&self, t: f64) -> Point<D> {
         let (cos, sin) = self.turn(t);
-        along(&self.centre, 1.0, &self.combined(cos, sin))
+        add_scaled(&self.centre, 1.0, &self.combined(cos, sin))
     }
 
     fn velocity(&self, t: f64) -> Point<D> {

@@ -11,7 +11,7 @@
 //! for any w: 0 gives a straight line, a velocity across the field a circle.
 
 use crate::curve::vector::{self, Direction};
-use crate::point::{along, length};
+use crate::point::{add_scaled, length};
 use crate::{Curve, CurveError, Point};
 
 /// The helical motion of a charged particle. A particle of positive frequency turns clockwise as
@@ -79,7 +79,7 @@ impl Helix {
         let direction = Direction::new("axis", &axis)?;
         let from: Point<3> = std::array::from_fn(|k| start[k] - centre[k]);
         let rise = direction.times(pitch / std::f64::consts::TAU);
-        Helix::new(start, along(&direction.cross(&from), 1.0, &rise), axis, -1.0)
+        Helix::new(start, add_scaled(&direction.cross(&from), 1.0, &rise), axis, -1.0)
     }
 
     /// The signed gyrofrequency, in radians per unit of t.

@@ -1,6 +1,6 @@
 //! Straight line `r(t) = origin + t direction`.
 
-use crate::point::{along, length};
+use crate::point::{add_scaled, length};
 use crate::{Curve, Point};
 
 /// A straight line in R^d; `t` is counted in units of the direction, of any length.
@@ -21,7 +21,7 @@ impl<const D: usize> Line<D> {
 
 impl<const D: usize> Curve<D> for Line<D> {
     fn position(&self, t: f64) -> Point<D> {
-        along(&self.origin, t, &self.direction)
+        add_scaled(&self.origin, t, &self.direction)
     }
 
     fn velocity(&self, _: f64) -> Point<D> {

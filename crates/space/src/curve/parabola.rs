@@ -1,6 +1,6 @@
 //! Parabola, the path of a projectile under constant acceleration: `r(t) = p + t (v + t a / 2)`.
 
-use crate::point::{along, length};
+use crate::point::{add_scaled, length};
 use crate::{Curve, Point};
 
 /// A parabola in R^d as a motion with position and velocity at t = 0 and constant acceleration. A straight line if the acceleration
@@ -24,11 +24,11 @@ impl<const D: usize> Parabola<D> {
 
 impl<const D: usize> Curve<D> for Parabola<D> {
     fn position(&self, t: f64) -> Point<D> {
-        along(&self.position, t, &along(&self.velocity, 0.5 * t, &self.acceleration))
+        add_scaled(&self.position, t, &add_scaled(&self.velocity, 0.5 * t, &self.acceleration))
     }
 
     fn velocity(&self, t: f64) -> Point<D> {
-        along(&self.velocity, t, &self.acceleration)
+        add_scaled(&self.velocity, t, &self.acceleration)
     }
 
     fn acceleration_bound(&self, _: f64, _: f64) -> f64 {

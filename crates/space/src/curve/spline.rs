@@ -7,7 +7,7 @@
 
 use crate::curve::CONTRACT_TOLERANCE;
 use crate::curve::vector::finite;
-use crate::point::{along, is_finite, length, minus};
+use crate::point::{add_scaled, is_finite, length, minus};
 use crate::{Curve, CurveError, Point};
 
 /// Boundary conditions of a spline.
@@ -130,7 +130,7 @@ impl<const D: usize> Curve<D> for Spline<D> {
     fn acceleration_bound(&self, t0: f64, t1: f64) -> f64 {
         let at = |k: usize, t: f64| {
             let [.., c2, c3] = &self.pieces[k];
-            2.0 * length(&along(c2, 3.0 * (t - self.knots[k]), c3))
+            2.0 * length(&add_scaled(c2, 3.0 * (t - self.knots[k]), c3))
         };
         let last = self.pieces.len() - 1;
         let pieces = (self.index(t0)..).take_while(|&k| k <= last && (self.knots[k] < t1 || k == 0));
@@ -154,7 +154,7 @@ impl<const D: usize> Curve<D> for Spline<D> {
 const NOT_FINITE: &str = "it has a number that is NaN or infinite";
 
 fn value<const D: usize>([c0, c1, c2, c3]: &[Point<D>; 4], s: f64) -> Point<D> {
-    along(c0, s, &along(c1, s, &along(c2, s, c3)))
+    add_scaled(c0, s, &add_scaled(c1, s, &add_scaled(c2, s, c3)))
 }
 
 fn slope<const D: usize>([_, c1, c2, c3]: &[Point<D>; 4], s: f64) -> Point<D> {
@@ -261,14 +261,14 @@ fn tridiagonal<const D: usize>(mut rows: Vec<Row<D>>) -> Vec<Point<D>> {
     for k in 1..rows.len() {
         let factor = rows[k].before / rows[k - 1].here;
         rows[k].here -= factor * rows[k - 1].after;
-        rows[k].right = along(&rows[k].right, -factor, &rows[k - 1].right);
+        rows[k].right = add_scaled(&rows[k].right, -factor, &rows[k - 1].right);
     }
     let mut next = [0.0; D];
     let mut solution: Vec<Point<D>> = rows
         .iter()
         .rev()
         .map(|row| {
-            let rest = along(&row.right, -row.after, &next);
+            let rest = add_scaled(&row.right, -row.after, &next);
             next = rest.map(|x| x / row.here);
             next
         })
@@ -319,7 +319,7 @@ mod tests {
             let spline = Spline::new(&KNOTS, &points, end).unwrap();
             let second = |k: usize, h: f64| {
                 let [.., c2, c3] = spline.pieces()[k];
-                along(&c2, 3.0 * h, &c3)
+                add_scaled(&c2, 3.0 * h, &c3)
             };
             for k in 0..5 {
                 assert!(length(&minus(&spline.position(KNOTS[k]), &points[k])) < 1e-14);

@@ -1,7 +1,7 @@
 //! State of a curve at one time, and checks of the curve's contract between times.
 
 use crate::curve::CONTRACT_TOLERANCE;
-use crate::point::{along, is_finite, length, minus};
+use crate::point::{add_scaled, is_finite, length, minus};
 use crate::{Curve, CurveError, Point};
 
 /// Position and velocity of a curve at one time.
@@ -27,7 +27,7 @@ impl<const D: usize> Motion<D> {
     /// True if position and velocity at two times are consistent with an acceleration bound; `span` is the length of the window.
     fn satisfies(&self, bound: f64, other: &Motion<D>, span: f64) -> bool {
         let h = other.t - self.t;
-        let deviation = length(&minus(&other.position, &along(&self.position, h, &self.velocity)));
+        let deviation = length(&minus(&other.position, &add_scaled(&self.position, h, &self.velocity)));
         let turn = length(&minus(&other.velocity, &self.velocity));
         let (size, speed) = (self.size.max(other.size), length(&self.velocity) + length(&other.velocity));
         let slack = bound * (self.t.abs() + span);

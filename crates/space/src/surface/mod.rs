@@ -60,10 +60,10 @@ impl<const D: usize> Surface<D> {
     }
 
     /// True if the surface may contain straight lines.
-    pub fn is_ruled(&self) -> bool {
+    pub fn may_contain_lines(&self) -> bool {
         match self {
             Surface::Plane(_) => true,
-            Surface::Quadric(s) => s.is_ruled(),
+            Surface::Quadric(s) => s.may_contain_lines(),
         }
     }
 

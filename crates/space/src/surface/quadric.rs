@@ -1,12 +1,12 @@
-//! Quadric with a centre, in principal axes: `f = sum w_k (e_k . q)^2 + constant` with q = p - centre, orthonormal e_k for nonzero
-//! w_k, and the largest |w_k| = 1.
+//! Central quadric in principal axes: `f(p) = sum weight_k (e_k . q)^2 + constant`, with q = p - centre and orthonormal axes e_k.
+//! The weights are the eigenvalues of the quadratic form, scaled so that the largest magnitude is 1.
 //!
 //! The matrix is not stored: rounding of its entries would move the far ends of a thin ellipsoid.
 
 use crate::Point;
 use crate::affine::Affine;
 use crate::curve::Line;
-use crate::point::{along, dot, is_finite, length, minus};
+use crate::point::{add_scaled, dot, is_finite, length, minus};
 use crate::vector::{axis_vector, times, unit};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
@@ -20,14 +20,14 @@ pub struct Quadric<const D: usize> {
     pub centre: Point<D>,
     /// The principal axes; zero for zero weights.
     pub axes: [Point<D>; D],
-    /// The coefficient of the square along each axis.
+    /// The eigenvalue of each axis, scaled so that the largest magnitude is 1.
     pub weights: Point<D>,
     /// The value at the centre.
     pub constant: f64,
 }
 
 impl<const D: usize> Quadric<D> {
-    /// The quadric `sum w_k x_k^2 + constant`. At least one weight must be nonzero.
+    /// The quadric `sum weight_k x_k^2 + constant`, in the axes of the coordinates. At least one weight must be nonzero.
     pub fn along_axes(weights: Point<D>, constant: f64) -> Self {
         let axes = from_fn(|k| if weights[k] == 0.0 { [0.0; D] } else { axis_vector(k) });
         Quadric { centre: [0.0; D], axes, weights, constant }.normalised()
@@ -43,7 +43,7 @@ impl<const D: usize> Quadric<D> {
         self.axes.each_ref().map(|e| dot(e, v))
     }
 
-    /// The weighted product `sum w_k a_k b_k`.
+    /// The bilinear form of the quadric, for vectors in principal axes: `sum weight_k a_k b_k`.
     fn product(&self, a: &Point<D>, b: &Point<D>) -> f64 {
         (0..D).fold(0.0, |sum, k| sum + self.weights[k] * a[k] * b[k])
     }
@@ -53,12 +53,13 @@ impl<const D: usize> Quadric<D> {
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         let (x, v, shift) = self.closest(line);
         quadratic_crossings(shift, 0.0, |s| {
-            let x = along(&x, s, &v);
+            let x = add_scaled(&x, s, &v);
             [self.product(&v, &v), self.product(&x, &v), self.product(&x, &x) + self.constant]
         })
     }
 
-    /// The sign changes of `w . grad f` along a line; `None` if it is constant up to rounding.
+    /// The sign changes of `w . grad f` along a line, for the direction w of symbolic perturbation; `None` if it is constant
+    /// up to rounding.
     pub(super) fn perturbed_slope(&self, line: &Line<D>, w: &Point<D>) -> Option<Crossings<2>> {
         let (x, v, shift) = self.closest(line);
         let w = self.coordinates(w);
@@ -76,13 +77,13 @@ impl<const D: usize> Quadric<D> {
         let v = self.coordinates(&line.direction);
         let closest = -dot(&x, &v) / dot(&v, &v);
         let shift = if closest.is_finite() { closest } else { 0.0 };
-        (along(&x, shift, &v), v, shift)
+        (add_scaled(&x, shift, &v), v, shift)
     }
 
     pub(super) fn value_and_gradient(&self, point: &Point<D>) -> (f64, Point<D>) {
         let x = self.coordinates(&minus(point, &self.centre));
         let slope = |k: usize| 2.0 * self.weights[k] * x[k];
-        let gradient = (0..D).fold([0.0; D], |sum, k| along(&sum, slope(k), &self.axes[k]));
+        let gradient = (0..D).fold([0.0; D], |sum, k| add_scaled(&sum, slope(k), &self.axes[k]));
         (self.product(&x, &x) + self.constant, gradient)
     }
 
@@ -101,13 +102,14 @@ impl<const D: usize> Quadric<D> {
         (value, gradient)
     }
 
-    /// True unless all weights have the same sign.
-    pub(super) fn is_ruled(&self) -> bool {
+    /// True if a line may lie in the surface. That is impossible if all weights have the same sign, since f then has one sign far
+    /// away along every line. The test is conservative: hyperboloids of two sheets pass, although they contain no line.
+    pub(super) fn may_contain_lines(&self) -> bool {
         !(self.weights.iter().all(|&w| w > 0.0) || self.weights.iter().all(|&w| w < 0.0))
     }
 
-    /// The distance of the centre from the origin plus the shortest half axis. Longer ones do not matter: an error of u in the constant
-    /// moves the surface by at most u |q| / 2.
+    /// The distance of the centre from the origin plus the shortest semi-axis. Longer semi-axes need no term: a relative error u of the
+    /// constant moves a point q of the surface by at most u |q| / 2.
     pub(super) fn magnitude(&self) -> f64 {
         length(&self.centre) + self.constant.abs().sqrt()
     }
@@ -127,14 +129,14 @@ impl<const D: usize> Quadric<D> {
         Quadric { centre, axes, weights, constant: self.constant }.normalised().at_nearest_centre()
     }
 
-    /// Moves the centre to the closest one to the origin. In directions of zero weight every point is a centre, and distant ones only
-    /// lose precision.
+    /// Chooses the centre closest to the origin. If weights are zero, the centres form a line, plane or larger subspace, and distant
+    /// ones lose precision.
     fn at_nearest_centre(self) -> Self {
         if self.weights.iter().all(|&w| w != 0.0) {
             return self;
         }
         let part = |e: &Point<D>| dot(e, &self.centre);
-        let centre = self.axes.iter().fold([0.0; D], |sum, e| along(&sum, part(e), e));
+        let centre = self.axes.iter().fold([0.0; D], |sum, e| add_scaled(&sum, part(e), e));
         Quadric { centre, ..self }
     }
 
@@ -151,8 +153,8 @@ fn weighted_sum(start: Interval, terms: impl Iterator<Item = (f64, Interval)>) -
     terms.filter(|&(factor, _)| factor != 0.0).fold(start, |sum, (factor, x)| sum + x * factor)
 }
 
-/// Makes the rows with nonzero sign orthogonal by one-sided Jacobi rotations, circular between rows of equal sign and hyperbolic
-/// between rows of opposite sign, which do not change f (J. Demmel, K. Veselic, "Jacobi's
+/// Orthogonalises the rows with nonzero sign by one-sided Jacobi rotations. Rows of equal sign take circular rotations, rows of opposite
+/// sign hyperbolic rotations; both leave f unchanged (J. Demmel, K. Veselic, "Jacobi's
 /// method is more accurate than QR", SIAM J. Matrix Anal. Appl. 13 (1992), and the hyperbolic form of K.
 /// Veselic, "A Jacobi eigenreduction algorithm for definite matrix pairs", Numer. Math. 64 (1993)).
 fn orthogonalise<const D: usize>(rows: &mut [Point<D>; D], signs: &Point<D>) {
@@ -179,8 +181,8 @@ fn rotate_pair<const D: usize>(rows: &mut [Point<D>; D], (i, j): (usize, usize),
     }
     let (c, s) = rotation(squares, product, sign);
     let (a, b) = (rows[i], rows[j]);
-    rows[i] = along(&times(c, &a), -sign * s, &b);
-    rows[j] = along(&times(s, &a), c, &b);
+    rows[i] = add_scaled(&times(c, &a), -sign * s, &b);
+    rows[j] = add_scaled(&times(s, &a), c, &b);
     true
 }
 

@@ -210,8 +210,9 @@ fn read_header(fields: &Fields, line: u64, content: Content, problems: &mut Prob
         }
     }
     if !missing.is_empty() {
-        let missing = missing.join(", ");
-        messages.push(format!("columns are missing, {missing}: rays have ox,oy,oz,dx,dy,dz in any order."));
+        let (columns, missing) = (if missing.len() == 1 { "column" } else { "columns" }, missing.join(", "));
+        let needed = "a ray file needs ox, oy, oz, dx, dy and dz, in any order";
+        messages.push(format!("missing {columns} {missing}: {needed}."));
     }
     let is_valid = messages.is_empty();
     messages.into_iter().for_each(|message| problems.add(header_problem(line, message)));
@@ -254,7 +255,8 @@ fn unknown_column(name: &[u8], absent: &[&str]) -> String {
         None if absent.is_empty() => " Remove it.".into(),
         None => String::new(),
     };
-    format!("the column {} is unknown: it is not a column of rays.{suggestion}", excerpt(name))
+    let column = if name.is_empty() { "without a name".into() } else { excerpt(name) };
+    format!("unknown column {column}.{suggestion}")
 }
 
 /// The fields of one line.

@@ -74,7 +74,7 @@ def irradiance_of(
 
 def _lengths(size: Any) -> list[float]:
     if not isinstance(size, tuple | list) or len(size) != 2:
-        raise TypeError(f"size is {size!r}: a width and a height are needed.")
+        raise TypeError(f"size is {size!r}: it must be a width and a height.")
     lengths = [real(length, "size") for length in size]
     if not all(0.0 < length < np.inf for length in lengths):
         raise RayweaveError(f"size is {size!r}: both have to be greater than 0 and finite.")

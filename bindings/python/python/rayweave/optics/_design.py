@@ -95,7 +95,7 @@ def tolerance(
     the number of trials and of `threads`, and the errors of a parameter do not depend on the others.
     """
     if not isinstance(errors, Mapping):
-        raise TypeError(f"errors is {errors!r}: a dict of parameters with their deviations is needed.")
+        raise TypeError(f"errors is {errors!r}: it must be a dict of parameters with their deviations.")
     spreads = {text(name, "a parameter"): _spread(name, spread) for name, spread in errors.items()}
     is_of_rays = merit in ("spot", "wavefront")
     found = _core.tolerance(
@@ -133,12 +133,12 @@ def tolerance(
 
 def _lens(lens: Prescription) -> _core.CompiledPrescription:
     if not isinstance(lens, Prescription):
-        raise TypeError(f"lens is {lens!r}: a Prescription is needed.")
+        raise TypeError(f"lens is {lens!r}: it must be a Prescription.")
     return lens._compiled
 
 
 def _spread(name: str, spread: Spread) -> tuple[str, float]:
-    needed = 'a number, or a pair of "uniform" or "normal" and a number,'
+    needed = 'a number, or a pair of "uniform" or "normal" and a number'
     match spread:
         case (str() as kind, scale):
             return kind, real(scale, f"the deviation of {name!r}", needed)
@@ -191,7 +191,7 @@ def goal(
     given = {"equal": equal, "least": at_least, "most": at_most}
     stated = [(kind, real(value, kind)) for kind, value in given.items() if value is not None] or [("equal", 0.0)]
     if any(np.isnan(value) for _, value in stated):
-        raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: a number is needed.")
+        raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: it must be a number.")
     if len(stated) > 1:
         raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: one of equal, at_least, at_most.")
     names = ("field", "wavelength_nm") if operand in ("spot", "wavefront") else ("surface", "height")

@@ -84,7 +84,7 @@ def _film(film: tuple[complex, float]) -> _Numbers:
         case (n, thickness_nm):
             index = _index(n, "the index of a film")
             return index.real, index.imag, real(thickness_nm, "the thickness of a film")
-    raise TypeError(f"a film is {film!r}: a pair of its index and its thickness in nanometres is needed.")
+    raise TypeError(f"a film is {film!r}: it must be a pair of its index and its thickness in nanometres.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ class Element(Placed):
         text(self.name, "name")
         if not isinstance(self.body, Solid | Sheet):
             kind = type(self.body).__name__
-            raise TypeError(f"the body of {self.name!r} is of the type {kind}: a Solid is needed.")
+            raise TypeError(f"the body of {self.name!r} is of the type {kind}: it must be a Solid.")
         if self.read is None and self.action is None:
             _substance(self.material, self.finish)
 
@@ -129,7 +129,7 @@ class Element(Placed):
         if self.action is not None:
             raise _core.RayweaveError(f"{self.name} is a sheet: it has an action, not a finish.")
         if not isinstance(finish, Finish):
-            raise TypeError(f"finish is {finish!r}: a Finish is needed. Make one with black(), polished() or coated(..).")
+            raise TypeError(f"finish is {finish!r}: it must be a Finish. Make one with black(), polished() or coated(..).")
         if face is not None:
             text(face, "face", "the name of a face")
         if self.read is not None:
@@ -168,7 +168,7 @@ def _index(index: Any, name: str) -> complex:
         n = complex(index)
     except (TypeError, ValueError):
         needed = "a number, complex if it absorbs, or a material"
-        raise TypeError(f"{name} is {index!r}: {needed} is needed.") from None
+        raise TypeError(f"{name} is {index!r}: it must be {needed}.") from None
     if not (0.0 < n.real < np.inf and 0.0 <= n.imag < np.inf):
         raise _core.RayweaveError(f"{name} is {index}: n has to be greater than 0, k at least 0, both finite.")
     return n
@@ -357,7 +357,7 @@ def cemented(
     materials = each(materials, "materials", "materials")
     if not len(radii) - 1 == len(thicknesses) == len(materials):
         counts = f"{len(radii)} radii, {len(thicknesses)} thicknesses and {len(materials)} materials"
-        raise _core.RayweaveError(f"{counts} are given: n + 1, n and n are needed.")
+        raise _core.RayweaveError(f"{counts} are given: there must be n + 1, n and n.")
     sizes = [radii[0], *(x for both in zip(thicknesses, radii[1:], strict=True) for x in both)]
     solids = _core.optical_component("cemented", sizes, _outline(aperture))
     pairs = enumerate(zip(solids, materials, strict=True), start=1)
@@ -447,7 +447,7 @@ def toric_lens(
     name: str = "lens",
 ) -> Element:
     """A lens whose faces have one radius of curvature along x and another along y. Faces: `front`, `back`, `edge`."""
-    needed = "a pair of radii, along x and along y,"
+    needed = "a pair of radii, along x and along y"
     faces = (*pair(front, "front", needed), *pair(back, "back", needed))
     return _component("toric_lens", (*faces, thickness), name, material, aperture)
 
@@ -585,7 +585,7 @@ def grating(
 ) -> Element:
     """A plane grating in z = 0 that sends all light into one order: `lines` is a vector across the grooves, as long as their
     number per unit of length."""
-    needed = "a vector across the grooves, a pair of numbers along x and y,"
+    needed = "a vector across the grooves, a pair of numbers along x and y"
     number = whole(order, "order", least=-(2**31), bits=31)
     action = Finish("grating", (*pair(lines, "lines", needed), number, flag(reflects, "reflects")))
     return _sheet(name, action, aperture)

@@ -37,7 +37,7 @@ def real(value: Any, name: str, needed: str = "a number") -> float:
             return float(value)
         except (TypeError, ValueError):
             pass
-    raise TypeError(f"{name} is {value!r}: {needed} is needed.")
+    raise TypeError(f"{name} is {value!r}: it must be {needed}.")
 
 
 def finite(value: Any, name: str, needed: str = "a number") -> float:
@@ -53,7 +53,7 @@ def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
     try:
         number = operator.index(value)
     except TypeError:
-        raise TypeError(f"{name} is {value!r}: a whole number is needed.") from None
+        raise TypeError(f"{name} is {value!r}: it must be a whole number.") from None
     if not least <= number < 2**bits:
         raise _core.RayweaveError(f"{name} is {number}: it has to be at least {least}, and below 2^{bits}.")
     return number
@@ -62,14 +62,14 @@ def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
 def flag(value: Any, name: str, needed: str = "True or False") -> bool:
     """Yes or no."""
     if not isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{name} is {value!r}: {needed} is needed.")
+        raise TypeError(f"{name} is {value!r}: it must be {needed}.")
     return bool(value)
 
 
 def text(value: Any, name: str, needed: str = "a text") -> str:
     """A name or another text."""
     if not isinstance(value, str):
-        raise TypeError(f"{name} is {value!r}: {needed} is needed.")
+        raise TypeError(f"{name} is {value!r}: it must be {needed}.")
     return value
 
 
@@ -77,7 +77,7 @@ def pair(values: Any, name: str, needed: str) -> tuple[float, float]:
     """Two numbers; `needed` says which."""
     given = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else []
     if len(given) != 2:
-        raise TypeError(f"{name} is {values!r}: {needed} is needed.")
+        raise TypeError(f"{name} is {values!r}: it must be {needed}.")
     return real(given[0], name, needed), real(given[1], name, needed)
 
 
@@ -86,13 +86,13 @@ def array(values: Any, name: str) -> NDArray[np.float64]:
     try:
         return np.asarray(values, float)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} is {shortened(values)}: an array of numbers is needed.") from None
+        raise TypeError(f"{name} is {shortened(values)}: it must be an array of numbers.") from None
 
 
 def each(values: Any, name: str, needed: str) -> list[Any]:
     """The members of any iterable but a text."""
     if not isinstance(values, Iterable) or isinstance(values, str):
-        raise TypeError(f"{name} is {values!r}: a list of {needed} is needed.")
+        raise TypeError(f"{name} is {values!r}: it must be a list of {needed}.")
     return list(values)
 
 
@@ -106,14 +106,14 @@ def vector(values: Any, name: str) -> list[float]:
     """Three numbers."""
     found = numbers(values, name)
     if len(found) != 3:
-        raise _core.RayweaveError(f"{name} has {len(found)} numbers: 3 are needed.")
+        raise _core.RayweaveError(f"{name} has {len(found)} numbers: it must have 3.")
     return found
 
 
 def all_of(kind: type[T], things: Any, name: str, make: str = "") -> list[T]:
     """A list of things of one kind, from one of them or an iterable; `make` is a sentence on how to make one."""
     hint = f" {make}" if make else ""
-    needed = f"{'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__} is needed"
+    needed = f"it must be {'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__}"
     if isinstance(things, kind):
         return [things]
     if not isinstance(things, Iterable):

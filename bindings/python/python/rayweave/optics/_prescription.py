@@ -195,7 +195,7 @@ class CoordinateBreak:
         if self.matrix is not None:
             matrix = array(self.matrix, "matrix")
             if matrix.shape != (4, 4):
-                raise _core.RayweaveError(f"the matrix of a coordinate break has shape {matrix.shape}: (4, 4) is needed.")
+                raise _core.RayweaveError(f"the matrix of a coordinate break has shape {matrix.shape}: it must be (4, 4).")
             return before, matrix.tolist()
         decentre = pair(self.decentre, "decentre", "a pair of lengths along x and y")
         x, y, z = vector(self.tilt_degrees, "tilt_degrees")
@@ -692,7 +692,7 @@ def _aperture(**given: float | None) -> tuple[str, float]:
     stated = [(kind, real(size, kind)) for kind, size in given.items() if size is not None]
     if len(stated) != 1:
         found = f"is given by {', '.join(kind for kind, _ in stated)}" if stated else "is missing"
-        raise _core.RayweaveError(f"the aperture {found}: one of {', '.join(given)} is needed.")
+        raise _core.RayweaveError(f"the aperture {found}: pass one of {', '.join(given)}.")
     return stated[0]
 
 
@@ -703,7 +703,7 @@ def _field(field: float | tuple[float, float]) -> tuple[float, float]:
         case float() as y:
             return 0.0, y
         case other:
-            raise _core.RayweaveError(f"a field is {other}: a number along y or a pair along x and y is needed.")
+            raise _core.RayweaveError(f"a field is {other}: it must be a number along y or a pair along x and y.")
 
 
 def _lines(wavelengths: list[float], weights: Iterable[float] | None) -> list[tuple[float, float]]:

@@ -226,10 +226,10 @@ def _powered(compiled: _core.LightSource, power: Any) -> _core.LightSource:
 
 def _amount(power: Any) -> tuple[float, bool]:
     """A power, and whether it is that of all rays together."""
-    needed = 'a number, or a pair of "total" and a number,'
+    needed = 'a number, or a pair of "total" and a number'
     match power:
         case ("total", amount):
             return real(amount, "power", needed), True
         case tuple() | list():
-            raise TypeError(f"power is {power!r}: {needed} is needed.")
+            raise TypeError(f"power is {power!r}: it must be {needed}.")
     return real(power, "power", needed), False

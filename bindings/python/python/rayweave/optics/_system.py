@@ -418,7 +418,7 @@ def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64
     for name, given in (("origins", origins), ("directions", directions)):
         found = array(given, name)
         if found.ndim not in (1, 2) or found.shape[-1] != 3:
-            raise _core.RayweaveError(f"{name} has shape {found.shape}: (N, 3) or (3,) is needed.")
+            raise _core.RayweaveError(f"{name} has shape {found.shape}: it must be (N, 3) or (3,).")
         vectors.append(np.atleast_2d(found))
     counts = {len(rows) for rows in vectors} - {1} or {1}
     if len(counts) > 1:
@@ -433,7 +433,7 @@ def _column(name: str, given: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.f
     try:
         return np.broadcast_to(found, shape)
     except ValueError:
-        raise _core.RayweaveError(f"{name} has shape {found.shape}: {shape} is needed.") from None
+        raise _core.RayweaveError(f"{name} has shape {found.shape}: it must be {shape}.") from None
 
 
 def _numbers_of(name: str, given: ArrayLike, count: int) -> NDArray[np.uint32]:
@@ -441,7 +441,7 @@ def _numbers_of(name: str, given: ArrayLike, count: int) -> NDArray[np.uint32]:
     found = _column(name, given, (count,))
     wrong = np.flatnonzero(~((found >= 0.0) & (found < 2.0**32) & (found == np.floor(found))))
     if len(wrong):
-        needed = "a whole number is needed, at least 0 and below 2^32"
+        needed = "it must be a whole number, at least 0 and below 2^32"
         raise _core.RayweaveError(f"{name}[{wrong[0]}] is {found[wrong[0]]:g}: {needed}.")
     return found.astype(np.uint32)
 

@@ -50,8 +50,9 @@ pub fn framed(lens: Prescription, frame: Frame) -> PyResult<Prescription> {
 }
 
 fn read_break((before, rows): (usize, [[f64; 4]; 4])) -> PyResult<CoordinateBreak> {
-    let last =
-        || bad_value(format!("the last row of a coordinate break is {:?}: [0, 0, 0, 1] is needed.", rows[3]));
+    let last = || {
+        bad_value(format!("the last row of a coordinate break is {:?}: it must be [0, 0, 0, 1].", rows[3]))
+    };
     Ok(CoordinateBreak { before, map: Affine::from_rows(&rows).ok_or_else(last)? })
 }
 

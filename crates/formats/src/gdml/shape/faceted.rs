@@ -259,7 +259,7 @@ pub(in crate::gdml) fn generic_polyhedra(corners: &[[f64; 2]], sides: u32, phi: 
     }
 }
 
-/// Most faces of a polyhedra.
+/// Maximum number of faces of a polyhedra.
 const MAX_FACES: usize = 1_000_000;
 
 /// Outward directions of the side faces of a solid with the given number of planes.

@@ -10,7 +10,7 @@ use rayweave_shape::primitive::{BoxFromCorners, Quadric};
 
 /// Deviation of the side faces that is aimed at, relative to the largest distance of the solid from its axis.
 const DEVIATION: f64 = 1e-6;
-/// Most layers of a twisted solid.
+/// Maximum number of layers of a twisted solid.
 const MAX_LAYERS: usize = 1000;
 /// Sine of the angle below which the edges of a side face at both ends count as parallel before the twist.
 const PARALLEL: f64 = 1e-12;

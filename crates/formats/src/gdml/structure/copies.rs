@@ -15,11 +15,11 @@ use rayweave_math::{Affine, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{Slab, Wedge};
 
-/// Most copies of one daughter.
+/// Maximum number of copies of one daughter.
 pub(super) const MAX_COPIES: i64 = 1_000_000;
-/// Most copies of all replica volumes and divisions.
+/// Maximum number of copies of all replica volumes and divisions.
 const MAX_TOTAL_COPIES: usize = 4_000_000;
-/// Most copies of one daughter with their own dimensions, each of which is a volume.
+/// Maximum number of copies of one daughter with their own dimensions, each of which is a volume.
 const MAX_VOLUMES: usize = 20_000;
 
 /// An optional length, or an angle in degrees along phi; 0 by default.
@@ -45,7 +45,7 @@ fn factor(numbers: &mut Numbers, element: &Element, is_angle: bool) -> Result<f6
         {
             let what = if is_angle { "an angle" } else { "a length" };
             let message =
-                format!("`{symbol}` is no unit of {what}: 1 mm is taken for 1 rad here, as by Geant4.");
+                format!("`{symbol}` is not a unit of {what}: 1 mm is read as 1 rad here, as in Geant4.");
             numbers.context.warn(Trouble::new(message, attribute.place));
             return Ok(factor);
         }

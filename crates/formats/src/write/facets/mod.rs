@@ -5,10 +5,11 @@
 //! most r (1 - cos a cos b). Circles start at +x and n is a multiple of 4, so that concentric equal cylinders and spheres
 //! have the same facets and keep their bounding boxes.
 
+mod implicit;
 mod polytope;
+mod quadric;
 mod revolved;
 mod sag;
-mod sections;
 
 pub(super) use polytope::planes_of;
 
@@ -28,9 +29,9 @@ pub(super) struct Request<'a> {
     pub tolerance: f64,
 }
 
-/// The box that a shape is tessellated in, of the clip box and of a smaller one in which it matters. Quadrics are
+/// The box in which a shape is tessellated: the clip box or, for a quadric, its intersection with the box in which it matters. Quadrics are
 /// unbounded, and the size of the box determines the number of their triangles.
-pub(super) fn room(shape: &Primitive, clip: &Bounds, within: &Bounds) -> Bounds {
+pub(super) fn clip_box(shape: &Primitive, clip: &Bounds, within: &Bounds) -> Bounds {
     match shape {
         Primitive::Quadric(_) => clip.intersection(within),
         _ => *clip,
@@ -60,9 +61,9 @@ pub(super) fn number(shape: &Primitive, name: &str) -> Option<f64> {
 
 /// An infinite cylinder, tube or paraboloid, made finite so that it ends outside of the clip box; `None` for other shapes.
 pub(super) fn finite(shape: &Primitive, place: &Affine, clip: &Bounds) -> Option<Primitive> {
-    let room = clip.transformed(&place.inverse().ok()?);
+    let local = clip.transformed(&place.inverse().ok()?);
     // well outside of the clip box, so that no end coincides with one of its faces
-    let reach = 3.0 * room.lo.z.abs().max(room.hi.z.abs());
+    let reach = 3.0 * local.lo.z.abs().max(local.hi.z.abs());
     let number = |name: &str| number(shape, name);
     if number("height").is_none_or(f64::is_finite) {
         return None;
@@ -162,10 +163,10 @@ fn curved(
                 Surface::Plane(plane) => Some((plane.normal, plane.offset)),
                 _ => None,
             });
-            let whole = sections::quadric(quadric, clip, tolerance)?;
+            let whole = quadric::body(quadric, clip, tolerance)?;
             match (whole, cap) {
                 (Some(whole), Some(plane)) => match polytope::body(&[plane], false, clip)? {
-                    Some(below) => whole.common(&below),
+                    Some(below) => whole.intersection(&below),
                     None => Ok(None),
                 },
                 (whole, _) => Ok(whole),
@@ -184,7 +185,7 @@ fn curved(
             | Surface::Cone(_)
             | Surface::Torus(_)
             | Surface::AffineTorus(_)),
-        ) => sections::implicit(surface, lowered, clip, tolerance),
+        ) => implicit::single_face(surface, lowered, clip, tolerance),
         None => Err(format!("there are no facets for the shape `{}`", shape.name())),
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn body(planes: &[(Vec3, f64)], complement: bool, clip: &Bounds) -> R
     }
     let whole = Body::cuboid(clip);
     match cut {
-        Some(cut) => whole.less(&cut),
+        Some(cut) => whole.difference(&cut),
         None => Ok(Some(whole)),
     }
 }

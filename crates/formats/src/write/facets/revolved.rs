@@ -3,7 +3,7 @@
 use crate::kernel::Body;
 use rayweave_math::{Vec3, sin_cos_degrees};
 
-/// Most vertices of a circle.
+/// Maximum number of vertices of a circle.
 pub const MAX_AROUND: usize = 20_000;
 
 /// Profile of a solid of revolution about z: points (r, z) with the solid on the left. It runs from axis to axis or, if all

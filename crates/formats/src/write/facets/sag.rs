@@ -1,13 +1,14 @@
 //! Tessellation of sag surfaces (aspheres) on a polar grid.
 
+use super::implicit::too_coarse;
+use super::polytope;
 use super::revolved::{circle_count, stacked};
-use super::sections::below;
 use crate::kernel::Body;
 use rayweave_math::{Bounds, Vec3, sin_cos_degrees};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;
 
-/// Most points of the grid.
+/// Maximum number of points of the grid.
 const MAX_POINTS: usize = 1 << 22;
 
 /// Grid over the surface z = sag(x, y) within an aperture.
@@ -30,7 +31,7 @@ pub(super) fn body(
     while grid.worst() > 0.5 * tolerance {
         grid = Grid { rings: 2 * grid.rings, around: (3 * grid.around).div_ceil(8) * 4, ..grid };
         if grid.rings * grid.around > MAX_POINTS {
-            return Err(format!("its triangles are not within {tolerance:?} of it"));
+            return Err(too_coarse(tolerance));
         }
     }
     let rings: Vec<Vec<Vec3>> = (0..=grid.rings).map(|ring| grid.ring(ring)).collect();
@@ -45,9 +46,17 @@ pub(super) fn body(
         return Ok(Some(tall));
     }
     let low = lowered.bounds.lo.z.min(top);
-    let room =
+    let clip =
         Bounds::new(Vec3::new(-aperture, -aperture, low), Vec3::new(aperture, aperture, end)).grown(aperture);
-    below(&tall, Vec3::Z, top, &room)
+    below(&tall, Vec3::Z, top, &clip)
+}
+
+/// The part of a body below a plane.
+fn below(body: &Body, normal: Vec3, offset: f64, clip: &Bounds) -> Result<Option<Body>, String> {
+    match polytope::body(&[(normal, offset)], false, clip)? {
+        Some(half) => body.intersection(&half),
+        None => Ok(None),
+    }
 }
 
 impl Grid<'_> {

@@ -408,7 +408,7 @@ impl Reader {
                         .into_iter()
                         .for_each(|before| before.thickness += record.thickness);
                     let text =
-                        "the coordinate break is no surface of its own; surfaces are counted without it"
+                        "the coordinate break is not a surface of its own; surfaces are counted without it"
                             .to_owned();
                     self.ignored.push(FileProblem { line: record.line, text });
                 }
@@ -588,7 +588,7 @@ fn number(words: &[&str], place: usize) -> Result<f64, String> {
     let word = words.get(place).ok_or_else(|| format!("number {} of the line is missing", place + 1))?;
     match word.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("{word:?} is no number")),
+        _ => Err(format!("{word:?} is not a number")),
     }
 }
 
@@ -600,7 +600,7 @@ fn outer_radius(words: &[&str], place: usize) -> Result<Option<f64>, String> {
 
 fn whole(words: &[&str], place: usize) -> Result<usize, String> {
     let word = words.get(place).copied().unwrap_or("");
-    word.parse().map_err(|_| format!("{word:?} is no whole number"))
+    word.parse().map_err(|_| format!("{word:?} is not a whole number"))
 }
 
 fn numbers(words: &[&str]) -> Result<Vec<f64>, String> {

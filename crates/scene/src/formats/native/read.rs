@@ -99,11 +99,11 @@ impl Reader {
     }
 
     pub fn finish(mut self, broken: bool) -> Reading {
-        if !self.stated {
-            let problem =
-                Diagnostic::warning("the file does not say which version of the format it is written in")
-                    .why("formats change")
-                    .suggest(Some("begin with `rayweave = 1`".to_owned()));
+        // with syntax errors the key may be one of the entries that cannot be read
+        if !self.stated && !broken {
+            let problem = Diagnostic::warning("the format version is missing")
+                .why("future versions may read the file differently")
+                .suggest(Some("add `rayweave = 1` as the first line".to_owned()));
             self.problems.list.push(problem.in_file(&self.document.source));
         }
         let Reader { document, problems, unreadable, .. } = self;
@@ -123,7 +123,7 @@ impl Reader {
         let mut seen = HashSet::new();
         for error in errors {
             if seen.insert((span(error), error.message())) {
-                let problem = Diagnostic::error(error.message()).why("the text is not TOML here");
+                let problem = Diagnostic::error("invalid TOML").why(error.message());
                 self.problems.push(problem, span(error));
             }
         }

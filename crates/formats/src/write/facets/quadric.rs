@@ -1,20 +1,16 @@
-//! Tessellation of quadrics by their elliptic sections, and of other surfaces on a grid.
+//! Tessellation of quadrics by their elliptic sections. Quadrics without elliptic sections are tessellated on a grid.
 
-use super::polytope;
+use super::implicit;
 use super::revolved::{Profile, circle_count, revolved};
 use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Mat3, Vec3};
-use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::{Quadric, Surface};
 
 /// A sample of a profile: parameter and point.
 type Sample = (f64, [f64; 2]);
 
-/// Most bisections of a piece of a profile.
+/// Maximum number of bisections of a piece of a profile.
 const MAX_HALVINGS: u32 = 20;
-
-/// Finest grid: cells along the diagonal of the box.
-const FINEST: f64 = 300.0;
 
 /// `a x^2 + b y^2 < g(z)` with a, b > 0 and g quadratic, in a frame with its own origin and axes.
 struct Elliptic {
@@ -29,25 +25,25 @@ struct Elliptic {
 }
 
 /// The inside of a quadric, clipped to a box.
-pub(super) fn quadric(of: &Quadric, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
-    match elliptic(of) {
+pub(super) fn body(quadric: &Quadric, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
+    match elliptic(quadric) {
         Some(form) => form.body(clip, tolerance),
         None => {
-            let surface = Surface::Quadric(Box::new(*of));
+            let surface = Surface::Quadric(Box::new(*quadric));
             let bounds = surface.inside_bounds();
-            implicit_in(&surface, &bounds.intersection(clip), tolerance)
+            implicit::body(&surface, &bounds.intersection(clip), tolerance)
         }
     }
 }
 
 /// The elliptic form of a quadric, if two eigenvalues have the same sign.
-fn elliptic(of: &Quadric) -> Option<Elliptic> {
-    let weights = of.weights.to_array();
-    let (mut origin, mut constant) = (of.centre, of.constant);
-    let mut linear = of.axes.map(|axis| axis.dot(of.linear));
+fn elliptic(quadric: &Quadric) -> Option<Elliptic> {
+    let weights = quadric.weights.to_array();
+    let (mut origin, mut constant) = (quadric.centre, quadric.constant);
+    let mut linear = quadric.axes.map(|axis| axis.dot(quadric.linear));
     for k in 0..3 {
         if weights[k] != 0.0 {
-            origin -= of.axes[k] * (linear[k] / (2.0 * weights[k]));
+            origin -= quadric.axes[k] * (linear[k] / (2.0 * weights[k]));
             constant -= linear[k] * linear[k] / (4.0 * weights[k]);
             linear[k] = 0.0;
         }
@@ -57,7 +53,7 @@ fn elliptic(of: &Quadric) -> Option<Elliptic> {
     let sign = weights[i].signum();
     Some(Elliptic {
         origin,
-        axes: [of.axes[i], of.axes[j], of.axes[m]],
+        axes: [quadric.axes[i], quadric.axes[j], quadric.axes[m]],
         a: sign * weights[i],
         b: sign * weights[j],
         g: [-sign * constant, -sign * linear[m], -sign * weights[m]],
@@ -75,18 +71,18 @@ impl Elliptic {
         for range in self.ranges(clip) {
             let piece = self.piece(range, tolerance)?;
             sum = match sum {
-                Some(sum) => sum.joined(&piece)?,
+                Some(sum) => sum.union(&piece)?,
                 None => Some(piece),
             };
         }
         match (self.is_outside, sum) {
             (false, sum) => Ok(sum),
-            (true, Some(sum)) => Body::cuboid(clip).less(&sum),
+            (true, Some(sum)) => Body::cuboid(clip).difference(&sum),
             (true, None) => Ok(Some(Body::cuboid(clip))),
         }
     }
 
-    /// Ranges of z within the box in which there are sections.
+    /// Intervals of z within the box in which g(z) > 0.
     fn ranges(&self, clip: &Bounds) -> Vec<[f64; 2]> {
         let heights = clip.corners().map(|corner| (corner - self.origin).dot(self.axes[2]));
         let lo = heights.iter().copied().fold(f64::INFINITY, f64::min);
@@ -103,7 +99,7 @@ impl Elliptic {
         let middle = self.value(0.5 * (lo + hi));
         let radius = |z: f64| {
             let value = self.value(z);
-            // exactly zero at a root, where rounding leaves a remainder
+            // at a root of g the radius is zero; rounding leaves a small positive value
             if value > 1e-12 * middle { widest * libm::sqrt(value) } else { 0.0 }
         };
         // Chebyshev spacing: dense at both ends, where the profile may be perpendicular to the axis
@@ -115,7 +111,7 @@ impl Elliptic {
             };
             [radius(z), z]
         };
-        let mut points = sampled(at, 0.5 * tolerance);
+        let mut points = polyline(at, 0.5 * tolerance);
         if points[0][0] > 0.0 {
             points.insert(0, [0.0, lo]);
         }
@@ -135,32 +131,33 @@ fn roots([c, b, a]: [f64; 3]) -> Vec<f64> {
     if a == 0.0 {
         return if b == 0.0 { Vec::new() } else { vec![-c / b] };
     }
-    let square = b * b - 4.0 * a * c;
-    if square < 0.0 {
+    let discriminant = b * b - 4.0 * a * c;
+    if discriminant < 0.0 {
         return Vec::new();
     }
-    let q = -0.5 * (b + libm::copysign(libm::sqrt(square), b));
+    let q = -0.5 * (b + libm::copysign(libm::sqrt(discriminant), b));
     let mut both = if q == 0.0 { vec![0.0] } else { vec![q / a, c / q] };
     both.sort_by(f64::total_cmp);
     both
 }
 
-/// Points of a curve over [0, 1] whose chords are within a tolerance of it, tested at the midpoints.
-pub(super) fn sampled(at: impl Fn(f64) -> [f64; 2], tolerance: f64) -> Vec<[f64; 2]> {
+/// Polyline approximation of a curve over [0, 1] by adaptive bisection: chords deviate by at most `tolerance`, tested at the
+/// parameter midpoint.
+fn polyline(at: impl Fn(f64) -> [f64; 2], tolerance: f64) -> Vec<[f64; 2]> {
     const PIECES: u32 = 4;
     let sample = |t: f64| (t, at(t));
     let start = sample(0.0);
     let mut points = vec![start.1];
-    let mut waiting: Vec<(Sample, Sample, u32)> = Vec::new();
+    let mut stack: Vec<(Sample, Sample, u32)> = Vec::new();
     for k in (0..PIECES).rev() {
         let [a, b] = [k, k + 1].map(|k| sample(f64::from(k) / f64::from(PIECES)));
-        waiting.push((a, b, 0));
+        stack.push((a, b, 0));
     }
-    while let Some((a, b, depth)) = waiting.pop() {
+    while let Some((a, b, depth)) = stack.pop() {
         let middle = sample(0.5 * (a.0 + b.0));
         if depth < MAX_HALVINGS && distance(middle.1, a.1, b.1) > tolerance {
-            waiting.push((middle, b, depth + 1));
-            waiting.push((a, middle, depth + 1));
+            stack.push((middle, b, depth + 1));
+            stack.push((a, middle, depth + 1));
         } else {
             points.push(b.1);
         }
@@ -173,58 +170,4 @@ fn distance(p: [f64; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
     let (u, v) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
     let length = libm::hypot(u[0], u[1]);
     if length == 0.0 { libm::hypot(v[0], v[1]) } else { (u[0] * v[1] - u[1] * v[0]).abs() / length }
-}
-
-/// Tessellation of a shape with one smooth face of any kind.
-pub(super) fn implicit(
-    surface: &Surface,
-    lowered: &Lowered,
-    clip: &Bounds,
-    tolerance: f64,
-) -> Result<Option<Body>, String> {
-    if lowered.facets.len() > 1 || lowered.complement {
-        return Err("a shape with several curved faces of these kinds".to_owned());
-    }
-    implicit_in(surface, &lowered.bounds.intersection(clip), tolerance)
-}
-
-/// The inside of a surface, clipped to a box, by a level set on a grid that is refined until the centroids of triangles are
-/// within the tolerance.
-fn implicit_in(surface: &Surface, bounds: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
-    if bounds.is_empty() {
-        return Ok(None);
-    }
-    let diagonal = bounds.size().length();
-    let mut cells = 32.0;
-    while cells <= FINEST {
-        let body =
-            Body::level_set(|p| -surface.value_and_gradient(p).0, bounds, diagonal / cells, 1e-3 * tolerance);
-        let Some(body) = body? else {
-            return Ok(None);
-        };
-        if worst(&body, surface, bounds, diagonal / cells) <= tolerance {
-            return Ok(Some(body));
-        }
-        cells *= 1.5;
-    }
-    Err(format!("its triangles are not within {tolerance:?} of it"))
-}
-
-/// Largest distance of a triangle's centroid from the surface, except near the faces of the box.
-fn worst(body: &Body, surface: &Surface, bounds: &Bounds, edge: f64) -> f64 {
-    let inner = bounds.grown(-1.5 * edge);
-    let middles = body.middles().into_iter().filter(|p| inner.contains(*p));
-    let distance = |p: Vec3| {
-        let (value, gradient) = surface.value_and_gradient(p);
-        if value == 0.0 { 0.0 } else { value.abs() / gradient.length() }
-    };
-    middles.map(distance).fold(0.0, f64::max)
-}
-
-/// The part of a body below a plane.
-pub(super) fn below(body: &Body, normal: Vec3, offset: f64, room: &Bounds) -> Result<Option<Body>, String> {
-    match polytope::body(&[(normal, offset)], false, room)? {
-        Some(half) => body.common(&half),
-        None => Ok(None),
-    }
 }

@@ -1,30 +1,36 @@
 //! Distances of a ray from edges and tangencies, where rounding may change the answer.
 
-use super::along::{Along, Span, delta, distance};
-use super::answer::Work;
+use super::along::{Span, SurfacePolynomial, TANGENT_SHIFT, delta, distance};
+use super::answer::RayComputation;
 use super::{Dyadic, Exact, Line, Root, Uncertain};
+
+/// Assumed errors of the kernels, as a fraction of `delta`: 4 u times the lengths in the equation, where `delta` is
+/// 64 u times these lengths. The value is a choice of this test; no bound of the kernels is proved here.
+const KERNEL_SHARE: f64 = 1.0 / 16.0;
 
 /// The sensitivity of an answer to rounding errors.
 #[derive(Clone, Copy, Debug)]
-pub struct Scrutiny {
+pub struct Sensitivity {
     /// The distance of the ray from the nearest edge (two surfaces at one time) or tangency.
     pub clearance: f64,
-    /// True if two surfaces are crossed at nearly one time and at such different angles that a computation
-    /// within the tolerance may find a piece between them that is not close to both.
-    pub torn: bool,
+    /// True if two crossings may change order within their time errors, and one of the surfaces is farther than
+    /// `delta` from the ray at an end of that interval. A correct computation may then report an extra piece
+    /// that is not welded: the ray is *torn*.
+    pub order_uncertain: bool,
 }
 
-/// Computes how close a ray comes to a change of the answer.
-pub fn scrutiny(exact: &Exact, line: &Line, span: &Span) -> Result<Scrutiny, Uncertain> {
-    Ok(Work::new(exact, line, span)?.scrutiny())
+/// Computes the distance of a ray from the nearest edge or tangency, and whether the order of its crossings is
+/// uncertain.
+pub fn sensitivity(exact: &Exact, line: &Line, span: &Span) -> Result<Sensitivity, Uncertain> {
+    Ok(RayComputation::new(exact, line, span)?.sensitivity())
 }
 
-impl Work<'_> {
-    fn scrutiny(&self) -> Scrutiny {
+impl RayComputation<'_> {
+    fn sensitivity(&self) -> Sensitivity {
         let surfaces = &self.exact.surfaces;
-        let extremum = |(k, along): (usize, &Along)| along.extremum(&surfaces[k], self.line);
+        let extremum = |(k, along): (usize, &SurfacePolynomial)| along.extremum(&surfaces[k], self.line);
         let tangency = self.along.iter().enumerate().map(extremum).fold(f64::INFINITY, f64::min);
-        Scrutiny { clearance: tangency.min(self.edge_distance()), torn: self.torn() }
+        Sensitivity { clearance: tangency.min(self.edge_distance()), order_uncertain: self.order_uncertain() }
     }
 
     /// All pairs of crossings of different surfaces.
@@ -46,15 +52,15 @@ impl Work<'_> {
 
     fn edge_distance(&self) -> f64 {
         let both = |(a, b): ((usize, &Root), (usize, &Root))| {
-            self.distance_at(b.0, a.1.near()).min(self.distance_at(a.0, b.1.near()))
+            self.distance_at(b.0, a.1.approximation()).min(self.distance_at(a.0, b.1.approximation()))
         };
         self.pairs().map(both).fold(f64::INFINITY, f64::min)
     }
 
-    /// All crossings, and all contacts that rounding may turn into two crossings, as (surface, time, error
-    /// bound of the time in the kernels, which stay well within the tolerance).
-    fn played(&self) -> Vec<(usize, f64, f64)> {
-        let bound = |s: usize, t: f64| delta(&self.exact.surfaces[s], self.line, t) / 16.0;
+    /// All crossings, and all contacts that rounding may turn into two crossings, as (surface, time, bound of the
+    /// time error of the kernels).
+    fn events_with_error(&self) -> Vec<(usize, f64, f64)> {
+        let bound = |s: usize, t: f64| KERNEL_SHARE * delta(&self.exact.surfaces[s], self.line, t);
         let mut all: Vec<(usize, f64, f64)> = Vec::new();
         for moment in &self.moments {
             let t = moment.root.t();
@@ -70,22 +76,22 @@ impl Work<'_> {
                 let middle = (-b).over(&a.scaled(1));
                 let t = middle.to_f64();
                 let error = bound(s, t) * surface.slope(&self.line.at(&middle.rounded()));
-                all.push((s, t, 2.5 * (error / a.to_f64().abs()).sqrt()));
+                all.push((s, t, TANGENT_SHIFT * (error / a.to_f64().abs()).sqrt()));
             }
         }
         all
     }
 
-    fn torn(&self) -> bool {
-        let events = self.played();
+    fn order_uncertain(&self) -> bool {
+        let events = self.events_with_error();
         let surfaces = &self.exact.surfaces;
-        let torn = |&(a, ta, pa): &(usize, f64, f64), &(b, tb, pb): &(usize, f64, f64)| {
+        let may_swap = |&(a, ta, pa): &(usize, f64, f64), &(b, tb, pb): &(usize, f64, f64)| {
             let ends = [ta - pa, tb - pb, ta + pa, tb + pb].map(Dyadic::from);
             let far = |s: usize| {
                 ends.iter().any(|t| self.distance_at(s, t) > delta(&surfaces[s], self.line, t.to_f64()))
             };
             (ta - tb).abs() <= pa + pb && !surfaces[a].is_same(&surfaces[b]) && (far(a) || far(b))
         };
-        events.iter().enumerate().any(|(k, a)| events[..k].iter().any(|b| torn(a, b)))
+        events.iter().enumerate().any(|(k, a)| events[..k].iter().any(|b| may_swap(a, b)))
     }
 }
