@@ -112,7 +112,7 @@ pub fn load_model(
     let overrides = overrides(parameters)?;
     let format = format.map(format_of).transpose()?;
     let unit = unit.map(unit_of).transpose()?;
-    let options = Options { facets, fonts, repair, unit, allow, strict };
+    let options = Options { facets, fonts, repair, unit, allow, strict, scene_only: false };
     let is_overridden = !overrides.is_empty();
     let read = abandonable(py, move || formats::load(&path, format, &overrides, &options))?;
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)

@@ -7,7 +7,7 @@ use rayweave::model::{Evaluator, FirstHits, Window};
 
 use crate::answer::{Answer, Rows, take};
 use crate::engine::{BLOCK, Engine, QueryOptions, Worker, run_query};
-use crate::layout::{join, points_at};
+use crate::layout::{interleave, points_at};
 use crate::rays::{Columns, RayArrays, RayRows};
 
 /// State of a thread that processes a block.
@@ -89,7 +89,7 @@ impl Question<'_> {
         };
         worker.evaluator.nearest(rays, self.window, &mut worker.memory, &mut hits);
         points_at(rays.origins, rays.directions, rows.t, rows.point);
-        join(normal.each_ref().map(Vec::as_slice), rows.normal);
+        interleave(normal.each_ref().map(Vec::as_slice), rows.normal);
         self.engine.put_inside(before, start_inside);
         self.engine.put_inside(after, rows.enters);
         self.turn_normals(after, &mut rows);

@@ -47,7 +47,7 @@ pub enum Command {
     Probe(Probe),
     Trace(Trace),
     Optics(Optics),
-    Photons(Photons),
+    Photons(Box<Photons>),
     Convert(Convert),
     Export(Export),
     Infill(Infill),

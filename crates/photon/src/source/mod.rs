@@ -121,13 +121,11 @@ impl Source {
             let is_polarised = photon.polarisation != Vec3::ZERO;
             let fault = match () {
                 () if !photon.position.is_finite() => "its position must be finite",
-                () if !((photon.direction.length() - 1.0).abs() <= 1e-6) => {
-                    "its direction must have length 1"
-                }
-                () if is_polarised && !((photon.polarisation.length() - 1.0).abs() <= 1e-6) => {
+                () if !is_near(photon.direction.length(), 1.0) => "its direction must have length 1",
+                () if is_polarised && !is_near(photon.polarisation.length(), 1.0) => {
                     "its polarisation must have length 1, or 0 if it is unpolarised"
                 }
-                () if !(photon.polarisation.dot(photon.direction).abs() <= 1e-6) => {
+                () if !is_near(photon.polarisation.dot(photon.direction), 0.0) => {
                     "its polarisation must be perpendicular to its direction"
                 }
                 () if !(photon.energy > 0.0 && photon.energy.is_finite()) => {
@@ -140,4 +138,9 @@ impl Source {
         }
         Ok(())
     }
+}
+
+/// True for lengths and products of unit vectors that are equal up to rounding in single precision; false for NaN.
+fn is_near(value: f64, expected: f64) -> bool {
+    (value - expected).abs() <= 1e-6
 }

@@ -132,7 +132,7 @@ mod tests {
         assert!(all.len() > 2 && all.iter().skip(1).all(|piece| text[piece.clone()].starts_with("# ball ")));
         assert!(all.iter().rev().skip(1).all(|piece| piece.len() >= LENGTH && piece.len() < LENGTH + 100));
         assert_eq!(all.iter().map(|piece| &text[piece.clone()]).collect::<String>(), text);
-        assert_eq!(pieces("", LENGTH).collect::<Vec<_>>(), [0..0]);
+        assert!(pieces("", LENGTH).eq(std::iter::once(0..0)));
     }
 
     #[test]
