@@ -84,7 +84,7 @@ impl HitsQuestion<'_> {
         while places.len() > 0 {
             let block = places.take(BLOCK);
             let len = block.len();
-            let rays = worker.scratch.rays(self.rays, first..first + len)?;
+            let rays = worker.scratch.rays(self.rays, first..first + len, worker.evaluator.program())?;
             let mut tracer = (worker.evaluator, &mut worker.memory);
             match self.block(&mut tracer, rays, block) {
                 Ok(aside) => asides.extend(aside.map(|(times, faces)| Aside { first, times, faces })),
@@ -176,7 +176,7 @@ impl<'py> QueryArguments<'_, 'py> {
             Ok(())
         };
         if !run_query(self.py, &self.evaluator, self.chunking, chunks, work, merge)? {
-            return Err(self.rays.refusal());
+            return Err(self.rays.refusal(&self.engine.program));
         }
         Ok((question.most.into_inner(), asides))
     }
