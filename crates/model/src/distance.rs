@@ -1,5 +1,5 @@
 //! Check for rays that are too far from a model: where the tolerance is as large as the model, all its crossings would be
-//! welded, and the ray would miss it without a word.
+//! welded, and the ray would silently miss it.
 //!
 //! A solid vanishes along a ray if it is thinner than twice the tolerance `delta = 64 u (|o| + |t| |d| + m)` there. A ray
 //! is rejected where `delta`, at its point closest to the centre of the model, exceeds a quarter of the model's size: a

@@ -60,8 +60,8 @@ pub enum RayError {
         /// The direction.
         direction: Vec3,
     },
-    /// Where the ray is closest to the model, its points are too inaccurate to see the model: a query along it would
-    /// silently miss.
+    /// The ray's points are too inaccurate, at its closest approach to the model, to resolve the model: a query would silently
+    /// miss it.
     #[error(
         "the ray is too far from the model: {distance:.3e} along it, where it comes closest, points are accurate to \
          {accuracy:.3e}, and the model is {size:.3e} thick. Start the ray closer to the model, and keep the model close to \

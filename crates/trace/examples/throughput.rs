@@ -6,6 +6,7 @@ use rayweave_model::{Evaluator, Limit, Program, Query, RayAnswer, RayBatch, Soli
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
+use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -80,10 +81,21 @@ fn report<E: Evaluator>(model: &str, evaluator: &E, batch: &RayBatch) {
     }
 }
 
+/// Nanoseconds per ray of the check that callers run once per batch: the least of several rounds.
+fn check_time(program: &Program, batch: &RayBatch) -> f64 {
+    let round = |_| {
+        let started = Instant::now();
+        assert_eq!(program.check_rays(black_box(batch.rays())), Ok(()));
+        started.elapsed().as_secs_f64()
+    };
+    (0..10 * ROUNDS).map(round).fold(f64::INFINITY, f64::min) * 1e9 / batch.rays().len() as f64
+}
+
 fn main() {
     for (model, solid, radius, half) in [("lens", lens(), 60.0, 10.0), ("die", die(), 5.0, 1.0)] {
         let program = Arc::new(Program::compile(&solid).expect("a valid solid"));
         let batch = rays(10_000, radius, half);
+        println!("{model}: check of the rays: {:.3} ns a ray", check_time(&program, &batch));
         report(model, &Packets::new(program.clone()), &batch);
         report(model, &Weave::new(program.clone()), &batch);
         report(model, &Spans::new(program.clone()), &batch);
