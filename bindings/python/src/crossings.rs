@@ -169,7 +169,7 @@ impl<'a, 'py> QueryArguments<'a, 'py> {
         if run_query(self.py, &self.evaluator, self.chunking, self.chunking.ranges(), work, merge)? {
             Ok(())
         } else {
-            Err(self.rays.invalid_input())
+            Err(self.rays.invalid_input(self.evaluator.program()))
         }
     }
 
@@ -212,7 +212,7 @@ fn append_crossings(
 ) -> Option<Table> {
     let (program, query) = (worker.evaluator.program(), Query { window, ..Query::default() });
     for start in range.clone().step_by(BLOCK) {
-        let rays = worker.scratch.rays(rays, start..range.end.min(start + BLOCK))?;
+        let rays = worker.scratch.rays(rays, start..range.end.min(start + BLOCK), program)?;
         let mut sink = |answer: RayAnswer<'_>| table.push(program, &rays.get(answer.ray), &answer);
         worker.evaluator.crossings(rays, &query, &mut worker.memory, &mut sink);
     }

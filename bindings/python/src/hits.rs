@@ -83,7 +83,7 @@ impl HitsQuery<'_> {
         while buffers.len() > 0 {
             let block = buffers.take(BLOCK);
             let len = block.len();
-            let rays = worker.scratch.rays(self.rays, first..first + len)?;
+            let rays = worker.scratch.rays(self.rays, first..first + len, worker.evaluator.program())?;
             let mut tracer = (worker.evaluator, &mut worker.memory);
             match self.block(&mut tracer, rays, block) {
                 Ok(block) => {
@@ -185,7 +185,7 @@ impl<'py> QueryArguments<'_, 'py> {
             Ok(())
         };
         if !run_query(self.py, &self.evaluator, self.chunking, chunks, work, merge)? {
-            return Err(self.rays.invalid_input());
+            return Err(self.rays.invalid_input(&self.engine.program));
         }
         Ok((query.most.into_inner(), overflow))
     }

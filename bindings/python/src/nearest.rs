@@ -46,7 +46,7 @@ pub fn nearest<'py>(
         let work = |worker: &mut Worker<'_, Scratch>, places: Places<'_>| question.answer(worker, places);
         run_query(py, &evaluator, chunking, chunks, work, |()| Ok(()))
     })?;
-    if done { answer.into_python(engine, None) } else { Err(rays.invalid_input()) }
+    if done { answer.into_python(engine, None) } else { Err(rays.invalid_input(&engine.program)) }
 }
 
 struct Question<'a> {
@@ -76,7 +76,7 @@ impl Question<'_> {
     ) -> Option<()> {
         let (len, Scratch { columns, placement, regions: [before, after], normal }) =
             (rows.len(), &mut worker.scratch);
-        let rays = columns.rays(self.rays, first..first + len)?;
+        let rays = columns.rays(self.rays, first..first + len, &self.engine.program)?;
         [&mut *placement, &mut *before, &mut *after].into_iter().for_each(|column| column.resize(len, 0));
         normal.iter_mut().for_each(|column| column.resize(len, 0.0));
         let mut hits = FirstHits {

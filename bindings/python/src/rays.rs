@@ -6,9 +6,10 @@ use numpy::ndarray::{ArrayView2, s};
 use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayweave::Ray;
-use rayweave::model::Rays;
+use rayweave::model::{BadRay, Program, Rays};
 
 use crate::arrays::{double_array, shape_text};
+use crate::engine::BLOCK;
 use crate::error::bad_value;
 use crate::layout::deinterleave;
 
@@ -178,9 +179,17 @@ impl<'py> RayArrays<'py> {
         RayRows { origins: self.origins.rows(), directions: self.directions.rows() }
     }
 
-    /// The error for the first invalid ray.
-    pub fn invalid_input(&self) -> PyErr {
-        invalid_input(&[&self.origins, &self.directions])
+    /// The error for the first invalid ray, or the first one that is too far from a program.
+    pub fn invalid_input(&self, program: &Program) -> PyErr {
+        let rows = self.rows();
+        let mut columns = Columns::default();
+        let too_far = (0..self.len).step_by(BLOCK).find_map(|first| {
+            let rays = columns.components(rows, first..self.len.min(first + BLOCK))?;
+            let bad = program.check_rays(rays).err()?;
+            Some(bad_value(BadRay { ray: first + bad.ray, ..bad }))
+        });
+        let problem = self.origins.problem().or_else(|| self.directions.problem());
+        problem.or(too_far).unwrap_or_else(|| invalid_input(&[&self.origins, &self.directions]))
     }
 }
 
@@ -206,8 +215,13 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// The rays of a block; `None` if one of them is invalid.
-    pub fn rays(&mut self, rays: RayRows<'_>, block: Range<usize>) -> Option<Rays<'_>> {
+    /// The rays of a block; `None` if one of them is invalid, or too far from the program to be traced.
+    pub fn rays(&mut self, rays: RayRows<'_>, block: Range<usize>, program: &Program) -> Option<Rays<'_>> {
+        self.components(rays, block).filter(|rays| program.check_rays(*rays).is_ok())
+    }
+
+    /// The rays of a block; `None` if a component is invalid.
+    fn components(&mut self, rays: RayRows<'_>, block: Range<usize>) -> Option<Rays<'_>> {
         let origins = self.origins.fill(rays.origins, block.clone())?;
         Some(Rays { origins, directions: self.directions.fill(rays.directions, block)? })
     }

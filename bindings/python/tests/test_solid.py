@@ -265,3 +265,22 @@ def test_solids_do_not_change():
 def test_repr_reads_well():
     assert repr(sphere(1.5)) == "Solid(sphere(radius=1.5))"
     assert repr((half_space([0, 0, 1], 2) & ~sphere(1)).named("part")).startswith("Solid(part = half_space(")
+
+
+def test_rays_from_too_far_are_rejected_with_their_number():
+    ball = sphere(1)
+    origins = np.zeros((5000, 3))
+    origins[:, 0] = -5
+    origins[4321, 0] = -3e14
+    message = "ray 4321: the ray is too far from the model: 3.000e14 along it"
+    for query in (ball.hits, ball.nearest, ball.crossings):
+        for evaluator in ("packets", "weave", "reference"):
+            with pytest.raises(ValueError, match=message):
+                query(origins, [1, 0, 0], evaluator=evaluator)
+    # a quarter of the size is reached at 2^45
+    assert ball.hits([-(2.0**45), 0, 0], [1, 0, 0]).shape == (2, 1)
+    with pytest.raises(ValueError, match="ray 0: the ray is too far"):
+        ball.hits([-(2.0**45 + 1), 0, 0], [1, 0, 0])
+    # a clear miss, and a solid that does not vanish
+    assert np.isinf(ball.hits([0, 1e15, 0], [1, 0, 0])).all()
+    assert half_space([1, 0, 0], 0).hits([-1e20, 0, 0], [1, 0, 0])[-1] == 1e20

@@ -4,7 +4,7 @@ use crate::infill::{ContourProblems, InfillError};
 use crate::measure::MeasureError;
 use crate::section::SectionError;
 use rayweave_error::{Classified, ErrorKind, Message};
-use rayweave_model::{CompileError, Program};
+use rayweave_model::{BadRay, CompileError, Program};
 use rayweave_scene::SceneError;
 use rayweave_shape::primitive::ShapeError;
 use rayweave_table::TableError;
@@ -38,6 +38,9 @@ pub enum AnalysisError {
     /// A file of contours is invalid.
     #[error(transparent)]
     Contours(#[from] ContourProblems),
+    /// A ray cannot be traced.
+    #[error(transparent)]
+    Ray(#[from] BadRay),
     /// A file of rays cannot be read, or a table cannot be written.
     #[error(transparent)]
     Table(#[from] TableError),
@@ -77,6 +80,7 @@ impl Classified for AnalysisError {
             AnalysisError::Measure(error) => error.kind(),
             AnalysisError::Section(error) => error.kind(),
             AnalysisError::Contours(error) => error.kind(),
+            AnalysisError::Ray(error) => error.kind(),
             AnalysisError::Table(error) => error.kind(),
             AnalysisError::Solid(_) => ErrorKind::Solid,
             AnalysisError::Value(_) => ErrorKind::Value,

@@ -30,7 +30,7 @@ pub trait ApproximateEvaluator: Sync {
 
     /// Appends the crossings of every ray of a batch to columns.
     ///
-    /// Rays must pass [`Rays::check`].
+    /// Rays must pass [`Program::check_rays`].
     fn columns(
         &self,
         rays: Rays<'_>,

@@ -279,8 +279,8 @@ pub trait Evaluator: Sync {
 
     /// Passes the crossings of every ray of a batch to the sink.
     ///
-    /// Rays must pass [`Rays::check`], which the caller runs once per batch. The answer for a ray that does
-    /// not pass is arbitrary, usually a miss; it does not panic.
+    /// Rays must pass [`Program::check_rays`], which the caller runs once per batch. The answer for a ray that
+    /// does not pass is arbitrary, usually a miss; it does not panic.
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink);
 
     /// The region that each point is in; 0 is the world. For a point on a boundary the symbolic perturbation
@@ -346,9 +346,9 @@ pub trait Evaluator: Sync {
     /// The answers for a whole batch in arrays.
     ///
     /// # Errors
-    /// [`BadRay`] for the first ray that does not pass [`Ray::check`].
+    /// [`BadRay`] for the first ray that does not pass [`Program::check_rays`].
     fn collect(&self, rays: Rays<'_>, query: &Query<'_>) -> Result<Collected, BadRay> {
-        rays.check()?;
+        self.program().check_rays(rays)?;
         let mut collected = Collected::default();
         self.crossings(rays, query, &mut self.scratch(), &mut collected);
         Ok(collected)
@@ -357,7 +357,7 @@ pub trait Evaluator: Sync {
     /// The crossings of one ray. For more than a few rays use a batch.
     ///
     /// # Errors
-    /// [`RayError`] if the ray does not pass [`Ray::check`].
+    /// [`RayError`] if the ray does not pass [`Program::check_ray`].
     fn one(&self, ray: Ray, query: &Query<'_>) -> Result<Collected, RayError> {
         self.collect(RayBatch::from_iter([ray]).rays(), query).map_err(|bad| bad.problem)
     }

@@ -21,6 +21,7 @@ mod chord;
 mod columns;
 mod compile;
 mod copies;
+mod distance;
 mod error;
 mod evaluator;
 mod events;

@@ -55,27 +55,31 @@ impl Rays<'_> {
         Ray::new(at(&self.origins), at(&self.directions))
     }
 
-    /// Checks that every ray is in the range that can be traced: see [`Ray::check`].
+    /// Checks that every ray is in the range that can be traced: see [`Ray::check`]. [`Program::check_rays`](crate::Program::check_rays)
+    /// also rejects rays that are too far from a model.
     ///
     /// # Errors
     /// [`BadRay`] for the first ray that is not.
     pub fn check(&self) -> Result<(), BadRay> {
-        if self.are_plain() {
+        if self.are_within(Ray::MAX_COMPONENT) {
             return Ok(());
         }
         let check = |ray: usize| self.get(ray).check().map_err(|problem| BadRay { ray, problem });
         (0..self.len()).try_for_each(check)
     }
 
-    /// True only if all rays pass the check. Runs column by column, without a branch per ray.
-    fn are_plain(&self) -> bool {
-        let is_small =
-            |column: &[f64]| column.iter().fold(true, |all, x| all & (x.abs() <= Ray::MAX_COMPONENT));
+    /// True only if all rays pass the check and no component of an origin exceeds `near`. Runs column by column, without a
+    /// branch per ray.
+    pub(crate) fn are_within(&self, near: f64) -> bool {
+        let is_within =
+            |column: &[f64], most: f64| column.iter().fold(true, |all, x| all & (x.abs() <= most));
         let [x, y, z] = self.directions;
         let goes =
             |((x, y), z): ((&f64, &f64), &f64)| x.abs().max(y.abs()).max(z.abs()) >= Ray::MIN_DIRECTION;
         let all_go = x.iter().zip(y).zip(z).fold(true, |all, direction| all & goes(direction));
-        all_go && self.origins.iter().chain(&self.directions).all(|column| is_small(column))
+        all_go
+            && self.origins.iter().all(|column| is_within(column, near.min(Ray::MAX_COMPONENT)))
+            && self.directions.iter().all(|column| is_within(column, Ray::MAX_COMPONENT))
     }
 }
 

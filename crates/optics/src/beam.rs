@@ -102,7 +102,7 @@ impl Beam {
     /// # Errors
     /// [`OpticsError`] for the first invalid ray or power, or wavelength outside the range of a medium.
     pub fn check(&self, system: &System) -> Result<(), OpticsError> {
-        self.rays().check()?;
+        system.program().check_rays(self.rays())?;
         let bad = |column, ray, value, range| OpticsError::BadLight { column, ray, value, range };
         let first = |column: &[f64], is_good: fn(f64) -> bool| {
             // a fold without branches; the position is searched only if a value is invalid

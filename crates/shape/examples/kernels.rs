@@ -1,10 +1,14 @@
-//! Profiling target: one lane kernel, named by the first argument, over a number of rays.
+//! Profiling target: one kernel, named by the first argument, over a number of rays: `kernels sphere 1000` in lanes,
+//! `kernels sphere 1000 scalar` ray by ray. Prints the time per ray, the least of nine equal parts of the run.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use rayweave_math::{Affine, Mat3, Transform, Vec3};
+use rayweave_shape::Ray;
 use rayweave_shape::lanes::{Kernel, LANES, LaneFacet, LaneLimits, LaneRay, LaneSpan, Lanes, Vec3Lanes};
 use rayweave_shape::surface::Surface;
+use std::hint::black_box;
+use std::time::Instant;
 
 fn surface(name: &str) -> Option<Surface> {
     let tilted = Vec3::new(0.3, -0.5, 1.0);
@@ -18,6 +22,7 @@ fn surface(name: &str) -> Option<Surface> {
         "plane" => Surface::plane(tilted, 0.2),
         "sphere" => Surface::sphere(Vec3::ZERO, 1.0),
         "cylinder" => Surface::cylinder(Vec3::ZERO, tilted, 0.7),
+        "upright" => Surface::cylinder(Vec3::ZERO, Vec3::Z, 0.7),
         "cone" => Surface::cone(Vec3::ZERO, tilted, 0.6),
         "ellipsoid" => quadric(1.0, 0.7, 0.5, -0.8),
         "hyperboloid" => quadric(1.0, 0.7, -0.5, -0.3),
@@ -77,12 +82,26 @@ fn run<S: Simd>(simd: S, facet: Option<&LaneFacet>, rows: &[[[f64; LANES]; 6]], 
     (uncertain_lanes, sum)
 }
 
+/// Number of crossings, and the sum of their times, ray by ray.
+fn run_scalar(surface: &Surface, rays: &[Ray], rounds: usize) -> (u32, f64) {
+    let (mut crossings, mut sum) = (0, 0.0);
+    for _ in 0..rounds {
+        for ray in rays {
+            let found = surface.crossings(ray);
+            crossings += found.times().len() as u32;
+            sum += found.times().iter().sum::<f64>();
+        }
+    }
+    (crossings, sum)
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     let name = arguments.get(1).map_or("cone", String::as_str);
-    let rounds = arguments.get(2).and_then(|n| n.parse().ok()).unwrap_or(1);
+    let rounds: usize = arguments.get(2).and_then(|n| n.parse().ok()).unwrap_or(1);
     let rows = rays(1024);
-    let kernel = surface(name).and_then(|surface| Kernel::of(&surface));
+    let surface = surface(name);
+    let kernel = surface.as_ref().and_then(Kernel::of);
     let facet = kernel.map(|kernel| LaneFacet {
         kernel,
         inside: true,
@@ -91,6 +110,25 @@ fn main() {
         gap: 0,
         is_one_piece: false,
     });
-    let (uncertain_lanes, sum) = dispatch!(Level::new(), simd => run(simd, facet.as_ref(), &rows, rounds));
-    println!("{name}: {} rays, {uncertain_lanes} uncertain, {sum}", rounds * rows.len() * LANES);
+    let ray = |row: &[[f64; LANES]; 6], k: usize| {
+        let [x, y, z, u, v, w] = row.map(|column| column[k]);
+        Ray::new(Vec3::new(x, y, z), Vec3::new(u, v, w))
+    };
+    let rays: Vec<Ray> = rows.iter().flat_map(|row| (0..LANES).map(move |k| ray(row, k))).collect();
+    let scalar = surface.filter(|_| arguments.get(3).is_some_and(|word| word == "scalar"));
+    let part = || match &scalar {
+        Some(surface) => run_scalar(surface, &rays, rounds),
+        None => dispatch!(Level::new(), simd => run(simd, facet.as_ref(), &rows, rounds)),
+    };
+    let unit = if scalar.is_some() { "crossings" } else { "uncertain" };
+    let mut least = f64::INFINITY;
+    let mut last = (0, 0.0);
+    for _ in 0..9 {
+        let start = Instant::now();
+        last = black_box(part());
+        least = least.min(start.elapsed().as_secs_f64());
+    }
+    let count = rounds * rays.len();
+    let nanoseconds = least / count as f64 * 1e9;
+    println!("{name}: {count} rays, {} {unit}, {}, {nanoseconds:.3} ns per ray", last.0, last.1);
 }

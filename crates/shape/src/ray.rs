@@ -60,6 +60,21 @@ pub enum RayError {
         /// The direction.
         direction: Vec3,
     },
+    /// The ray's points are too inaccurate, at its closest approach to the model, to resolve the model: a query would silently
+    /// miss it.
+    #[error(
+        "the ray is too far from the model: {distance:.3e} along it, where it comes closest, points are accurate to \
+         {accuracy:.3e}, and the model is {size:.3e} thick. Start the ray closer to the model, and keep the model close to \
+         the origin of the coordinates."
+    )]
+    TooFar {
+        /// The distance from the origin of the ray to its point closest to the model.
+        distance: f64,
+        /// The tolerance there.
+        accuracy: f64,
+        /// The shortest side of the box around the model.
+        size: f64,
+    },
 }
 
 impl Classified for RayError {

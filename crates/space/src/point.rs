@@ -1,5 +1,7 @@
 //! Points and vectors of R^d as arrays.
 
+use rayweave_math::UNIT_ROUNDOFF;
+
 /// A point or a vector of R^d.
 pub type Point<const D: usize> = [f64; D];
 
@@ -16,6 +18,18 @@ pub fn minus<const D: usize>(a: &Point<D>, b: &Point<D>) -> Point<D> {
 /// The dot product.
 pub fn dot<const D: usize>(a: &Point<D>, b: &Point<D>) -> f64 {
     (0..D).map(|k| a[k] * b[k]).sum()
+}
+
+/// The sum of the absolute values of the terms of a dot product.
+pub fn dot_of_sizes<const D: usize>(a: &Point<D>, b: &Point<D>) -> f64 {
+    (0..D).map(|k| (a[k] * b[k]).abs()).sum()
+}
+
+/// The error of the dot product with a rounded unit vector, relative to [`dot_of_sizes`]: 2 u per component and D u for the terms and
+/// their sum, with room. A smaller product counts as 0, because even its sign is unknown. In space this is the bound of the kernels of
+/// `rayweave-shape`, 8 u.
+pub const fn dot_noise<const D: usize>() -> f64 {
+    (D + 5) as f64 * UNIT_ROUNDOFF
 }
 
 /// The Euclidean length; scaled first if squares would over- or underflow.

@@ -7,7 +7,7 @@ pub use table::{HitRowSink, HitSchema};
 use crate::AnalysisError;
 use crate::error::Cancelled;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Evaluator, Program, Query, Rays};
+use rayweave_model::{BadRay, Evaluator, Program, Query, Rays};
 use rayweave_scene::Compiled;
 use rayweave_table::{Chunk, Progress, RayChunk, RayReader, TableWriter};
 use std::num::NonZeroUsize;
@@ -118,7 +118,9 @@ fn answer<E: Evaluator>(
         origins: task.rays.origin.each_ref().map(Vec::as_slice),
         directions: task.rays.direction.each_ref().map(Vec::as_slice),
     };
-    let mut rows = table.rows(evaluator.program(), rays, task.rays.first);
+    let first = task.rays.first;
+    evaluator.program().check_rays(rays).map_err(|bad| BadRay { ray: first as usize + bad.ray, ..bad })?;
+    let mut rows = table.rows(evaluator.program(), rays, first);
     evaluator.crossings(rays, query, scratch, &mut rows);
     Ok(Answered { rows: rows.finish()?, rays: rays.len() as u64, progress: task.progress })
 }

@@ -134,6 +134,18 @@ fn a_ray_needs_a_direction() {
     assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): below 1e-100"));
 }
 
+/// From there the ball is smaller than the tolerance, and would be missed.
+#[test]
+fn a_ray_from_too_far_is_rejected() {
+    let bench = Bench::new();
+    let line = ["probe", "ball.toml", "--from", "-1e15,0,0", "--to", "0,0,0"];
+    let expected = "error: the ray is too far from the model: 1.000e15 along it, where it comes closest, points are accurate \
+                    to 1.421e1, and the model is 2.000e0 thick. Start the ray closer to the model, and keep the model close \
+                    to the origin of the coordinates.\n";
+    assert_eq!(bench.fails(2, &line), expected);
+    assert_eq!(bench.fails(2, &[&line[..], &["--explain"]].concat()), expected);
+}
+
 #[test]
 fn points_are_three_finite_numbers() {
     let bench = Bench::new();

@@ -49,6 +49,22 @@ fn csv_to_csv_by_closed_forms() {
     assert_eq!(said, format!("hits.csv: {total} crossings of {count} rays\n"));
 }
 
+/// The message names the ray by its number in the file, and no table is left behind.
+#[test]
+fn a_ray_from_too_far_is_rejected() {
+    let bench = Bench::new();
+    let far = fan(5000) + "1e15,0,0,1,0,0\n" + &fan(3)[RAYS.len()..];
+    bench.write("rays.csv", far);
+    for evaluator in ["packets", "weave", "reference", "single_hit"] {
+        let said = bench.fails(
+            2,
+            &["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.csv", "--evaluator", evaluator],
+        );
+        assert!(said.contains("ray 5000: the ray is too far from the model: 1.000e15 along it"), "{said}");
+        assert!(!bench.files().contains(&"hits.csv".to_owned()), "{:?}", bench.files());
+    }
+}
+
 #[test]
 fn any_number_of_threads_and_any_evaluator_write_the_same_bytes() {
     let bench = Bench::new();

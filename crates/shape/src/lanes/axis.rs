@@ -3,7 +3,7 @@
 
 use super::ray::LaneRay;
 use super::vector::Lanes;
-use crate::surface::{Cylinder, Plane};
+use crate::surface::{Approach, Cylinder, Plane};
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
 
@@ -65,7 +65,7 @@ impl AxisCylinder {
 
     /// Components perpendicular to the axis: origin (relative to the axis) and direction.
     #[inline(always)]
-    pub(super) fn across<S: Simd>(&self, ray: &LaneRay<S>) -> ([Lanes<S>; 2], [Lanes<S>; 2]) {
+    fn across<S: Simd>(&self, ray: &LaneRay<S>) -> ([Lanes<S>; 2], [Lanes<S>; 2]) {
         let (o, d) = (&ray.origin, &ray.direction);
         let ([ox, oy], along) = match self.axis {
             0 => ([o.y, o.z], [d.y, d.z]),
@@ -73,5 +73,15 @@ impl AxisCylinder {
             _ => ([o.x, o.y], [d.x, d.y]),
         };
         ([ox - self.point[0], oy - self.point[1]], along)
+    }
+
+    /// [`Cylinder::approach`] in the two coordinates perpendicular to the axis, where no speed is a rounding error.
+    #[inline(always)]
+    pub(super) fn approach<S: Simd>(&self, ray: &LaneRay<S>) -> Approach<Lanes<S>> {
+        let ([x, y], [u, v]) = self.across(ray);
+        let square = u * u + v * v;
+        let time = Approach::time(square, x * u + y * v);
+        let (x, y) = (x + time * u, y + time * v);
+        Approach { time, square, inside: self.radius * self.radius - (x * x + y * y) }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{LaneRay, Uncertain};
-use super::vector::{Lanes, Vec3Lanes, splat};
+use super::vector::{Lanes, Vec3Lanes};
 use crate::surface::{Cone, SQUARE_NOISE};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -32,37 +32,9 @@ pub(super) fn roots<S: Simd>(
 ) -> Roots<S> {
     let shift = ray.origin.taken_from(cone.apex).dot(ray.direction) / ray.square;
     let place = ray.origin.minus_all(cone.apex).plus(ray.direction.times(shift));
-    let (height, from) = split(cone, place);
-    let (rise, along) = split(cone, ray.direction);
+    let ((height, from), (rise, along)) = (cone.split(place), cone.split(ray.direction));
     let size = Size { place, bend: bend(cone), linear: 0.0, constant: 0.0 };
     Line { shift, height, from, rise, along, slope: cone.slope }.roots(simd, ray, Some(size), uncertain)
-}
-
-#[inline(always)]
-fn split<S: Simd>(cone: &Cone, v: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
-    let height = v.dot_all(cone.axis);
-    (height * cone.slope, v.without(height, cone.axis))
-}
-
-/// `[a, b]` of f along rays from the cone, `a t^2 + 2 b t`.
-#[inline(always)]
-pub(super) fn departure<S: Simd>(cone: &Cone, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
-    let (height, from) = split(cone, ray.origin.minus_all(cone.apex));
-    let (rise, along) = split(cone, ray.direction);
-    [along.length_squared() - rise * rise, from.dot(along) - height * rise]
-}
-
-/// Lane version of [`Cone::value_and_gradient`].
-#[inline(always)]
-pub(super) fn value_and_gradient<S: Simd>(
-    simd: S,
-    cone: &Cone,
-    point: Vec3Lanes<S>,
-) -> (Lanes<S>, Vec3Lanes<S>) {
-    let from = point.minus_all(cone.apex);
-    let (radius, offset) = (from.dot_all(cone.axis) * cone.slope, from.perpendicular(cone.axis));
-    let gradient = offset.without(radius * cone.slope, cone.axis).times(splat(simd, 2.0));
-    (offset.length_squared() - radius * radius, gradient)
 }
 
 impl<S: Simd> Form<S> for Line<S> {
@@ -84,7 +56,8 @@ impl<S: Simd> Form<S> for Line<S> {
 
     #[inline(always)]
     fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2] {
-        let (height, from) = (self.height + s * self.rise, self.from.plus(self.along.times(s)));
-        [from.dot(self.along) - height * self.rise, from.length_squared() - height * height]
+        let at = (self.height + s * self.rise, self.from.plus(self.along.times(s)));
+        let [_, b, c] = Cone::coefficients(at, (self.rise, self.along));
+        [b, c]
     }
 }

@@ -2,12 +2,11 @@
 //! [`Surface::crossings_from`](crate::surface::Surface::crossings_from): the root at the start is divided out. A plane is
 //! then not crossed again, and a surface of degree 2 at most once.
 
-use super::cone;
 use super::facet::{Kernel, LaneFacet};
 use super::ray::{LaneRay, Uncertain, infinite};
 use super::span::{Gap, LaneSpan};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
-use crate::surface::{Cylinder, Plane, Sphere};
+use crate::surface::Plane;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
@@ -75,7 +74,7 @@ impl LaneFacet {
                 let below = plane(kernel(-1.0, slab.low.0), true, slab.low.1, low);
                 Some([below, plane(kernel(1.0, slab.high.0), true, slab.high.1, high)])
             }
-            Kernel::LaneSlab(slab) => {
+            Kernel::Slab(slab) => {
                 let [below, above] = slab.turned;
                 let kernel = |normal: Vec3, offset: f64, turned: bool| {
                     let sign = if turned { -1.0 } else { 1.0 };
@@ -190,12 +189,12 @@ impl Kernel {
         let zero = splat(simd, 0.0);
         match self {
             &Kernel::AxisPlane { axis, sign, .. } => [zero, ray.direction.component(axis.into()) * sign],
-            Kernel::Plane(plane) => [zero, ray.direction.dot_all(plane.normal)],
-            Kernel::Sphere(sphere) => [ray.square, ray.origin.minus_all(sphere.centre).dot(ray.direction)],
-            Kernel::Cylinder(cylinder) => from_cylinder(cylinder, ray),
-            Kernel::AxisCylinder(cylinder) => from_cylinder(&cylinder.general(), ray),
-            Kernel::Cone(cone) => cone::departure(cone, ray),
-            Kernel::Quadric(quadric) => quadric.departure(ray),
+            Kernel::Plane(plane) => plane.departure(ray.direction),
+            Kernel::Sphere(sphere) => sphere.departure(ray.origin, ray.direction),
+            Kernel::Cylinder(cylinder) => cylinder.departure(ray.origin, ray.direction),
+            Kernel::AxisCylinder(cylinder) => cylinder.general().departure(ray.origin, ray.direction),
+            Kernel::Cone(cone) => cone.departure(ray.origin, ray.direction),
+            Kernel::Quadric(quadric) => quadric.quadric().departure(ray.origin, ray.direction),
             _ => [zero, zero],
         }
     }
@@ -209,7 +208,7 @@ impl Kernel {
 
     /// True if [`Kernel::value_and_gradient`] supports the surface: all except tori and slabs.
     pub fn has_value(&self) -> bool {
-        !matches!(self, Kernel::AxisSlab(_) | Kernel::LaneSlab(_) | Kernel::Torus(_))
+        !matches!(self, Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Torus(_))
     }
 
     /// f and its gradient at some points, equal to
@@ -221,45 +220,17 @@ impl Kernel {
             &Kernel::AxisPlane { axis, sign, offset } => {
                 let mut normal = Vec3::ZERO;
                 normal[usize::from(axis)] = sign;
-                at_plane(simd, &Plane { normal, offset }, point)
+                Plane { normal, offset }.value_and_gradient(point)
             }
-            Kernel::Plane(plane) => at_plane(simd, plane, point),
-            Kernel::Sphere(sphere) => at_sphere(simd, sphere, point),
-            Kernel::Cylinder(cylinder) => at_cylinder(simd, cylinder, point),
-            Kernel::AxisCylinder(cylinder) => at_cylinder(simd, &cylinder.general(), point),
-            Kernel::Cone(cone) => cone::value_and_gradient(simd, cone, point),
-            Kernel::Quadric(quadric) => quadric.value_and_gradient(simd, point),
-            Kernel::AxisSlab(_) | Kernel::LaneSlab(_) | Kernel::Torus(_) => {
+            Kernel::Plane(plane) => plane.value_and_gradient(point),
+            Kernel::Sphere(sphere) => sphere.value_and_gradient(point),
+            Kernel::Cylinder(cylinder) => cylinder.value_and_gradient(point),
+            Kernel::AxisCylinder(cylinder) => cylinder.general().value_and_gradient(point),
+            Kernel::Cone(cone) => cone.value_and_gradient(point),
+            Kernel::Quadric(quadric) => quadric.quadric().value_and_gradient(point),
+            Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Torus(_) => {
                 (splat(simd, 0.0), Vec3Lanes::splat(simd, Vec3::ZERO))
             }
         }
     }
-}
-
-/// Lane version of [`Plane::value_and_gradient`].
-#[inline(always)]
-fn at_plane<S: Simd>(simd: S, plane: &Plane, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
-    (point.dot_all(plane.normal) - plane.offset, Vec3Lanes::splat(simd, plane.normal))
-}
-
-/// Lane version of the departure of [`Cylinder`].
-#[inline(always)]
-fn from_cylinder<S: Simd>(cylinder: &Cylinder, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
-    let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
-    let along = ray.direction.perpendicular(cylinder.axis);
-    [along.length_squared(), from.dot(along)]
-}
-
-/// Lane version of [`Sphere::value_and_gradient`].
-#[inline(always)]
-fn at_sphere<S: Simd>(simd: S, sphere: &Sphere, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
-    let offset = point.minus_all(sphere.centre);
-    (offset.length_squared() - sphere.radius * sphere.radius, offset.times(splat(simd, 2.0)))
-}
-
-/// Lane version of [`Cylinder::value_and_gradient`].
-#[inline(always)]
-fn at_cylinder<S: Simd>(simd: S, cylinder: &Cylinder, point: Vec3Lanes<S>) -> (Lanes<S>, Vec3Lanes<S>) {
-    let offset = point.minus_all(cylinder.point).perpendicular(cylinder.axis);
-    (offset.length_squared() - cylinder.radius * cylinder.radius, offset.times(splat(simd, 2.0)))
 }

@@ -6,8 +6,8 @@ use super::quadric::LaneQuadric;
 use super::ray::{LaneRay, Uncertain};
 use super::span::{Gap, LaneSpan};
 use super::torus::{LaneTorus, TorusInterval};
-use super::vector::{Lanes, Mask, Vec3Lanes, splat};
-use crate::surface::{Cone, Cylinder, DOT_NOISE, Plane, Sphere, Surface};
+use super::vector::{Lanes, Mask, splat};
+use crate::surface::{Approach, Cone, Cylinder, DOT_NOISE, Plane, Sphere, Surface};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
@@ -35,7 +35,7 @@ pub enum Kernel {
     /// Two opposite faces of an axis-parallel box.
     AxisSlab(AxisSlab),
     /// Two opposite faces of a box in any direction.
-    LaneSlab(LaneSlab),
+    Slab(LaneSlab),
     /// A cone.
     Cone(Cone),
     /// Any other surface of degree 2. (Boxed, as large kernels are rare: tables of facets fit nearer caches.)
@@ -115,7 +115,7 @@ impl LaneFacet {
     /// True if the facet may hold before and after some interval, but not within it.
     pub fn can_gap(&self) -> bool {
         match &self.kernel {
-            Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::LaneSlab(_) | Kernel::Plane(_) => false,
+            Kernel::AxisPlane { .. } | Kernel::AxisSlab(_) | Kernel::Slab(_) | Kernel::Plane(_) => false,
             Kernel::Sphere(_) | Kernel::Cylinder(_) | Kernel::AxisCylinder(_) => !self.inside,
             Kernel::Quadric(quadric) => !self.inside || quadric.may_open,
             Kernel::Cone(_) | Kernel::Torus(_) => true,
@@ -146,7 +146,7 @@ impl LaneFacet {
                 }
                 let (low, normal) = ((low.offset, next.face), high.normal);
                 let (high, turned) = ((high.offset, self.face), [!next.inside, !self.inside]);
-                (Kernel::LaneSlab(LaneSlab { normal, low, high, turned }), [there, here])
+                (Kernel::Slab(LaneSlab { normal, low, high, turned }), [there, here])
             }
             _ => return None,
         };
@@ -184,29 +184,21 @@ impl LaneFacet {
                 None
             }
             Kernel::Sphere(sphere) => {
-                let (from, to) = sphere_times(simd, sphere, ray);
+                let approach = sphere.approach(ray.origin, ray.direction, ray.square);
+                let (from, to) = or_empty(simd, &approach, approach.half());
                 self.apply_interval(simd, from, to, span)
             }
             Kernel::Cylinder(cylinder) => {
-                let from = ray.origin.minus_all(cylinder.point).perpendicular(cylinder.axis);
-                let along = ray.direction.perpendicular(cylinder.axis);
-                let square = certain_square(simd, ray, cylinder.axis, along);
-                let closest = closest(simd, square, from.dot(along));
-                let apart = from.plus(along.times(closest)).length_squared();
-                let across = Across { radius: cylinder.radius, square, closest, apart };
-                let (from, to) = cylinder_times(simd, &across, ray, uncertain);
+                let approach = cylinder.approach(ray.origin, ray.direction, ray.slow_square);
+                let (from, to) = cylinder_times(simd, cylinder.radius, &approach, ray, uncertain);
                 self.apply_interval(simd, from, to, span)
             }
             Kernel::AxisCylinder(cylinder) => {
-                let ([x, y], [u, v]) = cylinder.across(ray);
-                let square = u * u + v * v;
-                let closest = closest(simd, square, x * u + y * v);
-                let (x, y) = (x + closest * u, y + closest * v);
-                let across = Across { radius: cylinder.radius, square, closest, apart: x * x + y * y };
-                let (from, to) = cylinder_times(simd, &across, ray, uncertain);
+                let approach = cylinder.approach(ray);
+                let (from, to) = cylinder_times(simd, cylinder.radius, &approach, ray, uncertain);
                 self.apply_interval(simd, from, to, span)
             }
-            Kernel::AxisSlab(_) | Kernel::LaneSlab(_) => {
+            Kernel::AxisSlab(_) | Kernel::Slab(_) => {
                 self.slab(simd, ray, span, uncertain);
                 None
             }
@@ -281,7 +273,7 @@ impl LaneFacet {
                 let axis = (*axis).into();
                 (ray.origin.component(axis), ray.direction.component(axis), *low, *high)
             }
-            Kernel::LaneSlab(LaneSlab { normal, low, high, .. }) => {
+            Kernel::Slab(LaneSlab { normal, low, high, .. }) => {
                 (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high)
             }
             _ => return,
@@ -419,78 +411,31 @@ fn certain_dot<S: Simd>(simd: S, ray: &LaneRay<S>, normal: Vec3) -> Lanes<S> {
     size.simd_le(terms * DOT_NOISE).select(splat(simd, 0.0), dot)
 }
 
-/// The squared length of the component `across` of the direction perpendicular to an axis, or 0 if it consists of rounding errors.
-#[inline(always)]
-fn certain_square<S: Simd>(simd: S, ray: &LaneRay<S>, axis: Vec3, across: Vec3Lanes<S>) -> Lanes<S> {
-    let square = across.length_squared();
-    if !square.simd_lt(ray.slow_square).any_true() {
-        return square;
-    }
-    let (size, axis, across) = (ray.direction.abs(), axis.abs(), across.abs());
-    let along = size.dot_all(axis);
-    let is_noise =
-        |component: Lanes<S>, size: Lanes<S>, axis: f64| component.simd_le((size + along * axis) * DOT_NOISE);
-    let is_along = is_noise(across.x, size.x, axis.x)
-        & is_noise(across.y, size.y, axis.y)
-        & is_noise(across.z, size.z, axis.z);
-    is_along.select(splat(simd, 0.0), square)
-}
-
-/// Interval inside a sphere, equal to [`Sphere::crossings`]; empty, from +inf to -inf, for a miss.
-#[inline(always)]
-fn sphere_times<S: Simd>(simd: S, sphere: &Sphere, ray: &LaneRay<S>) -> (Lanes<S>, Lanes<S>) {
-    let closest = ray.origin.taken_from(sphere.centre).dot(ray.direction) / ray.square;
-    let offset = ray.origin.plus(ray.direction.times(closest)).minus_all(sphere.centre);
-    let inside = splat(simd, sphere.radius * sphere.radius) - offset.length_squared();
-    let half = (inside / ray.square).sqrt();
-    or_empty(simd, inside.simd_gt(0.0), closest, half)
-}
-
-/// Time of closest approach to the axis of a cylinder, from the squared perpendicular speed and the dot product of origin
-/// (relative to the axis) and perpendicular velocity; 0 for rays along the axis.
-#[inline(always)]
-fn closest<S: Simd>(simd: S, square: Lanes<S>, approach: Lanes<S>) -> Lanes<S> {
-    let zero = splat(simd, 0.0);
-    square.simd_eq(zero).select(zero, -approach / square)
-}
-
-/// A ray perpendicular to the axis of a cylinder.
-struct Across<S: Simd> {
-    radius: f64,
-    /// Squared speed.
-    square: Lanes<S>,
-    /// Time of closest approach to the axis.
-    closest: Lanes<S>,
-    /// Squared distance at that time.
-    apart: Lanes<S>,
-}
-
 /// Interval inside a cylinder, equal to [`Cylinder::crossings`].
 #[inline(always)]
 fn cylinder_times<S: Simd>(
     simd: S,
-    across: &Across<S>,
+    radius: f64,
+    approach: &Approach<Lanes<S>>,
     ray: &LaneRay<S>,
     uncertain: &mut Uncertain<S>,
 ) -> (Lanes<S>, Lanes<S>) {
-    let &Across { radius, square, closest, apart } = across;
+    let &Approach { time, square, inside } = approach;
     let slow = square.simd_lt(ray.slow_square);
     let any_slow = slow.any_true();
-    let zero = splat(simd, 0.0);
-    let inside = splat(simd, radius * radius) - apart;
-    let enters = inside.simd_gt(zero);
-    let half = (inside / square).sqrt();
+    let half = approach.half();
     // f(r(middle)), and a quarter of the squared gradient
-    let late = ray.middle - closest;
+    let late = ray.middle - time;
     let value = square * late * late - inside;
     let slope = value + radius * radius;
     // |f| <= delta (|grad f| + delta), squared, with 2 (x^2 + y^2) >= (x + y)^2
     let near = ray.near * ray.near;
     let bound = near * (slope.abs() * 4.0 + near) * 2.0;
     uncertain.always |= (value * value).simd_le(bound);
-    let (mut from, mut to) = or_empty(simd, enters, closest, half);
+    let (mut from, mut to) = or_empty(simd, approach, half);
     if any_slow {
-        let parallel = square.simd_eq(zero);
+        let zero = splat(simd, 0.0);
+        let (enters, parallel) = (inside.simd_gt(zero), square.simd_eq(zero));
         uncertain.grazes |= slow & enters & !parallel;
         // half of the interval may be infinite although its square is not
         uncertain.always |= enters & !parallel & !half.simd_lt(f64::INFINITY);
@@ -501,8 +446,10 @@ fn cylinder_times<S: Simd>(
     (from, to)
 }
 
+/// The interval of `half` before and after the closest approach; empty, from +inf to -inf, for a miss.
 #[inline(always)]
-fn or_empty<S: Simd>(simd: S, enters: Mask<S>, closest: Lanes<S>, half: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+fn or_empty<S: Simd>(simd: S, approach: &Approach<Lanes<S>>, half: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     let [plus, minus] = super::ray::infinite(simd);
-    (enters.select(closest - half + 0.0, plus), enters.select(closest + half + 0.0, minus))
+    let (time, enters) = (approach.time, approach.inside.simd_gt(0.0));
+    (enters.select(time - half + 0.0, plus), enters.select(time + half + 0.0, minus))
 }

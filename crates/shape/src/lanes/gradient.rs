@@ -1,10 +1,9 @@
 //! Gradients of surfaces at eight points, equal to those of [`Surface::value_and_gradient`].
 
-use super::vector::{Lanes, Vec3Lanes, splat};
+use super::vector::{Vec3Lanes, splat};
 use crate::surface::{AffineTorus, Cone, Cylinder, Plane, Quadric, Sphere, Surface, Torus};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_math::Vec3;
 
 /// Data for the gradient of a surface.
 #[derive(Clone, Debug)]
@@ -45,10 +44,10 @@ impl LaneGradient {
     pub fn at<S: Simd>(&self, simd: S, points: Vec3Lanes<S>) -> Vec3Lanes<S> {
         match self {
             LaneGradient::Plane(plane) => Vec3Lanes::splat(simd, plane.normal),
-            LaneGradient::Sphere(sphere) => twice(points.minus_all(sphere.centre)),
-            LaneGradient::Cylinder(s) => twice(points.minus_all(s.point).perpendicular(s.axis)),
-            LaneGradient::Cone(cone) => of_cone(cone, points),
-            LaneGradient::Quadric(quadric) => of_quadric(quadric, points),
+            LaneGradient::Sphere(sphere) => sphere.value_and_gradient(points).1,
+            LaneGradient::Cylinder(cylinder) => cylinder.value_and_gradient(points).1,
+            LaneGradient::Cone(cone) => cone.value_and_gradient(points).1,
+            LaneGradient::Quadric(quadric) => quadric.value_and_gradient(points).1,
             LaneGradient::Torus(torus) => of_torus(simd, torus, points),
             LaneGradient::AffineTorus(image) => {
                 let map = &image.local_from_world;
@@ -57,33 +56,6 @@ impl LaneGradient {
             }
         }
     }
-}
-
-#[inline(always)]
-fn twice<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    Vec3Lanes { x: v.x * 2.0, y: v.y * 2.0, z: v.z * 2.0 }
-}
-
-/// The same vector in all lanes, times one number per lane.
-#[inline(always)]
-fn along<S: Simd>(v: Vec3, factor: Lanes<S>) -> Vec3Lanes<S> {
-    Vec3Lanes { x: factor * v.x, y: factor * v.y, z: factor * v.z }
-}
-
-#[inline(always)]
-fn of_cone<S: Simd>(cone: &Cone, points: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    let q = points.minus_all(cone.apex);
-    let radius = q.dot_all(cone.axis) * cone.slope;
-    twice(q.perpendicular(cone.axis).without(radius * cone.slope, cone.axis))
-}
-
-#[inline(always)]
-fn of_quadric<S: Simd>(quadric: &Quadric, points: Vec3Lanes<S>) -> Vec3Lanes<S> {
-    let [a, b, c] = quadric.axes;
-    let x = points.minus_all(quadric.centre).dots(quadric.axes).times_all(quadric.weights);
-    let sum = along(a, x.x).plus(along(b, x.y)).plus(along(c, x.z));
-    let (twice, linear) = (twice(sum), quadric.linear);
-    Vec3Lanes { x: twice.x + linear.x, y: twice.y + linear.y, z: twice.z + linear.z }
 }
 
 #[inline(always)]
@@ -99,5 +71,5 @@ fn of_torus<S: Simd>(simd: S, torus: &Torus, points: Vec3Lanes<S>) -> Vec3Lanes<
         y: off.select(across.y / rho, zero),
         z: off.select(across.z / rho, zero),
     };
-    twice(outwards.times(ring).plus(along(torus.axis, z)))
+    outwards.times(ring).plus(Vec3Lanes::along(torus.axis, z)).times_number(2.0)
 }

@@ -2,7 +2,7 @@
 
 use super::quadratic::{Form, Roots, Size};
 use super::ray::{LaneRay, Uncertain};
-use super::vector::{Lanes, Vec3Lanes, splat};
+use super::vector::{Lanes, Vec3Lanes};
 use crate::surface::{Quadric, SQUARE_NOISE};
 use fearless_simd::Simd;
 use rayweave_math::Vec3;
@@ -44,64 +44,33 @@ impl LaneQuadric {
     /// Roots of the rays with the quadric.
     #[inline(always)]
     pub(super) fn roots<S: Simd>(&self, simd: S, ray: &LaneRay<S>, uncertain: &mut Uncertain<S>) -> Roots<S> {
-        let Quadric { centre, weights, linear, constant, .. } = self.quadric;
+        let Quadric { centre, axes, linear, constant, .. } = self.quadric;
         let shift = ray.origin.taken_from(centre).dot(ray.direction) / ray.square;
         let place = ray.origin.minus_all(centre).plus(ray.direction.times(shift));
         let (level, rise) = (place.dot_all(linear) + constant, ray.direction.dot_all(linear));
-        let (x, v) = (self.coordinates(place), self.coordinates(ray.direction));
+        let (x, v) = (place.dots(axes), ray.direction.dots(axes));
         let size = Size { place, bend: 1.0, linear: self.linear, constant };
-        let line = Line { shift, weights, x, v, level, rise };
+        let line = Line { shift, quadric: &self.quadric, x, v, level, rise };
         line.roots(simd, ray, self.is_ruled.then_some(size), uncertain)
     }
 
-    /// `[a, b]` of f along rays from the surface, `a t^2 + 2 b t`.
-    #[inline(always)]
-    pub(super) fn departure<S: Simd>(&self, ray: &LaneRay<S>) -> [Lanes<S>; 2] {
-        let Quadric { centre, weights, linear, .. } = self.quadric;
-        let (x, v) = (self.coordinates(ray.origin.minus_all(centre)), self.coordinates(ray.direction));
-        let (wx, wv) = (x.times_all(weights), v.times_all(weights));
-        [wv.dot(v), wx.dot(v) + ray.direction.dot_all(linear) * 0.5]
-    }
-
-    /// Lane version of [`Quadric::value_and_gradient`].
-    #[inline(always)]
-    pub(super) fn value_and_gradient<S: Simd>(
-        &self,
-        simd: S,
-        point: Vec3Lanes<S>,
-    ) -> (Lanes<S>, Vec3Lanes<S>) {
-        let Quadric { centre, axes, weights, linear, constant } = self.quadric;
-        let from = point.minus_all(centre);
-        let x = self.coordinates(from);
-        let wx = x.times_all(weights);
-        let value = wx.dot(x) + (from.dot_all(linear) + constant);
-        let [i, j, k] = axes;
-        let along = Vec3Lanes::splat(simd, i)
-            .times(wx.x)
-            .plus(Vec3Lanes::splat(simd, j).times(wx.y))
-            .plus(Vec3Lanes::splat(simd, k).times(wx.z));
-        (value, along.times(splat(simd, 2.0)).plus(Vec3Lanes::splat(simd, linear)))
-    }
-
-    /// Coordinates along the principal axes.
-    #[inline(always)]
-    fn coordinates<S: Simd>(&self, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
-        let [x, y, z] = self.quadric.axes;
-        Vec3Lanes { x: v.dot_all(x), y: v.dot_all(y), z: v.dot_all(z) }
+    /// The surface.
+    pub(super) fn quadric(&self) -> &Quadric {
+        &self.quadric
     }
 }
 
 /// Rays in quadric coordinates: points and directions along the principal axes, and the non-square part of f with its rate.
-struct Line<S: Simd> {
+struct Line<'a, S: Simd> {
     shift: Lanes<S>,
-    weights: Vec3,
+    quadric: &'a Quadric,
     x: Vec3Lanes<S>,
     v: Vec3Lanes<S>,
     level: Lanes<S>,
     rise: Lanes<S>,
 }
 
-impl<S: Simd> Form<S> for Line<S> {
+impl<S: Simd> Form<S> for Line<'_, S> {
     #[inline(always)]
     fn shift(&self) -> Lanes<S> {
         self.shift
@@ -109,19 +78,19 @@ impl<S: Simd> Form<S> for Line<S> {
 
     #[inline(always)]
     fn square(&self) -> Lanes<S> {
-        self.v.times_all(self.weights).dot(self.v)
+        self.v.times_all(self.quadric.weights).dot(self.v)
     }
 
     #[inline(always)]
     fn noise(&self, ray: &LaneRay<S>) -> Lanes<S> {
         // terms of a dot product with a unit vector add up to less than the taxicab length
-        self.v.abs().dot_all(self.weights.abs()) * ray.speed * (1.01 * SQUARE_NOISE)
+        self.v.abs().dot_all(self.quadric.weights.abs()) * ray.speed * (1.01 * SQUARE_NOISE)
     }
 
     #[inline(always)]
     fn at(&self, s: Lanes<S>) -> [Lanes<S>; 2] {
         let (x, level) = (self.x.plus(self.v.times(s)), self.level + s * self.rise);
-        let wx = x.times_all(self.weights);
-        [wx.dot(self.v) + self.rise * 0.5, wx.dot(x) + level]
+        let [_, b, c] = self.quadric.coefficients((x, self.v), (level, self.rise));
+        [b, c]
     }
 }

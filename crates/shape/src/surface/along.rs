@@ -22,6 +22,7 @@
 
 use super::SurfaceCrossings;
 use crate::Ray;
+use crate::real::Real;
 use rayweave_math::roots::{Crossings, quadratic};
 use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 
@@ -42,6 +43,46 @@ pub fn certain_dot(n: Vec3, d: Vec3) -> f64 {
     if dot.abs() <= DOT_NOISE * n.abs().dot(d.abs()) { 0.0 } else { dot }
 }
 
+/// A ray at its closest approach to the centre of a sphere, or to the axis of a cylinder in the plane perpendicular to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Approach<R> {
+    /// The time of the closest approach; 0 for a ray parallel to the axis.
+    pub time: R,
+    /// The squared speed; 0 for a ray parallel to the axis.
+    pub square: R,
+    /// The squared radius minus the squared distance at that time: -f.
+    pub inside: R,
+}
+
+impl<R: Real> Approach<R> {
+    /// The time of the closest approach from the squared speed and the product of position and velocity; 0 if the speed is 0.
+    #[inline(always)]
+    pub fn time(square: R, product: R) -> R {
+        R::select(square.is_zero(), square.splat(0.0), -product / square)
+    }
+
+    /// Half of the time that the ray spends inside, if it enters.
+    #[inline(always)]
+    pub fn half(&self) -> R {
+        (self.inside / self.square).sqrt()
+    }
+}
+
+impl Approach<f64> {
+    /// The crossings of a single ray.
+    #[inline(always)]
+    pub fn crossings(&self) -> Crossings<2> {
+        let &Approach { time, square, inside } = self;
+        if inside.is_nan() || inside <= 0.0 || square == 0.0 {
+            return Crossings::constant(inside > 0.0);
+        }
+        let half = self.half();
+        // a ray that diverges from an axis by 1e-150 per unit of time has a finite interval, although its square overflows
+        let half = if half.is_finite() { half } else { inside.sqrt() / square.sqrt() };
+        Crossings::new(false, &[time - half, time + half])
+    }
+}
+
 /// Coefficients `[a, b, c]` of `a t^2 + 2 b t + c`.
 pub type Coefficients = [f64; 3];
 
@@ -58,6 +99,8 @@ pub fn recentred(ray: &Ray, centre: Vec3) -> (f64, Vec3) {
 /// the extremum in the rounding of the axial one.
 ///
 /// `noise` bounds the error of `a`; 0 if `a` is exact.
+///
+/// The lane form is in `lanes/quadratic.rs`; both give the same bits, tested by `tests/lanes.rs`.
 pub fn quadratic_crossings(shift: f64, noise: f64, at: impl Fn(f64) -> Coefficients) -> Crossings<2> {
     let [a, b, c] = at(0.0);
     if noise > 0.0 && a.abs() <= noise {
@@ -101,7 +144,7 @@ pub struct Departure {
 
 impl Departure {
     /// Departure for `f(r(t)) = a t^2 + 2 b t`: dividing by t leaves the root `-2 b / a`.
-    pub fn quadratic(a: f64, half_b: f64) -> Departure {
+    pub fn quadratic([a, half_b]: [f64; 2]) -> Departure {
         let leading = if half_b == 0.0 { a } else { half_b };
         let t = -2.0 * half_b / a;
         let remaining = [if t > 0.0 { t } else { f64::INFINITY }];

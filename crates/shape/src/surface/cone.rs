@@ -1,9 +1,10 @@
 //! Double cone `|perp(p - apex)| = slope |h|` with h the height above the apex; the inside is that of both nappes.
 
-use super::along::{Coefficients, Departure, SQUARE_NOISE, quadratic_crossings, recentred, taxicab};
-use super::cylinder::{circular, perpendicular};
+use super::along::{SQUARE_NOISE, quadratic_crossings, recentred, taxicab};
+use super::cylinder::circular;
 use super::{Quadric, Surface};
 use crate::Ray;
+use crate::real::{Real, Vector};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, unit};
 
@@ -27,23 +28,29 @@ impl Cone {
     /// Roots of `|perp|^2 - slope^2 h^2`: at most two, and none through the apex, where the ray changes nappes.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
         let (shift, q) = recentred(ray, self.apex);
-        let (height, from) = self.split(q);
-        let (rise, along) = self.split(ray.direction);
+        let (height, from) = self.split(q.into());
+        let (rise, along) = self.split(ray.direction.into());
         // both components are differences and dot products with terms as large as these
         let terms = self.slope * self.axis.abs().dot(ray.direction.abs());
-        let noise = SQUARE_NOISE * (taxicab(along) * taxicab(ray.direction) + rise.abs() * terms);
+        let noise = SQUARE_NOISE * (along.taxicab() * taxicab(ray.direction) + rise.abs() * terms);
         quadratic_crossings(shift, noise, |s| {
-            Self::coefficients((height + s * rise, from + s * along), (rise, along))
+            Self::coefficients((height + s * rise, from.plus(along.times(s))), (rise, along))
         })
     }
 
     /// The slope times the axial component, and the perpendicular component.
-    fn split(&self, v: Vec3) -> (f64, Vec3) {
-        let height = self.axis.dot(v);
-        (self.slope * height, v - height * self.axis)
+    #[inline(always)]
+    pub(crate) fn split<R: Real>(&self, v: Vector<R>) -> (R, Vector<R>) {
+        let height = v.dot_all(self.axis);
+        (height * self.slope, v.without(height, self.axis))
     }
 
-    fn coefficients((height, from): (f64, Vec3), (rise, along): (f64, Vec3)) -> Coefficients {
+    /// `[a, b, c]` of f along a ray, `a t^2 + 2 b t + c`, from the components of its point and direction.
+    #[inline(always)]
+    pub(crate) fn coefficients<R: Real>(
+        (height, from): (R, Vector<R>),
+        (rise, along): (R, Vector<R>),
+    ) -> [R; 3] {
         [
             along.length_squared() - rise * rise,
             from.dot(along) - height * rise,
@@ -51,19 +58,19 @@ impl Cone {
         ]
     }
 
-    /// Departure of a ray that starts on the cone.
-    pub(super) fn departure(&self, ray: &Ray) -> Departure {
-        let [a, b, _] = Self::coefficients(self.split(ray.origin - self.apex), self.split(ray.direction));
-        Departure::quadratic(a, b)
+    /// `[a, b]` of f along a ray that starts on the cone, `a t^2 + 2 b t`.
+    #[inline(always)]
+    pub(crate) fn departure<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
+        let [a, b, _] = Self::coefficients(self.split(origin.minus_all(self.apex)), self.split(direction));
+        [a, b]
     }
 
     /// `|perp|^2 - slope^2 h^2` and its gradient.
-    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
-        let q = point - self.apex;
-        let height = self.axis.dot(q);
-        let offset = perpendicular(q, self.axis);
-        let radius = self.slope * height;
-        (offset.length_squared() - radius * radius, 2.0 * (offset - (self.slope * radius) * self.axis))
+    #[inline(always)]
+    pub(crate) fn value_and_gradient<R: Real>(&self, point: Vector<R>) -> (R, Vector<R>) {
+        let (radius, offset) = self.split(point.minus_all(self.apex));
+        let gradient = offset.without(radius * self.slope, self.axis).times_number(2.0);
+        (offset.length_squared() - radius * radius, gradient)
     }
 
     /// The image: a circular cone under a similarity, possibly with a scale along the axis, else an elliptic cone.

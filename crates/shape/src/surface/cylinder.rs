@@ -1,10 +1,14 @@
 //! Circular cylinder, unbounded: `|perp(p - point)|^2 = radius^2`; the inside is nearer to the axis.
 
-use super::along::{DOT_NOISE, Departure};
+use super::along::{Approach, DOT_NOISE};
 use super::{Quadric, Surface};
 use crate::Ray;
+use crate::real::{Real, Vector};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Bounds, Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, unit};
+
+/// Ratio of squared speeds below which a ray is examined for being parallel to the axis.
+const SLOW_SQUARE: f64 = 1e-4;
 
 /// An unbounded circular cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,41 +30,54 @@ impl Cylinder {
 
     /// Roots, computed about the closest approach to the axis. A ray parallel to the axis up to rounding has none.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
-        let from = perpendicular(ray.origin - self.point, self.axis);
-        let along = perpendicular(ray.direction, self.axis);
-        let square = along.length_squared();
-        if square == 0.0 || self.is_along(ray.direction, along) {
-            return Crossings::constant(from.length_squared() < self.radius * self.radius);
+        let slow = SLOW_SQUARE * ray.direction.length_squared();
+        self.approach(ray.origin.into(), ray.direction.into(), slow).crossings()
+    }
+
+    /// Closest approach to the axis, in the plane perpendicular to it. `slow` is any number between the squared length of the
+    /// direction times 1e-28 and infinity: only rays with a smaller squared speed across the axis can be parallel to it.
+    #[inline(always)]
+    pub(crate) fn approach<R: Real>(&self, origin: Vector<R>, direction: Vector<R>, slow: R) -> Approach<R> {
+        let [from, along] = self.across(origin, direction);
+        let mut square = along.length_squared();
+        if R::any(square.is_below(slow)) {
+            square = R::select(self.is_along(direction, along), square.splat(0.0), square);
         }
-        let closest = -from.dot(along) / square;
-        let offset = from + closest * along;
-        let inside = self.radius * self.radius - offset.length_squared();
-        if inside.is_nan() || inside <= 0.0 {
-            return Crossings::constant(false);
-        }
-        let half = (inside / square).sqrt();
-        // a ray that diverges from the axis by 1e-150 per unit of time has a finite interval, although its square overflows
-        let half = if half.is_finite() { half } else { inside.sqrt() / square.sqrt() };
-        Crossings::new(false, &[closest - half, closest + half])
+        let time = Approach::time(square, from.dot(along));
+        let apart = from.plus(along.times(time)).length_squared();
+        Approach { time, square, inside: apart.taken_from(self.radius * self.radius) }
+    }
+
+    /// Components perpendicular to the axis: origin (relative to the axis) and direction.
+    #[inline(always)]
+    fn across<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [Vector<R>; 2] {
+        [origin.minus_all(self.point).perpendicular(self.axis), direction.perpendicular(self.axis)]
     }
 
     /// True if a direction is parallel to the axis up to rounding: its perpendicular component `across` consists of rounding errors.
-    fn is_along(&self, direction: Vec3, across: Vec3) -> bool {
-        let (size, axis) = (direction.abs(), self.axis.abs());
-        across.abs().cmple(DOT_NOISE * (size + axis.dot(size) * axis)).all()
+    #[inline(always)]
+    fn is_along<R: Real>(&self, direction: Vector<R>, across: Vector<R>) -> R::Mask {
+        let (size, axis, across) = (direction.abs(), self.axis.abs(), across.abs());
+        let along = size.dot_all(axis);
+        let is_noise =
+            |component: R, size: R, axis: f64| component.is_at_most((size + along * axis) * DOT_NOISE);
+        is_noise(across.x, size.x, axis.x)
+            & is_noise(across.y, size.y, axis.y)
+            & is_noise(across.z, size.z, axis.z)
     }
 
-    /// Departure of a ray that starts on the cylinder.
-    pub(super) fn departure(&self, ray: &Ray) -> Departure {
-        let from = perpendicular(ray.origin - self.point, self.axis);
-        let along = perpendicular(ray.direction, self.axis);
-        Departure::quadratic(along.length_squared(), from.dot(along))
+    /// `[a, b]` of f along a ray that starts on the cylinder, `a t^2 + 2 b t`.
+    #[inline(always)]
+    pub(crate) fn departure<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
+        let [from, along] = self.across(origin, direction);
+        [along.length_squared(), from.dot(along)]
     }
 
     /// `|perp|^2 - radius^2` and its gradient.
-    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
-        let offset = perpendicular(point - self.point, self.axis);
-        (offset.length_squared() - self.radius * self.radius, 2.0 * offset)
+    #[inline(always)]
+    pub(crate) fn value_and_gradient<R: Real>(&self, point: Vector<R>) -> (R, Vector<R>) {
+        let offset = point.minus_all(self.point).perpendicular(self.axis);
+        (offset.length_squared() - self.radius * self.radius, offset.times_number(2.0))
     }
 
     /// Distance of the axis from the origin plus the radius.

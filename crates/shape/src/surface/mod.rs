@@ -30,7 +30,7 @@ pub(crate) mod torus_line;
 
 pub use affine_torus::AffineTorus;
 pub use along::quadratic_crossings;
-pub(crate) use along::{DOT_NOISE, SQUARE_NOISE};
+pub(crate) use along::{Approach, DOT_NOISE, SQUARE_NOISE};
 pub use cone::Cone;
 pub use cylinder::Cylinder;
 pub use mesh::MeshForm;
@@ -47,6 +47,7 @@ pub use tolerance::{
 pub use torus::Torus;
 
 use crate::Ray;
+use crate::real::Vector;
 use along::Departure;
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Affine, Bounds, Mat3, Transform, Vec3};
@@ -265,12 +266,13 @@ impl Surface {
     }
 
     fn departure(&self, ray: &Ray) -> Departure {
+        let (origin, direction) = (ray.origin.into(), ray.direction.into());
         match self {
-            Surface::Plane(s) => s.departure(ray),
-            Surface::Sphere(s) => s.departure(ray),
-            Surface::Cylinder(s) => s.departure(ray),
-            Surface::Cone(s) => s.departure(ray),
-            Surface::Quadric(s) => s.departure(ray),
+            Surface::Plane(s) => Departure::quadratic(s.departure(direction)),
+            Surface::Sphere(s) => Departure::quadratic(s.departure(origin, direction)),
+            Surface::Cylinder(s) => Departure::quadratic(s.departure(origin, direction)),
+            Surface::Cone(s) => Departure::quadratic(s.departure(origin, direction)),
+            Surface::Quadric(s) => Departure::quadratic(s.departure(origin, direction)),
             Surface::Torus(s) => s.departure(ray),
             Surface::AffineTorus(s) => s.departure(ray),
             // `Object::crossings_from` handles objects
@@ -281,11 +283,11 @@ impl Surface {
     /// `f` and its gradient at a point.
     pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
         match self {
-            Surface::Plane(s) => s.value_and_gradient(point),
-            Surface::Sphere(s) => s.value_and_gradient(point),
-            Surface::Cylinder(s) => s.value_and_gradient(point),
-            Surface::Cone(s) => s.value_and_gradient(point),
-            Surface::Quadric(s) => s.value_and_gradient(point),
+            Surface::Plane(s) => single(s.value_and_gradient(point.into())),
+            Surface::Sphere(s) => single(s.value_and_gradient(point.into())),
+            Surface::Cylinder(s) => single(s.value_and_gradient(point.into())),
+            Surface::Cone(s) => single(s.value_and_gradient(point.into())),
+            Surface::Quadric(s) => single(s.value_and_gradient(point.into())),
             Surface::Torus(s) => s.value_and_gradient(point),
             Surface::AffineTorus(s) => s.value_and_gradient(point),
             Surface::Object(s) => s.value_and_gradient(point),
@@ -410,4 +412,10 @@ impl Surface {
             Surface::Object(s) => s.is_finite(),
         }
     }
+}
+
+/// The value and the gradient of a generic kernel for a single point.
+#[inline(always)]
+fn single((value, gradient): (f64, Vector<f64>)) -> (f64, Vec3) {
+    (value, gradient.into())
 }

@@ -1,7 +1,8 @@
 //! Plane `n . p = c`, with the inside where `n . p < c`.
 
-use super::along::{Departure, certain_dot};
+use super::along::certain_dot;
 use crate::Ray;
+use crate::real::{Real, Vector};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Bounds, Transform, Vec3};
 
@@ -25,7 +26,8 @@ impl Plane {
     }
 
     /// One root at `(c - n.o) / (n.d)`, with this order of operations for every solid with this plane. A ray that is parallel
-    /// to the plane up to rounding (see `certain_dot` in `along.rs`) has none, and stays on the side of its origin.
+    /// to the plane up to rounding (see `certain_dot` in `along.rs`) has none, and stays on the side of its origin. The lane
+    /// form is in `lanes/facet.rs`; both give the same bits, tested by `tests/lanes.rs`.
     pub fn crossings(&self, ray: &Ray) -> Crossings<1> {
         let height = self.offset - self.normal.dot(ray.origin);
         let speed = certain_dot(self.normal, ray.direction);
@@ -34,13 +36,16 @@ impl Plane {
     }
 
     /// `n . p - c` and the normal.
-    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
-        (self.normal.dot(point) - self.offset, self.normal)
+    #[inline(always)]
+    pub(crate) fn value_and_gradient<R: Real>(&self, point: Vector<R>) -> (R, Vector<R>) {
+        (point.dot_all(self.normal) - self.offset, point.same(self.normal))
     }
 
-    /// Departure of a ray that starts on the plane: no root remains.
-    pub(super) fn departure(&self, ray: &Ray) -> Departure {
-        Departure::quadratic(0.0, self.normal.dot(ray.direction))
+    /// `[a, b]` of f along a ray that starts on the plane, up to a factor: `a` is 0, no root remains.
+    #[inline(always)]
+    pub(crate) fn departure<R: Real>(&self, direction: Vector<R>) -> [R; 2] {
+        let speed = direction.dot_all(self.normal);
+        [speed.splat(0.0), speed]
     }
 
     /// Bounding box, finite on one side if the normal is a coordinate axis.

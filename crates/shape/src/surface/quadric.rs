@@ -7,8 +7,9 @@
 //! whatever the weights.
 
 use super::Surface;
-use super::along::{Coefficients, Departure, SQUARE_NOISE, quadratic_crossings, recentred};
+use super::along::{SQUARE_NOISE, quadratic_crossings, recentred};
 use crate::Ray;
+use crate::real::{Real, Vector};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{
     Bounds, Eigen, Mat3, Transform, UNIT_ROUNDOFF, Vec3, any_perpendicular, symmetric_eigen, unit,
@@ -93,28 +94,42 @@ impl Quadric {
         // the error of v_k is that of a dot product: proportional to the sum of the absolute values of its terms
         let terms = Vec3::from_array(self.axes.map(|e| e.abs().dot(ray.direction.abs())));
         let noise = SQUARE_NOISE * (self.weights.abs() * v.abs()).dot(terms);
-        quadratic_crossings(shift, noise, |s| self.coefficients((x + s * v, v), (level + s * rise, rise)))
+        let (x, v) = (Vector::from(x), Vector::from(v));
+        quadratic_crossings(shift, noise, |s| {
+            self.coefficients((x.plus(v.times(s)), v), (level + s * rise, rise))
+        })
     }
 
     /// Coefficients from point and direction in principal axes, and the non-square part of f with its rate.
-    fn coefficients(&self, (x, v): (Vec3, Vec3), (level, rise): (f64, f64)) -> Coefficients {
-        let (wx, wv) = (self.weights * x, self.weights * v);
-        [wv.dot(v), wx.dot(v) + 0.5 * rise, wx.dot(x) + level]
+    #[inline(always)]
+    pub(crate) fn coefficients<R: Real>(
+        &self,
+        (x, v): (Vector<R>, Vector<R>),
+        (level, rise): (R, R),
+    ) -> [R; 3] {
+        let (wx, wv) = (x.times_all(self.weights), v.times_all(self.weights));
+        [wv.dot(v), wx.dot(v) + rise * 0.5, wx.dot(x) + level]
     }
 
-    /// Departure of a ray that starts on the quadric.
-    pub(super) fn departure(&self, ray: &Ray) -> Departure {
-        let at = (self.coordinates(ray.origin - self.centre), self.coordinates(ray.direction));
-        let [a, b, _] = self.coefficients(at, (0.0, self.linear.dot(ray.direction)));
-        Departure::quadratic(a, b)
+    /// `[a, b]` of f along a ray that starts on the quadric, `a t^2 + 2 b t`.
+    #[inline(always)]
+    pub(crate) fn departure<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
+        let at = (origin.minus_all(self.centre).dots(self.axes), direction.dots(self.axes));
+        let rise = direction.dot_all(self.linear);
+        let [a, b, _] = self.coefficients(at, (rise, rise));
+        [a, b]
     }
 
     /// f and its gradient.
-    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
-        let q = point - self.centre;
-        let x = self.coordinates(q);
-        let wx = self.weights * x;
-        (wx.dot(x) + (self.linear.dot(q) + self.constant), 2.0 * self.along_axes(wx) + self.linear)
+    #[inline(always)]
+    pub(crate) fn value_and_gradient<R: Real>(&self, point: Vector<R>) -> (R, Vector<R>) {
+        let q = point.minus_all(self.centre);
+        let x = q.dots(self.axes);
+        let wx = x.times_all(self.weights);
+        let value = wx.dot(x) + (q.dot_all(self.linear) + self.constant);
+        let [i, j, k] = self.axes;
+        let slope = Vector::along(i, wx.x).plus(Vector::along(j, wx.y)).plus(Vector::along(k, wx.z));
+        (value, slope.times_number(2.0).plus_all(self.linear))
     }
 
     /// True unless all weights have the same sign (an ellipsoid, a point or nothing).

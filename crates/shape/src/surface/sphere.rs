@@ -1,8 +1,9 @@
 //! Sphere `|p - centre|^2 = radius^2`, with the inside at smaller distances.
 
-use super::along::Departure;
+use super::along::Approach;
 use super::{Quadric, Surface};
 use crate::Ray;
+use crate::real::{Real, Vector};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Transform, Vec3};
 
@@ -18,31 +19,40 @@ pub struct Sphere {
 impl Sphere {
     /// Roots, computed about the closest approach, so that a distant origin costs no digits.
     pub fn crossings(&self, ray: &Ray) -> Crossings<2> {
-        let closest = ray.closest_time(self.centre);
-        let offset = ray.at(closest) - self.centre;
-        let inside = self.radius * self.radius - offset.length_squared();
-        if inside.is_nan() || inside <= 0.0 {
-            return Crossings::constant(false);
-        }
-        let half = (inside / ray.direction.length_squared()).sqrt();
-        Crossings::new(false, &[closest - half, closest + half])
+        let (origin, direction) = (ray.origin.into(), ray.direction.into());
+        self.approach(origin, direction, ray.direction.length_squared()).crossings()
+    }
+
+    /// Closest approach to the centre, where `square` is the squared length of the direction.
+    #[inline(always)]
+    pub(crate) fn approach<R: Real>(
+        &self,
+        origin: Vector<R>,
+        direction: Vector<R>,
+        square: R,
+    ) -> Approach<R> {
+        let time = origin.taken_from(self.centre).dot(direction) / square;
+        let offset = origin.plus(direction.times(time)).minus_all(self.centre);
+        let inside = offset.length_squared().taken_from(self.radius * self.radius);
+        Approach { time, square, inside }
     }
 
     /// `|p - centre|^2 - radius^2` and its gradient.
-    pub fn value_and_gradient(&self, point: Vec3) -> (f64, Vec3) {
-        let offset = point - self.centre;
-        (offset.length_squared() - self.radius * self.radius, 2.0 * offset)
+    #[inline(always)]
+    pub(crate) fn value_and_gradient<R: Real>(&self, point: Vector<R>) -> (R, Vector<R>) {
+        let offset = point.minus_all(self.centre);
+        (offset.length_squared() - self.radius * self.radius, offset.times_number(2.0))
+    }
+
+    /// `[a, b]` of f along a ray that starts on the sphere, `a t^2 + 2 b t`.
+    #[inline(always)]
+    pub(crate) fn departure<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
+        [direction.length_squared(), origin.minus_all(self.centre).dot(direction)]
     }
 
     /// Distance of the centre from the origin plus the radius.
     pub fn magnitude(&self) -> f64 {
         self.centre.length() + self.radius
-    }
-
-    /// Departure of a ray that starts on the sphere.
-    pub(super) fn departure(&self, ray: &Ray) -> Departure {
-        let from = ray.origin - self.centre;
-        Departure::quadratic(ray.direction.length_squared(), from.dot(ray.direction))
     }
 
     /// The image: a sphere under a similarity, else an ellipsoid.

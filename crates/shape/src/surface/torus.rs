@@ -32,7 +32,8 @@ impl Torus {
         Torus { centre, axis: unit(axis), major, minor }
     }
 
-    /// At most four roots, computed about the closest approach to the centre.
+    /// At most four roots, computed about the closest approach to the centre. The lane form is in `lanes/torus.rs`; both give
+    /// the same bits, tested by `tests/lanes.rs`.
     pub fn crossings(&self, ray: &Ray) -> Crossings<4> {
         let (shift, q) = recentred(ray, self.centre);
         self.crossings_about(shift, q, ray.direction)

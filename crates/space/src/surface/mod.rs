@@ -173,6 +173,45 @@ mod tests {
         }
     }
 
+    /// Lines parallel to a plane, or asymptotic to a hyperboloid, but for rounding.
+    #[test]
+    fn rounding_makes_no_distant_crossings() {
+        let plane = Surface::Plane(Plane::new(&[1.0; 3], 1.0));
+        let line = Line::new([2.0, 0.0, 0.0], [-3.0, 1.0, 2.0]);
+        assert_eq!(plane.crossings(&line), Crossings::constant(false));
+        let plane = Surface::Plane(Plane::new(&[1.0, 2.0, 3.0, 4.0], 1.0));
+        let (mut nonzero, mut rng) = (0, ChaCha8Rng::seed_from_u64(4));
+        for _ in 0..200 {
+            let [a, b, c]: [f64; 3] = from_fn(|_| f64::from(rng.random_range(-9..10)));
+            let parallel = [-2.0 * a - 3.0 * b - 4.0 * c, a, b, c];
+            if [a, b, c] == [0.0; 3] {
+                continue;
+            }
+            let Surface::Plane(Plane { normal, .. }) = &plane else { unreachable!() };
+            nonzero += usize::from(crate::point::dot(normal, &parallel) != 0.0);
+            for from in [[2.0, 0.0, 0.0, 0.0], [-2.0, 0.0, 0.0, 0.0]] {
+                let expected = Crossings::constant(from[0] < 0.0);
+                assert_eq!(plane.crossings(&Line::new(from, parallel)), expected, "{parallel:?}");
+            }
+            // a step of 1e-12 across it is not a rounding error
+            let across = from_fn(|k| parallel[k] + 1e-12 * normal[k]);
+            assert_eq!(plane.crossings(&Line::new([2.0, 0.0, 0.0, 0.0], across)).times().len(), 1);
+        }
+        assert!(nonzero > 50, "{nonzero} products are not exactly 0");
+        for degrees in [20.0, 45.0, 77.0] {
+            let turn = Affine::<3>::rotation(0, 2, degrees).expect("two axes");
+            let back = turn.inverse().expect("a rotation");
+            let cone = Quadric::along_axes([1.0, 1.0, -1.0], -1.0);
+            let surface = Surface::Quadric(Box::new(cone)).transformed(&turn, &back);
+            for angle in 0..36 {
+                let (sin, cos) = libm::sincos(f64::from(angle) * 0.1);
+                let direction = turn.vector(&[cos, sin, 1.0]);
+                let found = surface.crossings(&Line::new([0.3, 0.2, 0.1], direction));
+                assert!(found.times().iter().all(|t| t.abs() < 1e6), "{degrees} {angle} {found:?}");
+            }
+        }
+    }
+
     #[test]
     fn gradients_agree_with_differences_of_values() {
         let mut rng = ChaCha8Rng::seed_from_u64(2);

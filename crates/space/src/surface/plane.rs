@@ -3,7 +3,7 @@
 use crate::Point;
 use crate::affine::Affine;
 use crate::curve::Line;
-use crate::point::{dot, is_finite};
+use crate::point::{dot, dot_noise, dot_of_sizes, is_finite};
 use crate::vector::{times, unit};
 use rayweave_math::Interval;
 use rayweave_math::roots::Crossings;
@@ -24,11 +24,14 @@ impl<const D: usize> Plane<D> {
         Plane { normal, offset: offset / size / length }
     }
 
-    /// The root `(c - n.o) / (n.d)`, with the same bits if normal and offset are negated. A line parallel to the plane has no root and
-    /// the side of its origin.
+    /// The root `(c - n.o) / (n.d)`, with the same bits if normal and offset are negated. A line parallel to the plane up to rounding
+    /// has no root and the side of its origin.
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         let height = self.offset - dot(&self.normal, &line.origin);
-        let speed = dot(&self.normal, &line.direction);
+        let speed = match dot(&self.normal, &line.direction) {
+            speed if speed.abs() <= dot_noise::<D>() * dot_of_sizes(&self.normal, &line.direction) => 0.0,
+            speed => speed,
+        };
         let t = height / speed;
         if t.is_finite() { Crossings::new(speed > 0.0, &[t]) } else { Crossings::constant(height > 0.0) }
     }

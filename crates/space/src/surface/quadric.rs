@@ -6,7 +6,7 @@
 use crate::Point;
 use crate::affine::Affine;
 use crate::curve::Line;
-use crate::point::{add_scaled, dot, is_finite, length, minus};
+use crate::point::{add_scaled, dot, dot_noise, dot_of_sizes, is_finite, length, minus};
 use crate::vector::{axis_vector, times, unit};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
@@ -49,10 +49,13 @@ impl<const D: usize> Quadric<D> {
     }
 
     /// The crossings of a line, at most two. The coefficients are computed at the point of the line closest to the centre, which avoids
-    /// cancellation for distant origins.
+    /// cancellation for distant origins. Distant crossings that exist only because rounding has changed the square term are dropped.
     pub(super) fn crossings(&self, line: &Line<D>) -> Crossings<2> {
         let (x, v, shift) = self.closest(line);
-        quadratic_crossings(shift, 0.0, |s| {
+        // the error of v_k is that of a dot product: proportional to the sum of the absolute values of its terms
+        let term = |k: usize| (self.weights[k] * v[k]).abs() * dot_of_sizes(&self.axes[k], &line.direction);
+        let noise = 2.0 * dot_noise::<D>() * (0..D).map(term).sum::<f64>();
+        quadratic_crossings(shift, noise, |s| {
             let x = add_scaled(&x, s, &v);
             [self.product(&v, &v), self.product(&x, &v), self.product(&x, &x) + self.constant]
         })

@@ -286,8 +286,10 @@ fn is_one_piece(program: &Program, facets: &[LeafFacet], kernel: &Kernel) -> boo
 /// True if the facet is a plane, and the point lies on it or outside of it.
 fn is_beyond(program: &Program, facet: &LeafFacet, point: Vec3) -> bool {
     let entry = program.surface(facet.surface());
-    let Surface::Plane(plane) = &entry.surface else { return false };
-    let (value, _) = plane.value_and_gradient(point);
+    if !matches!(entry.surface, Surface::Plane(_)) {
+        return false;
+    }
+    let (value, _) = entry.surface.value_and_gradient(point);
     let beyond = if facet.inside() { value } else { -value };
     beyond >= -delta_of(entry.magnitude + point.length())
 }

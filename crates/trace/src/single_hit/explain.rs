@@ -16,7 +16,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExplainError {
-    /// The ray is out of range: see [`Ray::check`].
+    /// The ray is out of range: see [`Program::check_ray`].
     #[error(transparent)]
     Ray(#[from] RayError),
     /// The model is too large for [`SingleHit`], which records the explanation.
@@ -60,7 +60,7 @@ impl Classified for ExplainError {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn explain(program: &Arc<Program>, ray: Ray, window: Window) -> Result<Explanation, ExplainError> {
-    ray.check()?;
+    program.check_ray(&ray)?;
     let evaluator = SingleHit::new(program.clone())?;
     Ok(evaluator.explain(ray, &Query { window, ..Query::default() }))
 }
