@@ -34,7 +34,9 @@ impl Fault {
 
 /// The span in the file of a part of a string value; the whole value if it is written with escapes.
 pub(crate) fn place_in(source: &Source, text: &str, value: Span, part: Span) -> Span {
-    match source.slice(value).find(text) {
+    // after no quotation mark, one, three, or three and a line end: a search would take the length of the text for each fault
+    let begins = |at: &usize| source.slice(value).get(*at..).is_some_and(|rest| rest.starts_with(text));
+    match [0, 1, 3, 4, 5].into_iter().find(begins) {
         Some(at) if !text.is_empty() => part.shifted(value.start() + at),
         _ => value,
     }
