@@ -52,7 +52,7 @@ fn loading_can_be_interrupted() {
         &["optics", "endless.toml", "--out", "light.csv"],
         &["render", "endless.toml"],
         &["info", "endless.toml"],
-        &["convert", "endless.toml", "-o", "other.csg"],
+        &["convert", "endless.toml", "other.csg"],
     ];
     for (arguments, signal) in rest.into_iter().zip(["-INT", "-TERM", "-HUP", "-INT", "-TERM"]) {
         let bench = Bench::new();
