@@ -55,27 +55,26 @@ pub fn load(
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     let path = path.as_ref();
-    let imported =
-        match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
-            Format::Native => {
-                let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
-                report::refuse_unit(&source, Format::Native, options)?;
-                report::refuse_program(&source, path, format)?;
-                match options.scene_only {
-                    true => rayweave_scene::load_scene(path, overrides, &options.allow).map(|scene| {
-                        Imported { stated: None, scene, report: Report::default(), places: Places::default() }
-                    }),
-                    false => rayweave_scene::load_allowing(path, overrides, &options.allow).map(native),
-                }
+    let imported = match format.or_else(|| Format::from_path(path)).unwrap_or(Format::Native) {
+        Format::Native => {
+            let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
+            report::refuse_unit(&source, Format::Native, options)?;
+            report::refuse_program(&source, path, format)?;
+            match options.scene_only {
+                true => rayweave_scene::load_scene(path, overrides, &options.allow)
+                    .map(|scene| native(None, scene)),
+                false => rayweave_scene::load_allowing(path, overrides, &options.allow)
+                    .map(|(document, scene)| native(Some(document), scene)),
             }
-            Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
-            Format::Mesh(kind) => {
-                let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
-                report::refuse_overrides(&source, Format::Mesh(kind), overrides)?;
-                mesh::load(path, kind, options)
-            }
-            other => understand(Source::read(path)?, other, overrides, options),
-        };
+        }
+        Format::Gdml => understand(gdml::source(path)?, Format::Gdml, overrides, options),
+        Format::Mesh(kind) => {
+            let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
+            report::refuse_overrides(&source, Format::Mesh(kind), overrides)?;
+            mesh::load(path, kind, options)
+        }
+        other => understand(Source::read(path)?, other, overrides, options),
+    };
     strictly(imported?, options)
 }
 
@@ -91,7 +90,8 @@ pub fn parse(
     options: &Options,
 ) -> Result<Imported, Diagnostics> {
     let imported = match format {
-        Format::Native => rayweave_scene::parse_allowing(text, overrides, &options.allow).map(native),
+        Format::Native => rayweave_scene::parse_allowing(text, overrides, &options.allow)
+            .map(|(document, scene)| native(Some(document), scene)),
         other => understand(Source::new(None, text.to_owned()), other, overrides, options),
     };
     strictly(imported?, options)
@@ -105,8 +105,9 @@ fn strictly(imported: Imported, options: &Options) -> Result<Imported, Diagnosti
     }
 }
 
-fn native((document, scene): (Document, Scene)) -> Imported {
-    Imported { stated: Some(document), ..Imported::from_scene(scene, Report::default()) }
+/// A native model, with the warnings of its reader.
+fn native(stated: Option<Document>, scene: Scene) -> Imported {
+    Imported { stated, scene, report: Report::default(), places: Places::default() }
 }
 
 /// Reads the text of another program's file.
@@ -118,9 +119,8 @@ fn understand(
 ) -> Result<Imported, Diagnostics> {
     let source = Arc::new(source);
     with_limited_suggestions(|| match format {
-        Format::Native => {
-            rayweave_scene::parse_allowing(source.text(), overrides, &options.allow).map(native)
-        }
+        Format::Native => rayweave_scene::parse_allowing(source.text(), overrides, &options.allow)
+            .map(|(document, scene)| native(Some(document), scene)),
         Format::OpenScad => {
             report::refuse_overrides(&source, format, overrides)?;
             let (mut scene, report) = openscad::read(&source, options)?;

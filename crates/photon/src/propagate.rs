@@ -28,9 +28,6 @@ use std::ops::Range;
 /// The number of photons that advance together.
 const BATCH: u64 = 4096;
 
-/// The limit of photon numbers: larger ones are those of further photons of wavelength shifters.
-const MAX_PHOTONS: u64 = 1 << 62;
-
 /// The way in which a photon ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum End {
@@ -238,15 +235,10 @@ fn run_batches<E: Evaluator, R: Recorder, X: From<PhotonError>>(
 /// Checks the source and the settings of a run.
 fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
     source.check()?;
-    let Range { start, end } = settings.photons;
     source.check_range(&settings.photons)?;
     if settings.max_time.is_nan() || settings.max_time <= 0.0 {
         let problem = format!("the maximum time is {} ns", settings.max_time);
         return Err(PhotonError::setting(problem, "it must be positive"));
-    }
-    if end > MAX_PHOTONS {
-        let problem = format!("photons {start} to {end} are requested");
-        return Err(PhotonError::setting(problem, format!("their numbers must be below {MAX_PHOTONS}")));
     }
     Ok(())
 }

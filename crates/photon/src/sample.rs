@@ -10,7 +10,8 @@ pub(crate) fn linear_quantile(a: f64, b: f64, u: f64) -> f64 {
         return u;
     }
     let root = (a * a + u * (b - a) * total).max(0.0).sqrt();
-    (u * total / (a + root)).min(1.0)
+    // both are 0 only at the start of a density that rises from 0
+    if a + root == 0.0 { 0.0 } else { (u * total / (a + root)).min(1.0) }
 }
 
 /// A density that is linear between its points and 0 beyond them.

@@ -82,6 +82,7 @@ pub struct PhotonSettings {
     max_steps: u32,
     max_time: f64,
     threads: Option<NonZeroUsize>,
+    event: u32,
     record: Option<(bool, bool)>,
 }
 
@@ -98,6 +99,7 @@ impl PhotonSettings {
         };
         Ok(RunSettings {
             seed: self.seed,
+            event: self.event,
             detection,
             max_steps: self.max_steps,
             max_time: self.max_time,

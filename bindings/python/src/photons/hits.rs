@@ -22,6 +22,7 @@ impl PyPhotonHits {
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let hits = &self.0;
         let table = PyDict::new(py);
+        table.set_item("event", PyArray1::from_slice(py, &hits.event))?;
         table.set_item("photon", PyArray1::from_slice(py, &hits.photon))?;
         let vectors = [
             (["x", "y", "z"], &hits.position),

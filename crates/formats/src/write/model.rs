@@ -6,7 +6,8 @@ use crate::Format;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::Program;
 use rayweave_scene::{Scene, SceneRegion, Unit};
-use rayweave_shape::surface::Surface;
+use rayweave_shape::surface::{MeshForm, Surface};
+use std::any::Any;
 
 /// Margin of the clip box relative to the size of the model, so that no face of the model lies in a face of the box.
 const MARGIN: f64 = 0.125;
@@ -30,8 +31,7 @@ impl<'s> Model<'s> {
     pub fn new(scene: &'s Scene, format: Format, options: &WriteOptions) -> Result<Model<'s>, WriteError> {
         let program = Program::compile_regions(&scene.model_regions())?;
         let boxes = program.region_bounds();
-        let has_curved_faces =
-            program.surfaces().iter().any(|entry| !matches!(entry.surface, Surface::Plane(_)));
+        let has_curved_faces = program.surfaces().iter().any(|entry| is_curved(&entry.surface));
         let is_endless = |bounds: &Bounds| !bounds.is_empty() && !bounds.is_finite();
         if let Some(number) = boxes.iter().position(is_endless) {
             return Err(WriteError::Unbounded { region: scene.regions[number].name.clone(), format });
@@ -97,6 +97,15 @@ impl<'s> Model<'s> {
         if has_numbers {
             remarks.add(RemarkKind::Dropped, "properties of media such as index and density");
         }
+    }
+}
+
+/// True unless the surface is a plane or a triangle mesh.
+fn is_curved(surface: &Surface) -> bool {
+    match surface {
+        Surface::Plane(_) => false,
+        Surface::Object(object) => !(object.form.as_ref() as &dyn Any).is::<MeshForm>(),
+        _ => true,
     }
 }
 

@@ -67,7 +67,7 @@ fn wrong_nesting_is_reported_where_it_is() {
     );
     assert!(problems("")[0].2.contains("no element"));
     assert!(problems("solid cube")[0].2.contains("no element"));
-    assert!(problems("<html/>")[0].2.contains("no GDML"));
+    assert!(problems("<html/>")[0].2.contains("not GDML"));
     assert!(problems("<gdml/><gdml/>")[0].2.contains("second element"));
     assert!(problems(&"<gdml>".repeat(100_000))[0].2.contains("more than 200 elements"));
 }

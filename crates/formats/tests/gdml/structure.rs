@@ -200,7 +200,7 @@ fn angles_in_millimetres_are_radians() {
     let (millimetres, radians) = (wheel("mm"), wheel("rad"));
     assert_eq!(millimetres.scene.regions, radians.scene.regions);
     assert!(
-        millimetres.scene.warnings.iter().any(|warning| warning.message().contains("no unit of an angle"))
+        millimetres.scene.warnings.iter().any(|warning| warning.message().contains("not a unit of an angle"))
     );
     assert_eq!(radians.scene.warnings.iter().count(), 0);
 }

@@ -48,7 +48,7 @@ fn extensions_of_the_schema_are_read() {
         says(&imported, &[name, "extension of GDML"]);
     }
     // a document without any section is of another format
-    assert!(parse("<html><body/></html>").unwrap_err().to_string().contains("no GDML"));
+    assert!(parse("<html><body/></html>").unwrap_err().to_string().contains("not GDML"));
 }
 
 #[test]

@@ -113,7 +113,7 @@ fn files_beside_the_dump() {
         ("import(file = \"gone.stl\"); cube(1);", "there is no file `gone.stl` beside the dump"),
         ("import(file = \"part.csg\"); cube(1);", "only meshes (STL, OFF, 3MF, OBJ, PLY) and drawings"),
         ("import(file = \"open.off\"); cube(1);", "import() is left out"),
-        ("surface(file = \"part.off\"); cube(1);", "line 1 of its file holds something that is not a number"),
+        ("surface(file = \"part.off\"); cube(1);", "line 1 of its file has a value that is not a number"),
         ("import(layer = \"x\"); cube(1);", "it names no file"),
     ] {
         let report = folder.read(text).report;

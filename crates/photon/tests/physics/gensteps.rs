@@ -388,8 +388,8 @@ fn former_names_are_read() {
     assert_eq!(found, [(1, Some(6.0), 0.8), (2, None, 1.0 - 0.8)]);
     let notes = slab.notes().join("\n");
     assert!(
-        notes.contains("`FASTCOMPONENT` is read as `SCINTILLATIONCOMPONENT1`, its name since"),
+        notes.contains("`FASTCOMPONENT` is read as `SCINTILLATIONCOMPONENT1`: that is its name since"),
         "{notes}"
     );
-    assert!(notes.contains("`YIELDRATIO` is read as `SCINTILLATIONYIELD1` = 0.8"), "{notes}");
+    assert!(notes.contains("`YIELDRATIO` is read as two yields: `SCINTILLATIONYIELD1` is 0.8"), "{notes}");
 }

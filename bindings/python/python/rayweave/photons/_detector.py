@@ -176,7 +176,7 @@ class Detector:
     ) -> Run:
         """Simulates photons until each of them ends.
 
-        A photon is a function of the detector, the source, the seed and its number: `threads`, `record` and `range` do not
+        A photon is a function of the detector, the source, the seed, the event and its number: `threads`, `record` and `range` do not
         change it.
 
         Parameters
@@ -188,7 +188,7 @@ class Detector:
         range
             The photons of the run to simulate, from the first number up to the second one exclusively.
         seed
-            The seed of all random numbers. Runs of equal seeds have equal random numbers: give each event its own.
+            The seed of all random numbers.
         detect
             The events that count as detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive
             volume, or both.
@@ -198,7 +198,8 @@ class Detector:
             The histories to record: "counts" of processes and surfaces; "sequences" of Opticks' flags, with counts; or all
             "steps", with both.
         event
-            The event number in the table of hits.
+            The number of the event, from 0 to 2^32 - 1: photons of different events have different random numbers, and the
+            column `event` of the hits tells them apart.
         threads
             The number of threads; by default RAYWEAVE_THREADS or the number of cores.
         progress
@@ -213,8 +214,8 @@ class Detector:
         >>> run.hits.save("hits.parquet")  # doctest: +SKIP
         """
         first, last = self._numbers(source, n, range)
-        settings = _settings(seed, detect, max_steps, max_time, record, threads)
-        return self._run(source, (first, last), settings, event, progress)
+        settings = _settings(seed, event, detect, max_steps, max_time, record, threads)
+        return self._run(source, (first, last), settings, progress)
 
     def stream(
         self,
@@ -242,8 +243,8 @@ class Detector:
         """
         first, last = self._numbers(source, n, range)
         size = whole(chunk, "chunk", least=1)
-        settings = _settings(seed, detect, max_steps, max_time, record, threads)
-        return self._stream(source, (first, last), size, settings, event, progress)
+        settings = _settings(seed, event, detect, max_steps, max_time, record, threads)
+        return self._stream(source, (first, last), size, settings, progress)
 
     def _stream(
         self,
@@ -251,7 +252,6 @@ class Detector:
         numbers: tuple[int, int],
         size: int,
         settings: dict[str, Any],
-        event: int,
         progress: Progress,
     ) -> Iterator[Run]:
         first, last = numbers
@@ -263,18 +263,17 @@ class Detector:
                 source,
                 (first, end),
                 settings,
-                event,
                 None if progress is None else lambda done, _: tell(begin - numbers[0] + done, last - numbers[0]),
             )
             first = end
             yield run
 
     def _run(
-        self, source: Source, numbers: tuple[int, int], settings: dict[str, Any], event: int, progress: Progress
+        self, source: Source, numbers: tuple[int, int], settings: dict[str, Any], progress: Progress
     ) -> Run:
         tell = None if progress is None or progress is False else reporter(progress)
         compiled = self._compiled.simulate(source.compiled, settings | {"range": numbers}, tell)
-        return Run(compiled, whole(event, "event", bits=63), self.name)
+        return Run(compiled, self.name)
 
     def _numbers(self, source: Source, n: int | None, range: Any) -> tuple[int, int]:
         """The numbers of the photons of a run."""
@@ -316,12 +315,13 @@ def loads(text: str, *, allow: Sequence[str | PathLike[str]] = (), strict: bool 
 
 
 def _settings(
-    seed: int, detect: str, max_steps: int, max_time: float, record: Record | None, threads: int | None
+    seed: int, event: int, detect: str, max_steps: int, max_time: float, record: Record | None, threads: int | None
 ) -> dict[str, Any]:
     if record is not None and record not in _RECORDS:
         unknown("record", record, _RECORDS)
     return {
         "seed": whole(seed, "seed"),
+        "event": whole(event, "event", bits=32),
         "detect": detect,
         "max_steps": whole(max_steps, "max_steps", bits=32),
         "max_time": real(max_time, "max_time"),

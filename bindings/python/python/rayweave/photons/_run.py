@@ -106,14 +106,9 @@ class Hits(_Named):
     All photons of a wavelength shifter have the number of the absorbed one.
     """
 
-    def __init__(self, compiled: _core.PhotonHits, event: int, title: str) -> None:
+    def __init__(self, compiled: _core.PhotonHits, title: str) -> None:
         found = compiled.columns()
-        count = len(found["photon"])
-        columns = {
-            "event": np.full(count, event, np.int64),
-            **found,
-            "weight": np.ones(count),
-        }
+        columns = {**found, "weight": np.ones(len(found["photon"]))}
         super().__init__(columns, {"x": "mm", "y": "mm", "z": "mm", "time": "ns", "wavelength_nm": "nm"})
         self.names = {"sensor": compiled.sensor_paths}
         self._compiled = compiled
@@ -262,7 +257,7 @@ class Histories(_Named):
 class Run:
     """The result of a run."""
 
-    def __init__(self, compiled: _core.PhotonRun, event: int, title: str) -> None:
+    def __init__(self, compiled: _core.PhotonRun, title: str) -> None:
         self.photons: int = compiled.photons
         """The number of photons, with those that wavelength shifters emitted in addition."""
         self.steps: int = compiled.steps
@@ -271,7 +266,7 @@ class Run:
         """The duration in seconds."""
         self.ends: dict[str, int] = compiled.ends
         """The number of photons by way of ending; the sum is `photons`."""
-        self.hits = Hits(compiled.hits, event, title)
+        self.hits = Hits(compiled.hits, title)
         """The detected photons."""
         self._histories = None if compiled.histories is None else Histories(compiled.histories, title)
 

@@ -24,7 +24,8 @@ const HEADERS: [&str; 2] = ["[solid.", "[[region]]"];
 /// The top-level tables that several pieces may add to. The reader passes their entries on one by one.
 const SHARED: [&str; 4] = ["solid", "region", "medium", "light"];
 
-/// Divides a text into pieces of at least this length.
+/// Divides a text into pieces of about this length, each of which ends before the header that follows, and before the comment
+/// above it.
 pub(super) fn pieces(text: &str, length: usize) -> impl Iterator<Item = Range<usize>> {
     let mut next = Some(0);
     std::iter::from_fn(move || {
@@ -130,7 +131,9 @@ mod tests {
         }
         let all: Vec<_> = pieces(&text, LENGTH).collect();
         assert!(all.len() > 2 && all.iter().skip(1).all(|piece| text[piece.clone()].starts_with("# ball ")));
-        assert!(all.iter().rev().skip(1).all(|piece| piece.len() >= LENGTH && piece.len() < LENGTH + 100));
+        assert!(
+            all.iter().rev().skip(1).all(|piece| piece.len() + 100 > LENGTH && piece.len() < LENGTH + 100)
+        );
         assert_eq!(all.iter().map(|piece| &text[piece.clone()]).collect::<String>(), text);
         assert!(pieces("", LENGTH).eq(std::iter::once(0..0)));
     }
