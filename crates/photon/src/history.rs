@@ -4,7 +4,7 @@
 
 use crate::boundary::BoundaryEvent;
 use crate::detector::Detector;
-use crate::propagate::{End, Flight};
+use crate::flight::{End, Flight};
 use crate::property::wavelength_nm;
 use crate::volume::VolumePaths;
 use rayweave_math::Vec3;

@@ -1,8 +1,8 @@
 //! Hits: the detected photons as columns.
 
 use crate::detector::Detector;
+use crate::photon::Photon;
 use crate::property::wavelength_nm;
-use crate::source::Photon;
 use crate::volume::VolumePaths;
 use rayweave_model::Face;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};

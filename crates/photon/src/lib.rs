@@ -18,17 +18,21 @@
 mod boundary;
 mod detector;
 mod error;
+mod flight;
 mod genstep;
 mod history;
 mod hits;
 mod lint;
 mod material;
 pub mod philox;
+mod photon;
 mod propagate;
 pub mod property;
 mod sample;
 mod scatter;
+mod settings;
 mod source;
+mod start;
 mod step_table;
 mod surface;
 mod tables;
@@ -38,6 +42,7 @@ mod volume;
 pub use boundary::BoundaryEvent;
 pub use detector::{DetectionRule, Detector};
 pub use error::{PhotonError, PropertyError};
+pub use flight::End;
 pub use genstep::{
     EmissionProcess, Genstep, Gensteps, cerenkov_yield, from_geant4, from_opticks, photons_from_opticks,
 };
@@ -47,11 +52,12 @@ pub use lint::{LintFinding, lint};
 pub use material::{
     Compressibility, Mie, OpticalMaterial, ScintillationComponent, WavelengthShifter, rayleigh_length,
 };
-pub use propagate::{End, PhotonPart, PhotonRun, RunSettings, simulate, simulate_parts};
+pub use photon::Photon;
+pub use propagate::{PhotonPart, PhotonRun, simulate, simulate_parts};
 pub use sample::LinearDensity;
-pub use source::{
-    Directions, Origin, Photon, Pulse, Source, SourceVolume, Torch, Wavelengths, check_start, emit,
-};
+pub use settings::RunSettings;
+pub use source::{Directions, Origin, Pulse, Source, SourceVolume, Torch, Wavelengths};
+pub use start::{check_start, emit};
 pub use step_table::step_schema;
 pub use surface::{
     Coating, DAVIS_FINISHES, LUT_FINISHES, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel,

@@ -6,15 +6,18 @@
 use crate::boundary::{Boundary, BoundaryEvent};
 use crate::detector::{DetectionRule, Detector};
 use crate::error::PhotonError;
+use crate::flight::{End, Flight};
 use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
 use crate::hits::Hits;
 use crate::material::OpticalMaterial;
 use crate::philox::{Purpose, Stream};
+use crate::photon::{EventKey, Photon};
 use crate::property::LIGHT_SPEED;
 use crate::scatter;
-use crate::source::{EventKey, Photon, Source};
+use crate::settings::RunSettings;
+use crate::source::Source;
 use rayweave_math::Vec3;
-use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
+use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::memory::{Growth, Shortage};
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
@@ -22,99 +25,10 @@ use rayweave_model::{
 use rayweave_optics::start_surfaces::{Contact, ExitSide};
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
 use std::ops::Range;
 
 /// The number of photons that advance together.
 const BATCH: u64 = 4096;
-
-/// The way in which a photon ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum End {
-    /// Absorbed in a material, `ABSLENGTH`.
-    Absorbed,
-    /// Absorbed by a wavelength shifter that emitted no photon.
-    ShifterAbsorbed,
-    /// Absorbed at a surface.
-    SurfaceAbsorbed,
-    /// Absorbed on entering a material without a refractive index.
-    NoIndex,
-    /// Detected.
-    Detected,
-    /// Left the world.
-    Escaped,
-    /// Stopped at the maximum number of steps.
-    StepLimit,
-    /// Stopped at the maximum time.
-    TimeLimit,
-}
-
-impl End {
-    /// All ways, in the order of reports.
-    pub const ALL: [End; 8] = [
-        End::Absorbed,
-        End::ShifterAbsorbed,
-        End::SurfaceAbsorbed,
-        End::NoIndex,
-        End::Detected,
-        End::Escaped,
-        End::StepLimit,
-        End::TimeLimit,
-    ];
-
-    /// The name in reports, such as `absorbed`.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            End::Absorbed => "absorbed",
-            End::ShifterAbsorbed => "shifter_absorbed",
-            End::SurfaceAbsorbed => "surface_absorbed",
-            End::NoIndex => "no_index",
-            End::Detected => "detected",
-            End::Escaped => "escaped",
-            End::StepLimit => "step_limit",
-            End::TimeLimit => "time_limit",
-        }
-    }
-}
-
-/// Settings of a run.
-#[derive(Clone, Debug)]
-pub struct RunSettings {
-    /// The seed of all random numbers.
-    pub seed: u64,
-    /// The number of the event: photons of different events have different random numbers.
-    pub event: u32,
-    /// The numbers of the photons to simulate. A run of a part of a range gives that part of its results.
-    pub photons: Range<u64>,
-    /// The rule of detection.
-    pub detection: DetectionRule,
-    /// The maximum number of steps of a photon.
-    pub max_steps: u32,
-    /// The maximum time in ns.
-    pub max_time: f64,
-    /// The number of threads; by default that of [`thread_count`].
-    pub threads: Option<NonZeroUsize>,
-    /// Stops the run.
-    pub cancel: Cancel,
-}
-
-impl RunSettings {
-    /// The settings of a run of some photons: seed 0, both rules of detection, 10,000 steps, no limit of time.
-    #[must_use]
-    pub fn new(photons: Range<u64>) -> RunSettings {
-        RunSettings {
-            seed: 0,
-            event: 0,
-            photons,
-            detection: DetectionRule::default(),
-            max_steps: 10_000,
-            max_time: f64::INFINITY,
-            threads: None,
-            cancel: Cancel::new(),
-        }
-    }
-}
 
 /// The result of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -241,18 +155,6 @@ fn check(source: &Source, settings: &RunSettings) -> Result<(), PhotonError> {
         return Err(PhotonError::setting(problem, "it must be positive"));
     }
     Ok(())
-}
-
-/// A photon in flight.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Flight {
-    /// The number of the source's photon that this one is, or comes from.
-    pub origin: u64,
-    /// The number that selects the random numbers.
-    pub number: u64,
-    /// Number of steps of its whole history, with those of the photons it was emitted from.
-    pub steps: u32,
-    pub photon: Photon,
 }
 
 /// A batch of photons with its buffers.

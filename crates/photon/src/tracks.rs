@@ -1,7 +1,7 @@
 //! Tracks of photons as segments of light, for drawings.
 
+use crate::flight::End;
 use crate::history::{Histories, Process, StepRow};
-use crate::propagate::End;
 use rayweave_math::Vec3;
 use rayweave_optics::{Event, Segment, Segments};
 

@@ -18,6 +18,7 @@ use rayweave::photon::{
 
 use crate::error::bad_value;
 use crate::interrupt::{abandonable, interruptible};
+use crate::photons::parts::DetectorParts;
 use crate::photons::run::{Halt, PhotonWatch, PyPhotonRun};
 use crate::photons::source::PyPhotonSource;
 
@@ -26,12 +27,6 @@ type Property<'py> = (&'static str, Bound<'py, PyArray1<f64>>, Bound<'py, PyArra
 
 /// The properties and constants of a material or surface, after its name.
 type Described<'py> = (String, Vec<Property<'py>>, Vec<(&'static str, f64)>);
-
-/// A detector with its evaluator.
-pub struct DetectorParts {
-    pub detector: Detector,
-    pub evaluator: Packets,
-}
 
 /// A detector, compiled: see `rayweave.photons.Detector`.
 #[pyclass(frozen, module = "rayweave.photons", name = "CompiledDetector")]

@@ -13,7 +13,7 @@ use rayweave::photon::{Histories, Process, StepRow, sequence_text, step_schema};
 use rayweave::table::{TableError, TableWriter};
 
 use crate::error::bad_value;
-use crate::photons::detector::DetectorParts;
+use crate::photons::parts::DetectorParts;
 
 /// Photons, tracks and words of sequences.
 type Sequences<'py> =

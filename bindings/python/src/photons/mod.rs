@@ -3,5 +3,6 @@
 pub mod detector;
 pub mod histories;
 pub mod hits;
+pub mod parts;
 pub mod run;
 pub mod source;

@@ -10,9 +10,9 @@ use pyo3::types::PyDict;
 use rayweave::photon::{End, Histories, PhotonError, PhotonRun};
 
 use crate::error::bad_value;
-use crate::photons::detector::DetectorParts;
 use crate::photons::histories::PyHistories;
 use crate::photons::hits::PyPhotonHits;
+use crate::photons::parts::DetectorParts;
 
 /// The minimum time between two reports of progress.
 const REPORT_INTERVAL: Duration = Duration::from_millis(100);

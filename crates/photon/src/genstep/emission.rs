@@ -2,9 +2,9 @@
 
 use super::cerenkov;
 use crate::philox::{Stream, perpendicular};
+use crate::photon::Photon;
 use crate::property::{PropertyTable, Spectrum};
 use crate::sample::linear_quantile;
-use crate::source::Photon;
 use rayweave_math::Vec3;
 
 /// The path of a particle along which photons start.

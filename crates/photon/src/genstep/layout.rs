@@ -2,8 +2,8 @@
 
 use super::{EmissionProcess, Genstep};
 use crate::error::PhotonError;
+use crate::photon::{Photon, transverse};
 use crate::property::{HC_MEV_NM, LIGHT_SPEED};
-use crate::source::{Photon, transverse};
 use rayweave_math::Vec3;
 
 const CERENKOV: u32 = 15;

@@ -7,8 +7,8 @@ use crate::detector::Detector;
 use crate::error::PhotonError;
 use crate::material::{OpticalMaterial, ScintillationComponent};
 use crate::philox::Stream;
+use crate::photon::{MAX_PHOTONS, Photon};
 use crate::property::HC_MEV_NM;
-use crate::source::{MOST_PHOTONS, Photon};
 use rayweave_error::Message;
 use rayweave_model::{Evaluator, RegionId};
 use std::collections::BTreeMap;
@@ -78,7 +78,7 @@ impl Gensteps {
             first.push(first[row] + u64::from(genstep.photons));
         }
         let total = first[gensteps.len()];
-        if total > MOST_PHOTONS {
+        if total > MAX_PHOTONS {
             let problem = format!("the gensteps have {total} photons");
             return Err(PhotonError::setting(problem, "an event has at most 4294967296"));
         }

@@ -1,6 +1,5 @@
 //! Sources of photons.
 
-mod start;
 mod torch;
 mod volume;
 
@@ -8,30 +7,13 @@ use crate::detector::Detector;
 use crate::error::PhotonError;
 use crate::genstep::Gensteps;
 use crate::philox::{Purpose, Stream};
+use crate::photon::{EventKey, MAX_PHOTONS, Photon};
 use rayweave_math::Vec3;
 use rayweave_model::Evaluator;
 use std::ops::Range;
 
-pub use start::{check_start, emit};
-pub(crate) use torch::transverse;
 pub use torch::{Directions, Origin, Pulse, Torch, Wavelengths};
 pub use volume::SourceVolume;
-
-/// A photon at one moment.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Photon {
-    /// The position in mm.
-    pub position: Vec3,
-    /// The direction: a unit vector.
-    pub direction: Vec3,
-    /// The polarisation: a unit vector perpendicular to the direction. Zero in a list of photons means unpolarised: a random
-    /// one is chosen.
-    pub polarisation: Vec3,
-    /// The energy in MeV.
-    pub energy: f64,
-    /// The time in ns.
-    pub time: f64,
-}
 
 /// Photons by number: the photon of a number is a function of the seed, the event and the number alone.
 #[derive(Clone, Debug)]
@@ -43,23 +25,6 @@ pub enum Source {
     /// Cerenkov and scintillation photons along the steps of particles.
     Gensteps(Gensteps),
 }
-
-/// The run that photons are emitted for: what their random numbers depend on, beside their own number.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct EventKey {
-    pub seed: u64,
-    pub event: u32,
-}
-
-impl EventKey {
-    /// The number that selects the random numbers of a photon.
-    pub fn number(self, photon: u64) -> u64 {
-        u64::from(self.event) << 32 | photon
-    }
-}
-
-/// The largest number of photons of an event: each has a number of 32 bits.
-pub(crate) const MOST_PHOTONS: u64 = 1 << 32;
 
 impl Source {
     /// The number of photons, if it is limited.
@@ -108,7 +73,7 @@ impl Source {
         if let Some(limit) = self.limit().filter(|limit| limit < end) {
             return Err(PhotonError::setting(problem(), format!("the source has {limit} photons")));
         }
-        if *end > MOST_PHOTONS {
+        if *end > MAX_PHOTONS {
             return Err(PhotonError::setting(problem(), "an event has at most 4294967296 photons"));
         }
         Ok(())

@@ -1,9 +1,9 @@
 //! Torches: photons of one kind from a point, a disc, a line, a surface or a volume.
 
-use super::Photon;
 use super::volume::SourceVolume;
 use crate::error::PhotonError;
 use crate::philox::{Stream, perpendicular};
+use crate::photon::{Photon, transverse};
 use crate::property::HC_MEV_NM;
 use crate::sample::LinearDensity;
 use rayweave_math::Vec3;
@@ -281,15 +281,4 @@ impl Torch {
         };
         Photon { position, direction, polarisation, energy, time }
     }
-}
-
-/// The direction of the part of a vector that is perpendicular to a unit vector; `None` if it is lost in rounding.
-pub(crate) fn transverse(vector: Vec3, direction: Vec3) -> Option<Vec3> {
-    let part = vector - vector.dot(direction) * direction;
-    if part.length() < 1e-9 * vector.length() {
-        return None;
-    }
-    let part = part.try_normalize()?;
-    // again, for what rounding has left along the direction
-    (part - part.dot(direction) * direction).try_normalize()
 }

@@ -1,9 +1,9 @@
 //! Points in a volume and on its boundary, by rejection.
 
-use super::{EventKey, Photon};
 use crate::detector::Detector;
 use crate::error::PhotonError;
 use crate::philox::{Purpose, Stream, perpendicular};
+use crate::photon::{EventKey, Photon};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};

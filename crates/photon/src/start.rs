@@ -1,9 +1,10 @@
 //! Emission of photons without propagation, and a check of the places where they start.
 
-use super::{EventKey, Photon, Source};
 use crate::detector::Detector;
 use crate::error::PhotonError;
-use crate::propagate::RunSettings;
+use crate::photon::{EventKey, Photon};
+use crate::settings::RunSettings;
+use crate::source::Source;
 use rayweave_model::{Evaluator, RegionId};
 
 /// The photons of a run as the source emits them, by their numbers.
