@@ -175,3 +175,33 @@ fn volumes_have_paths_with_copy_numbers() {
     assert!(run.hits.len() > 150);
     assert_eq!((run.hits.paths(), run.hits.copies()), (&["Slab[2]/Core[7]".to_owned()][..], &[7][..]));
 }
+
+#[test]
+fn processes_have_distinct_names_and_numbers() {
+    for (number, process) in Process::ALL.into_iter().enumerate() {
+        assert_eq!(process.number(), number);
+        let same = Process::ALL.iter().filter(|other| other.name() == process.name());
+        assert_eq!(same.count(), 1, "{process:?}");
+    }
+    for end in End::ALL {
+        assert!(Process::ALL.contains(&Process::End(end)));
+    }
+}
+
+/// TO SC BT BR AB: nibbles 13, 6, 12, 11, 4 from the lowest bits up (OpticksPhoton.h).
+#[test]
+fn sequences_have_the_flags_of_opticks() {
+    let processes = [
+        Process::Emission,
+        Process::Rayleigh,
+        Process::FresnelRefraction,
+        Process::TotalInternalReflection,
+        Process::End(End::Absorbed),
+    ];
+    let nibbles = processes.map(Process::nibble);
+    assert_eq!(nibbles, [0xd, 0x6, 0xc, 0xb, 0x4]);
+    assert_eq!(sequence_text([0x4bc6d, 0]), "TO SC BT BR AB");
+    assert_eq!(sequence_text([0; 2]), "");
+    let long = [u64::MAX / 15 * 12, 0x7];
+    assert!(sequence_text(long).ends_with("BT BT SD") && sequence_text(long).split(' ').count() == 17);
+}
