@@ -70,7 +70,7 @@ def test_what_is_wrong_is_said():
             rayweave.infill(frame, spacing)
     with pytest.raises(RayweaveError, match="one layer"):
         rayweave.infill(frame, 1, layers=[1])
-    with pytest.raises(RayweaveError, match="either layers or layer_height"):
+    with pytest.raises(RayweaveError, match="layers or layer_height must be given, but not both"):
         rayweave.infill(rayweave.sphere(1), 1)
     with pytest.raises(RayweaveError, match="unbounded in x and y"):
         rayweave.infill(rayweave.universe(), 1, layers=[0])

@@ -263,7 +263,7 @@ def test_bad_sources_are_explained(bar):
     up = [0, 0, 1]
     cases = [
         (lambda: rp.point([0, 0, float("nan")], 550), r"position\[2\] is NaN"),
-        (lambda: rp.point([0, 0], 550), "position has 2 numbers: 3 are needed"),
+        (lambda: rp.point([0, 0], 550), "position has 2 numbers: it must have 3"),
         (lambda: rp.point([0, 0, 0], 0), "the wavelength is 0 nm: it must be positive"),
         (lambda: rp.point([0, 0, 0], float("inf")), "the wavelength is inf nm"),
         (lambda: rp.point([0, 0, 0], 550, towards=[0, 0, 0]), "it must be finite and not zero"),
@@ -312,7 +312,7 @@ def test_bad_settings_are_explained(bar, tmp_path):
     with pytest.raises(RayweaveError, match="property `RINDEX` of material `Crystal` is invalid"):
         rp.loads(BAR.replace("1.5*eV 1.79 4*eV 1.79", "1.5*eV 1.79 4*eV 0"))
     (tmp_path / "plain.toml").write_text("rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n")
-    with pytest.raises(RayweaveError, match=r"it has no table \[gdml\]"):
+    with pytest.raises(RayweaveError, match=r"it has neither a table \[photons\] nor a table \[gdml\]"):
         rp.load(tmp_path / "plain.toml")
 
 
@@ -340,7 +340,7 @@ def test_an_interrupt_stops_a_run(bar):
         timer.start()
         begin = time.monotonic()
         with pytest.raises(KeyboardInterrupt):
-            bar.simulate(rp.point([0, 0, 0], 550), n=2**61)
+            bar.simulate(rp.point([0, 0, 0], 550), n=2**32)
         assert time.monotonic() - begin < 60
         timer.join()
     finally:

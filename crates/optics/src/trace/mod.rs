@@ -219,8 +219,10 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             std::mem::swap(&mut self.now, &mut self.light.next);
             self.light.next.clear();
             number += 1;
-            let rays = self.now.len() + self.light.rows.len();
-            self.growth.check(rays as u64 * Segments::ROW)?;
+            // with its hit and its start list a ray takes about as much memory as two rows, and both rays into which it
+            // is divided as much again each
+            let rows = 6 * self.now.len() + self.light.rows.len();
+            self.growth.check(rows as u64 * Segments::ROW)?;
         }
         Ok(())
     }
