@@ -143,7 +143,7 @@ def run_rayweave(command, path, wavelength, position, photons):
         arguments = [command, "photons", str(path), "--at", at, "--wavelength", str(wavelength), "-n", str(count)]
         before = resource.getrusage(resource.RUSAGE_CHILDREN)
         with tempfile.TemporaryDirectory() as folder:
-            arguments += ["--threads", "1", "--json", "-o", str(Path(folder, "hits.npz"))]
+            arguments += ["--threads", "1", "--json", "-o", str(Path(folder, "hits.npy"))]
             done = subprocess.run(arguments, capture_output=True, text=True, check=True)
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         return json.loads(done.stdout), after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
