@@ -7,7 +7,7 @@ use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedAr
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 use rayweave::model::drive::thread_count;
-use rayweave::rootray::hit_array::{self, CsgOptions, HitArray, HitArrayError, Operation, Real, Regularize};
+use rayweave::rootray::hit_array::{self, CsgOptions, Float, HitArray, HitArrayError, Operation, Regularize};
 
 use crate::arrays::{RealArray, contiguous, real_array, shape_text};
 use crate::engine::thread_argument;
@@ -23,7 +23,7 @@ struct Pair<'py, T: Element> {
     shape: Vec<usize>,
 }
 
-impl<'py, T: Real + Element> Pair<'py, T> {
+impl<'py, T: Float + Element> Pair<'py, T> {
     fn new(array1: Array<'py, T>, array2: Array<'py, T>) -> PyResult<Self> {
         let (shape1, shape2) = (hit_shape(&array1, "array1")?, hit_shape(&array2, "array2")?);
         if shape1.len() != shape2.len() {
@@ -54,7 +54,7 @@ fn hit_shape<T: Element>(array: &Array<'_, T>, name: &str) -> PyResult<Vec<usize
     }
 }
 
-fn view<'a, T: Real + Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult<HitArray<'a, T>> {
+fn view<'a, T: Float + Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult<HitArray<'a, T>> {
     let columns = array.shape().get(1).copied().unwrap_or(1);
     HitArray::new(array.as_slice().map_err(bad_value)?, array.shape()[0], columns).map_err(bad_value)
 }
@@ -69,7 +69,7 @@ struct Request<'a, 'py> {
 }
 
 impl<'py> Request<'_, 'py> {
-    fn run<T: Real + Element>(
+    fn run<T: Float + Element>(
         &self,
         pair: Pair<'py, T>,
         narrow: impl Fn(f64) -> T,
@@ -92,7 +92,7 @@ impl<'py> Request<'_, 'py> {
         }
     }
 
-    fn fresh<T: Real + Element>(
+    fn fresh<T: Float + Element>(
         &self,
         pair: Pair<'py, T>,
         options: CsgOptions<T>,
@@ -104,7 +104,7 @@ impl<'py> Request<'_, 'py> {
         to_array(py, hits.map_err(bad_value)?, &pair.shape)
     }
 
-    fn write<T: Real + Element>(
+    fn write<T: Float + Element>(
         &self,
         pair: Pair<'py, T>,
         options: CsgOptions<T>,
@@ -231,7 +231,7 @@ pub fn count_array<'py>(
     }
 }
 
-fn count<'py, T: Real + Element>(
+fn count<'py, T: Float + Element>(
     pair: &Pair<'py, T>,
     operation: Operation,
 ) -> PyResult<(Bound<'py, PyAny>, Array<'py, i64>)> {

@@ -14,7 +14,7 @@
 //! times the thickness of the shell. [`shortest_at`] measures the same point along other directions.
 
 pub use crate::error::Cancelled;
-use crate::measure::Chord;
+use crate::measure::MeasuredChord;
 use crate::measure::cells::Cells;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
@@ -67,8 +67,8 @@ impl Piece<'_> {
     }
 
     /// The end points.
-    pub fn chord(&self) -> Chord {
-        Chord { from: self.ray.at(self.entry.t), to: self.ray.at(self.exit.t) }
+    pub fn chord(&self) -> MeasuredChord {
+        MeasuredChord { from: self.ray.at(self.entry.t), to: self.ray.at(self.exit.t) }
     }
 
     /// The length.
@@ -164,17 +164,17 @@ pub fn shortest_at<E: Evaluator>(
     directions: &[Vec3],
     is_in: impl Fn(RegionId) -> bool,
     scratch: &mut E::Scratch,
-) -> Option<Chord> {
+) -> Option<MeasuredChord> {
     let mut batch = RayBatch::default();
     let units = directions.iter().map(|direction| direction.normalize_or_zero());
     units.filter(|unit| *unit != Vec3::ZERO).for_each(|unit| batch.push(Ray::new(point, unit)));
-    let mut least: Option<Chord> = None;
+    let mut least: Option<MeasuredChord> = None;
     let rays = batch.rays();
     let mut sink = |answer: RayAnswer<'_>| {
         let span = span_around(&answer, &is_in).filter(|ends| ends.iter().all(|end| end.is_finite()));
         let chord = span.map(|ends| ends.map(|end| rays.get(answer.ray).at(end)));
         if let Some([from, to]) = chord {
-            let chord = Chord { from, to };
+            let chord = MeasuredChord { from, to };
             if least.is_none_or(|least| chord.length() < least.length()) {
                 least = Some(chord);
             }
@@ -202,10 +202,10 @@ fn span_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> Opti
 /// normals at its ends; 0 for a piece that exists only by rounding.
 pub(crate) fn remeasured<E: Evaluator>(
     evaluator: &E,
-    (thickness, chord, normals): (f64, Chord, [Vec3; 2]),
+    (thickness, chord, normals): (f64, MeasuredChord, [Vec3; 2]),
     is_in: impl Fn(RegionId) -> bool,
     scratch: &mut E::Scratch,
-) -> (f64, Chord) {
+) -> (f64, MeasuredChord) {
     let directions = [Vec3::X, Vec3::Y, Vec3::Z, normals[0], normals[1]];
     let middle = 0.5 * (chord.from + chord.to);
     match shortest_at(evaluator, middle, &directions, is_in, scratch) {

@@ -56,7 +56,7 @@ pub use photon::Photon;
 pub use propagate::{PhotonPart, PhotonRun, simulate, simulate_parts};
 pub use sample::LinearDensity;
 pub use settings::RunSettings;
-pub use source::{Directions, Origin, Pulse, Source, SourceVolume, Torch, Wavelengths};
+pub use source::{Directions, Origin, Pulse, Source, SourceVolume, Torch, WavelengthDistribution};
 pub use start::{check_start, emit};
 pub use step_table::step_schema;
 pub use surface::{

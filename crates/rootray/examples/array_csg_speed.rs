@@ -10,7 +10,7 @@ use std::time::Instant;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayweave_rootray::hit_array::{
-    CsgOptions, HitArray, HitArrayError, Instructions, Operation, Real, array_csg_into,
+    CsgOptions, Float, HitArray, HitArrayError, Instructions, Operation, array_csg_into,
 };
 
 /// Rows per operand.
@@ -27,7 +27,7 @@ fn best(runs: usize, mut run: impl FnMut()) -> f64 {
 }
 
 /// Sorted columns of random times; a fifth of the pairs is padding.
-fn random_hits<T: Real>(rng: &mut ChaCha8Rng, rows: usize, rays: usize, number: fn(f64) -> T) -> Vec<T> {
+fn random_hits<T: Float>(rng: &mut ChaCha8Rng, rows: usize, rays: usize, number: fn(f64) -> T) -> Vec<T> {
     let mut hits = vec![T::INFINITY; rows * rays];
     let mut column = vec![0.0; rows];
     for ray in 0..rays {
@@ -55,7 +55,7 @@ fn copy_bandwidth() -> f64 {
     2.0 * from.len() as f64 / seconds
 }
 
-fn measure<T: Real>(
+fn measure<T: Float>(
     name: &str,
     number: fn(f64) -> T,
     rays: usize,

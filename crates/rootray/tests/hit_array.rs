@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayweave_rootray::hit_array::{
-    CsgOptions, HitArray, HitArrayError, Operation, Real, Regularize, array_csg, array_csg_1d,
+    CsgOptions, Float, HitArray, HitArrayError, Operation, Regularize, array_csg, array_csg_1d,
     array_csg_into, column_len, count_array, from_column, to_column, write_column,
 };
 use rayweave_rootray::{RootRay, Side};
@@ -19,7 +19,7 @@ fn options<T>(sort_output: bool, regularize: Regularize<T>) -> CsgOptions<T> {
     CsgOptions { sort_output, regularize, ..CsgOptions::default() }
 }
 
-fn padded<T: Real>(hits: &[T], rows: usize) -> Vec<T> {
+fn padded<T: Float>(hits: &[T], rows: usize) -> Vec<T> {
     let mut hits = hits.to_vec();
     hits.resize(rows, T::INFINITY);
     hits
@@ -82,7 +82,7 @@ fn masked_entries_stay_in_merged_order() {
 
 /// One ray by the published array program, step by step: concatenate, sort stably, count, compare with the row before, where
 /// the row before the first is the last. Written without a merge on purpose.
-fn transliterated<T: Real>(
+fn transliterated<T: Float>(
     a: &[T],
     b: &[T],
     operation: Operation,
@@ -115,7 +115,7 @@ fn transliterated<T: Real>(
 }
 
 /// A sorted column of an even number of entries: small integers (so that there are ties), padding and unbounded starts.
-fn random_column<T: Real>(rng: &mut ChaCha8Rng, rows: usize, number: fn(f64) -> T) -> Vec<T> {
+fn random_column<T: Float>(rng: &mut ChaCha8Rng, rows: usize, number: fn(f64) -> T) -> Vec<T> {
     let entry = |rng: &mut ChaCha8Rng| match rng.random_range(0..10) {
         0 => -INF,
         1 | 2 => INF,
@@ -127,7 +127,7 @@ fn random_column<T: Real>(rng: &mut ChaCha8Rng, rows: usize, number: fn(f64) -> 
     column.into_iter().map(number).collect()
 }
 
-fn random_columns<T: Real>(rng: &mut ChaCha8Rng, columns: usize, number: fn(f64) -> T) -> Vec<Vec<T>> {
+fn random_columns<T: Float>(rng: &mut ChaCha8Rng, columns: usize, number: fn(f64) -> T) -> Vec<Vec<T>> {
     let rows = 2 * rng.random_range(0..7);
     (0..columns).map(|_| random_column(rng, rows, number)).collect()
 }
@@ -138,7 +138,7 @@ fn rows_of<T: Copy>(columns: &[Vec<T>]) -> Vec<T> {
     (0..rows).flat_map(|row| columns.iter().map(move |column| column[row])).collect()
 }
 
-fn agrees_with_the_transliteration<T: Real + Debug>(seed: u64, number: fn(f64) -> T) {
+fn agrees_with_the_transliteration<T: Float + Debug>(seed: u64, number: fn(f64) -> T) {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     for round in 0..400 {
         // one block of columns, several, and a part of one

@@ -6,7 +6,7 @@ use std::num::NonZeroUsize;
 use rand::rngs::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
 use rayweave_rootray::hit_array::{
-    CsgOptions, HitArray, HitArrayError, Instructions, Operation, Real, array_csg, array_csg_1d,
+    CsgOptions, Float, HitArray, HitArrayError, Instructions, Operation, array_csg, array_csg_1d,
     array_csg_into,
 };
 
@@ -38,12 +38,12 @@ fn rows_of(columns: &[Vec<f64>]) -> Vec<f64> {
     (0..rows).flat_map(|row| columns.iter().map(move |column| column[row])).collect()
 }
 
-fn bits<T: Real>(hits: &[T]) -> Vec<u64> {
+fn bits<T: Float>(hits: &[T]) -> Vec<u64> {
     hits.iter().map(|t| t.to_f64().to_bits()).collect()
 }
 
 /// Combines the columns with all instructions and compares with the definition, bit for bit.
-fn check<T: Real>(a: &[Vec<f64>], b: &[Vec<f64>], number: fn(f64) -> T) {
+fn check<T: Float>(a: &[Vec<f64>], b: &[Vec<f64>], number: fn(f64) -> T) {
     let (rows1, rows2, columns) = (a[0].len(), b[0].len(), a.len());
     let narrow = |columns: &[Vec<f64>]| rows_of(columns).into_iter().map(number).collect::<Vec<T>>();
     let (data1, data2) = (narrow(a), narrow(b));
@@ -242,7 +242,7 @@ fn check_fault(a: &[f64], b: &[f64], rows: usize, expected: &str) {
     }
 }
 
-fn fault<T: Real>(
+fn fault<T: Float>(
     a: &[T],
     b: &[T],
     rows: usize,

@@ -1,6 +1,6 @@
 //! `array_csg` against a table written by numpy, with reference/array_csg.py.
 
-use rayweave_rootray::hit_array::{CsgOptions, HitArray, Operation, Real, array_csg};
+use rayweave_rootray::hit_array::{CsgOptions, Float, HitArray, Operation, array_csg};
 
 const TABLE: &str = include_str!("reference/array_csg.txt");
 
@@ -21,7 +21,7 @@ fn operation(name: &str) -> Operation {
     }
 }
 
-fn check<T: Real>(operation: Operation, sort_output: bool, lines: &[&str], number: fn(f64) -> T) {
+fn check<T: Float>(operation: Operation, sort_output: bool, lines: &[&str], number: fn(f64) -> T) {
     let (rows1, columns, data1) = parse(lines[1], "array1", number);
     let (rows2, _, data2) = parse(lines[2], "array2", number);
     let (rows, _, expected) = parse(lines[3], "hits", number);

@@ -1,7 +1,7 @@
 //! Findings and their kinds.
 
 use crate::AnalysisError;
-use crate::measure::{Chord, Estimate};
+use crate::measure::{Estimate, MeasuredChord};
 use rayweave_error::Message;
 use rayweave_math::Vec3;
 
@@ -92,7 +92,7 @@ pub struct Finding {
     /// A point of the finding.
     pub at: Option<Vec3>,
     /// The chord of a ray there.
-    pub ray: Option<Chord>,
+    pub ray: Option<MeasuredChord>,
     /// True if the finding is proved without rays.
     pub is_proved: bool,
 }
@@ -109,7 +109,7 @@ impl Finding {
         Finding { kind, regions, text, size, volume, area, at, ray, is_proved: false }
     }
 
-    pub(super) fn seen(self, size: f64, chord: Chord) -> Finding {
+    pub(super) fn seen(self, size: f64, chord: MeasuredChord) -> Finding {
         let at = Some(0.5 * (chord.from + chord.to));
         Finding { size: Some(size), at, ray: Some(chord), ..self }
     }

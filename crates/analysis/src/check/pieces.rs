@@ -4,7 +4,7 @@ use super::probe::{FEW, Probe};
 use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
-use crate::measure::Chord;
+use crate::measure::MeasuredChord;
 use crate::survey::Piece;
 use rayweave_model::{Evaluator, Program, RegionId};
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 struct Thinnest {
     width: f64,
-    chord: Chord,
+    chord: MeasuredChord,
     count: u64,
 }
 
@@ -22,7 +22,7 @@ struct Thinnest {
 #[derive(Clone, Copy, Debug)]
 struct Contact {
     area: f64,
-    chord: Chord,
+    chord: MeasuredChord,
 }
 
 /// A pair of regions, the lower number first.

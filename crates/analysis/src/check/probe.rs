@@ -3,7 +3,7 @@
 use super::{CheckSettings, Scope};
 use crate::AnalysisError;
 use crate::error::Make;
-use crate::measure::{Chord, Estimate, MeasureSettings, measure};
+use crate::measure::{Estimate, MeasureSettings, MeasuredChord, measure};
 use crate::subject::clipped;
 use crate::survey::{Piece, Survey, remeasured, survey};
 use rayweave_math::{Bounds, Vec3};
@@ -31,7 +31,7 @@ pub struct Probe<'a, E> {
 #[derive(Clone, Copy, Debug)]
 pub struct Thickest {
     pub thickness: f64,
-    pub chord: Chord,
+    pub chord: MeasuredChord,
 }
 
 impl<'a, E: Evaluator> Probe<'a, E> {
@@ -92,7 +92,7 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             return Ok(None);
         }
         let evaluator = (self.make)(program)?;
-        let mut candidates: Vec<(f64, Chord, [Vec3; 2])> = Vec::new();
+        let mut candidates: Vec<(f64, MeasuredChord, [Vec3; 2])> = Vec::new();
         let visit = |found: &mut Vec<_>, piece: &Piece<'_>| {
             if piece.region() != RegionId(0) {
                 found.push((piece.thickness(), piece.chord(), piece.normals()));
@@ -140,7 +140,10 @@ impl<'a, E: Evaluator> Probe<'a, E> {
 }
 
 /// The thickest piece, measured along several directions.
-fn thickest_of<E: Evaluator>(evaluator: &E, candidates: &[(f64, Chord, [Vec3; 2])]) -> Option<Thickest> {
+fn thickest_of<E: Evaluator>(
+    evaluator: &E,
+    candidates: &[(f64, MeasuredChord, [Vec3; 2])],
+) -> Option<Thickest> {
     let mut scratch = evaluator.scratch();
     let mut best: Option<Thickest> = None;
     for (thickness, chord, normals) in candidates.iter().take(MAX_CANDIDATES) {

@@ -4,7 +4,7 @@ use super::pairs::Pair;
 use super::{DiffSettings, Difference, ThickestSpot};
 use crate::AnalysisError;
 use crate::error::Make;
-use crate::measure::{Chord, Estimate, MeasureSettings, measure};
+use crate::measure::{Estimate, MeasureSettings, MeasuredChord, measure};
 use crate::survey::{Piece, Survey, remeasured, survey};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
@@ -45,7 +45,7 @@ pub struct PairComparer<'a, E> {
 /// A piece of a ray inside only one of the solids.
 #[derive(Clone, Copy)]
 struct Candidate {
-    chord: Chord,
+    chord: MeasuredChord,
     normals: [Vec3; 2],
     thickness: f64,
     is_a: bool,

@@ -1,7 +1,7 @@
 //! Results of comparisons.
 
 use super::Match;
-use crate::measure::{Chord, Estimate};
+use crate::measure::{Estimate, MeasuredChord};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_scene::Unit;
 
@@ -69,7 +69,7 @@ pub struct ThickestSpot {
     /// The thickness of the difference.
     pub thickness: f64,
     /// The chord of a ray along which the thickness was measured.
-    pub chord: Chord,
+    pub chord: MeasuredChord,
     /// True if the first model has material there and the second one does not.
     pub is_a: bool,
 }

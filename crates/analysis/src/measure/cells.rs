@@ -1,6 +1,6 @@
 //! Rays through the cells of a cross-section, two each, and their integrals.
 
-use super::chord::Chord;
+use super::chord::MeasuredChord;
 use super::moments::along;
 use super::tally::{RayContribution, Tally};
 use rand::rngs::ChaCha8Rng;
@@ -141,7 +141,7 @@ impl<'a> Taken<'a> {
         }
         let (axis, at) = (self.cells.axis, ray.origin - self.centre);
         let moments = along(axis, at, at[axis] + from, at[axis] + to);
-        let chord = Chord { from: ray.at(from), to: ray.at(to) };
+        let chord = MeasuredChord { from: ray.at(from), to: ray.at(to) };
         let found = self.found(region, which);
         found.longest = found.longest.or_longer(chord);
         super::moments::add(&mut found.moments, &moments, 1.0);

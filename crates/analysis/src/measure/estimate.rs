@@ -1,6 +1,6 @@
 //! Estimates with confidence intervals, and the results of measurements.
 
-use super::chord::Chord;
+use super::chord::MeasuredChord;
 use super::moments::{centre_weights, inertia, inertia_weights};
 use super::tally::Tally;
 use rayweave_math::{Mat3, Vec3};
@@ -37,7 +37,7 @@ pub struct Measured {
     pub inertia: [[Estimate; 3]; 3],
     /// The longest chord, a lower bound of the extent; `None` if no ray crossed the region. Volume and area
     /// are then between 0 and the half width: see [`measure`](super::measure).
-    pub longest: Option<Chord>,
+    pub longest: Option<MeasuredChord>,
     /// The number of rays for the region.
     pub rays: u64,
     /// True if the volume reaches the requested precision.

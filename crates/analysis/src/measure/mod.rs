@@ -41,7 +41,7 @@ mod tally;
 #[cfg(test)]
 mod tests;
 
-pub use chord::Chord;
+pub use chord::MeasuredChord;
 pub use error::MeasureError;
 pub use estimate::{Estimate, Measured, Measurement};
 pub use exact::exact_volume;

@@ -1,6 +1,6 @@
 //! Sums over cells, with their covariances.
 
-use super::chord::Chord;
+use super::chord::MeasuredChord;
 use super::moments::{MOMENTS, Moments, dot};
 
 /// The entries of a symmetric matrix on and above its diagonal.
@@ -11,7 +11,7 @@ const ENTRIES: usize = MOMENTS * (MOMENTS + 1) / 2;
 pub(super) struct RayContribution {
     pub moments: Moments,
     pub area: f64,
-    pub longest: Chord,
+    pub longest: MeasuredChord,
 }
 
 /// An estimate of all integrals over a region, and of its surface area, with covariances.
@@ -19,7 +19,7 @@ pub(super) struct RayContribution {
 pub(super) struct Tally {
     pub moments: Moments,
     pub area: f64,
-    pub longest: Chord,
+    pub longest: MeasuredChord,
     /// Variances and covariances of the moments, row by row above the diagonal.
     covariance: [f64; ENTRIES],
     area_variance: f64,
@@ -30,7 +30,7 @@ impl Default for Tally {
         Tally {
             moments: [0.0; MOMENTS],
             area: 0.0,
-            longest: Chord::default(),
+            longest: MeasuredChord::default(),
             covariance: [0.0; ENTRIES],
             area_variance: 0.0,
         }

@@ -7,7 +7,7 @@ use crate::ceiling::Need;
 use crate::interleaved::{Candidate, Role, measure_in_turn};
 use crate::report::Section;
 use rand::RngExt;
-use rayweave::rootray::hit_array::{CsgOptions, HitArray, Operation, Real, array_csg_into};
+use rayweave::rootray::hit_array::{CsgOptions, Float, HitArray, Operation, array_csg_into};
 use std::num::NonZeroUsize;
 
 /// The number of columns of the arrays.
@@ -52,7 +52,7 @@ impl Exemplar for ArrayCsg {
 }
 
 impl ArrayCsg {
-    fn measure_as<T: Real + npyz::Serialize + npyz::AutoSerialize>(
+    fn measure_as<T: Float + npyz::Serialize + npyz::AutoSerialize>(
         &self,
         bench: &Bench,
         number: impl Fn(f64) -> T,
@@ -95,7 +95,7 @@ impl ArrayCsg {
     }
 }
 
-fn unite<T: Real>(
+fn unite<T: Float>(
     arrays: &[Vec<T>; 2],
     rows: usize,
     columns: usize,
@@ -110,7 +110,7 @@ fn unite<T: Real>(
 }
 
 /// Columns of increasing times with random differences.
-fn array<T: Real>(rows: usize, columns: usize, seed: u64, number: impl Fn(f64) -> T) -> Vec<T> {
+fn array<T: Float>(rows: usize, columns: usize, seed: u64, number: impl Fn(f64) -> T) -> Vec<T> {
     let mut random = random(seed);
     let mut times = vec![0.0; columns];
     let mut data = Vec::with_capacity(rows * columns);

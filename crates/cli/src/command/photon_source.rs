@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use clap::{Args, ValueEnum};
 use rayweave::photon::{
     Detector, Directions, Gensteps, LinearDensity, Origin, PhotonError, Pulse, Source, SourceVolume, Torch,
-    Wavelengths, from_geant4, from_opticks, photons_from_opticks,
+    WavelengthDistribution, from_geant4, from_opticks, photons_from_opticks,
 };
 use rayweave::table::NpyArray;
 use rayweave::{Packets, Vec3};
@@ -198,7 +198,7 @@ impl SourceArguments {
         })
     }
 
-    fn wavelengths(&self) -> Result<Wavelengths, Failure> {
+    fn wavelengths(&self) -> Result<WavelengthDistribution, Failure> {
         if let Some(path) = &self.spectrum {
             return read_spectrum(path);
         }
@@ -207,9 +207,9 @@ impl SourceArguments {
             return Err(Failure::Usage(text.to_owned()));
         };
         Ok(match self.black_body {
-            Some(temperature) => Wavelengths::black_body(temperature, from, to)?,
-            None if from == to => Wavelengths::Single(from),
-            None => Wavelengths::uniform(from, to)?,
+            Some(temperature) => WavelengthDistribution::black_body(temperature, from, to)?,
+            None if from == to => WavelengthDistribution::Single(from),
+            None => WavelengthDistribution::uniform(from, to)?,
         })
     }
 }
@@ -263,7 +263,7 @@ fn read_gensteps(path: &Path) -> Result<Vec<rayweave::photon::Genstep>, Failure>
 const MAX_BYTES: u64 = 1 << 26;
 
 /// Reads a CSV file of two columns, with an optional line of names.
-fn read_spectrum(path: &Path) -> Result<Wavelengths, Failure> {
+fn read_spectrum(path: &Path) -> Result<WavelengthDistribution, Failure> {
     let unreadable = |error: &std::io::Error| bad_file(path, &format!("cannot read the file: {error}."));
     let size = fs::metadata(path).map_err(|error| unreadable(&error))?.len();
     if size > MAX_BYTES {
@@ -286,7 +286,7 @@ fn read_spectrum(path: &Path) -> Result<Wavelengths, Failure> {
         }
     }
     let density = LinearDensity::new(points);
-    Ok(Wavelengths::Density(
+    Ok(WavelengthDistribution::Density(
         density.map_err(|error| bad_file(path, &format!("the spectrum is invalid: {error}")))?,
     ))
 }

@@ -12,7 +12,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Evaluator;
 use std::ops::Range;
 
-pub use torch::{Directions, Origin, Pulse, Torch, Wavelengths};
+pub use torch::{Directions, Origin, Pulse, Torch, WavelengthDistribution};
 pub use volume::SourceVolume;
 
 /// Photons by number: the photon of a number is a function of the seed, the event and the number alone.

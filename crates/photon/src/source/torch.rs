@@ -13,7 +13,7 @@ use rayweave_math::Vec3;
 pub struct Torch {
     origin: Origin,
     directions: Directions,
-    wavelengths: Wavelengths,
+    wavelengths: WavelengthDistribution,
     polarisation: Option<Vec3>,
     pulse: Pulse,
 }
@@ -54,7 +54,7 @@ pub enum Directions {
 
 /// The distribution of wavelengths in vacuum, in nm.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wavelengths {
+pub enum WavelengthDistribution {
     /// One wavelength.
     Single(f64),
     /// A density per nm.
@@ -78,15 +78,15 @@ const SECOND_RADIATION: f64 = 1.438_776_877e7;
 /// The number of points of the table of a black body; the density between them is linear.
 const BLACK_BODY_POINTS: u32 = 2049;
 
-impl Wavelengths {
+impl WavelengthDistribution {
     /// All wavelengths between two with equal probability.
     ///
     /// # Errors
     ///
     /// [`PhotonError::Setting`] if they are not positive, finite and in ascending order.
-    pub fn uniform(from: f64, to: f64) -> Result<Wavelengths, PhotonError> {
+    pub fn uniform(from: f64, to: f64) -> Result<WavelengthDistribution, PhotonError> {
         check_range(from, to)?;
-        Ok(Wavelengths::Density(LinearDensity::new(vec![(from, 1.0), (to, 1.0)])?))
+        Ok(WavelengthDistribution::Density(LinearDensity::new(vec![(from, 1.0), (to, 1.0)])?))
     }
 
     /// The photons of a black body with a temperature in K between two wavelengths: a density in proportion to
@@ -96,7 +96,7 @@ impl Wavelengths {
     ///
     /// [`PhotonError::Setting`] if the wavelengths are not positive, finite and in ascending order, if the temperature is not
     /// positive and finite, and if it is so low that there are no photons.
-    pub fn black_body(temperature: f64, from: f64, to: f64) -> Result<Wavelengths, PhotonError> {
+    pub fn black_body(temperature: f64, from: f64, to: f64) -> Result<WavelengthDistribution, PhotonError> {
         check_range(from, to)?;
         if !(temperature > 0.0 && temperature.is_finite()) {
             let problem = format!("the temperature is {temperature} K");
@@ -112,13 +112,13 @@ impl Wavelengths {
         let last = BLACK_BODY_POINTS - 1;
         let at = |k: u32| from + (to - from) * f64::from(k) / f64::from(last);
         let points = (0..=last).map(|k| (at(k), density(at(k)))).collect();
-        Ok(Wavelengths::Density(LinearDensity::new(points)?))
+        Ok(WavelengthDistribution::Density(LinearDensity::new(points)?))
     }
 
     fn sample(&self, stream: &mut Stream) -> f64 {
         match self {
-            Wavelengths::Single(nm) => *nm,
-            Wavelengths::Density(density) => density.quantile(stream.uniform()),
+            WavelengthDistribution::Single(nm) => *nm,
+            WavelengthDistribution::Density(density) => density.quantile(stream.uniform()),
         }
     }
 }
@@ -151,7 +151,7 @@ impl Torch {
     ///
     /// [`PhotonError::Setting`] for positions that are not finite, a radius that is not positive, an axis of length 0, and a
     /// wavelength that is not positive and finite.
-    pub fn new(origin: Origin, wavelengths: Wavelengths) -> Result<Torch, PhotonError> {
+    pub fn new(origin: Origin, wavelengths: WavelengthDistribution) -> Result<Torch, PhotonError> {
         let origin = match origin {
             Origin::Point(position) => Origin::Point(finite(position)?),
             Origin::Line(from, to) => Origin::Line(finite(from)?, finite(to)?),
@@ -165,7 +165,7 @@ impl Torch {
             }
             Origin::Volume(volume) => Origin::Volume(volume),
         };
-        if let Wavelengths::Single(nm) = wavelengths
+        if let WavelengthDistribution::Single(nm) = wavelengths
             && !(nm > 0.0 && nm.is_finite())
         {
             let problem = format!("the wavelength is {nm} nm");
@@ -181,7 +181,7 @@ impl Torch {
     ///
     /// As [`Torch::new`].
     pub fn point(position: Vec3, wavelength_nm: f64) -> Result<Torch, PhotonError> {
-        Torch::new(Origin::Point(position), Wavelengths::Single(wavelength_nm))
+        Torch::new(Origin::Point(position), WavelengthDistribution::Single(wavelength_nm))
     }
 
     /// The same source with other directions.

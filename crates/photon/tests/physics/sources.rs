@@ -7,14 +7,14 @@ use rayweave_math::Vec3;
 use rayweave_photon::property::wavelength_nm;
 use rayweave_photon::{
     Detector, Directions, LinearDensity, Origin, Photon, Pulse, RunSettings, Source, SourceVolume, Torch,
-    Wavelengths, check_start,
+    WavelengthDistribution, check_start,
 };
 use rayweave_trace::Packets;
 use std::f64::consts::{PI, TAU};
 
 const COUNT: usize = 20_000;
 
-const GREEN: Wavelengths = Wavelengths::Single(520.0);
+const GREEN: WavelengthDistribution = WavelengthDistribution::Single(520.0);
 
 fn emitted(torch: Torch) -> Vec<Photon> {
     photons_of(&CLEAR.build(), &Source::Torch(torch), &settings(COUNT))
@@ -157,23 +157,27 @@ fn polarisations_are_perpendicular() {
 
 #[test]
 fn spectra_have_their_densities() {
-    let nm = |wavelengths: Wavelengths| -> Vec<f64> {
+    let nm = |wavelengths: WavelengthDistribution| -> Vec<f64> {
         let torch = Torch::new(Origin::Point(Vec3::ZERO), wavelengths).unwrap();
         emitted(torch).iter().map(|photon| wavelength_nm(photon.energy)).collect()
     };
-    assert_distribution(nm(Wavelengths::uniform(300.0, 700.0).unwrap()), uniform(300.0, 700.0), "uniform");
+    assert_distribution(
+        nm(WavelengthDistribution::uniform(300.0, 700.0).unwrap()),
+        uniform(300.0, 700.0),
+        "uniform",
+    );
     // rising from 0 at 400 to 2 at 500, then falling to 1 at 600: areas 100 and 150
     let table = LinearDensity::new(vec![(600.0, 1.0), (400.0, 0.0), (500.0, 2.0)]).unwrap();
     let integral = |x: f64| match x {
         x if x < 500.0 => (x - 400.0).powi(2) / 100.0 / 250.0,
         x => (100.0 + 2.0 * (x - 500.0) - (x - 500.0).powi(2) / 200.0) / 250.0,
     };
-    assert_distribution(nm(Wavelengths::Density(table)), integral, "table");
+    assert_distribution(nm(WavelengthDistribution::Density(table)), integral, "table");
     let planck = |nm: f64| 1.0 / (nm.powi(4) * ((1.438_776_877e7 / (nm * 3000.0)).exp() - 1.0));
     let upto = |nm: f64| simpson(planck, 300.0, nm, 2000);
     let total = upto(1100.0);
     assert_distribution(
-        nm(Wavelengths::black_body(3000.0, 300.0, 1100.0).unwrap())[..2000].to_vec(),
+        nm(WavelengthDistribution::black_body(3000.0, 300.0, 1100.0).unwrap())[..2000].to_vec(),
         |nm| upto(nm) / total,
         "black body",
     );

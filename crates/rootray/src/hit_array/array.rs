@@ -1,6 +1,6 @@
 //! A borrowed hit array and the check of its contents.
 
-use super::{HitArrayError, Real};
+use super::{Float, HitArrayError};
 
 /// A borrowed hit array: `rows` hits of `columns` rays, row after row without gaps.
 #[derive(Clone, Copy, Debug)]
@@ -10,7 +10,7 @@ pub struct HitArray<'a, T> {
     columns: usize,
 }
 
-impl<'a, T: Real> HitArray<'a, T> {
+impl<'a, T: Float> HitArray<'a, T> {
     /// The array with this shape; either number may be 0. The operations check the contents.
     ///
     /// # Errors
@@ -86,13 +86,13 @@ impl<'a, T: Real> HitArray<'a, T> {
 }
 
 /// Rejects a column that holds NaN or is not sorted.
-pub(crate) fn check_column<T: Real>(
+pub(crate) fn check_column<T: Float>(
     array: &'static str,
     column: usize,
     entries: impl Iterator<Item = T>,
 ) -> Result<(), HitArrayError> {
     let mut previous = f64::NEG_INFINITY;
-    for (row, t) in entries.map(Real::to_f64).enumerate() {
+    for (row, t) in entries.map(Float::to_f64).enumerate() {
         if t.is_nan() {
             return Err(HitArrayError::Nan { array, row, column });
         }

@@ -1,7 +1,7 @@
 //! A column of a hit array as a root-ray, and back.
 
 use super::array::check_column;
-use super::{HitArrayError, Real};
+use super::{Float, HitArrayError};
 use crate::{Root, RootRay, Side};
 
 /// The root-ray of one column: entries of -inf give the start side (an odd number is inside), equal finite entries cancel in
@@ -9,7 +9,7 @@ use crate::{Root, RootRay, Side};
 ///
 /// # Errors
 /// `OddRows`, `Nan` or `NotSorted`, with "column" as the array's name and column 0.
-pub fn from_column<T: Real>(column: &[T]) -> Result<RootRay, HitArrayError> {
+pub fn from_column<T: Float>(column: &[T]) -> Result<RootRay, HitArrayError> {
     if column.len() % 2 == 1 {
         return Err(HitArrayError::OddRows { array: "column", rows: column.len() });
     }

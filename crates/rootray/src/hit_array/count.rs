@@ -4,7 +4,7 @@ use super::csg::{check_pair, output_len};
 use super::kernel::Merge;
 use super::part::Part;
 use super::scalar::walk;
-use super::{HitArray, HitArrayError, Operation, Real};
+use super::{Float, HitArray, HitArrayError, Operation};
 
 /// Merged entries and counts, both row by row: H1 + H2 rows, N columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,7 +20,7 @@ pub struct CountArray<T> {
 ///
 /// # Errors
 /// `OddRows`, `Columns`, `Nan`, `NotSorted`, as for [`array_csg`](super::array_csg).
-pub fn count_array<T: Real>(
+pub fn count_array<T: Float>(
     array1: HitArray<'_, T>,
     array2: HitArray<'_, T>,
     operation: Operation,
@@ -38,7 +38,7 @@ pub fn count_array<T: Real>(
 
 /// The merged entries of one ray with the count after each; bit 0 of `state` is set inside the first solid,
 /// bit 1 inside the second.
-fn count<T: Real>(mut state: u8, first: &[T], second: &[T], out: &mut [(T, u8)]) {
+fn count<T: Float>(mut state: u8, first: &[T], second: &[T], out: &mut [(T, u8)]) {
     for ((t, bit), out) in Merge::new(first, second).zip(out) {
         state ^= bit;
         *out = (t, state.count_ones() as u8);

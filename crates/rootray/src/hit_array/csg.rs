@@ -6,7 +6,7 @@ use super::kernel::{self, TruthTable};
 use super::part::{self, Part};
 use super::scalar::walk;
 use super::wide::Plan;
-use super::{HitArray, HitArrayError, Instructions, Real};
+use super::{Float, HitArray, HitArrayError, Instructions};
 
 /// A boolean operation on two solids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -62,7 +62,7 @@ impl<T> Default for CsgOptions<T> {
 ///
 /// # Errors
 /// `OddRows`, `Columns`, `Nan`, `NotSorted` for the arrays; `MinSep` and `RegularizeUnsorted` for the options.
-pub fn array_csg<T: Real>(
+pub fn array_csg<T: Float>(
     array1: HitArray<'_, T>,
     array2: HitArray<'_, T>,
     operation: Operation,
@@ -77,7 +77,7 @@ pub fn array_csg<T: Real>(
 ///
 /// # Errors
 /// As [`array_csg`].
-pub fn array_csg_1d<T: Real>(
+pub fn array_csg_1d<T: Float>(
     array1: &[T],
     array2: &[T],
     operation: Operation,
@@ -94,7 +94,7 @@ pub fn array_csg_1d<T: Real>(
 /// # Errors
 /// As [`array_csg`]; `OutputLength` unless `out` holds (H1 + H2) * N numbers. After `Nan` or `NotSorted` part of the result may
 /// have been written, because entries are checked while they are read; after other errors `out` is unchanged.
-pub fn array_csg_into<T: Real>(
+pub fn array_csg_into<T: Float>(
     array1: HitArray<'_, T>,
     array2: HitArray<'_, T>,
     operation: Operation,
@@ -126,7 +126,7 @@ pub fn array_csg_into<T: Real>(
 }
 
 /// [`array_csg_into`] ray by ray, for entries that are sorted.
-fn one_by_one<T: Real>(
+fn one_by_one<T: Float>(
     array1: HitArray<'_, T>,
     array2: HitArray<'_, T>,
     operation: Operation,
@@ -155,11 +155,11 @@ fn one_by_one<T: Real>(
 }
 
 /// Length of the result. The sum cannot overflow: each array holds at most `isize::MAX` bytes.
-pub(super) fn output_len<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> usize {
+pub(super) fn output_len<T: Float>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> usize {
     array1.data().len() + array2.data().len()
 }
 
-fn check_options<T: Real>(options: CsgOptions<T>) -> Result<(), HitArrayError> {
+fn check_options<T: Float>(options: CsgOptions<T>) -> Result<(), HitArrayError> {
     if let Regularize::Weld(min_sep) = options.regularize
         && !(min_sep >= T::ZERO && min_sep < T::INFINITY)
     {
@@ -172,7 +172,7 @@ fn check_options<T: Real>(options: CsgOptions<T>) -> Result<(), HitArrayError> {
 }
 
 /// Rejects arrays of incompatible shapes.
-fn check_shapes<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
+fn check_shapes<T: Float>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
     let (columns1, columns2) = (array1.columns(), array2.columns());
     if columns1 != columns2 {
         return Err(HitArrayError::Columns { columns1, columns2 });
@@ -186,13 +186,13 @@ fn check_shapes<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> 
 }
 
 /// Rejects NaN and unsorted columns.
-fn check_entries<T: Real>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
+fn check_entries<T: Float>(array1: &HitArray<'_, T>, array2: &HitArray<'_, T>) -> Result<(), HitArrayError> {
     array1.check_entries("array1")?;
     array2.check_entries("array2")
 }
 
 /// Rejects two arrays that cannot be combined.
-pub(super) fn check_pair<T: Real>(
+pub(super) fn check_pair<T: Float>(
     array1: &HitArray<'_, T>,
     array2: &HitArray<'_, T>,
 ) -> Result<(), HitArrayError> {

@@ -1,6 +1,6 @@
 //! Scalar kernel for one ray: merges its two sorted columns and keeps the entries that change the state.
 
-use super::{Operation, Real};
+use super::{Float, Operation};
 
 /// The state of a ray between two entries: bit 0, inside the first solid; bit 1, inside the second.
 type State = u8;
@@ -35,7 +35,7 @@ impl<'a, T> Merge<'a, T> {
     }
 }
 
-impl<T: Real> Iterator for Merge<'_, T> {
+impl<T: Float> Iterator for Merge<'_, T> {
     type Item = (T, State);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -54,7 +54,7 @@ impl<T: Real> Iterator for Merge<'_, T> {
 }
 
 /// Writes the kept entries in order, then +inf. `out` is as long as both columns together.
-pub(super) fn keep<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
+pub(super) fn keep<T: Float>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let (mut kept, mut state) = (0, 0);
     for (t, bit) in Merge::new(first, second) {
         // written always and overwritten if not kept: random input gives a branch no pattern to predict
@@ -66,7 +66,7 @@ pub(super) fn keep<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &
 }
 
 /// Writes every entry of the merged columns in its place, and +inf for those that are not kept.
-pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
+pub(super) fn mask<T: Float>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let mut state = 0;
     for ((t, bit), out) in Merge::new(first, second).zip(out) {
         *out = if table.differs(state, state ^ bit) { t } else { T::INFINITY };
@@ -76,7 +76,7 @@ pub(super) fn mask<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &
 
 /// Writes the crossings of the exact algebra, then +inf: entries with equal times toggle together. A result
 /// that is inside at -inf begins with -inf.
-pub(super) fn regularize<T: Real>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
+pub(super) fn regularize<T: Float>(table: TruthTable, first: &[T], second: &[T], out: &mut [T]) {
     let (mut kept, mut before, mut state) = (0, 0, 0);
     let mut entries = Merge::new(first, second).take_while(|entry| entry.0 < T::INFINITY).peekable();
     while let Some((t, bit)) = entries.next() {
@@ -95,7 +95,7 @@ pub(super) fn regularize<T: Real>(table: TruthTable, first: &[T], second: &[T], 
 }
 
 /// Drops the pieces shorter than `min_sep` from a regularized column, by the rule of [`crate::weld_runs`].
-pub(super) fn weld<T: Real>(min_sep: T, column: &mut [T]) {
+pub(super) fn weld<T: Float>(min_sep: T, column: &mut [T]) {
     let used = column.partition_point(|&t| t < T::INFINITY);
     let (mut kept, mut start) = (0, 0);
     while start < used {

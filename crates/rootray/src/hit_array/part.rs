@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-use super::{HitArray, Real};
+use super::{Float, HitArray};
 
 /// The same columns of both operands and of the result, row by row; all rows are equally long.
 pub struct Part<'a, T, O> {
@@ -27,7 +27,7 @@ pub fn most_threads(numbers: usize) -> NonZeroUsize {
 /// two threads.
 const COLUMNS_PER_CUT: usize = 64;
 
-impl<'a, T: Real, O> Part<'a, T, O> {
+impl<'a, T: Float, O> Part<'a, T, O> {
     /// All columns. `out` holds as many numbers as both arrays.
     pub fn whole(array1: HitArray<'a, T>, array2: HitArray<'a, T>, out: &'a mut [O]) -> Self {
         let columns = array1.columns().max(1);
@@ -74,7 +74,7 @@ impl<'a, T: Real, O> Part<'a, T, O> {
     }
 }
 
-fn rows<T: Real>(array: HitArray<'_, T>) -> Vec<&[T]> {
+fn rows<T: Float>(array: HitArray<'_, T>) -> Vec<&[T]> {
     (0..array.rows()).map(|row| array.row(row)).collect()
 }
 

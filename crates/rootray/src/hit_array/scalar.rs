@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Real;
+use super::Float;
 use super::part::Part;
 
 /// Columns handled together: two cache lines of f64 per row, so that whole lines are copied and the scratch
@@ -13,7 +13,7 @@ const BLOCK: usize = 16;
 ///
 /// Blocks of columns are transposed into contiguous scratch and back, so that a kernel works on slices and rows a power of two
 /// apart do not compete for one cache set. The scratch is allocated once.
-pub(super) fn walk<T: Real, O: Copy + Default>(
+pub(super) fn walk<T: Float, O: Copy + Default>(
     part: &mut Part<'_, T, O>,
     columns: Range<usize>,
     mut kernel: impl FnMut(&[T], &[T], &mut [O]),

@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use super::super::kernel::{self, TruthTable};
 use super::super::part::Part;
 use super::super::scalar::walk;
-use super::super::{Operation, Real};
+use super::super::{Float, Operation};
 use super::flags::Flags;
 use super::network::{Exchange, Network};
 use super::rule::{self, Rule};
@@ -51,11 +51,11 @@ impl Plan {
     }
 }
 
-type Row<S, T> = [<T as super::super::real::Wide>::Lanes<S>; WIDTH];
-type Mask<S, T> = <<T as super::super::real::Wide>::Lanes<S> as SimdBase<S>>::Mask;
+type Row<S, T> = [<T as super::super::float::Wide>::Lanes<S>; WIDTH];
+type Mask<S, T> = <<T as super::super::float::Wide>::Lanes<S> as SimdBase<S>>::Mask;
 
 /// A block of columns.
-struct Block<S: Simd, T: Real> {
+struct Block<S: Simd, T: Float> {
     /// Starts of pieces: those of the first operand, then those of the second; after the merge all of them,
     /// in the order of the network. Padded with rows of +inf to a multiple of [`GROUP`].
     starts: Vec<Row<S, T>>,
@@ -66,7 +66,7 @@ struct Block<S: Simd, T: Real> {
 }
 
 /// Combines the columns. Returns false, with an invalid result, if a column is not sorted or holds NaN.
-pub(super) fn run<S: Simd, T: Real>(
+pub(super) fn run<S: Simd, T: Float>(
     simd: S,
     plan: &Plan,
     part: &mut Part<'_, T, T>,
@@ -79,7 +79,7 @@ pub(super) fn run<S: Simd, T: Real>(
 }
 
 #[inline(always)]
-fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, columns: Range<usize>) -> bool {
+fn blocks<S: Simd, T: Float>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, columns: Range<usize>) -> bool {
     let end = columns.end;
     let count = part.out.len() / 2;
     let rule = Rule::new(plan.operation);
@@ -125,7 +125,7 @@ fn blocks<S: Simd, T: Real>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>, col
     true
 }
 
-impl<S: Simd, T: Real> Block<S, T> {
+impl<S: Simd, T: Float> Block<S, T> {
     /// Reads starts and ends of both operands.
     #[inline(always)]
     fn load(&mut self, simd: S, rule: Rule, part: &Part<'_, T, T>, columns: &Range<usize>) {
@@ -215,7 +215,7 @@ impl<S: Simd, T: Real> Block<S, T> {
 
 /// Reads the existing columns and pads the others with +inf.
 #[inline(always)]
-fn load_row<S: Simd, T: Real>(simd: S, numbers: &[T], row: &mut Row<S, T>) {
+fn load_row<S: Simd, T: Float>(simd: S, numbers: &[T], row: &mut Row<S, T>) {
     let len = T::Lanes::<S>::LEN;
     if numbers.len() == WIDTH * len {
         unrolled!(k < WIDTH => { row[k] = T::Lanes::<S>::from_slice(simd, &numbers[k * len..(k + 1) * len]); });
@@ -229,7 +229,7 @@ fn load_row<S: Simd, T: Real>(simd: S, numbers: &[T], row: &mut Row<S, T>) {
 
 /// Writes the existing columns.
 #[inline(always)]
-fn store_row<S: Simd, T: Real>(row: &Row<S, T>, numbers: &mut [T]) {
+fn store_row<S: Simd, T: Float>(row: &Row<S, T>, numbers: &mut [T]) {
     let len = T::Lanes::<S>::LEN;
     if numbers.len() == WIDTH * len {
         unrolled!(k < WIDTH => { row[k].store_slice(&mut numbers[k * len..(k + 1) * len]); });
@@ -262,7 +262,7 @@ fn exchange_all<S: Simd, V: SimdFloat<S>>(network: &[Exchange], rows: &mut [[V; 
 
 /// Sorts groups of rows in registers, then merges them.
 #[inline(always)]
-fn sort_all<S: Simd, T: Real>(network: &[Exchange], rows: &mut [Row<S, T>]) {
+fn sort_all<S: Simd, T: Float>(network: &[Exchange], rows: &mut [Row<S, T>]) {
     for group in rows.chunks_exact_mut(GROUP) {
         unrolled!(k < WIDTH => {
             let mut registers = [group[0][k]; GROUP];

@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use super::super::kernel::{self, TruthTable};
 use super::super::part::Part;
 use super::super::scalar::walk;
-use super::super::{Operation, Real};
+use super::super::{Float, Operation};
 use super::block::{self, Plan};
 use super::flags::Flags;
 use super::rule::{self, Rule};
@@ -37,7 +37,7 @@ struct Rows<'a, T, const H: usize> {
     to_ends: [Option<&'a mut [T]>; H],
 }
 
-impl<'a, T: Real, const H: usize> Rows<'a, T, H> {
+impl<'a, T: Float, const H: usize> Rows<'a, T, H> {
     fn new(rule: Rule, part: &'a mut Part<'_, T, T>, columns: Range<usize>, padding: &'a [T]) -> Self {
         let padding = &padding[..columns.len()];
         let row = |rows: &[&'a [T]], k: usize| rows.get(k).map_or(padding, |row| &row[columns.clone()]);
@@ -60,7 +60,11 @@ impl<'a, T: Real, const H: usize> Rows<'a, T, H> {
 /// Combines operands of at most `H` rows (2, 4 or [`ROWS`]). Returns false, with an invalid result, if a column is not sorted or
 /// holds NaN.
 #[inline(always)]
-pub(super) fn run<S: Simd, T: Real, const H: usize>(simd: S, plan: &Plan, part: &mut Part<'_, T, T>) -> bool {
+pub(super) fn run<S: Simd, T: Float, const H: usize>(
+    simd: S,
+    plan: &Plan,
+    part: &mut Part<'_, T, T>,
+) -> bool {
     let (width, len) = (part.width(), T::Lanes::<S>::LEN);
     let (whole, padding) = (width - width % len, [T::INFINITY; CHUNK]);
     let long = if H > EXACT { CHUNK / 4 } else { CHUNK };
@@ -79,7 +83,7 @@ pub(super) fn run<S: Simd, T: Real, const H: usize>(simd: S, plan: &Plan, part: 
 }
 
 /// Combines columns with equal times again, by the exact rule.
-fn resolve_ties<S: Simd, T: Real>(
+fn resolve_ties<S: Simd, T: Float>(
     simd: S,
     plan: &Plan,
     part: &mut Part<'_, T, T>,
@@ -103,7 +107,7 @@ fn resolve_ties<S: Simd, T: Real>(
 }
 
 /// Combines fewer columns than there are lanes, with padding beside them.
-fn rest<S: Simd, T: Real, const H: usize>(
+fn rest<S: Simd, T: Float, const H: usize>(
     simd: S,
     operation: Operation,
     part: &mut Part<'_, T, T>,
@@ -130,7 +134,7 @@ fn rest<S: Simd, T: Real, const H: usize>(
 }
 
 /// Combines columns whose number is a multiple of the number of lanes.
-fn chunk<S: Simd, T: Real, const H: usize>(
+fn chunk<S: Simd, T: Float, const H: usize>(
     simd: S,
     operation: Operation,
     part: &mut Part<'_, T, T>,
@@ -152,7 +156,7 @@ fn chunk<S: Simd, T: Real, const H: usize>(
 }
 
 #[inline(always)]
-fn steps<S: Simd, T: Real, const H: usize>(
+fn steps<S: Simd, T: Float, const H: usize>(
     simd: S,
     operation: Operation,
     rows: &mut Rows<'_, T, H>,
@@ -171,7 +175,7 @@ fn steps<S: Simd, T: Real, const H: usize>(
 
 /// Combines one column in each lane.
 #[inline(always)]
-fn step<S: Simd, T: Real, const H: usize>(
+fn step<S: Simd, T: Float, const H: usize>(
     simd: S,
     operation: Operation,
     rows: &mut Rows<'_, T, H>,
@@ -218,7 +222,7 @@ fn step<S: Simd, T: Real, const H: usize>(
 }
 
 #[inline(always)]
-fn load_all<S: Simd, T: Real, const H: usize>(
+fn load_all<S: Simd, T: Float, const H: usize>(
     simd: S,
     rows: &[&[T]; H],
     columns: Range<usize>,
@@ -229,7 +233,7 @@ fn load_all<S: Simd, T: Real, const H: usize>(
 }
 
 #[inline(always)]
-fn store_all<S: Simd, T: Real, const H: usize>(
+fn store_all<S: Simd, T: Float, const H: usize>(
     lanes: [T::Lanes<S>; H],
     rows: &mut [Option<&mut [T]>; H],
     columns: Range<usize>,
@@ -244,7 +248,7 @@ fn store_all<S: Simd, T: Real, const H: usize>(
 /// Sorted starts and ends, with +inf for those of pieces that do not exist. The rule is a constant for the
 /// compiler.
 #[inline(always)]
-fn keep<S: Simd, V: SimdFloat<S, Element: Real<Lanes<S> = V>>, const H: usize>(
+fn keep<S: Simd, V: SimdFloat<S, Element: Float<Lanes<S> = V>>, const H: usize>(
     simd: S,
     rule: Rule,
     first: [V; H],
@@ -275,7 +279,7 @@ fn keep<S: Simd, V: SimdFloat<S, Element: Real<Lanes<S> = V>>, const H: usize>(
 
 /// Whether a piece exists: true if two pieces that would form it overlap.
 #[inline(always)]
-fn exists<S: Simd, T: Real, const H: usize>(
+fn exists<S: Simd, T: Float, const H: usize>(
     simd: S,
     rule: Rule,
     first: &[T::Lanes<S>; H],

@@ -2,12 +2,12 @@
 
 use fearless_simd::prelude::*;
 
-use super::super::Real;
+use super::super::Float;
 use super::load;
 
 /// Flags collected over entries, lane by lane.
 #[derive(Clone, Copy)]
-pub(super) struct Flags<S: Simd, T: Real> {
+pub(super) struct Flags<S: Simd, T: Float> {
     sorted: <T::Lanes<S> as SimdBase<S>>::Mask,
     zero: <T::Lanes<S> as SimdBase<S>>::Mask,
     tied: <T::Lanes<S> as SimdBase<S>>::Mask,
@@ -15,7 +15,7 @@ pub(super) struct Flags<S: Simd, T: Real> {
     padding: T::Lanes<S>,
 }
 
-impl<S: Simd, T: Real> Flags<S, T> {
+impl<S: Simd, T: Float> Flags<S, T> {
     #[inline(always)]
     pub fn new(simd: S) -> Self {
         Flags {

@@ -27,7 +27,7 @@ mod rule;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
-use super::Real;
+use super::Float;
 use super::part::Part;
 
 pub use block::Plan;
@@ -40,18 +40,18 @@ const WIDEST: usize = 16;
 
 /// Whether the SIMD form is faster than the scalar loop for this number of columns and rows (of both operands together). Networks
 /// take O(rows log^2 rows) steps, each for all lanes at once; the limit was measured, and keeps the scratch in the L2 cache.
-pub(super) fn pays<T: Real>(level: Level, rows: usize, columns: usize) -> bool {
+pub(super) fn pays<T: Float>(level: Level, rows: usize, columns: usize) -> bool {
     let lanes = dispatch!(level, simd => lanes::<_, T>(simd));
     columns >= FEWEST_COLUMNS && rows <= (64 * lanes * lanes).min(2048)
 }
 
 #[inline(always)]
-fn lanes<S: Simd, T: Real>(_: S) -> usize {
+fn lanes<S: Simd, T: Float>(_: S) -> usize {
     T::Lanes::<S>::LEN
 }
 
 /// Combines the columns of a part. Returns false, with an invalid result, if a column is not sorted or holds NaN.
-pub(super) fn combine<T: Real>(level: Level, plan: &Plan, mut part: Part<'_, T, T>) -> bool {
+pub(super) fn combine<T: Float>(level: Level, plan: &Plan, mut part: Part<'_, T, T>) -> bool {
     match plan.rows {
         0..=2 => dispatch!(level, simd => direct::run::<_, T, 2>(simd, plan, &mut part)),
         3..=4 => dispatch!(level, simd => direct::run::<_, T, 4>(simd, plan, &mut part)),
@@ -65,7 +65,7 @@ pub(super) fn combine<T: Real>(level: Level, plan: &Plan, mut part: Part<'_, T, 
 
 /// Loads up to one number per lane; the remaining lanes are +inf.
 #[inline(always)]
-fn load<S: Simd, T: Real>(simd: S, numbers: &[T]) -> T::Lanes<S> {
+fn load<S: Simd, T: Float>(simd: S, numbers: &[T]) -> T::Lanes<S> {
     if numbers.len() == T::Lanes::<S>::LEN {
         return T::Lanes::<S>::from_slice(simd, numbers);
     }
@@ -76,7 +76,7 @@ fn load<S: Simd, T: Real>(simd: S, numbers: &[T]) -> T::Lanes<S> {
 
 /// Writes all lanes, or the first ones.
 #[inline(always)]
-fn store<S: Simd, T: Real>(lanes: T::Lanes<S>, numbers: &mut [T]) {
+fn store<S: Simd, T: Float>(lanes: T::Lanes<S>, numbers: &mut [T]) {
     if numbers.len() == T::Lanes::<S>::LEN {
         return lanes.store_slice(numbers);
     }

@@ -47,7 +47,7 @@ mod sealed {
 pub(super) use sealed::Sealed as Wide;
 
 /// A floating-point number: `f32` or `f64`.
-pub trait Real:
+pub trait Float:
     Copy
     + PartialOrd
     + Add<Output = Self>
@@ -68,7 +68,7 @@ pub trait Real:
     fn to_f64(self) -> f64;
 }
 
-impl Real for f32 {
+impl Float for f32 {
     const INFINITY: Self = f32::INFINITY;
     const ZERO: Self = 0.0;
 
@@ -77,7 +77,7 @@ impl Real for f32 {
     }
 }
 
-impl Real for f64 {
+impl Float for f64 {
     const INFINITY: Self = f64::INFINITY;
     const ZERO: Self = 0.0;
 
