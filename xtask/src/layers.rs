@@ -84,7 +84,7 @@ fn read_row(row: &str, line: usize) -> Result<Layer, String> {
             cells.len()
         ));
     };
-    let storey = storey.parse().map_err(|_| format!("{FILE}:{line}: storey '{storey}' is no number"))?;
+    let storey = storey.parse().map_err(|_| format!("{FILE}:{line}: storey '{storey}' is not a number"))?;
     let may_depend_on = match may_depend_on {
         "none" => Vec::new(),
         names => names.split(',').map(bare).collect(),
@@ -190,7 +190,9 @@ mod tests {
         assert!(read_table("# A\n").unwrap_err().contains("no line '<!-- layers -->'"));
         assert!(read_table(&TABLE.replace("| 1 | `top` |", "| 1 |")).unwrap_err().contains(":7: 2 cells"));
         assert!(
-            read_table(&TABLE.replace("| 1 |", "| x |")).unwrap_err().contains(":7: storey 'x' is no number")
+            read_table(&TABLE.replace("| 1 |", "| x |"))
+                .unwrap_err()
+                .contains(":7: storey 'x' is not a number")
         );
     }
 

@@ -210,7 +210,7 @@ def test_drawings(bar, tmp_path):
     assert "550 nm" in tracks.svg and "time / ns" in run.hits.plot_spectra().svg
     tracks.save(tmp_path / "tracks.svg")
     assert (tmp_path / "tracks.svg").read_text(encoding="utf-8") == tracks._repr_svg_()
-    with pytest.raises(RayweaveError, match="`up` is no plane"):
+    with pytest.raises(RayweaveError, match="`up` is not a plane"):
         run.histories.plot("up")
 
 

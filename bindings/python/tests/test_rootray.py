@@ -20,7 +20,7 @@ FUNCTIONS = [
 
 
 def inside(pair, t):
-    """Whether a pair is inside at a time that is no root."""
+    """Whether a pair is inside at a time that is not a root."""
     start, roots = pair
     return (start == -1) != (sum(root < t for root in roots) % 2 == 1)
 

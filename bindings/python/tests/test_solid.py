@@ -178,7 +178,7 @@ def test_damaged_pickles_are_refused():
                 assert isinstance(decode(data[:k] + bytes([value]) + data[k + 1 :]), Solid)
             except RayweaveError:
                 pass
-    with pytest.raises(RayweaveError, match="no solid"):
+    with pytest.raises(RayweaveError, match="not a solid"):
         decode(b"")
 
 

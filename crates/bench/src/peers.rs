@@ -275,7 +275,7 @@ impl Peer {
     fn seconds(&mut self, order: &str, items: f64) -> Result<f64, String> {
         let line = self.order(&format!("{order} {items}"))?;
         let number = line.split_whitespace().nth(1).and_then(|word| word.parse().ok());
-        number.ok_or_else(|| format!("`{line}` is no time"))
+        number.ok_or_else(|| format!("`{line}` is not a time"))
     }
 
     fn answer(&mut self, task: &str, file: &str, count: usize) -> Result<Lists, String> {

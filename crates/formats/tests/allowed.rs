@@ -186,7 +186,7 @@ fn messages_hold_nothing_of_files_of_other_formats() {
         tree.write("model/mesh.toml", text.as_bytes());
         for contents in [secret.to_owned(), secret.repeat(10), format!("42 {secret}")] {
             tree.write(&format!("model/secret.{ending}"), contents.as_bytes());
-            let message = tree.load("mesh.toml", &[]).expect_err("it is no mesh");
+            let message = tree.load("mesh.toml", &[]).expect_err("it is not a mesh");
             assert!(!message.contains("hunter2"), "{ending}: {message}");
         }
     }

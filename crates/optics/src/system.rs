@@ -291,8 +291,8 @@ impl Solids {
         Ok(())
     }
 
-    /// The number of the medium. Polished solids of the same glass share one number, so that there
-    /// is no interface where they touch.
+    /// The number of the medium. Polished solids of the same glass share one number, so that they
+    /// have no interface where they touch.
     fn medium(&mut self, material: &Material, is_plain: bool) -> u32 {
         let substance = match material {
             Material::Transparent(medium) => Substance::Transparent(medium.clone()),

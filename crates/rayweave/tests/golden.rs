@@ -75,7 +75,7 @@ fn compare(golden: &Path, drawn: &[u8]) -> Option<String> {
 fn difference(accepted: &[u8], drawn: &[u8]) -> Option<String> {
     let decoded = [accepted, drawn].map(png::decode);
     let [Ok(accepted), Ok(drawn)] = decoded else {
-        return Some("is no picture that can be read".to_owned());
+        return Some("is not a picture that can be read".to_owned());
     };
     if accepted.size() != drawn.size() {
         return Some(format!("is {:?}, drawn {:?}", accepted.size(), drawn.size()));

@@ -33,13 +33,13 @@ impl Datum {
         if let Datum::Table(table) = self { lookup(table, key) } else { None }
     }
 
-    /// The text of a key; empty if this is no table, or one without such a text.
+    /// The text of a key; empty if this is not a table, or one without such a text.
     #[must_use]
     pub fn text(&self, key: &str) -> &str {
         self.get(key).and_then(Datum::as_text).unwrap_or_default()
     }
 
-    /// The values in the list of a key; none if this is no table, or one without such a list.
+    /// The values in the list of a key; none if this is not a table, or one without such a list.
     pub fn list(&self, key: &str) -> impl Iterator<Item = &Datum> {
         self.get(key).into_iter().flat_map(Datum::items)
     }

@@ -281,7 +281,7 @@ fn placements() {
     check(&place("solid = 'x', at = []"), "5:19 unknown solid `x`: there is no [solid.x].");
     check(
         &place("solid = 's'"),
-        "5:9 `place` says 0 times where: it needs one of grid, ring, at, matrices, file.",
+        "5:9 `place` has 0 lists of places: it needs exactly one: grid, ring, at, matrices or file.",
     );
     check(
         &place("solid = 's', grid = [2, 2.5, 0], step = [1, 1, 1]"),
@@ -323,7 +323,10 @@ fn regions_and_media() {
 #[test]
 fn cameras_lights_and_drawing() {
     check("[camera]\nfov = 30\n", "2:1 `camera` has no `position`: it is required.");
-    check("[camera]\nposition = [0, 0, 0]\n", "2:1 the camera looks nowhere: its position is its target.");
+    check(
+        "[camera]\nposition = [0, 0, 0]\n",
+        "2:1 the camera has no direction of view: its position equals its target.",
+    );
     check(
         "[camera]\nposition = [0, 0, 5]\nup = [0, 0, 2]\n",
         "2:1 the camera looks along `up`: the upward direction of the picture is then undefined.",

@@ -367,7 +367,7 @@ mod nearly_never {
         // a component of any size counts where the plane is parallel to coordinate axes
         let across = times(&Surface::plane(Vec3::X, 1.0), &Ray::new(Vec3::ZERO, Vec3::new(1e-17, 0.0, 1.0)));
         assert_eq!(across, (true, vec![1e17]));
-        // an angle of 1e-14 is no rounding error
+        // an angle of 1e-14 is not a rounding error
         let tilted = Ray::new(Vec3::ZERO, Vec3::new(-3.0, 1.0, 2.0 + 1e-13));
         assert_eq!(times(&plane, &tilted).1.len(), 1);
     }

@@ -121,7 +121,7 @@ impl Parse for Slot {
     }
 }
 
-/// A default value in Python; `...` if it is no literal.
+/// A default value in Python; `...` if it is not a literal.
 fn python_literal(value: &Expr) -> String {
     match value {
         Expr::Lit(ExprLit { lit: Lit::Bool(flag), .. }) if flag.value => "True".to_owned(),

@@ -433,7 +433,7 @@ fn spline_ends<const D: usize>(ends: &str, velocities: Option<&[Vec<f64>]>) -> P
             Err(bad_value("velocities is missing: ends = 'clamped' needs them, one for each end."))
         }
         ("natural" | "periodic", Some(_)) => Err(bad_value(format!(
-            "velocities are given: with ends = '{ends}' they follow. Did you mean 'clamped'?"
+            "velocities are given: with ends = '{ends}' they are computed. Use ends = 'clamped'."
         ))),
         _ => Err(bad_value(format!("ends is '{ends}': it must be 'natural', 'clamped' or 'periodic'."))),
     }

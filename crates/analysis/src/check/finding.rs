@@ -50,7 +50,7 @@ impl FindingKind {
         (FindingKind::Unused, "unused"),
     ];
 
-    /// True for notes, which are no faults.
+    /// True for notes, which are not faults.
     pub fn is_note(self) -> bool {
         matches!(self, FindingKind::Touch | FindingKind::Unused)
     }

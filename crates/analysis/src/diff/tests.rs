@@ -52,7 +52,7 @@ fn the_same_in_other_words() {
     assert!(compared(cube, planes, &quick()).is_same());
 }
 
-/// A shell thinner than the accepted distance is no difference, although rays along its rim have long pieces
+/// A shell thinner than the accepted distance is not reported, although rays along its rim have long pieces
 /// in it.
 #[test]
 fn what_is_thinner_than_matters() {

@@ -211,10 +211,10 @@ impl OpticalLayout {
             let ranges = [0, 1].map(|k| self.cut.range(&program.bounds(), k));
             let lo = [0, 1].map(|k| ranges[k][0].max(self.lo[k]));
             let hi = [0, 1].map(|k| ranges[k][1].min(self.hi[k]));
-            let room = 1e-3 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
+            let margin = 1e-3 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
             if lo[0] < hi[0] && lo[1] < hi[1] {
                 let sheet = make(program.clone());
-                let found = self.section(&sheet, lo.map(|x| x - room), hi.map(|x| x + room))?;
+                let found = self.section(&sheet, lo.map(|x| x - margin), hi.map(|x| x + margin))?;
                 self.sheets.extend(found.between(RegionId(1), RegionId(2)));
             }
         }

@@ -65,7 +65,7 @@ impl FromStr for LayoutPlane {
     fn from_str(text: &str) -> Result<LayoutPlane, DrawError> {
         let problem = || {
             let reason = "a plane is yz, xz, xy, or a coordinate along an axis, as x=2.5";
-            DrawError::Option(Message::new(format!("`{text}` is no plane"), reason))
+            DrawError::Option(Message::new(format!("`{text}` is not a plane"), reason))
         };
         let (axis, coordinate) = axis_and_place(text).ok_or_else(problem)?;
         Ok([LayoutPlane::X, LayoutPlane::Y, LayoutPlane::Z][axis](coordinate))

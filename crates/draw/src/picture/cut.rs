@@ -111,7 +111,7 @@ fn condition(text: &str) -> Result<Condition, DrawError> {
     let text = text.trim();
     let problem = |reason: &str| {
         let form = "A cut is written as in x>0 or x>50%,y<50%";
-        DrawError::Option(Message::new(format!("`{text}` is no cut"), reason).suggest(form))
+        DrawError::Option(Message::new(format!("`{text}` is not a cut"), reason).suggest(form))
     };
     let sign = text.find(['<', '>']).ok_or_else(|| problem("it has neither < nor >"))?;
     let (name, coordinate) = (text[..sign].trim(), text[sign + 1..].trim());

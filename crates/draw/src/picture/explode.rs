@@ -135,7 +135,7 @@ impl FromStr for Explosion {
             _ => {
                 let reason =
                     "it is x, y or z, with a gap from 0 to 1000 as a part of the largest side of the model";
-                let problem = format!("`{text}` is no direction of an exploded view");
+                let problem = format!("`{text}` is not a direction of an exploded view");
                 Err(DrawError::Option(Message::new(problem, format!("{reason}, as in z:0.2"))))
             }
         }

@@ -80,7 +80,7 @@ impl FromStr for Opacity {
         let number = opacity.trim().parse();
         let problem = |_| {
             let reason = "an opacity is written as in glass=0.3, or 0.3 for all regions";
-            DrawError::Option(Message::new(format!("`{text}` is no opacity"), reason))
+            DrawError::Option(Message::new(format!("`{text}` is not an opacity"), reason))
         };
         Opacity::new(name, number.map_err(problem)?)
     }

@@ -149,7 +149,7 @@ impl PictureSheet {
         bottom: usize,
         painter: &mut Painter<'_, '_, E>,
     ) -> Result<(), DrawError> {
-        let size = self.room(self.size.width(), bottom)?;
+        let size = self.remaining_size(self.size.width(), bottom)?;
         self.pictures.push(PlacedPicture { x: 0, y: 0, image: painter.paint(&camera, size)? });
         Ok(())
     }
@@ -163,7 +163,7 @@ impl PictureSheet {
     ) -> Result<(), DrawError> {
         let left = self.size.width().saturating_sub(3 * MARGIN) / 2;
         let tall = bottom.saturating_sub(2 * HEAD + FOOT) / 2;
-        let cell = self.room(left, tall)?;
+        let cell = self.remaining_size(left, tall)?;
         painter.of = VIEWS.len();
         let cameras = to_one_scale(VIEWS.map(|(view, ..)| view.fit(&compiled.program, cell)));
         for ((view, column, row), camera) in VIEWS.into_iter().zip(cameras) {
@@ -191,7 +191,7 @@ impl PictureSheet {
     }
 
     /// The size of a picture in an area.
-    fn room(&self, width: usize, height: usize) -> Result<Size, DrawError> {
+    fn remaining_size(&self, width: usize, height: usize) -> Result<Size, DrawError> {
         let side = |pixels: usize| u32::try_from(pixels).unwrap_or(u32::MAX);
         if width > 0 && height > 0 {
             return Ok(Size::new(side(width), side(height))?);

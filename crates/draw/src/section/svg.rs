@@ -148,8 +148,8 @@ impl Grid {
         let columns = ((all as f64 * 1.2 * high / wide).sqrt().ceil() as usize).clamp(1, all.min(12));
         let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
         let most = if all == 1 { MAX_HEIGHT } else { width * 1.5 };
-        let room = if all == 1 { width } else { 0.9 * width };
-        Grid { columns, width, height: (room * high / wide).min(most), is_one: all == 1 }
+        let available = if all == 1 { width } else { 0.9 * width };
+        Grid { columns, width, height: (available * high / wide).min(most), is_one: all == 1 }
     }
 
     fn corner(&self, k: usize) -> [f64; 2] {
@@ -159,8 +159,8 @@ impl Grid {
 
     fn frame(&self, k: usize) -> [f64; 4] {
         let [x, y] = self.corner(k);
-        let room = if self.is_one { 0.0 } else { 0.05 * self.width };
-        [x + room, y, self.width - 2.0 * room, self.height]
+        let margin = if self.is_one { 0.0 } else { 0.05 * self.width };
+        [x + margin, y, self.width - 2.0 * margin, self.height]
     }
 
     fn label(&self, k: usize) -> [f64; 2] {

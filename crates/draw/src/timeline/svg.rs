@@ -282,8 +282,8 @@ impl Drawing {
     fn axis(&mut self) {
         let (left, right, y) = (self.axis.start, self.axis.end, self.y + 6.0);
         let mut path = format!("M{} {}H{}", Pixels(left), Pixels(y), Pixels(right));
-        let room = (right - left) / 90.0;
-        for (t, text) in self.axis.ticks(room) {
+        let max_ticks = (right - left) / 90.0;
+        for (t, text) in self.axis.ticks(max_ticks) {
             let x = self.axis.position(t);
             let _ = write!(path, "M{} {}V{}", Pixels(x), Pixels(y), Pixels(y + 5.0));
             self.svg.text("tick", [x, y + 17.0], Anchor::Middle, &text, &text);

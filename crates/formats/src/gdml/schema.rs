@@ -183,7 +183,7 @@ impl Found {
     }
 
     fn attributes(&mut self, element: &Element, known: &str) {
-        // attributes of other name spaces, such as xsi:noNamespaceSchemaLocation, are no attributes of GDML
+        // attributes of other name spaces, such as xsi:noNamespaceSchemaLocation, are not attributes of GDML
         let own = element.attributes.iter().filter(|attribute| !attribute.name.contains(':'));
         for attribute in own.filter(|attribute| attribute.name != "xmlns") {
             let name = attribute.name.as_str();

@@ -190,11 +190,11 @@ impl<'a> Reader<'a> {
             is_first = false;
         }
         if other_dimension {
-            let why = Diagnostic::warning("solids and regions of the plane stand side by side")
+            let why = Diagnostic::warning("three- and two-dimensional objects are mixed")
                 .why("the dimension of the first one counts, and the others are left out, as in OpenSCAD");
             self.report.add(LossKind::Dropped, &item(node), why.at(self.source, node.span));
             if operation == Operation::Intersection && !solids.is_empty() {
-                // the omitted operand is no solid, so the intersection is empty
+                // the omitted operand is not a solid, so the intersection is empty
                 return Part::Empty;
             }
         }
@@ -454,7 +454,7 @@ impl<'a> Reader<'a> {
             let all = all.iter().map(Generator::bounds);
             return Ok(Extent::Box(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])));
         }
-        // a limit is no reason to try in another way
+        // a limit is not a reason to try in another way
         arguments.spend(0)?;
         if !is_union(self, number)? {
             return Ok(body::body(self, Start::Below(number))?

@@ -215,7 +215,7 @@ fn flat_models_are_plates_and_dimensions_do_not_mix() {
     assert!(approximated == 1 && messages.contains("plate from z = -0.5 to 0.5"), "{messages}");
     assert!((volume(&read("square([3, 4]);", false).scene, 200) - 12.0).abs() < 0.05);
     let (dropped, messages) = losses("cube(1); square(9);", LossKind::Dropped);
-    assert!(dropped == 1 && messages.contains("side by side"), "{messages}");
+    assert!(dropped == 1 && messages.contains("are mixed"), "{messages}");
     let (refused, messages) = losses("linear_extrude(height = 1) cube(1);", LossKind::Refused);
     assert!(refused == 1 && messages.contains("are solids"), "{messages}");
     let (refused, messages) = losses(

@@ -150,7 +150,7 @@ fn rounding_in_matrices_is_none() {
 fn a_region_of_the_plane_empties_an_intersection_of_solids() {
     let imported = read("intersection() { cube(5, center = true); circle(r = 2); }", true);
     assert!(imported.scene.regions.is_empty());
-    assert!(imported.report.warnings().to_string().contains("side by side"));
+    assert!(imported.report.warnings().to_string().contains("are mixed"));
 }
 
 /// Arguments that are not read are warnings with their position, and misspelt ones with a suggestion.

@@ -85,19 +85,19 @@ impl Prescription {
                         lost = Some(error);
                         Vec::new()
                     });
-                    for (k, (room, pass)) in needed.iter_mut().zip(&passes).enumerate() {
+                    for (k, (radius, pass)) in needed.iter_mut().zip(&passes).enumerate() {
                         let at = resolved.local(k, pass.point);
-                        *room = room.max(libm::hypot(at.x, at.y));
+                        *radius = radius.max(libm::hypot(at.x, at.y));
                     }
                 }
             }
         }
         // no ray arrived anywhere: an error, not a semi-diameter of 0
-        if let Some(error) = lost.filter(|_| needed.iter().all(|&room| room == 0.0)) {
+        if let Some(error) = lost.filter(|_| needed.iter().all(|&radius| radius == 0.0)) {
             return Err(error);
         }
         let image = self.surfaces.len();
-        let widest = needed[..image].iter().fold(0.0_f64, |widest, &room| widest.max(room));
+        let widest = needed[..image].iter().fold(0.0_f64, |widest, &radius| widest.max(radius));
         let stated = |k: usize| match self.surfaces.get(k) {
             Some(surface) => surface.semi_diameter.unwrap_or(SPARE * needed[k]),
             None => self.image.semi_diameter.unwrap_or((2.0 * needed[k]).max(0.1 * widest)),

@@ -82,7 +82,7 @@ pub fn window(thickness: f64, aperture: Aperture) -> Result<Solid, ComponentErro
 }
 
 /// A lens whose surfaces are conics of revolution: radii of curvature at the vertices, conic
-/// constants (see [`sag`](super::sag)). Otherwise a [`lens`]; faces that are no spheres are
+/// constants (see [`sag`](super::sag)). Otherwise a [`lens`]; faces that are not spherical are
 /// quadrics, `front.side` and `back.side`.
 ///
 /// # Errors

@@ -1,7 +1,7 @@
 //! Lint of optical properties: probable mistakes in the GDML file of a detector.
 //!
 //! The rules compare the input with the magnitudes that light has, with the names and conventions of Geant4 11.4, and
-//! volumes, surfaces and sensors with each other. A finding is no proof of a mistake; each has its reason.
+//! volumes, surfaces and sensors with each other. A finding does not prove a mistake; each has its reason.
 
 mod finding;
 mod properties;

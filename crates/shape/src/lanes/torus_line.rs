@@ -119,7 +119,7 @@ struct Points<S: Simd> {
     below: [Mask<S>; 2],
 }
 
-/// Most steps of a search; longer ones are left to the scalar kernel.
+/// The largest number of steps of a search; longer ones are left to the scalar kernel.
 const STEPS: usize = 24;
 
 /// Margin of the hole, relative to its size.

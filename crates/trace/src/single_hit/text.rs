@@ -54,14 +54,14 @@ impl fmt::Display for ExplanationText<'_> {
         let (o, d) = (self.explanation.ray.origin, self.explanation.ray.direction);
         let [ox, oy, oz, dx, dy, dz] = [o.x, o.y, o.z, d.x, d.y, d.z].map(|x| Figures::PEOPLE.text(x));
         writeln!(f, "The ray ({ox}, {oy}, {oz}) + t ({dx}, {dy}, {dz}).\n\n{LEGEND}")?;
-        let (mut room, mut left_out) = (self.most_lines, 0);
+        let (mut remaining, mut left_out) = (self.most_lines, 0);
         for question in &self.explanation.questions {
-            if room == 0 {
+            if remaining == 0 {
                 left_out += 1;
                 continue;
             }
             let shown = shown(&question.entries);
-            room = room.saturating_sub(self.question(f, question, &shown, room)?);
+            remaining = remaining.saturating_sub(self.question(f, question, &shown, remaining)?);
         }
         if left_out > 0 {
             writeln!(f, "... {left_out} more questions are left out.\n")?;
@@ -77,10 +77,10 @@ impl ExplanationText<'_> {
         f: &mut fmt::Formatter<'_>,
         question: &Question,
         shown: &[&Entry],
-        room: usize,
+        remaining: usize,
     ) -> Result<usize, fmt::Error> {
         writeln!(f, "What is next after t = {}?", self.figures.text(question.t_min))?;
-        let most = (self.most_lines / SHARE).max(2).min(room);
+        let most = (self.most_lines / SHARE).max(2).min(remaining);
         let (head, tail) = match shown.len() > most {
             true => (most - most / 2, most / 2),
             false => (shown.len(), 0),

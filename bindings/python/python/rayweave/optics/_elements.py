@@ -179,7 +179,7 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
         shiny = material == "mirror" and finish == polished()
         return "opaque", None, reflecting() if shiny else finish
     if isinstance(material, str) and (close := get_close_matches(material, ("mirror", "absorber"), 1, 0.8)):
-        raise _core.RayweaveError(f"no material is named {material!r}: it is no glass. Did you mean {close[0]!r}?")
+        raise _core.RayweaveError(f"no material is named {material!r}: it is not a glass. Did you mean {close[0]!r}?")
     medium = _medium(material)
     if isinstance(medium, GradedMedium):
         return "transparent", medium, finish

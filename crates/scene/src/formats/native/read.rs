@@ -509,8 +509,8 @@ fn place(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Place> {
         found.extend(fields.take_entry(key));
     }
     if found.len() != 1 {
-        let problem = Diagnostic::error(format!("`place` says {} times where", found.len()));
-        fields.problems.push(problem.why("it needs one of grid, ring, at, matrices, file"), span);
+        let problem = Diagnostic::error(format!("`place` has {} lists of places", found.len()));
+        fields.problems.push(problem.why("it needs exactly one: grid, ring, at, matrices or file"), span);
         return None;
     }
     let (key, datum) = found.remove(0);

@@ -58,10 +58,10 @@ impl End {
     }
 }
 
-/// Most bisections of the first piece; the result is as short as the rounding of its ends.
+/// The largest number of bisections of the first piece; the result is as short as the rounding of its ends.
 const DEPTH: u32 = 64;
 
-/// Most pieces per line.
+/// The largest number of pieces per line.
 pub(super) const PIECES: u32 = 1 << 14;
 
 /// Passes the sign changes between two ends to `emit`, in order.

@@ -79,7 +79,7 @@ pub enum SagError {
     },
     /// A power or a number of coefficients beyond [`MAX_DEGREE`].
     #[error(
-        "a term is of degree {degree}: at most {MAX_DEGREE} in x and y, and {MAX_DEGREE} coefficients in r. Is it needed?"
+        "a term is of degree {degree}: at most {MAX_DEGREE} in x and y, and {MAX_DEGREE} coefficients in r, are possible. Remove the term."
     )]
     TooManyTerms {
         /// The degree, or the number of coefficients.
