@@ -2,6 +2,7 @@
 
 use crate::diagnosis::shells::Shells;
 use crate::line::{Line, MeshCrossing, Perturbation, Shear, contains_origin, is_edge_on};
+use crate::shift::Shift;
 use crate::topology::{HalfEdge, ParityUnionFind, by_edge, half_edges};
 use crate::tree::TriangleTree;
 use crate::triangle::{self, Triangle};
@@ -194,8 +195,8 @@ impl Polyhedron {
     ///
     /// The time of a crossing is that of the plane of its face, clamped to the range of the triangle's
     /// corners. A line that lies in faces, within [`Line::delta`] along its chord of the ball around the
-    /// mesh, is shifted by a few such distances along the first of the directions `perturbation` that leaves
-    /// the face, so that the whole line is on one side. At edges and vertices symbolic perturbation puts the
+    /// mesh, is shifted by a few such distances out of them ([`Shift`]), so that the whole line is on the side to which
+    /// `perturbation` leads. At edges and vertices symbolic perturbation puts the
     /// line on one side, the same for all triangles (`contains_origin`).
     ///
     /// `found` is cleared first.
@@ -224,6 +225,7 @@ impl Polyhedron {
             perturbation,
             found,
         );
+        let shift = shift.vector();
         if shift != Vec3::ZERO {
             found.clear();
             let moved = Line { origin: line.origin + shift, ..*line };
@@ -237,16 +239,16 @@ impl Polyhedron {
         found.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
     }
 
-    /// Appends the crossings of a line, in no order, and returns the shift that moves the line out of all
-    /// faces it lies in.
+    /// Appends the crossings of a line, in no order, and returns the shift that moves the line out of all faces in which it
+    /// lies.
     fn gather(
         &self,
         query: &Query,
         chord: (f64, f64),
         perturbation: &Perturbation,
         found: &mut Vec<MeshCrossing>,
-    ) -> Vec3 {
-        let mut shift = Vec3::ZERO;
+    ) -> Shift {
+        let mut shift = Shift::default();
         self.tree.traverse(&query.line, |range| {
             for place in range {
                 let corners = self.corners(place);
@@ -255,31 +257,23 @@ impl Polyhedron {
                     let t = self.time(place, &query.timed);
                     found.push(MeshCrossing { t, triangle: self.numbers[place] });
                 }
-                if query.delta >= 0.0 && is_edge_on(images, query.delta) {
-                    shift = longer(shift, self.shift_out_of_face(place, query, chord, perturbation));
+                if query.delta >= 0.0
+                    && is_edge_on(images, query.delta)
+                    && let Some(normal) = self.face_around(place, query, chord)
+                {
+                    shift.add(normal, perturbation, query.delta);
                 }
             }
         });
         shift
     }
 
-    /// The shift that moves a line out of the plane of a triangle; 0 if it does not lie in that plane.
-    fn shift_out_of_face(
-        &self,
-        place: usize,
-        query: &Query,
-        chord: (f64, f64),
-        perturbation: &Perturbation,
-    ) -> Vec3 {
+    /// The normal of the face of a triangle if a line lies in its plane.
+    fn face_around(&self, place: usize, query: &Query, chord: (f64, f64)) -> Option<Vec3> {
         let [corner, ..] = self.corners(self.faces[place] as usize);
         let normal = self.face_normal(place);
         let lies = |t: f64| normal.dot(query.line.at(t) - corner).abs() <= query.delta;
-        if !(lies(chord.0) && lies(chord.1)) {
-            return Vec3::ZERO;
-        }
-        let leaves = |way: &Vec3| normal.dot(*way).abs() > 1e-3 * way.length();
-        let way = perturbation.iter().copied().find(leaves).unwrap_or(normal);
-        (4.0 * query.delta / normal.dot(way).abs()) * way
+        (lies(chord.0) && lies(chord.1)).then_some(normal)
     }
 
     /// The time at which a line crosses the plane of a triangle's face, clamped to the range of the
@@ -410,13 +404,6 @@ fn in_order(mesh: &Mesh, numbers: &[u32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     };
     let triangles = numbers.iter().map(|&k| mesh.triangles()[k as usize].map(&mut renumbered)).collect();
     (vertices, triangles)
-}
-
-/// The longer of two vectors. Among equal lengths an order of the components decides, so that the longest of many
-/// does not depend on their order.
-fn longer(a: Vec3, b: Vec3) -> Vec3 {
-    let rank = |v: Vec3| (v.length_squared(), v.x, v.y, v.z);
-    if rank(b) > rank(a) { b } else { a }
 }
 
 /// The time at which a line crosses the plane of a triangle. All triangles in a plane perpendicular to an

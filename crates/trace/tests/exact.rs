@@ -61,11 +61,21 @@ fn points() {
 #[test]
 fn planted_coincidences_that_were_wrong_once() {
     let seeds = [
-        4599, 7260, 8002, 11731, 12007, 23972, 26017, 36059, 36742, 44966, 59295, 67026, 101_429, 107_824,
-        121_913, 123_821, 125_825, 126_583, 154_945, 157_042, 159_435, 169_340, 192_450, 196_390,
+        4599, 7260, 8002, 11731, 12007, 23972, 26017, 36059, 36742, 44966, 59295, 67026, 69044, 101_429,
+        107_824, 121_913, 123_821, 125_825, 126_583, 154_945, 157_042, 159_435, 169_340, 192_450, 196_390,
     ];
     for seed in seeds {
         exact::planted(&evaluators(), seed..seed + 1).finish("planted", 20);
+    }
+}
+
+/// Models of the long form with rays near faces of meshes, for which the oracle once tested only the chord of the model
+/// and not that of the mesh.
+#[test]
+fn meshes_that_were_wrong_once() {
+    let seeds = [1332, 3579, 9470, 12_757, 15_355, 16_101, 22_463, 25_228, 80_583, 97_927];
+    for seed in seeds {
+        exact::meshes(&evaluators(), seed..seed + 1).finish("meshes", 5);
     }
 }
 

@@ -229,7 +229,18 @@ impl<'a> RayComputation<'a> {
             far |= depths.iter().all(|&d| d > GREY);
             near &= depths.iter().all(|&d| d * GREY < 1.0);
         }
+        // a piece close to a face of a mesh from which it leaves through another one is close to the mesh
+        if far && [a, b].into_iter().any(|moment| self.mesh_faces(moment).any(|s| deepest(&s) <= GREY)) {
+            return Err(Uncertain::Depth);
+        }
         if far == near { Err(Uncertain::Depth) } else { Ok(near) }
+    }
+
+    /// The faces of the meshes whose sides change at a moment, except those in which the ray lies.
+    fn mesh_faces(&self, moment: &Moment) -> impl Iterator<Item = usize> {
+        let meshes = moment.leaves.iter().map(|&leaf| &self.exact.leaves[leaf]).filter(|leaf| leaf.is_mesh);
+        let faces = meshes.flat_map(|leaf| leaf.facets.iter().map(|facet| facet.0));
+        faces.filter(|&s| !self.along[s].lies)
     }
 
     /// Sample times of a piece: its ends, quarters, and around the point nearest to the start of the ray.
