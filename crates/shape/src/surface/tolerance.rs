@@ -224,9 +224,10 @@ pub(super) fn perturbed_crossings(
     let (first, last) = (gradient(a), gradient(b));
     let noise = gradient_noise(surface, magnitude, ray, (a, b));
     for w in perturbation.directions() {
-        let (start, rise) = (w.dot(first), w.dot(last) - w.dot(first));
+        let rise = w.dot(last) - w.dot(first);
         if rise.abs() > 2.0 * noise * w.length() {
-            return SurfaceCrossings::new(rise > 0.0, &[a - start / rise * (b - a)]);
+            // extrapolated from t = 0, whose error does not depend on the ends: exact for a change at the origin of the ray
+            return SurfaceCrossings::new(rise > 0.0, &[-w.dot(gradient(0.0)) / rise * (b - a)]);
         }
         let slope = w.dot(middle);
         if slope != 0.0 {
