@@ -97,7 +97,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or the visits exceed theirs.
+/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or if there are too many visits.
 fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
     let mut total = Size::default();
     let mut known: HashMap<usize, Size> = HashMap::new();

@@ -257,7 +257,7 @@ fn models_out_of_reach_are_refused() {
     assert!(text.contains("beyond 1e100") && text.ends_with("Is a scale far too large or small?"), "{text}");
 }
 
-/// `s | s.translate(v)`, time and again: 2^steps leaves.
+/// `s | s.translate(v)`, repeated `steps` times: 2^steps leaves.
 fn doubled(steps: usize) -> Solid {
     let ball = shape("sphere", &[("radius", 1.0)]);
     (0..steps).fold(ball, |s, k| &s | s.translate([3.0 * 2f64.powi(k as i32), 0.0, 0.0]))

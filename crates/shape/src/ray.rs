@@ -52,7 +52,7 @@ pub enum RayError {
         vector: Vec3,
     },
     /// The direction is zero.
-    #[error("the direction is zero: a ray must go somewhere.")]
+    #[error("the direction is zero: it must have a length.")]
     NoDirection,
     /// All components of the direction are below [`Ray::MIN_DIRECTION`].
     #[error("the direction is {}: below 1e-100 its square vanishes. Give it a length near 1.", text(.direction))]

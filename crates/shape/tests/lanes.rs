@@ -193,7 +193,7 @@ impl Case {
 }
 
 /// Results of the lanes for eight rays.
-struct Said {
+struct LaneResults {
     crossings: [Crossings<4>; LANES],
     /// One bit per ray for each kind of uncertainty.
     always: u64,
@@ -230,7 +230,7 @@ fn evaluate<S: Simd>(
     limits: &LaneLimits,
     rays: &[Ray; LANES],
     pairs: &[[(f64, f64); LANES]],
-) -> Said {
+) -> LaneResults {
     let (origins, directions) = (load(simd, rays, |r| r.origin), load(simd, rays, |r| r.direction));
     let (ray, mut uncertain): (LaneRay<S>, Uncertain<S>) = LaneRay::new(simd, origins, directions, limits);
     let mut span = LaneSpan::line(simd);
@@ -245,7 +245,7 @@ fn evaluate<S: Simd>(
             ray.may_coincide(ends[0], ends[1], limits).to_bitmask()
         })
         .collect();
-    Said {
+    LaneResults {
         crossings: std::array::from_fn(|k| holds(columns.map(|column| column[k]))),
         always: uncertain.always.to_bitmask(),
         grazes: uncertain.grazes.to_bitmask(),

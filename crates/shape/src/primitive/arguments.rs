@@ -30,8 +30,7 @@ impl Arguments {
         all.find(|(known, _)| *known == name).map(|(_, value)| value)
     }
 
-    /// A number. NaN, which no primitive accepts, if there is no number with this name; the same holds for the other
-    /// getters.
+    /// The number with this name; NaN, which no primitive accepts, if there is none.
     pub fn number(&self, name: &str) -> f64 {
         match self.value(name) {
             Some(Value::Number(number)) => *number,

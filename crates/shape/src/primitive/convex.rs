@@ -309,7 +309,7 @@ mod tests {
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]])),
-            "convex: planes[1] is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?"
+            "convex: planes[1] is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?"
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, f64::INFINITY, 1.0]])),
@@ -317,7 +317,7 @@ mod tests {
         );
         assert_eq!(
             message(Convex::new(vec![[1e-100, 0.0, 0.0, 1.0]])),
-            "convex: planes[0][3] is 1e100: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?"
+            "convex: planes[0][3] is 1e100: only lengths from 1e-60 to 1e60 are supported. Is the unit right?"
         );
     }
 }

@@ -2,8 +2,8 @@
 //!
 //! By duality the maximum of `c . p` subject to `n_i . p <= d_i` for all i is the minimum of `sum l_i d_i` over all
 //! `l_i >= 0` with `sum l_i n_i = c`, and at most three planes attain it (Dantzig, *Linear Programming and Extensions*,
-//! 1963, chapters 6 and 7). Every such combination is an upper bound of `c . p`, so that omissions can only make the
-//! result too large, never too small.
+//! 1963, chapters 6 and 7). Every such combination is an upper bound of `c . p`, so omitting combinations can make the
+//! result too large but never too small.
 
 use crate::surface::Plane;
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3, unit};

@@ -391,7 +391,7 @@ fn refusals() {
     let message = |of: &Description| Sag::new(of).unwrap_err().to_string();
     assert_eq!(
         message(&conic(2.0, 0.8, 0.0)),
-        "the aperture's radius is 2: the conic ends at 1.25, where the root in it becomes imaginary. Is the curvature too large?"
+        "the aperture's radius is 2: the conic ends at 1.25, where its square root becomes imaginary. Is the curvature too large?"
     );
     assert!(Sag::new(&conic(1.25, 0.8, 0.0)).is_ok());
     assert!(Sag::new(&conic(2.0, 0.8, -1.0)).is_ok());
