@@ -1,6 +1,6 @@
 //! The seed's single-hit algorithm, with counts of the errors caused by its original table and limits.
 //!
-//! Leaves are root-rays, so that the algebra of root-rays gives the truth; "ours" is the evaluator.
+//! Leaves are root-rays, so that the algebra of root-rays gives the correct answers; "ours" is the evaluator.
 
 use rayweave_conformance::Random;
 use rayweave_model::{Edge, Gate, LeafId, NodeId, Rule};

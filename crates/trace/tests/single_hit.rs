@@ -415,7 +415,7 @@ fn models_with_too_much_sharing_are_refused_with_a_reason() {
     let refused = SingleHit::new(Arc::new(Program::compile(&s).unwrap())).unwrap_err();
     assert!(refused.nodes > 1 << 39 && refused.most == MAX_NODES);
     let text = refused.to_string();
-    assert!(text.contains("4194304: shared parts are written out wherever they are used."), "{text}");
+    assert!(text.contains("4194304: shared parts are duplicated at each use."), "{text}");
 }
 
 // ---- explanations ----
@@ -443,7 +443,7 @@ fn the_chain_of_eight_spheres_reads_like_an_explanation() {
         "a | b stays inside at 5.5: b is entered, but the ray is inside a until 6. So b is queried again. (rule 4)",
         "a | b is left at 7.5: b is left, and the ray is outside a for good. (rule 3)",
         "(a | b) - c is left at 7: c is entered, and the ray is inside a | b until 7.5. (rule 3)",
-        "(a ... e) - f is outside for good: the ray is outside ((a | b) - c) | d | e for good, whatever comes of f. (rule 1)",
+        "(a ... e) - f is outside for good: the ray is outside ((a | b) - c) | d | e for good, regardless of f. (rule 1)",
         "So the ray is in solid until t = 11.5, then in the world.",
         "At t = 7 it passes from solid into the world, through c.side.",
         "(7 questions, 131 steps.)",

@@ -45,8 +45,8 @@ struct Builder<'p> {
 }
 
 impl Carved {
-    /// Decomposes a part of a group; `matters` holds the boxes in which its leaves matter. Returns `None` if
-    /// the part has another form, or leaves without a kernel or a finite box.
+    /// Decomposes a part of a group; `matters` holds the boxes in which its leaves matter. Returns `None` if the part
+    /// has a different form, or leaves without a kernel or a finite box.
     pub fn new(program: &Program, group: &Prototype, edge: Edge, matters: &[Bounds]) -> Option<Carved> {
         let mut builder = Builder { program, group, matters, carved: Carved::default(), bounds: Vec::new() };
         let mut waiting = vec![edge];

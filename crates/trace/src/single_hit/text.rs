@@ -134,7 +134,7 @@ impl ExplanationText<'_> {
         }
         if self.explanation.welded > 0 {
             let n = self.explanation.welded;
-            writeln!(f, "Changes welded because the ray keeps to both surfaces between them: {n}.")?;
+            writeln!(f, "Changes welded because the ray stays in both surfaces between them: {n}.")?;
         }
         let questions = match self.explanation.questions.len() {
             1 => "1 question".to_owned(),
@@ -252,8 +252,8 @@ impl ExplanationText<'_> {
                 false => format!("the ray is {} {} and {} {} for good", side(x), a.name, side(y), b.name),
             },
             [Some(_), Some(_)] => format!("{}, and {}", self.state(a), self.state(b)),
-            [Some(_), None] => format!("{}, whatever comes of {}", self.state(a), subject(b)),
-            _ => format!("{}, whatever comes of {}", self.state(b), subject(a)),
+            [Some(_), None] => format!("{}, regardless of {}", self.state(a), subject(b)),
+            _ => format!("{}, regardless of {}", self.state(b), subject(a)),
         }
     }
 }
@@ -292,7 +292,7 @@ fn forget_resolved(shown: &mut Vec<&Entry>, node: &Entry) {
     }
 }
 
-/// Number of digits of printed times: the least, from six, with which all times differ.
+/// Number of digits of printed times: at least six, and enough to distinguish all times.
 #[derive(Clone, Copy, Debug)]
 struct Figures {
     digits: usize,
