@@ -155,8 +155,8 @@ impl Affine {
         let off = gram - Mat3::from_diagonal(Vec3::splat(square));
         let worst = off.to_cols_array().iter().fold(0.0f64, |w, e| w.max(e.abs()));
         (square > 0.0 && worst <= 64.0 * UNIT_ROUNDOFF * square).then(|| {
-            // snapping to powers of two keeps radii exact to the bit under rotations, and exact in every digit under
-            // rotations with a scale by a power of two
+            // snapping to a power of two keeps the bits of radii under rotations, and the digits under rotations with a
+            // scale by a power of two
             let root = square.sqrt();
             let power = libm::ldexp(1.0, libm::ilogb(root * std::f64::consts::SQRT_2));
             if (root - power).abs() <= 8.0 * UNIT_ROUNDOFF * power { power } else { root }
