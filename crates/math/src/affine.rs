@@ -4,7 +4,7 @@ use crate::{Mat3, UNIT_ROUNDOFF, Vec3, sin_cos_degrees};
 
 /// An affine map of space: `p -> linear * p + translation`.
 ///
-/// Variables that hold a map are named after the frames that it joins, as in `world_from_local`.
+/// Variables that hold a map are named after the frames that it joins, e.g. `world_from_local`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine {
     /// The linear part.

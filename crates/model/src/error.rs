@@ -70,7 +70,7 @@ pub enum CompileProblem {
     /// A length of a shape under its map, or of the translations that lead to it, exceeds
     /// [`rayweave_shape::Ray::MAX_COMPONENT`], or a size vanished.
     #[error(
-        "the size or position of the shape is out of range here: beyond 1e100 squares overflow, and sizes may vanish. Is a scale far too large or small?"
+        "the size or position of the shape is out of range here: lengths beyond 1e100 overflow, and tiny sizes vanish. Is a scale far too large or small?"
     )]
     NotFinite,
 }

@@ -5,7 +5,7 @@
 
 use std::fs::read_to_string;
 
-/// The reason why a result cannot be kept, for the middle of a message: it says how much memory is needed, in MiB.
+/// The reason why a result cannot be kept: the part of a message that states how much memory is needed, in MiB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{needed} MiB of memory are needed, and {available} MiB are available")]
 pub struct Shortage {
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn results_that_do_not_fit_are_refused() {
+    fn results_that_do_not_fit_are_rejected() {
         assert_eq!(compare(3 << 20, None), Ok(()));
         assert_eq!(compare(3 << 20, Some(3 << 20)), Ok(()));
         assert_eq!(compare((3 << 20) + 1, Some(3 << 20)), Err(Shortage { needed: 4, available: 3 }));

@@ -9,7 +9,7 @@
 /// a surface (4 each, in three dimensions), a dot product, a subtraction and a division. By the standard model of rounding,
 /// fl(x op y) = (x op y)(1 + e), |e| <= u, or an absolute error of at most eta / 2 where the result is subnormal, a chain of k
 /// such operations without cancellation moves t by at most k u |t| to first order, or k eta / 2. Two times closer than the sum
-/// of their two bounds may stand for the same crossing. k = 13 is rounded up to a power of two, so that the products are
+/// of their two bounds may represent the same crossing. k = 13 is rounded up to a power of two, so that the products are
 /// exact. (Higham, "Accuracy and Stability of Numerical Algorithms", 2nd edition, SIAM 2002, sections 2.2 and 3.1.)
 ///
 /// The bound does not include the magnitudes of the ray's origin and of the solid. Times that result from cancellation, for

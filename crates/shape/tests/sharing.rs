@@ -127,7 +127,7 @@ fn the_answer_does_not_depend_on_the_order() {
 }
 
 #[test]
-fn a_chain_wider_than_four_tolerances_is_refused() {
+fn a_chain_wider_than_four_tolerances_is_rejected() {
     let step = 50.0 * U;
     let chain = |count: usize| -> Vec<(Surface, f64)> {
         (0..count).map(|k| (Surface::plane(Vec3::Z, 1.0 + step * k as f64), 1.0)).collect()

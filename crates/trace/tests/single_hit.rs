@@ -358,7 +358,7 @@ fn depth_needs_no_call_stack() {
 }
 
 #[test]
-fn too_much_sharing_is_refused() {
+fn too_much_sharing_is_rejected() {
     let mut skeleton = Skeleton::new(2);
     let mut all = Skeleton::leaf(0);
     for _ in 0..80 {
@@ -406,7 +406,7 @@ fn placed_solids_are_evaluated_in_their_turn() {
 }
 
 #[test]
-fn models_with_too_much_sharing_are_refused_with_a_reason() {
+fn models_with_too_much_sharing_are_rejected_with_a_reason() {
     let mut s = ball("a", 0.0);
     for k in 1..40 {
         let other = ball("b", f64::from(k));

@@ -128,10 +128,10 @@ fn a_ray_needs_a_direction() {
     let huge = ["probe", "ball.toml", "--from", "1e200,0,0", "--to", "0,0,0"];
     assert_eq!(
         bench.fails(2, &huge),
-        "error: --from and --to give a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): beyond 1e100 squares overflow. Is the unit far too small?\n"
+        "error: --from and --to give a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): components beyond 1e100 overflow in computations. Is the unit far too small?\n"
     );
     let tiny = ["probe", "ball.toml", "--from", "0,0,0", "--to", "0,1e-200,0"];
-    assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): below 1e-100"));
+    assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): components below 1e-100"));
 }
 
 /// From there the ball is smaller than the tolerance, and would be missed.

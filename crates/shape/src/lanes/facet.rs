@@ -77,8 +77,8 @@ impl Kernel {
         }
     }
 
-    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets; planes through it separate
-    /// them.
+    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets; some planes through it
+    /// separate the pieces.
     pub fn waist(&self) -> Option<Vec3> {
         match self {
             Kernel::Cone(cone) => Some(cone.apex),

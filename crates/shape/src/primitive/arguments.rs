@@ -17,7 +17,7 @@ impl Arguments {
         parameters: &'static [Parameter],
         given: &[(&str, Value)],
     ) -> Result<Arguments, ShapeError> {
-        refuse_unknown(shape, parameters, given)?;
+        reject_unknown(shape, parameters, given)?;
         let values = parameters
             .iter()
             .map(|parameter| Ok((parameter.name, read_one(shape, parameter, given)?)))
@@ -84,7 +84,7 @@ impl Arguments {
     }
 }
 
-fn refuse_unknown(
+fn reject_unknown(
     shape: &'static str,
     parameters: &'static [Parameter],
     given: &[(&str, Value)],

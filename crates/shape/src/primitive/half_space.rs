@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(HalfSpace::new(Vec3::ZERO, 1.0)),
             "half_space: normal is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?"

@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         let rows = |rows: &[[f64; 3]]| Value::Rows(rows.iter().map(|row| row.to_vec()).collect());
         let build = |vertices: &[[f64; 3]], faces: &[[f64; 3]]| {
             message(super::super::build("mesh", &[("vertices", rows(vertices)), ("faces", rows(faces))]))

@@ -124,7 +124,7 @@ fn meeting(planes: [&Plane; 3], dual: [Vec3; 3], determinant: f64) -> Vec3 {
     parts.fold(Vec3::ZERO, |sum, part| sum + part) / determinant
 }
 
-/// True if every intersection of three planes violates another plane by far: a polyhedron with finite extents is then
+/// True if every intersection of three planes clearly violates another plane: a polyhedron with finite extents is then
 /// empty.
 fn has_no_vertex(planes: &[Plane]) -> bool {
     let n = planes.len();

@@ -150,7 +150,7 @@ fn crossings_agree_with_the_signs_at_points() {
 }
 
 #[test]
-fn pages_tell_what_the_code_does() {
+fn pages_agree_with_the_code() {
     for manual in MANUALS {
         let page = manual.text;
         assert!(page.contains(&parameter_table(manual.parameters)), "{page}");
@@ -184,7 +184,7 @@ fn faces_have_the_names_of_the_page_each_once() {
 }
 
 #[test]
-fn refusals_of_names() {
+fn unknown_names_are_rejected() {
     let number = |x: f64| Value::Number(x);
     assert_eq!(
         message(build("spehre", &[])),
@@ -206,7 +206,7 @@ fn refusals_of_names() {
 }
 
 #[test]
-fn refusals_of_values() {
+fn invalid_values_are_rejected() {
     let refuse = |name: &str, parameter: &str, value: Value| message(build(name, &[(parameter, value)]));
     assert_eq!(
         refuse("sphere", "radius", Value::Vector(vec![1.0, 2.0])),
@@ -234,7 +234,7 @@ fn refusals_of_values() {
 
 /// Every parameter of every primitive rejects NaN at every position, and every default is in range.
 #[test]
-fn nan_is_refused_everywhere() {
+fn nan_is_rejected_everywhere() {
     for example in Primitive::examples() {
         for (k, parameter) in example.manual().parameters.iter().enumerate() {
             let default = parameter.default_value();

@@ -17,8 +17,8 @@
 //!
 //! This stays within the tolerance of surfaces, `delta(t) = 64 u (|o| + |t| |d| + ...)`: a plane is off the ray by less
 //! than `8 sqrt(3) u |t| |d|` where the side is wrong, and f of a quadric changes by `noise t^2` where its gradient is of
-//! the order of `|t| |d|`. With a coordinate axis as normal or axis each sum has one term, which exceeds its own bound: a
-//! plane across a coordinate axis, or a cylinder along one, loses no crossing.
+//! the order of `|t| |d|`. If the normal or axis is a coordinate axis, each sum has a single term, which exceeds its own
+//! error bound: a plane across a coordinate axis, or a cylinder along one, loses no crossing.
 
 use super::SurfaceCrossings;
 use crate::Ray;
@@ -171,12 +171,12 @@ impl Departure {
     /// Crossings of a ray that is on the side `inside` just after its start according to the start list. `along_w` is the
     /// side of a ray that lies in the surface. If list and direction disagree, the first time is 0.
     pub fn crossings(&self, inside: bool, along_w: impl FnOnce() -> bool) -> SurfaceCrossings {
-        let led = self.negative_after.unwrap_or_else(along_w);
+        let is_inside_after = self.negative_after.unwrap_or_else(along_w);
         let mut times = [0.0; 4];
         let rest = self.times.times();
         let count = rest.len().min(3);
         times[1..=count].copy_from_slice(&rest[..count]);
-        let first = usize::from(led == inside);
+        let first = usize::from(is_inside_after == inside);
         Crossings::new(inside, &times[first..=count])
     }
 }
