@@ -63,7 +63,7 @@ pub enum RayError {
     /// The ray's points are too inaccurate, at its closest approach to the model, to resolve the model: a query would silently
     /// miss it.
     #[error(
-        "the ray is too far from the model: {distance:.3e} along it, where it comes closest, points are accurate to \
+        "the ray is too far from the model: at its closest point, {distance:.3e} from its origin, coordinates are accurate to \
          {accuracy:.3e}, and the model is {size:.3e} thick. Start the ray closer to the model, and keep the model close to \
          the origin of the coordinates."
     )]

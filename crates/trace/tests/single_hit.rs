@@ -438,7 +438,7 @@ fn along_x() -> Ray {
 fn the_chain_of_eight_spheres_reads_like_an_explanation() {
     let text = single_hit(eight_spheres()).explain(along_x(), &Query::default()).to_string();
     for line in [
-        "What is next after t = 4?",
+        "The next change after t = 4:",
         "a is left at 6, through a.side.",
         "a | b stays inside at 5.5: b is entered, but the ray is inside a until 6. So b is queried again. (rule 4)",
         "a | b is left at 7.5: b is left, and the ray is outside a for good. (rule 3)",
