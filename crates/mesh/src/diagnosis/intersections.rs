@@ -29,7 +29,7 @@ impl PairBudget {
     /// Further pairs for each triangle. In meshes of real parts the boxes of about ten others overlap that of a triangle.
     const PER_TRIANGLE: usize = 64;
 
-    /// A budget of this many pairs, to which each mesh adds 64 for each triangle.
+    /// A budget of this many pairs; each mesh adds 64 for each of its triangles.
     pub fn of(pairs: usize) -> PairBudget {
         PairBudget { left: pairs }
     }

@@ -72,8 +72,8 @@ impl Carved {
 }
 
 impl Builder<'_> {
-    /// Adds an operand of an intersection. Returns the operands that are left, if it is itself an
-    /// intersection.
+    /// Adds an operand of an intersection. Returns the operands that remain to be added, if it is
+    /// itself an intersection.
     fn take(&mut self, edge: Edge) -> Option<Vec<Edge>> {
         let upright = !edge.is_complemented();
         match self.group.expression.node(edge.node()) {
