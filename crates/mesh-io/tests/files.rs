@@ -78,7 +78,7 @@ fn faces_with_many_corners_are_triangulated() {
     );
     let bent = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0.5\n0 1 0\n4 0 1 2 3 255 0 0\n";
     let bent = loaded(bent.as_bytes(), MeshFormat::Off).unwrap();
-    assert!(bent.warnings[0].starts_with("1 faces with more than three corners are not plane"));
+    assert!(bent.warnings[0].starts_with("1 faces with more than three corners are not planar"));
 }
 
 #[test]
@@ -434,7 +434,7 @@ fn archives_have_one_budget() {
         .chain(names.iter().map(|name| (name.as_str(), nothing.as_str())))
         .collect();
     assert!(error(&parts).contains("the model has more than 4096 parts"));
-    // nested components: 4^13 tetrahedra, which are cut off by their vertices
+    // nested components: 4^13 tetrahedra, which the limit of vertices cuts off
     let nested: String = (2..15)
         .map(|id| {
             format!(

@@ -11,14 +11,14 @@ use std::sync::Arc;
 pub(crate) struct Label {
     /// The name given to the leaf, or the name of its kind.
     pub name: Arc<str>,
-    /// The kind of shape, as `sphere`.
+    /// The kind of shape, e.g. `sphere`.
     pub kind: &'static str,
     /// The faces, as the manual page of the kind names them.
     pub faces: Arc<[Cow<'static, str>]>,
 }
 
 impl Label {
-    /// The name of a face by its number, as `rim.side`.
+    /// The name of a face by its number, e.g. `rim.side`.
     pub fn face_name(&self, facet: usize) -> String {
         format!("{}.{}", self.name, self.faces.get(facet).map_or("", |face| face))
     }

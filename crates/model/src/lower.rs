@@ -62,7 +62,7 @@ impl Group<'_> {
     }
 }
 
-/// Number of maps and names searched for an outer name; it keeps naming all leaves of a deep tree linear in
+/// Maximum number of maps and names searched for an outer name, so that naming all leaves of a deep tree takes linear
 /// time.
 const MAX_NAME_LEVELS: usize = 64;
 
@@ -117,7 +117,7 @@ impl<'a> Prototypes<'a> {
 struct Context<'a> {
     parent: u32,
     name: Option<&'a Arc<str>>,
-    /// The single copy with a label that this context is inside of.
+    /// The labelled single copy that contains this context.
     copy: Option<&'a Copies>,
     /// The innermost context with a name or a copy, this one included; 0 if there is none.
     step: u32,
@@ -399,7 +399,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let next = Context { parent: visit.context, name, copy: None, step, named, direct: true, map };
         let composed = self.composed(&Affine::IDENTITY, map);
         let bits = |map: &Affine| map.to_rows().map(|row| row.map(f64::to_bits));
-        // the product with the identity may have another zero than -0
+        // the product with the identity may turn -0 into 0
         match bits(&composed.0) == bits(&self.maps[map as usize].0) {
             true => self.enter(visit, next),
             false => self.enter_moved(visit, next, composed),

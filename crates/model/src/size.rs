@@ -1,6 +1,6 @@
 //! The number of leaves of a model, counted before they are made.
 //!
-//! A solid may be used many times, and each use under another map makes leaves of its own: forty steps of
+//! A solid may be used many times, and each use under a different map makes its own leaves: forty steps of
 //! `s = s | s.translate(v)` describe 2^40 of them. The count visits each shared solid once.
 
 use crate::{CompileError, CompileProblem, Node, Solid};
@@ -97,7 +97,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or the visits exceed theirs.
+/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or if there are too many visits.
 fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
     let mut total = Size::default();
     let mut known: HashMap<usize, Size> = HashMap::new();

@@ -200,7 +200,7 @@ fn shapes() {
     );
     check(
         "[solid.s]\nconvex = { planes = [[1, 0, 0, 1], [0, 0, 0, 1]] }",
-        "3:36 convex: planes[1] is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?",
+        "3:36 convex: planes[1] is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?",
     );
     check(
         "[solid.s]\nsphere = { radius = true }",

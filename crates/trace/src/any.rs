@@ -63,7 +63,8 @@ macro_rules! evaluators {
             ///
             /// # Errors
             ///
-            /// [`EvaluatorError`]: an unknown name, or a model that is too large, as it can be for [`SingleHit`].
+            /// [`EvaluatorError`] for an unknown name, or for a model that is too large (possible for [`SingleHit`]
+            /// only).
             pub fn new(name: Option<&str>, program: Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
                 match name.unwrap_or(AnyEvaluator::NAMES[0]) {
                     $($(#[cfg($cfg)])? $name => $new(program).map(AnyEvaluator::$Kind),)+
@@ -129,7 +130,7 @@ impl AnyEvaluator {
     /// The names to choose from; the first is the default.
     pub const NAMES: [&str; ALL_NAMES.len()] = *ALL_NAMES.first_chunk().expect("as many names as there are");
 
-    /// A function that makes the evaluator of this name, for questions that compile programs of their own.
+    /// A constructor of the evaluator with this name, for callers that compile programs of their own.
     pub fn maker(name: Option<&str>) -> impl Fn(Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
         move |program| AnyEvaluator::new(name, program)
     }

@@ -22,7 +22,7 @@ fn all_give_the_same_lists() {
 
 #[test]
 fn a_liar_is_found_out() {
-    // an evaluator of another model
+    // an evaluator of a different model
     let liar = maker(|_| {
         Weave::new(std::sync::Arc::new(
             rayweave_model::Program::compile(&rayweave_model::Solid::universe()).expect("legal"),

@@ -54,10 +54,10 @@ fn points() {
     exact::points(&evaluators(), SHORT).finish("points", 45_000);
 }
 
-/// Models of the long form on which engine and oracle once differed: parts placed far from the origin with
-/// rays near their faces, cones and crossing planes with rays through the singular point, boundary events
-/// that change the result only together, a stretched tube and a pin, crossings beside ties and touches, rays nearly
-/// along infinite cylinders.
+/// Models of the long form on which engine and oracle once differed: parts placed far from the origin with rays near
+/// their faces, cones and crossing planes with rays through the singular point, boundary events that change the result
+/// only together, a stretched tube and a pin, crossings near ties and points of tangency, rays nearly along infinite
+/// cylinders.
 #[test]
 fn planted_coincidences_that_were_wrong_once() {
     let seeds = [

@@ -128,10 +128,10 @@ fn a_ray_needs_a_direction() {
     let huge = ["probe", "ball.toml", "--from", "1e200,0,0", "--to", "0,0,0"];
     assert_eq!(
         bench.fails(2, &huge),
-        "error: --from and --to give a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): beyond 1e100 squares overflow. Is the unit far too small?\n"
+        "error: --from and --to give a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): components beyond 1e100 overflow in computations. Is the unit far too small?\n"
     );
     let tiny = ["probe", "ball.toml", "--from", "0,0,0", "--to", "0,1e-200,0"];
-    assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): below 1e-100"));
+    assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): components below 1e-100"));
 }
 
 /// From there the ball is smaller than the tolerance, and would be missed.
@@ -139,9 +139,9 @@ fn a_ray_needs_a_direction() {
 fn a_ray_from_too_far_is_rejected() {
     let bench = Bench::new();
     let line = ["probe", "ball.toml", "--from", "-1e15,0,0", "--to", "0,0,0"];
-    let expected = "error: the ray is too far from the model: 1.000e15 along it, where it comes closest, points are accurate \
-                    to 1.421e1, and the model is 2.000e0 thick. Start the ray closer to the model, and keep the model close \
-                    to the origin of the coordinates.\n";
+    let expected = "error: the ray is too far from the model: at its closest point, 1.000e15 from its origin, coordinates are \
+                    accurate to 1.421e1, and the model is 2.000e0 thick. Start the ray closer to the model, and keep the \
+                    model close to the origin of the coordinates.\n";
     assert_eq!(bench.fails(2, &line), expected);
     assert_eq!(bench.fails(2, &[&line[..], &["--explain"]].concat()), expected);
 }
@@ -197,8 +197,8 @@ fn the_explanation_of_the_chain() {
     assert!(text.starts_with(&plain), "{text}");
     for line in [
         "The ray (-60, 0, 0) + t (120, 0, 0).",
-        "  rule 4: if not, the operands that have changed are queried again, from there on.",
-        "What is next after t = -inf?",
+        "  rule 4: if not, the operands that have changed are queried again, after that time.",
+        "The next change after t = -inf:",
         "        s1 is entered at 0.0375, through s1.side.",
         "      s1 | s2 is entered at 0.0375: s1 is entered, and the ray is outside s2 until 0.145833. (rule 3)",
         "  So the ray is in the world until t = 0.0375, then in chain.",
@@ -237,7 +237,7 @@ fn stories_of_parts_and_of_few_lines() {
         .map(|explain| bench.says(&[&["probe", "cemented.toml", explain], &line[..]].concat()));
     assert_eq!(all, many);
     let segment = [&["probe", "ball.toml", "--segment", "--explain"], &HEAD_ON[..]].concat();
-    assert!(bench.says(&segment).contains("What is next after t = 0?"));
+    assert!(bench.says(&segment).contains("The next change after t = 0:"));
     for wrong in ["--explain=0", "--explain=-1", "--explain=few"] {
         let message = bench.fails(2, &[&["probe", "ball.toml", wrong], &HEAD_ON[..]].concat());
         assert!(message.contains("a whole number from 1, or all"), "{message}");

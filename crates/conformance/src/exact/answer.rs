@@ -282,10 +282,10 @@ impl<'a> RayComputation<'a> {
         Ok(Some(Expected { before, after, t, times, leaves }))
     }
 
-    /// The leaves that a crossing may belong to. Where several surfaces coincide at a time, rounding may let
-    /// any leaf with one of them change, and change back. Where there is a single surface, it is the lowest leaf
-    /// whose event alone changes the medium before, or whose event undone changes the medium after, or if there
-    /// is none the first that changes it when they change one after the other.
+    /// The leaves that a crossing may belong to. Where several surfaces coincide at a time, rounding may make any leaf
+    /// with one of them change and change back. Where there is a single surface, it is the lowest leaf whose event
+    /// alone changes the medium before, or whose event undone changes the medium after, or if there is none the first
+    /// that changes it when they change one after the other.
     fn owners(&self, run: &[usize], times: (f64, f64)) -> Vec<usize> {
         let about = self.moments.iter().filter(|m| times.0 <= m.root.t() && m.root.t() <= times.1);
         let mut surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();

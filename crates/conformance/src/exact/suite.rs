@@ -123,8 +123,8 @@ pub fn meshes(makers: &[Maker], seeds: Range<u64>) -> Count {
     count
 }
 
-/// Random rays through the models of [`planted`] and through random trees of boxes, balls and rods. Almost
-/// none of the rays has a coincidence of its own, though half of the models have common faces.
+/// Random rays through the models of [`planted`] and through random trees of boxes, balls and rods. Almost no ray has a
+/// coincidence of its own, although half of the models have common faces.
 pub fn transversal(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
     for seed in seeds {
@@ -281,10 +281,10 @@ fn differences(
         Some(format!("{what}: {name} from {start} {}\nexact {}", list(crossings), description(expected)))
     };
     if subject.medium(found.starts[0].index()) != subject.medium(expected.start) {
-        return wrong("another medium at the start");
+        return wrong("a different medium at the start");
     }
     if crossings.len() != expected.crossings.len() {
-        return wrong("another number of crossings");
+        return wrong("a different number of crossings");
     }
     let pairs = || crossings.iter().zip(&expected.crossings);
     let media = |before: usize, after: usize| [before, after].map(|k| subject.medium(k));
@@ -299,7 +299,7 @@ fn differences(
         return wrong("another leaf");
     }
     if nearest_differs(evaluator, &batch, crossings) {
-        return wrong("another nearest crossing");
+        return wrong("a different nearest crossing");
     }
     let start = subject.is_windowed() || found.starts[0].index() == expected.start;
     if !start || !pairs().all(|(c, e)| (c.before.index(), c.after.index()) == (e.before, e.after)) {

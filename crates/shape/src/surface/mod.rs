@@ -294,7 +294,7 @@ impl Surface {
         }
     }
 
-    /// `f` at a point and the length of its gradient; where the surface has a ridge, of the gradient beside it.
+    /// `f` at a point and the length of its gradient (on a ridge of f, of the gradient on one side).
     fn value_and_slope(&self, point: Vec3) -> (f64, f64) {
         let (value, gradient) = match self {
             Surface::Torus(s) => s.value_and_steepest(point),

@@ -3,8 +3,8 @@
 //!
 //! The matrix `sum w_k e_k e_k^T` is not stored: for a thin ellipsoid with half axes 1 and h, rounding its entries to u
 //! would move the far ends by u / h^2. A rounding of e_k . q, at most 3 u |q|, moves the surface by at most
-//! `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3) u |q|` for perpendicular axes,
-//! whatever the weights.
+//! `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3) u |q|` for perpendicular axes and
+//! any weights.
 
 use super::Surface;
 use super::along::{SQUARE_NOISE, quadratic_crossings, recentred};
