@@ -63,8 +63,8 @@ impl Assembly {
     /// Compiles the system.
     ///
     /// # Errors
-    /// [`OpticsError`] for two elements of one name, numbers out of range, finishes of faces that
-    /// do not exist, and solids that do not compile.
+    /// [`OpticsError`] for two elements with the same name, numbers out of range, finishes of faces
+    /// that do not exist, and solids that do not compile.
     pub fn compile(&self) -> Result<System, OpticsError> {
         let mut names = HashSet::new();
         if let Some(twice) = self.elements.iter().find(|element| !names.insert(&element.name)) {
@@ -166,11 +166,11 @@ struct ElementFinishes {
     element: usize,
     finish: Finish,
     own: Vec<Finish>,
-    /// For every face of the program the number of its own finish, or [`NONE`]; empty if no face has its own.
+    /// For every face of the program, the number of its own finish or [`NONE`]; empty if no face has its own finish.
     by_face: Vec<u16>,
 }
 
-/// The number of no own finish.
+/// Marks a face without a finish of its own.
 const NONE: u16 = u16::MAX;
 
 impl ElementFinishes {
@@ -407,7 +407,7 @@ impl System {
         &self.program
     }
 
-    /// The names of the elements; results name elements by their numbers in this list.
+    /// The names of the elements; results refer to elements by their numbers in this list.
     pub fn element_names(&self) -> &[String] {
         &self.elements
     }
@@ -477,8 +477,8 @@ impl System {
         }
     }
 
-    /// The face at a crossing: that of the entered element or, if it is polished and the other is
-    /// not, of the left one.
+    /// The face at a crossing: that of the element that is entered or, if it is polished and the
+    /// other is not, that of the element that is left.
     pub(crate) fn face_at(&self, crossing: &Crossing) -> HitFace<'_> {
         let side = |region: RegionId, face: Face, from_inside: bool| {
             let finishes = self.finishes.get(region.index().checked_sub(1)?)?;

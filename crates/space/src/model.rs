@@ -98,7 +98,7 @@ pub fn trace_curve(
 /// ```
 ///
 /// # Errors
-/// As [`trace_curve`]; `sides` is then unchanged.
+/// As for [`trace_curve`]; `sides` is then unchanged.
 pub fn trace_curve_from(
     program: &Program,
     curve: &dyn Curve<3>,

@@ -14,7 +14,7 @@ const FAR_PUPIL: f64 = 0.25;
 /// the stop. A [`Study`] refuses to trace such rays unaimed.
 ///
 /// # Errors
-/// As of [`Prescription::beam`].
+/// As for [`Prescription::beam`].
 pub fn needs_aiming(
     lens: &Prescription,
     field: usize,
@@ -109,7 +109,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// power.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`].
+    /// As for [`Study::arrivals`].
     pub fn polychromatic(&self, field: usize, pupil: &[[f64; 2]]) -> Result<Vec<Arrival>, LensAnalysisError> {
         let mut all = Vec::new();
         for line in &self.lens.lines {
@@ -124,7 +124,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in any study.
     ///
     /// # Errors
-    /// As of [`Prescription::beam_at_stop`], and [`LensAnalysisError::Stopped`] if the ray does not arrive.
+    /// As for [`Prescription::beam_at_stop`], and [`LensAnalysisError::Stopped`] if the ray does not arrive.
     pub fn principal(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, LensAnalysisError> {
         self.beside_principal(field, wavelength_nm, [0.0; 2])
     }
@@ -174,7 +174,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// are aimed, of the stop.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
+    /// As for [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
     pub fn fan(
         &self,
         field: usize,
@@ -195,7 +195,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// paraxial exit pupil, on the axis, to that point.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
+    /// As for [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
     pub fn wavefront(
         &self,
         field: usize,

@@ -139,7 +139,7 @@ impl<'a> Tolerancing<'a> {
     /// range.
     ///
     /// # Errors
-    /// As of [`Tolerancing::nominal`], and [`DesignError::None`] without errors, and
+    /// As for [`Tolerancing::nominal`], and [`DesignError::None`] without errors, and
     /// [`DesignError::Memory`] for trials that do not fit into memory. A cancelled run returns
     /// fewer trials.
     pub fn trials(&self, count: u64) -> Result<Trials, DesignError> {
@@ -191,7 +191,7 @@ impl<'a> Tolerancing<'a> {
     /// The merit with each parameter changed alone, to both ends of its spread.
     ///
     /// # Errors
-    /// As of [`Tolerancing::nominal`].
+    /// As for [`Tolerancing::nominal`].
     pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DesignError> {
         let evaluator = self.evaluator()?;
         let at = |parameter: DesignParameter, change: f64| {

@@ -97,7 +97,7 @@ impl Prescription {
     /// the surface, do not.
     ///
     /// # Errors
-    /// As of [`Prescription::first_order`].
+    /// As for [`Prescription::first_order`].
     pub fn first_order_along(
         &self,
         meridian: Meridian,

@@ -69,7 +69,7 @@ impl Prescription {
     /// from the paraxial one.
     ///
     /// # Errors
-    /// As of [`Prescription::beam`], and [`PrescriptionError::Lost`] if no ray to a point of the stop is
+    /// As for [`Prescription::beam`], and [`PrescriptionError::Lost`] if no ray to a point of the stop is
     /// found.
     pub fn beam_at_stop(
         &self,
@@ -91,7 +91,7 @@ impl Prescription {
     /// wide-angle lenses it can be outside the paraxial pupil.
     ///
     /// # Errors
-    /// As of [`Prescription::beam_at_stop`].
+    /// As for [`Prescription::beam_at_stop`].
     pub fn principal_point(&self, field: usize, wavelength_nm: f64) -> Result<[f64; 2], PrescriptionError> {
         self.aim(&self.resolved()?, field, wavelength_nm)?.pupil_of([0.0; 2])
     }

@@ -61,7 +61,7 @@ pub fn dispersing_prism(apex_degrees: f64, side: f64, width: f64) -> Result<Soli
     extruded(&[("front", at(sin, -cos), top), ("back", at(sin, cos), top), ("base", -Vec3::Y, -top)], width)
 }
 
-/// The prism over an equilateral triangle, as [`dispersing_prism`] with 60 degrees.
+/// The prism over an equilateral triangle: a [`dispersing_prism`] with an apex angle of 60 degrees.
 ///
 /// # Errors
 /// Sizes that are not positive.
@@ -159,8 +159,8 @@ pub fn dove_length(height: f64, index: f64) -> Result<f64, ComponentError> {
 /// `diameter`.
 ///
 /// A ray at (x, y) hits one half of the roof at z = y - sqrt(2) |x| and the other at the height y +
-/// sqrt(2) |x|; over the circle that is at most sqrt(3)/2 `diameter`, the distance of front and
-/// exit.
+/// sqrt(2) |x|; over the circle that is at most sqrt(3)/2 `diameter`, the distance of the front and
+/// exit faces from the origin.
 ///
 /// # Errors
 /// A diameter that is not positive.
@@ -224,10 +224,10 @@ pub fn wedge_prism(wedge_degrees: f64, thickness: f64, aperture: Aperture) -> Re
     Ok(Solid::intersection([front, back, edge]))
 }
 
-/// The two prisms of a beam-splitter cube about the origin, cemented at the face `split.plane`, z =
-/// y, one surface to the bit. Light along +z enters the first by `front.plane`; reflected light
-/// leaves it along +y by `exit.plane`, transmitted light leaves the second by `back.plane`. The
-/// fourth face is `bottom.plane` of the second.
+/// The two prisms of a beam-splitter cube about the origin, cemented at the face `split.plane` (z =
+/// y), which is bitwise the same surface in both. Light along +z enters the first by `front.plane`;
+/// reflected light leaves it along +y by `exit.plane`, transmitted light leaves the second by
+/// `back.plane`. The fourth face is `bottom.plane` of the second.
 ///
 /// # Errors
 /// A side that is not positive.

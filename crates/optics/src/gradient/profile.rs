@@ -25,9 +25,9 @@ pub(crate) struct Local {
 
 #[derive(Clone, Debug)]
 pub(super) enum Profile {
-    /// n^2 by powers of r^2 about z.
+    /// n^2 as a polynomial in r^2 about z.
     Squared(Vec<f64>),
-    /// n by powers of r^2 about z, and by powers of z from the first.
+    /// n as a polynomial in r^2 about z plus a polynomial in z without a constant term.
     Polynomial {
         radial: Vec<f64>,
         axial: Vec<f64>,

@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn gratings() {
-        // 600 lines a millimetre, 500 nm, normal incidence: sin = 0.3 m
+        // 600 lines per millimetre, 500 nm, normal incidence: sin = 0.3 m
         let lines = 600.0 * Vec3::X;
         for m in -3..=3 {
             let found = diffract(Vec3::Z, Vec3::Z, [1.0, 1.0], lines, m, 500e-6).unwrap();

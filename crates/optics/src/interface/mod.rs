@@ -3,7 +3,7 @@
 //! - [`reflect`] and [`refract`]: directions, by the law of reflection and Snell's law, with total
 //!   internal reflection.
 //! - [`diffract`]: the direction of an order of a diffraction grating.
-//! - [`fresnel`]: amplitudes of reflection and transmission at a bare interface, also of metals.
+//! - [`fresnel`]: amplitudes of reflection and transmission at a bare interface, including metals.
 //! - [`transfer_matrix`]: the same with thin films (coatings) between the media.
 //! - [`Stokes`]: the polarisation of a ray, and its change by diagonal Jones matrices.
 

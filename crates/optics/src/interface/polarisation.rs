@@ -41,8 +41,8 @@ impl Stokes {
         if i > 0.0 { (q * q + u * u + v * v).sqrt() / i } else { 0.0 }
     }
 
-    /// The same state with reference to another axis across the ray: a rotation of the parameters
-    /// by twice the angle.
+    /// The same state relative to a different axis across the ray: a rotation of the parameters by
+    /// twice the angle.
     pub fn rotated_to(&self, axis: Vec3, direction: Vec3) -> Stokes {
         let (cosine, sine) = (self.axis.dot(axis), self.axis.cross(axis).dot(direction));
         let (c, s) = (cosine * cosine - sine * sine, 2.0 * cosine * sine);
@@ -66,7 +66,7 @@ impl Stokes {
         Stokes { parameters, axis: self.axis }
     }
 
-    /// The same state with another power.
+    /// The same state with a different power.
     pub fn with_power(&self, power: f64) -> Stokes {
         let factor = if self.power() > 0.0 { power / self.power() } else { 0.0 };
         Stokes { parameters: self.parameters.map(|x| x * factor), axis: self.axis }

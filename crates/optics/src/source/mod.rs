@@ -3,7 +3,7 @@
 //! A [`Source`] is a [`Pattern`] of rays with a [`Spectrum`], a [`Power`], a seed and a placement.
 //! In its own frame it emits along +z. Ray k is a function of the source and of k alone, so that
 //! any range of rays can be generated in any order, on any thread, with the same bits. (Every lamp
-//! is a static lamp of PyRayT; another seed gives another lamp.)
+//! behaves like a static lamp of PyRayT; a different seed gives a different lamp.)
 //!
 //! ```
 //! use rayweave_optics::component::Aperture;
@@ -83,7 +83,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// A source at the origin, with 633 nm and a power of 100 for each ray (1 for listed rays with powers).
+    /// A source at the origin, with a wavelength of 633 nm and a power of 100 for each ray (1 for listed
+    /// rays with powers).
     ///
     /// # Errors
     /// [`SourceError`] for settings that are out of range or inconsistent.
@@ -103,7 +104,7 @@ impl Source {
     /// Sets the spectrum.
     ///
     /// # Errors
-    /// As of [`Spectrum::wavelengths`].
+    /// As for [`Spectrum::wavelengths`].
     pub fn spectrum(self, spectrum: &Spectrum) -> Result<Source, SourceError> {
         Ok(Source { wavelengths: spectrum.wavelengths()?, ..self })
     }

@@ -67,7 +67,7 @@ pub enum Pattern {
         /// The sampling of the aperture.
         sampling: Sampling,
     },
-    /// Rays from the origin into a cone, evenly in solid angle.
+    /// Rays from the origin into a cone, uniform in solid angle.
     Point {
         /// The greatest angle to the axis, in degrees; 180 for all directions.
         half_angle_degrees: f64,
@@ -347,7 +347,7 @@ fn around(turn: f64) -> Vec3 {
     Vec3::new(x, y, 0.0)
 }
 
-/// The direction at an angle to the axis, by its sine and cosine.
+/// The direction at an angle to the axis, given by its sine and cosine.
 fn tilted(sin: f64, cos: f64, turn: f64) -> Vec3 {
     (sin * around(turn)).with_z(cos)
 }

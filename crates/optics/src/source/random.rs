@@ -1,4 +1,4 @@
-//! Random streams: counter-based random numbers of rays, independent of the range of a source that is generated.
+//! Random streams: counter-based random numbers of rays, independent of which range of a source is generated.
 //!
 //! ChaCha is a counter-based generator: block number k of a stream, 64 bytes, is computed from key
 //! and counter alone. Ray k gets block k, eight numbers with 53 bits each. This is faster than a
@@ -24,7 +24,7 @@ pub(super) type Numbers = [f64; NUMBERS];
 pub(super) struct RayNumbers(ChaCha8Rng);
 
 impl RayNumbers {
-    /// The random numbers from a ray on.
+    /// The random numbers of a ray and of those after it.
     pub fn from(seed: u64, stream: u64, ray: u64) -> RayNumbers {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(SOURCES ^ stream);

@@ -11,7 +11,7 @@ pub enum Spectrum {
     Line(f64),
     /// Several wavelengths, in nanometres, each with its relative power.
     Lines(Vec<(f64, f64)>),
-    /// The same power per nanometre from one wavelength to another, in nanometres.
+    /// Constant power per nanometre between two wavelengths.
     Band {
         /// The shortest wavelength.
         from_nm: f64,

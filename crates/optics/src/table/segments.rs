@@ -103,8 +103,8 @@ pub struct SegmentFile<'a> {
     pub path: &'a Path,
     /// The unit of lengths.
     pub unit: &'a str,
-    /// Whether the table has the columns of phases. They take a second evaluation of each event, on
-    /// one thread.
+    /// Whether the table has the columns of phases. They require a second evaluation of each event,
+    /// on one thread.
     pub phases: bool,
 }
 

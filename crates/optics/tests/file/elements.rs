@@ -178,7 +178,7 @@ fn curved_sheets() {
     let bad = |keys: &str| {
         problems(&format!("[optics]\n[[optics.sheet]]\nname = 'a'\ncircle = 30\naction = 'absorb'\n{keys}"))
     };
-    assert_eq!(bad("conic = -1"), "7:9 a conic constant without a `radius`: the sheet is plane.\n");
+    assert_eq!(bad("conic = -1"), "7:9 the sheet has a conic constant without a `radius`: it is plane.\n");
     assert_eq!(
         bad("radius = 40\nopening = { circle = 2 }"),
         "8:11 a curved sheet has no opening: only plane stops are supported.\n"

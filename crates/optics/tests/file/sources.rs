@@ -85,7 +85,7 @@ fn ways_of_sampling() {
     assert_eq!(["fibonacci", "random", "grid", "hexapolar"].map(count), [100, 100, 100, 127]);
     let twice =
         "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, random = true, sampling = 'grid' }";
-    assert_eq!(problems(twice), "4:41 `random` is one too many: `sampling` has precedence.\n");
+    assert_eq!(problems(twice), "4:41 `random` is superfluous: `sampling` has precedence.\n");
     let unknown = "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, sampling = 'gird' }";
     assert!(problems(unknown).contains("Did you mean `grid`?"), "{}", problems(unknown));
 }

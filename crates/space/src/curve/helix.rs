@@ -50,7 +50,7 @@ impl Helix {
     /// Like [`Helix::new`], with the signed gyroradius `|v_p| / w` instead of the frequency. Infinity is a straight line.
     ///
     /// # Errors
-    /// As [`Helix::new`]; the radius is NaN or 0.
+    /// As for [`Helix::new`]; the radius is NaN or 0.
     pub fn with_radius(
         position: Point<3>,
         velocity: Point<3>,

@@ -203,7 +203,7 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Composition
 /// classified as in isolation.
 ///
 /// # Errors
-/// As [`isolate`](crate::isolate::isolate), for the curve.
+/// As for [`isolate`](crate::isolate::isolate), for the curve.
 pub fn coincides_along<const D: usize, F, C>(field: &F, curve: &C, a: f64, b: f64) -> Result<bool, CurveError>
 where
     F: Field<D> + ?Sized,

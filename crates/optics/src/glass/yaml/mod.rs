@@ -28,8 +28,8 @@ use tree::Node;
 use crate::glass::read::{FileProblem, GlassFileError, finish, nm_from_um, numbers};
 use crate::glass::{Dispersion, Glass, Published, Table};
 
-/// Reads the materials of a file of refractiveindex.info; `name` is that of a document that has no
-/// key `NAME`, as is usual.
+/// Reads the materials of a refractiveindex.info file; `name` is the name of a document without the
+/// key `NAME`, which is the usual case.
 ///
 /// If there are several formulas or tables for the index, the first counts; likewise for the
 /// extinction coefficient.
