@@ -232,7 +232,7 @@ fn lines_are_where_something_begins() {
     // a step in depth between parallel faces
     let step = inner_lines(&weave(&(&left | right.translate([0.0, 0.3, 0.0]))), &camera, &green);
     assert!((35..=130).contains(&step), "{step}");
-    // a fold: faces at 160 degrees from one another, 20 from being flat
+    // a fold: faces that meet at 160 degrees, 20 less than flat
     let wing = |degrees: f64| {
         let half = block([0.0, 0.0, -2.0], [2.0, 1.0, 2.0]).rotate_z(degrees);
         &half | half.mirror(Vec3::X)

@@ -34,8 +34,8 @@ pub struct FieldFoci {
 }
 
 impl<E: Evaluator> Study<'_, E> {
-    /// The distortion of a field at a wavelength. The principal ray is aimed at the centre of the stop in any
-    /// study.
+    /// The distortion of a field at a wavelength. The principal ray is aimed at the centre of the stop in
+    /// every study.
     ///
     /// # Errors
     /// As for [`Study::principal`].

@@ -10,8 +10,8 @@ use rayweave_optics::{Beam, TraceSettings, Tracer};
 const FAR_PUPIL: f64 = 0.25;
 
 /// True if the rays of a field have to be aimed at the stop: the real entrance pupil lies more than a quarter
-/// of its semi-diameter beside the paraxial one, so that rays through the latter illuminate the wrong part of
-/// the stop. A [`Study`] refuses to trace such rays unaimed.
+/// of its semi-diameter away from the paraxial one, so that rays through the latter illuminate the wrong part
+/// of the stop. A [`Study`] refuses to trace such rays unaimed.
 ///
 /// # Errors
 /// As for [`Prescription::beam`].
@@ -121,7 +121,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
         Ok(all)
     }
 
-    /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in any study.
+    /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in every study.
     ///
     /// # Errors
     /// As for [`Prescription::beam_at_stop`], and [`LensAnalysisError::Stopped`] if the ray does not arrive.
@@ -149,7 +149,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
         self.one(&beam, LensAnalysisError::Stopped { ray: "principal", field })
     }
 
-    /// The ray of the axis through a height in the pupil.
+    /// The axial ray through a height in the pupil.
     pub(super) fn axial(&self, wavelength_nm: f64, height: f64) -> Result<Arrival, LensAnalysisError> {
         let beam = self.beam(0, wavelength_nm, &[[0.0, height]])?;
         self.one(&beam, LensAnalysisError::Stopped { ray: "axial", field: 0 })

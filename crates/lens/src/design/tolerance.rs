@@ -90,7 +90,7 @@ impl<'a> Tolerancing<'a> {
         Tolerancing { refocus: true, ..self }
     }
 
-    /// Vignettes: a ray ends where it meets a surface beyond its stated semi-diameter, or in its hole.
+    /// Enables vignetting: a ray ends where it hits a surface outside its stated semi-diameter, or in its hole.
     pub fn vignetted(self) -> Tolerancing<'a> {
         Tolerancing { vignettes: true, ..self }
     }

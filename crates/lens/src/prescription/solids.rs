@@ -16,7 +16,7 @@ pub const IMAGE: &str = "image";
 /// The name of the stop element, if the stop is not the rim of a lens or mirror.
 pub const STOP: &str = "stop";
 
-/// Factor of computed semi-diameters over the extent of the rays.
+/// Ratio of computed semi-diameters to the extent of the rays.
 const SPARE: f64 = 1.02;
 
 /// The least thickness of a mirror substrate behind its rim, in units of its diameter.
@@ -25,8 +25,8 @@ const SUBSTRATE: f64 = 0.1;
 /// A prescription converted to parts of a system.
 #[derive(Clone, Debug)]
 pub struct PrescriptionLayout {
-    /// The parts: lenses are `lens 1-2` by their surfaces, mirrors `mirror 3`; then [`STOP`], unless the rim
-    /// of one of them is the stop, and [`IMAGE`], which transmits the light. Rims absorb.
+    /// The parts: lenses, named after their surfaces (`lens 1-2`), and mirrors (`mirror 3`); then [`STOP`],
+    /// unless the rim of one of them is the stop, and [`IMAGE`], which transmits the light. Rims absorb.
     pub assembly: Assembly,
     /// The numbers of the elements in the order in which light reaches them in the prescription; light on any
     /// other path is stray light.
@@ -36,8 +36,8 @@ pub struct PrescriptionLayout {
 }
 
 impl Prescription {
-    /// Converts the prescription to solids in air, with the unit of lengths; [`Prescription::beam`] makes its
-    /// rays.
+    /// Converts the prescription to solids in air, with the unit of lengths; [`Prescription::beam`] returns
+    /// its rays.
     ///
     /// A lens is as wide as the wider one of its two surfaces. If the other surface ends earlier, or if the
     /// two would intersect outside its semi-diameter, a flat rim joins it to the edge. Coincident faces of

@@ -114,8 +114,8 @@ fn a_peer_agrees() {
     }
 }
 
-/// A paraboloid given by its term in r^2 alone: light along the axis converges in the focus, by solids and by
-/// surfaces.
+/// A paraboloid given by its term in r^2 alone: light along the axis converges at the focus, traced through
+/// solids and through surfaces.
 #[test]
 fn a_parabola_of_terms_has_a_perfect_focus() {
     let f = 100.0;
@@ -223,7 +223,7 @@ fn extended_aspheres_have_a_radius_of_their_own() {
         refused(" XDAT 1 2\n XDAT 3 1\n").contains("the normalisation radius of the extended asphere is 0")
     );
     assert!(refused(" XDAT 1 9\n XDAT 2 1\n XDAT 11 1\n").contains("terms beyond r^16"));
-    assert!(refused(" PARM 1 1\n").contains("the extended asphere has a parameter 1"));
+    assert!(refused(" PARM 1 1\n").contains("the extended asphere has parameter 1"));
 }
 
 /// A conic with zero terms is the conic; terms have to count in the check for intersecting faces.

@@ -93,7 +93,7 @@ fn what_cannot_be_broken_is_named() {
     let file = "ENPD 1\nWAVM 1 0.5 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n DISZ 1\nSURF 2\n TYPE COORDBRK\n PARM 9 1\n";
     let problems = read_zmx(file.as_bytes()).unwrap_err().to_string();
     assert!(
-        problems.contains("line 9: the coordinate break has a parameter 9: 1 to 6 are read"),
+        problems.contains("line 9: the coordinate break has parameter 9: only 1 to 6 are read"),
         "{problems}"
     );
 }
@@ -178,7 +178,7 @@ fn tilted_mirrors_send_light_where_a_peer_sends_it() {
     }
 }
 
-/// Collimated light parallel to the axis of a paraboloid converges in its focus: an off-axis mirror as in
+/// Collimated light parallel to the axis of a paraboloid converges at its focus: an off-axis mirror as in
 /// catalogues, with its vertex decentred.
 #[test]
 fn an_off_axis_paraboloid_has_its_focus_on_its_axis() {

@@ -178,7 +178,7 @@ fn figures_agree_where_they_are_the_same_surface() {
 }
 
 /// A paraboloid as a polynomial in x and y, and one with different foci along x and y: the rays of each
-/// meridian converge in its focus.
+/// meridian converge at its focus.
 #[test]
 fn mirrors_of_terms_in_x_and_y() {
     let mirror = |fx: f64, fy: f64| {
@@ -255,10 +255,9 @@ fn refusals() {
         read_zmx(text.as_bytes()).unwrap_err().to_string()
     };
     assert!(
-        file("TOROIDAL", "XDAT 1 3\nXDAT 2 5\nXDAT 4 0.1")
-            .starts_with("line 7: the toroid has a parameter 13")
+        file("TOROIDAL", "XDAT 1 3\nXDAT 2 5\nXDAT 4 0.1").starts_with("line 7: the toroid has parameter 13")
     );
-    assert!(file("SZERNSAG", "PARM 9 0.5").contains("none are decentred"));
+    assert!(file("SZERNSAG", "PARM 9 0.5").contains("without decentres"));
     assert!(file("BICONICZ", "").contains("BICONICX"));
     assert!(file("XPOLYNOM", "XDAT 700000 1").contains("500 at most"));
     let mut odd = spectacle_lens();
@@ -267,8 +266,8 @@ fn refusals() {
 }
 
 /// Image points (x, y) by Optiland 0.6.3 of three rays through some of these lenses with a sphere for their
-/// back (its biconic is the sum of two curves, another surface), with its intersection search continued to
-/// 1e-15.
+/// back (its biconic is the sum of two curves, a different surface), with its intersection search continued
+/// to 1e-15.
 const OPTILAND: [(usize, [[f64; 2]; 3]); 4] = [
     (
         1,

@@ -68,7 +68,7 @@ fn lenses_have_flat_rims_where_one_surface_is_narrow() {
         let passes = lens.follow(&beam.get(k).ray, D_NM).unwrap();
         near((row.end - passes[2].point).length(), 0.0, 1e-11);
     }
-    // beside the narrow surface light hits the rim, which absorbs
+    // outside the narrow surface, light hits the rim, which absorbs
     let wide = Prescription { aperture: SystemAperture::EntrancePupilDiameter(22.0), ..lens };
     let outer: Vec<_> = disk(300, 0.99).into_iter().filter(|p| p[0].hypot(p[1]) > 0.7).collect();
     let found = trace(&layout, &wide.beam(0, D_NM, &outer).unwrap());

@@ -20,7 +20,7 @@ fn paraboloid() -> Prescription {
         .entrance_pupil_diameter(10.0)
 }
 
-/// 1 / f = (n - 1) (c1 - c2 + (n - 1) t c1 c2 / n), differentiated: by R1, R2, t and n.
+/// 1 / f = (n - 1) (c1 - c2 + (n - 1) t c1 c2 / n), differentiated with respect to R1, R2, t and n.
 fn slopes() -> [f64; 4] {
     let f = lensmaker(R1, R2, N, T).unwrap();
     let (c1, c2, m) = (1.0 / R1, 1.0 / R2, (N - 1.0) / N);
@@ -228,5 +228,5 @@ fn refusals() {
     let mirror = paraboloid();
     let index =
         Tolerancing::new(&mirror, Merit::SpotRms).add("index 1".parse().unwrap(), Spread::Normal(0.1));
-    assert!(index.nominal().unwrap_err().to_string().contains("behind a mirror"));
+    assert!(index.nominal().unwrap_err().to_string().contains("the medium behind a mirror"));
 }
