@@ -56,7 +56,7 @@ fn a_plate_shifts_light_sideways() {
     assert_eq!(system.surface_name(rows[0].surface as usize), "plate.z-");
 }
 
-/// In a cube with an index of 1.5, light along its diagonal meets each face at 54.7 degrees, beyond the critical angle of 41.8
+/// In a cube with an index of 1.5, light along its diagonal hits each face at 54.7 degrees, beyond the critical angle of 41.8
 /// degrees: it stays for ever. All rays hit edges of the cube exactly, the first one its corners.
 #[test]
 fn light_does_not_leak_at_edges() {
@@ -306,7 +306,7 @@ fn brewster_plates_polarise() {
 
 #[test]
 fn absorption_follows_beer_and_lambert() {
-    // one percent a millimetre
+    // one percent per millimetre
     let k = -0.99_f64.ln() * D_NM * 1e-6 / (4.0 * std::f64::consts::PI);
     let filter = Medium::constant("filter", 1.5, k).unwrap();
     let plate = Element::transparent("plate", block(40.0, 40.0, 10.0), &filter);

@@ -32,7 +32,8 @@ fn last(system: &System, x: f64, y: f64) -> (Vec3, Vec3) {
     (row.start, row.direction)
 }
 
-/// The focal length by a ray near the axis is that of the lensmaker's equation, to the order of the height squared.
+/// The focal length found from a ray near the axis is that of the lensmaker's equation, up to the square of the
+/// height.
 #[test]
 fn lensmakers() {
     let (index, height) = (1.5168, 1e-3);

@@ -1,4 +1,4 @@
-//! Mirrors: foci, places, off-axis pieces.
+//! Mirrors: foci, positions, off-axis pieces.
 
 use crate::probe::{Probe, assert_close, numbers, reflected};
 use rayweave_math::Vec3;

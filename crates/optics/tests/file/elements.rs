@@ -102,7 +102,7 @@ fn polarising_sheets() {
     let passed = |sheets: &str| {
         let said =
             Run::new(&read(&format!("[optics]\npolarised = true\n{sheets}{BENCH}"))).absorbed("transmitted");
-        // polarisation is traced by default if a sheet polarises
+        // polarisation is traced by default if a sheet affects it
         close(Run::new(&read(&format!("{sheets}{BENCH}"))).absorbed("transmitted"), said);
         said
     };

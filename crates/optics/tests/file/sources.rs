@@ -77,7 +77,7 @@ fn ways_of_sampling() {
         let optics = read(&text);
         let rays = optics.sources.rays(0..u64::MAX);
         let squares = rays.origins[0].iter().zip(&rays.origins[1]).map(|(x, y)| x * x + y * y);
-        // the mean square distance from the middle of an even disc
+        // the mean square distance from the centre of a uniform disc
         let mean = squares.zip(&rays.power).map(|(square, power)| square * power).sum::<f64>();
         assert!((mean - 0.5).abs() < if way == "random" { 0.12 } else { 0.03 }, "{way} {mean}");
         rays.len()

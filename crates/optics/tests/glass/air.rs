@@ -38,7 +38,7 @@ fn ciddors_tables_are_met() {
 }
 
 /// J. A. Stone and J. H. Zimmerman, Engineering Metrology Toolbox (NIST), "Documentation", table of
-/// test values; its formula for the vapour pressure is another, with an effect in the eighth
+/// test values; its formula for the vapour pressure is different, with an effect in the eighth
 /// decimal.
 #[test]
 fn nists_test_values_are_met() {

@@ -30,7 +30,7 @@ fn glasses_have_the_indices_and_abbe_numbers_of_their_makers_sheets() {
     assert!(glasses > 600 && indices > 4000, "{glasses} glasses, {indices} indices");
 }
 
-/// n_d and V_d of the `NM` lines and of `PROPERTIES`, which their makers publish beside the coefficients.
+/// n_d and V_d of the `NM` lines and of `PROPERTIES`, which their makers publish along with the coefficients.
 #[test]
 fn every_glass_meets_what_its_maker_publishes_with_its_coefficients() {
     let mut count = 0;
@@ -77,7 +77,7 @@ fn crystals_liquids_and_gases_have_the_indices_of_the_literature() {
         ("MgF2", 587.5618, 1.37774, 2e-5),
         ("MgF2 e", 587.5618, 1.38956, 2e-5),
         ("BaF2", 587.5618, 1.47448, 2e-5),
-        // 1.33299 relative to air at 20 °C is 1.33335 absolutely, as Daimon and Masumura state it
+        // 1.33299 relative to air at 20 °C is 1.33335 relative to vacuum, as Daimon and Masumura state it
         ("water", 589.2938, 1.33335, 2e-5),
         // Ciddor 1996: standard air
         ("air", 633.0, 1.000_276_53, 1e-8),

@@ -3,7 +3,7 @@
 use super::mutations;
 use rayweave_optics::glass::{Published, read_refractiveindex};
 
-/// A file in the form that the database uses since 2024.
+/// A file in the form that the database has used since 2024.
 const GLASS: &str = "\
 # this file is part of refractiveindex.info database
 

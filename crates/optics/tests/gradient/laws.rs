@@ -113,8 +113,8 @@ fn determinant(mut m: [[f64; 4]; 4]) -> f64 {
 }
 
 /// Random rays through balls whose index falls or rises towards the rim: no ray is lost, and each
-/// leaves with the invariant of Bouguer with which it entered, whatever total reflections it has
-/// undergone.
+/// leaves with the invariant of Bouguer with which it entered, after any number of total
+/// reflections.
 #[test]
 fn no_ray_is_lost() {
     none_is_lost(5000);
@@ -267,7 +267,7 @@ fn sheets_work_inside_of_gradients() {
 /// reaches the ground.
 #[test]
 fn the_world_may_have_a_gradient() {
-    // n = 1 + 1e-3 z: z as x turns by cosh; u = n cos at the start is kept
+    // n = 1 + 1e-3 z: the path is a cosh; u = n cos at the start is conserved
     let air = graded(1.0, Gradient::axial(&[1.0, 1e-3]).unwrap());
     let screen = Element::absorber("screen", block(1.0, 20.0, 20.0).translate(Vec3::X * 60.5));
     let road = Element::absorber("road", block(200.0, 20.0, 1.0).translate(Vec3::Z * -5.5));
@@ -280,7 +280,7 @@ fn the_world_may_have_a_gradient() {
     let n = u * (1e-3 * (60.0 - x0) / u).cosh();
     assert_eq!(last.event, Event::Absorbed);
     close(last.end, Vec3::new(60.0, 0.0, (n - 1.0) / 1e-3), 1e-9);
-    // upwards it never returns
+    // a ray that starts upwards never returns
     let rows = one(&system, Light::new(Vec3::ZERO, Vec3::new(-1.0, 0.0, 1.0), D_NM));
     assert_eq!(rows[rows.len() - 1].event, Event::Escaped);
 }

@@ -58,7 +58,7 @@ impl Helix {
         radius: f64,
     ) -> Result<Helix, CurveError> {
         if radius.is_nan() || radius == 0.0 {
-            let why = "it must not be 0, and infinity is a straight line";
+            let why = "it must not be 0; use infinity for a straight line";
             return Err(CurveError::InvalidArgument { what: "radius", why });
         }
         let straight = Helix::new(position, velocity, axis, 0.0)?;
@@ -67,8 +67,8 @@ impl Helix {
         Ok(Helix { frequency, ..straight })
     }
 
-    /// The right-handed helix from `start` around the line through `centre` along `axis`, with a rise of `pitch` per turn of 2 pi of t.
-    /// A pitch of 0 gives a circle, a negative one a left-handed helix.
+    /// The right-handed helix from `start` around the line through `centre` along `axis`, with a rise of `pitch` per turn, which takes
+    /// 2 pi in t. A pitch of 0 gives a circle, a negative one a left-handed helix.
     ///
     /// # Errors
     /// A number is NaN or infinite, or the axis is zero.
