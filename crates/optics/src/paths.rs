@@ -49,7 +49,7 @@ impl Path {
         self.steps.iter().filter(|step| step.1).count()
     }
 
-    /// The names of the elements in order; a `*` marks reflections, a `-` stands for no element.
+    /// The names of the elements in order; a `*` marks reflections, a `-` means no element.
     pub fn text(&self, elements: &[String]) -> String {
         let name = |element: i32| {
             usize::try_from(element).ok().and_then(|k| elements.get(k)).map_or("-", String::as_str)

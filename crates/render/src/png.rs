@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn depth_is_linear_and_says_its_range() {
+    fn depth_is_linear_and_stores_its_range() {
         let inf = f64::INFINITY;
         let depth = PixelGrid::from_values(size(4, 1), vec![0.1, 0.35, 0.6, inf]).unwrap();
         let (levels, texts) = grey(&encode_depth(&depth));

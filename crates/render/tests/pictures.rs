@@ -69,7 +69,7 @@ fn anti_aliasing_converges_to_the_covered_part() {
 }
 
 #[test]
-fn a_headlight_shines_by_the_cosine() {
+fn headlight_shading_is_the_cosine() {
     let weave = weave(&sphere(1.0));
     let settings =
         RenderOptions { style: Style::Headlight, colours: vec![Rgba::WHITE], ..plain(size(64, 64)) };
@@ -182,7 +182,7 @@ fn nothing_shades_itself() {
 }
 
 #[test]
-fn lines_surround_what_is_seen() {
+fn outlines_surround_the_visible_region() {
     let weave = weave(&block([-2.0, 0.0, -1.0], [2.0, 1.0, 1.0]));
     let lines = Some(Lines { width: 1.0, colour: BLACK, ..Lines::default() });
     let settings = RenderOptions { lines, colours: vec![Rgba::opaque(9, 200, 9)], ..plain(size(12, 8)) };
@@ -220,7 +220,7 @@ fn inner_lines(weave: &Weave, camera: &Camera, colours: &[Rgba]) -> usize {
 }
 
 #[test]
-fn lines_are_where_something_begins() {
+fn lines_mark_changes_of_region_depth_and_angle() {
     let green = [Rgba::opaque(0, 220, 0); 2];
     let (left, right) = (block([-2.0, 0.0, -2.0], [0.0, 1.0, 2.0]), block([0.0, 0.0, -2.0], [2.0, 1.0, 2.0]));
     let camera = front(5.0);

@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_read_as_they_are_written() {
+    fn names_survive_the_round_trip() {
         for text in
             ["radius 2", "curvature 1", "decentre y 3-4", "tilt x 5", "index 12", "r^4 1", "r^16 3", "r^1 2"]
         {

@@ -230,7 +230,7 @@ pub struct ImageSurface {
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
-    /// The semi-diameter. By default twice that of the rays of all fields.
+    /// The semi-diameter; by default twice the extent of the rays of all fields.
     pub semi_diameter: Option<f64>,
 }
 

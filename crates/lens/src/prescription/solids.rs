@@ -76,10 +76,10 @@ impl Prescription {
             for line in &self.lines {
                 let rim: Vec<[f64; 2]> = rim().collect();
                 let mut beams = vec![self.beam(field, line.wavelength_nm, &rim)?];
-                // if aiming at the rim of the stop fails, the rays through the entrance pupil alone count
+                // if aiming at the rim of the stop fails, only the rays through the entrance pupil are used
                 beams.extend(self.beam_at_stop(field, line.wavelength_nm, &rim));
                 for ray in beams.iter().flat_map(|beam| (0..beam.len()).map(|k| beam.get(k).ray)) {
-                    // a lost ray does not count
+                    // lost rays are ignored
                     let followed = self.follow_resolved(resolved, &ray, line.wavelength_nm);
                     let passes = followed.unwrap_or_else(|error| {
                         lost = Some(error);

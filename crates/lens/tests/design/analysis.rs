@@ -73,7 +73,7 @@ fn spots_of_disks() {
 }
 
 #[test]
-fn weights_count() {
+fn rays_are_weighted_by_power() {
     let rays = disk(1.0, 10.0);
     let heavy: Vec<Arrival> = rays
         .iter()
@@ -187,7 +187,7 @@ fn nolls_table() {
 }
 
 #[test]
-fn fits_find_what_was_put_in() {
+fn fits_recover_the_coefficients() {
     let terms: Vec<ZernikePolynomial> = (1..=15).map(ZernikePolynomial::noll).collect();
     let points = square(31);
     let truth =

@@ -56,7 +56,7 @@ fn a_fold_changes_nothing() {
 }
 
 #[test]
-fn ways_there_and_back_cancel() {
+fn inverse_breaks_cancel() {
     let (decentre, tilts) = ([0.3, -1.2], [12.0, -7.0, 31.0]);
     let there = CoordinateBreak::new(1, decentre, tilts).map;
     let back = CoordinateBreak::tilts_first(1, decentre.map(|x| -x), tilts.map(|x| -x)).map;
@@ -70,7 +70,7 @@ fn ways_there_and_back_cancel() {
 }
 
 #[test]
-fn what_cannot_be_broken_is_named() {
+fn invalid_breaks_are_rejected() {
     let message = |lens: Prescription| lens.assembly().unwrap_err().to_string();
     let tilt = |before| CoordinateBreak::new(before, [0.0; 2], [1.0, 0.0, 0.0]);
     assert_eq!(
@@ -163,7 +163,7 @@ const OPTILAND: [End; 8] = [
 ];
 
 #[test]
-fn tilted_mirrors_send_light_where_a_peer_sends_it() {
+fn tilted_mirrors_agree_with_optiland() {
     let lens = read_zmx(CROOKED.as_bytes()).unwrap().prescription;
     let layout = lens.assembly().unwrap();
     for (field, point, place, direction) in OPTILAND {

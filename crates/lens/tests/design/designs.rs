@@ -41,7 +41,7 @@ fn mm(lens: &Prescription) -> f64 {
 }
 
 #[test]
-fn files_are_as_they_are_written() {
+fn files_survive_the_round_trip() {
     let folder = format!("{}/../../models/optics", env!("CARGO_MANIFEST_DIR"));
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .unwrap()

@@ -26,7 +26,7 @@ fn solids_and_the_sequence_of_surfaces_agree() {
 }
 
 #[test]
-fn nothing_is_seen_between_cemented_elements() {
+fn cemented_elements_have_no_gap() {
     let lens = doublet();
     let layout = lens.assembly().unwrap();
     let beam = lens.beam(1, D_NM, &disk(20_000, 1.0)).unwrap();
@@ -80,7 +80,7 @@ fn lenses_have_flat_rims_where_one_surface_is_narrow() {
 }
 
 #[test]
-fn stops_stop() {
+fn stops_block_light() {
     let mut lens = triplet();
     lens.surfaces[4].semi_diameter = Some(1.5);
     let layout = lens.assembly().unwrap();
@@ -114,7 +114,7 @@ fn double_passes_use_one_lens() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_name_the_problem() {
     let message = |lens: Prescription| lens.assembly().unwrap_err().to_string();
     let biconvex = |t: f64, semi_diameter: f64| {
         Prescription::new(vec![

@@ -178,7 +178,7 @@ pub fn amici_prism(diameter: f64) -> Result<Solid, ComponentError> {
 }
 
 /// A corner cube: light along +z enters by the triangle `front.plane` in z = 0, is reflected by
-/// three faces at right angles, `mirror1.plane` to `mirror3.plane`, that meet in (0, 0, `depth`),
+/// three faces at right angles, `mirror1.plane` to `mirror3.plane`, that meet at (0, 0, `depth`),
 /// and is retroreflected. The path in the glass is 2 `depth` long at normal incidence. A circle of
 /// diameter sqrt(2) `depth` about the axis lies within the front.
 ///

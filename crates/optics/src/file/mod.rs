@@ -44,8 +44,9 @@
 //!
 //! The key of a face is its name, the leading parts of that name (parts are separated by dots), or
 //! any single part; if several entries apply to a face, the longest key has precedence. Angles are
-//! in degrees: that of a polariser and the second of a retarder (after its retardance) from x
-//! towards y; the lines of a grating are per unit of length, along x and y of the sheet.
+//! in degrees; the angle of a polariser, and the second number of a retarder (after its
+//! retardance), are measured from x towards y. The lines of a grating are per unit of length, along
+//! x and y of the sheet.
 //!
 //! The other sources are `line = { length, rays }`, `circle = { diameter, rays }`,
 //! `cone = { angle, rays }`, `wedge = { angle, rays }`, `lamp = { width, height, angle, rays }` and

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn no_two_names_of_a_maker_are_one() {
+    fn names_of_a_maker_are_distinct() {
         let mut names = HashMap::new();
         for glass in glasses() {
             for name in glass.aliases().iter().map(String::as_str).chain([glass.name()]) {

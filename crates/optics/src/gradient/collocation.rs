@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn there_and_back() {
+    fn steps_are_time_reversible() {
         let gradient = Gradient::polynomial(&[1.2, -0.1, 0.02], &[0.05]).unwrap();
         let field = rod(&gradient);
         let (p, v) = (Vec3::new(0.3, 0.4, 0.1), 1.7 * Vec3::new(0.48, 0.6, 0.64));
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_hold_the_acceleration() {
+    fn bounds_contain_the_acceleration() {
         let gradient = Gradient::luneburg(1.0).unwrap();
         let field = rod(&gradient);
         let step = Step::of(&field, Vec3::new(0.3, 0.2, -0.9), Vec3::Z, 0.7).unwrap();

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn places_move_the_middle() {
+    fn placements_move_the_centre() {
         let map = Affine::translate(Vec3::new(1.0, 2.0, 3.0));
         let moved = Gradient::luneburg(2.0).unwrap().placed(&map).unwrap();
         assert_eq!(moved.at(Vec3::new(1.0, 2.0, 3.0), 500.0), Local { squared: 2.0, force: Vec3::ZERO });

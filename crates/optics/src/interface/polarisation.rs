@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn unpolarised_light_stays_so_through_equal_amplitudes() {
+    fn equal_amplitudes_keep_light_unpolarised() {
         let light = Stokes::unpolarised(3.0, Vec3::new(0.6, 0.0, 0.8));
         assert!(light.axis.dot(Vec3::new(0.6, 0.0, 0.8)).abs() < 1e-15);
         near(light.through_jones([Complex64::from(0.5); 2]).parameters, [0.75, 0.0, 0.0, 0.0]);

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn half_waves_are_absent() {
+    fn half_wave_films_have_no_effect() {
         let half = Film { index: Complex64::from(2.1), thickness_nm: 600.0 / 2.0 / 2.1 };
         let with = transfer_matrix(1.0, &[half], Complex64::from(1.5), 1.0, 600.0);
         close(with.reflectance(), 0.04, 1e-14);

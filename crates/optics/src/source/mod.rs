@@ -124,7 +124,7 @@ impl Source {
         Ok(Source { unit_power, ..self })
     }
 
-    /// Sets the polarisation by the Stokes parameters i, q, u, v, of which only the ratios count.
+    /// Sets the polarisation by the Stokes parameters i, q, u, v, of which only the ratios matter.
     /// Light with q > 0 is polarised along the x axis of the source, projected across each ray; u >
     /// 0 leans from x towards y. A mirrored source emits mirrored light.
     ///

@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_has_its_numbers_wherever_the_piece_begins() {
+    fn numbers_of_a_ray_do_not_depend_on_the_range() {
         let mut all = RayNumbers::from(7, 3, 0);
         let all: Vec<Numbers> = (0..100).map(|_| all.ray()).collect();
         for first in [0, 1, 5, 63, 99] {

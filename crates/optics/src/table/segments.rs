@@ -108,7 +108,7 @@ pub struct SegmentFile<'a> {
     pub phases: bool,
 }
 
-/// Indices into a list of names; negative ones stand for no name.
+/// Indices into a list of names; negative ones mean no name.
 fn names(numbers: Vec<i32>) -> Values {
     let name = |number: i32| u32::try_from(number).unwrap_or(NO_NAME);
     numbers.into_iter().map(name).collect::<Vec<u32>>().into()

@@ -104,7 +104,7 @@ fn axicons_and_wedges_bend_by_one_angle() {
 /// Each lenslet, a placement of one solid, has its focus r / (n - 1) behind its vertex; a ring of a
 /// Fresnel lens deviates light like the whole surface at that height.
 #[test]
-fn lenses_made_of_many() {
+fn fresnel_lenses_and_lenslets() {
     let (index, radius) = (1.5, 20.0);
     let array = of_glass(&[lenslet_array(radius, 2.0, 3.0, 4, 3).unwrap()], index);
     for (column, row) in (0..4).flat_map(|column| (0..3).map(move |row| (column, row))) {

@@ -34,7 +34,7 @@ fn finishes() {
 }
 
 #[test]
-fn longer_names_of_faces_say_more() {
+fn longer_face_keys_have_precedence() {
     let faces = "[optics.face]\n'plate.plate.z-' = { mirror = 0.5 }\nplate = 'absorber'\n'plate.plate' = { mirror = 0.9 }\n";
     let run = Run::new(&read(&format!("{}{faces}{BENCH}", plate(1.5))));
     close(run.absorbed("reflected"), 0.5);

@@ -69,7 +69,7 @@ wavelength_nm = { band = [700, 400] }
     assert_eq!(problems(text), expected);
 }
 
-/// A sheet needs an outline, whatever its other keys are.
+/// A sheet needs an outline, regardless of its other keys.
 #[test]
 fn outlines_and_values_that_are_missing() {
     let sheet = |rest: &str| problems(&format!("{BENCH}[[optics.sheet]]\nname = 'a'\n{rest}\n"));

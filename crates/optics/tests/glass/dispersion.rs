@@ -134,7 +134,7 @@ fn malitsons_fused_silica_has_the_indices_of_his_table() {
 }
 
 #[test]
-fn an_abbe_number_is_met_exactly() {
+fn an_abbe_number_is_reproduced_exactly() {
     for (n_d, v_d) in [(1.5168, 64.17), (1.80518, 25.43)] {
         let glass = Dispersion::from_abbe(n_d, v_d).unwrap();
         let at = |line: &str| glass.index(line_nm(line).unwrap()).unwrap();

@@ -23,7 +23,7 @@ fn cemented() -> System {
 }
 
 #[test]
-fn light_finds_its_way_back() {
+fn light_paths_are_reversible() {
     let system = cemented();
     for (x, y) in [(0.1, 0.2), (-1.5, 0.4), (2.0, -2.0), (0.0, 2.7)] {
         let d = Vec3::new(0.03, -0.05, 1.0).normalize();
@@ -43,7 +43,7 @@ fn light_finds_its_way_back() {
 
 /// A step along a curve does not count as an element of a path.
 #[test]
-fn paths_name_what_light_meets() {
+fn paths_list_the_elements_hit() {
     let rod = Element::transparent("rod", rod(2.0, 30.0), &graded(1.6, Gradient::selfoc(0.1).unwrap()));
     let screen = Element::absorber("screen", block(20.0, 20.0, 1.0).translate(Vec3::Z * 40.0));
     let system = Assembly::new().add(rod).add(screen).compile().unwrap();
@@ -62,7 +62,7 @@ fn paths_name_what_light_meets() {
 /// Liouville's theorem: the determinant of the map of position and n times direction is 1 for every
 /// path.
 #[test]
-fn etendue_is_kept() {
+fn etendue_is_conserved() {
     // the same law without gradients
     let lens = ball(20.0).translate(Vec3::Z * 18.0) & ball(15.0).translate(Vec3::Z * -12.0);
     let glass = Medium::glass("N-SF11").unwrap();
@@ -166,7 +166,7 @@ fn no_wall_is_missed() {
 }
 
 #[test]
-fn power_is_neither_made_nor_lost() {
+fn power_is_conserved() {
     let medium = Medium::constant("dim", 1.6, 1e-8).unwrap().graded(Gradient::selfoc(0.25).unwrap());
     let inner = Element::transparent(
         "inner",
@@ -207,7 +207,7 @@ fn absorption_counts_the_length_of_the_path() {
 /// Polarisation undergoes parallel transport (Rytov): after one period of a helix the plane has
 /// rotated by the solid angle that the tangent encloses, 2 pi (1 - cos).
 #[test]
-fn polarisation_turns_on_helices() {
+fn polarisation_rotates_along_helices() {
     let (n0, g, r) = (1.6, 0.25, 1.0);
     let medium = graded(n0, Gradient::selfoc(g).unwrap());
     // on a circle the transverse speed is n0 g r; the rest is along the axis
@@ -235,7 +235,7 @@ fn polarisation_turns_on_helices() {
 
 /// Light that a sheet splits, or a thin lens deflects, inside a gradient continues in the gradient.
 #[test]
-fn sheets_work_inside_of_gradients() {
+fn sheets_work_inside_gradients() {
     let (n0, g) = (1.5, 0.2);
     let medium = graded(n0, Gradient::selfoc(g).unwrap());
     let lens = Element::sheet("lens", plane(4.0, 9.0), Action::ThinLens { focal_length: 10.0 });

@@ -168,7 +168,7 @@ fn spherical_gradients_keep_the_invariant_of_bouguer() {
 /// The same fish-eye by its formula and by values on finer and finer grids: the error of a
 /// direction falls like that of the slopes, with the third power of the spacing.
 #[test]
-fn grids_come_near_what_they_sample() {
+fn grids_converge_to_the_sampled_profile() {
     let formula = Gradient::fish_eye(3.0).unwrap();
     let index = |p: Vec3| 2.0 / (1.0 + p.length_squared() / 9.0);
     let grid = |count: usize| {

@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn decimals_are_found_again() {
+    fn decimals_are_recovered() {
         assert_eq!(decimal(1.0 / (1.0 / 22.01359)), 22.01359);
         assert_eq!(decimal(587.5618 / 1e3), 0.5875618);
         assert_eq!(decimal(1.0 / 3.0), 1.0 / 3.0);

@@ -31,7 +31,7 @@ use crate::glass::{Dispersion, Glass, Published, Table};
 /// Reads the materials of a refractiveindex.info file; `name` is the name of a document without the
 /// key `NAME`, which is the usual case.
 ///
-/// If there are several formulas or tables for the index, the first counts; likewise for the
+/// If there are several formulas or tables for the index, the first one is used; likewise for the
 /// extinction coefficient.
 ///
 /// # Errors
