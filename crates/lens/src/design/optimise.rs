@@ -108,7 +108,7 @@ impl<'a> Optimiser<'a> {
             return Err(DesignError::None("goal"));
         }
         if let Some(&parameter) = self.parameters.iter().find(|parameter| parameter.quantity.is_pose()) {
-            return Err(DesignError::Absent { parameter, why: "a prescription is centred" });
+            return Err(DesignError::Absent { parameter, why: "decentres and tilts cannot be varied" });
         }
         let scale = |parameter: &DesignParameter| scale(*parameter, self.lens);
         let scales: Vec<f64> = self.parameters.iter().map(scale).collect::<Result<_, _>>()?;

@@ -128,7 +128,7 @@ impl<'a> Tolerancing<'a> {
             parameter.value(self.lens)?;
             let scale = spread.scale();
             if !(scale >= 0.0 && scale.is_finite()) {
-                let (what, range) = (format!("the spread of {parameter}"), "at least 0, finite");
+                let (what, range) = (format!("the spread of {parameter}"), "at least 0 and finite");
                 return Err(DesignError::BadNumber { what, value: scale, range });
             }
         }

@@ -62,7 +62,7 @@ impl Prescription {
             if let Some(pose) = pose {
                 (pass.point, pass.direction) = pose.local(pass.point, pass.direction);
             }
-            let length = curved.reach(pass.point, pass.direction).ok_or(lost("it misses"))?;
+            let length = curved.reach(pass.point, pass.direction).ok_or(lost("no intersection"))?;
             pass.point += length * pass.direction;
             pass.path += indices[k].abs() * length;
             let normal = curved.normal(pass.point, pass.direction);

@@ -261,7 +261,7 @@ impl Builder<'_> {
         let [low, high] = self.ends(k);
         if low.vertex >= high.vertex {
             let name = format!("the thickness behind surface {}", k + 1);
-            let range = "greater than 0 in a lens, less where light travels back";
+            let range = "greater than 0 in a lens, or less than 0 where light travels back";
             return Err(bad(name, self.lens.surfaces[k].thickness, range));
         }
         let name = format!("lens {}-{}", k + 1, k + 2);

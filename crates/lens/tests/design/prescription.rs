@@ -129,7 +129,7 @@ fn errors_name_the_problem() {
     assert!(message(biconvex(-1.0, 5.0)).starts_with("surfaces 1 and 2 cross 0 from the axis"));
     assert_eq!(
         message(biconvex(5.0, 60.0)),
-        "surface 1: its semi-diameter is 60: the surface ends 50 from the axis."
+        "the semi-diameter of surface 1 is 60: the surface ends 50 from the axis."
     );
     // surfaces that intersect in the air between two lenses
     let close = Prescription::new(vec![
@@ -160,7 +160,7 @@ fn errors_name_the_problem() {
         wide.surfaces.iter().map(|s| Surface { semi_diameter: None, ..s.clone() }).collect();
     assert_eq!(
         message(Prescription { surfaces: unsized_surfaces, ..wide }),
-        "the ray does not reach the image: it misses at surface 1."
+        "the ray does not reach the image: no intersection at surface 1."
     );
     let sideways = Prescription { fields: vec![[0.0, 90.0]], ..biconvex(5.0, 5.0) };
     assert_eq!(message(sideways), "the angle of a field is 90: it has to be between -90 and 90 degrees.");

@@ -280,7 +280,7 @@ fn check_finite(coefficients: &[f64]) -> Result<(), DispersionError> {
 
 fn padded<const N: usize>(number: u32, coefficients: &[f64]) -> Result<[f64; N], DispersionError> {
     if coefficients.iter().skip(N).any(|&value| value != 0.0) {
-        return Err(wrong_count(AGF, number, coefficients, "fewer; the others are 0"));
+        return Err(wrong_count(AGF, number, coefficients, "fewer; surplus ones must be 0"));
     }
     Ok(std::array::from_fn(|place| coefficients.get(place).copied().unwrap_or(0.0)))
 }

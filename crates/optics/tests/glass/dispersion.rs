@@ -172,7 +172,7 @@ fn wrong_numbers_are_refused_with_their_reason() {
     );
     assert_eq!(
         text(Dispersion::agf(5, &[1.5, 0.0, 0.0, 1.0])),
-        "formula 5 of an AGF catalogue has 4 coefficients: it takes fewer; the others are 0."
+        "formula 5 of an AGF catalogue has 4 coefficients: it takes fewer; surplus ones must be 0."
     );
     assert_eq!(
         text(Dispersion::agf(1, &[1.5, f64::NAN])),

@@ -96,7 +96,7 @@ impl Reader {
     fn material(&mut self, document: &Node, name: &str) -> Option<Glass> {
         let line = document.line;
         let entries = document.get("DATA").and_then(Node::items);
-        let no_data = || "the document has no list DATA: it holds formulas and tables.".to_owned();
+        let no_data = || "the document has no list DATA: that list holds the formulas and tables.".to_owned();
         let entries = self.note(line, entries.ok_or_else(no_data))?;
         let mut parts = Parts::default();
         for entry in entries {
