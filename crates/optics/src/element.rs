@@ -86,12 +86,12 @@ pub enum Action {
         /// True if it reflects.
         reflects: bool,
     },
-    /// A linear polariser: transmits light polarised along an axis, absorbs light polarised across it.
+    /// A linear polariser: transmits light polarised along an axis, absorbs light polarised perpendicular to it.
     Polariser {
         /// The axis of transmission, in the frame of the sheet.
         axis: Vec3,
     },
-    /// A retarder (wave plate): light polarised across the fast axis lags behind light along it.
+    /// A retarder (wave plate): light polarised perpendicular to the fast axis lags behind light polarised along it.
     Retarder {
         /// The fast axis, in the frame of the sheet.
         axis: Vec3,
@@ -111,7 +111,7 @@ impl Action {
     }
 
     /// The axis of a polariser or retarder and its diagonal Jones matrix: the amplitudes along the
-    /// axis and across it.
+    /// axis and perpendicular to it.
     pub(crate) fn jones(&self) -> Option<(Vec3, [Complex64; 2])> {
         match self {
             Action::Polariser { axis } => Some((*axis, [Complex64::ONE, Complex64::ZERO])),

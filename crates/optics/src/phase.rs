@@ -10,14 +10,14 @@ use num_complex::Complex64;
 use rayweave_model::{Collected, Crossing, Evaluator, Query, Window, attributes};
 use rayweave_shape::Ray;
 
-/// The phase of each row of a table of segments where its [path](Segment::path) ends, in degrees
-/// from 0 to 360.
+/// The phase of each segment of a table where its [path](Segment::path) ends, in degrees from 0 to
+/// 360.
 ///
 /// The phase grows along the ray with the optical path, by 360 degrees per wavelength, and jumps by
 /// the argument of the amplitude of reflection or transmission: from the Fresnel equations, or from
 /// a stack of thin films with all its multiple reflections ([`transfer_matrix`]), for light
-/// polarised across the plane of incidence (s) and in it (p). The amplitudes of interfering beams
-/// add: `sum sqrt(intensity) exp(i phase)`.
+/// polarised perpendicular to the plane of incidence (s) and in it (p). The amplitudes of
+/// interfering beams add: `sum sqrt(intensity) exp(i phase)`.
 ///
 /// - Waves go as `exp(i (k.r - w t))`. With `p = k x s` for every beam, p keeps its sign at
 ///   reflection by a denser medium at normal incidence, and s is reversed, by 180 degrees (Born &
@@ -30,7 +30,7 @@ use rayweave_shape::Ray;
 ///   Scattered light (rough and diffuse faces) has no phase: NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Phases {
-    /// The phase of s light, polarised across the plane of incidence.
+    /// The phase of s light, polarised perpendicular to the plane of incidence.
     pub s: Vec<f64>,
     /// The phase of p light, polarised in the plane of incidence.
     pub p: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Light in ray bundles with hit prediction has the same results, to the bit, as each ray traced
+//! Light in ray bundles with hit prediction has bit for bit the same results as each ray traced
 //! alone: on ordinary systems, and in cases in which SIMD lanes are prone to errors.
 
 mod common;

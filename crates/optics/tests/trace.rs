@@ -454,9 +454,9 @@ fn rough_faces_send_light_to_the_right_side() {
     }
 }
 
-/// The mean slope of the visible facets of a rough face with the spread s of slopes: towards light
-/// at the angle a it is s^2 tan(a) (Walter et al. 2007, the distribution of visible normals, here
-/// of slopes).
+/// The mean slope of the visible facets of a rough face whose slopes have the standard deviation s:
+/// towards light at the angle a it is s^2 tan(a) (Walter et al. 2007, the distribution of visible
+/// normals, here of slopes).
 #[test]
 fn visible_facets_are_tilted_towards_the_light() {
     let half = solid(HalfSpace::new(Vec3::Z, 0.0).unwrap());

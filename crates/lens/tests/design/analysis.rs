@@ -237,7 +237,7 @@ fn spherical_aberration_of_a_sphere() {
 
 #[test]
 fn thin_pencils_at_a_sphere_obey_coddington() {
-    // 1/s + 1/s' = 2 cos i / R across the plane of incidence, 2 / (R cos i) in it; the stop at the mirror
+    // 1/s + 1/s' = 2 cos i / R perpendicular to the plane of incidence, 2 / (R cos i) in it; the stop at the mirror
     let (radius, angle) = (1000.0, 8.0_f64);
     let cosine = angle.to_radians().cos();
     let foci = study(&sphere(radius, 10.0, angle), |study| study.field_foci(1, D_NM).unwrap());
@@ -365,7 +365,7 @@ fn the_principal_ray_goes_through_the_centre_of_the_stop() {
         let found = study(&plate, |study| study.distortion(field, D_NM).unwrap());
         near(found.real, 50.0 * plate.fields[field][1].to_radians().tan(), 1e-9);
         near(found.relative(), 0.0, 1e-11);
-        // the entrance pupil moves by T (tan a' - tan a / n) across the axis
+        // the entrance pupil moves by T (tan a' - tan a / n) perpendicular to the axis
         let angle = plate.fields[field][1].to_radians();
         let inside = (angle.sin() / 1.5).asin();
         let [x, y] = plate.principal_point(field, D_NM).unwrap();

@@ -98,7 +98,7 @@ fn real_rays_near_the_axis_have_these_focal_lengths() {
         let beam = lens.beam(0, D_NM, &[[0.0, height]]).unwrap();
         let last = at_image(&layout, &beam)[0];
         let y = 0.5 * found.entrance_pupil.diameter * height;
-        // aberrations are of the order of the square of the height
+        // aberrations are of second order in the height
         near(-y * last.direction.z / last.direction.y, found.focal_length, 1e-6);
         let vertex = last.end.z - lens.surfaces.last().unwrap().thickness;
         let crossing = last.end.z - last.end.y * last.direction.z / last.direction.y;

@@ -93,7 +93,7 @@ fn a_tilted_mirror_turns_the_light_by_twice_its_angle() {
 
 #[test]
 fn rotating_a_sphere_about_its_centre_has_no_effect() {
-    // a tilt about the vertex shifts the centre, by R sin a across the axis
+    // a tilt about the vertex shifts the centre by R sin a perpendicular to the axis
     let mirror =
         Prescription::new(vec![Surface::new(-200.0, -100.0, Behind::Mirror)]).entrance_pupil_diameter(10.0);
     let shift = |name: &str, by: f64| {

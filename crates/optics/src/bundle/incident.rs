@@ -2,7 +2,8 @@
 //!
 //! An [`IncidentBundle`] is eight rays at their hits on a face, a [`TransmittedBundle`] the same
 //! rays behind the face. The operations and their order are those of
-//! [`refract`](crate::interface::refract) and of the scalar loop, so that results agree to the bit.
+//! [`refract`](crate::interface::refract) and of the scalar loop, so that results agree bit for
+//! bit.
 
 use crate::start_surfaces::StartSurfaces;
 use fearless_simd::prelude::*;

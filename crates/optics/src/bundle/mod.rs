@@ -4,9 +4,9 @@
 //! A ray bundle holds eight rays, one in each SIMD lane, that all undergo the same events. Rays
 //! that start on the same side of the same surface nearly always hit the same surface next, so the
 //! surface that earlier rays hit is the *predicted hit* of a bundle. [`predict`] verifies it for
-//! these eight rays without an intersection test against the rest of the system; a verified hit is
-//! the one that the evaluator would return, to the bit. The bundle is then refracted in lanes
-//! ([`incident`]) and traced to its next event.
+//! these eight rays without an intersection test against the rest of the system; a verified hit
+//! equals the one that the evaluator would return, bit for bit. The bundle is then refracted in
+//! lanes ([`incident`]) and traced to its next event.
 //!
 //! [`trace`] is the entry point. Bundles whose prediction cannot be verified, and the remainder of
 //! the last bundle, fall back to the evaluator: they become [`Pending`] rays of the generation that
@@ -15,8 +15,8 @@
 //! After the evaluator has computed the hits of a generation, eight neighbouring rays that cross
 //! the same face are refracted in lanes as well: [`Propagator::transmit_bundle`].
 //!
-//! All operations and their order are those of the scalar loop, so that every ray has the same
-//! result, to the bit, as if it were traced alone.
+//! All operations and their order are those of the scalar loop, so that every ray has bit for bit
+//! the same result as if it were traced alone.
 
 mod attenuation;
 mod bounds;
@@ -66,7 +66,7 @@ pub(crate) fn trace(
     pending.at(0).append_beam(beam, traced..beam.len(), first, settings.polarised);
 }
 
-/// Eight rays on their way, one per SIMD lane.
+/// Eight rays in flight, one per SIMD lane.
 struct Bundle<S: Simd> {
     /// The number of the first ray in the beam.
     at: usize,

@@ -1,4 +1,4 @@
-//! Apertures: the outline of a component across the optical axis.
+//! Apertures: the outline of a component perpendicular to the optical axis.
 
 use super::ComponentError;
 use super::error::{finite, positive};
@@ -6,7 +6,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, Primitive};
 
-/// The outline of a component across the optical axis, by its full sizes.
+/// The outline of a component perpendicular to the optical axis, by its full sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aperture {
     /// A circle about the axis.

@@ -137,8 +137,8 @@ impl SurfaceForm {
         }
     }
 
-    /// Unit vectors across the axis, along which the surface is sampled to find its extent: one for
-    /// a surface of revolution, otherwise 32.
+    /// Unit vectors perpendicular to the axis, along which the surface is sampled to find its
+    /// extent: one for a surface of revolution, otherwise 32.
     pub fn directions(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let count = if self.is_round() { 1 } else { 32 };
         (0..count).map(move |k| {

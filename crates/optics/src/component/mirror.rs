@@ -75,7 +75,7 @@ pub fn plane_mirror(blank: &Blank) -> Result<Solid, ComponentError> {
 }
 
 /// A spherical mirror, `front.side`, with its centre at (0, 0, `radius`) and its paraxial focus
-/// half-way there.
+/// halfway between vertex and centre.
 ///
 /// Facing the light (see [`Blank`]) it is concave if `radius` < 0 and convex if `radius` > 0;
 /// turned, the reverse. An infinite radius is a plane.

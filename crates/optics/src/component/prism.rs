@@ -134,13 +134,13 @@ pub fn dove_prism(height: f64, length: f64, width: f64) -> Result<Solid, Compone
     extruded(&faces, positive(part, "width", width)?)
 }
 
-/// The length of the base of a [`dove_prism`] of this height and refractive index that transmits a
-/// beam of full height: `2 height q / (q - 1)` with q = sqrt(2 n^2 - 1).
+/// The base length with which a [`dove_prism`] of this height and refractive index transmits a beam
+/// of full height: `2 height q / (q - 1)` with q = sqrt(2 n^2 - 1).
 ///
 /// A ray travels down to the base at the angle d = 45 - asin(sin 45 / n) degrees. A ray that enters
 /// at the height y above the base hits it y (1 + cot d) behind its end and leaves at the height y',
-/// where y' (1 + cot d) is the rest of the length. All heights leave again, y' = `height` - y, if
-/// the length is `height` (1 + cot d).
+/// where y' (1 + cot d) is the rest of the length. Rays at all heights leave the prism, y' =
+/// `height` - y, if the length is `height` (1 + cot d).
 ///
 /// # Errors
 /// A height that is not positive, an index that is not greater than 1.

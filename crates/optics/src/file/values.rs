@@ -41,7 +41,10 @@ pub(super) fn word_or_keyed(
             if keys.contains(&word.value.as_str()) {
                 let problem = Diagnostic::error(format!("{what} `{}` has no value", word.value));
                 let suggestion = format!("{{ {} = ... }}", word.value);
-                reader.report(problem.why("it must be a table with one key").suggest(Some(suggestion)), datum.span);
+                reader.report(
+                    problem.why("it must be a table with one key").suggest(Some(suggestion)),
+                    datum.span,
+                );
             } else if !is_known {
                 reader.unknown(what, &word, &[words, keys].concat());
             }

@@ -1,4 +1,4 @@
-//! Reader of AGF files, the text format of the glass catalogues of Zemax and of all glass makers.
+//! Reader of AGF files, the text format in which Zemax and all glass makers provide glass catalogues.
 //!
 //! A catalogue begins with `CC` and a comment; a glass begins with its `NM` line, and lines in any
 //! order follow:

@@ -30,7 +30,8 @@ use profile::{Local, Profile};
 use rayweave_math::{Affine, Vec3};
 use std::sync::Arc;
 
-/// The spatial variation of a refractive index: a factor of the index of a medium, as a function of position.
+/// The spatial variation of a refractive index: a factor that multiplies the index of a medium, as a function
+/// of position.
 ///
 /// Lengths are in the unit of the system. The formulas hold in the frame of the gradient, which is
 /// the world frame until it is [`placed`](Gradient::placed). Where a formula has no index (a square

@@ -6,12 +6,12 @@ use rayweave_math::Vec3;
 /// The direction of an order of a plane diffraction grating, `None` if the order is evanescent.
 ///
 /// The component of the wave vector along the plane grows by `order` times `lines` (a vector across
-/// the grooves, in the plane, as long as their number per unit of length); the component across the
-/// plane follows from its length. For angles in the plane across the grooves this is the grating
-/// equation `n2 sin(b) = n1 sin(a) + m wavelength / d` (Born & Wolf, *Principles of Optics*, 7th
-/// edition, section 8.6.1; Spencer & Murty, J. Opt. Soc. Am. 52, 672, 1962). `wavelength` is the
-/// vacuum wavelength in the unit of length; the light leaves to the side of `side`, a normal of the
-/// plane.
+/// the grooves, in the plane, as long as their number per unit of length); the component
+/// perpendicular to the plane follows from its length. For angles in the plane across the grooves
+/// this is the grating equation `n2 sin(b) = n1 sin(a) + m wavelength / d` (Born & Wolf,
+/// *Principles of Optics*, 7th edition, section 8.6.1; Spencer & Murty, J. Opt. Soc. Am. 52, 672,
+/// 1962). `wavelength` is the vacuum wavelength in the unit of length; the light leaves to the side
+/// of `side`, a normal of the plane.
 pub fn diffract(
     d: Vec3,
     side: Vec3,

@@ -125,8 +125,9 @@ impl Source {
     }
 
     /// Sets the polarisation by the Stokes parameters i, q, u, v, of which only the ratios matter.
-    /// Light with q > 0 is polarised along the x axis of the source, projected across each ray; u >
-    /// 0 leans from x towards y. A mirrored source emits mirrored light.
+    /// Light with q > 0 is polarised along the x axis of the source, projected onto the plane
+    /// perpendicular to each ray; with u > 0, between x and y. A mirrored source emits mirrored
+    /// light.
     ///
     /// # Errors
     /// [`SourceError::Stokes`] for parameters with more polarised than total power.
@@ -201,7 +202,7 @@ impl Source {
         }
     }
 
-    /// The Stokes parameters relative to the axis across a ray that is nearest to x.
+    /// The Stokes parameters relative to the axis that is perpendicular to a ray and nearest to x.
     fn polarisation(&self, parameters: [f64; 4], direction: Vec3) -> Stokes {
         let x = self.turn * Vec3::X;
         // the parameters hold in the frame of the source: a mirror reverses u and v

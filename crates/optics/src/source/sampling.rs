@@ -44,7 +44,7 @@ pub(super) struct Place {
     pub area: f64,
     /// The azimuth in turns, from +x towards +y.
     pub turn: f64,
-    /// The weight of the ray; 1 in the mean.
+    /// The weight of the ray; 1 on average.
     pub weight: f64,
 }
 

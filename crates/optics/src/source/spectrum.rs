@@ -54,7 +54,7 @@ pub fn planck(wavelength_nm: f64, kelvin: f64) -> f64 {
     if per_metre.is_finite() { 1e-9 * per_metre } else { 0.0 }
 }
 
-/// The number of pieces of the curve of a black body.
+/// The number of pieces of a black-body curve.
 const PIECES: u32 = 2048;
 
 impl Spectrum {

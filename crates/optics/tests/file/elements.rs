@@ -150,8 +150,8 @@ fn a_parabola_has_its_focus_where_the_file_says() {
         let hits = run.at("focus");
         let focus = Vec3::new(0.0, 0.0, f.parse().unwrap());
         let reflected: Vec<_> = hits.iter().filter(|segment| segment.generation == 1).collect();
-        // the fractions of the area of a circle of 20: of the circle of 16, and of the small sheet
-        // in the way
+        // fractions of the area of a circle of diameter 20: the circle of diameter 16, and the
+        // small sheet in the way
         assert!((reflected.len() as f64 / 4000.0 - 0.64).abs() < 2e-3, "{}", reflected.len());
         assert!((run.absorbed("stop") - 0.36).abs() < 1e-3);
         reflected

@@ -1,14 +1,14 @@
 //! Helix, the path of a charged particle in a uniform magnetic field.
 //!
 //! The equation of motion is `r'' = w r' x b` with b the unit vector of the field and w = q B / m the signed gyrofrequency
-//!  (J. D. Jackson, *Classical Electrodynamics*, 3rd ed. (1999), section 12.2; in the relativistic case m is
-//! the relativistic mass, which a magnetic field does not change). With v0 split into `v_b` along and `v_p` across
-//! the field and `n = v_p x b` it is solved by
+//! (J. D. Jackson, *Classical Electrodynamics*, 3rd ed. (1999), section 12.2; in the relativistic case m is the
+//! relativistic mass, which a magnetic field does not change). With v0 split into `v_b` along and `v_p` perpendicular to
+//! the field and `n = v_p x b`, the solution is
 //!
 //! `r(t) = r0 + t v_b + (sin(w t) / w) v_p + ((1 - cos(w t)) / w) n`.
 //!
 //! Both factors are computed as `t sinc(w t)` and `t sin(w t / 2) sinc(w t / 2)` with `sinc x = sin(x) / x`, which are accurate
-//! for any w: 0 gives a straight line, a velocity across the field a circle.
+//! for any w: w = 0 gives a straight line, a velocity perpendicular to the field a circle.
 
 use crate::curve::vector::{self, Direction};
 use crate::point::{add_scaled, length};
