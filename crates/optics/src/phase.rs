@@ -25,7 +25,7 @@ use rayweave_shape::Ray;
 /// - The sums of s and of p hold for light that stays s or p: with one common plane of incidence,
 ///   or at normal incidence. Where the plane turns from face to face, use the jump of each event
 ///   alone.
-/// - Ideal mirrors and beam splitters are perfect conductors: 180 degrees for s, 0 for p.
+/// - Ideal mirrors and beam splitters reflect like perfect conductors: 180 degrees for s, 0 for p.
 ///   Polarisers, retarders, thin lenses and gratings add nothing to the phase of the path.
 ///   Scattered light (rough and diffuse faces) has no phase: NaN.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -38,7 +38,7 @@ struct Cluster {
 /// The frame of a placement, for a conservative test whether a surface is out of reach.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
-    /// The composed map, which may differ by rounding from the maps that rays pass one after the other.
+    /// The composed map, which may differ by rounding from the maps that are applied to rays one after the other.
     local_from_world: Affine,
     /// Upper bound of the factor by which it scales a length.
     norm: f64,
@@ -75,7 +75,7 @@ const FEW: usize = 16;
 /// 10^5 times as long as the model.
 const SLACK: f64 = 1e-6;
 
-/// Number of nested placements whose maps are composed.
+/// Nesting depth up to which the bounds of a composed map are used; in deeper frames no surface counts as far.
 const NESTED: usize = 4;
 
 impl StartSurfaces {
@@ -267,8 +267,8 @@ impl StartSurfaces {
     }
 }
 
-/// Gives surfaces of a reflected ray the sides of the incident ray's start list, if the incident ray is reflected where it
-/// starts: its direction does not show the sides.
+/// Sets the sides of surfaces of a reflected ray to those in the incident ray's start list, if the incident ray is
+/// reflected where it starts: its direction does not show the sides.
 fn keep_sides((t, side): (f64, ExitSide), known: &[Start], starts: &mut [Start]) {
     if side != ExitSide::Incident || t != 0.0 {
         return;
@@ -321,7 +321,7 @@ impl Frame {
             frame.norm *= norm;
             frame.path = norm * (frame.path + place.path);
             if depth == NESTED {
-                // the bounds of deeper frames are not certain to cover the roundings: no surface is far
+                // the bounds may not cover the rounding errors of deeper frames: no surface is far
                 frame.norm = f64::INFINITY;
             }
         }

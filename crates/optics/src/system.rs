@@ -379,7 +379,7 @@ fn list(names: Vec<String>) -> String {
     names.join(", ")
 }
 
-/// A face has a finish other than polished.
+/// Error: a face has a finish other than polished.
 pub(crate) struct NotPolished;
 
 /// An optical system, ready to be traced.
@@ -453,7 +453,7 @@ impl System {
         }
     }
 
-    /// The media of the world and of all solids that are not opaque, each once.
+    /// The media of the world and of all solids that are not opaque; equal media may occur several times.
     pub fn media(&self) -> impl Iterator<Item = &Medium> {
         self.media.iter().filter_map(|substance| match substance {
             Substance::Transparent(medium) | Substance::Metal(medium) => Some(medium),

@@ -11,8 +11,8 @@ pub enum Style {
     /// For Automatic Technical Illustration", SIGGRAPH 1998).
     #[default]
     Gooch,
-    /// Lambert shading with a light at the camera: the brightness is the cosine of the angle to the line of
-    /// sight. Lights of the scene, if there are any, replace that light.
+    /// Lambert shading with a light at the camera: an ambient part, plus a part proportional to the cosine
+    /// of the angle to the line of sight. Lights of the scene, if there are any, replace that light.
     Headlight,
     /// The colour of the region, unshaded.
     Flat,

@@ -69,7 +69,7 @@ fn anti_aliasing_converges_to_the_covered_part() {
 }
 
 #[test]
-fn headlight_shading_is_the_cosine() {
+fn headlight_shading_follows_the_cosine() {
     let weave = weave(&sphere(1.0));
     let settings =
         RenderOptions { style: Style::Headlight, colours: vec![Rgba::WHITE], ..plain(size(64, 64)) };

@@ -51,7 +51,8 @@ pub struct Study<'a, E> {
 pub struct Fan {
     /// The points of the pupil, in units of its semi-diameter.
     pub pupil: Vec<[f64; 2]>,
-    /// The positions on the image, relative to the principal ray.
+    /// The positions on the image, relative to the ray through the centre of the pupil or, if rays
+    /// are aimed, of the stop.
     pub errors: Vec<[f64; 2]>,
 }
 

@@ -1,5 +1,5 @@
-//! Sequential ray tracing: one real ray from surface to surface, without solids. It also sizes the lenses of
-//! a layout.
+//! Sequential ray tracing: one real ray from surface to surface, without solids. Layouts use it to size
+//! their lenses.
 
 use super::{Behind, Prescription, PrescriptionError, Resolved};
 use rayweave_math::Vec3;

@@ -207,7 +207,7 @@ impl Builder<'_> {
         };
         let is_open =
             |height: &f64| gap(*height).is_some_and(|gap| gap < -1e-12 * (reach + low.vertex.abs()));
-        // a scan, then bisection; the height appears only in the message
+        // a scan, then bisection for the height at which the surfaces cross
         let wrong = (0..=64).map(|step| reach * f64::from(step) / 64.0).find(is_open);
         match wrong {
             None => Ok(()),

@@ -10,7 +10,7 @@
 //!
 //! [`trace`] is the entry point. Bundles whose prediction cannot be verified, and the remainder of
 //! the last bundle, fall back to the evaluator: they become [`Pending`] rays of the generation that
-//! they have reached. A wrong prediction costs time, never an answer.
+//! they have reached. A wrong prediction costs time, but never changes a result.
 //!
 //! After the evaluator has computed the hits of a generation, eight neighbouring rays that cross
 //! the same face are refracted in lanes as well: [`Propagator::transmit_bundle`].

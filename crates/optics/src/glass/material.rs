@@ -167,7 +167,7 @@ impl Glass {
     }
 
     /// The material extrapolated beyond its range: by its formula where that has a value, or by the
-    /// value at the nearest end of its table. Their accuracy is unknown.
+    /// value at the nearest end of its table. The accuracy is unknown.
     pub fn extrapolated(&self) -> Glass {
         Glass { extrapolated: true, ..self.clone() }
     }

@@ -85,7 +85,8 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     }
 
     /// Like [`Tracer::trace`], but reuses the buffers of an existing [`Trace`], so that repeated
-    /// traces allocate nothing. After an error the trace holds some of the segments.
+    /// traces do not allocate memory for segments again. After an error the trace holds some of the
+    /// segments.
     ///
     /// # Errors
     /// Those of [`Tracer::trace`].
@@ -100,7 +101,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         let mut limit = RowLimit::new(light, settings)?;
         trace.balance = self.run_with(light, settings, |rows| {
             if segments.is_empty() {
-                // assumes about as many rows in every chunk
+                // assumes about the same number of rows in every chunk
                 let expected = rows.len().saturating_mul(light.count().div_ceil(CHUNK));
                 if memory::check(expected as u64, Segments::ROW).is_ok() {
                     segments.reserve(expected);
