@@ -37,7 +37,7 @@ pub struct Path {
     /// The numbers of the elements, -1 for none (light that escaped or was dropped), and whether
     /// the light was reflected there.
     pub steps: Vec<(i32, bool)>,
-    /// The number of rays that end on it.
+    /// The number of rays that end on this path.
     pub rays: u64,
     /// The power of these rays at the start of their last segments.
     pub power: f64,

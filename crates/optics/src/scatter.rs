@@ -136,7 +136,7 @@ impl Incident {
         }
     }
 
-    /// Scatters light at a smooth interface, by the Fresnel equations or the transfer matrix of films.
+    /// Scatters light at a smooth interface, according to the Fresnel equations or the transfer matrix of films.
     fn at_interface(
         &self,
         (behind, index): (&Substance, Complex64),

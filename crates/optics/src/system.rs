@@ -389,7 +389,7 @@ pub struct System {
     pub(crate) start_surfaces: StartSurfaces,
     pub(crate) refractor: Option<Refractor>,
     pub(crate) predictor: Option<Predictor>,
-    /// The faces by their numbers.
+    /// The faces, indexed by their numbers.
     pub(crate) faces: Vec<Face>,
     pub(crate) media: Vec<Substance>,
     finishes: Vec<ElementFinishes>,
@@ -412,7 +412,7 @@ impl System {
         &self.elements
     }
 
-    /// The name of a surface by its number in results: faces of solids first, then the sheets in their order.
+    /// The name of the surface with this number in results: faces of solids first, then the sheets in their order.
     pub fn surface_name(&self, surface: usize) -> &str {
         let sheet = || self.sheets.get(surface - self.face_names.len()).map(|sheet| sheet.element);
         match self.face_names.get(surface) {

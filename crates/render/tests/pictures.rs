@@ -30,7 +30,7 @@ fn letter(pixel: &[u8; 4]) -> char {
     }
 }
 
-/// Linear light of a level, by the formula of IEC 61966-2-1.
+/// Linear light of a level, according to the formula of IEC 61966-2-1.
 fn light(level: u8) -> f64 {
     let level = f64::from(level) / 255.0;
     if level <= 0.04045 { level / 12.92 } else { ((level + 0.055) / 1.055).powf(2.4) }

@@ -75,8 +75,8 @@ pub fn trace_curve(
 /// just before `t1` of all surfaces that the curve may have crossed, so that a trajectory can be traced piece by piece.
 ///
 /// Light that leaves a face begins *on* it, and rounding would decide the side of the first point. A listed surface is not crossed as
-/// long as the curve stays within delta of it from its beginning; a curve that leaves this zone on the other side than listed
-/// crosses the surface at once. Listed sides of surfaces on which the curve does not begin are ignored.
+/// long as the curve stays within delta of it from its beginning; a curve that leaves this zone on the side opposite to the listed
+/// one crosses the surface at once. Listed sides of surfaces on which the curve does not begin are ignored.
 ///
 /// ```
 /// use rayweave_model::{PlacementId, Program, Solid, Start, SurfaceId};

@@ -16,8 +16,8 @@ fn times(ray: &RootRay) -> Vec<f64> {
     ray.times().collect()
 }
 
-/// Checks that the roots are exactly the sign changes of a polynomial: as many as by Sturm's
-/// theorem, each within `within` of an exact sign change.
+/// Checks that the roots are exactly the sign changes of a polynomial: as many as Sturm's theorem
+/// gives, each within `within` of an exact sign change.
 fn expect_exact(p: &Polynomial, got: &RootRay, (t0, t1): (f64, f64), within: f64, what: &str) {
     let times = times(got);
     assert_eq!(times.len(), p.count_roots(t0, t1), "{what}: {times:?}");

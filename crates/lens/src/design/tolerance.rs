@@ -211,7 +211,7 @@ impl<'a> Tolerancing<'a> {
 pub struct Sensitivity {
     /// The parameter.
     pub parameter: DesignParameter,
-    /// The merit with the parameter reduced by its spread: the greatest deviation, or the standard one.
+    /// The merit with the parameter reduced by its spread, which is the greatest or the standard deviation.
     pub minus: f64,
     /// The merit with the parameter increased by its spread.
     pub plus: f64,

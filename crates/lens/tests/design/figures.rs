@@ -265,9 +265,9 @@ fn refusals() {
     assert!(write_zmx(&odd).unwrap_err().to_string().contains("y^16"));
 }
 
-/// Image points (x, y) by Optiland 0.6.3 of three rays through some of these lenses with a sphere for their
-/// back (its biconic is the sum of two curves, a different surface), with its intersection search continued
-/// to 1e-15.
+/// Image points (x, y) of three rays through some of these lenses with a sphere as their back, computed by
+/// Optiland 0.6.3 with its intersection search continued to 1e-15 (its biconic is the sum of two curves, a
+/// different surface).
 const OPTILAND: [(usize, [[f64; 2]; 3]); 4] = [
     (
         1,

@@ -1,4 +1,4 @@
-//! Sides of lenses and mirrors by their form: of revolution, toric, or a sag surface.
+//! Sides of lenses and mirrors: surfaces of revolution, toric surfaces and sag surfaces.
 
 use super::aperture::solid;
 use super::face::{Face, Profile};

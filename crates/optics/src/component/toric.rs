@@ -20,7 +20,7 @@ use rayweave_shape::primitive::{HalfSpace, Torus};
 ///
 /// # Errors
 /// As for [`lens`](super::lens). The rectangle about the aperture has to lie within the surfaces,
-/// and they are compared with each other at 33 x 33 points of it.
+/// which are compared with each other at 33 x 33 of its points.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, toric_lens};

@@ -83,7 +83,7 @@ struct Record {
     coefficients: Option<(usize, Vec<f64>)>,
     range: Option<(usize, [f64; 2])>,
     transmittances: Vec<Transmittance>,
-    /// Whether a line of it is invalid.
+    /// True if one of its lines is invalid.
     is_invalid: bool,
 }
 

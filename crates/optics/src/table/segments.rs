@@ -129,9 +129,9 @@ pub struct LightSummary {
 ///
 /// The columns are those of [`SegmentTable`]; the extension of `out` determines the format, `.csv`,
 /// `.npy` or (with the feature `parquet`) `.parquet`, and `-` is CSV on standard output. The file
-/// appears when it is complete; after an error or a cancelled run there is none. Memory does not
-/// grow with the number of rays, and the bytes do not depend on the number of threads. `look`
-/// receives the segments chunk by chunk, in the order of the rays.
+/// appears when it is complete; an error or a cancelled run leaves no file. Memory does not grow
+/// with the number of rays, and the bytes do not depend on the number of threads. `look` receives
+/// the segments chunk by chunk, in the order of the rays.
 ///
 /// # Errors
 ///

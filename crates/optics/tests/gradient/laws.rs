@@ -129,7 +129,7 @@ fn long_no_ray_of_many_is_lost() {
 fn none_is_lost(count: usize) {
     for gradient in [Gradient::luneburg(3.0).unwrap(), Gradient::squared(&[1.0, 0.05]).unwrap()] {
         let medium = graded(1.6, gradient);
-        // the rod is about the axis; a ball of it conserves the moment about that axis only
+        // the gradient is about the axis; a ball with it conserves the moment about that axis only
         let system = Assembly::new().add(Element::transparent("ball", ball(2.0), &medium)).compile().unwrap();
         let all: Vec<Vec3> = directions(count).collect();
         let lights = all.iter().enumerate().map(|(k, &d)| {

@@ -165,7 +165,7 @@ fn spherical_gradients_keep_the_invariant_of_bouguer() {
     }
 }
 
-/// The same fish-eye by its formula and by values on finer and finer grids: the error of a
+/// The same fish-eye from its formula and from values on finer and finer grids: the error of a
 /// direction falls like that of the slopes, with the third power of the spacing.
 #[test]
 fn grids_converge_to_the_sampled_profile() {
