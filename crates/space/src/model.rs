@@ -50,12 +50,14 @@ pub struct CurveTrace {
 /// use rayweave_space::curve::Helix;
 /// use rayweave_space::{curve_point, trace_curve};
 ///
-/// let ball = Solid::from(build("sphere", &[("radius", Value::Number(2.0))])?); let program =
-/// Program::compile(&ball)?; // a particle with gyrofrequency 1 and gyroradius 1 that starts at the
-/// centre let path = Helix::new([0.0; 3], [0.0, 1.0, 0.5], [0.0, 0.0, 1.0], 1.0)?; let found =
-/// trace_curve(&program, &path, 0.0, 20.0)?; assert_eq!((found.start, found.crossings.len()),
-/// (RegionId(1), 1)); let at = curve_point(&path, &found.crossings[0]); assert!((at.iter().map(|x|
-/// x * x).sum::<f64>() - 4.0).abs() < 1e-14);
+/// let ball = Solid::from(build("sphere", &[("radius", Value::Number(2.0))])?);
+/// let program = Program::compile(&ball)?;
+/// // a particle with gyrofrequency 1 and gyroradius 1 that starts at the centre
+/// let path = Helix::new([0.0; 3], [0.0, 1.0, 0.5], [0.0, 0.0, 1.0], 1.0)?;
+/// let found = trace_curve(&program, &path, 0.0, 20.0)?;
+/// assert_eq!((found.start, found.crossings.len()), (RegionId(1), 1));
+/// let at = curve_point(&path, &found.crossings[0]);
+/// assert!((at.iter().map(|x| x * x).sum::<f64>() - 4.0).abs() < 1e-14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

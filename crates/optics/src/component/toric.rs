@@ -13,10 +13,10 @@ use rayweave_shape::primitive::{HalfSpace, Torus};
 /// the usual sign. Equal radii give a sphere, one infinite radius a cylinder.
 ///
 /// The meridian with the smaller radius, in magnitude, is a circle of that radius. The surface is
-/// this circle rotated with the other radius: with r along the coordinate p and R along q, `sag = R
-/// - S sqrt((R - s(p))^2 - q^2)` with `s(p) = r - sign(r) sqrt(r^2 - p^2)` and S the sign of R.
-///   (Radii of opposite sign give a saddle.) Vertices, thickness and faces are those of
-///   [`lens`](super::lens).
+/// this circle rotated with the other radius: with r along the coordinate p and R along q,
+/// `sag = R - S sqrt((R - s(p))^2 - q^2)` with `s(p) = r - sign(r) sqrt(r^2 - p^2)` and S the sign
+/// of R. (Radii of opposite sign give a saddle.) Vertices, thickness and faces are those of
+/// [`lens`](super::lens).
 ///
 /// # Errors
 /// As for [`lens`](super::lens). The rectangle about the aperture has to lie within the surfaces,
@@ -25,10 +25,10 @@ use rayweave_shape::primitive::{HalfSpace, Torus};
 /// ```
 /// use rayweave_optics::component::{Aperture, toric_lens};
 ///
-/// // a spectacle lens; with a thickness of 0.8 its surfaces would cross inside the aperture let
-/// lens = toric_lens([88.0, 88.0], [120.0, 150.0], 0.8, Aperture::circle(40.0));
-/// assert!(lens.unwrap_err().to_string().contains("cross")); let lens = toric_lens([88.0, 88.0],
-/// [120.0, 150.0], 3.0, Aperture::circle(40.0))?;
+/// // a spectacle lens; with a thickness of 0.8 its surfaces would cross inside the aperture
+/// let lens = toric_lens([88.0, 88.0], [120.0, 150.0], 0.8, Aperture::circle(40.0));
+/// assert!(lens.unwrap_err().to_string().contains("cross"));
+/// let lens = toric_lens([88.0, 88.0], [120.0, 150.0], 3.0, Aperture::circle(40.0))?;
 /// # Ok::<(), rayweave_optics::component::ComponentError>(())
 /// ```
 pub fn toric_lens(

@@ -42,10 +42,10 @@ use std::sync::Arc;
 /// use rayweave_optics::Medium;
 /// use rayweave_optics::gradient::Gradient;
 ///
-/// // a rod with the index 1.6 on the axis; its quarter pitch is pi / 2 / 0.25 let rod =
-/// Medium::constant("rod", 1.6, 0.0)?.graded(Gradient::selfoc(0.25)?);
-/// assert_eq!(rod.index_at(587.6, Vec3::ZERO).re, 1.6); assert!((rod.index_at(587.6, Vec3::X).re -
-/// 1.6 * (1.0_f64 - 0.0625).sqrt()).abs() < 1e-15);
+/// // a rod with the index 1.6 on the axis; its quarter pitch is pi / 2 / 0.25
+/// let rod = Medium::constant("rod", 1.6, 0.0)?.graded(Gradient::selfoc(0.25)?);
+/// assert_eq!(rod.index_at(587.6, Vec3::ZERO).re, 1.6);
+/// assert!((rod.index_at(587.6, Vec3::X).re - 1.6 * (1.0_f64 - 0.0625).sqrt()).abs() < 1e-15);
 /// # Ok::<(), rayweave_optics::OpticsError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
