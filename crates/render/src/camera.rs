@@ -70,7 +70,7 @@ impl Camera {
     /// A perspective camera; `field_of_view` is vertical, in degrees.
     ///
     /// # Errors
-    /// As [`Camera::new`].
+    /// As for [`Camera::new`].
     pub fn perspective(
         position: impl Into<Vec3>,
         target: impl Into<Vec3>,
@@ -84,7 +84,7 @@ impl Camera {
     /// An orthographic camera; `height` is that of the picture in model units.
     ///
     /// # Errors
-    /// As [`Camera::new`].
+    /// As for [`Camera::new`].
     pub fn orthographic(
         position: impl Into<Vec3>,
         target: impl Into<Vec3>,

@@ -8,14 +8,14 @@ use rayweave_error::{Classified, ErrorKind};
 #[non_exhaustive]
 pub enum CameraError {
     /// A coordinate is NaN or infinite.
-    #[error("the camera's {what} is not finite: a camera stands somewhere.")]
+    #[error("the camera's {what} is not finite: its coordinates must be finite.")]
     NotFinite {
         /// The argument.
         what: &'static str,
     },
     /// The camera has no line of sight: position and target coincide.
     #[error(
-        "the camera's position and target are the same point: nothing says where it looks. Move one of them."
+        "the camera's position and target are the same point: the line of sight is undefined. Move one of them."
     )]
     NoDirection,
     /// The field of view is out of range.

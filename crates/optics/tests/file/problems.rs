@@ -55,7 +55,7 @@ wavelength_nm = { band = [700, 400] }
 22:10 diameter of the aperture is -40: it must be finite and greater than 0. Did you mean 40?
 23:10 unknown action `absorbed`: it may be absorb, record, mirror, splitter, thin_lens, grating, polariser, retarder. Did you mean `absorb`?
 24:1 `optics.sheet` has no `name`: it is required.
-24:1 opening of the stop is 20 x 20 and its outline 10 x 10: the stop would have no rim. Are the two exchanged?
+24:1 opening of the stop is 20 x 20 and its outline 10 x 10: the stop would have no rim. Are the two swapped?
 27:24 `thin_lens` is 0: it must be finite and not 0.
 28:14 the transform is singular: it has no inverse. Check for a scale factor of 0.
 30:8 `beam` has no `rays`: it is required.
@@ -64,12 +64,12 @@ wavelength_nm = { band = [700, 400] }
 32:9 `power` is 0: it must be finite and greater than 0.
 35:1 `wedge` is one too many: `optics.source` has one of beam, line, circle, cone, wedge, lamp, point, disc, rays.
 37:1 unknown key `baem` in `optics.source`: the keys are beam, line, circle, cone, wedge, lamp, point, disc, rays, wavelength_nm, power, stokes, seed, transform. Did you mean `beam`?
-38:17 wavelength 400 nm of the spectrum follows 700 nm: wavelengths must increase. Are they exchanged?
+38:17 wavelength 400 nm of the spectrum follows 700 nm: wavelengths must increase. Are they swapped?
 ", rayweave_optics::glass::glasses().len());
     assert_eq!(problems(text), expected);
 }
 
-/// A sheet needs an outline, whatever its other keys are.
+/// A sheet needs an outline, regardless of its other keys.
 #[test]
 fn outlines_and_values_that_are_missing() {
     let sheet = |rest: &str| problems(&format!("{BENCH}[[optics.sheet]]\nname = 'a'\n{rest}\n"));
