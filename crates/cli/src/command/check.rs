@@ -28,10 +28,11 @@ Kinds of findings:
 
 A file that cannot be read, one with an open mesh for instance, is reported as an error with its place (exit code 3).";
 
-/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers, optical properties that are off
+/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers, suspicious optical properties
 ///
-/// Bounding boxes prove what they can; rays sample the rest. Findings are certain; their absence depends on the density of rays
-/// (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of these kinds set exit code 1.
+/// Pairs of parts that bounding boxes cannot separate are sampled with rays. Findings are certain; their absence depends on the
+/// density of rays (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of the given
+/// kinds cause exit code 1.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Check {
@@ -46,7 +47,7 @@ pub struct Check {
     #[arg(long, value_name = "LENGTH")]
     gap: Option<f64>,
 
-    /// Overlaps that are nowhere deeper than this count as rounding [default: 1e-9 of the diagonal of the model]
+    /// Attribute overlaps that are nowhere deeper than this to rounding [default: 1e-9 of the diagonal of the model]
     #[arg(long, value_name = "LENGTH")]
     distance: Option<f64>,
 
@@ -69,7 +70,7 @@ pub struct Check {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Exit with code 1 if there are findings of these kinds, as overlap,thin; `all` means all kinds except notes
+    /// Exit with code 1 if there are findings of these kinds, such as overlap,thin; `all` means all kinds except notes
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kinds)]
     fail_on: Vec<Kinds>,
 
@@ -155,7 +156,7 @@ impl Check {
         if report.findings.iter().any(is_bad) { Err(Failure::Answer) } else { Ok(()) }
     }
 
-    /// Picture of a finding, named by its number in the list and its kind.
+    /// Writes a picture of a finding, named by its number in the list and its kind.
     fn draw(
         &self,
         folder: &std::path::Path,
@@ -244,12 +245,12 @@ fn scope(report: &CheckReport) -> String {
     );
     if scope.left_out + scope.operands_left_out > 0 {
         let (pairs, operands) = (scope.left_out, scope.operands_left_out);
-        text += &format!("left out: {pairs} pairs of parts, {operands} operands (see --pairs)\n");
+        text += &format!("not examined: {pairs} pairs of parts, {operands} operands (see --pairs)\n");
     }
     text
 }
 
-/// Sizes and positions, in a line.
+/// Sizes and positions, on one line.
 fn facts(finding: &Finding, unit: &str) -> String {
     let point = |p: rayweave::Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 6)));
     let mut facts = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::bench::{BALL, Bench, CEMENTED};
 
-/// Two plates, the second 0.5 deep in the first.
+/// Two plates; the second overlaps the first by 0.5.
 const PLATES: &str = "rayweave = 1\nunit = \"mm\"\n[solid.a]\nbox = { size = [8, 8, 2] }\n[solid.b]\nbox = { size = [4, 4, 2] }\n\
     transform = [{ translate = [0, 0, 1.5] }]\n[[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"";
 

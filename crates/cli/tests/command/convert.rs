@@ -28,14 +28,14 @@ fn every_format_is_written_and_read() {
         );
         assert_eq!(crossings(&bench, &out), 4, "{ending}");
     }
-    // format by name, to standard output
+    // format given by name, output to standard output
     let done = bench.run(&["convert", "part.toml", "-", "--to", "openscad", "--quiet"]);
     assert!(
         done.code == 0 && done.out.contains("difference() {") && done.out.contains("cylinder("),
         "{}",
         done.out
     );
-    // losses are told in any case, changes of the form are not
+    // --quiet suppresses changes of form, but not losses
     assert!(done.err.starts_with("dropped: names of regions"), "{}", done.err);
     let strict =
         bench.fails(3, &["convert", "part.toml", "part.stl", "--tolerance", "0.01", "--strict", "-q"]);

@@ -15,7 +15,7 @@ fn the_same_is_0() {
     bench.write("bead.toml", IN_INCHES);
     let said = bench.says(&["diff", "ball.toml", "bead.toml", "--cells", "32"]);
     assert!(said.contains("the same solid") && !said.contains("as written"), "{said}");
-    // another format
+    // a different format
     bench.write("cube.csg", "cube(size = [2, 2, 2], center = true);");
     bench.write("cube.toml", "rayweave = 1\n[solid.cube]\nbox = { size = 2 }");
     bench.says(&["diff", "cube.toml", "cube.csg", "--cells", "16"]);

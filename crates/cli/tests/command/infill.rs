@@ -88,7 +88,7 @@ fn a_region_of_the_plane() {
     let bench = bench();
     let arguments = ["infill", "region.csv", "--spacing", "1", "--phase", "0.5", "-o", "t.csv"];
     let said = bench.says(&[&arguments[..], &["--svg", "t.svg"]].concat());
-    // four lines of 6, two of them without the 2 of the hole: 24 - 4 is the area
+    // four lines of length 6, two of which skip the hole, 2 wide: 24 - 4 is the area
     assert_eq!(said, "t.csv: 6 traces in 1 layer, 20 long together\n");
     let table = bench.read("t.csv");
     let lines: Vec<Vec<&str>> = rows(&table);
@@ -145,11 +145,11 @@ fn heights_beyond_the_solid_are_reported() {
     assert_eq!(
         said,
         "t.csv: 8 traces in 3 layers, 80 mm long together\n\
-         layer 1 at z = 9 (and 1 more) has no traces: what is filled lies between z = 0 and 2\n"
+         layer 1 at z = 9 (and 1 more) has no traces: the filled solid lies between z = 0 and 2\n"
     );
     assert_eq!(rows(&bench.read("t.csv")).len(), 8);
     let said = bench.says(&["infill", "shop.toml", "--spacing", "100", "--phase", "0.5", "--z", "1"]);
-    assert!(said.ends_with("layer 0 at z = 1 has no traces: no scan line meets anything there\n"), "{said}");
+    assert!(said.ends_with("layer 0 at z = 1 has no traces: no scan line crosses the solid there\n"), "{said}");
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn regions_that_cannot_be_filled() {
         [("--z", "1"), ("--layer-height", "1"), ("--solid", "a"), ("--evaluator", "weave"), ("-D", "a=1")]
     {
         let message = fails(2, REGION, &[option, value]);
-        assert!(message.contains("is given for bad.csv: a region of the plane is one layer"), "{message}");
+        assert!(message.contains("does not apply to bad.csv: a region of the plane is one layer"), "{message}");
     }
 }
 
@@ -264,9 +264,9 @@ fn the_plate_of_the_models() {
     // plate, window, isle, slot, star, by the shoelace formula
     let area = 2400.0 - 400.0 + 100.0 - 200.0 + 195.0;
     let covered = 0.01 * found.iter().map(length).sum::<f64>();
-    // the variation of the chords of five contours, 75 at most, up and down twice each, times the spacing
+    // error bound: the spacing times the total variation of the chord lengths of five contours, each at most 75, up and down twice
     assert!((covered - area).abs() < 0.01 * 5.0 * 4.0 * 75.0, "{covered} {area}");
-    // the tips of the star lean along the scan lines, so that their ends may be components of their own
+    // the tips of the star are nearly parallel to the scan lines, so their ends may be separate components
     let mut areas = [0.0; 8];
     found.iter().for_each(|row| areas[row[3].parse::<usize>().unwrap()] += 0.01 * length(row));
     assert_eq!(areas.iter().filter(|&&area| area > 1.0).count(), 3, "{areas:?}");

@@ -75,7 +75,7 @@ fn a_reader_that_goes_away_is_no_failure() {
     }
 }
 
-/// A full disk: the version and the help are output like any other.
+/// A full disk is reported also for the version and the help.
 #[test]
 #[cfg(target_os = "linux")]
 fn output_that_cannot_be_written_is_a_failure() {

@@ -136,7 +136,7 @@ impl FromStr for Explosion {
                 let reason =
                     "it is x, y or z, with a gap from 0 to 1000 as a part of the largest side of the model";
                 let problem = format!("`{text}` is not a direction of an exploded view");
-                Err(DrawError::Option(Message::new(problem, format!("{reason}, as in z:0.2"))))
+                Err(DrawError::Option(Message::new(problem, format!("{reason}, such as z:0.2"))))
             }
         }
     }
@@ -154,7 +154,7 @@ mod tests {
             let error = text.parse::<Explosion>();
             match text {
                 "z:" => assert!(error.is_ok()),
-                _ => assert!(error.unwrap_err().to_string().contains("as in z:0.2"), "{text}"),
+                _ => assert!(error.unwrap_err().to_string().contains("such as z:0.2"), "{text}"),
             }
         }
     }
