@@ -170,7 +170,7 @@ impl<'a> Import<'a> {
 
     fn warn(&mut self, what: &str, diagnosis: &Diagnosis) {
         if !diagnosis.is_sound() {
-            let warning = Diagnostic::warning(format!("{what} may not be what was meant: {diagnosis}"));
+            let warning = Diagnostic::warning(format!("{what} may not be as intended: {diagnosis}"));
             let why = "inside is where a line from infinity has crossed it an odd number of times";
             self.warnings.push(warning.why(why).in_file(self.source));
         }

@@ -101,7 +101,7 @@ pixels = 20
 #[test]
 fn a_document_survives() {
     let (document, scene) = parse(EVERYTHING).unwrap();
-    // the tables of others are kept, with a warning
+    // the tables of other programs are kept, with a warning
     let warnings: Vec<&str> = scene.warnings.iter().map(|warning| warning.message()).collect();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     for (warning, table) in warnings.iter().zip(["wiring", "detector"]) {
@@ -254,7 +254,7 @@ fn solids_survive() {
 
 #[test]
 fn a_graph_stays_a_graph() {
-    // expanded to a tree it would have 2^60 leaves
+    // expanded to a tree, it would have 2^60 leaves
     let mut solid = build("sphere", &[("radius", 1.0)]);
     for _ in 0..60 {
         solid = &solid | &solid;

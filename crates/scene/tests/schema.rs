@@ -1,5 +1,5 @@
-//! The schema accepts the models and rejects invalid files, by a validator of the few keywords that
-//! it uses.
+//! The schema accepts the models and rejects invalid files, according to a validator of the few
+//! keywords that it uses.
 
 use rayweave_scene::schema;
 use serde_json::{Value, json};
@@ -66,7 +66,7 @@ fn word_problem(
                 rule => problem(root, rule, v),
             })
         }
-        other => panic!("the validator does not know {other}"),
+        other => panic!("the validator does not support {other}"),
     }
 }
 
@@ -84,7 +84,7 @@ fn is_of_type(value: &Value, name: &str) -> bool {
         "string" => value.is_string(),
         "number" => value.is_number(),
         "boolean" => value.is_boolean(),
-        other => panic!("the validator does not know {other}"),
+        other => panic!("the validator does not support {other}"),
     }
 }
 

@@ -139,7 +139,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
     fn mesh(&mut self, mesh: &rayweave_shape::primitive::Mesh) {
         let diagnosis = mesh.solid().to_mesh().diagnose();
         if !diagnosis.is_sound() {
-            let text = format!("the mesh in {} may not be what was meant: {diagnosis}", self.region);
+            let text = format!("the mesh in {} may not be as intended: {diagnosis}", self.region);
             let finding = Finding::new(FindingKind::Mesh, &[self.region], text);
             self.found.push(Finding { is_proved: true, ..finding });
         }

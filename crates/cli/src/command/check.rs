@@ -19,7 +19,7 @@ Kinds of findings:
   hidden    nothing is left of a region: later ones take all of it
   empty     there is nothing in a solid
   absorbed  an operand of a boolean operator changes nothing
-  mesh      a mesh that is closed, but may not be what was meant
+  mesh      a mesh that is closed, but may not be as intended
   thin      a wall thinner than --wall
   gap       a gap narrower than --gap
   optical   an optical property, surface or sensor of a GDML file is probably wrong
