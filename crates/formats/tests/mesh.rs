@@ -98,7 +98,7 @@ fn units_are_the_files_or_as_requested() {
     save(&cuboid([0.0; 3], [1.0; 3]), &path, None, MeshWriteOptions::default()).unwrap();
     let refused = load(&path, None, &[], &inch).unwrap_err().to_string();
     assert!(
-        refused.contains("the unit cannot be set to in: files of the format 3mf say theirs."),
+        refused.contains("the unit cannot be set to in: files in the format 3mf specify their unit."),
         "{refused}"
     );
 }
@@ -124,7 +124,7 @@ fn objects_that_close_only_together_are_one_solid() {
     assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
     let warnings = imported.scene.warnings.to_string();
     assert!(
-        warnings.contains("2 of 2 objects are not closed by themselves: all triangles together"),
+        warnings.contains("2 of 2 objects are not closed on their own: all triangles together"),
         "{warnings}"
     );
 }

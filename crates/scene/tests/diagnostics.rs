@@ -54,7 +54,7 @@ error: unknown solid `frnt`: there is no [solid.frnt]. Did you mean `front`?
 fn rendered_with_another_place() {
     let text = "[solid.a]\nsphere = { radius = 1 }\n[[region]]\nsolid = 'a'\n[[region]]\nsolid = 'a'\n";
     let expected = "\
-error: there are two regions called `a`: answers call regions by their names. Give one of them another `name`.
+error: there are two regions called `a`: results refer to regions by name. Give one of them a different `name`.
  --> <text>:7:9
   |
 7 | solid = 'a'

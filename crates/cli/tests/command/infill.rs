@@ -176,7 +176,7 @@ fn settings_that_make_no_sense() {
     assert!(fails(2, &["--spacing", "1", "--z", "1,nan"]).contains("height 1 of the layers is NaN"));
     assert!(fails(2, &["--spacing", "wide", "--z", "1"]).contains("`wide` is not a number"));
     assert!(fails(2, &["--z", "1"]).contains("--spacing"));
-    assert!(fails(2, &["--spacing", "1"]).contains("Give --layer-height, or --z."));
+    assert!(fails(2, &["--spacing", "1"]).contains("Give --layer-height or --z."));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--layer-height", "1"]).contains("cannot be used with"));
 }
 

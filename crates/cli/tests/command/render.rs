@@ -178,7 +178,7 @@ fn wrong_options() {
     let bench = Bench::new();
     let fails = |code, options: &[&str]| bench.fails(code, &[&["render", "ball.toml"], options].concat());
     assert!(fails(2, &["--size", "0x0"]).contains("0 x 0 pixels"));
-    assert!(fails(2, &["--size", "big"]).contains("as in 640x480"));
+    assert!(fails(2, &["--size", "big"]).contains("such as 640x480"));
     assert!(fails(2, &["--view", "above"]).contains("front, back, left, right, top, bottom, iso, sheet"));
     assert!(fails(2, &["--samples", "0"]).contains("1..=16"));
     assert!(fails(2, &["--fov", "180"]).contains("the field of view is 180 degrees"));

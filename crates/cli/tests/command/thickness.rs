@@ -72,7 +72,7 @@ fn refusals() {
     let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.png", "--medium", "steal"]);
     assert!(failed.contains("Did you mean `steel`?"), "{failed}");
     let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.csv", "--medium", "steel"]);
-    assert!(failed.contains("Write a .png."), "{failed}");
+    assert!(failed.contains("Write a .png file."), "{failed}");
     bench.fails(2, &["thickness", "tank.toml", "-o", "t.jpg"]);
     assert!(!bench.files().iter().any(|name| name.starts_with("t.")), "{:?}", bench.files());
 }

@@ -9,7 +9,7 @@ fn wrong_command_lines() {
     assert!(bench.fails(2, &["rendre", "ball.toml"]).contains("'render'"));
     assert!(bench.fails(2, &["info"]).contains("<MODEL>"));
     assert!(bench.fails(2, &["info", "ball.toml", "--jsn"]).contains("'--json'"));
-    assert!(bench.fails(2, &["info", "ball.toml", "-D", "R"]).contains("as in R=60"));
+    assert!(bench.fails(2, &["info", "ball.toml", "-D", "R"]).contains("such as R=60"));
     assert!(bench.fails(2, &["info", "ball.toml", "--threads", "0"]).contains("--threads"));
 }
 

@@ -100,7 +100,7 @@ fn refusals() {
     bench.fails(3, &["volume", "none.toml"]);
     bench.write("part.scad", "cube(1);");
     let failed = bench.fails(3, &["volume", "part.scad"]);
-    assert!(failed.contains("`openscad -o model.csg model.scad` writes one"), "{failed}");
+    assert!(failed.contains("Create one with `openscad -o model.csg model.scad`"), "{failed}");
     // more threads than cores do no harm
     bench.says(&["volume", "block.toml", "--precision", "0.1", "--threads", "1000000"]);
 }

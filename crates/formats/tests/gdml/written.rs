@@ -51,7 +51,7 @@ fn same_partitions(one: &Imported, two: &Imported) {
     };
     let (one, two) = (partitions(one), partitions(two));
     let different = one.iter().zip(&two).filter(|(a, b)| !near(a, b)).count();
-    // grazing rays may differ by a crossing
+    // grazing rays may differ in a crossing
     assert!(different <= 2, "{different} of {}", one.len());
 }
 
@@ -148,7 +148,7 @@ fn what_was_changed_is_written_flat() {
     let file = write(&imported.scene, Some(&document), Format::Gdml, &options).unwrap();
     let text = String::from_utf8(file.bytes.clone()).unwrap();
     assert!(text.contains("<composite n=\"2\" ref=\"H\"/>") && text.contains("subtraction"), "{text}");
-    assert!(file.remarks.iter().any(|remark| remark.what.contains("the tree of volumes")));
+    assert!(file.remarks.iter().any(|remark| remark.what.contains("the volume tree")));
     let back = again(&file);
     let moved = back.scene.regions.iter().find(|region| region.name == "Drop___co").unwrap();
     let program = Program::compile(&moved.solid).unwrap();
@@ -219,7 +219,7 @@ fn edited_solids_are_not_written_as_they_were() {
     assert!(!text.contains("twistedbox") && text.contains("<hype") && text.contains("<polycone"), "{text}");
 }
 
-/// Triangles of a twisted solid follow its own size: a small one in a large world takes few.
+/// The number of triangles of a twisted solid depends on its own size: a small one in a large world takes few.
 #[test]
 fn twisted_solids_become_few_triangles() {
     let solid = "<box name=\"big\" x=\"1000\" y=\"1000\" z=\"1000\"/>\

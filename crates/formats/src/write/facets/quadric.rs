@@ -24,7 +24,7 @@ struct Elliptic {
     is_outside: bool,
 }
 
-/// The inside of a quadric, clipped to a box.
+/// The interior of a quadric, clipped to a box.
 pub(super) fn body(quadric: &Quadric, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
     match elliptic(quadric) {
         Some(form) => form.body(clip, tolerance),
