@@ -136,8 +136,7 @@ impl<'a> Import<'a> {
                 return parts;
             }
             let (all, why) = (parts.len(), "all triangles together are taken as one solid");
-            let warning =
-                Diagnostic::warning(format!("{open} of {all} objects are not closed on their own"));
+            let warning = Diagnostic::warning(format!("{open} of {all} objects are not closed on their own"));
             self.warnings.push(warning.why(why).in_file(self.source));
         }
         let name = self.source.path().and_then(|path| path.file_stem()).map(|stem| stem.to_string_lossy());
@@ -171,7 +170,8 @@ impl<'a> Import<'a> {
     fn warn(&mut self, what: &str, diagnosis: &Diagnosis) {
         if !diagnosis.is_sound() {
             let warning = Diagnostic::warning(format!("{what} may not be as intended: {diagnosis}"));
-            let why = "a point is inside if a line to it from infinity crosses the mesh an odd number of times";
+            let why =
+                "a point is inside if a line to it from infinity crosses the mesh an odd number of times";
             self.warnings.push(warning.why(why).in_file(self.source));
         }
     }

@@ -175,7 +175,11 @@ impl<'a> Lexer<'a> {
                 return Ok(Token::Name(name.into()));
             } else {
                 let span = Span::new(start, self.at);
-                return Err(Fault::new(span, "the quoted name is not terminated", "the closing `'` is missing"));
+                return Err(Fault::new(
+                    span,
+                    "the quoted name is not terminated",
+                    "the closing `'` is missing",
+                ));
             }
         }
     }

@@ -67,8 +67,8 @@ fn what_is_flat_is_exact() {
     assert!(found.inertia[1][1].contains(expected), "{:?} {expected}", found.inertia[1][1]);
 }
 
-/// With a confidence of 90 % each interval misses with probability 0.1; of 200, more than 35 miss with
-/// probability 4e-4.
+/// With a confidence of 90 %, each interval misses the value with probability 0.1; more than 35 of 200 do so
+/// with probability 4e-4.
 #[test]
 fn confidence_is_kept() {
     let torus = Solid::from(Primitive::from(Torus::new(1.0, 0.4).unwrap())).rotate_x(35.0);
@@ -105,7 +105,7 @@ fn regions_of_a_partition() {
     }
     assert_eq!(found.regions[2].name, "dot");
     assert!(found.volume().contains(1000.0));
-    // the surface of the bubble belongs also to the block
+    // the surface of the bubble also belongs to the block
     let areas = [600.0 + 36.0 * PI + 4e-4 * PI, 36.0 * PI, 4e-4 * PI];
     for (region, expected) in found.regions.iter().zip(areas) {
         assert!(region.area.contains(expected), "{region:?} {expected}");
@@ -187,7 +187,7 @@ fn refusals() {
         message(&rod.named("rod"), quick()),
         "rod is unbounded in z: it has no volume. Measure it within a box."
     );
-    assert!(message(&sphere(1e40), quick()).contains(" reaches to 1e40: "));
+    assert!(message(&sphere(1e40), quick()).contains(" extends to 1e40: "));
     assert!(
         message(&sphere(1.0), MeasureSettings { precision: 0.0, ..quick() })
             .starts_with("the precision is 0")
@@ -203,7 +203,7 @@ fn refusals() {
     let swapped = Bounds::new(Vec3::ONE, Vec3::ZERO);
     assert!(
         message(&sphere(1.0), MeasureSettings { within: Some(swapped), ..quick() })
-            .starts_with("the box reaches")
+            .starts_with("the box extends")
     );
     let cancel = Cancel::new();
     cancel.cancel();

@@ -14,19 +14,19 @@ use std::path::PathBuf;
 
 const AFTER_HELP: &str = "\
 Kinds of findings:
-  overlap   two regions take the same space, and neither is within the other
-  outside   a daughter reaches out of its mother (GDML)
-  hidden    nothing is left of a region: later ones take all of it
-  empty     there is nothing in a solid
-  absorbed  an operand of a boolean operator changes nothing
+  overlap   two regions overlap, and neither is inside the other
+  outside   a daughter extends beyond its mother (GDML)
+  hidden    a region is completely covered by later ones
+  empty     a solid is empty
+  absorbed  an operand of a boolean operator has no effect
   mesh      a mesh that is closed, but may not be as intended
   thin      a wall thinner than --wall
   gap       a gap narrower than --gap
-  optical   an optical property, surface or sensor of a GDML file is probably wrong
+  optical   an optical property, surface or sensor is probably wrong
   touch     two regions touch (a note)
   unused    an optical property or surface has no effect (a note)
 
-A file that cannot be read, one with an open mesh for instance, is reported as an error with its place (exit code 3).";
+A file that cannot be read, for example because of an open mesh, is reported as an error with its position (exit code 3).";
 
 /// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers, suspicious optical properties
 ///

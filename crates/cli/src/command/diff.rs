@@ -14,9 +14,9 @@ use std::path::PathBuf;
 
 const AFTER_HELP: &str = "\
 Exit codes:
-  0    no difference that matters was met
+  0    no difference that matters was found
   1    the models differ
-  2    trouble: a model cannot be read or compared, or the command line is wrong
+  2    error: a model cannot be read or compared, or the command line is invalid
   130  cancelled by Ctrl-C";
 
 /// Compare two models: report whether they are the same solid and where they differ

@@ -185,7 +185,9 @@ fn empty_layers(lost: &[(usize, f64)], bounds: &Bounds) -> String {
         n => format!(" (and {} more)", n - 1),
     };
     let reason = match z < bounds.lo.z || z > bounds.hi.z {
-        true => format!("the filled solid lies between z = {} and {}", short(bounds.lo.z), short(bounds.hi.z)),
+        true => {
+            format!("the filled solid lies between z = {} and {}", short(bounds.lo.z), short(bounds.hi.z))
+        }
         false => "no scan line crosses the solid there".to_owned(),
     };
     format!("layer {layer} at z = {}{others} has no traces: {reason}\n", short(z))

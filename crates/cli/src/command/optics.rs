@@ -187,7 +187,8 @@ impl Optics {
         match piped + usize::from(self.json) {
             0 | 1 => Ok(piped > 0),
             _ => {
-                let problem = "several results go to standard output: `-` is given more than once, or with --json.";
+                let problem =
+                    "several results go to standard output: `-` is given more than once, or with --json.";
                 Err(Failure::Usage(format!("{problem} Write the others to files.")))
             }
         }

@@ -92,9 +92,7 @@ impl Probe {
         let problem = match ray.check() {
             Ok(()) => return Ok(ray),
             _ if !ray.direction.is_finite() => "are too far apart: their distance overflows.".to_owned(),
-            Err(RayError::NoDirection) => {
-                "are the same point: a ray needs two different points.".to_owned()
-            }
+            Err(RayError::NoDirection) => "are the same point: a ray needs two different points.".to_owned(),
             Err(error) => format!("define a ray that cannot be traced: {error}"),
         };
         Err(Failure::Usage(format!("--from and --to {problem}")))

@@ -49,7 +49,8 @@ impl Thickness {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let is_picture = self.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         if self.medium.is_some() && !is_picture {
-            let text = "--medium selects what a picture shows, but a table lists all media. Write a .png file.";
+            let text =
+                "--medium selects what a picture shows, but a table lists all media. Write a .png file.";
             return Err(Failure::Usage(text.to_owned()));
         }
         let scene = self.model.load()?;
@@ -104,7 +105,9 @@ impl Thickness {
         }
         let percent = terminal::short(100.0 * FAINTEST);
         let by = if is_said("density") { "proportional to the density" } else { "equal in all media" };
-        Ok(format!("{white}, the darkest pixel {percent} %: no medium has an attenuation, so it is taken as {by}."))
+        Ok(format!(
+            "{white}, the darkest pixel {percent} %: no medium has an attenuation, so it is taken as {by}."
+        ))
     }
 }
 

@@ -65,7 +65,9 @@ impl Volume {
         let [unmet, vague] = [unmet, vague].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
         if !unmet.is_empty() {
             let names = unmet.join(", ");
-            terminal::note(&format!("note: {names}: no ray hit anything. Measure within a smaller box: --within."));
+            terminal::note(&format!(
+                "note: {names}: no ray hit anything. Measure within a smaller box: --within."
+            ));
         }
         if !vague.is_empty() {
             let (names, most) = (vague.join(", "), self.sampling.rays);

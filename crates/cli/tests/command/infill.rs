@@ -149,7 +149,10 @@ fn heights_beyond_the_solid_are_reported() {
     );
     assert_eq!(rows(&bench.read("t.csv")).len(), 8);
     let said = bench.says(&["infill", "shop.toml", "--spacing", "100", "--phase", "0.5", "--z", "1"]);
-    assert!(said.ends_with("layer 0 at z = 1 has no traces: no scan line crosses the solid there\n"), "{said}");
+    assert!(
+        said.ends_with("layer 0 at z = 1 has no traces: no scan line crosses the solid there\n"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -219,7 +222,7 @@ fn regions_that_cannot_be_filled() {
     let message = fails(3, "contour,x,y\na,0,0\na,1,nan\na,1,b\n", &[]);
     assert_eq!(
         message,
-        "error: bad.csv:3: y is NaN: coordinates are finite.\nbad.csv:4: y is `b`: not a number.\n"
+        "error: bad.csv:3: y is NaN: coordinates must be finite.\nbad.csv:4: y is `b`: it must be a number.\n"
     );
     let crossing = "contour,x,y\na,0,0\na,4,0\na,0,4\na,4,4\n";
     let message = fails(3, crossing, &[]);
@@ -236,7 +239,10 @@ fn regions_that_cannot_be_filled() {
         [("--z", "1"), ("--layer-height", "1"), ("--solid", "a"), ("--evaluator", "weave"), ("-D", "a=1")]
     {
         let message = fails(2, REGION, &[option, value]);
-        assert!(message.contains("does not apply to bad.csv: a region of the plane is one layer"), "{message}");
+        assert!(
+            message.contains("does not apply to bad.csv: a region of the plane is one layer"),
+            "{message}"
+        );
     }
 }
 

@@ -56,7 +56,10 @@ fn pictures() {
     let bench = bench();
     let said = bench.says(&[&["thickness", "tank.toml", "-o", "t.png"], &VIEW[..]].concat());
     assert!(said.starts_with("t.png: white is full transmission, the darkest pixel 5 %"), "{said}");
-    assert!(said.ends_with("no medium has an attenuation, so it is taken as equal in all media.\n"), "{said}");
+    assert!(
+        said.ends_with("no medium has an attenuation, so it is taken as equal in all media.\n"),
+        "{said}"
+    );
     let said =
         bench.says(&[&["thickness", "tank.toml", "-o", "s.png", "--medium", "steel"], &VIEW[..]].concat());
     assert_eq!(said, "s.png: white is 4 cm of steel\n");

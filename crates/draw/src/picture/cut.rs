@@ -95,7 +95,9 @@ impl Condition {
         let axis = AXES[self.axis];
         let reason = if bounds.is_empty() { "is empty" } else { "is unbounded along this axis" };
         let problem = format!("a cut at {} % of {axis} is not possible", 100.0 * part);
-        Err(DrawError::Option(Message::new(problem, format!("the model {reason}")).suggest("Give a coordinate instead")))
+        Err(DrawError::Option(
+            Message::new(problem, format!("the model {reason}")).suggest("Give a coordinate instead"),
+        ))
     }
 }
 

@@ -59,10 +59,7 @@ impl Explosion {
         if regions > Explosion::MAX_REGIONS {
             let most = Explosion::MAX_REGIONS;
             let problem = format!("an exploded view of {regions} regions");
-            return Err(DrawError::Option(Message::new(
-                problem,
-                format!("the maximum is {most} regions"),
-            )));
+            return Err(DrawError::Option(Message::new(problem, format!("the maximum is {most} regions"))));
         }
         let program = Program::compile_regions(&scene.model_regions())?;
         let boxes = program.region_bounds();
@@ -133,8 +130,7 @@ impl FromStr for Explosion {
         match (axis, gap) {
             (Some(axis), Ok(gap)) if (0.0..=1e3).contains(&gap) => Ok(Explosion { axis, gap }),
             _ => {
-                let reason =
-                    "it is x, y or z, with a gap from 0 to 1000 as a fraction of the longest side of the model";
+                let reason = "it is x, y or z, with a gap from 0 to 1000 as a fraction of the longest side of the model";
                 let problem = format!("`{text}` is not a direction of an exploded view");
                 Err(DrawError::Option(Message::new(problem, format!("{reason}, such as z:0.2"))))
             }

@@ -55,8 +55,7 @@ impl Numbers<'_> {
             "matrix" => self.matrix(element)?,
             "position" | "rotation" | "scale" => self.vector_definition(element)?,
             other => {
-                let trouble =
-                    Trouble::new(format!("`{other}` is not a definition"), element.place);
+                let trouble = Trouble::new(format!("`{other}` is not a definition"), element.place);
                 let known = [
                     "constant",
                     "variable",
@@ -157,9 +156,11 @@ impl Numbers<'_> {
         let large = ["x", "y", "z"].iter().filter_map(|axis| element.attribute(axis));
         let large = large.filter_map(|attribute| attribute.value.trim().parse::<f64>().ok());
         if role == Role::Rotation && unit == 1.0 && large.fold(0.0, |a: f64, b| a.max(b.abs())) > 4.0 * PI {
-            let aunit = if element.attribute("aunit").is_some() { " `aunit` has no effect here." } else { "" };
-            let message =
-                format!("the rotation is more than two turns (in radians). Is `unit=\"deg\"` missing?{aunit}");
+            let aunit =
+                if element.attribute("aunit").is_some() { " `aunit` has no effect here." } else { "" };
+            let message = format!(
+                "the rotation is more than two turns (in radians). Is `unit=\"deg\"` missing?{aunit}"
+            );
             self.context.warn(Trouble::new(message, element.place));
         }
     }

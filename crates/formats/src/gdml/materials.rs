@@ -77,8 +77,10 @@ impl Materials {
                 ..Material::default()
             }));
         }
-        let trouble =
-            Trouble::new(format!("unknown material `{name}`: no material defined before has this name."), place);
+        let trouble = Trouble::new(
+            format!("unknown material `{name}`: no material defined before has this name."),
+            place,
+        );
         numbers.context.warn(trouble.did_you_mean(name, self.by_name.keys().map(String::as_str)));
         Some(self.add(Material { name: name.to_owned(), tag: "material".to_owned(), ..Material::default() }))
     }

@@ -108,8 +108,10 @@ impl Library {
         match self.solids.get(name) {
             Some(found) => Ok(found.clone()),
             None => {
-                let trouble =
-                    Trouble::new(format!("unknown solid `{name}`: no solid defined before has this name."), place);
+                let trouble = Trouble::new(
+                    format!("unknown solid `{name}`: no solid defined before has this name."),
+                    place,
+                );
                 Err(numbers.tell(trouble.did_you_mean(name, self.solids.keys().map(String::as_str))))
             }
         }

@@ -37,8 +37,8 @@ fn source_of(file: File, path: &Path) -> Result<Source, String> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(format!("it is larger than {} MiB", MAX_FILE_BYTES >> 20));
     }
-    let text = String::from_utf8(bytes)
-        .or_else(|error| latin_1(error.as_bytes()).ok_or("it is not UTF-8 text"))?;
+    let text =
+        String::from_utf8(bytes).or_else(|error| latin_1(error.as_bytes()).ok_or("it is not UTF-8 text"))?;
     Ok(Source::new(Some(path.to_owned()), text))
 }
 

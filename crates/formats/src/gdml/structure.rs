@@ -100,8 +100,7 @@ impl StructureReader<'_, '_> {
                 "setup" => self.setup(section),
                 "userinfo" => self.graph.auxiliary.extend(auxiliaries(section)),
                 "extension" => {
-                    let message =
-                        "the section `extension` is ignored: only the program that wrote it defines its meaning.";
+                    let message = "the section `extension` is ignored: only the program that wrote it defines its meaning.";
                     self.numbers.context.lose(
                         LossKind::Dropped,
                         "extension",
@@ -109,8 +108,7 @@ impl StructureReader<'_, '_> {
                     );
                 }
                 other => {
-                    let trouble =
-                        Trouble::new(format!("unknown section `{other}`."), section.place);
+                    let trouble = Trouble::new(format!("unknown section `{other}`."), section.place);
                     let trouble = trouble.did_you_mean(other, SECTIONS);
                     self.numbers.context.lose(LossKind::Dropped, other, trouble);
                 }
@@ -163,10 +161,7 @@ impl StructureReader<'_, '_> {
         for pending in std::mem::take(&mut self.pending) {
             let Some(&volume) = self.names.get(&pending.name) else {
                 let trouble = Trouble::new(
-                    format!(
-                        "unknown volume `{}`: no volume or assembly has this name.",
-                        pending.name
-                    ),
+                    format!("unknown volume `{}`: no volume or assembly has this name.", pending.name),
                     pending.place,
                 );
                 self.numbers.tell(trouble.did_you_mean(&pending.name, self.names.keys().map(String::as_str)));
@@ -188,10 +183,8 @@ impl StructureReader<'_, '_> {
         };
         let found = self.names.get(&name).copied();
         if found.is_none() {
-            let trouble = Trouble::new(
-                format!("unknown volume `{name}`: no volume or assembly has this name."),
-                place,
-            );
+            let trouble =
+                Trouble::new(format!("unknown volume `{name}`: no volume or assembly has this name."), place);
             self.numbers.tell(trouble.did_you_mean(&name, self.names.keys().map(String::as_str)));
         }
         found
@@ -204,8 +197,7 @@ impl StructureReader<'_, '_> {
             placed[daughter.volume] = true;
         }
         let free: Vec<usize> = self.names.values().copied().filter(|volume| !placed[*volume]).collect();
-        let what =
-            "the file has no world: `<setup name=\"Default\" version=\"1.0\"><world ref=\"..\"/></setup>` is missing.";
+        let what = "the file has no world: `<setup name=\"Default\" version=\"1.0\"><world ref=\"..\"/></setup>` is missing.";
         match free.as_slice() {
             [only] => {
                 let message = format!(
@@ -444,9 +436,10 @@ impl Builder<'_, '_> {
     /// `<replicate_along_axis>`: direction, width and offset as child elements.
     fn row_along(&mut self, along: &Element) -> Result<row::Row, Failure> {
         let Some(axis) = along.child("direction").and_then(row::direction) else {
-            return Err(self
-                .numbers
-                .tell(Trouble::new("the direction is missing: one of x, y, z, rho, phi must be 1.", along.place)));
+            return Err(self.numbers.tell(Trouble::new(
+                "the direction is missing: one of x, y, z, rho, phi must be 1.",
+                along.place,
+            )));
         };
         let mut quantity = |name: &str| match along.child(name) {
             Some(child) => copies::quantity(self.numbers, child, axis, "value"),

@@ -345,9 +345,7 @@ impl Tree<'_> {
         self.references += 1;
         if depth >= DEEPEST_ENTITY {
             return Err(Trouble::new(
-                format!(
-                    "entities are nested more than {DEEPEST_ENTITY} deep. Does one contain itself?"
-                ),
+                format!("entities are nested more than {DEEPEST_ENTITY} deep. Does one contain itself?"),
                 place,
             ));
         }

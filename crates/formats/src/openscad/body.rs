@@ -145,7 +145,9 @@ pub(super) fn sum(
             Some(so_far) => {
                 count_sum(arguments, &so_far, &next)?;
                 let made = so_far.sum(&next);
-                made.map_err(|why| arguments.refusal(&format!("the Minkowski sum of its facets cannot be computed: {why}")))?
+                made.map_err(|why| {
+                    arguments.refusal(&format!("the Minkowski sum of its facets cannot be computed: {why}"))
+                })?
             }
         };
     }

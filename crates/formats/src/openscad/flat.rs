@@ -236,8 +236,10 @@ pub(super) fn polygon(arguments: &Arguments) -> Result<Option<Leaf>, Refusal> {
     let contours = match paths {
         Some(paths) if !paths.is_empty() => {
             let point = |number: &usize| {
-                let reason =
-                    || arguments.refusal(&format!("a path refers to point {number}, but there are {}", points.len()));
+                let reason = || {
+                    arguments
+                        .refusal(&format!("a path refers to point {number}, but there are {}", points.len()))
+                };
                 points.get(*number).copied().ok_or_else(reason)
             };
             let contour = |path: &Vec<usize>| path.iter().map(point).collect::<Result<Vec<_>, _>>();

@@ -21,7 +21,8 @@ use std::path::{Path, PathBuf};
 /// Opens the file of an item, whose path is relative to the dump. The dump may read the given files.
 pub(super) fn file(arguments: &Arguments, files: &AllowedFiles) -> Result<(PathBuf, File), Refusal> {
     let name = word(arguments, "file")?;
-    let name = name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it has no file name"))?;
+    let name =
+        name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it has no file name"))?;
     let path = files.folder().join(name);
     match files.open(&path) {
         Ok(file) => Ok((path, file)),
@@ -133,7 +134,9 @@ fn drawn(
         report.add(LossKind::Refused, "import()", problem.why("no more are listed"));
     }
     if drawing.has_chords {
-        let why = format!("has chords instead of curves, which deviate by at most {TOLERANCE:e} of the size of the drawing");
+        let why = format!(
+            "has chords instead of curves, which deviate by at most {TOLERANCE:e} of the size of the drawing"
+        );
         report.add(LossKind::Approximated, "import()", arguments.approximation(&why));
     }
     if drawing.closed > 0 {

@@ -107,7 +107,9 @@ fn points_and_faces(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<Vec<usize>>
         return Err(arguments.refusal("a face has more corners than there are points"));
     }
     if let Some(number) = given.iter().flatten().find(|number| **number >= points.len()) {
-        return Err(arguments.refusal(&format!("a face refers to point {number}, but there are {}", points.len())));
+        return Err(
+            arguments.refusal(&format!("a face refers to point {number}, but there are {}", points.len()))
+        );
     }
     Ok((points, given))
 }

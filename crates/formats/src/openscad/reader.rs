@@ -100,7 +100,9 @@ impl<'a> Reader<'a> {
         let part = self.read(number, node);
         if self.flats.has_chords.take() {
             let arguments = self.arguments(number);
-            let why = format!("has chords instead of circles, which deviate by at most {TOLERANCE:e} of the radius");
+            let why = format!(
+                "has chords instead of circles, which deviate by at most {TOLERANCE:e} of the radius"
+            );
             self.report.add(LossKind::Approximated, &item(node), arguments.approximation(&why));
         }
         match part {
@@ -213,7 +215,8 @@ impl<'a> Reader<'a> {
         let part = self.combine(arguments, node, Operation::Union)?;
         let map = if matches!(part, Part::Flat(_)) { transform::restricted_to_xy(&map) } else { map };
         if map.inverse().is_err() && matches!(part, Part::Solid(_) | Part::Flat(_)) {
-            let why = arguments.approximation("leaves nothing, because its matrix has no inverse. Is a scale 0?");
+            let why =
+                arguments.approximation("leaves nothing, because its matrix has no inverse. Is a scale 0?");
             self.report.add(LossKind::Dropped, "multmatrix()", why);
             return Ok(Part::Empty);
         }

@@ -51,10 +51,8 @@ pub(super) fn write(
     if records.is_none() {
         model.remark_on_cuts(remarks);
         if table.is_some() {
-            remarks.add(
-                RemarkKind::Dropped,
-                "the volume tree, names of placements, skin and border surfaces",
-            );
+            remarks
+                .add(RemarkKind::Dropped, "the volume tree, names of placements, skin and border surfaces");
         }
     }
     let clip = Bounds::new(scale * model.clip.lo, scale * model.clip.hi);
@@ -431,8 +429,11 @@ impl Builder for Writer<'_, '_> {
         }
         if planes.is_none() && !matches!(shape, Primitive::Mesh(_)) {
             let tolerance = self.model.tolerance;
-            let what =
-                format!("`{}`, with triangles within {tolerance:.3e} {}", shape.name(), self.model.scene.unit);
+            let what = format!(
+                "`{}`, with triangles within {tolerance:.3e} {}",
+                shape.name(),
+                self.model.scene.unit
+            );
             self.remarks.add(RemarkKind::Approximated, what);
         }
         let tolerance = self.scale * self.model.tolerance;

@@ -92,7 +92,7 @@ fn unknown_attributes_are_named_with_the_likely_one() {
 #[test]
 fn only_the_signs_of_a_scale_count() {
     for (scale, reason) in
-        [([2, 3, 4], "as in Geant4"), ([-2, -3, 1], "as by Geant4"), ([-2, 1, 1], "refuses")]
+        [([2, 3, 4], "as in Geant4"), ([-2, -3, 1], "as in Geant4"), ([-2, 1, 1], "refuses")]
     {
         let [x, y, z] = scale;
         let text = model("", SOLIDS, &world(&placed(&format!("<scale x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")), ""));

@@ -83,7 +83,8 @@ fn diagnosed(
         Ok(solid) => {
             if !diagnosis.is_sound() {
                 let problem = format!("the mesh in `{}` may not be as intended: {diagnosis}", file.value);
-                let why = "a point is inside if a line to it from infinity crosses the mesh an odd number of times";
+                let why =
+                    "a point is inside if a line to it from infinity crosses the mesh an odd number of times";
                 context.push(Diagnostic::warning(problem).why(why), file.span);
             }
             Some(solid.into())

@@ -357,7 +357,8 @@ fn mesh(
             ("repair", other) => return wrong_type(context, "repair", other, "true or false", value.span),
             _ => {
                 let problem = Diagnostic::error("the mesh has both a file and other parameters");
-                context.push(problem.why("the points and faces are either in the file or here"), keyword.span);
+                context
+                    .push(problem.why("the points and faces are either in the file or here"), keyword.span);
                 return None;
             }
         }

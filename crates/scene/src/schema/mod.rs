@@ -109,7 +109,8 @@ fn shape(manual: &Manual) -> Value {
 
 /// A mesh, given in the model file or as a separate file in its folder.
 fn mesh(summary: &str, mut properties: Map<String, Value>, needed: &[&str]) -> Value {
-    properties.insert("file".into(), text("A file in the folder of the model: STL, OBJ, PLY, OFF, 3MF or glTF."));
+    properties
+        .insert("file".into(), text("A file in the folder of the model: STL, OBJ, PLY, OFF, 3MF or glTF."));
     let repair = "Whether a mesh in a file is repaired as far as that is safe.";
     properties.insert("repair".into(), json!({ "type": "boolean", "description": repair }));
     let mut schema = table(summary, properties.into(), &[]);

@@ -122,7 +122,10 @@ impl Problems {
         let names: Vec<&str> = choices.iter().map(|(_, name)| *name).collect();
         let problem = Diagnostic::error(format!("unknown {what} `{}`", text.value));
         let suggestion = did_you_mean(&text.value, names.iter().copied());
-        self.push(problem.why(format!("the choices are {}", names.join(", "))).suggest(suggestion), text.span);
+        self.push(
+            problem.why(format!("the choices are {}", names.join(", "))).suggest(suggestion),
+            text.span,
+        );
         None
     }
 }

@@ -394,7 +394,8 @@ fn body(mut fields: Fields) -> Option<Body> {
     }
     if let [(first, _), (second, _), ..] = found.as_slice() {
         let problem = format!("the solid has both `{}` and `{}`", first.value, second.value);
-        let problem = Diagnostic::error(problem).why("a solid has one definition; an `expr` combines several solids");
+        let problem =
+            Diagnostic::error(problem).why("a solid has one definition; an `expr` combines several solids");
         fields.problems.push(problem, second.span);
     }
     let Some((keyword, datum)) = found.into_iter().next() else {

@@ -84,7 +84,9 @@ pub(crate) fn write(scene: &Scene) -> Result<PovRay, PovRayError> {
     let camera = scene.camera.as_ref();
     match camera {
         Some(camera) => text += &camera_text(camera),
-        None => losses.push("camera: the scene has none, so POV-Ray looks along z from the origin.".to_owned()),
+        None => {
+            losses.push("camera: the scene has none, so POV-Ray looks along z from the origin.".to_owned())
+        }
     }
     if let Some(colour) = scene.render.background {
         text += &format!("background {{ {} }}\n", rgb(colour, 1.0));
@@ -118,10 +120,7 @@ fn known_losses(scene: &Scene) -> impl Iterator<Item = String> {
         (gooch, "cool to warm shading: surfaces are matt."),
         (edges, "edges: they are not drawn."),
         (clear, "translucent colours: they filter light in a different way."),
-        (
-            scene.regions.len() > 1,
-            "priority where regions overlap: the first surface on a ray is seen.",
-        ),
+        (scene.regions.len() > 1, "priority where regions overlap: the first surface on a ray is seen."),
     ];
     all.into_iter().filter(|(lost, _)| *lost).map(|(_, what)| what.to_owned())
 }
