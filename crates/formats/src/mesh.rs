@@ -159,7 +159,7 @@ impl<'a> Import<'a> {
             }
             Err(error) => {
                 let problem = Diagnostic::error(format!("{what} is not a solid: {error}")).why(diagnosis);
-                let advice = "does `--repair` help (`repair=True` in Python)?".to_owned();
+                let advice = "try `--repair` (`repair=True` in Python)".to_owned();
                 let advice = (!self.options.repair && error != MeshError::Flat).then_some(advice);
                 self.problems.push(problem.suggest(advice).in_file(self.source));
                 None

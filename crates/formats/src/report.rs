@@ -85,7 +85,7 @@ impl Report {
     pub fn warnings(&self) -> Diagnostics {
         let warning = |loss: &Loss| match loss.count {
             1 => loss.first.clone(),
-            count => loss.first.clone().why(format!("{count} times, here first")),
+            count => loss.first.clone().why(format!("it occurs {count} times, first here")),
         };
         Diagnostics::new(self.iter().map(warning).collect())
     }
@@ -156,6 +156,9 @@ mod tests {
         assert_eq!(report.count(LossKind::Refused), 4);
         let warnings = report.warnings();
         let messages: Vec<&str> = warnings.iter().map(|warning| warning.message()).collect();
-        assert_eq!(messages, ["no a: 3 times, here first.", "rough a: 3 times, here first.", "no b"]);
+        assert_eq!(
+            messages,
+            ["no a: it occurs 3 times, first here.", "rough a: it occurs 3 times, first here.", "no b"]
+        );
     }
 }

@@ -121,7 +121,7 @@ fn versions() {
         message(""),
         "0:0 warning: the format version is missing: future versions may read the file differently. \
          Add `rayweave = 1` as the first line.\n0:0 warning: the model is empty: it has no solid. \
-         Define one, as `[solid.ball]` with `sphere = { radius = 1 }`."
+         Define one, such as `[solid.ball]` with `sphere = { radius = 1 }`."
     );
 }
 

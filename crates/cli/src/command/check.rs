@@ -233,7 +233,7 @@ fn scope(report: &CheckReport) -> String {
     let scope = &report.scope;
     let short = terminal::short3;
     let mut text = format!(
-        "proved by boxes: {} pairs of parts are apart; looked at by {} rays: {} pairs of parts, {} operands\n\
+        "proved disjoint by boxes: {} pairs of parts; sampled with {} rays: {} pairs of parts, {} operands\n\
          reported: overlaps deeper than {}, walls under {}, gaps under {}\n",
         scope.apart,
         scope.rays,

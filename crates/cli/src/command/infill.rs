@@ -173,7 +173,7 @@ impl Infill {
             1 => "1 layer".to_owned(),
             n => format!("{n} layers"),
         };
-        format!("{place}: {traces} traces in {layers}, {length}{space}{unit} long together\n")
+        format!("{place}: {traces} traces in {layers}, {length}{space}{unit} in total\n")
     }
 }
 

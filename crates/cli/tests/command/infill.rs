@@ -48,7 +48,7 @@ fn bench() -> Bench {
 fn a_plate_by_closed_forms() {
     let bench = bench();
     let said = bench.says(&["infill", "shop.toml", "--spacing", "2", "--layer-height", "1", "-o", "t.csv"]);
-    assert_eq!(said, "t.csv: 8 traces in 2 layers, 80 mm long together\n");
+    assert_eq!(said, "t.csv: 8 traces in 2 layers, 80 mm in total\n");
     let table = bench.read("t.csv");
     assert_eq!(table.lines().next(), Some(HEADER));
     let expected: Vec<Vec<String>> = (0..8)
@@ -89,7 +89,7 @@ fn a_region_of_the_plane() {
     let arguments = ["infill", "region.csv", "--spacing", "1", "--phase", "0.5", "-o", "t.csv"];
     let said = bench.says(&[&arguments[..], &["--svg", "t.svg"]].concat());
     // four lines of length 6, two of which skip the hole, 2 wide: 24 - 4 is the area
-    assert_eq!(said, "t.csv: 6 traces in 1 layer, 20 long together\n");
+    assert_eq!(said, "t.csv: 6 traces in 1 layer, 20 in total\n");
     let table = bench.read("t.csv");
     let lines: Vec<Vec<&str>> = rows(&table);
     assert_eq!(lines[1], ["0", "0.0", "1", "0", "0.0", "1.5", "1.0", "1.5"]);
@@ -110,7 +110,7 @@ fn pictures_of_layers_and_totals_alone() {
     };
     assert_eq!(
         fill(&["--layer-height", "0.5", "--svg", "t.svg"]),
-        "t.svg: 48 traces in 4 layers, 272 mm long together\n"
+        "t.svg: 48 traces in 4 layers, 272 mm in total\n"
     );
     let svg = bench.read("t.svg");
     for part in ["0: z = 0.25", "3: z = 1.75", "<title>shop.toml, towers: traces 1 apart</title>"] {
@@ -118,7 +118,7 @@ fn pictures_of_layers_and_totals_alone() {
     }
     // layers 0 and 1 in one colour, 2 and 3 in two
     assert_eq!((svg.matches("#0072b2").count(), svg.matches("#d55e00").count()), (4, 2));
-    assert_eq!(fill(&["--z", "0.5"]), "shop.toml: 8 traces in 1 layer, 80 mm long together\n");
+    assert_eq!(fill(&["--z", "0.5"]), "shop.toml: 8 traces in 1 layer, 80 mm in total\n");
     assert_eq!(fill(&["--z", "0.5", "--quiet"]), "");
     assert!(fill(&["--z", "0.5", "--svg", "-"]).starts_with("<svg "));
 }
@@ -144,7 +144,7 @@ fn heights_beyond_the_solid_are_reported() {
     let said = bench.says(&["infill", "shop.toml", "--spacing", "1", "--z", "1,9,-3", "-o", "t.csv"]);
     assert_eq!(
         said,
-        "t.csv: 8 traces in 3 layers, 80 mm long together\n\
+        "t.csv: 8 traces in 3 layers, 80 mm in total\n\
          layer 1 at z = 9 (and 1 more) has no traces: the filled solid lies between z = 0 and 2\n"
     );
     assert_eq!(rows(&bench.read("t.csv")).len(), 8);

@@ -523,8 +523,8 @@ fn warn_of_defects(numbers: &mut Numbers, e: &Element, facets: &[Vec<Vec3>], pla
     }
     if let Some((facet, count)) = defects.open {
         let message = format!(
-            "the tessellated solid `{name}` has holes: {count} of its edges are not edges of two facets, the first of them \
-             of facet {facet} (counted from 0)."
+            "the tessellated solid `{name}` has holes: {count} of its edges do not belong to two facets. The first is an \
+            edge of facet {facet} (counted from 0)."
         );
         numbers.context.warn(Trouble::new(message, places[facet]));
     }

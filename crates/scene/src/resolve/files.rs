@@ -91,7 +91,7 @@ fn diagnosed(
         }
         Err(error) => {
             let problem = Diagnostic::error(format!("the mesh in `{}` is not a solid: {error}", file.value));
-            let advice = "does `repair = true` beside `file` help?".to_owned();
+            let advice = "try `repair = true` in addition to `file`".to_owned();
             let advice = (!repair && error != MeshError::Flat).then_some(advice);
             context.push(problem.why(diagnosis.to_string()).suggest(advice), file.span);
             None

@@ -66,7 +66,7 @@ fn evaluate(
     if names.is_empty() && document.foreign("optics").is_none() {
         let problem = Diagnostic::warning("the model is empty")
             .why("it has no solid")
-            .suggest(Some("define one, as `[solid.ball]` with `sphere = { radius = 1 }`".to_owned()));
+            .suggest(Some("define one, such as `[solid.ball]` with `sphere = { radius = 1 }`".to_owned()));
         context.problems.push(problem.in_file(&document.source));
     }
     let built = solids.built;
