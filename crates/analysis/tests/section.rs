@@ -122,7 +122,7 @@ fn a_lens_by_its_segments() {
 }
 
 #[test]
-fn what_is_infinite_ends_at_the_window() {
+fn infinite_regions_end_at_the_window() {
     let below = Solid::from(Primitive::from(HalfSpace::new(Vec3::Y, 2.0).unwrap()));
     let found = cut(&[below], &window());
     assert!((found.area(ONE) - 240.0).abs() < 1e-9);

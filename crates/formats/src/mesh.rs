@@ -149,7 +149,7 @@ impl<'a> Import<'a> {
         if self.options.repair {
             let (mended, done) = mesh.auto_repaired().unwrap_or((mesh, Repair::default()));
             mesh = mended;
-            self.tell_repairs(&what, &done);
+            self.report_repairs(&what, &done);
         }
         let diagnosis = mesh.diagnose_within(&mut self.pairs);
         match Polyhedron::closed(&mesh, &diagnosis) {
@@ -176,7 +176,7 @@ impl<'a> Import<'a> {
         }
     }
 
-    fn tell_repairs(&mut self, what: &str, done: &Repair) {
+    fn report_repairs(&mut self, what: &str, done: &Repair) {
         for (count, repair) in done.summary() {
             let warning = Diagnostic::warning(format!("{what} was repaired: {count} {repair}"));
             self.report.add(LossKind::Approximated, repair, warning.in_file(self.source));

@@ -102,7 +102,7 @@ fn tetrahedron() -> Vec<u8> {
 }
 
 #[test]
-fn models_read_files_beside_and_below_them_and_allowed_ones() {
+fn models_read_files_in_their_folder_below_and_allowed_ones() {
     let tree = Tree::new("every");
     for (model, text, ending, contents) in ways() {
         let part = format!("part.{ending}");
@@ -164,7 +164,7 @@ fn models_read_regular_files_only() {
 
 /// A file in a different format may contain someone's secret.
 #[test]
-fn messages_hold_nothing_of_files_of_other_formats() {
+fn messages_do_not_quote_files_in_other_formats() {
     let tree = Tree::new("secret");
     let secret = "hunter2:x:0:0:root\nsecond hunter2\n";
     for (model, text, ending, _) in ways() {

@@ -68,7 +68,7 @@ fn volume(scene: &Scene) -> Result<Option<f64>, String> {
     Ok(Some(length * (2.0 * reach / SIDE as f64).powi(2) * unit.powi(3)))
 }
 
-/// Writes a scene, reads it back and compares; an error says what differs.
+/// Writes a scene, reads it back and compares; an error describes the difference.
 fn convert(scene: &Scene, name: &str, format: Format) -> Result<(), String> {
     let written =
         write(scene, None, format, &WriteOptions::default()).map_err(|error| format!("writing: {error}"))?;

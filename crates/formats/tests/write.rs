@@ -304,7 +304,7 @@ fn regions_without_volume_are_left_out() {
 }
 
 #[test]
-fn what_cannot_be_written_says_why() {
+fn a_failed_write_has_a_reason() {
     let endless =
         scene(&[("rod", Primitive::from(primitive::Cylinder::new(1.0, f64::INFINITY).unwrap()).into())]);
     let refused = write(&endless, None, Format::OpenScad, &WriteOptions::default()).unwrap_err().to_string();
@@ -395,7 +395,7 @@ fn plane_faces_are_not_reported_as_approximated() {
 
 /// A box without curved faces, and a ball, in centimetres.
 #[test]
-fn lengths_are_millimetres_where_a_format_says_no_unit() {
+fn lengths_default_to_millimetres_in_formats_without_units() {
     let cuboid = Solid::from(Primitive::from(primitive::CentredBox::new(Vec3::new(2.0, 3.0, 4.0)).unwrap()));
     let ball = Solid::from(Primitive::from(primitive::Sphere::new(1.0).unwrap())).translate([5.0, 0.0, 0.0]);
     let mut scene = scene(&[("cuboid", cuboid), ("ball", ball)]);

@@ -42,7 +42,7 @@ pub enum Operator {
     Union,
     /// Inside an odd number of parts.
     SymmetricDifference,
-    /// Outside the one part.
+    /// Outside its only part.
     Complement,
 }
 

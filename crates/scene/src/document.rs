@@ -91,7 +91,7 @@ pub type Matrix = [[Spanned<Number>; 4]; 4];
 /// A named solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidEntry {
-    /// The name by which others refer to it.
+    /// The name by which other solids refer to it.
     pub name: Spanned<String>,
     /// The name used for this solid within its face names, if it differs from `name`; an empty text omits it.
     pub label: Option<Spanned<String>>,

@@ -382,7 +382,7 @@ fn overrides() {
 }
 
 #[test]
-fn one_problem_does_not_hide_another_nor_make_new_ones() {
+fn one_problem_neither_hides_nor_causes_others() {
     let text = "unit = 'mn'\n[parameters]\nR = [1]\n\
         [solid.ball]\nsphere = { radius = 'R' }\ntransform = [{ scale = 0 }]\n\
         [solid.cube]\nbox = { size = -1 }\n\
@@ -461,7 +461,7 @@ fn physical_numbers_of_media() {
 }
 
 #[test]
-fn tables_that_nothing_reads() {
+fn tables_without_a_reader() {
     let found = |table: &str| {
         let text = format!("rayweave = 1\n[solid.a]\nsphere = {{ radius = 1 }}\n[{table}]\nx = 1\n");
         listed(&parse(&text).unwrap().1.warnings)

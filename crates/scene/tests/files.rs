@@ -62,7 +62,7 @@ fn translations_and_matrices() {
 }
 
 #[test]
-fn what_cannot_be_used() {
+fn invalid_placement_files_are_rejected() {
     let folder = Folder::new("bad");
     let check = |expected: &str| {
         let problems = folder.load().unwrap_err();
@@ -106,7 +106,7 @@ fn mesh_problems(name: &str, text: &str) -> Result<Scene, String> {
 }
 
 #[test]
-fn meshes_stand_in_files_beside_the_model() {
+fn meshes_come_from_files_in_the_folder_of_the_model() {
     let scene = mesh_problems("mesh", CUBE).unwrap();
     let corners =
         CUBE.lines().skip(2).take(8).map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect());

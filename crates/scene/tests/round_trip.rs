@@ -115,7 +115,7 @@ fn a_document_survives() {
 }
 
 #[test]
-fn what_was_read_is_there() {
+fn the_contents_are_read() {
     let (document, scene) = parse(EVERYTHING).unwrap();
     assert_eq!(document.heading, ["A model with one of everything.", "It means nothing."]);
     assert_eq!(scene.parameters, [("R".to_owned(), 50.0), ("half".to_owned(), 25.0)]);
@@ -129,7 +129,7 @@ fn what_was_read_is_there() {
 }
 
 #[test]
-fn solids_are_what_operators_make_of_them() {
+fn solids_follow_their_operators() {
     let (_, scene) = parse(EVERYTHING).unwrap();
     let ball = build("sphere", &[("radius", 50.0)])
         .rotate_x(90.0)

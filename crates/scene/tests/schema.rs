@@ -126,7 +126,7 @@ fn every_model_fits() {
 }
 
 #[test]
-fn what_is_right_fits() {
+fn valid_files_match_the_schema() {
     for text in [
         "",
         "rayweave = 1\nunit = 'in'\n[wiring]\nx = 1\n[[detector]]\n",
@@ -152,7 +152,7 @@ fn what_is_right_fits() {
 }
 
 #[test]
-fn what_is_wrong_does_not_fit() {
+fn invalid_files_do_not_match_the_schema() {
     for text in [
         "rayweave = 2",
         "unit = 'furlong'",
@@ -183,7 +183,7 @@ fn what_is_wrong_does_not_fit() {
 
 /// The programs that own these tables report their problems, not this crate.
 #[test]
-fn what_is_wrong_with_light_does_not_fit() {
+fn invalid_optics_do_not_match_the_schema() {
     for text in [
         "[optics]\nbranch = 'both'\n",
         "[optics]\nbranches = 'none'\n",

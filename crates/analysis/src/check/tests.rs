@@ -40,7 +40,7 @@ fn kinds(report: &CheckReport) -> Vec<(FindingKind, Vec<&str>)> {
 }
 
 #[test]
-fn overlaps_and_what_is_none() {
+fn overlaps_and_harmless_contacts() {
     let report = checked(
         &boxes(&[
             ("a", [0.0; 3], [2.0; 3]),
@@ -102,7 +102,7 @@ fn hidden_and_empty() {
 
 /// A region outside the checked box is not reported as empty; a region that is empty everywhere is.
 #[test]
-fn what_is_beyond_the_box_is_not_empty() {
+fn regions_outside_the_box_are_not_empty() {
     let three = boxes(&[
         ("a", [0.0; 3], [2.0; 3]),
         ("outside", [5.0; 3], [6.0; 3]),

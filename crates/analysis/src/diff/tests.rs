@@ -55,7 +55,7 @@ fn the_same_in_other_words() {
 /// A shell thinner than the accepted distance is not reported, although rays along its rim have long pieces
 /// in it.
 #[test]
-fn what_is_thinner_than_matters() {
+fn thin_differences_are_ignored() {
     let shell = |radius: f64, distance: f64| {
         compared(BALL, &ball(radius), &DiffSettings { distance: Some(distance), ..quick() })
     };

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn contours_stand_one_after_the_other() {
+    fn the_rows_of_a_contour_are_consecutive() {
         let text = "\u{feff}\"contour\", x ,y\r\n0,0,0\r\n0, 1e0 ,0\n\n0,0,1\nhole,5,5\n";
         let contours = parse(text.as_bytes()).unwrap().points;
         assert_eq!(contours, [vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], vec![[5.0, 5.0]]]);

@@ -248,7 +248,7 @@ fn layers_beyond_the_solid_are_empty_and_reported() {
 }
 
 #[test]
-fn what_cannot_be_filled_is_named() {
+fn unfillable_solids_are_named() {
     let message = |solid: &Solid, spacing: f64, layers: Layers| {
         let filling = filling(spacing, 0.0, 0.0);
         fill_with(&Slices(&weave(solid)), &filling, &layers, &InfillRun::default()).unwrap_err().to_string()

@@ -80,7 +80,7 @@ pub fn measure<E: Evaluator>(
     let program = evaluator.program();
     let count = program.regions().len();
     let mut run = Run { evaluator, settings, progress, quantile, traced: 0, streams: 0 };
-    let boxes = program.region_bounds().into_iter().map(|own| with_an_inside(run.clipped(own)));
+    let boxes = program.region_bounds().into_iter().map(|own| empty_if_flat(run.clipped(own)));
     let boxes = boxes.collect::<Vec<_>>();
     let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
     let mut results = vec![Joined::default(); count];
@@ -99,7 +99,7 @@ pub fn measure<E: Evaluator>(
             ..report(&joined.mean(), joined.origin, quantile)
         };
         regions.push(match found.longest {
-            None => unmet(found, &boxes[region], own, settings.confidence),
+            None => uncrossed(found, &boxes[region], own, settings.confidence),
             Some(_) => found,
         });
     }
@@ -112,7 +112,7 @@ pub fn measure<E: Evaluator>(
 /// all miss it with a probability of at most (1 - f)^n, also for stratified rays: so f is below -ln(1 -
 /// confidence) / n. The volume is at most that fraction of the box; the area, if no ray crosses the boundary
 /// more than twice, at most that fraction of the area of the box.
-fn unmet(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
+fn uncrossed(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
     if bounds.is_empty() {
         return found;
     }
@@ -132,7 +132,7 @@ pub fn one_medium_each(regions: &[Region]) -> Vec<Region> {
 }
 
 /// Replaces a box of zero width, which has no cross-section, with the empty box.
-fn with_an_inside(own: Bounds) -> Bounds {
+fn empty_if_flat(own: Bounds) -> Bounds {
     if own.size().min_element() > 0.0 { own } else { Bounds::EMPTY }
 }
 
@@ -229,7 +229,7 @@ impl<E: Evaluator> Run<'_, E> {
     ) -> Result<u64, MeasureError> {
         let mut across = FIRST_ACROSS;
         let mut spent = 0;
-        while !bounds.is_empty() && !self.is_sure(&results[region], spent) {
+        while !bounds.is_empty() && !self.is_finished(&results[region], spent) {
             let most = ((self.settings.most_rays - spent) / 6).isqrt();
             if most == 0 {
                 break;
@@ -243,7 +243,7 @@ impl<E: Evaluator> Run<'_, E> {
     }
 
     /// True if no more rays are needed. A region that no ray crossed gets one more round.
-    fn is_sure(&self, joined: &Joined, spent: u64) -> bool {
+    fn is_finished(&self, joined: &Joined, spent: u64) -> bool {
         let is_met = joined.weight > 0.0 && joined.mean().moments[0] > 0.0;
         self.is_reached(joined) && (is_met || spent > 0)
     }

@@ -51,14 +51,14 @@ fn a_ball_far_from_the_origin() {
 
 /// Two cubes that have only a face in common.
 #[test]
-fn a_box_without_a_width_holds_nothing() {
+fn a_box_of_zero_width_has_no_volume() {
     let found = one(&(cube(2.0) & cube(2.0).translate(2.0 * Vec3::X)), &quick());
     assert_eq!((found.volume.value, found.volume.half_width), (0.0, 0.0), "{found:?}");
     assert!(found.is_reached && found.centre.is_none(), "{found:?}");
 }
 
 #[test]
-fn what_is_flat_is_exact() {
+fn flat_faces_are_exact() {
     let solid = cube(2.0).scale(Vec3::new(1.0, 2.0, 3.0)).rotate_z(90.0);
     let found = one(&solid, &quick());
     assert!((found.volume.value - 48.0).abs() < 1e-9 && found.volume.half_width < 1e-9, "{found:?}");
@@ -134,7 +134,7 @@ fn no_more_rays_than_requested() {
 }
 
 #[test]
-fn nothing_there() {
+fn empty_regions() {
     let apart = cube(1.0) & cube(1.0).translate(Vec3::new(0.5, 0.5, 2.0));
     let found = one(&apart, &quick());
     assert_eq!((found.volume.value, found.volume.half_width, found.centre), (0.0, 0.0, None));
@@ -149,7 +149,7 @@ fn nothing_there() {
 
 /// A region that is small in its box: cut from a huge plate and subtracted from it again.
 #[test]
-fn what_no_ray_has_met_may_still_be_there() {
+fn a_region_that_no_ray_crosses_may_exist() {
     let plate = cube(1.0).scale(Vec3::new(1e6, 1e6, 1.0));
     let solid = &plate - &(&plate - &cube(1.0).scale(Vec3::new(10.0, 10.0, 1.0)));
     let found = one(&solid, &quick());

@@ -116,7 +116,7 @@ fn by_medium_or_by_region() {
 }
 
 #[test]
-fn a_box_ends_what_has_no_end() {
+fn a_box_bounds_unbounded_solids() {
     let rod = scene("[solid.rod]\ncylinder = { radius = 1, height = inf }");
     let settings = SectionSettings::default();
     let plane = || "xz".parse().unwrap();

@@ -80,7 +80,7 @@ pub struct Diff {
     #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
-    /// Plane of the picture, such as z=0.5 [default: of the planes across x, y and z through the thickest difference, the one that shows most of it]
+    /// Plane of the picture, such as z=0.5 [default: the plane across x, y or z through the thickest difference that shows the largest area of differences]
     #[arg(long, value_name = "PLANE", value_parser = super::section::plane, requires = "out")]
     plane: Option<SectionPlane>,
 

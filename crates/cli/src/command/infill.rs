@@ -77,7 +77,7 @@ impl Infill {
         let filling = Filling { raster, turn: self.turn, alternate: self.alternate };
         let mut picture = InfillPicture::new(self.spacing);
         if self.is_flat() {
-            self.refuse_what_is_for_solids()?;
+            self.reject_options_of_solids()?;
             let region = read_region(&self.model.model, Side::Outside)?;
             picture.outline(&region);
             return self.fill(global, &region, &filling, &Layers::At(vec![0.0]), "", picture);
@@ -94,7 +94,7 @@ impl Infill {
         self.model.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
     }
 
-    fn refuse_what_is_for_solids(&self) -> Result<(), Failure> {
+    fn reject_options_of_solids(&self) -> Result<(), Failure> {
         let given = [
             ("--layer-height", self.layer_height.is_some()),
             ("--z", !self.z.is_empty()),

@@ -99,7 +99,7 @@ impl Section {
         let found = cross_sections(&scene, solid, make, &planes, &settings, &mut progress);
         bar.finish_and_clear();
         let found = found?;
-        self.refuse_nothing(&scene, &found)?;
+        self.reject_missed_planes(&scene, &found)?;
         self.out.iter().try_for_each(|path| self.save(path, &found, scene.unit.symbol()))?;
         let is_taken = self.out.iter().any(|path| path == Path::new("-"));
         match () {
@@ -129,7 +129,7 @@ impl Section {
     }
 
     /// Rejects planes that miss the model.
-    fn refuse_nothing(&self, scene: &Scene, found: &[CrossSection]) -> Result<(), Failure> {
+    fn reject_missed_planes(&self, scene: &Scene, found: &[CrossSection]) -> Result<(), Failure> {
         if found.iter().any(|section| !section.parts.is_empty()) {
             return Ok(());
         }

@@ -98,13 +98,13 @@ impl Thickness {
             return Ok(format!("white is {} {unit} of {medium}", terminal::short(longest)));
         }
         save(map.radiograph(scene), 1.0)?;
-        let is_said = |key| scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == key));
+        let is_given = |key| scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == key));
         let white = "white is full transmission";
-        if is_said("attenuation") {
+        if is_given("attenuation") {
             return Ok(white.to_owned());
         }
         let percent = terminal::short(100.0 * FAINTEST);
-        let by = if is_said("density") { "proportional to the density" } else { "equal in all media" };
+        let by = if is_given("density") { "proportional to the density" } else { "equal in all media" };
         Ok(format!(
             "{white}, the darkest pixel {percent} %: no medium has an attenuation, so it is taken as {by}."
         ))

@@ -47,7 +47,7 @@ fn every_format_is_written_and_read() {
 }
 
 #[test]
-fn what_cannot_be_written_leaves_no_file() {
+fn a_failed_write_leaves_no_file() {
     let bench = Bench::new();
     bench.write("part.toml", PART);
     bench.write("rod.toml", "rayweave = 1\n[solid.rod]\ncylinder = { radius = 1 }\n");
@@ -70,7 +70,7 @@ fn what_cannot_be_written_leaves_no_file() {
 }
 
 #[test]
-fn open_meshes_are_refused_with_place_and_count_or_repaired() {
+fn open_meshes_are_refused_with_position_and_count_or_repaired() {
     let bench = Bench::new();
     bench.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
     let refused = bench.fails(3, &["info", "open.obj"]);

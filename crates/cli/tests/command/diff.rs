@@ -22,7 +22,7 @@ fn the_same_is_0() {
 }
 
 #[test]
-fn a_difference_is_1_and_is_told() {
+fn a_difference_has_exit_code_1_and_is_reported() {
     let bench = Bench::new();
     bench.write("large.toml", BALL.replace("R = 1.0", "R = 1.25"));
     let run = bench.run(&["diff", "ball.toml", "large.toml", "--cells", "32", "--json", "-o", "d.svg"]);

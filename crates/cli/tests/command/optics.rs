@@ -232,7 +232,7 @@ fn any_number_of_threads_writes_the_same_bytes() {
 }
 
 #[test]
-fn what_can_be_wrong() {
+fn invalid_runs_are_rejected_with_a_reason() {
     let bench = bench();
     let message = bench.fails(3, &["optics", "ball.toml"]);
     assert!(message.contains("the model has no [optics] table"), "{message}");

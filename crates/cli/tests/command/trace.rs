@@ -255,7 +255,7 @@ fn quiet_is_quiet() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_failure() {
+fn a_closed_reader_is_not_an_error() {
     let bench = Bench::new();
     bench.write("rays.csv", fan(20_000));
     let mut child = bench.command(&["trace", "ball.toml", "--rays", "rays.csv", "-o", "-"]).spawn().unwrap();

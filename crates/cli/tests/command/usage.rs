@@ -65,7 +65,7 @@ fn a_singular_transform() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_failure() {
+fn a_closed_reader_is_not_an_error() {
     let bench = Bench::new();
     for arguments in [&["schema"][..], &["shapes"], &["info", "ball.toml"]] {
         let mut child = bench.command(arguments).spawn().unwrap();

@@ -157,7 +157,7 @@ mod tests {
 
     /// Four screws above a plate rise together; a washer around one of them follows.
     #[test]
-    fn regions_beside_one_another_stay_so() {
+    fn adjacent_regions_stay_adjacent() {
         let part = |x: f64, lo: f64, hi: f64, half: f64| {
             Bounds::new(Vec3::new(x - half, -half, lo), Vec3::new(x + half, half, hi))
         };

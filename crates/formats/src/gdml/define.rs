@@ -147,12 +147,12 @@ impl Numbers<'_> {
                 _ => value? * unit,
             };
         }
-        self.suspect(element, role, unit);
+        self.warn_of_degrees(element, role, unit);
         Ok(vector)
     }
 
     /// Warns about a rotation of more than two turns in radians, which is probably in degrees.
-    fn suspect(&mut self, element: &Element, role: Role, unit: f64) {
+    fn warn_of_degrees(&mut self, element: &Element, role: Role, unit: f64) {
         let large = ["x", "y", "z"].iter().filter_map(|axis| element.attribute(axis));
         let large = large.filter_map(|attribute| attribute.value.trim().parse::<f64>().ok());
         if role == Role::Rotation && unit == 1.0 && large.fold(0.0, |a: f64, b| a.max(b.abs())) > 4.0 * PI {

@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_into_memory_is_refused() {
+    fn a_file_too_large_for_memory_is_refused() {
         let source = Arc::new(Source::new(None, " ".repeat(1 << 20)));
         assert!(check_memory(&source, Some(36 << 20)).is_ok() && check_memory(&source, None).is_ok());
         let text = check_memory(&source, Some((36 << 20) - 1)).unwrap_err().to_string();

@@ -151,7 +151,7 @@ pub(super) fn check(context: &mut Context, root: &Element) {
             found.attributes(element, "number");
             found.parameters(element);
         }
-        // elements of extensions have attributes of their own
+        // elements of extensions may have other attributes
         if row.is_some() || element.name == "parameters" || std::ptr::eq(element, root) {
             open.extend(element.children.iter().rev());
         }

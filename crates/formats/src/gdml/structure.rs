@@ -179,7 +179,7 @@ impl StructureReader<'_, '_> {
         let (name, place) = match (wanted, default) {
             (Some(wanted), _) => (wanted.to_owned(), root.place),
             (None, Some((_, volume, place))) => (volume.clone(), *place),
-            (None, None) => return self.lonely(root),
+            (None, None) => return self.only_unplaced_volume(root),
         };
         let found = self.names.get(&name).copied();
         if found.is_none() {
@@ -191,7 +191,7 @@ impl StructureReader<'_, '_> {
     }
 
     /// The only volume without a placement, which is the world of a file that does not specify one.
-    fn lonely(&mut self, root: &Element) -> Option<usize> {
+    fn only_unplaced_volume(&mut self, root: &Element) -> Option<usize> {
         let mut placed = vec![false; self.graph.volumes.len()];
         for daughter in self.graph.volumes.iter().flat_map(|volume| &volume.daughters) {
             placed[daughter.volume] = true;

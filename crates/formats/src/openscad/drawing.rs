@@ -153,7 +153,7 @@ mod tests {
 
     /// The areas equal those of the exports of OpenSCAD 2021.01.
     #[test]
-    fn svg_beside_openscad() {
+    fn svg_areas_equal_those_of_openscad() {
         let cases = [
             ("<circle cx=\"50\" cy=\"50\" r=\"20\"/>", 1251.4741),
             ("<ellipse cx=\"50\" cy=\"50\" rx=\"20\" ry=\"10\"/>", 625.739),

@@ -68,7 +68,7 @@ impl Flats {
         self.add(Node::Join(operation, operands))
     }
 
-    /// The region and the radius of which a region is known to be the sum.
+    /// The region and the radius of the disc whose sum is the given region, if known.
     pub fn grown(&self, flat: Flat) -> Option<(Flat, f64)> {
         self.grown.get(&flat).copied()
     }

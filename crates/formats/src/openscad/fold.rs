@@ -28,7 +28,7 @@ enum Task {
 pub(super) enum Start {
     /// Start at a node.
     Item(usize),
-    /// Start at the union of the children of a node, whatever its own operation.
+    /// Start at the union of the children of a node, regardless of its operation.
     Below(usize),
 }
 
@@ -87,7 +87,7 @@ pub(super) fn fold<T>(
     made.pop().ok_or_else(|| reader.arguments(from.number()).refusal("it is empty"))
 }
 
-/// Boolean operation and map of the children of a node; `None` for nodes with shells of their own.
+/// Boolean operation and map of the children of a node; `None` for nodes that have their own shells.
 fn structure(
     reader: &Reader,
     number: usize,

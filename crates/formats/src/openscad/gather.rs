@@ -94,7 +94,7 @@ fn check_convex(reader: &Reader, number: usize, arguments: &Arguments) -> Result
     }
 }
 
-/// True if an item without children of its own, or an extrusion, is convex.
+/// True if an item without children, or an extrusion, is convex.
 fn is_convex_item(reader: &Reader, number: usize, arguments: &Arguments) -> Result<bool, Refusal> {
     match (reader.tree.nodes[number].name.as_str(), reader.extruded.get(&number)) {
         ("polyhedron", _) => mesh::is_convex(arguments),

@@ -27,7 +27,7 @@ const FARTHEST: f64 = 1e150;
 /// Grid of `i_overlay`, relative to the size of its input.
 const GRID: f64 = 1.0 / (1u64 << 50) as f64;
 
-/// The region inside contours by a fill rule, as outlines counter-clockwise and holes clockwise that do not cross.
+/// The region inside contours according to a fill rule: counter-clockwise outlines and clockwise holes that do not cross.
 pub(super) fn filled(
     arguments: &Arguments,
     contours: &Contours,

@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_word() {
+    fn invalid_words() {
         for text in ["\u{e4}", "\"abc", "\"abc\\", "/* abc", "1e", "1e+", "."] {
             assert!(matches!(words(text)[..], [Token::Bad(_)]), "{text}: {:?}", words(text));
         }

@@ -22,7 +22,7 @@ fn problems(text: &str) -> Vec<(usize, usize, String)> {
 }
 
 #[test]
-fn a_good_file_is_good() {
+fn a_valid_file_is_accepted() {
     assert_eq!(parse(&model("", BOX, WORLD)).unwrap().scene.regions.len(), 1);
 }
 

@@ -29,7 +29,7 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 #[test]
-fn rays_cross_where_geant4_says() {
+fn rays_cross_as_in_geant4() {
     let solids = solids();
     let mut rays: HashMap<&str, Vec<Vec<f64>>> = HashMap::new();
     for line in RAYS.lines().filter(|line| !line.starts_with('#')) {

@@ -205,9 +205,9 @@ fn angles_in_millimetres_are_radians() {
     assert_eq!(radians.scene.warnings.iter().count(), 0);
 }
 
-/// A loop with an empty range has no iterations, whatever the sign of its step.
+/// A loop with an empty range has no iterations, regardless of the sign of its step.
 #[test]
-fn loops_without_steps_stand_for_nothing() {
+fn empty_loops_generate_nothing() {
     let down = "<loop for=\"i\" from=\"3\" to=\"1\" step=\"-1\"><physvol><volumeref ref=\"Slice\"/></physvol></loop>";
     let structure = volume("Slice", "slab", "") + &volume("World", "big", down);
     let imported = parse(&model("<variable name=\"i\" value=\"3\"/>", BOXES, &structure)).unwrap();
@@ -278,7 +278,7 @@ fn rings_along_rho_and_sectors_around_phi() {
 }
 
 #[test]
-fn copies_may_have_dimensions_of_their_own() {
+fn copies_may_have_their_own_dimensions() {
     let parameters = |k: u32, x: i32, size: u32| {
         format!(
             "<parameters number=\"{k}\"><position name=\"p{k}\" x=\"{x}\"/><box_dimensions x=\"{size}\" y=\"{size}\" z=\"{size}\"/></parameters>"
@@ -314,7 +314,7 @@ fn mirrored_placements_are_mirrored() {
 }
 
 #[test]
-fn a_refused_solid_takes_only_its_own_volume_away() {
+fn a_refused_solid_removes_only_its_own_volume() {
     let solids = BOXES.to_owned() + "<box name=\"flat\" x=\"10\" y=\"10\" z=\"0\"/>";
     let structure = [
         volume("Inner", "cube", ""),
@@ -328,7 +328,7 @@ fn a_refused_solid_takes_only_its_own_volume_away() {
 }
 
 #[test]
-fn what_light_needs_is_kept_in_a_table() {
+fn optical_data_are_kept_in_a_table() {
     let define = "<matrix name=\"N\" coldim=\"2\" values=\"1*eV 1.5 3*eV 1.7\"/>";
     let text = model(define, BOXES, &volume("World", "big", "<auxiliary auxtype=\"SensDet\" auxvalue=\"pmt\"/>"))
         .replace("</solids>", "<opticalsurface name=\"Skin\" model=\"unified\" finish=\"polished\" type=\"dielectric_metal\" value=\"1\">\

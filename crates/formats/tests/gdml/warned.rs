@@ -47,7 +47,7 @@ fn extensions_of_the_schema_are_read() {
         assert_eq!(imported.scene.regions.len(), 2);
         says(&imported, &[name, "extension of GDML"]);
     }
-    // a document without any section is of another format
+    // a document without any section is in a different format
     assert!(parse("<html><body/></html>").unwrap_err().to_string().contains("not GDML"));
 }
 
@@ -66,7 +66,7 @@ fn surfaces_in_volumes_and_unknown_elements_are_ignored() {
 }
 
 #[test]
-fn unknown_attributes_are_named_with_the_likely_one() {
+fn unknown_attributes_get_a_suggestion() {
     // zcut2 is misspelt: without the warning, the missing upper cut would go unnoticed
     let lung = "<ellipsoid name=\"b\" ax=\"20\" by=\"30\" cz=\"40\" zcut1=\"-5\" zcut0=\"10\"/>";
     let solids = format!("<box name=\"w\" x=\"200\" y=\"200\" z=\"200\"/>{lung}");

@@ -68,7 +68,7 @@ fn key(table: &Table, key: &str) -> Option<Datum> {
 }
 
 #[test]
-fn volumes_lie_in_one_another_as_before() {
+fn the_volume_hierarchy_is_preserved() {
     for text in [include_str!("structure.gdml"), include_str!("copies.gdml")] {
         let first = parse(text).unwrap();
         let file = written(&first);
@@ -76,7 +76,7 @@ fn volumes_lie_in_one_another_as_before() {
             !file
                 .remarks
                 .iter()
-                .any(|remark| remark.what.contains("cut out") || remark.what.contains("tree"))
+                .any(|remark| remark.what.contains("are subtracted from it") || remark.what.contains("tree"))
         );
         let second = again(&file);
         let names = |imported: &Imported| -> Vec<String> {
@@ -139,7 +139,7 @@ fn numbers_of_properties_are_kept() {
 
 /// The volume tree of a table that does not match the regions is ignored; its materials are used.
 #[test]
-fn what_was_changed_is_written_flat() {
+fn edited_models_are_written_flat() {
     let mut imported = parse(OPTICAL).unwrap();
     let document = imported.document();
     let region = &mut imported.scene.regions[1];

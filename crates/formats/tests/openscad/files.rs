@@ -78,7 +78,7 @@ fn volumes_are_those_of_openscad() {
 }
 
 #[test]
-fn nothing_is_refused_but_what_is_not_there() {
+fn only_missing_files_are_refused() {
     let Some(folder) = folder() else { return };
     let files = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let mut dumps = 0;

@@ -67,7 +67,7 @@ fn booleans_and_maps() {
 }
 
 #[test]
-fn nothing_where_openscad_makes_nothing() {
+fn empty_where_openscad_is_empty() {
     for text in
         ["", "group();", "cube(0);", "sphere(r = -1);", "cylinder(h = 0, r1 = 1, r2 = 1);", "*cube(1);"]
     {
@@ -102,7 +102,7 @@ fn modifiers() {
 }
 
 #[test]
-fn colours_are_regions_and_the_outer_one_wins() {
+fn colours_become_regions_and_the_outer_colour_wins() {
     let text = "color([1, 0, 0, 1]) cube(1); color([0, 0, 1, 0.5]) { cube(2); color([1, 0, 0, 1]) sphere(r = 1); } cube(3); cube(4);";
     let scene = whole(text, false);
     let regions: Vec<(&str, Colour)> = scene.regions.iter().map(|r| (r.name.as_str(), r.colour)).collect();
@@ -120,7 +120,7 @@ fn colours_are_regions_and_the_outer_one_wins() {
 }
 
 #[test]
-fn what_cannot_be_read_counts_as_not_there() {
+fn unreadable_items_count_as_absent() {
     let text = "cube(2);\ndifference() {\n cube(3);\n  riddle(x = 1);\n}\nintersection() { riddle(); cube(1); }\nunion() { difference() { riddle(); cube(1); } }";
     let (refused, messages) = losses(text, LossKind::Refused);
     assert!(refused == 3 && messages.contains("<text>:4:3") && messages.contains("3 times"), "{messages}");

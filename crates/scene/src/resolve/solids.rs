@@ -144,7 +144,7 @@ struct Builder<'n, 'd> {
     definitions: Definitions<'d>,
     /// `None` for shapes and for expressions with errors.
     parts: Vec<Option<Box<Joined>>>,
-    /// Solids with a problem of their own, which has been reported.
+    /// Solids that are themselves invalid; the problem has been reported.
     failed: HashSet<usize>,
 }
 

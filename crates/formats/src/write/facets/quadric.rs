@@ -1,4 +1,4 @@
-//! Tessellation of quadrics by their elliptic sections. Quadrics without elliptic sections are tessellated on a grid.
+//! Tessellation of quadrics from their elliptic sections. Quadrics without elliptic sections are tessellated on a grid.
 
 use super::implicit;
 use super::revolved::{Profile, circle_count, revolved};

@@ -106,7 +106,7 @@ fn kind(source: &Source, value: &Spanned<Datum>) -> Kind {
     let begins = |span: Span, with: &str| source.slice(span).starts_with(with);
     let is_item = |item: &Spanned<Datum>| matches!(item.value, Datum::Table(_)) && begins(item.span, "[[");
     match &value.value {
-        // a table without a header of its own has the span of its name in the first header of a part
+        // a table without its own header has the span of its name in the first header of a part
         Datum::Table(_) if !begins(value.span, "[") && !begins(value.span, "{") => Kind::Parts,
         Datum::List(list) if list.iter().all(is_item) && !list.is_empty() => Kind::Items,
         _ => Kind::Whole,
