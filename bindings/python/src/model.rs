@@ -155,7 +155,7 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
         Err(_) => match value.extract::<f64>() {
             Ok(number) => Ok(format!("{number:?}")),
             Err(_) => Err(bad_type(format!(
-                "parameters['{name}'] is {}: it must be a number or arithmetic text.",
+                "parameters['{name}'] is {}: it must be a number or an arithmetic expression.",
                 value.get_type()
             ))),
         },

@@ -53,7 +53,7 @@ def test_every_format(model: Path, tmp_path: Path, ending: str) -> None:
 def test_save_tells_what_is_lost(model: Path, tmp_path: Path) -> None:
     part = rayweave.load(model)
     reported = part.save(tmp_path / "part", format="stl", tolerance=0.5)
-    assert any(line.startswith("approximated: curved faces, by triangles within 5") for line in reported)
+    assert any(line.startswith("approximated: curved faces, with triangles within 5") for line in reported)
     assert part.save(tmp_path / "again.toml") == []
     assert rayweave.load(tmp_path / "again.toml") == part
     with pytest.raises(rayweave.RayweaveError, match="unknown format 'step'"):

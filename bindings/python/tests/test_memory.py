@@ -48,7 +48,7 @@ CASES = {
         "next(iter(plates(1).stream([ro.beam(1.0, 10**9).translate([0, 0, -5])], rows=10**12, threads=1)))",
         "RayweaveError the segments of 1000000000 rays cannot be kept: ",
     ),
-    "traces of infill": ("rayweave.infill(comb(), 1e-6, threads=1)", "RayweaveError the traces cannot be kept: "),
+    "traces of infill": ("rayweave.infill(comb(), 1e-6, threads=1)", "RayweaveError the traces do not fit into memory: "),
     "repeated rays": (
         "rayweave.sphere(1).hits(np.broadcast_to([0.0, 0, -5], (10**12, 3)), [0, 0, 1])",
         "",

@@ -51,7 +51,7 @@ def test_notebooks_see_a_png():
         (dict(kind="colours"), "colours"),
         (dict(samples=0), "sample"),
         (dict(cut="x=1"), "neither < nor >"),
-        (dict(explode="up"), "as in z:0.2"),
+        (dict(explode="up"), "such as z:0.2"),
         (dict(opacity=1.5), "from 0 to 1"),
         (dict(opacity={"glass": 0.5}), "no region or medium is called `glass`"),
     ],

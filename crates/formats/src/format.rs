@@ -72,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_format_has_a_name_and_endings_of_its_own() {
+    fn every_format_has_its_own_name_and_extensions() {
         for (k, (format, name, endings)) in TABLE.iter().enumerate() {
             assert_eq!(Format::from_name(name), Some(*format));
             assert_eq!(Format::NAMES[k], format.name());

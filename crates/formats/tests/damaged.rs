@@ -1,7 +1,7 @@
 //! Damaged files of every format: they yield a clear error or a scene that compiles, in limited time and without a panic.
 //!
-//! The seeds are small files of each format, some of them written here from one scene. The mutations come from a random
-//! generator with a fixed seed.
+//! The seeds are small files in each format, some of them written by this test from one scene. The mutations come from a
+//! random generator with a fixed seed.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_formats::{Format, Options, WriteOptions, load, write};

@@ -9,7 +9,7 @@ use rayweave_shape::primitive::Primitive;
 use rayweave_trace::Weave;
 use std::sync::Arc;
 
-/// An object of POV-Ray, as a membership test.
+/// A POV-Ray object that supports membership tests.
 #[derive(Debug)]
 enum Object {
     Sphere(Vec3, f64),

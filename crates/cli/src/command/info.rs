@@ -29,7 +29,7 @@ pub struct Info {
     #[arg(long, value_name = "N", default_value_t = 12)]
     depth: usize,
 
-    /// Maximum number of lines of the tree, and of the list of pruned parts
+    /// Maximum number of lines of the tree and of the list of pruned parts
     #[arg(long, value_name = "N", default_value_t = 200)]
     lines: usize,
 }
@@ -161,7 +161,7 @@ fn statistics(program: &Program) -> [(&'static str, usize); 7] {
     ]
 }
 
-/// The number of surfaces that several faces share.
+/// The number of surfaces that are shared by several faces.
 fn shared_surfaces(program: &Program) -> usize {
     let mut faces = vec![0u32; program.surfaces().len()];
     for facet in program.facets() {

@@ -1,4 +1,4 @@
-//! `probe`: closed forms along single rays.
+//! `probe`: closed-form results along single rays.
 
 use crate::bench::Bench;
 use serde_json::{Value, json};
@@ -121,20 +121,21 @@ fn a_ray_needs_a_direction() {
     let same = ["probe", "ball.toml", "--from", "1,2,3", "--to", "1,2,3"];
     assert_eq!(
         bench.fails(2, &same),
-        "error: --from and --to are the same point: the direction of the ray is from one to the other.\n"
+        "error: --from and --to are the same point: a ray needs two different points.\n"
     );
     let far = ["probe", "ball.toml", "--from", "-1e308,0,0", "--to", "1e308,0,0"];
     assert!(bench.fails(2, &far).contains("too far apart"));
     let huge = ["probe", "ball.toml", "--from", "1e200,0,0", "--to", "0,0,0"];
     assert_eq!(
         bench.fails(2, &huge),
-        "error: --from and --to give a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): components beyond 1e100 overflow in computations. Is the unit far too small?\n"
+        "error: --from and --to define a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): components beyond 1e100 overflow in computations. Is the unit far too small?
+"
     );
     let tiny = ["probe", "ball.toml", "--from", "0,0,0", "--to", "0,1e-200,0"];
     assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): components below 1e-100"));
 }
 
-/// From there the ball is smaller than the tolerance, and would be missed.
+/// From that distance, the ball is smaller than the tolerance and would be missed.
 #[test]
 fn a_ray_from_too_far_is_rejected() {
     let bench = Bench::new();
@@ -203,7 +204,7 @@ fn the_explanation_of_the_chain() {
         "      s1 | s2 is entered at 0.0375: s1 is entered, and the ray is outside s2 until 0.145833. (rule 3)",
         "  So the ray is in the world until t = 0.0375, then in chain.",
         // a table of nine entries gets this wrong: both are left, but the later exit is not yet the
-        // answer
+        // result
         "      s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is queried again. (rule 4)",
         "    s1 | s2 | s3 | s4 stays inside at 0.3125: s1 | s2 is left, but the ray is inside s3 | s4 until 0.529167. So s1 | s2 is queried again. (rule 4)",
         "  (s1 ... s4) | (s5 ... s8) stays inside at 0.529167: s1 | s2 | s3 | s4 is left, but the ray is inside s5 | s6 | s7 | s8 until 0.9625. So s1 | s2 | s3 | s4 is queried again. (rule 4)",
@@ -214,7 +215,7 @@ fn the_explanation_of_the_chain() {
     ] {
         assert!(text.lines().any(|found| found == line), "{line}\n{text}");
     }
-    // every sphere overlaps the next: there is no other crossing, and no line is omitted
+    // every sphere overlaps the next: there are no other crossings, and no line is omitted
     assert_eq!(text.matches("  So the ray is in").count(), 3);
     assert!(!text.contains("left out"), "{text}");
 }
@@ -240,7 +241,7 @@ fn stories_of_parts_and_of_few_lines() {
     assert!(bench.says(&segment).contains("The next change after t = 0:"));
     for wrong in ["--explain=0", "--explain=-1", "--explain=few"] {
         let message = bench.fails(2, &[&["probe", "ball.toml", wrong], &HEAD_ON[..]].concat());
-        assert!(message.contains("a whole number from 1, or all"), "{message}");
+        assert!(message.contains("a whole number of at least 1, or all"), "{message}");
     }
     let both = [&["probe", "ball.toml", "--explain", "--json"], &HEAD_ON[..]].concat();
     assert!(bench.fails(2, &both).contains("cannot be used with"));

@@ -51,7 +51,7 @@ impl Chart {
         [self.x.start, self.y.end, self.x.end - self.x.start, self.y.start - self.y.end]
     }
 
-    /// Draws title, subtitle, and axes with ticks. `unit` is that of lengths.
+    /// Draws title, subtitle, and axes with ticks. `unit` is the unit of length.
     pub fn draw(&self, svg: &mut Svg, titles: [&str; 2], unit: &str) {
         self.draw_axes(svg, titles, ["x", "y"], unit);
     }

@@ -1,4 +1,4 @@
-//! Histograms as SVG: spectra of times and wavelengths.
+//! Histograms as SVG, such as distributions of times and wavelengths.
 
 use super::chart::{BELOW, LEFT, MARGIN, TOP};
 use crate::axis::{Axis, format_number, round_step};
@@ -23,13 +23,13 @@ const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 260.0;
 const HEADING: f64 = 0.0;
 
-/// About the number of bins of a histogram with many values.
+/// The approximate number of bins of a histogram with many values.
 const BINS: f64 = 60.0;
 
-/// The number of empty bins on either side of equal values.
+/// The number of empty bins on either side if all values are equal.
 const ALONE: f64 = 10.0;
 
-/// The fraction of the values that the axis holds at least: single late photons do not hide the shape.
+/// The minimum fraction of the values on the axis: single late photons do not hide the shape.
 const SHOWN: f64 = 0.995;
 
 const STYLE: &str = "\
@@ -48,8 +48,8 @@ struct Bins {
     beyond: usize,
 }
 
-/// Draws histograms side by side: the number of values by bins of a round width. The highest 0.5 % of the values may lie beyond
-/// the axis: the subtitle states their number.
+/// Draws histograms side by side: the number of values in bins of a round width. The highest 0.5 % of the values may lie beyond
+/// the axis; the subtitle states their number.
 ///
 /// ```
 /// use rayweave_draw::detector::{Histogram, histograms_svg};
@@ -125,13 +125,13 @@ impl Bins {
             return Bins { lo: 0.0, width: 1.0, counts: vec![0], beyond: 0 };
         };
         let high = sorted[((sorted.len() - 1) as f64 * SHOWN).ceil() as usize];
-        // a long tail is cut off, a short one is not
+        // only a long tail is cut off
         let last = if last - first > 1.5 * (high - first) && high > first { high } else { last };
         // fewer bins for few values
         let most = BINS.min((2.0 * (values.len() as f64).sqrt()).max(5.0));
         let (width, margin) = match last > first {
             true => (round_step((last - first) / most), 0.0),
-            // equal values: one bin among empty ones, narrow compared with them, but wider than their rounding
+            // equal values: one bin among empty ones, narrow compared with the values, but wider than their rounding errors
             false => (round_step((1e-3 * first.abs()).max(1e-6)), ALONE),
         };
         let begin = (first / width).floor() - margin;

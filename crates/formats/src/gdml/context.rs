@@ -5,7 +5,7 @@ use super::xml::Files;
 use crate::{LossKind, Report};
 use rayweave_scene::Diagnostic;
 
-/// Maximum number of problems that are reported. More indicate a loop, or a file of another format.
+/// Maximum number of reported problems. More indicate a loop, or a file in a different format.
 const MAX_PROBLEMS: usize = 200;
 
 /// State while files are read.

@@ -116,7 +116,7 @@ fn cycle_trouble(graph: &Graph, cycle: &[usize]) -> Trouble {
 /// A mother, and the copies of a daughter in it.
 type Mother = (usize, Copies);
 
-/// Placements of all volumes in their mothers.
+/// The placements of all volumes in their mothers.
 pub(super) struct Ancestry {
     /// Mothers of each volume, each with the maps of all placements in it.
     mothers: HashMap<usize, Vec<Mother>>,
@@ -148,7 +148,7 @@ impl Ancestry {
     }
 
     /// All copies of a volume, in the frame of the world. The copies are collected from mother to mother, and all paths
-    /// through the same mother are merged there, so that copies of copies take little memory.
+    /// through the same mother share their copies, so that copies of copies take little memory.
     pub fn in_world(&self, graph: &Graph, volume: usize) -> Option<Solid> {
         let solid = graph.volumes[volume].solid()?.clone();
         let mut waiting = std::collections::BTreeMap::from([(self.rank[&volume], vec![solid])]);
@@ -188,7 +188,7 @@ impl Numbered {
         }
     }
 
-    /// The copies under the name of their volume. A copy with its own dimensions is a volume `name[k]`.
+    /// The copies, named after their volume. A copy with its own dimensions is a volume `name[k]`.
     fn labelled(self, volume: &str) -> Copies {
         let sized = volume.strip_suffix(']').and_then(|text| text.rsplit_once('['));
         let sized = sized.and_then(|(name, k)| Some((name, k.parse::<i64>().ok()?)));
@@ -231,8 +231,8 @@ struct Media {
     names: Vec<String>,
 }
 
-/// Auxiliary tag (kind and value) of a world that the writer added as the bounding box of a model; readers make no region
-/// of it.
+/// Auxiliary tag (kind and value) of a world that the writer added as the bounding box of a model; the reader creates no
+/// region for it.
 pub(crate) const NO_REGION: [&str; 2] = ["rayweave", "room"];
 
 /// The medium of volumes without material.
@@ -261,7 +261,7 @@ impl Media {
     }
 }
 
-/// Colour of a volume: the auxiliary tag `Color`, else a colour per medium. The world is transparent.
+/// Colour of a volume: that of the auxiliary tag `Color`, else a colour per medium. The world is transparent.
 fn colour(volume: &Volume, medium: u32, is_world: bool) -> Colour {
     let tag = volume.auxiliary.iter().find(|tag| tag.kind.eq_ignore_ascii_case("color"));
     let stated =

@@ -25,7 +25,7 @@ pub(super) struct Library {
     pub origins: Vec<Table>,
 }
 
-/// A solid, with the dimensions that divisions need.
+/// A solid with the dimensions that divisions need.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     pub solid: Solid,
@@ -98,7 +98,7 @@ pub(super) const TAGS: [&str; 34] = [
     "opticalsurface",
 ];
 
-/// Solids that are made of others.
+/// Solids that are composed of others.
 const COMPOSED: [&str; 6] =
     ["union", "subtraction", "intersection", "multiUnion", "scaledSolid", "reflectedSolid"];
 
@@ -108,8 +108,10 @@ impl Library {
         match self.solids.get(name) {
             Some(found) => Ok(found.clone()),
             None => {
-                let trouble =
-                    Trouble::new(format!("unknown solid `{name}`: no solid before it has this name."), place);
+                let trouble = Trouble::new(
+                    format!("unknown solid `{name}`: no solid defined before has this name."),
+                    place,
+                );
                 Err(numbers.tell(trouble.did_you_mean(name, self.solids.keys().map(String::as_str))))
             }
         }
@@ -316,7 +318,7 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
         }
         "ellipsoid" | "eltube" | "elcone" | "paraboloid" | "hype" => quadric(numbers, e),
         "twistedbox" | "twistedtrd" | "twistedtrap" | "twistedtubs" => twist(numbers, e),
-        _ => refused("this kind of solid is not known"),
+        _ => refused("this kind of solid is unknown"),
     }
 }
 
@@ -496,21 +498,21 @@ fn facets(numbers: &mut Numbers, e: &Element) -> Made {
     }
 }
 
-/// Warns about the defects that Geant4 warns about. The inside of a solid does not depend on the order of the vertices here.
+/// Warns about the defects that Geant4 warns about. In Rayweave, the interior does not depend on the order of the vertices.
 fn warn_of_defects(numbers: &mut Numbers, e: &Element, facets: &[Vec<Vec3>], places: &[Place]) {
     let (name, defects) = (e.text("name"), Defects::of(facets));
     if defects.volume <= 0.0 {
         let message = format!(
-            "the tessellated solid `{name}` is inside out: its facets are clockwise seen from outside. Here the inside does \
-             not depend on their order; in Geant4 it does."
+            "the tessellated solid `{name}` is inside out: its facets are clockwise seen from outside. In Geant4 the interior \
+            depends on the order of the vertices, in Rayweave it does not."
         );
         numbers.context.warn(Trouble::new(message, e.place));
     }
     if let Some((facet, count)) = defects.reversed {
         let message = format!(
             "facet {facet} (counted from 0) of the tessellated solid `{name}` has the wrong orientation: it and a neighbour \
-             run along {} in the same direction. Here the inside does not depend on the order of the vertices; in Geant4 it \
-             does.",
+             traverse {} in the same direction. In Geant4 the interior depends on the order of the vertices, in Rayweave it \
+             does not.",
             if count == 1 {
                 "their common edge".to_owned()
             } else {
@@ -521,8 +523,8 @@ fn warn_of_defects(numbers: &mut Numbers, e: &Element, facets: &[Vec<Vec3>], pla
     }
     if let Some((facet, count)) = defects.open {
         let message = format!(
-            "the tessellated solid `{name}` has holes: {count} of its edges are not edges of two facets, the first of them \
-             of facet {facet} (counted from 0)."
+            "the tessellated solid `{name}` has holes: {count} of its edges do not belong to two facets. The first is an \
+            edge of facet {facet} (counted from 0)."
         );
         numbers.context.warn(Trouble::new(message, places[facet]));
     }
@@ -594,7 +596,7 @@ fn twist(numbers: &mut Numbers, e: &Element) -> Made {
     let angle = numbers.angle(e, "PhiTwist", 0.0)?;
     let made = twisted(&trapezoid, angle)?;
     let message = format!(
-        "the twisted solid `{}` is a stack of {} layers with quadrics as side faces: these are off by at most {:.1e} mm.",
+        "the twisted solid `{}` is a stack of {} layers whose side faces are quadrics that deviate by at most {:.1e} mm.",
         e.text("name"),
         made.layers,
         // two digits, not rounded down

@@ -69,7 +69,7 @@ fn volume(
     })
 }
 
-/// The solid of the volume of which a region is the union of copies; importers give it a name.
+/// The solid of a volume, given a region that is the union of its copies; importers give the solid a name.
 fn own(copies: &Solid) -> Solid {
     let mut solid = copies.clone();
     loop {

@@ -111,7 +111,7 @@ fn check_depth(text: &str) -> Result<(), String> {
             }
         }
         if depth > 10 * DEEPEST {
-            return Err(format!("its elements lie more than {} deep", 10 * DEEPEST));
+            return Err(format!("its elements are nested more than {} deep", 10 * DEEPEST));
         }
     }
     Ok(())
@@ -137,7 +137,7 @@ fn page(root: Node, dpi: f64) -> (Affine, f64) {
     let length = |name| given(name).and_then(|length| millimetres(length, dpi));
     let (width, height) = (length("width"), length("height"));
     let Some(view) = root.attribute("viewBox").and_then(|text| ViewBox::from_str(text).ok()) else {
-        // without a view box the unit is a millimetre; the height of the page still applies
+        // without a view box, the unit is a millimetre; the height of the page still applies
         let top = height.unwrap_or(0.0);
         return (plane_map([1.0, 0.0, 0.0, -1.0, 0.0, top]), width.unwrap_or(100.0).max(top));
     };
@@ -193,7 +193,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             count += 1;
             if count > MAX_ELEMENTS || task.depth > DEEPEST {
                 return Err(format!(
-                    "it has more than {MAX_ELEMENTS} elements, or lies more than {DEEPEST} deep"
+                    "it has more than {MAX_ELEMENTS} elements, or they are nested more than {DEEPEST} deep"
                 ));
             }
             self.element(task, &mut waiting)?;
@@ -257,7 +257,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             node.attributes().find(|attribute| attribute.name() == "href").map(|attribute| attribute.value());
         let id = name.and_then(|name| name.strip_prefix('#')).unwrap_or_default();
         let Some(found) = self.named.get(id).copied() else {
-            return self.refuse(node, "it uses what is not there");
+            return self.refuse(node, "the element that it refers to does not exist");
         };
         let map = plane_map([1.0, 0.0, 0.0, 1.0, number(node, "x"), number(node, "y")]).then(&map);
         if found.tag_name().name() == "symbol" {

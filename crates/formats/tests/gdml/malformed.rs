@@ -22,7 +22,7 @@ fn problems(text: &str) -> Vec<(usize, usize, String)> {
 }
 
 #[test]
-fn a_good_file_is_good() {
+fn a_valid_file_is_accepted() {
     assert_eq!(parse(&model("", BOX, WORLD)).unwrap().scene.regions.len(), 1);
 }
 
@@ -69,7 +69,7 @@ fn wrong_nesting_is_reported_where_it_is() {
     assert!(problems("solid cube")[0].2.contains("no element"));
     assert!(problems("<html/>")[0].2.contains("not GDML"));
     assert!(problems("<gdml/><gdml/>")[0].2.contains("second element"));
-    assert!(problems(&"<gdml>".repeat(100_000))[0].2.contains("more than 200 elements"));
+    assert!(problems(&"<gdml>".repeat(100_000))[0].2.contains("more than 200 nested elements"));
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn entities_have_limits() {
         .replace("<constant name='a' value='1'/>", "lol");
     assert!(!problems(&attribute).is_empty());
     let ring = "<!DOCTYPE gdml [<!ENTITY a \"&b;\"><!ENTITY b \"&a;\">]><gdml>&a;</gdml>";
-    assert!(problems(ring)[0].2.contains("does one contain itself?"));
+    assert!(problems(ring)[0].2.contains("Does one contain itself?"));
     let found = problems("<!DOCTYPE gdml [<!ENTITY part \"\">]>\n<gdml>&prt;</gdml>");
     assert!(found[0].2.contains("Did you mean `part`?"), "{}", found[0].2);
     assert!(

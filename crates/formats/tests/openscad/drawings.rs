@@ -113,7 +113,7 @@ fn damaged_drawings() {
         ("dxf", "0\nEOF\n".to_owned(), "no sections"),
         ("dxf", dxf(&entity("INSERT", &[(2, "B")]), &block), "its blocks use each other"),
         ("dxf", dxf(&entity("HATCH", &[]), ""), "leaves out `HATCH` in line 11 of its file"),
-        ("dxf", dxf(&entity("SPLINE", &[(71, "3"), (40, "0")]), ""), "do not fit each other"),
+        ("dxf", dxf(&entity("SPLINE", &[(71, "3"), (40, "0")]), ""), "points do not match"),
     ];
     let folder = Folder::new("damaged");
     for (ending, text, message) in cases {

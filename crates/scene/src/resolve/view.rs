@@ -52,11 +52,11 @@ fn sensible_up(context: &mut Context, view: Vec3, up: Vec3, stated: bool, span: 
         context.push(problem.why("its position equals its target"), span);
         return None;
     }
-    // 1e-9 rad: below that the direction to the side has no significant digits
+    // below 1e-9 rad, the direction to the side has no significant digits
     let parallel = view.normalize().cross(up.normalize()).length() < 1e-9;
     if parallel && stated {
         let problem = Diagnostic::error("the camera looks along `up`");
-        context.push(problem.why("the upward direction of the picture is then undefined"), span);
+        context.push(problem.why("the upward direction of the picture is undefined"), span);
         return None;
     }
     Some(if parallel { Vec3::Y } else { up })
