@@ -193,7 +193,7 @@ def test_paths_tell_ghosts() -> None:
     assert power["plate* -"] == pytest.approx(r, rel=1e-12)
     assert power["plate plate* plate* plate screen"] == pytest.approx((1 - r) ** 2 * r**2, rel=1e-12)
     assert sum(power.values()) == pytest.approx(1.0, abs=1e-8)
-    with pytest.raises(RayweaveError, match="some segments are left out"):
+    with pytest.raises(RayweaveError, match="some segments are missing"):
         trace.at("screen").paths()
 
 

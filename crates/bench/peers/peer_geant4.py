@@ -1,4 +1,4 @@
-"""The die in Geant4 through geant4-pybind: each call returns the distance to the next boundary, from outside or inside."""
+"""The die in Geant4 through geant4-pybind: each call returns the distance to the next boundary."""
 
 import importlib.metadata
 import os

@@ -53,7 +53,7 @@ impl PyArrivals {
 
     /// The number of rays, the centroid (x, y), the RMS radii (both, x, y) and the geometric radius.
     fn spot(&self) -> PyResult<Sizes> {
-        let dark = || bad_value("no light arrives at the image: a spot needs some.");
+        let dark = || bad_value("no light arrives at the image: a spot needs at least one ray.");
         let spot = Spot::of(&self.0).ok_or_else(dark)?;
         let ([x, y], [rms_x, rms_y]) = (spot.centroid, spot.rms_xy);
         Ok((spot.rays, (x, y), (spot.rms, rms_x, rms_y), spot.geometric))

@@ -484,7 +484,7 @@ fn same_length(names: &[&str], vectors: &[Vec<f64>]) -> PyResult<usize> {
     match vectors.iter().position(|vector| vector.len() != d) {
         None => Ok(d),
         Some(k) => Err(bad_value(format!(
-            "{} has {d} numbers and {} has {}: they must be of one space.",
+            "{} has {d} numbers and {} has {}: they must have the same length.",
             names[0],
             names[k],
             vectors[k].len()

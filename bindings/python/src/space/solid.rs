@@ -246,7 +246,7 @@ type Pickled = (String, usize, Vec<f64>, Option<String>, Vec<usize>);
 #[pyfunction]
 #[pyo3(signature = (steps))]
 pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
-    let damaged = || bad_value("the pickled bytes are not a solid: they are damaged or of another version.");
+    let damaged = || bad_value("the pickled bytes are not a solid: they are damaged or come from a different version.");
     let mut made: Vec<PySpaceSolid> = Vec::with_capacity(steps.len());
     for (call, dimension, numbers, name, operands) in steps {
         let call = call_named(&call).ok_or_else(damaged)?;
@@ -301,7 +301,7 @@ pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSoli
     if let Some(k) = operands.iter().position(|solid| solid.any.dimension() != d) {
         let other = operands[k].any.dimension();
         return Err(bad_value(format!(
-            "solids[0] is of dimension {d} and solids[{k}] of dimension {other}: they must be of one space."
+            "solids[0] is of dimension {d} and solids[{k}] of dimension {other}: they must have the same dimension."
         )));
     }
     PySpaceSolid::make(call, d, Vec::new(), None, &operands)
