@@ -82,7 +82,7 @@ impl PyArrivals {
         PyArray1::from_vec(py, py.detach(|| geometric_mtf(&self.0, direction, &frequencies)))
     }
 
-    /// By how much the plane has to move for the least RMS radius; NaN for parallel rays.
+    /// The shift of the plane with the smallest RMS radius; NaN for parallel rays.
     fn best_focus(&self) -> f64 {
         best_focus(&self.0).unwrap_or(f64::NAN)
     }

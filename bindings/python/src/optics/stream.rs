@@ -188,13 +188,13 @@ impl PyStream {
         self.cancel.cancel();
     }
 
-    /// About how many rays have been traced.
+    /// The approximate number of rays traced so far.
     #[getter]
     fn rays(&self) -> u64 {
         self.state().rays
     }
 
-    /// The balance of power, once the run is over.
+    /// The balance of power, available once the run is over.
     #[getter]
     #[cfg_attr(false, stub("() -> dict[str, Any] | None"))]
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {

@@ -22,9 +22,10 @@ use crate::rootray::PyRootRay;
 /// A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
 /// changes.
 ///
-/// Make solids with the functions of `rayweave.space` and join them with `|` (union), `&` (intersection), `-` (difference),
-/// `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are about the origin and
-/// return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60 and 1e60.
+/// Create solids with the functions of `rayweave.space` and combine them with `|` (union), `&` (intersection), `-`
+/// (difference), `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are
+/// about the origin and return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60
+/// and 1e60.
 #[pyclass(frozen, module = "rayweave.space", name = "Solid")]
 pub struct PySpaceSolid {
     any: AnySolid,
@@ -131,13 +132,13 @@ impl PySpaceSolid {
         self.image("affine", numbers)
     }
 
-    /// The same solid in a space of more dimensions, unbounded along the axes that are new.
+    /// The same solid in a space of higher dimension, unbounded along the new axes.
     #[pyo3(signature = (d: "int"))]
     fn extrude(&self, d: &Bound<'_, PyAny>) -> PyResult<Self> {
         Self::make("extrude", count(d, "d")? as usize, Vec::new(), None, &[self])
     }
 
-    /// The same solid under a name, by which its faces are called in answers.
+    /// The same solid with a name, which becomes part of the names of its faces.
     #[pyo3(signature = (name))]
     fn named(&self, name: &str) -> PyResult<Self> {
         if name.is_empty() {
@@ -167,7 +168,7 @@ impl PySpaceSolid {
     }
 
     /// All crossings of the lines through pairs of points, t = 0 at p and t = 1 at q, over all t: see `PointCrossings`. `p` and `q`
-    /// are of shape (N, d) or (d,), broadcast against each other; no pair may be one point twice.
+    /// are of shape (N, d) or (d,), broadcast against each other; the two points of a pair must differ.
     #[pyo3(signature = (p: "ArrayLike", q: "ArrayLike", *, threads: "int | None" = None) -> "PointCrossings")]
     fn crossings<'py>(
         &self,
