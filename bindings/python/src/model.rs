@@ -125,7 +125,7 @@ fn format_of(name: &str) -> PyResult<Format> {
 
 fn unit_of(symbol: &str) -> PyResult<Unit> {
     let known = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
-    Unit::parse(symbol).ok_or_else(|| bad_value(format!("no unit is called '{symbol}': there is {known}.")))
+    Unit::parse(symbol).ok_or_else(|| bad_value(format!("unknown unit '{symbol}': it can be {known}.")))
 }
 
 /// Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there

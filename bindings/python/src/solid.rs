@@ -130,7 +130,7 @@ impl PySolid {
     #[pyo3(signature = (name))]
     fn named(&self, name: &str) -> PyResult<Self> {
         if name.is_empty() {
-            return Err(bad_value("name is empty: faces are called by it."));
+            return Err(bad_value("name is empty: it becomes part of the names of faces."));
         }
         Ok(Self::from_solid(self.solid.named(name)))
     }
@@ -363,7 +363,7 @@ fn matrix_argument(object: &Bound<'_, PyAny>) -> PyResult<Affine> {
     matrix(object, "matrix")
 }
 
-/// The box as rows of least and greatest coordinates.
+/// The box as rows of the smallest and the largest coordinates.
 pub fn bounds_array<'py>(py: Python<'py>, bounds: &Bounds) -> Bound<'py, PyArray2<f64>> {
     let bounds = if bounds.is_empty() { Bounds::EMPTY } else { *bounds };
     PyArray2::from_owned_array(py, arr2(&[bounds.lo.to_array(), bounds.hi.to_array()]))

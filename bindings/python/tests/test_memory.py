@@ -55,7 +55,7 @@ CASES = {
     ),
     "points": (
         "ro.source_of_rays(np.broadcast_to([0.0, 0, -5], (10**12, 3)), np.broadcast_to([0.0, 0, 1], (10**12, 3)))",
-        "MemoryError there is no memory for ",
+        "MemoryError not enough memory for ",
     ),
 }
 

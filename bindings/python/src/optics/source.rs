@@ -137,9 +137,8 @@ fn pattern(
     outline: Option<&Outline>,
     sampling: &str,
 ) -> PyResult<Pattern> {
-    let aperture = || {
-        outline.ok_or_else(|| bad_value("the aperture is missing: the light comes through it."))?.aperture()
-    };
+    let aperture =
+        || outline.ok_or_else(|| bad_value("the aperture is missing: it bounds the beam."))?.aperture();
     Ok(match (kind, numbers) {
         ("line", &[length]) => Pattern::Line { length, count },
         ("circle", &[diameter]) => Pattern::Circle { diameter, count },

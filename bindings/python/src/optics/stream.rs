@@ -20,7 +20,7 @@ use crate::optics::segments::{accounts, columns};
 /// The interval at which a waiting reader checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The interval at which a thread looks whether another one has taken its table.
+/// The interval at which a thread checks whether another one has taken its table.
 const TURN: Duration = Duration::from_millis(1);
 
 /// The maximum number of chunks, of a few thousand rays each, that wait for the reader.

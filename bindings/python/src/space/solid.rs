@@ -58,7 +58,7 @@ impl PySpaceSolid {
         let (a, b) = (self.any.dimension(), other.any.dimension());
         if a != b {
             return Err(bad_value(format!(
-                "one solid is of dimension {a} and the other of dimension {b}: an operator joins solids of one space. Use extrude."
+                "one solid is of dimension {a} and the other of dimension {b}: an operator needs equal dimensions. Use extrude."
             )));
         }
         Self::make(call, a, Vec::new(), None, &[self, other])
@@ -142,7 +142,7 @@ impl PySpaceSolid {
     #[pyo3(signature = (name))]
     fn named(&self, name: &str) -> PyResult<Self> {
         if name.is_empty() {
-            return Err(bad_value("name is empty: faces are called by it."));
+            return Err(bad_value("name is empty: it becomes part of the names of faces."));
         }
         Self::make("named", self.any.dimension(), Vec::new(), Some(name), &[self])
     }
@@ -247,7 +247,8 @@ type Pickled = (String, usize, Vec<f64>, Option<String>, Vec<usize>);
 #[pyfunction]
 #[pyo3(signature = (steps))]
 pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
-    let damaged = || bad_value("the pickled bytes are not a solid: they are damaged or come from a different version.");
+    let damaged =
+        || bad_value("the pickled bytes are not a solid: they are damaged or come from a different version.");
     let mut made: Vec<PySpaceSolid> = Vec::with_capacity(steps.len());
     for (call, dimension, numbers, name, operands) in steps {
         let call = call_named(&call).ok_or_else(damaged)?;
@@ -296,7 +297,9 @@ pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSoli
     }
     let operands: Vec<&PySpaceSolid> = operands.iter().map(|solid| solid.get()).collect();
     let Some(first) = operands.first() else {
-        return Err(bad_value("solids is empty (of which space?) use empty(d) or universe(d)?"));
+        return Err(bad_value(
+            "solids is empty, so that the dimension is unknown. Use empty(d) or universe(d).",
+        ));
     };
     let d = first.any.dimension();
     if let Some(k) = operands.iter().position(|solid| solid.any.dimension() != d) {
