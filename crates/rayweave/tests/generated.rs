@@ -1,6 +1,6 @@
-//! Files that are generated from the registry of primitives: compared with what the registry says now.
+//! Files that are generated from the registry of primitives, compared with the current registry.
 //!
-//! `cargo xtask generated --accept` rewrites them after a primitive was added or changed.
+//! `cargo xtask generated --accept` rewrites them after a primitive has been added or changed.
 
 use rayweave::shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, ParameterUnit};
 use std::fs;
