@@ -329,7 +329,7 @@ def test_a_closed_stream_ends_in_all_threads():
     counts = in_threads(4, work)
     assert sum(counts) >= 3
     assert list(stream) == []
-    with pytest.raises(RayweaveError, match="take all batches first"):
+    with pytest.raises(RayweaveError, match="take all batches before"):
         stream.balance  # noqa: B018
 
 
