@@ -153,7 +153,7 @@ impl std::fmt::Display for Agreement {
             (false, _) => {
                 write!(
                     f,
-                    "{rays} rays: {other_count} differ in the number of crossings, {other_time} in a time, by up to {worst:.0e}"
+                    "{rays} rays: {other_count} differ in number, {other_time} in time, by up to {worst:.0e}"
                 )
             }
         }
