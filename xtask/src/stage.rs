@@ -37,7 +37,7 @@ pub const STAGES: &[Stage] = &[
     stage("licences", "the licence files of the Python package", |workshop, _| {
         licences::check(workshop.repository, false)
     }),
-    stage("clippy", "the linter has nothing to say", cargo::clippy),
+    stage("clippy", "the linter reports nothing", cargo::clippy),
     stage("docs", "the documentation builds without warnings", cargo::docs),
     stage("rust", "unit tests, integration tests and documentation tests of all crates", cargo::tests),
     stage("primitive", "a new primitive, added as CONTRIBUTING.md says, compiles and works", primitive::run),

@@ -97,7 +97,7 @@ pub fn encode(solid: &Solid) -> Vec<u8> {
     out.count(order.nodes.len());
     for (number, &node) in order.nodes.iter().enumerate() {
         out.node(node);
-        // relative to the node: small numbers, whatever the size of the solid
+        // relative to the node, so that numbers are small regardless of the size of the solid
         order.operands(node).for_each(|operand| out.count(number - operand));
     }
     out.0

@@ -1,4 +1,4 @@
-"""Cross-sections, differences, checks and path lengths, against closed forms."""
+"""Cross-sections, differences, checks and path lengths, compared with closed forms."""
 
 import signal
 import threading

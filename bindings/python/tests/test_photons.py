@@ -79,7 +79,7 @@ def test_absorption_follows_the_exponential_law():
     beyond = np.count_nonzero(depth > 200.0) + run.ends["escaped"]
     expected, deviation = 40_000 * math.exp(-1), math.sqrt(40_000 * math.exp(-1) * (1 - math.exp(-1)))
     assert abs(beyond - expected) < 5 * deviation
-    # n / c of the way
+    # n / c times the distance
     np.testing.assert_allclose(steps["time"][ends], depth * 1.5 / C, rtol=1e-12, atol=1e-12)
 
 
@@ -150,7 +150,7 @@ def test_arrays_are_a_source(bar):
     arrays = bar.simulate(given, seed=8, record="steps")
     for name in point.histories:
         np.testing.assert_array_equal(arrays.histories[name], point.histories[name], err_msg=name)
-    # with the polarisations of the emission, for any seed
+    # with given polarisations, for any seed
     emitted = arrays.histories["process"] == 0
     full = rp.photons(
         [0, 0, 0], [1, 2, 3], wavelengths_nm=550, polarisations=arrays.histories.polarisation[emitted]
@@ -333,7 +333,7 @@ def test_progress(bar):
 
 
 def test_an_interrupt_stops_a_run(bar):
-    # a shell without job control starts what it runs in the background with the signal ignored
+    # a shell without job control starts background processes with the signal ignored
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         timer = threading.Timer(0.5, _thread.interrupt_main)

@@ -43,7 +43,7 @@ def regions() -> None:
 
 
 class Circle:
-    """A curve of one's own."""
+    """A user-defined curve."""
 
     def position(self, t: float) -> NDArray[np.float64]:
         return np.array([np.cos(t), np.sin(t), 0.0])

@@ -73,9 +73,9 @@ fn invalid_placement_files_are_rejected() {
     write(&folder.maps(), &[2, 2], npyz::Order::C, &[1.0; 4]);
     check("its shape is [2, 2], but it must be (N, 3) or (N, 4, 4)");
     write(&folder.maps(), &[1, 3], npyz::Order::C, &[1.0f32; 3]);
-    check("its numbers are <f4, they must be float64");
+    check("its numbers are <f4, but must be float64");
     write(&folder.maps(), &[2, 3], npyz::Order::Fortran, &[1.0; 6]);
-    check("its order is Fortran's, it must be C");
+    check("its order is Fortran's, but must be C");
     write(&folder.maps(), &[2, 3], npyz::Order::C, &[1.0, 2.0, 3.0, 4.0, f64::NAN, 6.0]);
     check("transform 1 of the file: the transform has an entry that is NaN or infinite");
     write(&folder.maps(), &[1, 4, 4], npyz::Order::C, &[1.0; 16]);

@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::TableError;
 
-/// An output file written to a temporary file beside its target and renamed when complete.
+/// An output file written to a temporary file in the folder of its target and renamed when complete.
 ///
 /// The target is untouched until [`finish`](Self::finish). The temporary file is removed on drop without `finish` and after a
 /// failed write, so that an interrupted or failed run leaves no partial file. A killed process leaves the hidden file
@@ -69,8 +69,8 @@ impl AtomicFile {
         })
     }
 
-    /// True if this process has no temporary file at the moment. None can be created from then on, so that the process may exit
-    /// at any time: attempts return an error.
+    /// True if this process has no temporary file at the moment. From then on none can be created (attempts return an
+    /// error), so that the process may exit at any time.
     pub fn none_from_now_on() -> bool {
         let mut unfinished = lock();
         unfinished.refused |= unfinished.count == 0;
@@ -190,7 +190,7 @@ fn resolve_link(target: &Path) -> PathBuf {
 /// The temporary files of this process.
 struct Unfinished {
     count: usize,
-    /// True if there must not be any further ones.
+    /// True if no further files may be created.
     refused: bool,
 }
 
@@ -223,7 +223,7 @@ impl Drop for Counted {
 }
 
 fn open_temporary(resolved: PathBuf) -> io::Result<(File, Destination)> {
-    // before the file exists, until it does not any more
+    // counted from before the file is created until after it is removed
     let counted = Counted::new()?;
     loop {
         let temporary = temporary_path(&resolved)?;

@@ -24,10 +24,10 @@ pub enum NpyArrayError {
     #[error("not an NPY file: {0}")]
     Header(String),
     /// The numbers are not float64, by their type string.
-    #[error("its numbers are {0}, they must be float64")]
+    #[error("its numbers are {0}, but must be float64")]
     Type(String),
     /// The array is in column-major order.
-    #[error("its order is Fortran's, it must be C")]
+    #[error("its order is Fortran's, but must be C")]
     Order,
     /// The array is larger than the limit.
     #[error("it holds more than {0} numbers")]

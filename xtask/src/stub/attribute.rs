@@ -1,4 +1,4 @@
-//! Attributes of PyO3, and the one of the stub: the names, signatures and texts that they give.
+//! Attributes of PyO3 and of the stub generator: their names, signatures and texts.
 
 use syn::ext::IdentExt;
 use syn::parse::{Parse, ParseStream};
