@@ -65,6 +65,9 @@ BULK = {"OpRayleigh": "rayleigh", "OpMieHG": "mie", "OpAbsorption": "absorbed"}
 #: Photons per event of Geant4.
 PER_EVENT = 1000
 
+#: The length in mm of steps that the boundary process ignores.
+TOLERANCE = 1e-9
+
 #: What the stepping action writes after each step.
 MARK = b"@step\n"
 
@@ -240,8 +243,8 @@ def simulate(options):
         for depth in range(touchable.GetHistoryDepth()):
             volume = touchable.GetVolume(depth)
             name = bare(volume.GetLogicalVolume().GetName())
-            is_numbered = bare(volume.GetName()) in numbered
-            names.append(f"{name}[{touchable.GetReplicaNumber(depth)}]" if is_numbered else name)
+            copy = touchable.GetReplicaNumber(depth)
+            names.append(f"{name}[{copy}]" if copy != 0 or bare(volume.GetName()) in numbered else name)
         return "/".join(reversed(names)) or bare(touchable.GetVolume(0).GetLogicalVolume().GetName())
 
     class Run:
@@ -255,16 +258,17 @@ def simulate(options):
 
         def finish(self, found):
             """Fills in the states of the boundary process and completes the tracks of the event."""
-            for (track, k), state in zip(self.steps, found, strict=True):
-                if track.rows[k] == "?":
+            for at, state in zip(self.steps, found, strict=True):
+                track, k = at or (None, 0)
+                if track is not None and track.rows[k] == "?":
                     name = BOUNDARY.get(state)
                     if name == "detected" and options.detect == "volume":
                         name = "surface_absorbed"
-                    track.rows[k] = name if name or state in ("StepTooSmall", "NotAtBoundary") else f"?{state}"
+                    track.rows[k] = name or f"unknown:{state.replace(' ', '')}"
             for track in self.tracks.values():
                 if track.end is None:
                     continue
-                rows = [row for row in track.rows if row is not None]
+                rows = track.rows
                 # a wavelength shifter that emitted nothing
                 if rows[-1] == "shift":
                     rows[-1] = "shifter_absorbed"
@@ -289,6 +293,10 @@ def simulate(options):
                 rows.append("shift")
             elif after.GetStepStatus() == g4.fWorldBoundary:
                 rows.append("escaped")
+            elif step.GetStepLength() <= TOLERANCE:
+                # the step after a reflection, back into the volume, in which nothing happens (StepTooSmall)
+                run.steps.append(None)
+                return
             else:
                 rows.append("?")
                 if self.is_sensor(after):

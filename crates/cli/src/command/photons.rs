@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use rayweave::Packets;
 use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
@@ -36,7 +36,7 @@ use std::time::Instant;
 ///
 /// `rayweave photons compare A B` compares two runs, of Rayweave, Geant4 or Opticks.
 #[derive(Args)]
-#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true, after_help = "\
+#[command(after_help = "\
 Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 -n 100000 -o hits.csv
   rayweave photons detector.gdml --at 0,0,0 --towards 0,0,1 --wavelength 420 -n 1000 --json
@@ -47,33 +47,7 @@ Examples:
   rayweave photons detector.gdml --source volume --volume Target --spectrum emission.csv --time-decay 6 -o hits.csv
   rayweave photons detector.gdml --gensteps gensteps.npy --event 7 -o hits.csv
   rayweave photons compare histories.csv geant4.csv")]
-pub struct Photons {
-    #[command(subcommand)]
-    task: Option<PhotonTask>,
-
-    #[command(flatten)]
-    simulation: Option<Simulation>,
-}
-
-/// The tasks besides simulation.
-#[derive(Subcommand)]
-enum PhotonTask {
-    Compare(PhotonCompare),
-}
-
-impl Photons {
-    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
-        match (&self.task, &self.simulation) {
-            (Some(PhotonTask::Compare(compare)), _) => compare.run(),
-            (None, Some(simulation)) => simulation.run(global),
-            (None, None) => Err(Failure::Usage("no model is given.".to_owned())),
-        }
-    }
-}
-
-/// The simulation of photons.
-#[derive(Args)]
-struct Simulation {
+pub struct Simulation {
     #[command(flatten)]
     model: ModelArguments,
 
@@ -179,6 +153,53 @@ impl Rule {
         }
     }
 }
+
+/// The command with its task: a comparison, or else a simulation.
+pub enum Photons {
+    Compare(PhotonCompare),
+    Simulate(Box<Simulation>),
+}
+
+impl Photons {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
+        match self {
+            Photons::Compare(compare) => compare.run(),
+            Photons::Simulate(simulation) => simulation.run(global),
+        }
+    }
+}
+
+/// By hand: the model and the source are required unless there is a sub-command, which the derive macro cannot express.
+impl FromArgMatches for Photons {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Photons, clap::Error> {
+        match matches.subcommand_matches(COMPARE) {
+            Some(own) => PhotonCompare::from_arg_matches(own).map(Photons::Compare),
+            None => Simulation::from_arg_matches(matches).map(|own| Photons::Simulate(Box::new(own))),
+        }
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Photons::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for Photons {
+    fn augment_args(command: Command) -> Command {
+        let compare = PhotonCompare::augment_args(Command::new(COMPARE)).allow_negative_numbers(true);
+        Simulation::augment_args(command)
+            .args_conflicts_with_subcommands(true)
+            .subcommand_negates_reqs(true)
+            .subcommand(compare)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Photons::augment_args(command)
+    }
+}
+
+/// The name of the sub-command.
+const COMPARE: &str = "compare";
 
 impl Simulation {
     fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {

@@ -154,10 +154,16 @@ impl Comparison {
             self.missing.push(format!("volumes: {}", lacking(samples, |s| s.volumes.is_some())));
             return;
         }
+        // programs number the copies of volumes in different ways, or not at all
+        let is_numbered = names.map(|names| names.is_some_and(|names| names.iter().any(|name| name.contains('['))));
+        let names = match is_numbered {
+            [true, true] | [false, false] => names.map(|names| names.cloned().unwrap_or_default()),
+            _ => names.map(|names| names.into_iter().flatten().map(|name| without_copies(name)).collect()),
+        };
         let mut counts: BTreeMap<String, [u64; 2]> = BTreeMap::new();
         for (side, (sample, names)) in samples.into_iter().zip(names).enumerate() {
             for track in &sample.tracks {
-                let name = names.and_then(|names| names.get(track.volume as usize));
+                let name = names.get(track.volume as usize);
                 counts.entry(name.cloned().unwrap_or_default()).or_default()[side] += 1;
             }
         }
@@ -192,6 +198,13 @@ impl Comparison {
         let bin = ends.bins.iter().find(|bin| bin.label == end)?;
         Some(fraction_z(bin.counts, ends.totals))
     }
+}
+
+/// A path without copy numbers: `tower[3]/brick` is `tower/brick`.
+fn without_copies(path: &str) -> String {
+    let mut parts = path.split('[');
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + part.split_once(']').map_or(part, |(_, rest)| rest))
 }
 
 /// The files that lack a quantity.
