@@ -102,7 +102,8 @@ impl TableReader {
         let mut file = BufReader::with_capacity(1 << 16, file);
         let header = npy_header::read(&mut file).map_err(|error| TableError::io("read", path, error))?;
         let header = header.map_err(|problem| invalid(path, "the file cannot be used", &problem))?;
-        let fields = fields_of(&header).map_err(|reason| invalid(path, "the array is not a table", &reason))?;
+        let fields =
+            fields_of(&header).map_err(|reason| invalid(path, "the array is not a table", &reason))?;
         let columns = fields.iter().map(|field| field.name.clone()).collect();
         let names = names_beside(path)?;
         let rows = Rows::Npy { file, fields, names, rows: header.shape[0] };
@@ -155,7 +156,8 @@ impl TableRow<'_> {
         match self.fields[k] {
             Field::Text(text) => Ok(text),
             Field::Integer(_) | Field::Float(_) => {
-                Err(self.error(k, "it is a number without a name: the file .names.json belongs beside the array"))
+                Err(self
+                    .error(k, "it is a number without a name: the file .names.json belongs beside the array"))
             }
         }
     }
@@ -260,7 +262,9 @@ fn fields_of(header: &NpyHeader) -> Result<Vec<NpyField>, String> {
     let mut offset = 0;
     let mut fields = Vec::new();
     let items = header.descr.trim_start_matches('[').trim_end_matches(']').split(')');
-    for item in items.map(|item| item.trim_start_matches([',', ' ', '(']).trim()).filter(|item| !item.is_empty()) {
+    for item in
+        items.map(|item| item.trim_start_matches([',', ' ', '(']).trim()).filter(|item| !item.is_empty())
+    {
         let quoted: Vec<&str> = item.split(['\'', '"']).collect();
         let [_, name, _, kind, rest] = quoted[..] else {
             return Err(format!("the field {item} is not a pair of name and type"));
@@ -268,8 +272,8 @@ fn fields_of(header: &NpyHeader) -> Result<Vec<NpyField>, String> {
         if !rest.trim_matches([',', ' ']).is_empty() {
             return Err(format!("the field {name} is an array"));
         }
-        let (decode, size) =
-            decoder(kind).ok_or_else(|| format!("the field {name} has the type {kind}, which is not supported"))?;
+        let (decode, size) = decoder(kind)
+            .ok_or_else(|| format!("the field {name} has the type {kind}, which is not supported"))?;
         fields.push(NpyField { name: name.to_owned(), decode, offset, size });
         offset += size;
     }

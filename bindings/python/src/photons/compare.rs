@@ -42,7 +42,15 @@ fn pair<T>([a, b]: [T; 2]) -> (T, T) {
 fn row(found: Comparison) -> Row {
     let quantities = found.quantities.into_iter().map(quantity).collect();
     let names = pair(found.names);
-    (names, pair(found.photons), found.is_hits, found.hits_z, quantities, found.missing, found.pairs.map(pairs))
+    (
+        names,
+        pair(found.photons),
+        found.is_hits,
+        found.hits_z,
+        quantities,
+        found.missing,
+        found.pairs.map(pairs),
+    )
 }
 
 fn quantity(own: ComparedQuantity) -> Quantity {

@@ -134,9 +134,10 @@ fn as_json(comparison: &Comparison) -> Value {
         })
     };
     let pairs = comparison.pairs.as_ref().map(|pairs| {
-        let first = pairs.first_difference.as_ref().map(|first| {
-            json!({ "photon": first.photon, "row": first.row, "histories": first.histories })
-        });
+        let first = pairs
+            .first_difference
+            .as_ref()
+            .map(|first| json!({ "photon": first.photon, "row": first.row, "histories": first.histories }));
         json!({
             "photons": pairs.photons,
             "equal": pairs.equal,

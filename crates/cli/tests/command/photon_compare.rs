@@ -25,7 +25,8 @@ fn tables_of_runs() {
     let (_, page) = include_str!("../../../../docs/guides/photons.md").split_once("```xml\n").unwrap();
     bench.write("bar.gdml", page.split_once("```\n").unwrap().0);
     let run = |seed: &str, more: &[&str]| {
-        let start = ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "1000", "--seed", seed];
+        let start =
+            ["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "1000", "--seed", seed];
         bench.says(&[&start, more].concat());
     };
     run("0", &["--histories", "a.csv", "--steps", "steps.npy", "-o", "hits.csv"]);

@@ -35,7 +35,8 @@ fn sum([a, b]: [u64; 2], [c, d]: [u64; 2]) -> [u64; 2] {
 
 /// The bins of categories: those with enough photons, and one of all others. The most frequent first.
 pub(super) fn categories(counts: BTreeMap<String, [u64; 2]>, pooling: Pooling) -> Vec<(String, [u64; 2])> {
-    let (bins, rest): (Vec<_>, Vec<_>) = counts.into_iter().partition(|(_, counts)| pooling.is_enough(*counts));
+    let (bins, rest): (Vec<_>, Vec<_>) =
+        counts.into_iter().partition(|(_, counts)| pooling.is_enough(*counts));
     let others = rest.iter().fold([0, 0], |total, (_, counts)| sum(total, *counts));
     finish(bins, others, pooling)
 }
@@ -63,9 +64,14 @@ pub(super) fn histories(
 ) -> Vec<(String, [u64; 2])> {
     let list: Vec<(&[u8], [u64; 2])> = counts.iter().map(|(codes, counts)| (&codes[..], *counts)).collect();
     let mut bins = Vec::new();
-    let others = pool(&list, 0, &mut |codes: &[u8], is_open, counts| {
-        bins.push((text(codes, is_open, alphabet), counts));
-    }, pooling);
+    let others = pool(
+        &list,
+        0,
+        &mut |codes: &[u8], is_open, counts| {
+            bins.push((text(codes, is_open, alphabet), counts));
+        },
+        pooling,
+    );
     finish(bins, others, pooling)
 }
 
@@ -77,7 +83,8 @@ fn pool(
     bin: &mut dyn FnMut(&[u8], bool, [u64; 2]),
     pooling: Pooling,
 ) -> [u64; 2] {
-    let total = |list: &[(&[u8], [u64; 2])]| list.iter().fold([0, 0], |total, (_, counts)| sum(total, *counts));
+    let total =
+        |list: &[(&[u8], [u64; 2])]| list.iter().fold([0, 0], |total, (_, counts)| sum(total, *counts));
     let mut rest = [0, 0];
     for group in list.chunk_by(|(a, _), (b, _)| a.get(depth) == b.get(depth)) {
         let all = total(group);

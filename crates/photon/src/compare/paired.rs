@@ -74,7 +74,10 @@ pub(super) fn pairs([a, b]: [&PhotonSample; 2], alphabet: Alphabet) -> Option<Pa
 
 /// The history of each photon.
 fn by_photon(sample: &PhotonSample) -> impl Iterator<Item = (i64, Vec<u8>)> {
-    sample.tracks.chunk_by(|a, b| a.photon == b.photon).map(|tracks| (tracks[0].photon, photon_history(tracks)))
+    sample
+        .tracks
+        .chunk_by(|a, b| a.photon == b.photon)
+        .map(|tracks| (tracks[0].photon, photon_history(tracks)))
 }
 
 /// The history of a photon: those of its tracks, the first one first and the others sorted.

@@ -39,9 +39,11 @@ pub fn read_sample(path: &Path) -> Result<PhotonSample, PhotonError> {
 
 fn unusable(name: &str, reason: impl Into<String>) -> PhotonError {
     let message = Message::new(format!("{name} cannot be compared"), reason);
-    PhotonError::Sample(message.suggest(
-        "Give a table of histories, steps or hits of `rayweave photons`, or an array of Opticks",
-    ))
+    PhotonError::Sample(
+        message.suggest(
+            "Give a table of histories, steps or hits of `rayweave photons`, or an array of Opticks",
+        ),
+    )
 }
 
 /// An array of Opticks; `None` for a table.
@@ -72,11 +74,17 @@ fn sequences(name: &str, words: &[u64], shape: &[u64]) -> Result<PhotonSample, P
     let size = match shape {
         [_, 2] => 2,
         [_, 2, 2] => 4,
-        _ => return Err(unusable(name, format!("its shape is {shape:?}: sequences have (n, 2, 2) or (n, 2)"))),
+        _ => {
+            return Err(unusable(name, format!("its shape is {shape:?}: sequences have (n, 2, 2) or (n, 2)")));
+        }
     };
     let track = |(photon, row): (i64, &[u64])| {
         let slots = (0..32).map(|slot| ((row[slot / 16] >> (4 * (slot % 16))) & 15) as u8);
-        SampleTrack { photon, history: slots.take_while(|&code| code != 0).collect(), ..SampleTrack::default() }
+        SampleTrack {
+            photon,
+            history: slots.take_while(|&code| code != 0).collect(),
+            ..SampleTrack::default()
+        }
     };
     let tracks: Vec<SampleTrack> = (0..).zip(words.chunks_exact(size)).map(track).collect();
     if let Some(empty) = tracks.iter().position(|track| track.history.is_empty()) {

@@ -155,7 +155,8 @@ impl Comparison {
             return;
         }
         // programs number the copies of volumes in different ways, or not at all
-        let is_numbered = names.map(|names| names.is_some_and(|names| names.iter().any(|name| name.contains('['))));
+        let is_numbered =
+            names.map(|names| names.is_some_and(|names| names.iter().any(|name| name.contains('['))));
         let names = match is_numbered {
             [true, true] | [false, false] => names.map(|names| names.cloned().unwrap_or_default()),
             _ => names.map(|names| names.into_iter().flatten().map(|name| without_copies(name)).collect()),

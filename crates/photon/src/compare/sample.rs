@@ -36,7 +36,8 @@ impl Alphabet {
 
     /// The codes of a history of processes as flags.
     fn flags(codes: &[u8]) -> Vec<u8> {
-        let nibble = |&code: &u8| Process::ALL.get(usize::from(code)).map_or(0, |process| process.nibble() as u8);
+        let nibble =
+            |&code: &u8| Process::ALL.get(usize::from(code)).map_or(0, |process| process.nibble() as u8);
         codes.iter().map(nibble).take_while(|&nibble| nibble != 0).take(FLAG_ROWS).collect()
     }
 }
@@ -113,7 +114,9 @@ impl PhotonSample {
     /// The sample with the histories as flags.
     pub(super) fn as_flags(&self) -> PhotonSample {
         let flags = |track: &SampleTrack| match self.alphabet {
-            Some(Alphabet::Processes) => SampleTrack { history: Alphabet::flags(&track.history), ..track.clone() },
+            Some(Alphabet::Processes) => {
+                SampleTrack { history: Alphabet::flags(&track.history), ..track.clone() }
+            }
             _ => track.clone(),
         };
         PhotonSample {

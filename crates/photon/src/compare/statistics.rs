@@ -38,7 +38,11 @@ pub struct ComparedQuantity {
 }
 
 impl ComparedQuantity {
-    pub(super) fn new(name: &'static str, totals: [u64; 2], bins: Vec<(String, [u64; 2])>) -> ComparedQuantity {
+    pub(super) fn new(
+        name: &'static str,
+        totals: [u64; 2],
+        bins: Vec<(String, [u64; 2])>,
+    ) -> ComparedQuantity {
         let chi2 = bins.iter().map(|(_, counts)| term(*counts, totals)).sum();
         let ndf = (bins.len() as u64).saturating_sub(1);
         let p = chi_squared_tail(chi2, ndf);

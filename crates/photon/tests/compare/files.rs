@@ -133,7 +133,10 @@ fn damaged_files() {
         (error("a.csv", b""), vec!["a.csv", "the file is empty"]),
         (error("b.csv", b"photon,x\n1,2\n"), vec!["b.csv", "no column `process`, `history` or `sensor`"]),
         (error("c.csv", b"photon,history\n1,emission\n"), vec!["no column `volume` beside `history`"]),
-        (changed("rayleigh", "raileigh"), vec!["line 2, column `history`", "no process is called \"raileigh\""]),
+        (
+            changed("rayleigh", "raileigh"),
+            vec!["line 2, column `history`", "no process is called \"raileigh\""],
+        ),
         (changed("0,0,0,3,500", "0,0,0,nan,500"), vec!["line 3, column `time`", "not finite"]),
         (changed("0,0,0,3,500", "0,0,0,late,500"), vec!["line 3, column `time`", "\"late\" is not a number"]),
         (changed("1,1,2,", "1.5,1,2,"), vec!["line 3, column `photon`", "not a whole number"]),
@@ -145,7 +148,10 @@ fn damaged_files() {
         (error("h.npy", &npy("'<i4'", "(4,)", &[0; 16])), vec!["its type is <i4"]),
         (error("i.npy", &npy("'<u8'", "(9, 2)", &[0; 16])), vec!["i.npy cannot be compared"]),
         (error("j.npy", &npy("[('photon', '<U7')]", "(1,)", &[0; 28])), vec!["type <U7"]),
-        (error("k.npy", &npy("[('photon', '<f8', (3,))]", "(1,)", &[0; 24])), vec!["the field photon is an array"]),
+        (
+            error("k.npy", &npy("[('photon', '<f8', (3,))]", "(1,)", &[0; 24])),
+            vec!["the field photon is an array"],
+        ),
         (read_sample(&folder.0.join("none.csv")).unwrap_err().to_string(), vec!["none.csv", "no such file"]),
         (read_sample(&folder.0.join("none.npy")).unwrap_err().to_string(), vec!["none.npy", "no such file"]),
     ] {

@@ -27,19 +27,22 @@ impl Setup<'_> {
             let mut text = String::new();
             for (name, values) in list {
                 let columns = if values.contains("eV") { 2 } else { 1 };
-                define += &format!("<matrix name=\"{owner}_{name}\" coldim=\"{columns}\" values=\"{values}\"/>");
+                define +=
+                    &format!("<matrix name=\"{owner}_{name}\" coldim=\"{columns}\" values=\"{values}\"/>");
                 text += &format!("<property name=\"{name}\" ref=\"{owner}_{name}\"/>");
             }
             text
         };
-        let [tank, world, surface] =
-            [("T", self.tank), ("W", self.world), ("S", self.surface)].map(|(owner, list)| properties(owner, list));
+        let [tank, world, surface] = [("T", self.tank), ("W", self.world), ("S", self.surface)]
+            .map(|(owner, list)| properties(owner, list));
         let material = |name: &str, own: &str| {
             format!("<material name=\"{name}\" Z=\"7\"><D value=\"1\"/><atom value=\"14\"/>{own}</material>")
         };
         let skin = match self.attributes {
             "" => "",
-            _ => "<skinsurface name=\"skin\" surfaceproperty=\"Surface\"><volumeref ref=\"Tank\"/></skinsurface>",
+            _ => {
+                "<skinsurface name=\"skin\" surfaceproperty=\"Surface\"><volumeref ref=\"Tank\"/></skinsurface>"
+            }
         };
         let surface = match self.attributes {
             "" => String::new(),
@@ -76,7 +79,9 @@ fn steps(detector: &Detector, photons: Vec<Photon>, most: u32) -> Vec<StepRow> {
 /// The number of photons by the process that ends their first step.
 fn first_events(detector: &Detector, photons: Vec<Photon>) -> BTreeMap<&'static str, u64> {
     let mut counts = BTreeMap::new();
-    for row in steps(detector, photons, 1).iter().filter(|row| row.step == 1 && row.process.name() != "step_limit") {
+    for row in
+        steps(detector, photons, 1).iter().filter(|row| row.step == 1 && row.process.name() != "step_limit")
+    {
         *counts.entry(row.process.name()).or_default() += 1;
     }
     counts
@@ -115,7 +120,11 @@ fn coated() {
     let detector = Setup {
         tank: &[("RINDEX", "2*eV 1.4 8*eV 1.4"), ("ABSLENGTH", "2*eV 100 5*eV 200 8*eV 300")],
         world: &[("RINDEX", "2*eV 1.0 8*eV 1.0"), ("ABSLENGTH", "2*eV 1e6 5*eV 2e6 8*eV 3e6")],
-        surface: &[("REFLECTIVITY", "2*eV 1 8*eV 1"), ("COATEDRINDEX", "2*eV 1.7 8*eV 1.7"), ("COATEDTHICKNESS", "1e-4")],
+        surface: &[
+            ("REFLECTIVITY", "2*eV 1 8*eV 1"),
+            ("COATEDRINDEX", "2*eV 1.7 8*eV 1.7"),
+            ("COATEDTHICKNESS", "1e-4"),
+        ],
         attributes: "model=\"unified\" finish=\"polished\" type=\"coated\" value=\"0\"",
     }
     .build();
@@ -193,7 +202,8 @@ fn boundary_ground() {
     }
     .build();
     let direction = Vec3::new(0.9, 0.44, 0.0).normalize();
-    let photon = Photon { position: Vec3::ZERO, direction, polarisation: Vec3::ZERO, energy: 3e-6, time: 0.0 };
+    let photon =
+        Photon { position: Vec3::ZERO, direction, polarisation: Vec3::ZERO, energy: 3e-6, time: 0.0 };
     let found = first_events(&detector, vec![photon; 200_000]);
     let total = found.iter().filter(|(name, _)| **name != "absorbed").map(|(_, count)| count).sum();
     for (name, published) in [

@@ -13,8 +13,11 @@ fn compared(a: &PhotonSample, b: &PhotonSample) -> Comparison {
 #[test]
 fn tails_of_chi_squared() {
     for x in [1e-6f64, 0.1, 1.0, 3.0, 10.0, 50.0, 300.0] {
-        let forms =
-            [(1, 2.0 * normal_tail(x.sqrt())), (2, (-x / 2.0).exp()), (4, (1.0 + x / 2.0) * (-x / 2.0).exp())];
+        let forms = [
+            (1, 2.0 * normal_tail(x.sqrt())),
+            (2, (-x / 2.0).exp()),
+            (4, (1.0 + x / 2.0) * (-x / 2.0).exp()),
+        ];
         for (ndf, expected) in forms {
             let found = chi_squared_tail(x, ndf);
             assert!((found / expected - 1.0).abs() < 1e-11, "{ndf} {x}: {found}, {expected}");
@@ -162,7 +165,8 @@ fn the_first_difference() {
 /// The tracks of a photon are one history, in any order of the further ones.
 #[test]
 fn tracks_of_a_photon_are_one_history() {
-    let track = |photon, history: &[u8]| SampleTrack { photon, history: history.to_vec(), ..SampleTrack::default() };
+    let track =
+        |photon, history: &[u8]| SampleTrack { photon, history: history.to_vec(), ..SampleTrack::default() };
     let tracks = |swap: bool| {
         let mut list = Vec::new();
         for photon in 0..100 {
