@@ -190,6 +190,7 @@ impl Args for Photons {
         Simulation::augment_args(command)
             .args_conflicts_with_subcommands(true)
             .subcommand_negates_reqs(true)
+            .disable_help_subcommand(true)
             .subcommand(compare)
     }
 

@@ -78,5 +78,5 @@ fn errors() {
     assert!(text.contains("empty.csv cannot be compared: the file has no photons."), "{text}");
     assert!(bench.fails(2, &["photons", "compare", "a.csv"]).contains("<B>"));
     assert!(bench.fails(2, &["photons", "compare", "a.csv", "a.csv", "--least", "0"]).contains("at least 1"));
-    assert!(bench.fails(2, &["photons"]).contains("<MODEL>"));
+    assert!(bench.fails(2, &["photons"]).contains("required arguments"));
 }

@@ -38,19 +38,24 @@ pub(super) fn categories(counts: BTreeMap<String, [u64; 2]>, pooling: Pooling) -
     let (bins, rest): (Vec<_>, Vec<_>) =
         counts.into_iter().partition(|(_, counts)| pooling.is_enough(*counts));
     let others = rest.iter().fold([0, 0], |total, (_, counts)| sum(total, *counts));
-    finish(bins, others, pooling)
+    let label = if let [(own, _)] = &rest[..] { own.clone() } else { "others".to_owned() };
+    finish(bins, (label, others), pooling)
 }
 
 /// Adds the bin of what is left over, or its photons to the smallest bin if they are too few.
-fn finish(mut bins: Vec<(String, [u64; 2])>, others: [u64; 2], pooling: Pooling) -> Vec<(String, [u64; 2])> {
+fn finish(
+    mut bins: Vec<(String, [u64; 2])>,
+    (name, others): (String, [u64; 2]),
+    pooling: Pooling,
+) -> Vec<(String, [u64; 2])> {
     bins.sort_by_key(|(_, [a, b])| std::cmp::Reverse(a + b));
     match bins.last_mut() {
         _ if others == [0, 0] => {}
         Some((label, counts)) if !pooling.is_enough(others) => {
-            *label += ", others";
+            *label += &format!(", {name}");
             *counts = sum(*counts, others);
         }
-        _ => bins.push(("others".to_owned(), others)),
+        _ => bins.push((name, others)),
     }
     bins
 }
@@ -72,7 +77,7 @@ pub(super) fn histories(
         },
         pooling,
     );
-    finish(bins, others, pooling)
+    finish(bins, ("others".to_owned(), others), pooling)
 }
 
 /// Makes the bins of histories with a common beginning of `depth` rows, at most [`MAX_ROWS`], and returns what is left over.
