@@ -22,10 +22,13 @@ enum Rows {
     Npy { file: BufReader<File>, fields: Vec<NpyField>, names: HashMap<String, Vec<String>>, rows: u64 },
 }
 
+/// Decodes the bytes of a value.
+type Decode = fn(&[u8]) -> Field<'static>;
+
 /// A field of a structured array.
 struct NpyField {
     name: String,
-    decode: fn(&[u8]) -> Field<'static>,
+    decode: Decode,
     offset: usize,
     size: usize,
 }
@@ -289,8 +292,8 @@ fn start<const N: usize>(bytes: &[u8]) -> [u8; N] {
 }
 
 /// The decoder and the size of a little-endian type of NumPy.
-fn decoder(kind: &str) -> Option<(fn(&[u8]) -> Field<'static>, usize)> {
-    Some(match kind {
+fn decoder(kind: &str) -> Option<(Decode, usize)> {
+    let known: (Decode, usize) = match kind {
         "<f8" => (|bytes| Field::Float(f64::from_le_bytes(start(bytes))), 8),
         "<f4" => (|bytes| Field::Float(f64::from(f32::from_le_bytes(start(bytes)))), 4),
         "<i8" => (|bytes| Field::Integer(i64::from_le_bytes(start(bytes))), 8),
@@ -299,7 +302,8 @@ fn decoder(kind: &str) -> Option<(fn(&[u8]) -> Field<'static>, usize)> {
         "<u4" => (|bytes| Field::Integer(i64::from(u32::from_le_bytes(start(bytes)))), 4),
         "|b1" | "|u1" => (|bytes| Field::Integer(i64::from(start::<1>(bytes)[0])), 1),
         _ => return None,
-    })
+    };
+    Some(known)
 }
 
 /// The lists of names in the file beside an array; none without the file.

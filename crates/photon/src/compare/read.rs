@@ -75,7 +75,10 @@ fn sequences(name: &str, words: &[u64], shape: &[u64]) -> Result<PhotonSample, P
         [_, 2] => 2,
         [_, 2, 2] => 4,
         _ => {
-            return Err(unusable(name, format!("its shape is {shape:?}: sequences have (n, 2, 2) or (n, 2)")));
+            return Err(unusable(
+                name,
+                format!("its shape is {shape:?}: sequences have (n, 2, 2) or (n, 2)"),
+            ));
         }
     };
     let track = |(photon, row): (i64, &[u64])| {

@@ -8,6 +8,9 @@ use crate::error::PhotonError;
 use rayweave_error::Message;
 use std::collections::BTreeMap;
 
+/// A value of a track.
+type TrackValue = fn(&SampleTrack) -> f64;
+
 /// Values of doubles that differ by less are equal up to rounding: times are sums of many steps.
 const TOLERANCE: f64 = 1e-9;
 
@@ -183,7 +186,7 @@ impl Comparison {
         let pooling = Pooling::new(options.least, totals);
         let is_single = samples.iter().any(|sample| sample.is_single);
         let tolerance = if is_single { SINGLE_TOLERANCE } else { TOLERANCE };
-        let kinds: [(&str, &str, fn(&SampleTrack) -> f64); 2] =
+        let kinds: [(&'static str, &str, TrackValue); 2] =
             [("time", "ns", |track| track.time), ("wavelength", "nm", |track| track.wavelength_nm)];
         for (name, unit, value) in kinds {
             let [a, b] = samples.map(|sample| sample.tracks.iter().map(value).collect::<Vec<f64>>());

@@ -92,6 +92,7 @@ fn structured_arrays() {
     assert_eq!(sample.volumes.unwrap(), ["Tube"]);
     folder.write("hits.names.json", r#"{"sensor": []}"#);
     assert!(read_sample(&path).unwrap_err().to_string().contains("has no name"));
+    folder.write("short.names.json", r#"{"sensor": ["Tube"]}"#);
     let path = folder.write("short.npy", npy(descr, "(4,)", &data));
     assert!(read_sample(&path).unwrap_err().to_string().contains("it ends in row 3 of 4"));
 }
