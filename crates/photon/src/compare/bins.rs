@@ -67,16 +67,11 @@ pub(super) fn histories(
     alphabet: Alphabet,
     pooling: Pooling,
 ) -> Vec<(String, [u64; 2])> {
-    let list: Vec<(&[u8], [u64; 2])> = counts.iter().map(|(codes, counts)| (&codes[..], *counts)).collect();
+    // sorted, even with equal beginnings of long histories
+    let list: Vec<(&[u8], [u64; 2])> =
+        counts.iter().map(|(codes, counts)| (&codes[..codes.len().min(MAX_ROWS)], *counts)).collect();
     let mut bins = Vec::new();
-    let others = pool(
-        &list,
-        0,
-        &mut |codes: &[u8], is_open, counts| {
-            bins.push((text(codes, is_open, alphabet), counts));
-        },
-        pooling,
-    );
+    let others = pool(&list, 0, (alphabet, pooling), &mut bins);
     finish(bins, ("others".to_owned(), others), pooling)
 }
 
@@ -85,9 +80,10 @@ pub(super) fn histories(
 fn pool(
     list: &[(&[u8], [u64; 2])],
     depth: usize,
-    bin: &mut dyn FnMut(&[u8], bool, [u64; 2]),
-    pooling: Pooling,
+    (alphabet, pooling): (Alphabet, Pooling),
+    bins: &mut Vec<(String, [u64; 2])>,
 ) -> [u64; 2] {
+    let label = |codes: &[u8], is_open: bool| text(codes, is_open, alphabet);
     let total =
         |list: &[(&[u8], [u64; 2])]| list.iter().fold([0, 0], |total, (_, counts)| sum(total, *counts));
     let mut rest = [0, 0];
@@ -97,13 +93,12 @@ fn pool(
         let is_complete = codes.len() == depth;
         match pooling.is_enough(all) {
             false => rest = sum(rest, all),
-            true if is_complete => bin(codes, false, all),
-            true if depth == MAX_ROWS => bin(&codes[..depth], true, all),
-            true => rest = sum(rest, pool(group, depth + 1, bin, pooling)),
+            true if is_complete => bins.push((label(codes, depth == MAX_ROWS), all)),
+            true => rest = sum(rest, pool(group, depth + 1, (alphabet, pooling), bins)),
         }
     }
     if depth > 0 && pooling.is_enough(rest) {
-        bin(&list[0].0[..depth], true, rest);
+        bins.push((label(&list[0].0[..depth], true), rest));
         return [0, 0];
     }
     rest

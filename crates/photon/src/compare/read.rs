@@ -104,7 +104,7 @@ fn photons(name: &str, array: &NpyArray, is_single: bool) -> Result<PhotonSample
     };
     let rows: Vec<&[f64]> = array.numbers.chunks_exact(16).collect();
     let is_hit = |row: &&[f64]| is_single && (row[15] as f32).to_bits() & SURFACE_DETECT != 0;
-    let is_marked = rows.iter().any(|row| is_hit(row));
+    let is_marked = rows.iter().any(is_hit);
     let mut tracks = Vec::new();
     for (photon, row) in (0..).zip(&rows).filter(|(_, row)| !is_marked || is_hit(row)) {
         let (time, wavelength_nm) = (row[3], row[11]);

@@ -79,7 +79,7 @@ pub fn compare(
         false => sample.clone(),
     };
     let (a, b) = (reduced(a), reduced(b));
-    for sample in [&a, &b].into_iter().filter(|sample| sample.tracks.is_empty()) {
+    if let Some(sample) = [&a, &b].into_iter().find(|sample| sample.tracks.is_empty()) {
         let what = if is_hits { "no photon is detected" } else { "the file has no photons" };
         return Err(PhotonError::Sample(Message::new(format!("{} cannot be compared", sample.name), what)));
     }
