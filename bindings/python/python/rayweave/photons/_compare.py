@@ -137,7 +137,7 @@ def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits
         paths = [_path(sample, Path(folder, name)) for sample, name in ((a, "a.npy"), (b, "b.npy"))]
         row: CompareRow = _core.compare_photons(paths[0], paths[1], float(least), bool(flags), bool(hits))
     _, photons, is_hits, hits_z, quantities, missing, pairs = row
-    given = [str(path) if isinstance(sample, str | PathLike) else type(sample).__name__ for sample, path in zip((a, b), paths, strict=True)]
+    given = [str(sample) if isinstance(sample, str | PathLike) else type(sample).__name__ for sample in (a, b)]
     found = {
         name: Quantity(name, totals, chi2, ndf, p, z, tuple(Bin(*own) for own in bins))
         for name, totals, chi2, ndf, p, z, bins in quantities
