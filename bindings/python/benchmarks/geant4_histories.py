@@ -167,7 +167,7 @@ def states(text):
 
 
 class Track:
-    """A track as far as it is known."""
+    """A track so far."""
 
     __slots__ = ("photon", "track", "rows", "end")
 
@@ -300,7 +300,7 @@ def simulate(options):
             else:
                 rows.append("?")
                 if self.is_sensor(after):
-                    # whether the photon enters the sensor is known with the state: it moves into the volume
+                    # a photon that moves into the volume enters the sensor
                     track = step.GetTrack()
                     volumes = after.GetTouchable().GetVolume(), step.GetPreStepPoint().GetTouchable().GetVolume()
                     turned = track.GetMomentumDirection()

@@ -44,14 +44,14 @@ pub struct Comparison {
     pub photons: [u64; 2],
     /// Whether only detected photons are compared.
     pub is_hits: bool,
-    /// The difference of the numbers of hits in standard deviations, if only they are known: for runs of equal numbers of photons,
+    /// The difference of the numbers of hits in standard deviations, in a comparison of hits: for runs of equal numbers of photons,
     /// (A - B) / sqrt(A + B); 0 otherwise.
     pub hits_z: f64,
     /// The quantities that both samples have.
     pub quantities: Vec<ComparedQuantity>,
     /// The quantities that are not compared, and the reasons.
     pub missing: Vec<String>,
-    /// The photons that both samples have, if histories and numbers are known.
+    /// The photons that both samples have, if they have histories and numbers.
     pub pairs: Option<Pairs>,
 }
 

@@ -66,11 +66,11 @@ pub struct PhotonSample {
     pub alphabet: Option<Alphabet>,
     /// The tracks by photon.
     pub tracks: Vec<SampleTrack>,
-    /// The names of the volumes; `None` if they are not known.
+    /// The names of the volumes; `None` without volumes.
     pub volumes: Option<Vec<String>>,
-    /// Whether times and wavelengths are known.
+    /// Whether the tracks have times and wavelengths.
     pub has_times: bool,
-    /// Whether the numbers of the photons are known.
+    /// Whether the photons have numbers.
     pub has_numbers: bool,
     /// Whether times and wavelengths are rounded to single precision.
     pub is_single: bool,
