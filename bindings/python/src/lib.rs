@@ -97,6 +97,8 @@ mod _core {
     #[pymodule_export]
     use crate::optics::zernike::{zernike_fit, zernike_term, zernike_values};
     #[pymodule_export]
+    use crate::photons::compare::compare_photons;
+    #[pymodule_export]
     use crate::photons::detector::{PyDetector, load_detector, loads_detector};
     #[pymodule_export]
     use crate::photons::histories::PyHistories;

@@ -47,7 +47,7 @@ pub enum Command {
     Probe(Probe),
     Trace(Trace),
     Optics(Optics),
-    Photons(Box<Photons>),
+    Photons(Photons),
     Convert(Convert),
     Export(Export),
     Infill(Infill),

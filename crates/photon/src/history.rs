@@ -73,6 +73,11 @@ mod nibble {
 const ABBREVIATIONS: [&str; 16] =
     ["", "CK", "SI", "MI", "AB", "RE", "SC", "SD", "SA", "DR", "SR", "BR", "BT", "TO", "NA", "EX"];
 
+/// The abbreviation of an Opticks flag by its slot in sequences; empty for 0 and for numbers above 15.
+pub(crate) fn flag_name(nibble: u64) -> &'static str {
+    ABBREVIATIONS.get(nibble as usize).copied().unwrap_or("")
+}
+
 impl Process {
     /// All processes, by their numbers in tables.
     pub const ALL: [Process; 26] = [

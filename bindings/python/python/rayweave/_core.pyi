@@ -12,6 +12,7 @@ from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._check import CheckRow
 from rayweave._explain import Passage, Question
 from rayweave._model import Medium, Region
+from rayweave.photons._compare import CompareRow
 from rayweave.space import PointCrossings, Trajectory
 
 __all__ = [
@@ -45,6 +46,7 @@ __all__ = [
     "Spline",
     "array_csg",
     "check_rows",
+    "compare_photons",
     "coordinate_break",
     "count_array",
     "diff_columns",
@@ -828,6 +830,11 @@ def zernike_fit(
     pupil: ArrayLike, values: ArrayLike, terms: Sequence[tuple[int, int]]
 ) -> tuple[NDArray[np.float64], float]:
     """The coefficients of the least-squares fit, and the RMS of the residual."""
+
+def compare_photons(
+    a: str | PathLike[str], b: str | PathLike[str], least: float, flags: bool, hits: bool
+) -> CompareRow:
+    """Compares two files of photons: see `rayweave.photons.compare`."""
 
 @final
 class CompiledDetector:

@@ -1,5 +1,6 @@
 //! Optical photons in detectors: see `rayweave.photons`.
 
+pub mod compare;
 pub mod detector;
 pub mod histories;
 pub mod hits;

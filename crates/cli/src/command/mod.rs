@@ -11,6 +11,7 @@ mod infill;
 mod info;
 mod man;
 mod optics;
+mod photon_compare;
 mod photon_source;
 mod photons;
 mod probe;

@@ -9,20 +9,26 @@ Lengths are in mm, times in ns, energies in eV and wavelengths in nm.
 ((7480, 3), 7480)
 """
 
+from rayweave.photons._compare import Bin, Comparison, FirstDifference, Quantity, compare
 from rayweave.photons._detector import Detector, Material, Property, Surface, load, loads
 from rayweave.photons._run import Histories, Hits, Run, Sequences
 from rayweave.photons._sources import Source, photons, point
 
 __all__ = [
+    "Bin",
+    "Comparison",
     "Detector",
+    "FirstDifference",
     "Histories",
     "Hits",
     "Material",
     "Property",
+    "Quantity",
     "Run",
     "Sequences",
     "Source",
     "Surface",
+    "compare",
     "load",
     "loads",
     "photons",
