@@ -12,6 +12,7 @@ mod info;
 mod man;
 mod optics;
 mod photon_source;
+mod photon_tables;
 mod photons;
 mod probe;
 mod render;
