@@ -224,7 +224,7 @@ fn no_properties(has_both: bool) -> PhotonError {
 
 /// The regions of a scene, each with a medium of its own: a photon stops at every boundary between two volumes, even of
 /// equal material, since it may have an optical surface or a sensor behind it.
-fn regions(scene: &Scene) -> Vec<Region> {
+pub(crate) fn regions(scene: &Scene) -> Vec<Region> {
     let own = scene.model_regions().into_iter().zip(1..);
     own.map(|(region, medium)| Region { medium, ..region }).collect()
 }

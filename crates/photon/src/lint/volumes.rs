@@ -53,7 +53,7 @@ impl Lint<'_> {
     /// Materials without an index next to optical ones, without a surface between them.
     fn missing_indices(&mut self) {
         let mut beside: BTreeMap<usize, BTreeSet<String>> = BTreeMap::new();
-        for &(mother, daughter) in &self.optics.volumes.nested {
+        for &(mother, daughter) in self.optics.volumes.nested.iter().chain(&self.contacts) {
             let (Some(outer), Some(inner)) = (self.medium(mother), self.medium(daughter)) else { continue };
             let (clear, clear_region, opaque, opaque_region) =
                 match (self.has_index(outer), self.has_index(inner)) {
