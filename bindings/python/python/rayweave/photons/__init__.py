@@ -9,12 +9,25 @@ Lengths are in mm, times in ns, energies in eV and wavelengths in nm.
 ((7480, 3), 7480)
 """
 
-from rayweave.photons._detector import Detector, Material, Property, Surface, load, loads
+from rayweave.photons._detector import Detector, Findings, Material, Property, Surface, load, loads
 from rayweave.photons._run import Histories, Hits, Run, Sequences
-from rayweave.photons._sources import Source, photons, point
+from rayweave.photons._sources import (
+    Source,
+    disc,
+    from_optics,
+    from_opticks,
+    gensteps,
+    line,
+    photons,
+    point,
+    surface,
+    volume,
+)
+from rayweave.photons._tables import SurfaceTables
 
 __all__ = [
     "Detector",
+    "Findings",
     "Histories",
     "Hits",
     "Material",
@@ -23,8 +36,16 @@ __all__ = [
     "Sequences",
     "Source",
     "Surface",
+    "SurfaceTables",
+    "disc",
+    "from_optics",
+    "from_opticks",
+    "gensteps",
+    "line",
     "load",
     "loads",
     "photons",
     "point",
+    "surface",
+    "volume",
 ]
