@@ -137,7 +137,7 @@ class Surface(_Described):
 
 class Findings(Columns):
     """Probable mistakes in the optical part of a detector: `kind`, "optical" for a probable mistake and "unused" for input without
-    effect; `place`, as file:line:column, None if it is not known; `text`, the problem with its reason and a suggestion."""
+    effect; `place`, as file:line:column (line:column for a text), None if it is not known; `text`, the problem with its reason and a suggestion."""
 
     def __init__(self, rows: Sequence[tuple[str, str | None, str]]) -> None:
         names = ("kind", "place", "text")
