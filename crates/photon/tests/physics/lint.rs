@@ -272,20 +272,3 @@ fn surfaces_that_compete_are_named() {
     assert!(twice.to_string().contains("the volume has the skin `skin` already"), "{twice}");
     assert!(twice.is_unused);
 }
-
-#[test]
-fn touching_copies_with_a_skin_are_named() {
-    let text = |distance: f64| {
-        let position = format!(
-            r#"<physvol name="next" copynumber="1"><volumeref ref="Slab"/><position name="q" z="{}" unit="mm"/></physvol></volume>"#,
-            50.0 + distance
-        );
-        let slab = SlabDetector { surfaces: MIRROR, links: SKIN, ..CLEAR };
-        slab.text()
-            .replace(r#"unit="mm"/></physvol></volume>"#, &format!(r#"unit="mm"/></physvol>{position}"#))
-    };
-    let touching = |distance: f64| {
-        findings(&text(distance)).iter().filter(|finding| finding.to_string().contains("touch")).count()
-    };
-    assert_eq!([100.0, 100.5, 300.0].map(touching), [1, 0, 0]);
-}
