@@ -140,7 +140,8 @@ fn build(repository: &Repository, mutants: &[Mutant]) -> Result<Vec<PathBuf>, St
     let mut texts = mutate(mutants, read)?;
     let library = format!("{CRATE}/src/lib.rs");
     let mut text = texts.remove(&library).map_or_else(|| read(&library), Ok)?;
-    text += "\nmod mutants;\n";
+    // a choice needs its parentheses in some places only
+    text = format!("#![allow(unused_parens)]\n{text}\nmod mutants;\n");
     texts.insert(library, text);
     texts.insert(format!("{CRATE}/src/mutants.rs"), chooser());
     texts.insert("Cargo.toml".to_owned(), crate::stage::alone(&read("Cargo.toml")?));
