@@ -160,9 +160,14 @@ fn facets_of_glisur_point_into_a_ball() {
 #[test]
 fn interfaces_polarise_by_fresnels_amplitudes() {
     let bare = OpticalSurface { value: 1.0, ..OpticalSurface::default() };
-    for ([n1, n2], degrees) in
-        [([1.0, 1.5], 40.0), ([1.0, 1.5], 75.0), ([1.5, 1.0], 30.0), ([1.0, 1.5], 0.0), ([1.5, 1.0], 0.0)]
-    {
+    for ([n1, n2], degrees) in [
+        ([1.0, 1.5], 40.0),
+        ([1.0, 1.5], 75.0),
+        ([1.5, 1.0], 30.0),
+        ([1.5, 1.0], 41.3),
+        ([1.0, 1.5], 0.0),
+        ([1.5, 1.0], 0.0),
+    ] {
         let (direction, _) = incident(degrees, true);
         let across = -Vec3::Y;
         let polarisation = 0.5f64.sqrt() * (across + direction.cross(across));
