@@ -9,7 +9,9 @@ mod primitive;
 use crate::outcome::Outcome;
 use crate::report::Counts;
 use crate::workshop::Workshop;
-use crate::{features, layers, lean, licences, tidy};
+use crate::{features, layers, lean, licences, mutants, tidy};
+
+pub use primitive::alone;
 
 /// One stage.
 pub struct Stage {
@@ -42,6 +44,12 @@ pub const STAGES: &[Stage] = &[
     stage("rust", "unit tests, integration tests and documentation tests of all crates", cargo::tests),
     stage("primitive", "a new primitive, added as CONTRIBUTING.md says, compiles and works", primitive::run),
     Stage { name: "long", what: "the ignored tests of the long mode", long: true, run: cargo::long_tests },
+    Stage {
+        name: "mutants",
+        what: "each process of photons, broken on purpose, fails a test",
+        long: true,
+        run: |workshop, counts| mutants::run(workshop.repository, &[], counts),
+    },
     stage("command", "the release build of the command, on real models", command::run),
     stage(
         "python",

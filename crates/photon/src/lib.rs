@@ -23,6 +23,7 @@ mod flight;
 mod genstep;
 mod history;
 mod hits;
+mod lines;
 mod lint;
 mod material;
 pub mod philox;

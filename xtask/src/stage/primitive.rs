@@ -67,7 +67,7 @@ fn copy(repository: &Repository, root: &Path) -> Result<(), String> {
 }
 
 /// The workspace's manifest with only the copied crates as members.
-fn alone(manifest: &str) -> String {
+pub fn alone(manifest: &str) -> String {
     let members = |line: &str| match line.split('=').next().unwrap_or_default().trim() {
         "members" => "members = [\"crates/*\"]\n".to_owned(),
         "default-members" => String::new(),

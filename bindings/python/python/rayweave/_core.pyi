@@ -34,6 +34,7 @@ __all__ = [
     "PhotonHits",
     "PhotonRun",
     "PhotonSource",
+    "PhotonTables",
     "Polygons",
     "RayweaveError",
     "ReadElement",
@@ -70,6 +71,7 @@ __all__ = [
     "number_list",
     "optical_component",
     "optimise",
+    "photon_property_svg",
     "place",
     "pupil_points",
     "ray_timeline_svg",
@@ -836,6 +838,9 @@ def compare_photons(
 ) -> CompareRow:
     """Compares two files of photons: see `rayweave.photons.compare`."""
 
+def photon_property_svg(title: str, curves: Sequence[tuple[str, Sequence[tuple[float, float]]]]) -> str:
+    """Curves by wavelength as SVG: the name with the unit, and pairs of a wavelength in nm and a value."""
+
 @final
 class CompiledDetector:
     """A detector, compiled: see `rayweave.photons.Detector`."""
@@ -862,6 +867,20 @@ class CompiledDetector:
     ) -> list[tuple[tuple[str, str, str], float, tuple[str, list[tuple[str, NDArray[np.float64], NDArray[np.float64], str]], list[tuple[str, float]]]]]:
         """The surfaces: the words of model, finish and type, the value; name, properties and constants as those of materials."""
 
+    def findings(self) -> list[tuple[str, str | None, str]]:
+        """The findings of the lint: rule (optical or unused), place, problem with its reason and suggestion."""
+
+    def check_start(self, source: PhotonSource, settings: Mapping[str, Any]) -> str | None:
+        """A sentence about photons of a source that start outside the world or in a material without a refractive index; an error if
+        all of them do.
+        """
+
+    def volume_source(self, name: str, is_boundary: bool, light: Mapping[str, Any]) -> PhotonSource:
+        """A torch in a volume, or on its boundary."""
+
+    def gensteps(self, gensteps: ArrayLike, materials: Mapping[int, str]) -> PhotonSource:
+        """Gensteps in the layout of Opticks, (N, 6, 4), or of Geant4, (N, 16), with the names of materials by their numbers."""
+
     def simulate(
         self,
         source: PhotonSource,
@@ -871,12 +890,16 @@ class CompiledDetector:
         """Simulates photons of a source. `progress` is called with the number of finished photons and the total."""
 
 def load_detector(
-    path: str | PathLike[str], *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
+    path: str | PathLike[str],
+    tables: PhotonTables,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
 ) -> CompiledDetector:
     """Reads a detector from a GDML file, or from a native model converted from one."""
 
 def loads_detector(
-    text: str, *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
+    text: str, tables: PhotonTables, *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
 ) -> CompiledDetector:
     """Reads a detector from the text of a GDML file."""
 
@@ -969,10 +992,22 @@ class PhotonSource:
     """A source of photons: see `rayweave.photons.Source`."""
 
     @staticmethod
-    def point(
-        position: ArrayLike, wavelength_nm: float, towards: ArrayLike | None = None
+    def point(position: ArrayLike, light: Mapping[str, Any]) -> PhotonSource:
+        """A point."""
+
+    @staticmethod
+    def disc(
+        centre: ArrayLike, normal: ArrayLike, radius: float, light: Mapping[str, Any]
     ) -> PhotonSource:
-        """A point that emits unpolarised photons, in all directions or in one."""
+        """A flat disc."""
+
+    @staticmethod
+    def line(start: ArrayLike, end: ArrayLike, light: Mapping[str, Any]) -> PhotonSource:
+        """A straight line."""
+
+    @staticmethod
+    def from_opticks(photons: ArrayLike) -> PhotonSource:
+        """Photons in the layout of Opticks, (N, 4, 4)."""
 
     @staticmethod
     def photons(
@@ -985,8 +1020,32 @@ class PhotonSource:
         """Given photons."""
 
     @property
+    def notes(self) -> list[str]:
+        """Sentences about gensteps that do not fit their materials."""
+
+    @property
     def count(self) -> int | None:
         """The number of photons, if it is limited."""
+
+@final
+class PhotonTables:
+    """Tables of measured surfaces: see `rayweave.photons.SurfaceTables`."""
+
+    def __new__(
+        cls, folder: str | PathLike[str] | None = None, dichroic: str | PathLike[str] | None = None
+    ) -> PhotonTables:
+        """The tables of a folder and of a dichroic file."""
+
+    def with_lut(self, name: str, probabilities: ArrayLike) -> PhotonTables:
+        """The same with a table of probabilities for a surface or a finish."""
+
+    def with_davis(self, name: str, reflectance: ArrayLike, directions: ArrayLike) -> PhotonTables:
+        """The same with reflectances and directions for a surface or a finish."""
+
+    def with_dichroic(
+        self, name: str, wavelengths_nm: ArrayLike, angles_degrees: ArrayLike, percent: ArrayLike
+    ) -> PhotonTables:
+        """The same with a transmittance for a surface."""
 
 @final
 class Polygons:

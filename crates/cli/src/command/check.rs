@@ -1,14 +1,15 @@
 //! `rayweave check`: probable mistakes of a model.
 
+use super::photon_tables::SurfaceTableArguments;
 use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
 use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
-use rayweave::AnyEvaluator;
 use rayweave::check::{CheckReport, CheckSettings, Finding, FindingKind, Hierarchy, check, finding_section};
-use rayweave::photon::{SurfaceTables, lint};
+use rayweave::photon::lint;
 use rayweave::scene::Scene;
 use rayweave::section::section_svg;
+use rayweave::{AnyEvaluator, Packets};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -61,6 +62,9 @@ pub struct Check {
     /// Maximum number of pairs of parts, and of operands, to examine
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     pairs: usize,
+
+    #[command(flatten)]
+    tables: SurfaceTableArguments,
 
     /// Confidence level of volumes
     #[arg(long, value_name = "C", default_value_t = 0.99)]
@@ -129,10 +133,9 @@ impl Check {
         let places = |element, name: &str, property: &str| {
             imported.places.find(element, name, property).map(str::to_owned)
         };
-        let optical = imported
-            .stated
-            .as_ref()
-            .map(|document| lint(&scene, document, &SurfaceTables::default(), &places));
+        let tables = self.tables.tables()?;
+        let optical =
+            imported.stated.as_ref().map(|document| lint(&scene, document, &tables, Packets::new, &places));
         let hierarchy = imported.stated.as_ref().and_then(|document| Hierarchy::of(document, &scene));
         let bar = terminal::counter("rays", global.quiet);
         let make = AnyEvaluator::maker(None);

@@ -13,6 +13,7 @@ mod man;
 mod optics;
 mod photon_compare;
 mod photon_source;
+mod photon_tables;
 mod photons;
 mod probe;
 mod render;

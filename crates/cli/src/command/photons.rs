@@ -2,6 +2,7 @@
 
 use super::photon_compare::PhotonCompare;
 use super::photon_source::SourceArguments;
+use super::photon_tables::SurfaceTableArguments;
 use crate::arguments::{GlobalArguments, ModelArguments};
 use crate::drawing;
 use crate::failure::Failure;
@@ -13,8 +14,8 @@ use rayweave::Packets;
 use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
-    DetectionRule, Detector, DichroicTable, Histories, HistoryOptions, Hits, PhotonError, RunSettings,
-    Source, SurfaceTables, check_start, history_schema, hit_schema, simulate_parts, step_schema,
+    DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, check_start,
+    history_schema, hit_schema, simulate_parts, step_schema,
 };
 use rayweave::table::TableWriter;
 use std::ops::Range;
@@ -31,7 +32,7 @@ use std::time::Instant;
 /// number of threads, and --range simulates a part of a run.
 ///
 /// The table has a row for each detected photon with the columns event, photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
-/// wavelength_nm, steps, sensor. Lengths are in mm. The table of steps has a row for the emission and for each process of each
+/// wavelength_nm, steps, sensor, and genstep for runs of --gensteps. Lengths are in mm. The table of steps has a row for the emission and for each process of each
 /// photon, with the columns photon, track, step, process, x, y, z, time, dx, dy, dz, px, py, pz, wavelength_nm, volume, surface.
 ///
 /// `rayweave photons compare A B` compares two runs, of Rayweave, Geant4 or Opticks.
@@ -74,13 +75,8 @@ pub struct Simulation {
     #[arg(long, value_name = "RULE", default_value = "both")]
     detect: Rule,
 
-    /// Folder with the tables of Geant4's data set RealSurface, decompressed (PolishedTyvek.dat), for LUT and DAVIS surfaces
-    #[arg(long, value_name = "FOLDER")]
-    surface_tables: Option<PathBuf>,
-
-    /// Table of the transmittance of dichroic surfaces, in the format of Geant4 (G4DICHROICDATA)
-    #[arg(long, value_name = "FILE")]
-    dichroic: Option<PathBuf>,
+    #[command(flatten)]
+    tables: SurfaceTableArguments,
 
     /// Maximum number of steps of a photon
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -211,7 +207,7 @@ impl Simulation {
             TableWriter::create(path, &hit_schema(&Hits::default())?)?;
         }
         let (document, scene) = self.model.load_document()?;
-        let detector = Detector::with_tables(&scene, &document, &self.tables()?)?;
+        let detector = Detector::with_tables(&scene, &document, &self.tables.tables()?)?;
         let note = |text: &str| {
             if !global.quiet {
                 terminal::note(text);
@@ -275,18 +271,6 @@ impl Simulation {
                 Err(Failure::Usage(text.to_owned()))
             }
         }
-    }
-
-    /// The tables of measured surfaces.
-    fn tables(&self) -> Result<SurfaceTables, Failure> {
-        let mut tables = SurfaceTables::default();
-        if let Some(folder) = &self.surface_tables {
-            tables = tables.folder(folder);
-        }
-        if let Some(path) = &self.dichroic {
-            tables = tables.dichroic(DichroicTable::read(path)?);
-        }
-        Ok(tables)
     }
 
     fn drawings(&self) -> impl Iterator<Item = &PathBuf> {

@@ -184,6 +184,12 @@ fn arrays() {
     let found: Value = serde_json::from_str(&whole.out).unwrap();
     assert_eq!(found["photons"], 400, "{}", whole.err);
     assert!(found["hits"].as_u64().unwrap() > 10);
+    // the number of the only genstep is the last column
+    let table = done(&["-o", "-", "--quiet"]).out;
+    assert!(table.lines().next().unwrap().ends_with(",sensor,genstep"), "{table}");
+    assert!(table.lines().skip(1).all(|row| row.ends_with(",0")), "{table}");
+    let sequences = done(&["--sequences", "--quiet", "--json"]).out;
+    assert!(sequences.contains("CK ") && !sequences.contains("TO"), "{sequences}");
     assert_eq!(done(&["--material", "4=Crystal", "-o", "-"]).out, done(&["-o", "-", "--quiet"]).out);
     assert!(done(&["--material", "4=Water"]).err.contains("no material is called `Water`"));
     assert!(done(&["-n", "401"]).err.contains("-n is 401: the source has 400 photons."));
@@ -289,10 +295,17 @@ fn measured_surfaces_and_outer_sources() {
     );
     bench.write("wrapped.gdml", &wrapped);
     let run = ["photons", "wrapped.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "100", "--json"];
-    assert!(bench.fails(3, &run).contains("data set RealSurface with GroundTyvek.dat"));
+    assert!(bench.fails(3, &run).contains("data set RealSurface with GroundTyvek.z"));
+    // the check needs the table as well
+    let check = ["check", "wrapped.gdml", "--cells", "4", "--json"];
+    let missing = bench.says(&check);
+    assert!(missing.contains("RealSurface with GroundTyvek.z"), "{missing}");
     bench.write("GroundTyvek.dat", "1 ".repeat(151_515));
     let with: Vec<&str> = run.into_iter().chain(["--surface-tables", "."]).collect();
     assert_eq!(bench.json(&with)["photons"], 100);
+    let with: Vec<&str> = check.into_iter().chain(["--surface-tables", "."]).collect();
+    let found = bench.says(&with);
+    assert!(!found.contains("RealSurface"), "{found}");
     let outside = ["photons", "bar.gdml", "--at", "0,0,500", "--wavelength", "550", "-n", "10"];
     assert!(bench.fails(2, &outside).contains("the source at [0, 0, 500] is outside the world"));
 }

@@ -1,10 +1,9 @@
 //! Histograms as SVG, such as distributions of times and wavelengths.
 
-use super::chart::{BELOW, LEFT, MARGIN, TOP};
+use super::chart::{BELOW, LEFT, MARGIN, TOP, panel_axes};
 use crate::axis::{Axis, format_number, round_step};
 use crate::legend::wavelength_paint;
-use crate::svg::{Anchor, Pixels, Svg};
-use std::fmt::Write;
+use crate::svg::{Anchor, Svg};
 
 /// Values of a quantity.
 #[derive(Clone, Copy, Debug)]
@@ -84,23 +83,8 @@ fn draw(histogram: &Histogram<'_>, [left, top]: [f64; 2], svg: &mut Svg) {
         let fill = if is_wavelength { wavelength_paint(0.5 * (from + to)) } else { BAR.to_owned() };
         svg.rectangle("bar", [x, y, (end - x).max(1.0), bottom - y], &format!(r#" fill="{fill}""#));
     }
-    let mut path = format!("M{} {}V{}H{}", Pixels(left), Pixels(top), Pixels(bottom), Pixels(right));
-    // writing to a string cannot fail
-    for (value, text) in across.ticks(WIDTH / 80.0) {
-        let x = across.position(value);
-        let _ = write!(path, "M{} {}v5", Pixels(x), Pixels(bottom));
-        svg.text("tick", [x, bottom + 18.0], Anchor::Middle, &text, &text);
-    }
-    for (value, text) in up.ticks(HEIGHT / 50.0) {
-        let y = up.position(value);
-        let _ = write!(path, "M{} {}h-5", Pixels(left), Pixels(y));
-        svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
-    }
-    svg.path("axis", path, "");
-    let label = format!("{name} / {unit}");
-    svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, &label, &label);
     let width = format!("hits per {} {unit}", format_number(bins.width, 1e-3 * bins.width));
-    svg.text("tick", [left - 8.0, top - 8.0], Anchor::Start, &width, &width);
+    panel_axes(svg, [&across, &up], [&format!("{name} / {unit}"), &width]);
     let subtitle = subtitle(&values, unit, bins.beyond);
     svg.text("tick", [left + MARGIN - LEFT, top - 34.0], Anchor::Start, &subtitle, &subtitle);
 }
