@@ -23,7 +23,7 @@ pub struct GlobalArguments {
 /// A model file and the values of its parameters.
 #[derive(Args)]
 pub struct ModelArguments {
-    /// Model file: native (.toml), OpenSCAD (.csg), Geant4 (.gdml), or a mesh (.stl, .obj, .ply, .off, .3mf, .gltf, .glb)
+    #[arg(help = model_help())]
     pub model: PathBuf,
 
     /// Format of the model file [default: by the file extension, else native]
@@ -63,6 +63,18 @@ pub struct ModelArguments {
     /// May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
     pub definitions: Vec<(String, String)>,
+}
+
+/// The help of the model file: the extensions of all formats, with the names of those that are called otherwise.
+fn model_help() -> String {
+    let formats = Format::NAMES.into_iter().filter_map(Format::from_name).map(|format| {
+        let extensions = format.extensions().join(", .");
+        match format.extensions().contains(&format.name()) {
+            true => format!(".{extensions}"),
+            false => format!(".{extensions} ({format})"),
+        }
+    });
+    format!("Model file: {}", formats.collect::<Vec<_>>().join(", "))
 }
 
 impl ModelArguments {

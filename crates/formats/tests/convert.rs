@@ -74,7 +74,7 @@ fn convert(scene: &Scene, name: &str, format: Format) -> Result<(), String> {
         write(scene, None, format, &WriteOptions::default()).map_err(|error| format!("writing: {error}"))?;
     let folder = std::env::temp_dir().join(format!("rayweave-convert-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-    let path = folder.join(format!("{name}.{}", format.to_string().replace("openscad", "csg")));
+    let path = folder.join(format!("{name}.{}", format.extensions()[0]));
     std::fs::write(&path, &written.bytes).map_err(|error| error.to_string())?;
     let read = load(&path, Some(format), &[], &Options::default());
     let _ = std::fs::remove_file(&path);

@@ -4,7 +4,7 @@
 //! long forms for any number of rays.
 
 use rayweave_conformance::{Maker, exact, maker};
-use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
+use rayweave_trace::AnyEvaluator;
 
 /// Seeds of the short form, a model of fifty rays each.
 const SHORT: std::ops::Range<u64> = 0..1100;
@@ -13,13 +13,11 @@ const SHORT: std::ops::Range<u64> = 0..1100;
 const LONG: std::ops::Range<u64> = 0..200_000;
 
 fn evaluators() -> Vec<Maker> {
-    vec![
-        maker(Reference::new),
-        maker(Packets::new),
-        maker(Weave::new),
-        maker(|program| SingleHit::new(program).expect("no model of the suite is too large")),
-        maker(Spans::new),
-    ]
+    let evaluator = |name| {
+        let make = AnyEvaluator::maker(Some(name));
+        maker(move |program| make(program).expect("no model of the suite is too large"))
+    };
+    AnyEvaluator::NAMES.map(evaluator).into()
 }
 
 /// Models with planted coincidences, which at least half of the rays hit.

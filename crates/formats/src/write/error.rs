@@ -10,6 +10,9 @@ use rayweave_table::TableError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
+    /// The format has a reader only.
+    #[error("files of the format {0} are not written: the format has a reader only. Choose another format.")]
+    NotWritten(Format),
     /// The tolerance is not a positive finite length.
     #[error("the tolerance is {0}: it must be finite and greater than 0.")]
     Tolerance(f64),

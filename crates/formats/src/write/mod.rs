@@ -60,7 +60,7 @@ pub fn write(
         Format::OpenScad => openscad::write(&model, &mut remarks)?,
         Format::Gdml => gdml::write(&model, table, &mut remarks)?,
         Format::Mesh(kind) => triangles::write(&model, kind, options, &mut remarks)?,
-        Format::Native => Vec::new(),
+        other => return Err(WriteError::NotWritten(other)),
     };
     Ok(Written { bytes, remarks: remarks.finish() })
 }
