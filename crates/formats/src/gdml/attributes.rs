@@ -64,6 +64,18 @@ impl<'c> Numbers<'c> {
         Failure::Reported
     }
 
+    /// Counts the faces of a solid that has more of them than numbers in its text, before they are made.
+    pub fn spend_faces(&mut self, element: &Element, faces: usize) -> Result<(), Failure> {
+        self.context.faces = self.context.faces.saturating_add(faces);
+        let most = self.context.most();
+        if self.context.faces <= most {
+            return Ok(());
+        }
+        let name = element.text("name");
+        let message = format!("the solids up to `{name}` have too many faces: files of this length may have {most}.");
+        Err(self.tell(Trouble::new(message, element.place)))
+    }
+
     /// A required attribute.
     pub fn need<'e>(&mut self, element: &'e Element, name: &str) -> Result<&'e Attribute, Failure> {
         element.attribute(name).ok_or_else(|| {
