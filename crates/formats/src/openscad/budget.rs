@@ -15,7 +15,7 @@ const ITEMS: u64 = 1_500_000;
 const BYTES_PER_ITEM: u64 = 8;
 
 /// The cost of an edge in a boolean operation of regions, and of a pair of edges that may cross.
-pub(super) const EDGE: usize = 150;
+pub(super) const EDGE: usize = 400;
 pub(super) const CROSSING: usize = 800;
 
 /// The cost of a corner of a region in a formula of half-planes or half-spaces.
