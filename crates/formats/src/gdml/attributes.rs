@@ -65,15 +65,13 @@ impl<'c> Numbers<'c> {
     }
 
     /// Counts the faces of a solid that has more of them than numbers in its text, before they are made.
-    pub fn spend_faces(&mut self, element: &Element, faces: usize) -> Result<(), Failure> {
-        self.context.faces = self.context.faces.saturating_add(faces);
-        let most = self.context.most();
-        if self.context.faces <= most {
-            return Ok(());
+    pub fn count_faces(&mut self, faces: usize) -> Result<(), Failure> {
+        let (all, most) = (self.context.faces.saturating_add(faces), self.context.most());
+        if all > most {
+            return refused(format!("with the solids before it, it has too many faces: files of this length may have {most}"));
         }
-        let name = element.text("name");
-        let message = format!("the solids up to `{name}` have too many faces: files of this length may have {most}.");
-        Err(self.tell(Trouble::new(message, element.place)))
+        self.context.faces = all;
+        Ok(())
     }
 
     /// A required attribute.

@@ -294,12 +294,12 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
         "polyhedra" => {
             let (planes, sides, phi) = (z_planes(numbers, e)?, sides(numbers, e)?, sector(numbers, e)?);
             sizes.planes(&planes, phi);
-            numbers.spend_faces(e, planes.len().saturating_mul(sides as usize))?;
+            numbers.count_faces(planes.len().saturating_mul(sides as usize))?;
             polyhedra(&planes, sides, phi)
         }
         "genericPolyhedra" => {
             let (corners, sides) = (corners(numbers, e, "rzpoint", ["r", "z"])?, sides(numbers, e)?);
-            numbers.spend_faces(e, corners.len().saturating_mul(sides as usize))?;
+            numbers.count_faces(corners.len().saturating_mul(sides as usize))?;
             generic_polyhedra(&corners, sides, sector(numbers, e)?)
         }
         "trd" | "trap" | "para" | "tet" | "arb8" | "xtru" | "tessellated" => faceted(numbers, e, sizes),
@@ -426,7 +426,7 @@ fn faceted(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
         "xtru" => {
             let vertices = corners(numbers, e, "twoDimVertex", ["x", "y"])?;
             let sections = sections(numbers, e)?;
-            numbers.spend_faces(e, vertices.len().saturating_mul(sections.len()))?;
+            numbers.count_faces(vertices.len().saturating_mul(sections.len()))?;
             extruded(&vertices, &sections)
         }
         _ => facets(numbers, e),
@@ -596,9 +596,9 @@ fn twist(numbers: &mut Numbers, e: &Element) -> Made {
         }
     };
     let angle = numbers.angle(e, "PhiTwist", 0.0)?;
-    numbers.spend_faces(e, 1)?;
+    numbers.count_faces(1)?;
     let made = twisted(&trapezoid, angle)?;
-    numbers.spend_faces(e, 5 * made.layers)?;
+    numbers.count_faces(5 * made.layers)?;
     let message = format!(
         "the twisted solid `{}` is a stack of {} layers with quadrics as side faces: these are off by at most {:.1e} mm.",
         e.text("name"),
@@ -666,6 +666,6 @@ fn polyhedra_to_corners(numbers: &mut Numbers, e: &Element) -> Made {
     for plane in &mut planes {
         (plane.rmin, plane.rmax) = (cos * plane.rmin, cos * plane.rmax);
     }
-    numbers.spend_faces(e, planes.len().saturating_mul(sides as usize))?;
+    numbers.count_faces(planes.len().saturating_mul(sides as usize))?;
     polyhedra(&planes, sides, phi)
 }

@@ -16,7 +16,7 @@ const BYTES_PER_ITEM: u64 = 8;
 
 /// The cost of an edge in a boolean operation of regions, and of a pair of edges that may cross.
 pub(super) const EDGE: usize = 400;
-pub(super) const CROSSING: usize = 800;
+pub(super) const CROSSING: usize = 1500;
 
 /// The cost of a corner of a region in a formula of half-planes or half-spaces.
 pub(super) const CORNER: usize = 1000;
