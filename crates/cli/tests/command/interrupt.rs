@@ -133,7 +133,8 @@ fn a_trace_that_waits_for_a_reader_leaves_nothing() {
     let bench = Bench::new();
     bench.write("rays.csv", format!("{RAYS}-5,0,0,1,0,0\n"));
     assert!(Command::new("mkfifo").arg(bench.path("hits.names.json")).status().unwrap().success());
-    let child = bench.command(&["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.npy"]).spawn().unwrap();
+    let child =
+        bench.command(&["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.npy"]).spawn().unwrap();
     let folder = bench.path("");
     wait_until(|| holds(&folder, ".hits.npy."));
     interrupt(&child);

@@ -68,7 +68,9 @@ impl<'c> Numbers<'c> {
     pub fn count_faces(&mut self, faces: usize) -> Result<(), Failure> {
         let (all, most) = (self.context.faces.saturating_add(faces), self.context.most());
         if all > most {
-            return refused(format!("with the solids before it, it has too many faces: files of this length may have {most}"));
+            return refused(format!(
+                "with the solids before it, it has too many faces: files of this length may have {most}"
+            ));
         }
         self.context.faces = all;
         Ok(())

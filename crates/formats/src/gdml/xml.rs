@@ -270,7 +270,9 @@ impl Tree<'_> {
         for attribute in tag.attributes() {
             // each is compared with those before it
             if attributes.len() == MAX_ATTRIBUTES {
-                let message = format!("the element has more than {MAX_ATTRIBUTES} attributes: GDML has no use for them.");
+                let message = format!(
+                    "the element has more than {MAX_ATTRIBUTES} attributes: GDML has no use for them."
+                );
                 return Err(Trouble::new(message, place));
             }
             let attribute =

@@ -129,10 +129,12 @@ fn faces_of_polyhedra_have_a_limit() {
 /// Faces of many solids, attributes of one element, and volumes within volumes, all of them below 1 MB.
 #[test]
 fn the_work_for_a_file_has_a_limit() {
-    let corners: String = (0..1000).map(|k| {
-        let (sin, cos) = (f64::from(k) * 0.006).sin_cos();
-        format!("<twoDimVertex x=\"{cos}\" y=\"{sin}\"/>")
-    }).collect();
+    let corners: String = (0..1000)
+        .map(|k| {
+            let (sin, cos) = (f64::from(k) * 0.006).sin_cos();
+            format!("<twoDimVertex x=\"{cos}\" y=\"{sin}\"/>")
+        })
+        .collect();
     let section = |k: u32| format!("<section zOrder=\"{k}\" zPosition=\"{k}\" scalingFactor=\"1\"/>");
     let sections: String = (0..1000).map(section).collect();
     let solid = format!("<xtru name=\"b\">{corners}{sections}</xtru>");
@@ -149,7 +151,10 @@ fn the_work_for_a_file_has_a_limit() {
     let nested = |k: u32| volume(k, &format!("<physvol><volumeref ref=\"v{}\"/></physvol>", k - 1));
     let deep = |count: u32| {
         let inner: String = (1..count).map(nested).collect();
-        let world = WORLD.replace("</volume>", &format!("<physvol><volumeref ref=\"v{}\"/></physvol></volume>", count - 1));
+        let world = WORLD.replace(
+            "</volume>",
+            &format!("<physvol><volumeref ref=\"v{}\"/></physvol></volume>", count - 1),
+        );
         model("", BOX, &format!("{}{inner}{world}", volume(0, "")))
     };
     assert_eq!(parse(&deep(200)).unwrap().scene.regions.len(), 201);
