@@ -204,9 +204,12 @@ fn distinct(solids: &[&Solid]) -> u64 {
     let (mut waiting, mut seen, mut copies) = (solids.to_vec(), NumberSet::default(), 0u64);
     while let Some(solid) = waiting.pop() {
         if seen.insert(solid.address()) {
-            if let Node::Placed(_, maps) = solid.node() {
-                copies = copies.saturating_add(maps.len() as u64);
-            }
+            copies = copies.saturating_add(match solid.node() {
+                Node::Placed(_, maps) => maps.len() as u64,
+                // what it counts for beyond its node
+                Node::Primitive(shape) => weight(shape) - 1,
+                _ => 0,
+            });
             waiting.extend(solid.node().operand_refs());
         }
     }
@@ -216,7 +219,7 @@ fn distinct(solids: &[&Solid]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rayweave_shape::primitive::build;
+    use rayweave_shape::primitive::{Convex, build};
 
     #[test]
     fn many_different_parts_are_not_repetitions() {
@@ -228,6 +231,21 @@ mod tests {
         // compiling them would take seconds
         check_repetition(&[&rows, &placed]).unwrap();
         check(&[&rows, &placed]).unwrap();
+    }
+
+    /// A polyhedron counts for its faces, both where it is described and where it is repeated.
+    #[test]
+    fn faces_count() {
+        let wheel = |offset: f64| {
+            let plane = |k: u32| [1.0, f64::from(k), 0.0, offset];
+            Solid::from(Primitive::from(Convex::new((0..600_000).map(plane).collect()).unwrap()))
+        };
+        let one = wheel(1.0);
+        let described: Vec<Solid> = (1..=7).map(|k| wheel(f64::from(k))).collect();
+        assert!(one.has_more_leaves_than(75_000) && !one.has_more_leaves_than(75_001));
+        check_repetition(&described.iter().collect::<Vec<_>>()).unwrap();
+        let many = Solid::union((0..20).map(|k| one.translate([f64::from(k), 0.0, 0.0])));
+        assert!(check_repetition(&[&many]).is_err());
     }
 
     #[test]
