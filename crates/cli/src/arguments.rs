@@ -83,6 +83,16 @@ impl ModelArguments {
         self.all_of(&self.model, self.import_scene_only()?).map(|imported| imported.scene)
     }
 
+    /// Reads the model file like [`load`](Self::load), for answers about one of its solids or about its regions. Without a solid the
+    /// scene has no named solids: the parts of its regions are then used once, which takes less memory to compile.
+    pub fn load_for(&self, solid: Option<&str>) -> Result<Scene, Failure> {
+        let mut scene = self.load()?;
+        if solid.is_none() {
+            scene.solids = Vec::new();
+        }
+        Ok(scene)
+    }
+
     /// Reads the model file like [`load`](Self::load) and records the losses of the import.
     pub fn import_all(&self) -> Result<Imported, Failure> {
         self.all_of(&self.model, self.import()?)

@@ -13,23 +13,35 @@ use std::time::{Duration, Instant};
 /// compiling models check it only rarely.
 const PATIENCE: Duration = Duration::from_millis(300);
 
+/// The time after a signal in which the command may remove its unfinished files itself. It cannot while it waits for a pipe that
+/// nobody reads.
+const LAST_PATIENCE: Duration = Duration::from_secs(2);
+
 /// The token that Ctrl-C and termination signals cancel.
 pub fn token() -> Cancel {
     static TOKEN: OnceLock<Cancel> = OnceLock::new();
     TOKEN.get_or_init(Cancel::new).clone()
 }
 
-/// Runs the command on a separate thread and ends it soon after a signal: at the next check of [`token`], or at any point where
-/// it has no unfinished file.
+/// Runs the command on a separate thread and ends it soon after a signal: at the next check of [`token`], at any point where it
+/// has no unfinished file, or after [`LAST_PATIENCE`], which removes its unfinished files.
 pub fn watch(command: impl FnOnce() -> Result<(), Failure> + Send + 'static) -> Result<(), Failure> {
     let (cancel, own) = (token(), token());
     ctrlc::set_handler(move || own.cancel())
         .map_err(|error| Failure::Run(format!("cannot listen for Ctrl-C: {error}.")))?;
     let mut signalled = None;
-    let look = || match cancel.is_cancelled() {
-        true if signalled.get_or_insert_with(Instant::now).elapsed() < PATIENCE => Ok(()),
-        true if AtomicFile::none_from_now_on() => Err(Failure::Cancelled),
-        _ => Ok(()),
+    let look = || {
+        if !cancel.is_cancelled() {
+            return Ok(());
+        }
+        let waited = signalled.get_or_insert_with(Instant::now).elapsed();
+        if waited >= LAST_PATIENCE {
+            AtomicFile::abandon_all();
+        }
+        match waited >= PATIENCE && AtomicFile::none_from_now_on() {
+            true => Err(Failure::Cancelled),
+            false => Ok(()),
+        }
     };
     aside(|| token().while_current(command), look)?
 }

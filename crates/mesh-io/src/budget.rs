@@ -10,10 +10,10 @@ pub fn expanded_bytes(length: u64) -> u64 {
     length.saturating_mul(32).clamp(16 << 20, 1 << 32)
 }
 
-/// Rejects a number of vertices or triangles that a file of this length can describe only by repetition: more than a million
+/// Rejects a number of vertices or triangles that a file of this length can describe only by repetition: more than 300,000
 /// and more than 2 for each byte.
 pub fn check_repetition(what: &str, count: u64, length: u64, location: Location) -> Result<(), FileError> {
-    let limit = length.saturating_mul(2).max(1_000_000);
+    let limit = length.saturating_mul(2).max(300_000);
     if count <= limit {
         return Ok(());
     }

@@ -57,8 +57,8 @@ pub struct Nearest {
     pub triangle: u32,
 }
 
-/// The number of triangles that the lines which orient shells, or determine their depths, may cross.
-pub(crate) const MAX_CROSSINGS: usize = 5_000_000;
+/// The number of triangles with which the lines that orient shells, or determine their depths, may be compared.
+pub(crate) const MAX_COMPARISONS: usize = 50_000_000;
 
 /// A line prepared for intersection with triangles.
 struct Query {
@@ -116,7 +116,7 @@ impl Polyhedron {
     }
 
     /// Determines which triangles are counter-clockwise seen from outside, by one line through each shell. When these lines have
-    /// crossed [`MAX_CROSSINGS`] triangles, the lines of earlier shells decide for those that they crossed, so that many shells
+    /// been compared with [`MAX_COMPARISONS`] triangles, the lines of earlier shells decide for those that they crossed, so that many shells
     /// behind each other do not take quadratic time.
     /// For shells that intersect others, or are one-sided, the result holds only for some of the triangles.
     fn orientations(&self, shells: &Shells) -> Vec<bool> {
@@ -125,15 +125,15 @@ impl Polyhedron {
         let largest = shells.largest(|triangle| {
             triangle::cross(self.corners(self.places[triangle as usize] as usize)).length_squared()
         });
-        let (mut left, mut found) = (MAX_CROSSINGS, Vec::new());
+        let (mut left, mut found) = (MAX_COMPARISONS, Vec::new());
         for (shell, &triangle) in largest.iter().enumerate() {
             if left == 0 && crossed[shell].is_some() {
                 outward[shell] = crossed[shell];
                 continue;
             }
             let Some(line) = self.line_through(triangle) else { continue };
-            self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
-            left = left.saturating_sub(found.len());
+            let compared = self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
+            left = left.saturating_sub(compared);
             for (rank, crossing) in found.iter().enumerate() {
                 let other = shells.component_of[crossing.triangle as usize] as usize;
                 if crossed[other].is_none() {
@@ -199,9 +199,14 @@ impl Polyhedron {
     /// `perturbation` leads. At edges and vertices symbolic perturbation puts the
     /// line on one side, the same for all triangles (`contains_origin`).
     ///
-    /// `found` is cleared first.
-    pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<MeshCrossing>) {
-        self.crossings_with(line, perturbation, 0.0, found);
+    /// `found` is cleared first. Returns the number of triangles with which the line was compared.
+    pub fn crossings(
+        &self,
+        line: &Line,
+        perturbation: &Perturbation,
+        found: &mut Vec<MeshCrossing>,
+    ) -> usize {
+        self.crossings_with(line, perturbation, 0.0, found)
     }
 
     /// [`Polyhedron::crossings`] of a line that was mapped into the frame of the mesh: `lengths` is added to the magnitude of
@@ -212,14 +217,14 @@ impl Polyhedron {
         perturbation: &Perturbation,
         lengths: f64,
         found: &mut Vec<MeshCrossing>,
-    ) {
+    ) -> usize {
         found.clear();
         let Some(chord) = self.tree.chord(line) else {
-            return;
+            return 0;
         };
         let far = chord.0.abs().max(chord.1.abs());
         let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.magnitude() + lengths);
-        let shift = self.gather(
+        let (shift, mut compared) = self.gather(
             &Query { shear: Shear::new(line), line: *line, timed: *line, delta },
             chord,
             perturbation,
@@ -229,27 +234,25 @@ impl Polyhedron {
         if shift != Vec3::ZERO {
             found.clear();
             let moved = Line { origin: line.origin + shift, ..*line };
-            self.gather(
-                &Query { shear: Shear::new(&moved), line: moved, timed: *line, delta: -1.0 },
-                chord,
-                perturbation,
-                found,
-            );
+            let again = Query { shear: Shear::new(&moved), line: moved, timed: *line, delta: -1.0 };
+            compared += self.gather(&again, chord, perturbation, found).1;
         }
         found.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        compared
     }
 
-    /// Appends the crossings of a line, in no order, and returns the shift that moves the line out of all faces in which it
-    /// lies.
+    /// Appends the crossings of a line, in no order. Returns the shift that moves the line out of all faces in which it lies, and
+    /// the number of triangles with which the line was compared.
     fn gather(
         &self,
         query: &Query,
         chord: (f64, f64),
         perturbation: &Perturbation,
         found: &mut Vec<MeshCrossing>,
-    ) -> Shift {
-        let mut shift = Shift::default();
+    ) -> (Shift, usize) {
+        let (mut shift, mut compared) = (Shift::default(), 0);
         self.tree.traverse(&query.line, |range| {
+            compared += range.len();
             for place in range {
                 let corners = self.corners(place);
                 let images = corners.map(|corner| query.shear.image(corner));
@@ -265,7 +268,7 @@ impl Polyhedron {
                 }
             }
         });
-        shift
+        (shift, compared)
     }
 
     /// The normal of the face of a triangle if a line lies in its plane.

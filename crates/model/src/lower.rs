@@ -5,6 +5,7 @@
 
 use crate::drive::Cancel;
 use crate::leaf::MAX_LEAVES;
+use crate::number_map::NumberMap;
 use crate::simplify::{Formula, Op};
 use crate::size;
 use crate::trail::{Naming, TOP, Trail, TrailBuilder};
@@ -171,9 +172,9 @@ struct Lowering<'p, 'a> {
     /// The context of the name of the whole group; 0 if there is none.
     own: u32,
     leaf_names: LeafNames,
-    context_of: HashMap<(u32, usize), u32>,
-    leaf_of: HashMap<Key, Edge>,
-    done: HashMap<Key, Edge>,
+    context_of: NumberMap<(u32, usize), u32>,
+    leaf_of: NumberMap<Key, Edge>,
+    done: NumberMap<Key, Edge>,
     tasks: Vec<Task<'a>>,
     frames: Vec<Frame>,
     /// Stack of operands that no operator has consumed yet.
@@ -194,9 +195,9 @@ impl<'p, 'a> Lowering<'p, 'a> {
             at_root: is_placed,
             own: 0,
             leaf_names: LeafNames::default(),
-            context_of: HashMap::new(),
-            leaf_of: HashMap::new(),
-            done: HashMap::new(),
+            context_of: NumberMap::default(),
+            leaf_of: NumberMap::default(),
+            done: NumberMap::default(),
             tasks: Vec::new(),
             frames: Vec::new(),
             operands: Vec::new(),
@@ -477,7 +478,7 @@ impl LeafNames {
 
 /// The names around the leaves of a group. `own` is the context of the name of the whole group.
 fn trail(contexts: &[Context<'_>], parts: &[Part<'_>], own: u32) -> Trail {
-    let mut steps = Steps { contexts, node_of: HashMap::new(), builder: TrailBuilder::default() };
+    let mut steps = Steps { contexts, node_of: NumberMap::default(), builder: TrailBuilder::default() };
     let place: Arc<str> = "place".into();
     let mut leaf = 0;
     for part in parts {
@@ -516,7 +517,7 @@ fn trail(contexts: &[Context<'_>], parts: &[Part<'_>], own: u32) -> Trail {
 /// The contexts with names, which become nodes of the trail when a part needs them.
 struct Steps<'c, 'a> {
     contexts: &'c [Context<'a>],
-    node_of: HashMap<u32, u32>,
+    node_of: NumberMap<u32, u32>,
     builder: TrailBuilder<'c>,
 }
 

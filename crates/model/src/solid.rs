@@ -168,8 +168,9 @@ impl Solid {
         Arc::ptr_eq(&self.0, &other.0)
     }
 
-    /// The address of the node; identifies shared sub-trees.
-    pub(crate) fn address(&self) -> usize {
+    /// The address of the node: the same for all handles of a node, and different for different nodes that exist at the same
+    /// time.
+    pub fn address(&self) -> usize {
         Arc::as_ptr(&self.0) as usize
     }
 

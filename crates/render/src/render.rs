@@ -31,6 +31,7 @@ pub fn render<E: Evaluator>(
     run: &mut Run<'_>,
 ) -> Result<Image, RenderError> {
     settings.check()?;
+    camera.check(evaluator.program())?;
     let drawing = Drawing {
         evaluator,
         camera,

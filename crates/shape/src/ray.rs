@@ -1,6 +1,6 @@
 //! Ray: a straight line in space with a parameter t.
 
-use rayweave_error::{Classified, ErrorKind};
+use rayweave_error::{Classified, ErrorKind, short_number};
 use rayweave_math::{Affine, Vec3};
 use std::fmt;
 
@@ -63,9 +63,11 @@ pub enum RayError {
     /// The ray's points are too inaccurate, at its closest approach to the model, to resolve the model: a query would silently
     /// miss it.
     #[error(
-        "the ray is too far from the model: at its closest point, {distance:.3e} from its origin, coordinates are accurate to \
-         {accuracy:.3e}, and the model is {size:.3e} thick. Start the ray closer to the model, and keep the model close to \
-         the origin of the coordinates."
+        "the ray is too far from the model: at its closest point, {} from its origin, coordinates are accurate to {}, and the model \
+         is {} thick. Start the ray closer to the model, and keep the model close to the origin of the coordinates.",
+        short_number(*.distance),
+        short_number(*.accuracy),
+        short_number(*.size)
     )]
     TooFar {
         /// The distance from the origin of the ray to its point closest to the model.

@@ -171,8 +171,8 @@ fn every_query_names_the_ray() {
         assert_eq!(bad.ray, 2);
         assert_eq!(
             bad.to_string(),
-            "ray 2: the ray is too far from the model: at its closest point, 3.000e14 from its origin, coordinates are \
-             accurate to 4.263e0, and the model is 2.000e0 thick. Start the ray closer to the model, and keep the model \
+            "ray 2: the ray is too far from the model: at its closest point, 3e14 from its origin, coordinates are \
+             accurate to 4.263, and the model is 2 thick. Start the ray closer to the model, and keep the model \
              close to the origin of the coordinates."
         );
         assert!(trace(&program, along_x(3e14), &query).is_err());

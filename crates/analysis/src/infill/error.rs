@@ -1,6 +1,6 @@
 //! Errors of infill.
 
-use rayweave_error::{Classified, ErrorKind};
+use rayweave_error::{Classified, ErrorKind, short_number};
 use rayweave_model::memory::Shortage;
 
 /// Error of infill, printed as `problem: reason. Suggestion.`.
@@ -36,7 +36,8 @@ pub enum InfillError {
     },
     /// There are too many scan lines.
     #[error(
-        "the spacing {spacing:?} results in {lines:.3e} scan lines: at most {most} are filled in one run. Use a larger spacing."
+        "the spacing {spacing:?} results in {} scan lines: at most {most} are filled in one run. Use a larger spacing.",
+        short_number(*.lines)
     )]
     TooManyLines {
         /// The distance between scan lines.
@@ -48,7 +49,8 @@ pub enum InfillError {
     },
     /// There are too many layers.
     #[error(
-        "the layer height {height} results in {layers:.3e} layers: at most {most} are filled in one run. Use a larger layer height."
+        "the layer height {height} results in {} layers: at most {most} are filled in one run. Use a larger layer height.",
+        short_number(*.layers)
     )]
     TooManyLayers {
         /// The distance between layers.

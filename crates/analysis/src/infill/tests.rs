@@ -264,7 +264,7 @@ fn unfillable_solids_are_named() {
     assert!(message(&bar, 1.0, Layers::Every(1.0)).contains("unbounded in z"));
     assert_eq!(fill(&Slices(&weave(&bar)), &filling(1.0, 0.0, 0.5), &floor())[0].traces.len(), 2);
     let text = message(&cube, 1e-9, floor());
-    assert!(text.contains("4.000e9 scan lines: at most 10000000"), "{text}");
+    assert!(text.contains("4e9 scan lines: at most 10000000"), "{text}");
     assert!(
         message(&cube, 1e-5, Layers::Every(0.01)).contains("1.600e8 scan lines"),
         "{}",

@@ -83,7 +83,7 @@ impl Infill {
             return self.fill(global, &region, &filling, &Layers::At(vec![0.0]), "", picture);
         }
         let layers = self.layers()?;
-        let scene = self.model.load()?;
+        let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         self.fill(global, &Slices(&evaluator), &filling, &layers, scene.unit.symbol(), picture)

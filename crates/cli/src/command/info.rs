@@ -10,6 +10,7 @@ use rayweave::model::{Leaf, LeafKind};
 use rayweave::scene::Scene;
 use rayweave::{Bounds, Compiled, Program};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 
 /// Print the contents of a model: regions, media, the tree of solids, bounds, statistics
 #[derive(Args)]
@@ -109,13 +110,9 @@ impl Info {
 
 /// The roots of the tree: the distinct solids of the regions.
 fn roots(scene: &Scene) -> Vec<rayweave::Solid> {
-    let mut roots: Vec<rayweave::Solid> = Vec::new();
-    for region in &scene.regions {
-        if !roots.iter().any(|root| root.is_same(&region.solid)) {
-            roots.push(region.solid.clone());
-        }
-    }
-    roots
+    let mut seen = HashSet::new();
+    let solids = scene.regions.iter().map(|region| &region.solid);
+    solids.filter(|solid| seen.insert(solid.address())).cloned().collect()
 }
 
 fn counts(scene: &Scene) -> String {

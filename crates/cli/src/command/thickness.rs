@@ -53,7 +53,7 @@ impl Thickness {
                 "--medium selects what a picture shows, but a table lists all media. Write a .png file.";
             return Err(Failure::Usage(text.to_owned()));
         }
-        let scene = self.model.load()?;
+        let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let view = self.view.as_deref().and_then(|name| name.parse().ok());

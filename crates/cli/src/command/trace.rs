@@ -55,7 +55,7 @@ pub struct Trace {
 impl Trace {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let query = self.query()?;
-        let scene = self.model.load()?;
+        let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let cancel = interrupt::token();

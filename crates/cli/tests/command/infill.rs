@@ -169,10 +169,8 @@ fn settings_that_make_no_sense() {
         let message = fails(2, &["--spacing", "1", "--layer-height", bad]);
         assert!(message.starts_with("error: the layer height is "), "{message}");
     }
-    assert!(fails(2, &["--spacing", "1e-9", "--z", "1"]).contains("8.000e9 scan lines: at most 10000000"));
-    assert!(
-        fails(2, &["--spacing", "1", "--layer-height", "1e-9"]).contains("2.000e9 layers: at most 1000000")
-    );
+    assert!(fails(2, &["--spacing", "1e-9", "--z", "1"]).contains("8e9 scan lines: at most 10000000"));
+    assert!(fails(2, &["--spacing", "1", "--layer-height", "1e-9"]).contains("2e9 layers: at most 1000000"));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--phase", "2"]).contains("from 0 to 1"));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--angle", "inf"]).contains("the angle is inf"));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--turn", "nan"]).contains("the turn is NaN"));

@@ -127,6 +127,22 @@ fn a_trace_that_waits_for_rays_leaves_nothing() {
     }
 }
 
+/// The table of names goes to a pipe that nobody opens, while the table of hits is unfinished.
+#[test]
+fn a_trace_that_waits_for_a_reader_leaves_nothing() {
+    let bench = Bench::new();
+    bench.write("rays.csv", format!("{RAYS}-5,0,0,1,0,0\n"));
+    assert!(Command::new("mkfifo").arg(bench.path("hits.names.json")).status().unwrap().success());
+    let child =
+        bench.command(&["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.npy"]).spawn().unwrap();
+    let folder = bench.path("");
+    wait_until(|| holds(&folder, ".hits.npy."));
+    interrupt(&child);
+    let done = done(child.wait_with_output().unwrap());
+    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled: unfinished files are removed.\n"));
+    assert_eq!(bench.files(), ["ball.toml", "cemented.toml", "hits.names.json", "rays.csv"]);
+}
+
 #[test]
 fn a_trace_that_waits_for_its_header_can_be_interrupted() {
     let bench = Bench::new();

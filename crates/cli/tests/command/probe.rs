@@ -140,8 +140,8 @@ fn a_ray_needs_a_direction() {
 fn a_ray_from_too_far_is_rejected() {
     let bench = Bench::new();
     let line = ["probe", "ball.toml", "--from", "-1e15,0,0", "--to", "0,0,0"];
-    let expected = "error: the ray is too far from the model: at its closest point, 1.000e15 from its origin, coordinates are \
-                    accurate to 1.421e1, and the model is 2.000e0 thick. Start the ray closer to the model, and keep the \
+    let expected = "error: the ray is too far from the model: at its closest point, 1e15 from its origin, coordinates are \
+                    accurate to 14.21, and the model is 2 thick. Start the ray closer to the model, and keep the \
                     model close to the origin of the coordinates.\n";
     assert_eq!(bench.fails(2, &line), expected);
     assert_eq!(bench.fails(2, &[&line[..], &["--explain"]].concat()), expected);

@@ -64,6 +64,18 @@ impl<'c> Numbers<'c> {
         Failure::Reported
     }
 
+    /// Counts the faces of a solid that has more of them than numbers in its text, before they are made.
+    pub fn count_faces(&mut self, faces: usize) -> Result<(), Failure> {
+        let (all, most) = (self.context.faces.saturating_add(faces), self.context.most());
+        if all > most {
+            return refused(format!(
+                "with the solids before it, it has too many faces: files of this length may have {most}"
+            ));
+        }
+        self.context.faces = all;
+        Ok(())
+    }
+
     /// A required attribute.
     pub fn need<'e>(&mut self, element: &'e Element, name: &str) -> Result<&'e Attribute, Failure> {
         element.attribute(name).ok_or_else(|| {

@@ -296,10 +296,12 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
         "polyhedra" => {
             let (planes, sides, phi) = (z_planes(numbers, e)?, sides(numbers, e)?, sector(numbers, e)?);
             sizes.planes(&planes, phi);
+            numbers.count_faces(planes.len().saturating_mul(sides as usize))?;
             polyhedra(&planes, sides, phi)
         }
         "genericPolyhedra" => {
             let (corners, sides) = (corners(numbers, e, "rzpoint", ["r", "z"])?, sides(numbers, e)?);
+            numbers.count_faces(corners.len().saturating_mul(sides as usize))?;
             generic_polyhedra(&corners, sides, sector(numbers, e)?)
         }
         "trd" | "trap" | "para" | "tet" | "arb8" | "xtru" | "tessellated" => faceted(numbers, e, sizes),
@@ -425,7 +427,9 @@ fn faceted(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
         }
         "xtru" => {
             let vertices = corners(numbers, e, "twoDimVertex", ["x", "y"])?;
-            extruded(&vertices, &sections(numbers, e)?)
+            let sections = sections(numbers, e)?;
+            numbers.count_faces(vertices.len().saturating_mul(sections.len()))?;
+            extruded(&vertices, &sections)
         }
         _ => facets(numbers, e),
     }
@@ -594,7 +598,9 @@ fn twist(numbers: &mut Numbers, e: &Element) -> Made {
         }
     };
     let angle = numbers.angle(e, "PhiTwist", 0.0)?;
+    numbers.count_faces(1)?;
     let made = twisted(&trapezoid, angle)?;
+    numbers.count_faces(5 * made.layers)?;
     let message = format!(
         "the twisted solid `{}` is a stack of {} layers whose side faces are quadrics that deviate by at most {:.1e} mm.",
         e.text("name"),
@@ -662,5 +668,6 @@ fn polyhedra_to_corners(numbers: &mut Numbers, e: &Element) -> Made {
     for plane in &mut planes {
         (plane.rmin, plane.rmax) = (cos * plane.rmin, cos * plane.rmax);
     }
+    numbers.count_faces(planes.len().saturating_mul(sides as usize))?;
     polyhedra(&planes, sides, phi)
 }

@@ -109,7 +109,9 @@ fn comes_of(records: &[VolumeRecord], graph: &Graph, scene: &Scene) -> bool {
     }
     let ancestry = Ancestry::new(graph, &order);
     let is_same = |(record, volume): (&VolumeRecord, usize)| match record.region {
-        Some(region) => ancestry.in_world(graph, volume).as_ref() == Some(&scene.regions[region].solid),
+        Some(region) => {
+            ancestry.in_world(graph, volume).is_some_and(|(solid, _)| solid == scene.regions[region].solid)
+        }
         None => true,
     };
     records.iter().zip(0..).all(is_same)

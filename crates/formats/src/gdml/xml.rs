@@ -16,6 +16,8 @@ use std::sync::Arc;
 
 /// Maximal nesting depth of elements: GDML itself nests about ten deep, and entities add to that.
 const DEEPEST: usize = 200;
+/// Maximum number of attributes of an element.
+const MAX_ATTRIBUTES: usize = 200;
 /// Maximal nesting depth of entity references.
 const DEEPEST_ENTITY: usize = 20;
 /// Maximum number of entity references in a document.
@@ -135,6 +137,11 @@ impl Files {
     pub fn add(&mut self, source: Arc<Source>) -> u32 {
         self.sources.push(source);
         self.sources.len() as u32 - 1
+    }
+
+    /// The length of all texts so far.
+    pub fn bytes(&self) -> usize {
+        self.sources.iter().map(|source| source.text().len()).sum()
     }
 
     /// Adds the position to a diagnostic.
@@ -261,6 +268,13 @@ impl Tree<'_> {
         }
         let mut attributes = Vec::new();
         for attribute in tag.attributes() {
+            // each is compared with those before it
+            if attributes.len() == MAX_ATTRIBUTES {
+                let message = format!(
+                    "the element has more than {MAX_ATTRIBUTES} attributes: GDML has no use for them."
+                );
+                return Err(Trouble::new(message, place));
+            }
             let attribute =
                 attribute.map_err(|error| Trouble::new(format!("the tag is malformed: {error}."), place))?;
             let at = place.span.start() + 1 + offset_in(tag, &attribute.value);

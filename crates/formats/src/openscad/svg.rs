@@ -28,6 +28,10 @@ const FARTHEST: f64 = 1e100;
 const DEEPEST: usize = 100;
 /// Maximum number of elements, counting each `use`.
 const MAX_ELEMENTS: usize = 200_000;
+/// Maximum length of expanded entities, in bytes.
+const MAX_EXPANDED: usize = 64 << 20;
+/// Maximum number of entities within one, which the XML parser allows.
+const MAX_NESTED: usize = 255;
 /// Number of chords with facets: of a full ellipse, and of a curve.
 const FACETS: (usize, usize) = (40, 20);
 
@@ -77,6 +81,7 @@ struct Reader<'a, 'input> {
 pub(super) fn read(text: &str, options: SvgOptions<'_>) -> Result<Drawing, String> {
     let limits = ParsingOptions { allow_dtd: true, nodes_limit: 4_000_000, entity_resolver: None };
     check_depth(text)?;
+    check_entities(text)?;
     let document =
         Document::parse_with_options(text, limits).map_err(|error| format!("it is not SVG: {error}"))?;
     let root = document.root_element();
@@ -90,6 +95,21 @@ pub(super) fn read(text: &str, options: SvgOptions<'_>) -> Result<Drawing, Strin
         Reader { document: &document, named, options, within, points: 0, drawing: Drawing::default() };
     reader.elements(root, page)?;
     Ok(reader.drawing)
+}
+
+/// Refuses entities that may expand to more than [`MAX_EXPANDED`] bytes: the XML parser stores the expanded text of each use.
+fn check_entities(text: &str) -> Result<(), String> {
+    let Some(start) = text.find("<!ENTITY") else { return Ok(()) };
+    let end = text.rfind("<!ENTITY").unwrap_or(start);
+    let (declared, rest) = text.split_at(end + text[end..].find('>').unwrap_or(text.len() - end));
+    let declared = &declared[start..];
+    // the parser limits the uses within one
+    let nested = if declared.contains('&') { MAX_NESTED } else { 1 };
+    let uses = rest.bytes().filter(|&byte| byte == b'&').count() + 1;
+    match uses.saturating_mul(declared.len()).saturating_mul(nested) > MAX_EXPANDED {
+        true => Err(format!("its entities may expand to more than {} MiB", MAX_EXPANDED >> 20)),
+        false => Ok(()),
+    }
 }
 
 /// Refuses nesting (opening minus closing tags) that would overflow the call stack of the XML parser.

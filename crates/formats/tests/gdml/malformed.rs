@@ -126,6 +126,42 @@ fn faces_of_polyhedra_have_a_limit() {
     assert!(imported.report.iter().next().unwrap().first.message().contains("too many faces"));
 }
 
+/// Faces of many solids, attributes of one element, and volumes within volumes, all of them below 1 MB.
+#[test]
+fn the_work_for_a_file_has_a_limit() {
+    let corners: String = (0..1000)
+        .map(|k| {
+            let (sin, cos) = (f64::from(k) * 0.006).sin_cos();
+            format!("<twoDimVertex x=\"{cos}\" y=\"{sin}\"/>")
+        })
+        .collect();
+    let section = |k: u32| format!("<section zOrder=\"{k}\" zPosition=\"{k}\" scalingFactor=\"1\"/>");
+    let sections: String = (0..1000).map(section).collect();
+    let solid = format!("<xtru name=\"b\">{corners}{sections}</xtru>");
+    let imported = parse(&model("", &solid, WORLD)).unwrap();
+    let first = &imported.report.iter().next().unwrap().first;
+    assert!(first.message().contains("files of this length may have 300000"), "{}", first.message());
+    assert!(first.line_column().is_some());
+    let attributes: String = (0..300).map(|k| format!(" a{k}=\"1\"")).collect();
+    let found = problems(&model("", &BOX.replace(" x=", &format!("{attributes} x=")), WORLD));
+    assert!(found[0].2.contains("more than 200 attributes"), "{}", found[0].2);
+    let volume = |k: u32, inside: &str| {
+        format!("<volume name=\"v{k}\"><materialref ref=\"Al\"/><solidref ref=\"b\"/>{inside}</volume>")
+    };
+    let nested = |k: u32| volume(k, &format!("<physvol><volumeref ref=\"v{}\"/></physvol>", k - 1));
+    let deep = |count: u32| {
+        let inner: String = (1..count).map(nested).collect();
+        let world = WORLD.replace(
+            "</volume>",
+            &format!("<physvol><volumeref ref=\"v{}\"/></physvol></volume>", count - 1),
+        );
+        model("", BOX, &format!("{}{inner}{world}", volume(0, "")))
+    };
+    assert_eq!(parse(&deep(200)).unwrap().scene.regions.len(), 201);
+    let found = problems(&deep(1500));
+    assert!(found[0].2.contains("nested too deeply"), "{}", found[0].2);
+}
+
 #[test]
 fn missing_worlds_and_references() {
     let text = model("", BOX, WORLD);

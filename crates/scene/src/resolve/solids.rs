@@ -439,7 +439,10 @@ fn steps(context: &mut Context, numbers: &Numbers, steps: &[Spanned<Step>]) -> O
             maps.push(map);
         }
     }
-    if complete && let Err(error) = product.inverse() {
+    if complete
+        && maps.len() > 1
+        && let Err(error) = product.inverse()
+    {
         let span = steps[0].span.to(steps[steps.len() - 1].span);
         context.push(Diagnostic::error(error.to_string()), span);
         return None;

@@ -34,6 +34,11 @@ impl Convex {
     pub fn new(planes: Vec<[f64; 4]>) -> Result<Convex, ShapeError> {
         Convex { planes }.validated()
     }
+
+    /// The rows (a, b, c, d), one for each face.
+    pub fn planes(&self) -> &[[f64; 4]] {
+        &self.planes
+    }
 }
 
 fn split(row: &[f64; 4]) -> (Vec3, f64) {

@@ -18,7 +18,7 @@ use rayweave_shape::primitive::{Slab, Wedge};
 /// Maximum number of copies of one daughter.
 pub(super) const MAX_COPIES: i64 = 1_000_000;
 /// Maximum number of copies of all replica volumes and divisions.
-const MAX_TOTAL_COPIES: usize = 4_000_000;
+const MAX_TOTAL_COPIES: usize = 2_000_000;
 /// Maximum number of copies of one daughter with their own dimensions, each of which is a volume.
 const MAX_VOLUMES: usize = 20_000;
 

@@ -12,8 +12,11 @@ use crate::number::{Number, written};
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use crate::unit::Unit;
+use rayweave_model::drive::{Cancel, drive, thread_count};
 use rayweave_shape::primitive::MANUALS;
 use std::collections::HashSet;
+use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeTable;
 
@@ -47,17 +50,40 @@ pub(crate) fn read(source: Arc<Source>) -> Reading {
 pub(super) fn read_pieces(source: &Arc<Source>, length: usize) -> Option<Reader> {
     let mut reader = Reader::new(source);
     let mut merge = Merge::default();
-    for piece in pieces(source.text(), length) {
-        let (start, end) = (piece.start, piece.end);
-        let tree = DeTable::parse(&source.text()[piece]).ok()?;
-        let table = datum::from_toml(tree.get_ref(), start, source, &mut reader.problems.list);
-        drop(tree);
+    let parse = |(): &mut (), range: Range<usize>| Piece::parse(source, range);
+    let add = |piece: Option<Piece>| {
+        let Piece { table, problems, end } = piece.ok_or(NotInPieces)?;
+        reader.problems.list.extend(problems);
         if !merge.admits(source, &table) {
-            return None;
+            return Err(NotInPieces);
         }
         reader.top(table, end);
-    }
+        Ok(())
+    };
+    let threads = if source.text().len() > 16 * length { thread_count(None) } else { NonZeroUsize::MIN };
+    drive(threads, &Cancel::new(), pieces(source.text(), length), || (), parse, add).ok()?;
     Some(reader)
+}
+
+/// A text that must be read as a whole.
+struct NotInPieces;
+
+/// The entries of a piece of the text, which ends at `end`.
+struct Piece {
+    table: Table,
+    problems: Vec<Diagnostic>,
+    end: usize,
+}
+
+impl Piece {
+    /// `None` if the piece alone is not valid TOML.
+    fn parse(source: &Arc<Source>, range: Range<usize>) -> Option<Piece> {
+        let (start, end) = (range.start, range.end);
+        let tree = DeTable::parse(&source.text()[range]).ok()?;
+        let mut problems = Vec::new();
+        let table = datum::from_toml(tree.get_ref(), start, source, &mut problems);
+        Some(Piece { table, problems, end })
+    }
 }
 
 pub(super) fn read_whole(source: &Arc<Source>) -> Reading {
