@@ -238,7 +238,8 @@ pub fn point(text: &str) -> Result<[f64; 3], String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let [x, y, z] = parts[..] else {
         let found = parts.len();
-        return Err(format!("a point is three numbers, such as 1,-2.5,1e3, but {found} were given"));
+        let verb = if found == 1 { "was" } else { "were" };
+        return Err(format!("a point is three numbers, such as 1,-2.5,1e3, but {found} {verb} given"));
     };
     Ok([number(x)?, number(y)?, number(z)?])
 }
@@ -270,8 +271,8 @@ mod tests {
         assert_eq!(point("1,2,inf"), Err("`inf` is not finite".to_owned()));
         assert_eq!(point("1,2,nan"), Err("`nan` is not finite".to_owned()));
         assert_eq!(point("1,2,"), Err("`` is not a number".to_owned()));
-        assert!(point("1,2").unwrap_err().ends_with("here are 2"));
-        assert!(point("").unwrap_err().ends_with("here are 1"));
+        assert!(point("1,2").unwrap_err().ends_with("but 2 were given"));
+        assert!(point("").unwrap_err().ends_with("but 1 was given"));
     }
 
     #[test]

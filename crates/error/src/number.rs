@@ -3,7 +3,12 @@
 /// A number with four significant digits, without trailing zeros: `2`, `0.0625`, `1.235e15`.
 #[must_use]
 pub fn short_number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    let text = format!("{value:.3e}");
+    let rounded: f64 = text.parse().unwrap_or(value);
+    // the largest numbers are rounded up to infinity
+    if rounded.is_infinite() && value.is_finite() {
+        return text;
+    }
     match rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs()) || !rounded.is_finite() {
         true => format!("{rounded}"),
         false => format!("{rounded:e}"),

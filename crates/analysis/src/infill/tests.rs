@@ -266,7 +266,7 @@ fn unfillable_solids_are_named() {
     let text = message(&cube, 1e-9, floor());
     assert!(text.contains("4e9 scan lines: at most 10000000"), "{text}");
     assert!(
-        message(&cube, 1e-5, Layers::Every(0.01)).contains("1.600e8 scan lines"),
+        message(&cube, 1e-5, Layers::Every(0.01)).contains("1.6e8 scan lines"),
         "{}",
         message(&cube, 1e-5, Layers::Every(0.01))
     );

@@ -139,7 +139,7 @@ fn a_trace_that_waits_for_a_reader_leaves_nothing() {
     wait_until(|| holds(&folder, ".hits.npy."));
     interrupt(&child);
     let done = done(child.wait_with_output().unwrap());
-    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled: unfinished files are removed.\n"));
+    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled: unfinished files were removed.\n"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml", "hits.names.json", "rays.csv"]);
 }
 

@@ -152,7 +152,7 @@ fn points_are_three_finite_numbers() {
     let bench = Bench::new();
     let message = |from: &str| bench.fails(2, &["probe", "ball.toml", "--from", from, "--to", "0,0,0"]);
     assert!(message("1,2").contains("invalid value '1,2' for '--from <X,Y,Z>'"));
-    assert!(message("1,2").contains("here are 2"));
+    assert!(message("1,2").contains("but 2 were given"));
     assert!(message("1,2,nan").contains("`nan` is not finite"));
     assert!(message("1,2,x").contains("`x` is not a number"));
     assert!(bench.fails(2, &["probe", "ball.toml", "--to", "0,0,0"]).contains("--from"));

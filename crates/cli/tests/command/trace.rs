@@ -60,7 +60,12 @@ fn a_ray_from_too_far_is_rejected() {
             3,
             &["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.csv", "--evaluator", evaluator],
         );
-        assert!(said.contains("ray 5000: the ray is too far from the model: 1e15 along it"), "{said}");
+        assert!(
+            said.contains(
+                "ray 5000: the ray is too far from the model: at its closest point, 1e15 from its origin"
+            ),
+            "{said}"
+        );
         assert!(!bench.files().contains(&"hits.csv".to_owned()), "{:?}", bench.files());
     }
 }

@@ -424,7 +424,7 @@ mod tests {
         assert_eq!(fault("(1 + 2"), (6, 6, "the end of the expression where `)` is expected".to_owned()));
         assert_eq!(fault("").2, "the end of the expression where a number or a name is expected");
         assert!(fault("1/0").2.starts_with("`1/0` is not a finite number"));
-        assert!(fault(&"(".repeat(1_000_000)).2.starts_with("more than 200 parentheses"));
+        assert!(fault(&"(".repeat(1_000_000)).2.starts_with("more than 200 nested parentheses"));
         assert!(fault("pow(2)").2.starts_with("`pow` has 1 arguments"));
         assert!(fault(".").2.starts_with("`.` is not a number"));
         assert!(fault("1 é").2.starts_with("`é`"));

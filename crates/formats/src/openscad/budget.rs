@@ -15,8 +15,8 @@ const ITEMS: u64 = 1_500_000;
 const BYTES_PER_ITEM: u64 = 8;
 
 /// The cost of an edge, or of a pair of edges that may cross, in a boolean operation on regions.
-pub(super) const EDGE: usize = 400;
-pub(super) const CROSSING: usize = 1500;
+pub(super) const EDGE: usize = 150;
+pub(super) const CROSSING: usize = 800;
 
 /// The cost of a corner of a region in a formula of half-planes or half-spaces.
 pub(super) const CORNER: usize = 1000;

@@ -90,7 +90,7 @@ fn impossible_solids_are_refused_with_the_reason() {
         ("<tube name=\"s\" rmin=\"5\" rmax=\"3\" z=\"1\" deltaphi=\"1\"/>", "inner"),
         ("<tube name=\"s\" rmax=\"3\" z=\"1\" deltaphi=\"-1\"/>", "is empty"),
         ("<box name=\"s\" x=\"0\" y=\"1\" z=\"1\"/>", "greater than 0"),
-        ("<polycone name=\"s\"><zplane z=\"0\" rmax=\"1\"/></polycone>", "no inside"),
+        ("<polycone name=\"s\"><zplane z=\"0\" rmax=\"1\"/></polycone>", "no interior"),
         ("<sphere name=\"s\" rmin=\"2\" rmax=\"2\" deltaphi=\"6.3\"/>", "not less"),
         ("<xtru name=\"s\"><section zPosition=\"0\"/><section zPosition=\"1\"/></xtru>", "no area"),
     ];

@@ -222,5 +222,5 @@ fn flat_models_are_plates_and_dimensions_do_not_mix() {
         "linear_extrude(height = 1) polygon(points = [[0, 0], [1, 0]], paths = [[0, 1, 7]]);",
         LossKind::Refused,
     );
-    assert!(refused == 1 && messages.contains("point 7 of 2"), "{messages}");
+    assert!(refused == 1 && messages.contains("a path refers to point 7, but there are 2"), "{messages}");
 }

@@ -114,5 +114,5 @@ fn polyhedra() {
     check_volume(&format!("polyhedron({points}, {faces}, convexity = 1);"), false, 24.0, NEAR);
     let (refused, messages) =
         losses(&format!("polyhedron({points}, faces = [[0, 1, 9]]);"), LossKind::Refused);
-    assert!(refused == 1 && messages.contains("point 9 of 8"), "{messages}");
+    assert!(refused == 1 && messages.contains("a face refers to point 9, but there are 8"), "{messages}");
 }

@@ -118,7 +118,7 @@ fn explosive_items_are_errors() {
     ];
     for (text, facets, item) in cases {
         let (message, place) = limit(&text, facets);
-        assert!(message.starts_with(item) && message.contains("all together"), "{message}");
+        assert!(message.starts_with(item) && message.contains("the items up to here"), "{message}");
         assert!(place.is_some(), "{message}: {place:?}");
     }
 }

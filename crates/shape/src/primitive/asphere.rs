@@ -243,6 +243,6 @@ mod tests {
             message(Asphere::new(1.0, [0.8, 0.0], [&[0.0, f64::INFINITY], &[]], 1.0)),
             "asphere: even[1] is inf: even must be finite."
         );
-        assert!(message(Asphere::new(1.0, [0.0, 0.0], [&[0.0; 31], &[]], 1.0)).contains("of degree 31"));
+        assert!(message(Asphere::new(1.0, [0.0, 0.0], [&[0.0; 31], &[]], 1.0)).contains("degree 31"));
     }
 }

@@ -204,8 +204,8 @@ mod tests {
     #[test]
     fn invalid_arguments_are_rejected() {
         let many = vec![1e-3; 500];
-        assert!(message(Freeform::new(1.0, [0.0, 0.0], [&many, &[]], 0.0, 1.0)).contains("of degree 31"));
-        assert!(message(Freeform::new(1.0, [0.0, 0.0], [&[], &many], 0.0, 1.0)).contains("of degree 31"));
+        assert!(message(Freeform::new(1.0, [0.0, 0.0], [&many, &[]], 0.0, 1.0)).contains("degree 31"));
+        assert!(message(Freeform::new(1.0, [0.0, 0.0], [&[], &many], 0.0, 1.0)).contains("degree 31"));
         assert!(message(Freeform::new(1.0, [0.0, 0.0], [&[], &[]], -1.0, 1.0)).contains("norm_radius is -1"));
     }
 }
