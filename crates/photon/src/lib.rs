@@ -17,6 +17,7 @@
 
 mod boundary;
 mod detector;
+mod draws;
 mod error;
 mod flight;
 mod genstep;
