@@ -1,9 +1,9 @@
 //! `cargo xtask dist`: the release builds of the command and of the Python package in `dist/`, without paths of this machine, and
 //! their checksums.
 //!
-//! The compiler embeds the paths of source files in messages of panics: those of dependencies are in Cargo's folder, which tells the
-//! name of the user. Cargo's `trim-paths` is not stable, and the compiler's flag that replaces paths needs the paths themselves, so
-//! that no setting of the repository can hold it.
+//! The compiler embeds the paths of source files in panic messages: those of dependencies are in Cargo's folder, which
+//! reveals the name of the user. Cargo's `trim-paths` is not stable, and the compiler's flag that replaces paths needs
+//! the actual paths, so no setting of the repository can contain it.
 
 use std::env;
 use std::fs;
@@ -15,7 +15,7 @@ use crate::process;
 use crate::python::{Python, remove_old};
 use crate::repository::Repository;
 
-/// Folders of this machine, with the paths that replace them. Where several contain a path, the last one counts.
+/// Folders of this machine, with the paths that replace them. If several contain a path, the last one applies.
 #[derive(Debug, PartialEq)]
 struct LocalPaths(Vec<(PathBuf, &'static str)>);
 
@@ -72,7 +72,7 @@ impl LocalPaths {
         Ok(LocalPaths(all.into_iter().filter_map(|(path, short)| Some((path?, short))).collect()))
     }
 
-    /// Makes a build by cargo replace these paths; the C compiler, where a dependency needs it, as well.
+    /// Makes a cargo build replace these paths, also in the C code of dependencies.
     fn hide<'a>(&self, cargo: &'a mut Command, target: &Path) -> &'a mut Command {
         let flags = |flag: &str| -> Vec<String> {
             self.0.iter().map(|(path, short)| format!("{flag}={}={short}", path.display())).collect()
@@ -100,7 +100,7 @@ impl LocalPaths {
         }
     }
 
-    /// The first of these paths in the bytes of a file, with what follows it.
+    /// The first of these paths in the bytes of a file, with the text that follows it.
     fn first_in(&self, bytes: &[u8]) -> Option<String> {
         self.0.iter().find_map(|(path, _)| {
             let text = format!("{}{}", path.display(), std::path::MAIN_SEPARATOR);

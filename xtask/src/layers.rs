@@ -66,7 +66,7 @@ fn read_table(text: &str) -> Result<Vec<Layer>, String> {
     let marker = |wanted: &str| {
         let found = lines.iter().position(|line| line.trim() == wanted);
         found.ok_or_else(|| {
-            format!("{FILE}: no line '{wanted}': the table of layers stands between two markers.")
+            format!("{FILE}: no line '{wanted}': the table of layers must be between two markers.")
         })
     };
     let (open, close) = (marker(OPEN)?, marker(CLOSE)?);
@@ -80,11 +80,11 @@ fn read_row(row: &str, line: usize) -> Result<Layer, String> {
     let cells: Vec<&str> = row.trim().trim_matches('|').split('|').map(str::trim).collect();
     let [storey, name, may_depend_on] = cells[..] else {
         return Err(format!(
-            "{FILE}:{line}: {} cells in a row of 3: storey, crate, may depend on.",
+            "{FILE}:{line}: a row has {} cells, but needs 3: storey, crate, may depend on.",
             cells.len()
         ));
     };
-    let storey = storey.parse().map_err(|_| format!("{FILE}:{line}: storey '{storey}' is no number"))?;
+    let storey = storey.parse().map_err(|_| format!("{FILE}:{line}: storey '{storey}' is not a number"))?;
     let may_depend_on = match may_depend_on {
         "none" => Vec::new(),
         names => names.split(',').map(bare).collect(),
@@ -126,7 +126,9 @@ fn table_problems(layers: &[Layer]) -> Vec<String> {
             problems.push(format!("{FILE}:{line}: second row for {name}: each crate has one."));
         }
         if above.last().is_some_and(|last| last.storey > *storey) {
-            problems.push(format!("{FILE}:{line}: storey {storey} below a higher one: the rows rise."));
+            problems.push(format!(
+                "{FILE}:{line}: storey {storey} follows a higher one: storeys must not decrease."
+            ));
         }
         for wanted in
             layer.may_depend_on.iter().filter(|wanted| !above.iter().any(|other| other.name == **wanted))
@@ -150,7 +152,7 @@ fn member_problems(layers: &[Layer], members: &[Member]) -> Vec<String> {
         for other in depends_on.iter().filter(|other| !layer.may_depend_on.contains(other)) {
             let line = layer.line;
             problems.push(format!(
-                "{name} depends on {other}: that is against {FILE}:{line}. Move the code, or change the table."
+                "{name} depends on {other}: {FILE}:{line} does not permit it. Move the code, or change the table."
             ));
         }
     }
@@ -190,7 +192,9 @@ mod tests {
         assert!(read_table("# A\n").unwrap_err().contains("no line '<!-- layers -->'"));
         assert!(read_table(&TABLE.replace("| 1 | `top` |", "| 1 |")).unwrap_err().contains(":7: 2 cells"));
         assert!(
-            read_table(&TABLE.replace("| 1 |", "| x |")).unwrap_err().contains(":7: storey 'x' is no number")
+            read_table(&TABLE.replace("| 1 |", "| x |"))
+                .unwrap_err()
+                .contains(":7: storey 'x' is not a number")
         );
     }
 
@@ -200,7 +204,7 @@ mod tests {
         assert!(problems(TABLE.replace("`math` | none", "`math` | `top`")).contains("no row above names"));
         assert!(problems(TABLE.replace("`math` | none", "`math` | `math`")).contains("no row above names"));
         assert!(problems(TABLE.replace("`top` |", "`math` |")).contains("second row for math"));
-        assert!(problems(TABLE.replace("| 0 | `math`", "| 3 | `math`")).contains("the rows rise"));
+        assert!(problems(TABLE.replace("| 0 | `math`", "| 3 | `math`")).contains("must not decrease"));
     }
 
     #[test]
@@ -211,7 +215,7 @@ mod tests {
         assert_eq!(problems(&good), Vec::<String>::new());
         let bad = [member("math", &[]), member("shape", &["math", "top"]), member("new", &[])];
         let found = problems(&bad).join("\n");
-        assert!(found.contains("shape depends on top: that is against ARCHITECTURE.md:6."), "{found}");
+        assert!(found.contains("shape depends on top: ARCHITECTURE.md:6 does not permit it."), "{found}");
         assert!(found.contains("no row for new"), "{found}");
         assert!(found.contains("ARCHITECTURE.md:7: no crate top"), "{found}");
     }

@@ -25,7 +25,7 @@ const OWN: [&str; 2] = ["LICENSE-APACHE", "LICENSE-MIT"];
 /// The packages that are distributed as binaries.
 const BINARIES: [&str; 2] = ["rayweave-cli", "rayweave-python"];
 
-/// How the names of files with licences begin, in lower case.
+/// The prefixes of the names of licence files, in lower case.
 const NAMES: [&str; 6] = ["license", "licence", "copying", "copyright", "notice", "unlicense"];
 
 /// Compares the files with the licences of the current dependencies; with `--accept` it writes them.

@@ -9,6 +9,7 @@ mod layers;
 mod lean;
 mod licences;
 mod masked;
+mod mutants;
 mod new_primitive;
 mod outcome;
 mod process;
@@ -41,6 +42,7 @@ Commands:
   answers [--accept]   compare the hashes of answers with those recorded, or record them
   generated [--accept] compare the sources generated from the registry of primitives, or write them
   stub [--accept]      compare the stub of the Python package with the sources of the binding, or write it
+  mutants [NAME]...    break the physics of photons on purpose, and see a test fail (all mutants, or those named)
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   dist                 build the release command and the wheel into dist/, with checksums
   help                 print this text
@@ -87,6 +89,11 @@ fn run() -> Result<ExitCode, String> {
             true => stub::accept(&Repository::find()?)?,
             false => stub::compare(&Repository::find()?)?,
         },
+        "mutants" => {
+            let names = arguments.raw_args().map_err(|error| usage(&error.to_string()))?;
+            let names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+            mutants::run(&Repository::find()?, &names, &mut report::Counts::default())?;
+        }
         "licences" => licences::run_with(&Repository::find()?, arguments)?,
         "tidy" => {
             finish(arguments)?;

@@ -26,16 +26,18 @@ pub fn run(repository: &Repository, name: &str) -> Outcome {
     check_name(name)?;
     let path = format!("{FOLDER}/{name}.rs");
     if repository.root.join(&path).exists() {
-        return Err(format!("{path}: exists already: nothing is overwritten. Choose another name."));
+        return Err(format!(
+            "{path}: the file exists already, and is not overwritten. Choose a different name."
+        ));
     }
     let text = derive(&sphere(repository)?, name);
     fs::write(repository.root.join(&path), text)
         .map_err(|error| format!("{path}: cannot be written: {error}."))?;
     let [module, entry] = registration(name);
-    println!("{path} is written: a ball under its new name. Register it in {FOLDER}/mod.rs:");
+    println!("{path} is written: a copy of the ball with the new name. Register it in {FOLDER}/mod.rs:");
     println!("    {module}    below the other modules");
     println!("    {entry}    in the list primitives!");
-    println!("Then say on its first lines what it is, and make parameters, lower() and tests follow.");
+    println!("Then describe the primitive in the first lines, and adapt parameters, lower() and tests.");
     Ok(())
 }
 
@@ -58,7 +60,7 @@ fn check_name(name: &str) -> Outcome {
         return Err(format!("'{name}' is not a module name: snake_case is needed, such as lens_mount."));
     }
     if KEYWORDS.contains(&name) {
-        return Err(format!("'{name}' is a keyword of Rust. Choose another name."));
+        return Err(format!("'{name}' is a keyword of Rust. Choose a different name."));
     }
     Ok(())
 }
@@ -127,6 +129,6 @@ mod tests {
     #[test]
     fn what_exists_is_not_overwritten() {
         let message = run(&Repository::find().unwrap(), "sphere").unwrap_err();
-        assert!(message.contains("sphere.rs: exists already"), "{message}");
+        assert!(message.contains("sphere.rs: the file exists already"), "{message}");
     }
 }

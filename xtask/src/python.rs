@@ -118,9 +118,8 @@ fn interpreter(
              apt-get install python3-venv",
             path.display()
         ),
-        None => {
-            "no Python on the PATH (3.11 or newer is needed) apt-get install python3 python3-venv".to_owned()
-        }
+        None => "no Python on the PATH: 3.11 or newer is needed. Run apt-get install python3 python3-venv"
+            .to_owned(),
     })
 }
 

@@ -9,7 +9,9 @@ mod primitive;
 use crate::outcome::Outcome;
 use crate::report::Counts;
 use crate::workshop::Workshop;
-use crate::{features, layers, lean, licences, tidy};
+use crate::{features, layers, lean, licences, mutants, tidy};
+
+pub use primitive::alone;
 
 /// One stage.
 pub struct Stage {
@@ -37,11 +39,17 @@ pub const STAGES: &[Stage] = &[
     stage("licences", "the licence files of the Python package", |workshop, _| {
         licences::check(workshop.repository, false)
     }),
-    stage("clippy", "the linter has nothing to say", cargo::clippy),
+    stage("clippy", "the linter reports nothing", cargo::clippy),
     stage("docs", "the documentation builds without warnings", cargo::docs),
     stage("rust", "unit tests, integration tests and documentation tests of all crates", cargo::tests),
     stage("primitive", "a new primitive, added as CONTRIBUTING.md says, compiles and works", primitive::run),
     Stage { name: "long", what: "the ignored tests of the long mode", long: true, run: cargo::long_tests },
+    Stage {
+        name: "mutants",
+        what: "each process of photons, broken on purpose, fails a test",
+        long: true,
+        run: |workshop, counts| mutants::run(workshop.repository, &[], counts),
+    },
     stage("command", "the release build of the command, on real models", command::run),
     stage(
         "python",

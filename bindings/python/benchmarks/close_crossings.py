@@ -1,12 +1,12 @@
-"""How often two crossings of a ray lie so close to each other that a coincidence may have been split.
+"""Counts the rays with two crossings so close to each other that a coincidence may have been split.
 
     python close_crossings.py RAYS MODEL [MODEL ...]
 
-A *torn* ray (see docs/concepts/correctness.md) passes an edge and grazes one of its faces: it has two crossings within about 1e-12
-of the model's size where exact arithmetic has one or none. For each model file the script traces rays between random points of the
-ball around the model, and rays along the axes and diagonals of a grid of points in its box, which meet many edges. It counts rays
-with two crossings within 1e-10 of the ball's diameter: torn ones, and at most a few more that cut a corner. So the count is an
-upper bound.
+A *torn* ray (see docs/concepts/correctness.md) passes an edge and grazes one of its faces: it has two crossings within
+about 1e-12 of the model's size where exact arithmetic has one or none. For each model file the script traces rays
+between random points of the ball around the model, and rays along the axes and diagonals of a grid of points in its
+box, which hit many edges. It counts rays with two crossings within 1e-10 of the ball's diameter: torn rays, and a few
+others that cut a corner. The count is therefore an upper bound.
 """
 
 import sys
@@ -18,7 +18,7 @@ import rayweave as rw
 
 CHUNK = 50_000
 CLOSE = 1e-10
-#: Half of the size of the box for models without bounds.
+#: Half the size of the box for unbounded models.
 FREE = 1e3
 
 
@@ -36,7 +36,8 @@ def aligned_rays(rng, middle, half, count):
 
 
 def close_rays(model, make, count):
-    """The crossings of so many rays, the number of rays with close ones, and the least distance of two."""
+    """The number of crossings of `count` rays, the number of rays with close crossings, and the smallest distance of
+    two crossings."""
     rng = np.random.default_rng(5)
     low, high = np.asarray(model.bounds())
     if not np.isfinite([low, high]).all():

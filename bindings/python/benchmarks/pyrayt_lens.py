@@ -1,4 +1,4 @@
-"""Rays per second through a biconvex lens, beside PyRayT's `intersect`: hits and surfaces, checks included.
+"""Rays per second through a biconvex lens, compared with PyRayT's `intersect`: hits and surfaces, checks included.
 
     python pyrayt_lens.py PYTHON_OF_PYRAYT [RAYS ...]
 
@@ -6,7 +6,7 @@ PyRayT 0.3.1 needs a Python of its own (3.8):
 
     python3.8 -m venv peer && peer/bin/pip install pyrayt==0.3.1 'numpy<2' 'pandas<2' 'scipy<1.12'
 
-The two take turns on the same rays; the least time of each counts. The last line is JSON.
+The two run alternately on the same rays, and the minimum time of each is reported. The last line is JSON.
 """
 
 import json
@@ -22,7 +22,7 @@ ROUNDS = 5
 
 
 def least_time(work, rounds):
-    """Seconds, of the best of some rounds."""
+    """The minimum time of several rounds, in seconds."""
     times = []
     for _ in range(rounds):
         started = time.perf_counter()
@@ -32,7 +32,8 @@ def least_time(work, rounds):
 
 
 def serve():
-    """Beside PyRayT: for each line, a file of rays (2, 4, N), the seconds that they take; the hits go into a file."""
+    """The process with PyRayT: for each input line, a file of rays (2, 4, N), prints the seconds and writes the hits to
+    a file."""
     import tinygfx.g3d as cg
 
     front, back = cg.Sphere(50.0).move_z(48.0), cg.Sphere(50.0).move_z(-48.0)
@@ -47,7 +48,7 @@ def serve():
 
 
 def beam(count):
-    """Rays of a wide beam, a little askew, all of which go through the lens."""
+    """Rays of a wide, slightly inclined beam, all of which pass through the lens."""
     rng = np.random.default_rng(1)
     angle, radius = rng.uniform(0, 2 * np.pi, count), 11 * np.sqrt(rng.uniform(size=count))
     through = np.stack((radius * np.cos(angle), radius * np.sin(angle), np.zeros(count)), axis=1)

@@ -1,4 +1,4 @@
-"""The function of PyRayT with one import changed: many rays at a time through a biconvex lens."""
+"""PyRayT's function `array_csg`, with one import changed: many rays at a time through a biconvex lens."""
 
 import numpy as np
 

@@ -130,7 +130,7 @@ fn is_plain<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
 
 /// The error about something that does not fit into memory.
 pub fn no_memory(what: &str, reason: &dyn Display) -> PyErr {
-    PyMemoryError::new_err(format!("there is no memory for {what}: {reason}."))
+    PyMemoryError::new_err(format!("not enough memory for {what}: {reason}."))
 }
 
 /// An empty list with capacity for `len` entries, or a `MemoryError`.

@@ -108,8 +108,8 @@ fn row(program: &Program, [point, normal]: [[f64; 3]; 2], crossing: &Crossing) -
     Row {
         t: crossing.t,
         point,
-        // the normal refers to regions, and a region may be of the world's medium: leaving it is
-        // not leaving the solid
+        // the normal refers to regions, and a region may have the medium of the world: leaving it
+        // is not leaving the solid
         normal: if enters == crossing.enters() { normal } else { normal.map(|x| -x) },
         before: crossing.before.0,
         after: crossing.after.0,

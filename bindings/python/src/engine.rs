@@ -40,7 +40,7 @@ pub struct Engine {
     /// The names of the media by number; `None` for a single solid.
     pub media: Option<Arc<[String]>>,
     evaluator: AnyEvaluator,
-    /// True if no region is of the world's medium.
+    /// True if no region has the medium of the world.
     is_plain: bool,
     leaves: PyOnceLock<Py<PyArray1<i32>>>,
     surface_names: PyOnceLock<Py<PyTuple>>,
@@ -87,7 +87,7 @@ impl Engine {
         Ok(Cow::Owned(made.map_err(bad_value)?))
     }
 
-    /// True if no region is of the world's medium.
+    /// True if no region has the medium of the world.
     pub fn is_plain(&self) -> bool {
         self.is_plain
     }
@@ -97,7 +97,7 @@ impl Engine {
         self.program.prototypes().iter().any(|group| group.placements > 1)
     }
 
-    /// Writes for each region whether it is of another medium than the world.
+    /// Writes for each region whether its medium differs from that of the world.
     pub fn put_inside(&self, regions: &[u32], flags: &mut [bool]) {
         let pairs = flags.iter_mut().zip(regions);
         match self.is_plain {

@@ -80,7 +80,8 @@ impl PyExplanation {
         PyTuple::new(py, self.explanation.crossings.iter().map(passage).collect::<PyResult<Vec<_>>>()?)
     }
 
-    /// Number of changes of medium that were welded with their neighbours, because the ray keeps to both surfaces between them.
+    /// Number of changes of medium that were welded with their neighbours, because the ray stays within `delta` of both
+    /// surfaces between them.
     #[getter]
     fn welded(&self) -> usize {
         self.explanation.welded

@@ -150,7 +150,7 @@ fn output<'a, 'py, T: Element>(out: &'a Bound<'py, PyAny>, shape: &[usize]) -> P
         )));
     }
     if !array.getattr("flags")?.getattr("writeable")?.is_truthy()? {
-        return Err(bad_value("out is read-only: the result is written into it."));
+        return Err(bad_value("out is read-only: the result is written to it."));
     }
     Ok(array)
 }
@@ -178,7 +178,7 @@ fn regularize_from(object: &Bound<'_, PyAny>) -> PyResult<Regularize<f64>> {
     match object.extract::<f64>() {
         Ok(min_sep) => Ok(Regularize::Weld(min_sep)),
         Err(_) => Err(bad_type(format!(
-            "regularize is {}: it must be True, False or the least length of a piece.",
+            "regularize is {}: it must be True, False or the minimum length of a piece.",
             object.get_type()
         ))),
     }

@@ -97,6 +97,10 @@ mod _core {
     #[pymodule_export]
     use crate::optics::zernike::{zernike_fit, zernike_term, zernike_values};
     #[pymodule_export]
+    use crate::photons::compare::compare_photons;
+    #[pymodule_export]
+    use crate::photons::curves::photon_property_svg;
+    #[pymodule_export]
     use crate::photons::detector::{PyDetector, load_detector, loads_detector};
     #[pymodule_export]
     use crate::photons::histories::PyHistories;
@@ -106,6 +110,8 @@ mod _core {
     use crate::photons::run::PyPhotonRun;
     #[pymodule_export]
     use crate::photons::source::PyPhotonSource;
+    #[pymodule_export]
+    use crate::photons::tables::PyTables;
     #[pymodule_export]
     use crate::polygons::{PyPolygons, region_from_polygons};
     #[pymodule_export]

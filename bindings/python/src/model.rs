@@ -25,7 +25,7 @@ use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.
 ///
 /// Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. Models come from `load`
-/// and `loads`. The questions are those of `Solid`; inside is where the medium is not that of the world.
+/// and `loads`. The queries are those of `Solid`; a point is inside where the medium is not that of the world.
 #[pyclass(frozen, module = "rayweave", name = "Model")]
 pub struct PyModel {
     /// The document of the file, if it has more contents than the scene.
@@ -125,7 +125,7 @@ fn format_of(name: &str) -> PyResult<Format> {
 
 fn unit_of(symbol: &str) -> PyResult<Unit> {
     let known = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
-    Unit::parse(symbol).ok_or_else(|| bad_value(format!("no unit is called '{symbol}': there is {known}.")))
+    Unit::parse(symbol).ok_or_else(|| bad_value(format!("unknown unit '{symbol}': it can be {known}.")))
 }
 
 /// Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
@@ -155,7 +155,7 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
         Err(_) => match value.extract::<f64>() {
             Ok(number) => Ok(format!("{number:?}")),
             Err(_) => Err(bad_type(format!(
-                "parameters['{name}'] is {}: it must be a number or arithmetic text.",
+                "parameters['{name}'] is {}: it must be a number or an arithmetic expression.",
                 value.get_type()
             ))),
         },
@@ -242,7 +242,7 @@ impl PyModel {
         self.scene.warnings.iter().map(|warning| Diagnostics::from(warning.clone()).render(false)).collect()
     }
 
-    /// When rays enter and leave the medium of the world: see `Solid.hits`.
+    /// Times at which rays enter and leave the medium of the world: see `Solid.hits`.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
         return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
@@ -296,10 +296,10 @@ impl PyModel {
         crossings::crossings(engine, [origins, directions], &options)
     }
 
-    /// All changes of the medium by one curve, or by each in a list of curves, strictly between two times: see `ModelCrossings`, where
-    /// `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
-    /// Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
-    /// `acceleration_bound(t0, t1)`.
+    /// All changes of the medium along one curve, or along each in a list of curves, strictly between two times: see
+    /// `ModelCrossings`, where `ray` is the number of the curve and `t` its own time. The times are finite numbers, or
+    /// (N,) arrays with one for each curve. Curves are described in `rayweave.space`: `Helix` and others, or any object
+    /// with `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`.
     #[pyo3(signature = (
         curves: "Trajectory | Iterable[Trajectory]", t_min: "float | ArrayLike", t_max: "float | ArrayLike",
         *, threads: "int | None" = None
@@ -351,7 +351,7 @@ impl PyModel {
         crossings::partition(engine, [origins, directions], &options)
     }
 
-    /// Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,).
+    /// Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,).
     #[pyo3(signature = (points: "ArrayLike", *, evaluator = None, threads: "int | None" = None))]
     fn contains<'py>(
         &self,
@@ -363,9 +363,10 @@ impl PyModel {
         points::contains(self.engine(points.py())?, points, &options)
     }
 
-    /// Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
-    /// texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
-    /// of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+    /// Paths of names and copy numbers, such as "tower[3]/brick[12]/hole", of `occurrences` as in
+    /// `Crossings.occurrence`: a list of (M,) texts, "" for -1. With `placed`, each path ends at the innermost placed
+    /// solid: "tower[3]/brick[12]". Copies have the numbers of the file, or are counted from 0 in the order of `place`;
+    /// of equal names in one place, the second one ends in "#2".
     #[pyo3(signature = (
         occurrences: "NDArray[np.integer[Any]] | Sequence[int]", *, placed = false
     ) -> "list[str]")]
@@ -401,7 +402,7 @@ impl PyModel {
         Ok(preparations.iter().map(|p| p.text(lines)).collect::<Vec<_>>().join("\n"))
     }
 
-    /// A box that holds all regions: float64 (2, 3), the least and the greatest coordinates.
+    /// A box around all regions: float64 (2, 3), the smallest and the largest coordinates.
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
     }
@@ -435,7 +436,7 @@ impl PyModel {
         self.current_document().to_toml()
     }
 
-    /// Equal if they mean the same: solids, regions, media and pictures, whatever parameters they came from.
+    /// Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them.
     fn __eq__(&self, other: PyRef<'_, Self>) -> bool {
         let meaning = |scene: &Scene| Scene { parameters: Vec::new(), ..scene.clone() };
         meaning(&self.scene) == meaning(&other.scene)

@@ -103,8 +103,8 @@ impl Question<'_> {
     }
 
     /// Orients normals outward of the solid. The evaluator's normals refer to regions, and a region
-    /// may be of the world's medium: leaving it is not leaving the solid. `enters` states whether
-    /// the ray enters a region there.
+    /// may have the medium of the world: leaving it is not leaving the solid. `enters` states
+    /// whether the ray enters a region there.
     fn turn_normals(&self, after: &[u32], rows: &mut Rows<'_>) {
         if self.engine.is_plain() {
             return;

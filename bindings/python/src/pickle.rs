@@ -97,7 +97,7 @@ pub fn encode(solid: &Solid) -> Vec<u8> {
     out.count(order.nodes.len());
     for (number, &node) in order.nodes.iter().enumerate() {
         out.node(node);
-        // relative to the node: small numbers, whatever the size of the solid
+        // relative to the node, so that numbers are small regardless of the size of the solid
         order.operands(node).for_each(|operand| out.count(number - operand));
     }
     out.0
@@ -105,7 +105,9 @@ pub fn encode(solid: &Solid) -> Vec<u8> {
 
 /// Deserialises the bytes of [`encode`]; the error is the reason why they are invalid.
 pub fn decode(bytes: &[u8]) -> Result<Solid, String> {
-    let bytes = bytes.strip_prefix(MAGIC).ok_or("these bytes are no solid: of this version.")?;
+    let bytes = bytes
+        .strip_prefix(MAGIC)
+        .ok_or("the bytes are not a solid: they were not written by this version.")?;
     let mut reader = Reader(bytes);
     let count = reader.count()?;
     let mut solids: Vec<Solid> = Vec::new();

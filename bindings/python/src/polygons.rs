@@ -18,7 +18,7 @@ use crate::space::table;
 /// Recipe that recreates a region: a function and its arguments.
 type Remake<'py> = (Bound<'py, PyAny>, (Bound<'py, PyTuple>, i64));
 
-/// A region of the plane bounded by polygons. It never changes; `from_polygons` makes one.
+/// A region of the plane bounded by polygons. Immutable; created by `from_polygons`.
 #[pyclass(frozen, module = "rayweave", name = "Polygons")]
 pub struct PyPolygons(Polygons);
 
@@ -98,7 +98,7 @@ impl PyPolygons {
         PyTuple::new(py, self.0.contours().map(|contour| array(contour.corners)))
     }
 
-    /// The line origin + t direction: when it is inside.
+    /// The root-ray of the line origin + t direction.
     #[pyo3(signature = (origin: "ArrayLike", direction: "ArrayLike"))]
     fn trace(&self, origin: &Bound<'_, PyAny>, direction: &Bound<'_, PyAny>) -> PyResult<PyRootRay> {
         let (origin, direction) = (pair(origin, "origin")?, pair(direction, "direction")?);

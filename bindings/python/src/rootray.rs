@@ -8,11 +8,11 @@ use rayweave::rootray::{RootRay, Side, min_sep, seed, surface_count, validate_ti
 use crate::arrays::list;
 use crate::error::{bad_type, bad_value};
 
-/// Which parts of one trajectory are inside one solid: the side on which it starts and the times at which it changes sides.
+/// The parts of one trajectory inside one solid: the side on which it starts and the times at which it changes sides.
 ///
 /// `start` is +1 or "outside", -1 or "inside": the side as t goes to -inf. `roots` are the times of the crossings: finite and
-/// strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, nothing is compared with a tolerance.
-/// It unpacks and compares as the pair `(start, list of roots)`.
+/// strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, and no comparison uses a
+/// tolerance. It unpacks and compares as the pair `(start, list of roots)`.
 #[pyclass(frozen, module = "rayweave", name = "RootRay", sequence)]
 pub struct PyRootRay(RootRay);
 
@@ -81,7 +81,7 @@ impl PyRootRay {
         self.0.clip(t_min, t_max).map(PyRootRay).map_err(bad_value)
     }
 
-    /// Without the pieces shorter than `min_sep`; by default, than `rayweave.rootray.min_sep` of their ends.
+    /// The root-ray without pieces shorter than `min_sep`, by default `rayweave.rootray.min_sep` of their ends.
     #[pyo3(signature = (min_sep = None))]
     fn weld(&self, min_sep: Option<f64>) -> PyResult<Self> {
         match min_sep {
@@ -191,7 +191,7 @@ fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
     Err(bad_type(format!("start is {}: it must be +1 or 'outside', -1 or 'inside'.", start.get_type())))
 }
 
-/// The least separation of two root times: see `rayweave.rootray.min_sep`.
+/// The minimum separation of two root times: see `rayweave.rootray.min_sep`.
 #[pyfunction]
 #[pyo3(name = "min_sep", signature = (t1, t2))]
 pub fn least_separation(t1: f64, t2: f64) -> PyResult<f64> {

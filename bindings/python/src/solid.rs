@@ -22,15 +22,15 @@ use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
 /// A solid: a boolean combination of shapes under affine maps. It never changes.
 ///
-/// Make solids with the functions `sphere`, `box`, ... and join them with `|` (union), `&` (intersection), `-` (difference),
-/// `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new solid; matrices are
-/// world_from_local and act on columns.
+/// Create solids with the functions `sphere`, `box`, ... and combine them with `|` (union), `&` (intersection), `-`
+/// (difference), `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new
+/// solid; matrices are world_from_local and act on columns.
 ///
-/// Questions take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` counts in units of the
-/// direction, which need not be of unit length. `t_min` and `t_max` cut a window out of every ray, strictly between them.
-/// `evaluator` is "packets" (the default), "weave" (sweep by sweep), "reference" (slow, obvious) or "single_hit" (crossing by
-/// crossing); all give the same answers to the bit. `threads` is by default the variable
-/// RAYWEAVE_THREADS, else the number of cores; answers do not depend on it.
+/// Queries take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` is in units of
+/// the direction, which need not be of unit length. `t_min` and `t_max` restrict every ray to the open window between
+/// them. `evaluator` is "packets" (the default), "weave" (one sweep per ray), "reference" (slow and simple) or
+/// "single_hit" (crossing by crossing); all give bit-identical answers. `threads` is by default the environment
+/// variable RAYWEAVE_THREADS, or the number of cores; answers do not depend on it.
 #[pyclass(frozen, module = "rayweave", name = "Solid")]
 pub struct PySolid {
     solid: Solid,
@@ -104,7 +104,7 @@ impl PySolid {
         Ok(self.apply(Affine::rotation(Vec3::Z, finite(degrees, "degrees")?)))
     }
 
-    /// The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror.
+    /// The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror it.
     #[pyo3(signature = (s: "float | ArrayLike"))]
     fn scale(&self, s: &Bound<'_, PyAny>) -> PyResult<Self> {
         let factors = match s.extract::<f64>() {
@@ -126,11 +126,11 @@ impl PySolid {
         self.apply(matrix)
     }
 
-    /// The same solid under a name, by which its faces are called in answers.
+    /// The same solid with a name, which becomes part of the names of its faces.
     #[pyo3(signature = (name))]
     fn named(&self, name: &str) -> PyResult<Self> {
         if name.is_empty() {
-            return Err(bad_value("name is empty: faces are called by it."));
+            return Err(bad_value("name is empty: it becomes part of the names of faces."));
         }
         Ok(Self::from_solid(self.solid.named(name)))
     }
@@ -157,14 +157,14 @@ impl PySolid {
 
     /// Times at which rays enter and leave the solid: a float64 array (H, N), or a pair of it and the surfaces.
     ///
-    /// Column = ray, row = k-th entry, each column in order and padded with +inf; H is the least even number, at least 2, that
-    /// holds all columns. The column of a ray that is inside just after t_min begins with -inf; a ray that is inside just
-    /// before t_max has no entry for that end. With `return_surfaces`, an int32 array (H, N) has the face of each entry
-    /// (`surface_names` of `crossings` has their names), or -1.
+    /// Column = ray, row = k-th entry, each column in order and padded with +inf; H is the smallest even number, at
+    /// least 2, that is sufficient for all columns. The column of a ray that is inside just after t_min begins with
+    /// -inf; a ray that is inside just before t_max has no entry for that end. With `return_surfaces`, an int32 array
+    /// (H, N) has the face of each entry (`surface_names` of `crossings` has their names), or -1.
     ///
     /// `out` is a float64 array of an even number of rows, enough for all columns, or with `return_surfaces` a pair of it and an
-    /// int32 array of the same shape. The hits are written into it, and it is returned in place of a new one. It is fastest where
-    /// its rows have no gaps. If there is an error, it may hold anything.
+    /// int32 array of the same shape. The hits are written to it, and it is returned instead of a new array. It is
+    /// fastest if its rows are contiguous. After an error its contents are undefined.
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
         return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
@@ -218,10 +218,10 @@ impl PySolid {
         crossings::crossings(engine, [origins, directions], &options)
     }
 
-    /// All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where
-    /// `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
-    /// Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
-    /// `acceleration_bound(t0, t1)`.
+    /// All crossings of the surface along one curve, or along each in a list of curves, strictly between two times: see
+    /// `Crossings`, where `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,)
+    /// arrays with one for each curve. Curves are described in `rayweave.space`: `Helix` and others, or any object with
+    /// `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`.
     #[pyo3(signature = (
         curves: "Trajectory | Iterable[Trajectory]", t_min: "float | ArrayLike", t_max: "float | ArrayLike",
         *, threads: "int | None" = None
@@ -255,9 +255,10 @@ impl PySolid {
         nearest::nearest(self.engine(origins.py())?, [origins, directions], &options)
     }
 
-    /// Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
-    /// texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
-    /// of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+    /// Paths of names and copy numbers, such as "tower[3]/brick[12]/hole", of `occurrences` as in
+    /// `Crossings.occurrence`: a list of (M,) texts, "" for -1. With `placed`, each path ends at the innermost placed
+    /// solid: "tower[3]/brick[12]". Copies have the numbers of the file, or are counted from 0 in the order of `place`;
+    /// of equal names in one place, the second one ends in "#2".
     #[pyo3(signature = (
         occurrences: "NDArray[np.integer[Any]] | Sequence[int]", *, placed = false
     ) -> "list[str]")]
@@ -297,7 +298,7 @@ impl PySolid {
         points::contains(self.engine(points.py())?, points, &options)
     }
 
-    /// A box that holds the solid: float64 (2, 3), the least and the greatest coordinates. The box
+    /// A box around the solid: float64 (2, 3), the smallest and the largest coordinates. The box
     /// of the empty solid is (+inf, -inf). The box is conservative and may be larger than the
     /// solid.
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
@@ -313,7 +314,7 @@ impl PySolid {
         pickle::hash(&self.solid)
     }
 
-    /// Writes the solid as a model file (.toml), under the name it has or under this one.
+    /// Writes the solid as a model file (.toml), under its own name or the given one.
     #[pyo3(signature = (path, name = None))]
     fn save(&self, path: PathBuf, name: Option<&str>) -> PyResult<()> {
         let own = match self.solid.node() {
@@ -362,7 +363,7 @@ fn matrix_argument(object: &Bound<'_, PyAny>) -> PyResult<Affine> {
     matrix(object, "matrix")
 }
 
-/// The box as rows of least and greatest coordinates.
+/// The box as rows of the smallest and the largest coordinates.
 pub fn bounds_array<'py>(py: Python<'py>, bounds: &Bounds) -> Bound<'py, PyArray2<f64>> {
     let bounds = if bounds.is_empty() { Bounds::EMPTY } else { *bounds };
     PyArray2::from_owned_array(py, arr2(&[bounds.lo.to_array(), bounds.hi.to_array()]))
@@ -422,8 +423,8 @@ pub fn intersection(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(Solid::intersection(operands(solids)?)))
 }
 
-/// The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The solid is
-/// compiled once, however many they are.
+/// The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The
+/// solid is compiled once, regardless of the number of maps.
 #[pyfunction]
 #[pyo3(signature = (solid, transforms: "ArrayLike"))]
 pub fn place(solid: PyRef<'_, PySolid>, transforms: &Bound<'_, PyAny>) -> PyResult<PySolid> {

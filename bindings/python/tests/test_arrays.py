@@ -1,4 +1,4 @@
-"""Answers in arrays: the same bits however rays are cut up, and arrays of the caller's."""
+"""Answers in arrays: the same bits for any division into batches, and arrays of the caller."""
 
 import copy
 import math
@@ -104,7 +104,7 @@ def test_the_same_bits_for_any_batch(rng, name, size):
     hits, surfaces = subject.hits(origins, directions, return_surfaces=True)
     nearest, crossings = subject.nearest(origins, directions), subject.crossings(origins, directions)
     inside = subject.contains(origins / 4)
-    # one ray at a time: of some
+    # one ray at a time, for some of the rays
     for start in range(0, min(10_000, 200 * size), size):
         part = slice(start, start + size)
         some, with_faces = subject.hits(origins[part], directions[part], return_surfaces=True)
@@ -142,7 +142,7 @@ def test_nearest_is_the_first_of_the_crossings(rng, name):
 
 
 def test_few_rays_that_need_many_rows(rng):
-    """No guess can know of the one ray among thousands that goes through everything."""
+    """No estimate can predict the one ray among thousands that passes through everything."""
     pearls = rayweave.place(sphere(0.1), np.linspace(-20, 20, 150)[:, None] * [0, 0, 1])
     for count, at in ((3, 1), (900, 700), (50_000, 49_999), (50_000, 17)):
         origins = np.tile([1.0, 0, -50], (count, 1))
@@ -155,13 +155,13 @@ def test_few_rays_that_need_many_rows(rng):
             assert (surfaces[:, at] == 0).all()
             others = np.delete(np.arange(count), at)
             assert (hits[:, others] == INF).all() and (surfaces[:, others] == -1).all()
-        # and after it a question that needs few
+        # then a query that needs few rows
         assert pearls.hits(origins[others[:2]], [0, 0, 1]).shape == (2, 2)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])
-def test_crossings_of_more_rows_than_were_guessed(threads):
-    """Rays that miss at even places, and pass the ball at odd ones: whoever asks only some of them knows nothing."""
+def test_crossings_of_more_rows_than_estimated(threads):
+    """Rays with even numbers miss the ball and odd ones hit it, so that regular samples mislead the estimate."""
     count = 48 * 1024
     odd = np.arange(count) % 2 == 1
     origins = np.where(odd[:, None], [0.0, 0, -5], [9.0, 0, -5])
@@ -177,7 +177,7 @@ def test_crossings_of_more_rows_than_were_guessed(threads):
     assert found.t.flags.owndata and found.t.flags.c_contiguous and found.t.base is None
 
 
-def test_all_rays_need_more_rows_than_those_asked_before(rng):
+def test_all_rays_need_more_rows_than_the_sample_rays(rng):
     solid = lumps(60)
     origins, directions = rays(rng, 700)
     away = solid.hits(origins, -directions, 0.0)
@@ -209,7 +209,7 @@ def test_given_arrays_of_any_layout(rng, layout, count, extra):
     assert die().hits(origins, directions, out=out) is out
     assert_same(padded(expected, shape[0], INF), np.ascontiguousarray(out))
     if before is not None:
-        # nothing beside it is touched
+        # nothing outside of it is modified
         left = out.base.copy()
         out[...] = 7
         assert (left != before).sum() <= out.size and (out.base == before).all()
@@ -273,7 +273,7 @@ def test_given_arrays_that_cannot_be_used(rng):
 @pytest.mark.parametrize("layout", [np.ascontiguousarray, np.asfortranarray, lambda x: np.float32(x)])
 @pytest.mark.parametrize("count", [5, 30_000])
 @pytest.mark.parametrize("threads", [1, 3])
-def test_the_first_bad_ray_is_named(rng, layout, count, threads):
+def test_the_first_invalid_ray_is_named(rng, layout, count, threads):
     for array, value, message in (
         ("origins", [0, math.nan, 0], r"origins\[{i}\] is \(0.0, NaN, 0.0\): "),
         ("origins", [-INF, 0, 0], r"origins\[{i}\] is \(-inf, 0.0, 0.0\): "),
@@ -292,7 +292,7 @@ def test_the_first_bad_ray_is_named(rng, layout, count, threads):
                 die().contains(given["origins"], threads=threads)
 
 
-def test_bad_vectors_are_refused_where_there_are_no_rays():
+def test_invalid_vectors_are_rejected_even_without_rays():
     none = np.zeros((0, 3))
     for question in (die().hits, die().crossings, die().nearest):
         with pytest.raises(RayweaveError, match="origins is .*NaN"):
@@ -303,7 +303,7 @@ def test_bad_vectors_are_refused_where_there_are_no_rays():
     assert die().hits(none, [0, 0, 1], out=out) is out
 
 
-def test_broadcast_rays_are_those_written_out(rng):
+def test_broadcast_rays_equal_explicit_rays(rng):
     origins, directions = rays(rng, 3000)
     for a, b in ((origins, directions[0]), (origins[0], directions)):
         given = np.broadcast_arrays(a, b)
@@ -348,7 +348,8 @@ def test_many_rays_of_any_layout(rng, layout, threads):
 
 
 def test_leaves_and_placements_that_follow_from_faces(rng):
-    """They are made when requested: of two balls side by side, and of one that is placed twice, by where the crossings are."""
+    """They are computed on request, and compared with the positions of the crossings, for two balls side by side and
+    for one that is placed twice."""
     origins, directions = rays(rng, 3000)
     apart = sphere(0.5).translate([1, 0, 0]).named("right") | sphere(0.5).translate([-1, 0, 0]).named("left")
     twice = rayweave.place(sphere(0.5), [[1, 0, 0], [-1, 0, 0]])
@@ -367,7 +368,7 @@ def test_leaves_and_placements_that_follow_from_faces(rng):
         assert one.leaf is one.leaf and one.placement is one.placement
 
 
-def test_columns_made_when_asked_for(rng):
+def test_columns_computed_on_request(rng):
     origins, directions = rays(rng, 2000)
     for question in (die().nearest, die().crossings):
         answer = question(origins, directions)
@@ -386,7 +387,7 @@ def test_columns_made_when_asked_for(rng):
         Crossings.__new__(Crossings).ray  # noqa: B018
 
 
-def test_one_solid_asked_from_many_threads_at_once(rng):
+def test_one_solid_queried_from_many_threads_at_once(rng):
     solid, fresh = lumps(40), lumps(40)
     origins, directions = rays(rng, 3000)
     expected, results = solid.hits(origins, directions), []

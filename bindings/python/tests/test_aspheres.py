@@ -1,4 +1,4 @@
-"""Aspheres from Python: components, prescriptions, tolerances and searches, against closed forms."""
+"""Aspheres from Python: components, prescriptions, tolerances and optimisation, compared with closed forms."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ N = 1.5
 
 
 def plano_convex(conic: float = -N * N, diameter: float = 20.0, even: tuple[float, ...] = ()) -> optics.Prescription:
-    """Light that leaves glass by a hyperboloid with k = -n^2 meets in a point (R. Descartes, 1637)."""
+    """Light that leaves glass through a hyperboloid with k = -n^2 is focused to a point (R. Descartes, 1637)."""
     return optics.Prescription(
         [
             optics.Surface(np.inf, 8.0, N),
@@ -20,12 +20,12 @@ def plano_convex(conic: float = -N * N, diameter: float = 20.0, even: tuple[floa
     )
 
 
-def test_a_search_finds_the_hyperboloid() -> None:
+def test_the_optimiser_finds_the_hyperboloid() -> None:
     goals = [optics.goal("spot", field=0, wavelength_nm=587.5618)]
     found = optics.optimise(plano_convex(0.0), ["conic 2"], goals)
     assert found.has_converged
     assert found.values["conic 2"] == pytest.approx(-N * N, abs=1e-7)
-    # with the sphere kept, the term in r^4 takes the place of the conic's: k c^3 / 8
+    # if the sphere is fixed, the term in r^4 replaces that of the conic: k c^3 / 8
     small = plano_convex(0.0, 6.0)
     terms = optics.optimise(small, ["r^4 2", "r^6 2", "r^8 2"], goals).values
     assert terms["r^4 2"] == pytest.approx(-N * N * (-1 / 30.0) ** 3 / 8, rel=1e-3)
@@ -40,7 +40,7 @@ def test_the_sensitivity_of_a_term_is_its_derivative() -> None:
     assert trials["lost"].tolist() == [0] * 5
 
 
-def test_rays_that_a_rim_holds_back_are_counted() -> None:
+def test_rays_that_a_rim_blocks_are_counted() -> None:
     lens = plano_convex().with_surface(1, semi_diameter=8.0)
     count = 1 + 3 * 20 * 21
     for vignette, share in ((False, 0.0), (True, 1 - 0.8**2)):
@@ -62,7 +62,7 @@ def test_terms_survive_files_and_changes() -> None:
 
 
 def test_a_lens_of_terms_focuses_as_the_conic_does() -> None:
-    """The series of the hyperboloid to r^16 instead of it: the same lens to the first term left out."""
+    """The series of the hyperboloid to r^16: the same lens up to the first omitted term."""
     c, k = -1 / 30.0, -N * N
     terms, coefficient = [], 0.5 * c
     for m in range(1, 9):
@@ -75,7 +75,7 @@ def test_a_lens_of_terms_focuses_as_the_conic_does() -> None:
     origins = np.stack([heights, 0 * heights, np.full(7, -20.0)], axis=1)
     hits = optics.System([lens, screen]).trace_rays(origins, [0, 0, 1]).at("focus")
     assert hits.rows >= 7
-    # the first term left out, at the rim: 2e-7 of the sag, and 60 of lever
+    # the first omitted term, at the rim: 2e-7 of the sag, times a lever of 60
     assert np.abs(hits.points()[:7, :2]).max() < 1e-4
 
 
@@ -90,7 +90,8 @@ def test_an_aspheric_mirror_is_a_paraboloid_by_its_first_term() -> None:
     assert np.abs(hits.points() - [0, 0, -100]).max() < 1e-11
 
 def test_rays_in_a_gradient_are_drawn_as_curves() -> None:
-    """In a rod of graded glass rays are sines (Born & Wolf, 7th edition, section 3.2.1): the drawn points keep to them."""
+    """In a rod of graded glass rays are sines (Born & Wolf, 7th edition, section 3.2.1), and so are the drawn
+    points."""
     from rayweave.optics._drawing import _lines
 
     g, n = 0.3, 1.6
@@ -101,7 +102,7 @@ def test_rays_in_a_gradient_are_drawn_as_curves() -> None:
     chosen = np.ones(trace.rows, bool)
     lines = [line for line in _lines(trace, starts, ends, tilts, chosen) if len(line) > 2]
     points = np.concatenate(lines)
-    # x'' = -g^2 x / (1 - g^2): the part of the direction along the axis is kept
+    # x'' = -g^2 x / (1 - g^2): the axial component of the direction is constant
     rate = g / np.sqrt(1 - g * g)
     sine = np.cos(rate * (points[:, 2] + 9.0))
     chords = np.concatenate([line[[0, -1]].mean(axis=0, keepdims=True) for line in lines])

@@ -1,4 +1,4 @@
-"""Models of every format into every other."""
+"""Conversion of models from every format to every other."""
 
 from pathlib import Path
 
@@ -28,7 +28,7 @@ def model(tmp_path: Path) -> Path:
 
 
 def volume(path: Path) -> float:
-    """The volume by lines along z, which meet the part over its whole height or not at all."""
+    """The volume from lines along z, which cross the part over its whole height or not at all."""
     # in GDML the first region is the world around it
     part = rayweave.load(path).regions[-1].solid
     steps = (np.arange(400) + 0.5) / 100 - 2
@@ -44,16 +44,16 @@ def test_every_format(model: Path, tmp_path: Path, ending: str) -> None:
     reported = rayweave.convert(model, target, tolerance=1e-3)
     assert volume(target) == pytest.approx(VOLUME, abs=0.02)
     assert bool(reported) == (ending != "toml")
-    # and on from there
+    # and convert the result again
     last = tmp_path / "last.toml"
     rayweave.convert(target, last)
     assert volume(last) == pytest.approx(VOLUME, abs=0.02)
 
 
-def test_save_tells_what_is_lost(model: Path, tmp_path: Path) -> None:
+def test_save_reports_losses(model: Path, tmp_path: Path) -> None:
     part = rayweave.load(model)
     reported = part.save(tmp_path / "part", format="stl", tolerance=0.5)
-    assert any(line.startswith("approximated: curved faces, by triangles within 5") for line in reported)
+    assert any(line.startswith("approximated: curved faces, with triangles within 5") for line in reported)
     assert part.save(tmp_path / "again.toml") == []
     assert rayweave.load(tmp_path / "again.toml") == part
     with pytest.raises(rayweave.RayweaveError, match="unknown format 'step'"):
@@ -74,5 +74,5 @@ def test_open_meshes_and_units(tmp_path: Path) -> None:
     assert mended.unit == "in"
     assert any("1 plane holes filled" in warning for warning in mended.warnings)
     assert mended.contains([[0.1, 0.1, 0.1], [0.5, 0.5, 0.5]]).tolist() == [True, False]
-    with pytest.raises(rayweave.RayweaveError, match="no unit is called"):
+    with pytest.raises(rayweave.RayweaveError, match="unknown unit"):
         rayweave.load(path, unit="furlong")

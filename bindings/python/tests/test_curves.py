@@ -1,4 +1,4 @@
-"""Curves through solids and models: against closed forms, other ways to the same answer, and what breaks promises."""
+"""Curves through solids and models: closed forms, equivalent computations, and curves that violate their bound."""
 
 import copy
 import math
@@ -148,11 +148,11 @@ def test_a_users_circle():
     flat = rs.half_space(0, 2, offset=1)
     np.testing.assert_allclose(rs.trace_along(Circle(2.0, 2), flat, 0, 6 * math.pi).roots, times, rtol=1e-14)
     assert rs.trace_along(Circle(2.0, 2), rs.ball(1, 2), 0, 9).roots == []
-    # in the surface: moved aside, nothing is crossed
+    # in the surface: nothing is crossed, as if the curve were moved aside
     assert rs.trace_along(Circle(2.0, 2), rs.ball(2, 2), 0, 9).roots == []
 
 
-def test_own_curves_and_ours_agree():
+def test_user_defined_and_built_in_curves_agree():
     solid = rw.torus(3, 1) - rw.box(3).translate([3, 0, 0])
     ours = rs.Arc.about([0, 0, 0], [0, 0, 1], [2.5, 0, 0])
     radians = solid.crossings_along(Circle(2.5), 0.1, 12)
@@ -211,7 +211,7 @@ def test_placed_and_periodic():
     np.testing.assert_allclose(quarter, [2], atol=1e-12)
 
 
-def test_exceptions_come_out_as_they_are():
+def test_exceptions_propagate_unchanged():
     class Mine(Exception):
         pass
 
@@ -252,7 +252,7 @@ def test_exceptions_come_out_as_they_are():
         ({"velocity": lambda t: [1.0, 1.0, 1.0]}, "velocity is the derivative"),
     ],
 )
-def test_broken_promises_tell_the_times(methods, message):
+def test_violated_bounds_are_reported_with_their_times(methods, message):
     solid = rw.box([0.4, 3, 3])
     with pytest.raises(RayweaveError, match=message):
         solid.crossings_along(Broken(**methods), 0, 3)
@@ -266,7 +266,7 @@ def test_answers_of_the_wrong_type(methods):
         rw.sphere(0.9).crossings_along(Broken(**methods), 0, 3)
 
 
-def test_the_domain_of_an_own_curve_is_kept():
+def test_the_domain_of_a_user_defined_curve_is_respected():
     half = Broken(domain=(0.0, math.pi))
     assert len(rw.half_space([1, 0, 0], 0.5).crossings_along(half, 0, 3)) == 1
     with pytest.raises(RayweaveError, match="defined from 0 to 3.14"):
@@ -341,6 +341,6 @@ def test_bad_questions():
         (lambda: rs.Line([0, 0], [1, 0]).acceleration_bound(1, 0), "t0 must be less"),
     ],
 )
-def test_curves_that_cannot_be(make, message):
+def test_invalid_curves_are_rejected(make, message):
     with pytest.raises(RayweaveError, match=message):
         make()

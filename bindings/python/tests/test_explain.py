@@ -1,4 +1,4 @@
-"""Explanations: the same crossings, and every decision true to its operands."""
+"""Explanations: the same crossings, and every decision consistent with its operands."""
 
 from pathlib import Path
 
@@ -46,7 +46,7 @@ def test_records_of_the_chain() -> None:
 
 
 def test_decisions_follow_from_their_operands() -> None:
-    """The rule again, for the unions of the chain: what is inside of either is inside."""
+    """The rule for the unions of the chain: a point inside either operand is inside."""
     seen = set()
     for question in chain().questions:
         for entry in question.entries:

@@ -1,4 +1,4 @@
-"""Cross-sections, differences, checks and path lengths, against closed forms."""
+"""Cross-sections, differences, checks and path lengths, compared with closed forms."""
 
 import signal
 import threading
@@ -89,7 +89,7 @@ def test_refusals_of_sections():
     ball = rayweave.sphere(1)
     cases = [
         ({"plane": "w=1"}, "the plane `w=1` is invalid"),
-        ({"normal": [0, 0, 0]}, "the normal not 0"),
+        ({"normal": [0, 0, 0]}, "the normal must not be zero"),
         ({"normal": [0, 0, np.nan]}, "must be finite"),
         ({"point": [0, 0, 0]}, "point is given without normal"),
         ({"normal": [0, 1]}, r"normal has shape \(2,\)"),

@@ -1,4 +1,4 @@
-"""array_csg and count_array against the seed's NumPy code and by their rules."""
+"""array_csg and count_array, compared with the original NumPy code and with their rules."""
 
 import pickle
 import threading
@@ -207,7 +207,7 @@ def test_out_must_fit():
         array_csg(A, B, Operation.UNION, out=frozen)
     with pytest.raises(RayweaveError, match="read-only"):
         array_csg(np.float32(A), np.float32(B), Operation.UNION, out=np.broadcast_to(np.float32(0), 14))
-    # nothing is written if there is an error
+    # nothing is written after an error
     out = np.full(14, 7.0)
     with pytest.raises(RayweaveError):
         array_csg(A, B[::-1], Operation.UNION, out=out)
@@ -248,7 +248,7 @@ def test_threads_give_the_same_bits(rng, dtype, monkeypatch):
         assert array_csg(a, b, Operation.UNION, threads=threads).tobytes() == alone.tobytes()
     monkeypatch.setenv("RAYWEAVE_THREADS", "3")
     assert array_csg(a, b, Operation.UNION).tobytes() == alone.tobytes()
-    # every seventh ray, which lie apart in memory
+    # every seventh ray, so that rays are not contiguous in memory
     assert array_csg(a[:, ::7], b[:, ::7], Operation.UNION).tobytes() == alone[:, ::7].tobytes()
 
 

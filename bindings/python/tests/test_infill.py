@@ -1,4 +1,4 @@
-"""Regions of the plane and the traces that fill them, against closed forms."""
+"""Regions of the plane and the traces that fill them, compared with closed forms."""
 
 import copy
 import pickle

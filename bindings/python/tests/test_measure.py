@@ -1,4 +1,4 @@
-"""Volumes and their like, against closed forms."""
+"""Volumes, masses and moments, compared with closed forms."""
 
 import numpy as np
 import pytest

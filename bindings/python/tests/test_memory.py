@@ -1,4 +1,4 @@
-"""Questions whose answers do not fit into memory raise an exception, and do not end the process."""
+"""Queries whose results do not fit into memory raise an exception and do not end the process."""
 
 import subprocess
 import sys
@@ -7,7 +7,7 @@ import pytest
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="the limit of a process is that of Linux")
 
-# a gigabyte beyond what the modules take
+# a gigabyte more than the modules need
 PRELUDE = """
 import resource
 import numpy as np
@@ -48,20 +48,20 @@ CASES = {
         "next(iter(plates(1).stream([ro.beam(1.0, 10**9).translate([0, 0, -5])], rows=10**12, threads=1)))",
         "RayweaveError the segments of 1000000000 rays cannot be kept: ",
     ),
-    "traces of infill": ("rayweave.infill(comb(), 1e-6, threads=1)", "RayweaveError the traces cannot be kept: "),
+    "traces of infill": ("rayweave.infill(comb(), 1e-6, threads=1)", "RayweaveError the traces do not fit into memory: "),
     "repeated rays": (
         "rayweave.sphere(1).hits(np.broadcast_to([0.0, 0, -5], (10**12, 3)), [0, 0, 1])",
         "",
     ),
     "points": (
         "ro.source_of_rays(np.broadcast_to([0.0, 0, -5], (10**12, 3)), np.broadcast_to([0.0, 0, 1], (10**12, 3)))",
-        "MemoryError there is no memory for ",
+        "MemoryError not enough memory for ",
     ),
 }
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_what_does_not_fit_is_refused(name):
+def test_results_that_do_not_fit_into_memory_are_refused(name):
     call, message = CASES[name]
     script = f"{PRELUDE}\nrefused(lambda: {call})"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300)

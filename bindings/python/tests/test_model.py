@@ -162,7 +162,7 @@ def test_models_of_the_repository(path, tmp_path):
     np.testing.assert_array_equal(pieces.medium[np.isfinite(pieces.t_start)], found.medium_after)
     np.testing.assert_array_equal(pieces.medium[np.isfinite(pieces.t_end)], found.medium_before)
     np.testing.assert_array_equal(np.diff(pieces.offsets), np.diff(found.offsets) + 1)
-    # what is inside at the middle of a piece is what contains says
+    # the middle of a piece has the side that contains returns
     ends = np.nan_to_num(np.stack([pieces.t_start, pieces.t_end]), posinf=1e3, neginf=-1e3)
     finite = ends[1] - ends[0] > 1e-9
     rays = pieces.ray[finite]
@@ -208,7 +208,7 @@ def test_openscad_models_are_read_by_ending_or_by_name(tmp_path: Path) -> None:
         assert [region.name for region in model.regions] == ["model"]
         np.testing.assert_allclose(model.bounds(), [[-2, -2, -2], [2, 2, 2]], rtol=1e-12)
         assert model.warnings == []
-        # truly round: the chord of a ball
+        # exactly round: the chord of a ball
         hits = model.hits([-4, 0, 0.6], [1, 0, 0])
         np.testing.assert_allclose(hits[:, 0], [2, 3.2, 4.8, 6], rtol=1e-14)
     faceted = rw.load(dump, facets=True).hits([-4, 0, 0.6], [1, 0, 0])

@@ -1,4 +1,4 @@
-"""Light through lenses and mirrors, against closed forms."""
+"""Light through lenses and mirrors, compared with closed forms."""
 
 import csv
 import math
@@ -16,7 +16,7 @@ D_NM = 587.5618
 
 
 def focus(trace: optics.Trace) -> NDArray[np.float64]:
-    """Where the last segments of rays meet the axis."""
+    """The points where the last segments of rays cross the axis."""
     last = trace.columns["event"] == 0
     x, z = trace["x0"][last], trace["z0"][last]
     crossings: NDArray[np.float64] = z - x * trace["z_tilt"][last] / trace["x_tilt"][last]
@@ -43,7 +43,7 @@ def test_glasses() -> None:
         crown.index([500.0, 200.0])
 
 
-def test_thick_lenses_focus_where_the_lensmaker_says() -> None:
+def test_thick_lenses_focus_according_to_the_lensmakers_equation() -> None:
     r1, r2, d, n = 60.0, -80.0, 6.0, 1.5
     system = optics.System([optics.lens(r1, r2, d, aperture=30, material=n)])
     f = optics.lensmaker(r1, r2, n, d)
@@ -91,7 +91,7 @@ def test_lenslets_and_fresnel_lenses_focus() -> None:
     last = rays["event"] == 0
     slopes = rays["x_tilt"][last] / rays["z_tilt"][last]
     heights = np.array([0.01, 10.4])
-    # refraction at the slope of the sphere, whatever the step
+    # refraction at the slope of the sphere, regardless of the steps
     tilt = np.arcsin(heights / 50)
     np.testing.assert_allclose(slopes, -np.tan(np.arcsin(1.5 * np.sin(tilt)) - tilt), rtol=1e-9)
 
@@ -119,7 +119,7 @@ def test_coatings_and_metals() -> None:
     coated = optics.element(sphere(10.0), 1.52, name="ball").with_finish(film, "side")
     rows = optics.System([coated]).trace_rays([0, 0, -20], [0, 0, 1], D_NM, branches="both", generation_limit=1)
     share = 1 - ((1.52 - 1.38**2) / (1.52 + 1.38**2)) ** 2
-    # the two branches are cut off at the limit: their powers are what is dropped
+    # both branches end at the limit: their power is dropped
     assert rows.balance.dropped == pytest.approx(1.0, abs=1e-14)
     split = optics.System([coated]).trace_rays([0, 0, -20], [0, 0, 1], D_NM, branches="both", generation_limit=2)
     inside = split["intensity"][(split["generation"] == 1) & (split["z_tilt"] > 0)]
@@ -178,7 +178,7 @@ def test_spots_and_irradiance() -> None:
         dark.spot("screen")
 
 
-def test_paths_tell_ghosts() -> None:
+def test_paths_identify_ghosts() -> None:
     plate = optics.element(box([40, 40, 4]), 1.5, name="plate")
     system = optics.System([plate, optics.detector(30, name="screen").translate([0, 0, 20])])
     trace = system.trace_rays([0, 0, -20], [0.1, 0, 1], D_NM, branches="both", threshold=1e-9)
@@ -187,13 +187,13 @@ def test_paths_tell_ghosts() -> None:
     inner = math.sqrt(1 - (1 - cosine**2) / 2.25)
     rs = ((cosine - 1.5 * inner) / (cosine + 1.5 * inner)) ** 2
     rp = ((1.5 * cosine - inner) / (1.5 * cosine + inner)) ** 2
-    # light is taken as unpolarised at each face
+    # light is treated as unpolarised at each face
     r = (rs + rp) / 2
     assert power["plate plate screen"] == pytest.approx((1 - r) ** 2, rel=1e-12)
     assert power["plate* -"] == pytest.approx(r, rel=1e-12)
     assert power["plate plate* plate* plate screen"] == pytest.approx((1 - r) ** 2 * r**2, rel=1e-12)
     assert sum(power.values()) == pytest.approx(1.0, abs=1e-8)
-    with pytest.raises(RayweaveError, match="some segments are left out"):
+    with pytest.raises(RayweaveError, match="some segments are missing"):
         trace.at("screen").paths()
 
 
@@ -251,8 +251,8 @@ def test_what_is_wrong_is_named() -> None:
         system.trace_rays([0, 0, -5], [0, 0, 1]).at("lens")
 
 
-def test_what_is_given_is_checked_where_it_is_given() -> None:
-    """The error is about the argument, before anything is made or traced of it."""
+def test_arguments_are_checked_where_they_are_passed() -> None:
+    """The error names the argument, before anything is created from it or traced."""
     given: list[tuple[type[Exception], str, Callable[[], object]]] = [
         (TypeError, "the aperture is 'wide'", lambda: optics.baffle("wide")),  # type: ignore[arg-type]
         (TypeError, r"the aperture is \(1, 2, 3\)", lambda: optics.baffle((1, 2, 3))),  # type: ignore[arg-type]
@@ -293,10 +293,10 @@ def test_what_is_given_is_checked_where_it_is_given() -> None:
             system.trace_to(Path("no such folder") / name, light)
 
 
-def test_packages_that_are_not_there_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_packages_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     trace = optics.System([optics.ball_lens(1)]).trace(optics.beam(0.5, 3))
     for name in ("pandas", "pyarrow", "polars", "matplotlib", "matplotlib.pyplot"):
-        # what Python takes for a package that is not there
+        # Python treats this as a missing package
         monkeypatch.setitem(sys.modules, name, None)
     for use in (trace.to_pandas, trace.to_arrow, trace.to_polars, trace.show):
         with pytest.raises(ModuleNotFoundError, match="is not installed: .* pip install"):
@@ -304,7 +304,7 @@ def test_packages_that_are_not_there_are_named(monkeypatch: pytest.MonkeyPatch) 
 
 
 def cone(half_degrees: float, count: int, z: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """PyRayT's cone of rays, which begins at its +z, our -x, and goes round towards +y."""
+    """PyRayT's cone of rays, which begins at its +z, Rayweave's -x, and continues towards +y."""
     angle, half = 2 * np.pi * np.arange(count) / count, math.radians(half_degrees)
     along = np.full(count, math.cos(half))
     directions = np.stack([-math.sin(half) * np.cos(angle), math.sin(half) * np.sin(angle), along], axis=1)
@@ -312,7 +312,7 @@ def cone(half_degrees: float, count: int, z: float) -> tuple[NDArray[np.float64]
 
 
 def pyrayt(case: str) -> dict[tuple[int, int], dict[str, float]]:
-    """Its segments by ray and generation."""
+    """The segments of PyRayT by ray and generation."""
     lines = (Path(__file__).parent / "reference/pyrayt.csv").read_text(encoding="utf-8").splitlines()
     rows = csv.DictReader(line for line in lines if not line.startswith("#"))
     chosen = [{k: float(v) for k, v in row.items() if k != "case"} for row in rows if row["case"] == case]
@@ -347,7 +347,8 @@ def test_pyrayts_tutorial_and_examples() -> None:
 
 
 def test_media_with_a_gradient() -> None:
-    # parallel light meets on the far end of a quarter of a pitch, pi / 2 g; along y, so that the gradient is turned
+    # a rod of a quarter pitch, pi / (2 g), focuses parallel light on its far end; along y, so that the gradient is
+    # rotated
     quarter, turn = math.pi / 2 / 0.25, np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
     medium = optics.graded("N-BK7", "selfoc", 0.25, world_from_local=turn)
     assert medium.index(D_NM, (0, 7, 1)) == pytest.approx(1.5168 * math.sqrt(1 - 0.25**2), abs=1e-5)

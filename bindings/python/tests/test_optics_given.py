@@ -1,4 +1,4 @@
-"""Arguments that are wrong: each is refused where it is given, by an error that names it as callers do."""
+"""Invalid arguments: each is rejected where it is passed, with an error that uses the caller's name of it."""
 
 from collections.abc import Callable
 from typing import Any
@@ -15,7 +15,7 @@ def refuses(given: list[Wrong]) -> None:
     for kind, message, make in given:
         with pytest.raises(kind, match=message) as caught:
             make()
-        # neither names of the inside, nor Python's own words
+        # neither internal names nor Python's own messages
         said = str(caught.value)
         assert not any(word in said for word in ("failed to extract", "could not convert", "iterable", "enum ")), said
         assert type(caught.value) is kind, said
@@ -176,7 +176,7 @@ def test_virtual_objects_have_first_order_data_alone() -> None:
             ask()
 
 
-def test_searches_and_tolerances() -> None:
+def test_optimisation_and_tolerances() -> None:
     lens = prescription()
     errors = {"radius 1": 0.1}
     goals = [o.goal("focal length", 50)]

@@ -1,4 +1,4 @@
-"""Parts of optical systems that are made in Python: that each can be used, and does what it says."""
+"""Parts of optical systems created in Python: each can be used and behaves as documented."""
 
 from importlib.metadata import version
 
@@ -50,7 +50,7 @@ def test_prescriptions_of_the_infrared() -> None:
 
 
 def test_penta_prisms_need_mirrors() -> None:
-    """What is told of them: without the finish light goes through, with it light is turned by 90 degrees."""
+    """As documented: without the finish light passes through, with it light is deflected by 90 degrees."""
     plain = optics.prism("penta", 10, 10)
     finished = plain.with_finish(optics.reflecting(), "mirror1").with_finish(optics.reflecting(), "mirror2")
     for part, turned in ((plain, False), (finished, True)):
@@ -88,7 +88,7 @@ def test_faces_have_the_documented_names() -> None:
 
 
 def test_finishes_of_faces_that_touch() -> None:
-    """That of the element which is entered counts or, if that is polished, that of the one which is left."""
+    """The finish of the element that light enters applies or, if that is polished, that of the element it leaves."""
     first, second = (part.with_finish(optics.polished(), "split") for part in optics.beam_splitter_cube(2, material=1.5))
     mirror, black = optics.reflecting(), optics.black()
 
@@ -102,7 +102,7 @@ def test_finishes_of_faces_that_touch() -> None:
     assert escaped(first.with_finish(mirror, "split"), second.with_finish(black, "split")) == 0.0
 
 
-def test_searches_say_in_words_why_they_end() -> None:
+def test_optimisation_states_why_it_ended() -> None:
     surfaces = [optics.Surface(50, 5, "N-BK7"), optics.Surface(-50, 45)]
     lens = optics.Prescription(surfaces, entrance_pupil_diameter=10.0)
     goals = [optics.goal("focal length", 60.0)]

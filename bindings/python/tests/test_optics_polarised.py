@@ -1,4 +1,4 @@
-"""Polarised light: followed where it matters, and refused where it cannot be."""
+"""Polarised light: computed where it matters, and invalid states are rejected."""
 
 import math
 from pathlib import Path
@@ -30,7 +30,7 @@ def test_stokes_vectors_are_checked_ray_by_ray() -> None:
         behind(system, "x")
 
 
-def test_axes_of_stokes_vectors_need_be_neither_of_unit_length_nor_across() -> None:
+def test_axes_of_stokes_vectors_need_not_be_normalised_or_perpendicular() -> None:
     system = optics.System(optics.polariser(30, aperture=10))
     expected = math.cos(math.radians(30)) ** 2
     for axis in ([1, 0, 0], [7, 0, 0], [1e-200, 0, 0], [1, 0, 5]):
@@ -42,7 +42,7 @@ def crossed() -> optics.System:
     return optics.System([optics.polariser(0, aperture=10), second])
 
 
-def test_polarisation_is_followed_where_something_polarises(tmp_path: Path) -> None:
+def test_polarisation_is_computed_if_an_element_affects_it(tmp_path: Path) -> None:
     system, light = crossed(), optics.beam(1, 10).translate([0, 0, -5])
     assert system.trace(light).balance.escaped == pytest.approx(0.0, abs=1e-15)
     assert system.trace(light, polarised=True).balance.escaped == pytest.approx(0.0, abs=1e-15)
@@ -52,13 +52,14 @@ def test_polarisation_is_followed_where_something_polarises(tmp_path: Path) -> N
         assert stream.balance.escaped == pytest.approx(0.0, abs=1e-15)
     assert system.trace_to(tmp_path / "rows.csv", light).escaped == pytest.approx(0.0, abs=1e-15)
     assert system.trace_rays(START, WAY, D_NM).balance.escaped == pytest.approx(0.0, abs=1e-15)
-    # a quarter wave at 45 degrees between them
+    # a quarter-wave plate at 45 degrees between them
     plate = optics.wave_plate(90, 45, aperture=10).translate([0, 0, 1])
     assert optics.System([*system.elements, plate]).trace(light).balance.escaped == pytest.approx(0.25)
 
 
-def test_polarisation_is_followed_where_a_source_is_polarised() -> None:
-    """At Brewster's angle light in the plane of incidence passes whole; unpolarised light does not."""
+def test_polarisation_is_computed_if_a_source_is_polarised() -> None:
+    """At Brewster's angle, light polarised in the plane of incidence is transmitted completely; unpolarised light is
+    not."""
     angle = math.degrees(math.atan(1.5))
     plate = optics.element(optics.lens(math.inf, math.inf, 1, aperture=50).body, 1.5, name="plate").rotate_y(angle)  # type: ignore[arg-type]
     system, light = optics.System(plate), optics.beam(1, 10).translate([0, 0, -50])

@@ -1,4 +1,4 @@
-"""Light in batches, into files, from files; and tables that share memory."""
+"""Light in batches, written to files and read from files; and tables that share memory."""
 
 import signal
 import threading
@@ -16,7 +16,7 @@ parquet = pytest.importorskip("pyarrow.parquet")
 
 
 def bench():
-    """A lens before a screen."""
+    """A lens in front of a screen."""
     lens = ro.lens(60, -60, 5, aperture=20.0, name="lens", material="N-BK7")
     screen = ro.detector(40, name="screen").translate([0, 0, 60])
     return ro.System([lens, screen])
@@ -30,7 +30,7 @@ def beams(count=20_000):
 SETTINGS = {"branches": "both", "threshold": 1e-7}
 
 
-def test_batches_are_the_trace():
+def test_batches_equal_the_trace():
     system = bench()
     whole = system.trace(beams(), **SETTINGS)
     stream = system.stream(beams(), rows=50_000, **SETTINGS)
@@ -48,7 +48,7 @@ def test_batches_are_the_trace():
 
 
 @pytest.mark.parametrize("kind", ["parquet", "csv", "npy"])
-def test_files_hold_the_trace(tmp_path, kind):
+def test_files_contain_the_trace(tmp_path, kind):
     system = bench()
     whole = system.trace(beams(2000), **SETTINGS)
     reported = []
@@ -86,7 +86,7 @@ def test_files_hold_the_trace(tmp_path, kind):
     assert sorted(p.name for p in tmp_path.iterdir() if "names" not in p.name) == [path.name]
 
 
-def test_a_file_that_cannot_be_finished_is_not_there(tmp_path):
+def test_an_unfinished_file_does_not_exist(tmp_path):
     def stop(done, total):
         raise ValueError("enough")
 
@@ -100,7 +100,7 @@ def test_a_file_that_cannot_be_finished_is_not_there(tmp_path):
 
 def test_an_interrupt_stops_a_stream():
     stream = bench().stream(ro.beam(8.0, 500_000_000).translate([0, 0, -20]), rows=1 << 40)
-    # a shell without job control starts what it runs in the background with the signal ignored
+    # a shell without job control starts background processes with the signal ignored
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         timer = threading.Timer(0.3, _thread.interrupt_main)
@@ -199,7 +199,7 @@ def test_models_of_files(tmp_path):
     assert arrived == pytest.approx((1 - r) ** 2, rel=1e-3)
     assert trace.spot("screen").rms_radius < 0.1
     np.testing.assert_array_equal(model.trace(threads=1)["x1"], trace["x1"])
-    # the same elements in a system of Python keep their coating
+    # the same elements keep their coating in a system created in Python
     again = ro.System(model.system.elements, unit="cm").trace(model.sources, **model.settings)
     assert again.balance.absorbed["screen"] == arrived
     moved = ro.System([element.translate([0, 1, 0]) for element in model.system.elements], unit="cm")
@@ -270,7 +270,7 @@ def test_polarised_sources():
 
 
 def test_phases_are_columns_on_request(tmp_path):
-    # 360 degrees a wavelength of the path, no jumps where light goes through glass
+    # 360 degrees per wavelength of the path, no jumps where light is transmitted
     plate = ro.lens(np.inf, np.inf, 2, aperture=20.0, name="plate", material=1.5)
     system = ro.System([plate, ro.detector(20, name="screen").translate([0, 0, 5])])
     light = ro.beam(4, 3000, wavelength_nm=550).translate([0, 0, -3])
@@ -293,7 +293,7 @@ def test_phases_are_columns_on_request(tmp_path):
 
 
 def in_threads(count, work):
-    """The results of `work` in some threads at once; an exception in one of them is raised here."""
+    """The results of `work`, executed by several threads at once; an exception in one of them is raised here."""
     from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor(count) as pool:
@@ -329,7 +329,7 @@ def test_a_closed_stream_ends_in_all_threads():
     counts = in_threads(4, work)
     assert sum(counts) >= 3
     assert list(stream) == []
-    with pytest.raises(RayweaveError, match="take all batches first"):
+    with pytest.raises(RayweaveError, match="take all batches before"):
         stream.balance  # noqa: B018
 
 

@@ -1,4 +1,4 @@
-"""The Python on the pages: every block is run, in order, page by page."""
+"""The Python code of the pages: every block is run, in order, page by page."""
 
 import re
 from pathlib import Path
@@ -8,13 +8,13 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MODEL = re.compile(r"^```(?:toml|xml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-#: Pages whose code reads their first model, and what it is called there.
+#: Pages whose code reads their first model, and the file name used there.
 MODELS = {"docs/guides/optics-files.md": "lens.toml", "docs/guides/photons.md": "bar.gdml"}
 PAGES = sorted([ROOT / "README.md", ROOT / "bindings/python/README.md", *ROOT.glob("docs/**/*.md")])
 
 
 def blocks(page: Path) -> list[tuple[int, str]]:
-    """The blocks of a page, each with the line that it begins on."""
+    """The blocks of a page, each with the line on which it begins."""
     text = page.read_text(encoding="utf-8")
     return [(text.count("\n", 0, match.start(1)) + 1, match[1]) for match in BLOCK.finditer(text)]
 
@@ -35,6 +35,6 @@ def test_python_of_a_page(page, tmp_path, monkeypatch):
         (tmp_path / model).write_text(MODEL.search(page.read_text(encoding="utf-8"))[1], encoding="utf-8")
     names = {"__name__": "page"}
     for line, block in blocks(page):
-        # lines are counted as in the page, so that a failure names its place there
+        # line numbers are those of the page, so that a failure refers to it
         code = compile("\n" * (line - 1) + block, str(page), "exec")
         exec(code, names)

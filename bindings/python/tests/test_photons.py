@@ -6,6 +6,7 @@ import signal
 import subprocess
 import threading
 import time
+import zlib
 import _thread
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 import rayweave.photons as rp
-from rayweave import RayweaveError
+from rayweave import RayweaveError, optics
 
 ROOT = Path(__file__).resolve().parents[3]
 GUIDE = (ROOT / "docs/guides/photons.md").read_text(encoding="utf-8")
@@ -79,7 +80,7 @@ def test_absorption_follows_the_exponential_law():
     beyond = np.count_nonzero(depth > 200.0) + run.ends["escaped"]
     expected, deviation = 40_000 * math.exp(-1), math.sqrt(40_000 * math.exp(-1) * (1 - math.exp(-1)))
     assert abs(beyond - expected) < 5 * deviation
-    # n / c of the way
+    # n / c times the distance
     np.testing.assert_allclose(steps["time"][ends], depth * 1.5 / C, rtol=1e-12, atol=1e-12)
 
 
@@ -150,7 +151,7 @@ def test_arrays_are_a_source(bar):
     arrays = bar.simulate(given, seed=8, record="steps")
     for name in point.histories:
         np.testing.assert_array_equal(arrays.histories[name], point.histories[name], err_msg=name)
-    # with the polarisations of the emission, for any seed
+    # with given polarisations, for any seed
     emitted = arrays.histories["process"] == 0
     full = rp.photons(
         [0, 0, 0], [1, 2, 3], wavelengths_nm=550, polarisations=arrays.histories.polarisation[emitted]
@@ -210,7 +211,7 @@ def test_drawings(bar, tmp_path):
     assert "550 nm" in tracks.svg and "time / ns" in run.hits.plot_spectra().svg
     tracks.save(tmp_path / "tracks.svg")
     assert (tmp_path / "tracks.svg").read_text(encoding="utf-8") == tracks._repr_svg_()
-    with pytest.raises(RayweaveError, match="`up` is no plane"):
+    with pytest.raises(RayweaveError, match="`up` is not a plane"):
         run.histories.plot("up")
 
 
@@ -333,7 +334,7 @@ def test_progress(bar):
 
 
 def test_an_interrupt_stops_a_run(bar):
-    # a shell without job control starts what it runs in the background with the signal ignored
+    # a shell without job control starts background processes with the signal ignored
     handler = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         timer = threading.Timer(0.5, _thread.interrupt_main)
@@ -366,3 +367,214 @@ def test_other_threads_run_meanwhile(bar):
     running.clear()
     thread.join()
     assert after - before > 5
+
+
+def emissions(detector, source, n, **more):
+    """The first rows of the histories of photons."""
+    steps = detector.simulate(source, n=n, record="steps", max_steps=1, **more).histories
+    first = np.isin(steps.named("process"), ["emission", "cerenkov", "scintillation"])
+    return {name: getattr(steps, name)[first] for name in ("position", "direction", "polarisation", "time", "wavelength_nm")}
+
+
+def test_torches_have_their_shapes(bar):
+    n = 4000
+    disc = emissions(bar, rp.disc([1, 2, -20], 5, 550, towards=[0, 0, 2], cone_degrees=30), n)
+    radius = np.hypot(disc["position"][:, 0] - 1, disc["position"][:, 1] - 2)
+    np.testing.assert_allclose(disc["position"][:, 2], -20, atol=1e-12)
+    # the mean radius of a disc is 2/3 of it, with the variance r^2 / 18
+    assert radius.max() <= 5 and abs(radius.mean() - 10 / 3) < 5 * 5 / math.sqrt(18 * n)
+    cosine = disc["direction"][:, 2]
+    lowest = math.cos(math.radians(30))
+    assert cosine.min() >= lowest and abs(cosine.mean() - (1 + lowest) / 2) < 5 * (1 - lowest) / math.sqrt(12 * n)
+    assert abs(emissions(bar, rp.disc([0, 0, 0], 5, 550, normal=[1, 0, 0]), 100)["position"][:, 0]).max() < 1e-12
+    line = emissions(bar, rp.line([0, 0, -40], [0, 0, 40], ("uniform", 500, 600), polarisation=[1, 0, 0]), n)
+    assert abs(line["position"][:, 2].mean()) < 5 * 80 / math.sqrt(12 * n) and abs(line["position"][:, :2]).max() == 0
+    assert abs(line["wavelength_nm"].mean() - 550) < 5 * 100 / math.sqrt(12 * n)
+    # in the plane of the vector and the direction
+    across = np.cross(line["direction"], [1, 0, 0])
+    np.testing.assert_allclose((across * line["polarisation"]).sum(axis=1), 0, atol=1e-12)
+    inside = emissions(bar, rp.volume(bar, "Bar", 550), n)["position"]
+    assert (abs(inside) <= [10, 10, 50]).all() and abs(inside[:, 2]).max() > 45
+    on_faces = emissions(bar, rp.surface(bar, "Bar", 550), n)["position"]
+    depth = np.min([10, 10, 50] - abs(on_faces), axis=1)
+    assert (depth > 0).all() and depth.max() < 1.001e-6
+    # four faces of 20 x 100 and two of 20 x 20
+    ends = np.count_nonzero(50 - abs(on_faces[:, 2]) < 1e-5)
+    assert abs(ends - n / 11) < 5 * math.sqrt(n * 10 / 121)
+
+
+def test_spectra_and_pulses(bar):
+    n = 20_000
+    table = emissions(bar, rp.point([0, 0, 0], ("table", 400, 0, 500, 2, 600, 0)), n)["wavelength_nm"]
+    # a triangle: mean 500, variance 100^2 / 6
+    assert abs(table.mean() - 500) < 5 * 100 / math.sqrt(6 * n) and 400 <= table.min() and table.max() <= 600
+    hot = emissions(bar, rp.point([0, 0, 0], ("black body", 3000, 400, 700)), n)["wavelength_nm"]
+    grid = np.linspace(400, 700, 20_001)
+    density = 1 / (grid**4 * np.expm1(1.438776877e7 / (grid * 3000)))
+    expected = (grid * density).sum() / density.sum()
+    assert abs(hot.mean() - expected) < 5 * hot.std() / math.sqrt(n)
+    pulse = rp.point([0, 0, 0], 550, time=(3, 8), time_deviation=1, time_decay=2)
+    times = emissions(bar, pulse, n)["time"]
+    # means 5.5 + 0 + 2, variances 25 / 12 + 1 + 4
+    assert abs(times.mean() - 7.5) < 5 * math.sqrt((25 / 12 + 5) / n)
+    assert set(emissions(bar, rp.point([0, 0, 0], 550, time=4.0), 10)["time"]) == {4.0}
+
+
+def test_torches_are_those_of_the_command(bar, tmp_path):
+    program = command()
+    if program is None:
+        pytest.skip("the command is not built")
+    (tmp_path / "bar.gdml").write_text(BAR, encoding="utf-8")
+    detector = rp.load(tmp_path / "bar.gdml")
+    light = {"towards": [0, 0, 1], "cone_degrees": 60, "polarisation": [1, 1, 0], "time": (1, 2), "time_decay": 6}
+    options = "--towards 0,0,1 --cone 60 --polarisation 1,1,0 --time 1:2 --time-decay 6"
+    cases = [
+        (rp.disc([0, 0, 0], 4, ("uniform", 500, 600), **light), "--source disc --at 0,0,0 --radius 4 --wavelength 500:600"),
+        (rp.line([0, 0, -9], [0, 0, 9], 550, **light), "--source line --at 0,0,-9 --to 0,0,9 --wavelength 550"),
+        (rp.volume(detector, "Bar", 550, **light), "--source volume --volume Bar --wavelength 550"),
+        (rp.surface(detector, "Bar", ("black body", 4000, 500, 600), **light),
+         "--source surface --volume Bar --black-body 4000 --wavelength 500:600"),
+    ]
+    for source, text in cases:
+        arguments = ["photons", "bar.gdml", *text.split(), *options.split(), "-n", "1000", "-o", "c.csv"]
+        subprocess.run([program, *arguments], cwd=tmp_path, check=True, capture_output=True)
+        detector.simulate(source, n=1000).hits.save(tmp_path / "p.csv")
+        assert (tmp_path / "c.csv").read_text() == (tmp_path / "p.csv").read_text(), text
+        assert len((tmp_path / "p.csv").read_text().splitlines()) > 20, text
+
+
+def genstep(kind, photons):
+    """A step of 40 mm along z in Opticks' layout."""
+    row = np.zeros((1, 6, 4), np.float32)
+    row.view(np.uint32)[0, 0] = [kind, 1, 4, photons]
+    row[0, 1] = [0, 0, -20, 2]
+    row[0, 2] = [0, 0, 40, 40]
+    row[0, 3, 1:] = [-1, 1, 290]
+    row[0, 4, 0] = 1.03
+    row[0, 5] = [0, 1, 1, 290]
+    return row
+
+
+def test_gensteps_are_a_source(bar):
+    steps = np.concatenate([genstep(15, 300), genstep(15, 0), genstep(15, 700)])
+    source = rp.gensteps(bar, steps, materials={4: "Crystal"})
+    assert source.count == 1000 and "gensteps" in repr(source)
+    assert source.notes and "Cerenkov photons, of which its RINDEX explains" in source.notes[0]
+    run = bar.simulate(source, record="steps")
+    hits = run.hits
+    assert hits.rows > 50
+    np.testing.assert_array_equal(hits["genstep"], np.where(hits["photon"] < 300, 0, 2))
+    assert "genstep" not in bar.simulate(from_middle(), n=100).hits
+    assert run.histories.processes["cerenkov"] == 1000
+    assert all(text.startswith("CK") for text in run.histories.sequences().texts)
+    first = emissions(bar, source, 1000)
+    np.testing.assert_allclose(first["direction"][:, 2], 1.03 / 1.79, atol=1e-6)
+    assert (abs(first["position"][:, 2]) <= 20).all() and abs(first["position"][:, :2]).max() == 0
+    # the layout of Geant4; 1/beta from the mean velocity
+    row = [15, 0, 0, -20, 2, 4, 1000, -1, 40, C / 1.03, 0, 0, 0, 40, 1, 1]
+    geant4 = rp.gensteps(bar, np.array([row], float))
+    np.testing.assert_allclose(emissions(bar, geant4, 1000)["direction"][:, 2], 1.03 / 1.79, atol=1e-12)
+
+
+def test_photons_of_other_programs(bar):
+    hits = bar.simulate(from_middle(), n=500).hits
+    again = rp.from_opticks(hits.to_opticks())
+    assert again.count == hits.rows
+    first = emissions(bar, again, hits.rows)
+    np.testing.assert_allclose(first["wavelength_nm"], 550, rtol=1e-6)
+    np.testing.assert_allclose(first["direction"], hits.direction, atol=1e-6)
+    lamp = optics.source_of_rays(
+        [[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 0, 1]] * 3, wavelength_nm=[500, 500, 600], power=[1.0, 2.0, 2.5]
+    )
+    source = rp.from_optics(lamp, 900)
+    # in proportion to power times wavelength: 1 : 2 : 3
+    x = emissions(bar, source, 900)["position"][:, 0]
+    assert np.bincount(x.astype(int)).tolist() == [150, 300, 450]
+    with pytest.raises(RayweaveError, match="the light is polarised"):
+        rp.from_optics(lamp.polarised(1, 1, 0, 0), 10)
+    with pytest.raises(TypeError, match=r"it must be a source of rayweave\.optics"):
+        rp.from_optics(source, 10)
+
+
+def test_measured_surfaces_have_tables(tmp_path):
+    wrapped = BAR.replace(
+        'finish="groundfrontpainted" type="dielectric_dielectric"', 'finish="groundtyvekair" type="dielectric_LUT"'
+    )
+    with pytest.raises(RayweaveError, match="RealSurface with GroundTyvek.z"):
+        rp.loads(wrapped)
+    ones = np.ones((37, 45, 91))
+    from_array = rp.loads(wrapped, tables=rp.SurfaceTables().lut("groundtyvekair", ones))
+    (tmp_path / "GroundTyvek.z").write_bytes(zlib.compress(b"1 " * ones.size))
+    from_file = rp.loads(wrapped, tables=rp.SurfaceTables(tmp_path))
+    runs = [detector.simulate(from_middle(), n=500, record="counts") for detector in (from_array, from_file)]
+    assert runs[0].ends == runs[1].ends and same(runs[0].hits, runs[1].hits)
+    assert runs[0].histories.surfaces["Wrapping"]["lut_reflection"] > 500
+    dichroic = BAR.replace(
+        'model="unified" finish="groundfrontpainted" type="dielectric_dielectric"',
+        'model="dichroic" finish="polished" type="dielectric_dichroic"',
+    )
+    tables = rp.SurfaceTables().dichroic("Wrapping", [400, 700], [0, 90], np.full((2, 2), 25.0))
+    counts = rp.loads(dichroic, tables=tables).simulate(from_middle(), n=4000, record="counts", max_steps=1).histories
+    through, back = (counts.surfaces["Wrapping"].get(name, 0) for name in ("dichroic_transmission", "spike_reflection"))
+    assert abs(through - 0.25 * (through + back)) < 5 * math.sqrt((through + back) * 3 / 16)
+    for make, reason in [
+        (lambda: rp.SurfaceTables().lut("S", np.ones((3, 3))), r"probabilities has shape \(3, 3\)"),
+        (lambda: rp.SurfaceTables().davis("S", np.ones(3), np.ones(8)), "it has 3 reflectances, 90 are needed"),
+        (lambda: rp.SurfaceTables().dichroic("S", [1, 2], [0, 1], [[0, 1], [2, 101]]), "the value 3"),
+        (lambda: rp.SurfaceTables(dichroic=tmp_path / "none.dat"), "none.dat"),
+    ]:
+        with pytest.raises(RayweaveError, match=reason):
+            make()
+    with pytest.raises(TypeError, match="tables is 'folder'"):
+        rp.loads(BAR, tables="folder")
+
+
+def test_findings_are_a_table(bar):
+    sensitive = BAR.replace('<solidref ref="DiodeBox"/>', '<solidref ref="DiodeBox"/><auxiliary auxtype="SensDet" auxvalue="D"/>')
+    sound = rp.loads(sensitive).check()
+    assert sound.rows == 0 and list(sound) == ["kind", "place", "text"], str(sound)
+    assert "no volume behind it is a sensor" in str(bar.check())
+    found = rp.loads(sensitive.replace("1.5*eV 400 4*eV 400", "1.5*eV 4e-6 4*eV 4e-6")).check()
+    assert found.rows == 1 and found["kind"].tolist() == ["optical"]
+    assert "`ABSLENGTH` of material `Crystal` are implausible" in found["text"][0] and found["text"][0] in str(found)
+    assert re.fullmatch(r"\d+:\d+", found["place"][0])
+    assert list(found.to_pandas().columns) == ["kind", "place", "text"]
+    lost = bar.check_source(rp.line([0, 0, 0], [0, 0, 90], 550))
+    assert "of the first 1000 photons end at once" in lost and bar.check_source(from_middle()) is None
+    with pytest.raises(RayweaveError, match="which has no RINDEX"):
+        bar.check_source(rp.point([0, 0, 90], 550))
+
+
+def test_properties_are_drawn(bar):
+    absorption = rp.loads(ABSORBER).material("Medium").absorption_length.plot().svg
+    assert "ABSLENGTH / mm" in absorption and "wavelength / nm" in absorption
+    assert bar.material("Crystal").plot().svg.count('class="curve"') == 3
+    assert "EFFICIENCY" in bar.surface("Cathode").plot().svg
+    assert bar.material("Opaque").plot().svg.startswith("<svg ")
+
+
+def test_bad_torches_are_explained(bar):
+    other = rp.loads(BAR)
+    cases = [
+        (lambda: rp.disc([0, 0, 0], 5, 550), "normal is missing"),
+        (lambda: rp.disc([0, 0, 0], 0, 550, normal=[0, 0, 1]), "the radius of the source is 0 mm: it must be positive"),
+        (lambda: rp.point([0, 0, 0], 550, cone_degrees=5), "cone_degrees is given without towards"),
+        (lambda: rp.point([0, 0, 0], 550, towards=[0, 0, 1], cone_degrees=200), "it must be from 0 to 180"),
+        (lambda: rp.point([0, 0, 0], 550, time=(2, 1)), "it must not end before it starts"),
+        (lambda: rp.point([0, 0, 0], 550, time=(1, 2, 3)), "time has 3 numbers"),
+        (lambda: rp.point([0, 0, 0], 550, time_decay=-1), "it must be finite and at least 0"),
+        (lambda: rp.point([0, 0, 0], 550, towards=[0, 0, 1], polarisation=[0, 0, 2]), "parallel to the direction"),
+        (lambda: rp.point([0, 0, 0], ("uniform", 600, 500)), "both must be positive and finite, and the first one smaller"),
+        (lambda: rp.point([0, 0, 0], {500: 1.0}), "photons have no line spectra"),
+        (lambda: rp.point([0, 0, 0], ("table", 500, 0, 600, 0)), "the spectrum is invalid"),
+        (lambda: rp.volume(bar, "Baar", 550), "Did you mean `Bar`"),
+        (lambda: rp.gensteps(bar, np.zeros((1, 6, 4))), "are not float32"),
+        (lambda: rp.gensteps(bar, np.zeros((1, 5))), r"gensteps has shape \(1, 5\): it must be \(N, 6, 4\) or \(N, 16\)"),
+        (lambda: rp.gensteps(bar, genstep(3, 1)), "genstep 0 is of the kind 3"),
+        (lambda: rp.gensteps(bar, genstep(15, 1), materials={4: "Water"}), "no material is called `Water`"),
+        (lambda: rp.from_opticks(np.zeros((3, 4))), r"photons has shape \(3, 4\): it must be \(N, 4, 4\)"),
+        (lambda: bar.simulate(rp.volume(other, "Bar", 550), n=1), "the source belongs to another detector"),
+    ]
+    for make, reason in cases:
+        with pytest.raises(RayweaveError, match=reason):
+            make()

@@ -51,12 +51,12 @@ def test_notebooks_see_a_png():
         (dict(kind="colours"), "colours"),
         (dict(samples=0), "sample"),
         (dict(cut="x=1"), "neither < nor >"),
-        (dict(explode="up"), "as in z:0.2"),
+        (dict(explode="up"), "such as z:0.2"),
         (dict(opacity=1.5), "from 0 to 1"),
         (dict(opacity={"glass": 0.5}), "no region or medium is called `glass`"),
     ],
 )
-def test_bad_wishes_are_refused(options, words):
+def test_invalid_options_are_rejected(options, words):
     with pytest.raises(rw.RayweaveError, match=words):
         rw.render(rw.sphere(1), **options)
 
@@ -64,7 +64,7 @@ def test_bad_wishes_are_refused(options, words):
 def test_a_cut_opens_a_ball():
     camera = rw.Camera(position=(0, -5, 0), target=(0, 0, 0), height=4.0)
     depth = rw.render(rw.sphere(1), kind="depth", size=(41, 41), camera=camera, cut="y<0.5")
-    # half way to the pole y = 1 the ball is sqrt(3)/2 wide, and its section is 5.5 from the camera
+    # at half the height of the pole y = 1 the ball is sqrt(3)/2 wide, and its section is 5.5 from the camera
     assert depth[20, 20] == 5.5
     across = np.isfinite(depth[20]).sum() * 4 / 41
     assert abs(across - np.sqrt(3)) < 0.1
@@ -83,9 +83,9 @@ solid = "core"
 """
 
 
-def test_one_can_see_through():
+def test_transparent_regions():
     ball = rw.render(rw.sphere(1), size=(21, 21), view="front", opacity=0.0, kind="id")
-    assert np.all(ball[10, 10] == 1)  # clear, but all there is
+    assert np.all(ball[10, 10] == 1)  # transparent, but with nothing behind it
     core = rw.render(rw.loads(NEST), size=(21, 21), view="front", opacity={"shell": 0.0}, kind="id")
     assert set(np.unique(core)) == {0, 1}
 

@@ -1,4 +1,4 @@
-"""Prescriptions, their first-order data and their images: against published data, a peer, and closed forms."""
+"""Prescriptions, their first-order data and their images, compared with published data, a peer, and closed forms."""
 
 import csv
 import math
@@ -19,7 +19,7 @@ def design(name: str) -> Prescription:
 
 
 def paraboloid(f: float = 100.0, *, aperture: float = 20.0, shift: float = 0.0) -> Prescription:
-    """A mirror with a perfect focus on the axis, the image out of it by a shift."""
+    """A mirror with a perfect focus on the axis, and the image shifted from it."""
     mirror = Surface(-2 * f, -f + shift, "mirror", conic=-1)
     return Prescription([mirror], entrance_pupil_diameter=aperture, wavelengths_nm=[550.0])
 
@@ -64,7 +64,7 @@ def test_spots_and_wavefronts_of_a_peer() -> None:
     for name in ("cooke-triplet", "double-gauss"):
         lens = design(name)
         grid = optics.pupil_grid("hexapolar", 6)
-        # glass absorbs, but the peer counts rays
+        # glass absorbs light, but the peer counts rays
         images = lens.spots(wavelength_nm=lens.primary_nm).images
         rms = [math.hypot(image["x"].std(), image["y"].std()) for image in images]
         for row in rows:
@@ -80,7 +80,7 @@ def test_spots_and_wavefronts_of_a_peer() -> None:
 
 
 def test_seidel_sums_of_a_peer() -> None:
-    # Optiland 0.6.3, aberrations.seidels(), which gives them the other sign
+    # Optiland 0.6.3, aberrations.seidels(), which has the opposite sign
     total = design("cooke-triplet").seidel().sum
     expected = [-0.00696004149135, 0.00123488647048, 0.00890673846436, -0.0257157169117, 0.00185858910192]
     np.testing.assert_allclose([-total[name] for name in list(total)[:5]], expected, rtol=1e-10)
@@ -90,7 +90,7 @@ def test_a_paraboloid_out_of_focus() -> None:
     f, aperture, shift = 100.0, 20.0, 0.5
     spots = paraboloid(f).spots()
     assert spots["rms"][0] < 1e-12 and spots["rays"][0] == 127
-    # a cone about the focus: the ray at the height h meets the plane at h s / (f - h^2 / 4 f)
+    # a cone about the focus: the ray at the height h hits the plane at h s / (f - h^2 / 4 f)
     image = paraboloid(f, shift=shift).arrivals(rings=8)
     h = 0.5 * aperture * np.arange(9) / 8
     reach = h * shift / (f - h**2 / (4 * f))
@@ -129,7 +129,7 @@ def test_modulation_of_a_disk_of_light() -> None:
     x = 2 * np.pi * found["frequency"] * radius
     np.testing.assert_allclose(found["tangential"], np.abs(2 * bessel_1(x) / x), atol=2e-3)
     np.testing.assert_allclose(found["sagittal"], found["tangential"], atol=1e-9)
-    # a circular pupil ends at 1 / (wavelength F-number), and passes 0.391 at half of that
+    # the cutoff of a circular pupil is 1 / (wavelength F-number); at half of it the modulation is 0.391
     cutoff = 1 / (550e-6 * f / aperture)
     limit = paraboloid(f, aperture=aperture).mtf([0.0, cutoff / 2, cutoff, 2 * cutoff], across=3)["limit"]
     np.testing.assert_allclose(limit, [1, 0.39100, 0, 0], atol=1e-5)
@@ -158,7 +158,8 @@ def test_colour_of_a_singlet_follows_its_paraxial_focus() -> None:
     found = singlet.focal_shift(lines)
     expected = [singlet.first_order(line).back_focal_distance - 45 for line in lines]
     np.testing.assert_allclose(found["focus"], expected, atol=1e-6)
-    # the stop is in the lens: principal rays of all colours leave it at almost one height, lateral colour is the prism's of the lens
+    # the stop is in the lens: principal rays of all colours leave it at almost the same height, and lateral colour is
+    # that of the lens as a prism
     lateral = singlet.lateral_colour(count=3)
     at_primary = lateral["wavelength_nm"] == D_NM
     np.testing.assert_allclose(lateral["shift"][at_primary], 0, atol=1e-15)
@@ -188,7 +189,7 @@ def test_fans_of_a_symmetric_lens() -> None:
     assert fans.rows == 3 * 3 * 2 * 11
     pupil, error = fans.fan(0, 550.0, "y")
     np.testing.assert_allclose(error, -error[::-1], atol=1e-12)
-    # the ray of the rim, followed through the solids by itself
+    # the marginal ray, traced through the solids alone
     rim = lens.arrivals(0, wavelength_nm=550.0, pupil=[[0, 1]])
     assert error[-1] == pytest.approx(rim["y"][0], abs=1e-12) and pupil[-1] == 1.0
 
@@ -205,7 +206,7 @@ def test_zemax_files_and_rows() -> None:
     assert glass.first_order().focal_length == lens.with_surface(1, behind="N-BK7").first_order().focal_length
 
 
-def test_its_solids_are_a_system_like_any_other() -> None:
+def test_the_solids_form_an_ordinary_system() -> None:
     lens = design("cooke-triplet")
     system = lens.system()
     assert system.element_names == ["lens 1-2", "lens 3-4", "lens 5-6", "image"]
@@ -255,7 +256,7 @@ def test_columns_go_into_tables() -> None:
 
 
 def test_the_principal_ray_goes_through_the_centre_of_the_stop() -> None:
-    # behind a plane plate a ray has its direction again, so that a stop there has no distortion at any angle
+    # behind a plane plate a ray has its original direction, so that a stop there has no distortion at any angle
     plate = Prescription([Surface(np.inf, 10.0, 1.5), Surface(np.inf, 50.0)], entrance_pupil_diameter=1, fields=[0, 50], stop=2)
     np.testing.assert_allclose(plate.distortion(count=3)["relative"][1:], 0, atol=1e-10)
     angle = math.radians(50)
@@ -278,7 +279,7 @@ def test_pictures() -> None:
     assert [np.shape(axis.collections[0].get_offsets())[0] for axis in diagrams] == [381, 381, 381]
     fans = lens.fans(count=5).show()
     assert fans.shape == (3, 2) and len(fans[0][0].lines) == 4
-    # fields times curves, and what stands beside them
+    # fields times curves, and the other lines
     curves = [
         (lens.mtf([0, 10], across=5).show(), 7),
         (lens.through_focus([0, 1], rings=3).show(), 3),
@@ -321,11 +322,11 @@ def test_tolerances_of_the_focal_length() -> None:
 
 
 def test_tolerances_with_tilts_and_refocusing() -> None:
-    # a tilted mirror turns the light by twice its angle
+    # a tilted mirror deflects the light by twice its angle
     turned = optics.tolerance(paraboloid(), {"tilt x 1": 0.1}, "image shift", trials=20, rings=0)
     expected = 100 * np.tan(np.radians(2 * np.abs(turned["tilt x 1"])))
     np.testing.assert_allclose(turned["merit"], expected, rtol=1e-9)
-    # a shift of the image is taken back whole
+    # refocusing removes a shift of the image completely
     back = optics.tolerance(paraboloid(), {"thickness 1": 0.1}, trials=10, refocus=True)
     assert back["merit"].max() < 1e-12
     np.testing.assert_allclose(back["shift"], -back["thickness 1"], atol=1e-9)
@@ -335,7 +336,7 @@ def test_tolerances_with_tilts_and_refocusing() -> None:
         optics.tolerance(paraboloid(), {"radius 1": ("triangle", 0.1)})  # type: ignore[dict-item]
 
 
-def test_a_search_finds_the_lens_of_best_form() -> None:
+def test_the_optimiser_finds_the_lens_of_best_form() -> None:
     n, line = 1.5, D_NM
     start = Prescription([Surface(110.0, 0.01, n), Surface(-110.0, 100.0)], entrance_pupil_diameter=10)
     goals = [

@@ -1,4 +1,4 @@
-"""Questions along rays, compared with closed forms and with sampling."""
+"""Queries along rays, compared with closed forms and with sampling."""
 
 import math
 import signal
@@ -111,7 +111,7 @@ def test_windows():
             solid.hits(*ray, *window)
 
 
-def test_crossings_are_dressed(rng):
+def test_crossings_have_points_normals_and_faces(rng):
     solid = sphere(2).named("ball") - box(2).named("hole")
     origins, directions = random_rays(rng, 3000)
     answer = solid.crossings(origins, directions)
@@ -328,7 +328,7 @@ def test_a_solid_that_cannot_be_compiled():
 
 
 def test_other_threads_run_meanwhile(rng):
-    """The interpreter is not blocked while rays are traced, and one solid serves many threads."""
+    """The interpreter is not blocked while rays are traced, and many threads can query one solid."""
     solid = lumps(rng)
     origins, directions = random_rays(rng, 100_000)
     expected = solid.nearest(origins, directions).t
@@ -347,7 +347,7 @@ def test_other_threads_run_meanwhile(rng):
     assert all((result == expected).all() for result in results)
 
 
-# a shell without job control starts what it runs in the background with the signal ignored, and children inherit that
+# a shell without job control starts background processes with the signal ignored, and children inherit that
 LONG_QUESTION = """
 import signal
 import numpy as np, rayweave
@@ -365,7 +365,7 @@ except KeyboardInterrupt:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent in another way there")
 @pytest.mark.parametrize("threads", [1, 3])
-def test_ctrl_c_stops_a_question(threads):
+def test_ctrl_c_stops_a_query(threads):
     program = LONG_QUESTION.replace("THREADS", str(threads))
     with subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None and process.stdout.readline() == "ready\n"
@@ -376,7 +376,7 @@ def test_ctrl_c_stops_a_question(threads):
             assert process.communicate(timeout=60)[0] == "interrupted\n"
         finally:
             process.kill()
-        # the question itself takes many times as long
+        # the query itself takes many times as long
         assert time.monotonic() - sent < 20
         assert process.returncode == 0
 
@@ -419,7 +419,7 @@ def test_ctrl_c_stops_reading_and_compiling(work):
         process.send_signal(signal.SIGINT)
         try:
             assert process.stdout.readline() == "interrupted\n"
-            # 50 ms between checks, and the time of a busy machine
+            # 50 ms between checks, and a margin for a busy machine
             assert time.monotonic() - sent < 2
         finally:
             process.kill()

@@ -1,4 +1,4 @@
-"""The root-ray algebra under the seed's names, compared point by point with the boolean functions that it stands for."""
+"""The root-ray algebra under the names of the module rootray, compared point by point with the boolean functions."""
 
 import copy
 import math
@@ -20,7 +20,7 @@ FUNCTIONS = [
 
 
 def inside(pair, t):
-    """Whether a pair is inside at a time that is no root."""
+    """Whether a pair is inside at a time that is not a root."""
     start, roots = pair
     return (start == -1) != (sum(root < t for root in roots) % 2 == 1)
 
@@ -68,7 +68,7 @@ def test_constants():
     assert rootray.union(f, rootray.plenum()) == rootray.plenum()
 
 
-def test_the_kind_that_is_given_comes_back():
+def test_the_result_has_the_type_of_the_operands():
     pair, ray = (1, [1.0]), RootRay("outside", [1.0])
     assert type(rootray.union(pair, pair)) is tuple
     assert type(rootray.union(pair, ray)) is RootRay

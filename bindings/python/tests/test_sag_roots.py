@@ -1,4 +1,4 @@
-"""Crossings of aspheres beside another root finder: eigenvalues of companion matrices (LAPACK)."""
+"""Crossings of aspheres, compared with an independent root finder: eigenvalues of companion matrices (LAPACK)."""
 
 import os
 
@@ -22,7 +22,7 @@ ASPHERES = [
 
 
 def products(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of polynomials, row by row."""
+    """The products of polynomials, row by row."""
     product = np.zeros((len(a), a.shape[1] + b.shape[1] - 1))
     for k in range(a.shape[1]):
         product[:, k : k + b.shape[1]] += a[:, k : k + 1] * b
@@ -74,7 +74,8 @@ def test_as_many_crossings_as_eigenvalues() -> None:
                 inside = real[np.abs(real.real) < half + 1e-4]
                 times = np.sort(inside.real)
                 sheet = polynomial.polyval(times, m[ray]) / c
-                # two roots that nearly meet, at the rim, or where the conic turns back, are nobody's to tell
+                # exclude roots that nearly coincide, at the rim, or where the conic turns back: neither method is
+                # reliable there
                 unclear = (np.abs(inside.imag) > 1e-12).any() or (np.diff(times) < 1e-4).any()
                 unclear |= bool((np.abs(np.abs(times) - half) < 1e-4).any() or (np.abs(sheet) < 1e-6).any())
                 if unclear:

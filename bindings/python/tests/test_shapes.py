@@ -1,4 +1,4 @@
-"""The functions that make shapes: their manual pages, their signatures, and where their points are."""
+"""The functions that create shapes: manual pages, signatures, and membership of points."""
 
 import inspect
 import math
@@ -35,7 +35,7 @@ EXAMPLES = {
 
 
 def inside(name, x, y, z):
-    """The table of the contract, written as NumPy."""
+    """The documented conditions for inside, in NumPy."""
     r = np.hypot(x, y)
     azimuth = np.degrees(np.arctan2(y, x)) % 360
     match name:
@@ -89,7 +89,7 @@ def test_every_shape_of_the_engine_is_a_function():
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_points_are_where_the_contract_says(name, rng):
+def test_points_are_inside_as_documented(name, rng):
     points = rng.uniform(-5, 5, (4000, 3))
     solid = getattr(rayweave, name)(*EXAMPLES[name])
     expected = inside(name, *points.T)

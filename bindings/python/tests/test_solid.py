@@ -1,4 +1,4 @@
-"""Solids: operators, transforms, copies, and what cannot be made."""
+"""Solids: operators, transforms, copies, and invalid arguments."""
 
 import copy
 import functools
@@ -130,7 +130,7 @@ def test_solids_compare_by_how_they_are_built():
     for other in (a.named("b"), a | a, sphere(1), ~a, a.translate([1, 0, 0]), 3, None, "a"):
         assert a != other
     assert sphere(1) | box(1) != box(1) | sphere(1)
-    # how much is shared makes no difference
+    # sharing makes no difference
     ball = sphere(1)
     assert ball | ball == sphere(1) | sphere(1) and hash(ball | ball) == hash(sphere(1) | sphere(1))
 
@@ -178,7 +178,7 @@ def test_damaged_pickles_are_refused():
                 assert isinstance(decode(data[:k] + bytes([value]) + data[k + 1 :]), Solid)
             except RayweaveError:
                 pass
-    with pytest.raises(RayweaveError, match="no solid"):
+    with pytest.raises(RayweaveError, match="not a solid"):
         decode(b"")
 
 

@@ -1,4 +1,4 @@
-"""Solids in R^d: against closed forms, and what cannot be made."""
+"""Solids in R^d: closed forms, and invalid arguments."""
 
 import copy
 import math
@@ -108,7 +108,7 @@ def test_a_line_through_a_shell():
     found = shell.crossings(p, q)
     assert found.t.tolist() == ray.roots and repr(found) == "<PointCrossings: 4 rows of 1 rays>"
     np.testing.assert_allclose(found.point, [[-4 + 2 * t, 0, 0.5] for t in times], atol=1e-15)
-    # outward of the shell: away from the origin outside, towards it within
+    # pointing out of the shell: away from the origin on the outer surface, towards it on the inner one
     np.testing.assert_allclose(found.normal, found.point / [[2], [-1], [-1], [2]], atol=1e-15)
     assert found.enters.tolist() == [True, False, True, False]
     assert [found.surface_names[k] for k in found.surface] == ["outer", "inner", "inner", "outer"]
@@ -138,7 +138,7 @@ def test_a_ball_that_moves():
     worldline[0, 3] = -1
     ball = rs.cylinder(3, 1, 4).affine(worldline, [3, 0, 0, 0])
     np.testing.assert_allclose(rs.trace([0, 0, 0, 0], [0, 0, 0, 1], ball).roots, [2, 4], rtol=1e-14)
-    # a projectile of the speed of the ball meets it at half the time
+    # a projectile with the speed of the ball hits it at half the time
     np.testing.assert_allclose(rs.trace([0, 0, 0, 0], [1, 0, 0, 1], ball).roots, [1, 2], rtol=1e-14)
     # x = a t^2 / 2 falls towards it: |t^2 / 2 - 3 + t| = 1
     fall = rs.Parabola([0, 0, 0, 0], [0, 0, 0, 1], [1, 0, 0, 0])
@@ -161,7 +161,7 @@ def test_polygons_are_solids():
         frame.contains([[0, 0], [math.nan, 0]])
 
 
-def test_deep_trees_are_no_deeper_than_the_heap():
+def test_deep_trees_do_not_overflow_the_stack():
     solid = rs.ball(1, 2)
     for k in range(20_000):
         solid = solid | rs.ball(1 + k % 7, 2) if k % 2 else ~solid
@@ -170,7 +170,7 @@ def test_deep_trees_are_no_deeper_than_the_heap():
     del solid, twin
 
 
-def test_spaces_do_not_mix():
+def test_solids_of_different_dimension_do_not_combine():
     flat, solid = rs.ball(1, 2), rs.ball(1, 3)
     for sign in (operator.or_, operator.and_, operator.sub, operator.xor):
         with pytest.raises(RayweaveError, match="dimension 2 and the other of dimension 3"):

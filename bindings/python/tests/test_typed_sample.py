@@ -1,4 +1,4 @@
-"""The sample that the types are checked on runs, too."""
+"""Runs the sample on which the types are checked."""
 
 import typed_sample
 

@@ -43,7 +43,7 @@ def regions() -> None:
 
 
 class Circle:
-    """A curve of one's own."""
+    """A user-defined curve."""
 
     def position(self, t: float) -> NDArray[np.float64]:
         return np.array([np.cos(t), np.sin(t), 0.0])
@@ -173,6 +173,15 @@ def detectors() -> None:
     assert_type(run.histories.sequences().words, NDArray[np.uint64])
     assert_type(run.hits.plot(), rayweave.Drawing)
     given = photons.photons(np.zeros((4, 3)), [1, 0, 0], wavelengths_nm=420)
+    pulse = photons.disc([0, 0, 0], 5, ("uniform", 400, 500), towards=[0, 0, 1], cone_degrees=5, time=(0, 1), time_decay=2)
+    assert_type(pulse.notes, list[str])
+    assert_type(photons.volume(detector, "World", 420, polarisation=[1, 0, 0]), photons.Source)
+    assert_type(photons.surface(detector, "World", 420), photons.Source)
+    assert_type(photons.line([0, 0, 0], [1, 0, 0], 420), photons.Source)
+    assert_type(photons.from_optics(optics.point_source(20, 10), 5), photons.Source)
+    assert_type(photons.SurfaceTables("folder").lut("S", np.ones((37, 45, 91))), photons.SurfaceTables)
+    assert_type(detector.check(), photons.Findings)
+    assert_type(detector.check_source(pulse), str | None)
     for part in detector.stream(given, chunk=3):
         assert_type(part, photons.Run)
 

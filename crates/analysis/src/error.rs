@@ -80,7 +80,8 @@ impl Classified for AnalysisError {
             AnalysisError::Measure(error) => error.kind(),
             AnalysisError::Section(error) => error.kind(),
             AnalysisError::Contours(error) => error.kind(),
-            AnalysisError::Ray(error) => error.kind(),
+            // the rays are those of a file
+            AnalysisError::Ray(_) => ErrorKind::Input,
             AnalysisError::Table(error) => error.kind(),
             AnalysisError::Solid(_) => ErrorKind::Solid,
             AnalysisError::Value(_) => ErrorKind::Value,

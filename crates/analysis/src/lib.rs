@@ -7,7 +7,7 @@
 //! - [`check`](mod@check): detection of modelling errors;
 //! - [`infill`](mod@infill): parallel traces of a tool over a region of the plane, or the layers of a solid;
 //! - [`hits`]: streaming of ray files into tables of hits;
-//! - [`survey`](mod@survey): chords of random rays in regions and their thickness, the basis of other
+//! - [`survey`](mod@survey): chords of random rays in regions, and the thickness of regions; the basis of other
 //!   analyses.
 //!
 //! Functions that compile programs take a function `make` that creates the evaluator of a program.

@@ -1,4 +1,4 @@
-//! Random survey of a model: chords of random rays, with their neighbour regions and the local thickness.
+//! Random survey of a model: chords of random rays, with their neighbouring regions and the local thickness.
 //!
 //! Random rays parallel to x, y and z pass through a box, two in each cell of its cross-section, as in
 //! [`measure`](mod@crate::measure). A piece is the part of a ray in one region between two crossings. Its
@@ -9,9 +9,9 @@
 //!   thickness = length * (|n1 . d| + |n2 . d|) / 2
 //! ```
 //!
-//! is the distance of parallel faces, and that of two concentric spheres up to its square over the radius. At
-//! the rim of a thin shell, where a ray may run within the shell from outside to outside, it is at most four
-//! times the thickness of the shell. [`shortest_at`] measures the same point along other directions.
+//! is the distance between parallel faces; for two concentric spheres, it is their distance up to its square over the
+//! radius. At the rim of a thin shell, where a ray may run within the shell from its outer side to its outer side, it
+//! is at most four times the thickness of the shell. [`shortest_at`] measures the same point along other directions.
 
 pub use crate::error::Cancelled;
 use crate::measure::MeasuredChord;
@@ -30,7 +30,7 @@ const CELLS_PER_TASK: u64 = 512;
 /// The rays of a survey.
 #[derive(Clone, Debug)]
 pub struct Survey {
-    /// The sampled box, which has to be finite.
+    /// The sampled box, which must be finite.
     pub bounds: Bounds,
     /// The number of cells along an edge of its cross-sections, n: there are 6 n^2 rays.
     pub across: u32,
@@ -91,7 +91,7 @@ impl Piece<'_> {
         self.length() * 0.5 * (cosines[0] + cosines[1])
     }
 
-    /// The distance of two faces with opposite normals to within 25 degrees. `None` at the edges of a body,
+    /// The distance between two faces whose normals are opposite to within 25 degrees. `None` at the edges of a body,
     /// where two faces intersect and any length occurs, and at its rim.
     pub fn wall(&self) -> Option<f64> {
         let [first, second] = self.normals();
@@ -198,8 +198,8 @@ fn span_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> Opti
     inside.then_some([since, f64::INFINITY])
 }
 
-/// The lesser of the thickness of a piece and the shortest chord through its middle along the axes and the
-/// normals at its ends; 0 for a piece that exists only by rounding.
+/// The smaller of the thickness of a piece and the shortest chord through its middle along the axes and the
+/// normals at its ends; 0 for a piece that exists only because of rounding.
 pub(crate) fn remeasured<E: Evaluator>(
     evaluator: &E,
     (thickness, chord, normals): (f64, MeasuredChord, [Vec3; 2]),
@@ -264,7 +264,7 @@ mod tests {
         assert!((thinnest / thin - 1.0).abs() < 0.05, "{thinnest}");
     }
 
-    /// At the edges of a rotated box pieces of any length occur, but no walls.
+    /// At the edges of a rotated box, pieces of any length occur, but no walls.
     #[test]
     fn edges_are_no_walls() {
         let cube = Solid::from(Primitive::from(CentredBox::new(Vec3::splat(2.0)).unwrap()));

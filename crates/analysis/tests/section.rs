@@ -58,7 +58,7 @@ fn a_shell_is_a_ring() {
     assert!((found.area(ONE) - PI * 33.0).abs() < 3e-2);
 }
 
-/// No point of an edge is farther from a rotated square than the tolerance, and its corners are found.
+/// No point of an edge is farther from a rotated square than the tolerance, and the corners of the square are found.
 #[test]
 fn corners_and_walls() {
     for degrees in [0.0, 1e-3, 30.0, 45.0, 89.99] {
@@ -81,7 +81,7 @@ fn corners_and_walls() {
     }
 }
 
-/// A plate thinner than the column distance is found by its bounds.
+/// A plate thinner than the column spacing is found because of its bounds.
 #[test]
 fn thin_plates() {
     let plate = cuboid([4.0, 8.0, 1e-2]).translate([0.0, 0.0, 1.2345]);
@@ -122,7 +122,7 @@ fn a_lens_by_its_segments() {
 }
 
 #[test]
-fn what_is_infinite_ends_at_the_window() {
+fn infinite_regions_end_at_the_window() {
     let below = Solid::from(Primitive::from(HalfSpace::new(Vec3::Y, 2.0).unwrap()));
     let found = cut(&[below], &window());
     assert!((found.area(ONE) - 240.0).abs() < 1e-9);

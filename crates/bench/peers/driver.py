@@ -1,7 +1,7 @@
-"""What all drivers in Python share: orders come line by line, answers go out line by line.
+"""The common part of all drivers in Python: reads commands and writes answers, line by line.
 
-See crates/bench/src/peers.rs for the lines. Standard output belongs to the orders; whatever a system prints itself goes
-elsewhere. Only what `work` does is timed.
+crates/bench/src/peers.rs defines the protocol. Standard output carries answers only; the output of the system itself
+goes to standard error. Only `work` is timed.
 """
 
 import os
@@ -24,7 +24,7 @@ def say(line):
 
 
 def padded(lists):
-    """Lists of times as a hit array: (H, N), +inf where there is none."""
+    """Lists of times as a hit array: (H, N), padded with +inf."""
     rows = max([len(times) for times in lists] + [1])
     table = np.full((rows, len(lists)), np.inf)
     for column, times in enumerate(lists):
@@ -33,7 +33,7 @@ def padded(lists):
 
 
 def seconds(work, argument, clock):
-    """The time of one run: if it is short, the mean of as many in a row as the benchmark makes of its own contenders."""
+    """The time of one run; for short runs the mean of as many runs as the benchmark makes for Rust candidates."""
     started = clock()
     work(argument)
     once = clock() - started
@@ -47,10 +47,11 @@ def seconds(work, argument, clock):
 
 
 def serve(name, version, tasks):
-    """Serves orders until there are no more.
+    """Executes commands until the end of the input.
 
     `tasks` maps the name of a task to (prepare, work, answer): `prepare(array, count)` makes the input of the first
-    `count` rays from the array of the file, outside of the time; `work(input)` is timed; `answer(input)` gives (H, N).
+    `count` rays from the array of the file and is not timed; `work(input)` is timed; `answer(input)` returns an array
+    (H, N).
     """
     say(f"peer {name} {version} " + " ".join(tasks))
     prepared = {}
@@ -81,7 +82,7 @@ def rays(array, count):
 
 
 def units(array, count):
-    """The same with unit directions, and their lengths: for systems that want them so."""
+    """The same with unit directions, and the original lengths: for systems that require unit directions."""
     origins, directions = rays(array, count)
     lengths = np.linalg.norm(directions, axis=1)
     return origins, directions / lengths[:, None], lengths

@@ -5,11 +5,11 @@
 #
 # DIR/py        NumPy, Raysect, Geant4 (geant4-pybind), Embree (embreex, manifold3d for its mesh), and this project's
 #               own package, from PyPI and from this working tree; needs Python 3.10 or later
-# DIR/pyrayt    PyRayT 0.3.1 and the NumPy, pandas and SciPy that it knows; PyPI offers that version to Python 3.8 only
+# DIR/pyrayt    PyRayT 0.3.1 with compatible NumPy, pandas and SciPy; PyPI offers that version for Python 3.8 only
 # DIR/vecgeom   a program compiled against VecGeom (Debian: libvecgeom-dev veccore-dev vc-dev)
 #
-# What cannot be installed is printed and left out: the benchmark reports it as missing. PYTHON and PYTHON38 choose the
-# interpreters.
+# Peers that cannot be installed are printed and left out; the benchmark reports them as missing. PYTHON and PYTHON38
+# select the interpreters.
 set -u
 
 if [ $# -ne 1 ]; then
@@ -34,7 +34,7 @@ python38() {
         echo "$candidate"
         return
     done
-    echo "there is no Python 3.8 (PYTHON38=... names one)" >&2
+    echo "Python 3.8 was not found. Set PYTHON38 to its path." >&2
     return 1
 }
 

@@ -68,7 +68,7 @@ def potato(times):
 
 
 def angle(points, triangles):
-    """An L: a block without a quarter of it."""
+    """An L: a block without one of its quarters."""
     base = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]
     corners = [[x, y, z] for z in (0, 1) for x, y in base]
     lids = [[0, 1, 2], [0, 2, 3], [0, 3, 4], [0, 4, 5]]

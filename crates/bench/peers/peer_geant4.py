@@ -1,4 +1,4 @@
-"""The die in Geant4 through geant4-pybind: its solids ask for the next boundary, outside or inside, call by call."""
+"""The die in Geant4 through geant4-pybind: each call returns the distance to the next boundary."""
 
 import importlib.metadata
 import os
@@ -80,5 +80,5 @@ def first_times(prepared):
     return padded([first(*ray)[:1] for ray in prepared[0]]) / prepared[1]
 
 
-version = importlib.metadata.version("geant4-pybind")
+version = "geant4-pybind-" + importlib.metadata.version("geant4-pybind")
 serve("Geant4", version, {"die.full": (prepare, run(full), all_times), "die.first": (prepare, run(first), first_times)})

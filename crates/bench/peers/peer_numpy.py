@@ -17,7 +17,7 @@ def union(arguments):
     merged = np.vstack((first, second))
     order = np.argsort(merged, axis=0)
     merged = merged[order, np.arange(merged.shape[-1])]
-    # rows with an even number enter, and H is even, so that this holds in both arrays
+    # even rows are entries; H is even, so this holds for both arrays after concatenation
     count = np.cumsum(np.where(order & 1, -1, 1), axis=0)
     changes = np.logical_xor(count, np.roll(count, 1, axis=0))
     out[...] = np.sort(np.where(changes, merged, np.inf), axis=0)

@@ -40,7 +40,7 @@ def tasks(name, solid):
 
 
 class Given(Source):
-    """Rays as they are given, with the optical axis from z to x, where PyRayT's components have it."""
+    """The given rays, rotated so that the optical axis z becomes x, the axis of PyRayT's components."""
 
     def __init__(self, origins, directions):
         super().__init__()

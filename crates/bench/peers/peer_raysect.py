@@ -1,4 +1,4 @@
-"""The die and the lens in Raysect: one call for each ray, as its users make it."""
+"""The die and the lens in Raysect: one call per ray, as users of Raysect write it."""
 
 import raysect
 from driver import padded, serve, units

@@ -1,4 +1,4 @@
-"""This project from Python: what the way through Python costs."""
+"""This project from Python: measures the overhead of calls from Python."""
 
 import importlib.metadata
 
@@ -45,7 +45,7 @@ def with_room(solid):
 
 
 def calls(solid):
-    """A call about many rays for each question: what it prepares, does, and answers as a hit array."""
+    """For each query one call for many rays: its preparation, its work, and its answer as a hit array."""
 
     def points(array, count):
         return (rays(array, count)[0],)
@@ -91,7 +91,7 @@ def table(crossings):
 
 
 def one_by_one(solid):
-    """A call for each ray."""
+    """One call per ray."""
 
     def pairs(array, count):
         return list(zip(*rays(array, count)))
@@ -131,7 +131,7 @@ def union(threads):
 
 
 def on_threads(name, task):
-    """A task on one thread, and on as many as RAYWEAVE_THREADS says."""
+    """A task on one thread, and on the number of threads in RAYWEAVE_THREADS."""
     return {name: task(1), name + "/all": task(None)}
 
 

@@ -1,10 +1,10 @@
-"""Where Raysect sends light of each wavelength through an equilateral prism of N-BK7: one row for each ray.
+"""Directions in which light of several wavelengths leaves an equilateral prism of N-BK7 in Raysect: one row per ray.
 
     DIR/py/bin/python crates/bench/peers/prism_raysect.py
 
-The apex angle is 60 degrees and the edges are along z. Rays come in the plane z = 0, at an angle of incidence in degrees, towards the
-middle of a face. What is printed is the direction in which they leave: wavelength in nm, incidence in degrees, x, y.
-`crates/optics/tests/component/spectrum.rs` holds what it printed.
+The apex angle is 60 degrees and the edges are along z. Rays arrive in the plane z = 0 at
+the middle of a face. Each row lists wavelength in nm, angle of incidence in degrees, and x and y of the exit direction.
+`crates/optics/tests/component/spectrum.rs` contains the output.
 """
 
 from math import cos, radians, sin
@@ -20,7 +20,7 @@ SIDE = 30.0
 
 
 class Witness(Material):
-    """Keeps the direction of the ray that comes."""
+    """Records the direction of the incoming ray."""
 
     def evaluate_surface(self, world, ray, *rest):
         self.direction = ray.direction
@@ -31,7 +31,7 @@ class Witness(Material):
 
 
 def prism(world):
-    # three large boxes whose faces are the sides: the first has its normal along +x, at the radius of the inscribed circle
+    # three large boxes whose faces are the sides; the first face has its normal along +x, at the inradius
     inner = SIDE / (2 * 3**0.5)
     faces = [
         Box(Point3D(-200, -200, -20), Point3D(inner, 200, 20), transform=rotate_z(turn)) for turn in (0, 120, 240)
@@ -48,7 +48,7 @@ def main():
     # light starts inside the ball and ends on it
     Sphere(150, world, material=witness, transform=translate(0, 0, 0))
     for incidence in INCIDENCES:
-        # enters by the face towards +x, inclined away from the exit face, whose normal is at 120 degrees
+        # enters through the face towards +x, inclined away from the exit face, whose normal is at 120 degrees
         direction = Vector3D(-cos(radians(incidence)), sin(radians(incidence)), 0)
         origin = Point3D(inner, 0, 0) - direction * 40
         for wavelength in WAVELENGTHS_NM:

@@ -1,5 +1,5 @@
-// The die in VecGeom: its solids ask for the next boundary, outside or inside. A driver as those in Python: see
-// crates/bench/src/peers.rs for the lines.
+// The die in VecGeom: each call returns the distance to the next boundary, from outside or inside. A driver like those
+// in Python: crates/bench/src/peers.rs defines the protocol.
 
 #include <VecGeom/volumes/BooleanVolume.h>
 #include <VecGeom/volumes/Box.h>
@@ -71,7 +71,7 @@ static std::vector<double> full(VPlacedVolume const *solid, Ray const &ray)
   return times;
 }
 
-// the list of a ray without memory of its own: what is timed
+// the list of a ray without its own memory: only this is timed
 static double sum_of_all(VPlacedVolume const *solid, Ray const &ray)
 {
   Vec place = ray.place;
@@ -90,7 +90,7 @@ static double sum_of_all(VPlacedVolume const *solid, Ray const &ray)
   return sum;
 }
 
-// Arrays of float64, rows first: what the benchmark writes.
+// Arrays of float64 in row-major order, as the benchmark writes them.
 static std::vector<double> load(std::string const &file, size_t &columns)
 {
   std::ifstream in(file + ".npy", std::ios::binary);
@@ -144,7 +144,7 @@ static void save(std::string const &file, std::vector<std::vector<double>> const
   out.write(reinterpret_cast<char const *>(table.data()), 8 * table.size());
 }
 
-// Seconds by the clock that is requested.
+// Seconds of the requested clock.
 static double now()
 {
   static char const *const clock = std::getenv("RAYWEAVE_BENCH_CLOCK");

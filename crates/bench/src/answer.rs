@@ -112,7 +112,7 @@ pub struct Agreement {
     pub rays: usize,
     /// The number of rays whose lists differ in length.
     pub other_count: usize,
-    /// The number of other rays with a time that differs by more than 1e-6, relative to the time or
+    /// The number of rays with lists of equal length in which a time differs by more than 1e-6, relative to the time or
     /// to 1, whichever is larger.
     pub other_time: usize,
     /// The largest difference of two times in lists of equal length, relative to the time or to 1,

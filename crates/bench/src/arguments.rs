@@ -19,7 +19,7 @@ pub struct Arguments {
     #[arg(long)]
     pub list: bool,
 
-    /// Run for some seconds only: a smoke test, whose times are not meaningful
+    /// Run for a few seconds only: a smoke test without meaningful times
     #[arg(long)]
     pub quick: bool,
 
@@ -31,7 +31,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
 
-    /// Write the page of results, and its plot beside it
+    /// Write the page of results, with its plot in the same folder
     #[arg(long, value_name = "FILE")]
     pub markdown: Option<PathBuf>,
 
@@ -90,7 +90,7 @@ impl Arguments {
         thread_count(self.threads).get()
     }
 
-    /// The path of the plot: the given one, or beside the page.
+    /// The path of the plot: the given one, or one in the folder of the page.
     pub(crate) fn plot(&self) -> Option<PathBuf> {
         let beside = || self.markdown.as_ref().map(|page| page.with_extension("svg"));
         self.plot.clone().or_else(beside)

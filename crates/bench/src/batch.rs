@@ -55,8 +55,8 @@ pub fn camera() -> Result<Camera, Error> {
     Ok(Camera::perspective([4.0, -5.0, 3.2], [0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 24.0)?)
 }
 
-/// Coherent rays: those of the pixels of a square picture, row by row; as many whole rows as
-/// `count` rays permit.
+/// Coherent rays: those of the pixels of a square picture, row by row; as many whole rows as fit
+/// into `count` rays.
 pub fn coherent(count: usize) -> Result<RayBatch, Error> {
     let (camera, side) = (camera()?, count.isqrt().max(8) / 8 * 8);
     let size = Size::new(side as u32, side as u32)?;

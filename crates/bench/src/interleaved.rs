@@ -63,7 +63,7 @@ impl Effort {
         (full / shrink / 64).max(1) * 64
     }
 
-    /// The same effort with another clock.
+    /// The same effort with a different clock.
     pub fn by(self, clock: Clock) -> Effort {
         match self {
             Effort::Rounds { rounds, seconds, shrink, .. } => {

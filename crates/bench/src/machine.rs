@@ -24,8 +24,8 @@ pub fn today() -> String {
     format!("{year}-{month:02}-{day:02}")
 }
 
-/// Year, month and day of a day counted from 1970-01-01: years begin in March, so that the leap day is their last, and
-/// eras of 400 years have 146097 days (the Gregorian calendar).
+/// The year, month and day of a day number counted from 1970-01-01 (Gregorian calendar). Years begin in March here, so
+/// that the leap day is the last day, and eras of 400 years have 146097 days.
 fn civil(day: i64) -> [i64; 3] {
     // from 0000-03-01
     let day = day + 719_468;

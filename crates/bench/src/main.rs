@@ -8,7 +8,7 @@ use std::process::ExitCode;
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
-/// Measure exemplars beside peers and the ceilings of the machine.
+/// Measure exemplars, and compare them with peers and with the ceilings of the machine.
 #[derive(Parser)]
 #[command(name = "rayweave-bench", version, max_term_width = 100)]
 struct Command {

@@ -2,10 +2,10 @@
 //!
 //! A driver is started in a folder with the inputs and prints `peer NAME VERSION TASK TASK ...`.
 //! Then it answers each line: `run TASK FILE N` with `seconds S`, the time that the first N rays of
-//! FILE.npy took it; `answer TASK FILE N OUT` with `done` when OUT.npy holds the times, float64 of
-//! shape (H, N), +inf where there is none. Any failure is `error TEXT`. The driver ends at the end
-//! of its input. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it reports processor times.
-//! A task `NAME/all` is NAME on the number of threads in the variable `RAYWEAVE_THREADS`; its times
+//! FILE.npy took it; `answer TASK FILE N OUT` with `done` once OUT.npy contains the times, float64
+//! of shape (H, N), padded with +inf. Any failure is `error TEXT`. The driver ends at the end of
+//! its input. If the variable `RAYWEAVE_BENCH_CLOCK` is `processor`, it reports processor times. A
+//! task `NAME/all` is NAME on the number of threads in the variable `RAYWEAVE_THREADS`; its times
 //! are wall-clock times. Missing peers are reported and skipped.
 
 use crate::answer::Lists;
@@ -30,7 +30,7 @@ struct Known {
     script: Option<(&'static str, &'static str)>,
 }
 
-/// The module that all scripts import.
+/// The module that all drivers in Python import.
 const DRIVER: (&str, &str) = ("driver.py", include_str!("../peers/driver.py"));
 
 /// The name of the driver of this project's Python package.
@@ -120,7 +120,7 @@ impl Peers {
     /// Starts the peers that are installed in a folder; without a folder all are missing. `threads` applies to tasks on all threads.
     pub fn start(installed: Option<&Path>, clock: Clock, threads: usize) -> io::Result<Peers> {
         let Some(installed) = installed else {
-            let reason = "no folder of peers is given (--peers)";
+            let reason = "no folder with peers was given (--peers)";
             let missing = KNOWN.iter().map(|known| (known.name.to_owned(), reason.to_owned()));
             return Ok(Peers { missing: missing.collect(), ..Peers::default() });
         };
@@ -202,7 +202,10 @@ impl Peer {
     ) -> Result<Peer, String> {
         let program = installed.join(known.program);
         if !program.exists() {
-            return Err(format!("there is no {} where peers are installed: see install.sh.", known.program));
+            return Err(format!(
+                "`{}` is missing in the folder of the peers: see install.sh.",
+                known.program
+            ));
         }
         let mut command = Command::new(program);
         if let Some(script) = known.script {
@@ -275,7 +278,7 @@ impl Peer {
     fn seconds(&mut self, order: &str, items: f64) -> Result<f64, String> {
         let line = self.order(&format!("{order} {items}"))?;
         let number = line.split_whitespace().nth(1).and_then(|word| word.parse().ok());
-        number.ok_or_else(|| format!("`{line}` is no time"))
+        number.ok_or_else(|| format!("`{line}` is not a time"))
     }
 
     fn answer(&mut self, task: &str, file: &str, count: usize) -> Result<Lists, String> {

@@ -23,7 +23,10 @@ pub fn run(arguments: &Arguments) -> Result<(), String> {
         return Ok(());
     }
     if wanted.is_empty() {
-        return Err(format!("no exemplar begins with {:?} (--list names them)", arguments.only));
+        return Err(format!(
+            "no exemplar has a name that begins with {:?}. --list prints the names.",
+            arguments.only
+        ));
     }
     match arguments.effort() {
         Effort::Once { .. } => wanted.iter().try_for_each(|exemplar| once(*exemplar, arguments)),
@@ -69,8 +72,8 @@ fn exemplar_sections(exemplar: &dyn Exemplar, bench: &Bench, arguments: &Argumen
         vec![section]
     });
     if arguments.instructions {
-        // an exemplar with several sections, such as a growing model, would be built again for each
-        // candidate
+        // counting builds the model again for each candidate, so exemplars with several sections
+        // are left out
         let alone = sections.iter_mut().filter(|section| section.name == exemplar.name());
         alone.for_each(|section| count_instructions(section, &bench.peers));
     }

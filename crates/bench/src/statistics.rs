@@ -28,7 +28,7 @@ impl Statistics {
         })
     }
 
-    /// The distance of the quartiles relative to the median.
+    /// The distance between the quartiles (interquartile range), relative to the median.
     pub fn spread(&self) -> f64 {
         (self.quartiles[1] - self.quartiles[0]) / self.median
     }

@@ -1,5 +1,5 @@
-//! The tree with the boxes as they were given, in `f64`: a view of the same tree for queries that test boxes by
-//! themselves.
+//! The tree with the boxes as they were given, in `f64`: a view of the same tree for queries with their own tests of
+//! boxes.
 
 use crate::build::{DEPTH, Item, Split, build};
 use crate::frame::Frame;

@@ -12,8 +12,8 @@ use std::collections::BinaryHeap;
 #[derive(Clone, Debug, Default)]
 pub struct FrontToBack {
     probe: Probe,
-    /// Queue of boxes not yet opened, nearest first: the entry time, as bits ordered like the times, above
-    /// the child.
+    /// Queue of boxes not yet opened, nearest first: the high 32 bits hold the entry time (order-preserving), the low
+    /// 32 the child.
     waiting: BinaryHeap<Reverse<u64>>,
     /// The items of the node that was opened last.
     fresh: [u32; WIDTH],

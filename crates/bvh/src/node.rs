@@ -46,7 +46,7 @@ impl Child {
 
     /// The number of bits for a place, in leaves of up to `LEAF` items.
     const fn place_bits<const LEAF: usize>() -> u32 {
-        assert!(LEAF.is_power_of_two(), "the largest leaf has a power of two of items");
+        assert!(LEAF.is_power_of_two(), "the number of items in a leaf must be a power of two");
         31 - LEAF.ilog2()
     }
 

@@ -76,8 +76,8 @@ impl<const LEAF: usize> Bvh<LEAF> {
         (tree, items.iter().map(|item| item.number).collect())
     }
 
-    /// The items with an unbounded box, as numbered in the input. They are not in the tree: the caller visits
-    /// them in every query. Items with an empty box are in neither.
+    /// The items with an unbounded box, as numbered in the input. They are not in the tree: the caller visits them in
+    /// every query. Items with an empty box are neither here nor in the tree.
     pub fn unbounded(&self) -> &[u32] {
         &self.unbounded
     }

@@ -15,7 +15,7 @@ pub struct GlobalArguments {
     #[arg(long, global = true, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
 
-    /// Show no progress bar and no message of success
+    /// Show neither a progress bar nor messages of success
     #[arg(short, long, global = true)]
     pub quiet: bool,
 }
@@ -23,10 +23,10 @@ pub struct GlobalArguments {
 /// A model file and the values of its parameters.
 #[derive(Args)]
 pub struct ModelArguments {
-    /// Model file: native (.toml), OpenSCAD (.csg), Geant4 (.gdml), or a mesh (.stl, .obj, .ply, .off, .3mf, .gltf, .glb)
+    #[arg(help = model_help())]
     pub model: PathBuf,
 
-    /// Format of the model file [default: by its ending, else native]
+    /// Format of the model file [default: by the file extension, else native]
     #[arg(long, value_name = "NAME", value_parser = Format::NAMES)]
     pub format: Option<String>,
 
@@ -42,7 +42,7 @@ pub struct ModelArguments {
     #[arg(long)]
     pub repair: bool,
 
-    /// Unit of lengths of files without a unit (meshes, OpenSCAD) [default: mm]
+    /// Unit of length for files without a unit (meshes, OpenSCAD) [default: mm]
     #[arg(long, value_name = "UNIT", value_parser = Unit::ALL.map(|(_, symbol, _)| symbol))]
     pub unit: Option<String>,
 
@@ -55,28 +55,50 @@ pub struct ModelArguments {
     #[arg(long)]
     pub strict: bool,
 
-    /// Answer although parts of the geometry of the model are missing, such as imported files or items that are not supported
+    /// Continue although parts of the model's geometry are missing, such as imported files or unsupported items
     #[arg(long)]
     pub allow_missing: bool,
 
-    /// Set a parameter of the model; the value may be an arithmetic expression of other parameters.
+    /// Set a parameter of the model; the value may be an arithmetic expression in other parameters.
     /// May be repeated
     #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
     pub definitions: Vec<(String, String)>,
 }
 
+/// The help of the model file: the extensions of all formats, with the names of those that are called otherwise.
+fn model_help() -> String {
+    let formats = Format::NAMES.into_iter().filter_map(Format::from_name).map(|format| {
+        let extensions = format.extensions().join(", .");
+        match format.extensions().contains(&format.name()) {
+            true => format!(".{extensions}"),
+            false => format!(".{extensions} ({format})"),
+        }
+    });
+    format!("Model file: {}", formats.collect::<Vec<_>>().join(", "))
+}
+
 impl ModelArguments {
-    /// Reads the model file for an answer that depends on all of its geometry. Warnings go to standard error.
+    /// Reads the model file for a result that depends on all of its geometry. Warnings go to standard error.
     pub fn load(&self) -> Result<Scene, Failure> {
         self.all_of(&self.model, self.import_scene_only()?).map(|imported| imported.scene)
     }
 
-    /// Reads the model file like [`load`](Self::load), and records the losses of the import.
+    /// Reads the model file like [`load`](Self::load), for answers about one of its solids or about its regions. Without a solid the
+    /// scene has no named solids: the parts of its regions are then used once, which takes less memory to compile.
+    pub fn load_for(&self, solid: Option<&str>) -> Result<Scene, Failure> {
+        let mut scene = self.load()?;
+        if solid.is_none() {
+            scene.solids = Vec::new();
+        }
+        Ok(scene)
+    }
+
+    /// Reads the model file like [`load`](Self::load) and records the losses of the import.
     pub fn import_all(&self) -> Result<Imported, Failure> {
         self.all_of(&self.model, self.import()?)
     }
 
-    /// Rejects a model of which a part of the geometry is missing: numbers about it would be wrong.
+    /// Rejects a model with missing geometry: results computed from it would be wrong.
     fn all_of(&self, path: &Path, imported: Imported) -> Result<Imported, Failure> {
         let missing = imported.report.count(LossKind::Refused);
         if missing == 0 || self.allow_missing {
@@ -91,12 +113,12 @@ impl ModelArguments {
         Err(Failure::Input(text))
     }
 
-    /// Reads what there is of the model file, and records the losses of the import. Warnings go to standard error.
+    /// Reads the model file, even with missing geometry, and records the losses of the import. Warnings go to standard error.
     pub fn import(&self) -> Result<Imported, Failure> {
         self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions, false)
     }
 
-    /// Reads what there is of the model file, without its document. Warnings go to standard error.
+    /// Reads the model file, even with missing geometry, without its document. Warnings go to standard error.
     pub fn import_scene(&self) -> Result<Scene, Failure> {
         self.import_scene_only().map(|imported| imported.scene)
     }
@@ -105,7 +127,7 @@ impl ModelArguments {
         self.read(&self.model, self.format.as_deref(), self.unit.as_deref(), &self.definitions, true)
     }
 
-    /// Reads a second model by the same options, except format and unit; its parameters keep their
+    /// Reads a second model with the same options, except format and unit; its parameters keep their
     /// own values.
     pub fn load_other(
         &self,
@@ -151,7 +173,7 @@ impl ModelArguments {
     }
 }
 
-/// The subject of a command, and the evaluator.
+/// The solid that a command works on, and the evaluator.
 #[derive(Args)]
 pub struct SubjectArguments {
     /// Use this solid instead of all regions
@@ -207,7 +229,7 @@ fn definition(text: &str) -> Result<(String, String), String> {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok((name.trim().to_owned(), value.trim().to_owned()))
         }
-        _ => Err("a definition is a name and a value, as in R=60".to_owned()),
+        _ => Err("a definition is a name and a value, such as R=60".to_owned()),
     }
 }
 
@@ -216,7 +238,7 @@ pub fn point(text: &str) -> Result<[f64; 3], String> {
     let parts: Vec<&str> = text.split(',').map(str::trim).collect();
     let [x, y, z] = parts[..] else {
         let found = parts.len();
-        return Err(format!("a point is three numbers, as in 1,-2.5,1e3; here are {found}"));
+        return Err(format!("a point is three numbers, such as 1,-2.5,1e3, but {found} were given"));
     };
     Ok([number(x)?, number(y)?, number(z)?])
 }
@@ -233,7 +255,7 @@ fn number(text: &str) -> Result<f64, String> {
 pub fn time(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(t) if !t.is_nan() => Ok(t),
-        _ => Err("a time is a number, inf or -inf".to_owned()),
+        _ => Err("a time is a finite number, inf or -inf".to_owned()),
     }
 }
 

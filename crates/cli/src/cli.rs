@@ -11,13 +11,13 @@ use clap::{CommandFactory, Parser, Subcommand};
 const AFTER_HELP: &str = "\
 Exit codes:
   0    done
-  1    the run failed, because a file could not be written for instance
-  2    the command line is wrong
-  3    the model or another input file is wrong or cannot be read
+  1    the run failed, for example because a file could not be written
+  2    the command line is invalid
+  3    the model or another input file is invalid or cannot be read
   130  cancelled by Ctrl-C or a termination signal; unfinished files are removed
 
 Environment:
-  RAYWEAVE_THREADS  the number of threads, where --threads is not given
+  RAYWEAVE_THREADS  the number of threads, unless --threads is given
   NO_COLOR          if set, messages have no colours
 
 Examples:
@@ -29,8 +29,8 @@ Examples:
 
 /// Exact ray tracing through constructive solid geometry
 ///
-/// A model file describes solids as boolean expressions over shapes. The command renders models, traces rays and light
-/// through them, measures, checks and converts them.
+/// A model file describes solids as boolean expressions of shapes. The command renders, measures, checks and converts
+/// models, and traces rays and light through them.
 #[derive(Parser)]
 #[command(name = "rayweave", version, after_help = AFTER_HELP, max_term_width = 100)]
 pub struct Cli {
@@ -47,7 +47,7 @@ pub enum Command {
     Probe(Probe),
     Trace(Trace),
     Optics(Optics),
-    Photons(Box<Photons>),
+    Photons(Photons),
     Convert(Convert),
     Export(Export),
     Infill(Infill),

@@ -37,7 +37,7 @@ fn kind(path: &Path) -> Option<Kind> {
 pub fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown format of drawings: they are written as .svg or .png."))
+        Failure::Usage(format!("{path}: unknown drawing format: drawings are written as .svg or .png."))
     };
     kind(path).map(|_| ()).ok_or_else(problem)
 }
@@ -63,7 +63,7 @@ pub fn save_sheet(path: &Path, sheet: &PictureSheet, title: &str) -> Result<(), 
     terminal::save(path, &encoded(&pixels).map_err(Failure::Run)?)
 }
 
-/// Draws a picture over another one.
+/// Copies a picture onto a pixel map.
 fn put(pixels: &mut Pixmap, [x, y]: [usize; 2], image: &Image) {
     let size = IntSize::from_wh(image.width() as u32, image.height() as u32);
     let premultiplied = |&[r, g, b, a]: &[u8; 4]| ColorU8::from_rgba(r, g, b, a).premultiply();
@@ -93,7 +93,7 @@ fn pixels(svg: &str, zoom: f32) -> Result<Pixmap, String> {
     fonts.load_system_fonts();
     if fonts.is_empty() {
         terminal::note(
-            "note: this machine has no fonts, so that the picture has no texts: write it as .svg?",
+            "note: the picture has no text: no fonts are installed on this machine. Write it as .svg.",
         );
     }
     let tree = Tree::from_str(svg, &options).map_err(|error| failed(&error))?;

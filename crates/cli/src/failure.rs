@@ -16,7 +16,7 @@ pub enum Failure {
     Run(String),
     /// The result is negative: exit code 1, without a message.
     Answer,
-    /// Any failure, with the exit code 2 as for diff(1).
+    /// Any failure of `diff`, with exit code 2 like diff(1).
     Trouble(Box<Failure>),
     /// The reader of the output has closed it; this is not an error.
     BrokenPipe,
@@ -60,10 +60,10 @@ impl<E: Into<Error>> From<E> for Failure {
     }
 }
 
-/// The failure of a strict run that would not write all of a model.
+/// The failure of a `--strict` run that cannot write the whole model.
 pub fn lossy(out: &Path) -> Failure {
     let text = format!(
-        "{} is not written: it would not hold all of the model, and --strict is given.",
+        "{} is not written: the format cannot hold the whole model, and --strict is given.",
         out.display()
     );
     Failure::Input(text)

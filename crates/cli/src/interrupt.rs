@@ -1,4 +1,4 @@
-//! Ctrl-C and termination signals (SIGTERM, SIGHUP): end the command at any time, without unfinished files.
+//! Ctrl-C and termination signals (SIGTERM, SIGHUP) end the command at any time, without leaving unfinished files.
 
 use crate::failure::Failure;
 use rayweave::model::drive::{Cancel, aside};
@@ -9,9 +9,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The time after a signal in which the command may end by itself. Runs check [`token`] between their tasks; files are read and
-/// models are compiled without many such checks.
+/// The time that the command has after a signal to end by itself. Runs check [`token`] between their tasks; reading files and
+/// compiling models check it only rarely.
 const PATIENCE: Duration = Duration::from_millis(300);
+
+/// The time after a signal in which the command may remove its unfinished files itself. It cannot while it waits for a pipe that
+/// nobody reads.
+const LAST_PATIENCE: Duration = Duration::from_secs(2);
 
 /// The token that Ctrl-C and termination signals cancel.
 pub fn token() -> Cancel {
@@ -19,23 +23,31 @@ pub fn token() -> Cancel {
     TOKEN.get_or_init(Cancel::new).clone()
 }
 
-/// Runs the command on a thread of its own, and ends it soon after a signal: at the next check of [`token`], or at any point where it
-/// has no unfinished file.
+/// Runs the command on a separate thread and ends it soon after a signal: at the next check of [`token`], at any point where it
+/// has no unfinished file, or after [`LAST_PATIENCE`], which removes its unfinished files.
 pub fn watch(command: impl FnOnce() -> Result<(), Failure> + Send + 'static) -> Result<(), Failure> {
     let (cancel, own) = (token(), token());
     ctrlc::set_handler(move || own.cancel())
         .map_err(|error| Failure::Run(format!("cannot listen for Ctrl-C: {error}.")))?;
     let mut signalled = None;
-    let look = || match cancel.is_cancelled() {
-        true if signalled.get_or_insert_with(Instant::now).elapsed() < PATIENCE => Ok(()),
-        true if AtomicFile::none_from_now_on() => Err(Failure::Cancelled),
-        _ => Ok(()),
+    let look = || {
+        if !cancel.is_cancelled() {
+            return Ok(());
+        }
+        let waited = signalled.get_or_insert_with(Instant::now).elapsed();
+        if waited >= LAST_PATIENCE {
+            AtomicFile::abandon_all();
+        }
+        match waited >= PATIENCE && AtomicFile::none_from_now_on() {
+            true => Err(Failure::Cancelled),
+            false => Ok(()),
+        }
     };
     aside(|| token().while_current(command), look)?
 }
 
-/// A reader of a source that may block for ever, such as a pipe. A separate thread reads the
-/// source, so that a waiting reader can be cancelled.
+/// A reader of a source that may block forever, such as a pipe. A separate thread reads the
+/// source, so a waiting reader can be cancelled.
 pub struct Interruptible {
     blocks: Receiver<io::Result<Vec<u8>>>,
     block: Vec<u8>,
@@ -53,7 +65,7 @@ impl Interruptible {
         cancel: Cancel,
     ) -> Interruptible {
         let (sender, blocks) = sync_channel(4);
-        // not joined, because it may block for ever
+        // not joined, because it may block forever
         thread::spawn(move || {
             let mut source = match open() {
                 Ok(source) => source,

@@ -10,7 +10,7 @@ pub fn json(estimate: &Estimate) -> Value {
 }
 
 /// A value with its half-width, such as `12.34 ± 0.05`. The half-width has at most two digits, and
-/// the value as many decimals.
+/// the value has as many decimals.
 pub fn text(estimate: &Estimate) -> String {
     let (value, width) = rounded(estimate);
     format!("{value} \u{b1} {width}")

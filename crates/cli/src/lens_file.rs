@@ -1,5 +1,5 @@
-//! Lens files as models of the command: a sequential prescription converted to solids, with the
-//! light of its fields.
+//! Lens files as models: a sequential prescription converted to solids, with the light of its
+//! fields.
 
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
@@ -15,14 +15,14 @@ use std::path::Path;
 /// The number of rings of rays in the pupil: 331 rays for each field and wavelength.
 const RINGS: usize = 10;
 
-/// The fraction of the power of a ray down to which ghosts are traced: a lens that reflects at
+/// The fraction of a ray's power below which ghosts are not traced: a lens that reflects at
 /// every face has infinitely many ghosts.
 const FAINTEST: f64 = 1e-6;
 
-/// A system with its light.
+/// An optical system with its light.
 pub struct Bench {
     pub optics: OpticalScene,
-    /// The symbol of its unit of lengths.
+    /// The symbol of its unit of length.
     pub unit: &'static str,
     /// The name of the sheet at the image, if the model is a lens file.
     pub image: Option<&'static str>,
@@ -30,7 +30,7 @@ pub struct Bench {
     pub fields: Vec<String>,
 }
 
-/// True if a file name is that of a lens file.
+/// True if a path has the extension of a lens file.
 pub fn is_one(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("zmx"))
 }
@@ -40,7 +40,7 @@ pub fn load(model: &ModelArguments) -> Result<Bench, Failure> {
     let path = &model.model;
     if let Some((name, _)) = model.definitions.first() {
         let problem = format!("--define {name}: a lens file has no parameters");
-        return Err(Failure::Usage(format!("{problem}: they are of Rayweave's own models.")));
+        return Err(Failure::Usage(format!("{problem}: only Rayweave's own models have them.")));
     }
     let name = path.display();
     let bytes =
@@ -112,7 +112,7 @@ fn beam(
     let aimed = pupil.iter().filter_map(|&point| lens.beam_at_stop(field, wavelength_nm, &[point]).ok());
     let beam: Beam = aimed.map(|beam| beam.get(0)).collect();
     let lost = pupil.len() - beam.len();
-    let lost = if lost > 0 { format!("; {lost} rays find no way to it") } else { String::new() };
+    let lost = if lost > 0 { format!("; {lost} rays do not reach it") } else { String::new() };
     let text = "rays are aimed at the stop, since the real entrance pupil is far from the paraxial one";
     terminal::caution(&format!("{name}: field {field}, {wavelength_nm} nm: {text}{lost}"));
     Ok(beam)

@@ -18,7 +18,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    // a negative number is parsed as the value of the option before it, which validates it
+    // a negative number is parsed as the value of the preceding option, which validates it
     let command = Cli::command().mut_subcommands(|command| command.allow_negative_numbers(true));
     let parsed = command.try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
     let cli = match parsed {
@@ -31,7 +31,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Prints an error of the command line to standard error, or the help or version, which are errors for the parser, too, to
+/// Prints an error of the command line to standard error; help and version, which the parser also returns as errors, go to
 /// standard output.
 fn print(error: &clap::Error) -> ExitCode {
     match error.print().and_then(|()| std::io::stdout().flush()) {

@@ -1,4 +1,4 @@
-//! Report of a run of photons: ways of ending, processes, sequences.
+//! Report of a photon run: how photons end, processes, sequences.
 
 use crate::terminal;
 use rayweave::photon::{Detector, End, Histories, PhotonPart, PhotonRun, Process, sequence_text};
@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// The name of interfaces without an optical surface in reports.
+/// The name that reports use for interfaces without an optical surface.
 const BARE: &str = "(none)";
 
 /// The results of a run.
@@ -50,7 +50,7 @@ impl PhotonReport {
         }
         if let Some(counts) = &mut self.counts {
             let mut histories = histories;
-            // only the counts are kept
+            // only the counts are needed
             histories.steps = Vec::new();
             histories.sequences = Vec::new();
             counts.append(histories);
@@ -141,7 +141,7 @@ impl PhotonReport {
     fn most_frequent(&self) -> Vec<([u64; 2], u64)> {
         let Some((found, most)) = &self.sequences else { return Vec::new() };
         let mut list: Vec<([u64; 2], u64)> = found.iter().map(|(words, count)| (*words, *count)).collect();
-        // of equal numbers the order of the sequences
+        // ties are ordered by sequence
         list.sort_by_key(|&(words, count)| (std::cmp::Reverse(count), words));
         list.truncate(*most);
         list

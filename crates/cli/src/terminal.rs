@@ -90,7 +90,7 @@ pub fn report(failure: &Failure) -> ExitCode {
         Failure::Trouble(failure) => {
             report(failure);
         }
-        Failure::Cancelled => complain("cancelled: unfinished files are removed."),
+        Failure::Cancelled => complain("cancelled: unfinished files were removed."),
     }
     ExitCode::from(failure.code())
 }
@@ -107,7 +107,7 @@ pub fn progress_bar(total: Option<u64>, unit: Unit, quiet: bool) -> ProgressBar 
         (Unit::Bytes, None) => "{spinner} {bytes} {bytes_per_sec}",
         (Unit::Percent, _) => "{bar:40} {percent} % {eta} left",
     };
-    // the templates are constants and valid; otherwise the default style is used
+    // the templates are valid constants; if one were not, the default style would be used
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
@@ -133,7 +133,7 @@ pub enum Unit {
     Percent,
 }
 
-/// Formats an estimate with three significant digits.
+/// Formats a number with three significant digits.
 pub fn short3(x: f64) -> String {
     short(rounded(x, 3))
 }

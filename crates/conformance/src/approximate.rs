@@ -109,7 +109,7 @@ pub fn check_bounds<A: ApproximateEvaluator, E: Evaluator>(
     let mut verdict = Verdict { rays: rays.len() as u64, ..Verdict::default() };
     if !is_complete(&ours, rays.len()) {
         verdict.wrong = verdict.rays;
-        verdict.failures.insert("columns of another length than the batch", String::new());
+        verdict.failures.insert("columns whose length differs from the batch", String::new());
         return verdict;
     }
     for ray in 0..rays.len() {
@@ -175,19 +175,19 @@ impl Pair<'_> {
     fn compare(&self) -> Result<[f64; 2], &'static str> {
         let (ours, theirs, ray) = (&self.ours.crossings, self.theirs, self.ray);
         if ours.start[ray] != theirs.start[ray] {
-            return Err("another region at the start");
+            return Err("a different region at the start");
         }
         if ours.rows_of(ray).len() != theirs.rows_of(ray).len() {
-            return Err("another number of crossings");
+            return Err("a different number of crossings");
         }
         let mut greatest = [0.0f64; 2];
         for (row, exact_row) in ours.rows_of(ray).zip(theirs.rows_of(ray)) {
             if identity(ours, row) != identity(theirs, exact_row) {
-                return Err("another face or region");
+                return Err("a different face or region");
             }
             let (own, exact) = (ours.crossing(self.program, row), theirs.crossing(self.program, exact_row));
             if (own.left, own.entered) != (exact.left, exact.entered) {
-                return Err("another face on one of the sides");
+                return Err("a different face on one of the sides");
             }
             let (error, bound) = ((ours.t[row] - exact.t).abs(), self.ours.bound[row]);
             if !(bound.is_finite() && bound >= 0.0) {

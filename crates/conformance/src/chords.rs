@@ -131,6 +131,9 @@ fn expect(name: &str, what: &str, samples: &[f64], expected: f64) {
     let mean = samples.iter().sum::<f64>() / count;
     let variance = samples.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
     let error = (variance / count).sqrt();
-    assert!(error < 0.06 * expected, "{name}: {error} is no measurement of {expected}");
+    assert!(
+        error < 0.06 * expected,
+        "{name}: the standard error {error} is too large for a mean of {expected}"
+    );
     assert!((mean - expected).abs() <= 5.0 * error, "{name}: {what} {mean} +- {error}, not {expected}");
 }

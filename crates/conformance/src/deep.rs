@@ -25,7 +25,7 @@ pub fn chains<E: Evaluator>(make: impl Fn(Arc<Program>) -> E + Sync + Send) {
 fn chain<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     let solid = build(1, true);
     assert!(solid == build(1, true), "a tree differs from its twin");
-    assert!(solid != build(2, true), "a tree equals another one");
+    assert!(solid != build(2, true), "different trees compare equal");
     // a named solid is printed as its name
     assert!(solid.to_string().len() < 100 * DEPTH && build(1, false).to_string().len() > 10 * DEPTH);
     let program = Arc::new(Program::compile(&solid).expect("all maps are regular"));

@@ -282,8 +282,7 @@ pub fn of_placements<E: Evaluator>(make: impl Fn(Arc<Program>) -> E, effort: Eff
         // the two
         let mut rays = plain_rays(rng);
         rays.extend((0..60).map(|_| grid_ray(rng)));
-        // a root at 1e17, of a ray that rounding keeps from being parallel to a face, may as well be at
-        // infinity
+        // a root at 1e17, of a ray that rounding keeps from being parallel to a face, may just as well be at infinity
         let window = Window::new(-1e6, 1e6).unwrap_or_default();
         let query = Query { window, ..Query::default() };
         let trace =

@@ -85,7 +85,7 @@ impl fmt::Display for Model {
 
 /// Unwraps a program. Every model of the suite is valid, so an error is a bug.
 pub(crate) fn compiled(program: Result<Program, CompileError>) -> Arc<Program> {
-    Arc::new(program.unwrap_or_else(|e| panic!("a legal model is refused: {e}")))
+    Arc::new(program.unwrap_or_else(|e| panic!("a valid model is rejected: {e}")))
 }
 
 /// A random solid of about the given depth.

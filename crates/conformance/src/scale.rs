@@ -39,8 +39,9 @@ pub fn plate(n: usize) -> Solid {
     block(-half, half) - Solid::union(holes)
 }
 
-/// A sponge by nested differences: a cube minus three square bars through its middle (as in Menger's sponge),
-/// minus
+/// A sponge by nested differences: a cube minus three square bars through its middle (as in Menger's sponge), minus
+/// smaller sponges of the same form in the 20 cubes that the bars leave. Each cube takes four leaves; larger cubes come
+/// first, until there are `n` leaves (or up to three more).
 pub fn sponge(n: usize) -> Solid {
     let cells = cells(n.div_ceil(4).max(1));
     let mut holes: Vec<Vec<Solid>> = vec![Vec::new(); cells.len()];

@@ -1,5 +1,5 @@
-//! Tests of the test of approximate evaluators: it accepts one that rounds to single precision with correct
-//! bounds, and detects every kind of violation.
+//! Tests of the checks for approximate evaluators: they accept an evaluator that rounds to single precision with
+//! correct bounds, and detect every kind of violation.
 
 use rayweave_conformance::Effort;
 use rayweave_conformance::approximate::{Verdict, against, on_model};
@@ -24,9 +24,9 @@ enum Fault {
     NeverUncertain,
     /// The last crossing of each ray is missing.
     LastDropped,
-    /// The face is another one of the same leaf.
+    /// The face is a different one of the same leaf.
     OtherFace,
-    /// The first two crossings are exchanged.
+    /// The first two crossings are swapped.
     Reversed,
     /// The region at the start is wrong.
     OtherStart,
@@ -160,15 +160,15 @@ fn every_false_claim_is_caught() {
         (Fault::NoBound, "a time farther from the exact one than its bound"),
         (Fault::BoundIsNan, "a bound that is infinite, NaN or below 0"),
         (Fault::BoundIsInfinite, "a bound that is infinite, NaN or below 0"),
-        (Fault::NeverUncertain, "another number of crossings"),
-        (Fault::LastDropped, "another number of crossings"),
-        (Fault::OtherFace, "another face or region"),
-        (Fault::Reversed, "another face or region"),
-        (Fault::OtherStart, "another region at the start"),
-        (Fault::ShortColumn, "columns of another length than the batch"),
+        (Fault::NeverUncertain, "a different number of crossings"),
+        (Fault::LastDropped, "a different number of crossings"),
+        (Fault::OtherFace, "a different face or region"),
+        (Fault::Reversed, "a different face or region"),
+        (Fault::OtherStart, "a different region at the start"),
+        (Fault::ShortColumn, "columns whose length differs from the batch"),
     ] {
         let verdict = verdict(fault);
-        assert!(verdict.wrong > 0, "nothing was caught that should be: {what}");
+        assert!(verdict.wrong > 0, "the violation was not detected: {what}");
         assert!(verdict.failures.contains_key(what), "{what}: {verdict:#?}");
         assert!(std::panic::catch_unwind(|| verdict.check(1.0)).is_err());
     }

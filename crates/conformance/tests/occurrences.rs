@@ -1,4 +1,4 @@
-//! Occurrence paths: their texts, that no two are equal, and that all evaluators report the same ones.
+//! Occurrence paths: their texts, their uniqueness, and equal paths from all evaluators.
 
 use rayweave_conformance::rays::{batch, rays};
 use rayweave_conformance::{Model, Random, Style};

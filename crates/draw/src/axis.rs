@@ -3,31 +3,31 @@
 /// An interval of values (times, lengths) drawn along an interval of positions.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
-    /// The least value.
+    /// The smallest value.
     pub min: f64,
-    /// The greatest value, above `min`.
+    /// The largest value, above `min`.
     pub max: f64,
-    /// The position of the least value, in pixels.
+    /// The position of the smallest value, in pixels.
     pub start: f64,
-    /// The position of the greatest value, in pixels.
+    /// The position of the largest value, in pixels.
     pub end: f64,
 }
 
-/// The free part of the axis before the first value and after the last.
+/// The free fraction of the axis before the first value and after the last.
 const PADDING: f64 = 0.06;
 
-/// The most tick marks of an axis.
+/// The maximum number of tick marks of an axis.
 const MAX_TICKS: i32 = 64;
 
 impl Axis {
-    /// An axis that holds all of some increasing values, with padding on both sides.
+    /// An axis that contains all of the given increasing values, with padding on both sides.
     pub fn around(values: &[f64], start: f64, end: f64) -> Axis {
         let (lo, hi) = match values {
             [] => (-1.0, 1.0),
             [only] => (*only, *only),
             [first, .., last] => (*first, *last),
         };
-        // half of each, since the difference may overflow
+        // halved before the subtraction, since the difference may overflow
         let span = 2.0 * PADDING * (0.5 * hi - 0.5 * lo);
         let margin = if span > 0.0 { span } else { 0.5 * lo.abs().max(2.0) };
         let finite = |value: f64| value.clamp(f64::MIN, f64::MAX);
@@ -49,7 +49,7 @@ impl Axis {
     pub fn ticks(&self, count: f64) -> Vec<(f64, String)> {
         let step = round_step((self.max / count) - (self.min / count));
         let first = (self.min / step).ceil();
-        // far from zero the distance of neighbouring numbers may exceed the step
+        // far from zero, the distance between neighbouring floats may exceed the step
         let tick = |k: i32| (first + f64::from(k)) * step;
         let mut ticks: Vec<f64> = (0..MAX_TICKS).map(tick).take_while(|&value| value <= self.max).collect();
         ticks.dedup();
@@ -57,14 +57,14 @@ impl Axis {
         ticks.into_iter().map(|value| (value, format_number(value, step))).collect()
     }
 
-    /// The least difference between values that shows: half of a pixel.
+    /// The smallest visible difference between values: half a pixel.
     pub fn resolution(&self) -> f64 {
         let per_unit = (self.end - self.start) * 2.0;
         (self.max / per_unit - self.min / per_unit).max(f64::MIN_POSITIVE)
     }
 }
 
-/// The least of 1, 2, 5 times a power of ten that is not below a step.
+/// The smallest number of the form 1, 2 or 5 times a power of ten that is at least a step.
 pub fn round_step(step: f64) -> f64 {
     let power = libm::pow(10.0, libm::floor(libm::log10(step)));
     let factors = [1.0, 2.0, 5.0, 10.0];
@@ -72,7 +72,7 @@ pub fn round_step(step: f64) -> f64 {
     enough.unwrap_or(10.0) * power
 }
 
-/// A number rounded to a resolution ([`rayweave_math::format_to_resolution`]), with the minus sign of typography.
+/// A number rounded to a resolution ([`rayweave_math::format_to_resolution`]), with a typographic minus sign.
 pub fn format_number(value: f64, resolution: f64) -> String {
     rayweave_math::format_to_resolution(value, resolution).replace('-', "\u{2212}")
 }

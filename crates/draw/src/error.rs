@@ -15,13 +15,13 @@ use rayweave_shape::primitive::ShapeError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DrawError {
-    /// An option is out of range, or does not suit the model.
+    /// An option is out of range, or is not applicable to the model.
     #[error("{0}")]
     Option(Message),
     /// A name is unknown.
     #[error("{0}")]
     UnknownName(Message),
-    /// The scene cannot be compiled, or has no solid of a name.
+    /// The scene cannot be compiled, or has no solid with the given name.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// The model cannot be compiled.
@@ -30,13 +30,13 @@ pub enum DrawError {
     /// A plane that cuts the model is out of range.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// The camera is wrong.
+    /// The camera is invalid.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// The settings of a picture are wrong, or the run was cancelled.
+    /// The settings of a picture are invalid, or the run was cancelled.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The contents of a time line are wrong.
+    /// The contents of a time line are invalid.
     #[error(transparent)]
     Timeline(#[from] TimelineError),
     /// A ray is out of range.

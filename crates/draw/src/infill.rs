@@ -24,10 +24,10 @@ const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9
 const SIDE: f64 = 900.0;
 
 impl InfillPicture {
-    /// The most layers that are drawn.
+    /// The maximum number of layers that are drawn.
     pub const MAX_LAYERS: usize = 100;
 
-    /// A drawing without layers, for traces `spacing` apart.
+    /// Creates a drawing without layers, for traces `spacing` apart.
     pub fn new(spacing: f64) -> InfillPicture {
         InfillPicture { spacing, outline: None, layers: Vec::new(), left_out: 0 }
     }
@@ -45,7 +45,7 @@ impl InfillPicture {
         }
     }
 
-    /// The number of layers beyond [`InfillPicture::MAX_LAYERS`].
+    /// The number of layers that are not drawn because of [`InfillPicture::MAX_LAYERS`].
     pub fn left_out(&self) -> usize {
         self.left_out
     }
@@ -98,14 +98,14 @@ struct Page {
     lo: [f64; 2],
     hi: [f64; 2],
     columns: usize,
-    /// The distance of neighbouring layers.
+    /// The distance between neighbouring layers.
     step: [f64; 2],
     left: f64,
     top: f64,
     width: f64,
     height: f64,
     margin: f64,
-    /// The decimals that resolve a 2000th of the page.
+    /// The number of decimals that resolve 1/2000 of the page.
     decimals: usize,
 }
 

@@ -19,7 +19,7 @@ pub struct Entry {
     pub is_line: bool,
 }
 
-/// Draws entries in rows below a height. Returns the height of the drawing that ends with them.
+/// Draws entries in rows below a height. Returns the height of a drawing that ends below them.
 pub fn draw(svg: &mut Svg, entries: &[Entry], from: f64, width: f64) -> f64 {
     let (mut x, mut y) = (MARGIN, from);
     for Entry { name, colour, is_line } in entries {
@@ -48,7 +48,7 @@ impl Wavelengths {
         Wavelengths(lengths)
     }
 
-    /// An entry for each of at most six wavelengths; for the ends and the middle of more.
+    /// An entry for each wavelength if there are at most six, otherwise for the ends and the middle.
     pub fn entries(&self) -> Vec<Entry> {
         let few = match self.0.len() {
             0..=6 => self.0.clone(),
@@ -63,7 +63,7 @@ impl Wavelengths {
     }
 }
 
-/// The paint of light of a wavelength in nanometres.
+/// The paint of light with a wavelength in nanometres.
 pub fn wavelength_paint(wavelength_nm: f64) -> String {
     paint(darkened(wavelength_colour(wavelength_nm)))
 }

@@ -9,9 +9,9 @@
 //! | cross-sections, as SVG and DXF | [`section`] |
 //! | infill | [`InfillPicture`] |
 //!
-//! [`svg`] writes the few elements that all drawings share, [`axis`] places values and formats numbers.
+//! [`svg`] writes the few elements that all drawings share; [`axis`] maps values to positions and formats numbers.
 //!
-//! Invariants of absence: this crate reads and writes no files and names no evaluator; functions that need one are generic over
+//! This crate reads and writes no files and depends on no particular evaluator; functions that need one are generic over
 //! [`Evaluator`](rayweave_model::Evaluator).
 
 pub mod axis;

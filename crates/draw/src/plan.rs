@@ -45,7 +45,7 @@ impl Plan {
         if is_closed { path + "Z" } else { path }
     }
 
-    /// Draws arrows with the names of the axes from a lower left corner.
+    /// Draws arrows with the names of the axes, starting at the lower left corner.
     pub fn axes(svg: &mut Svg, [x, y]: [f64; 2], [across, up]: [&str; 2]) {
         let (tip, top) = (Pixels(x + 26.0), Pixels(y - 26.0));
         let (px, py) = (Pixels(x), Pixels(y));
@@ -71,7 +71,7 @@ impl Plan {
         let (l, r, y0) = (Pixels(left), Pixels(right), Pixels(y));
         svg.path("axis", format_args!("M{l} {top}V{low}M{l} {y0}H{r}M{r} {top}V{low}"), "");
         let text = format!("{} {unit}", format_number(length, 1e-3 * length));
-        // the text of a shorter bar extends to the left of it
+        // the text extends beyond the left end of a shorter bar
         let is_short = right - left < 8.0 * text.len() as f64;
         let (x, anchor) =
             if is_short { (right, Anchor::End) } else { (0.5 * (left + right), Anchor::Middle) };
@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(simplified(&straight), [[0.0, 0.0], [9.0, 18.0]]);
         let corner = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 3.0]];
         assert_eq!(simplified(&corner), [[0.0, 0.0], [2.0, 0.0], [2.0, 3.0]]);
-        // there and back again
+        // a path that turns back on itself
         let back = [[0.0, 0.0], [5.0, 0.0], [1.0, 0.0]];
         assert_eq!(simplified(&back), back);
     }

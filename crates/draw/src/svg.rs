@@ -16,7 +16,7 @@ use rayweave_render::Rgba;
 use std::fmt::{Display, Write};
 
 /// The body of a drawing. Lengths are in pixels, x to the right and y down. Classes of the style sheet set the appearance of
-/// elements; `extra` parameters are further attributes as they are written, with a leading space.
+/// elements; `extra` parameters are additional attributes, written verbatim, with a leading space.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Svg(String);
 
@@ -31,7 +31,7 @@ pub enum Anchor {
     End,
 }
 
-/// The paint of lines and texts without a colour of their own: dark in light mode, light in dark mode.
+/// The paint of lines and texts without their own colour: dark in light mode, light in dark mode.
 pub const INK: &str = "currentColor";
 
 /// The style sheet of all drawings. The paper is always drawn, so that a drawing is legible on a page of any colour.
@@ -94,7 +94,7 @@ impl Svg {
         ));
     }
 
-    /// Adds a text, with a tooltip if that differs from the text.
+    /// Adds a text, with a tooltip if it differs from the text.
     pub fn text(&mut self, class: &str, at: [f64; 2], anchor: Anchor, text: &str, tooltip: &str) {
         let (x, y) = (Pixels(at[0]), Pixels(at[1]));
         let anchor = match anchor {
@@ -115,8 +115,8 @@ impl Svg {
         let _ = writeln!(self.0, "{line}");
     }
 
-    /// The complete document: width and height, title and description for screen readers (an empty description is left out),
-    /// and the style of classes beyond the common ones.
+    /// Returns the complete document, given its width and height, a title and a description for screen readers (an empty
+    /// description is left out), and the style of additional classes.
     pub fn finish(self, [width, height]: [f64; 2], title: &str, description: &str, style: &str) -> String {
         let (w, h, title, body) = (Pixels(width), Pixels(height), escape(title), self.0);
         let size = format!(r#"width="{w}" height="{h}" viewBox="0 0 {w} {h}""#);
@@ -144,7 +144,7 @@ impl Display for Pixels {
     }
 }
 
-/// The paint of a colour, as `#rrggbb`. Opacity is left out.
+/// The paint of a colour, as `#rrggbb`, without its opacity.
 pub fn paint(colour: Rgba) -> String {
     format!("#{:02x}{:02x}{:02x}", colour.red, colour.green, colour.blue)
 }

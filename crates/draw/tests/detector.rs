@@ -13,7 +13,7 @@ fn histogram<'a>(name: &'a str, values: &'a [f64]) -> Histogram<'a> {
     Histogram { name, unit: "ns", values, is_wavelength: false }
 }
 
-/// A square of hits in the plane x = 5, and two hits of another sensor.
+/// A square of hits in the plane x = 5, and two hits on a different sensor.
 #[test]
 fn maps_are_drawn_in_the_plane_of_the_hits() {
     let y: Vec<f64> = (0..100).map(|k| f64::from(k % 10)).chain([40.0, 40.5]).collect();

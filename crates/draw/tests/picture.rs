@@ -1,4 +1,4 @@
-//! Camera and settings of pictures of scenes, by model file and options.
+//! Camera and settings of pictures of scenes, from model files and options.
 
 use rayweave_draw::picture::{Picture, PictureKind, PictureOptions, arrange};
 use rayweave_error::{Classified, ErrorKind};
@@ -116,7 +116,7 @@ fn kinds_of_pictures_have_names() {
     else {
         panic!("no depth");
     };
-    // the middle of the picture looks at the middle of the ball, of radius 2
+    // the centre of the picture shows the centre of the ball, of radius 2
     let expected = camera.position().length() - 2.0;
     assert!((depth.get(4, 4).unwrap() - expected).abs() < 1e-12);
     run.cancel.cancel();

@@ -1,4 +1,4 @@
-//! Time lines, read back from the drawing: where waves go, what is written, and that it is well-formed.
+//! Time lines, read back from the drawing: shapes of waves, texts, and well-formedness.
 
 use rayweave_draw::{Timeline, ray_timeline};
 use rayweave_math::Vec3;
@@ -45,7 +45,7 @@ fn the_first_example_of_hit_arrays() {
     let roots = "1 4 5 10 0 2 3 5 6 7 8 9 11 12 2 3 5 6 7 8 9 10";
     assert_eq!(texts(&svg, "number").join(" "), roots);
 
-    // on one scale: x = x0 + t * unit, for every root of every row, for areas as for lines
+    // all on the same scale x = x0 + t * unit: every root of every row, of areas and of lines
     let waves = attributes(&svg, "wave", "d");
     assert_eq!(waves.len(), 4);
     let (left, right) = (numbers(waves[1], 'H')[0], numbers(waves[1], 'H')[9]);
@@ -64,7 +64,7 @@ fn the_first_example_of_hit_arrays() {
         assert!((start - place(t)).abs() < 0.02, "{start} {t}");
     }
 
-    // the count 1 2 1 2 1 1(5) 2 1 2 1 0 1 0 as heights: one step is the same everywhere
+    // the heights show the count 1 2 1 2 1 1(5) 2 1 2 1 0 1 0; all steps are equally high
     let heights = numbers(waves[2], 'V');
     let counts = [1.0, 2.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0, 2.0, 1.0, 0.0, 1.0, 0.0];
     let zero = heights[10];
@@ -115,7 +115,7 @@ fn many_roots_are_thinned() {
     assert!((20..60).contains(&xs.len()), "{}", xs.len());
     assert!(xs.windows(2).all(|pair| pair[1] - pair[0] > 12.0));
     assert!(attributes(&svg, "guide", "d").is_empty());
-    // the wave itself loses nothing
+    // the wave itself is complete
     assert_eq!(numbers(attributes(&svg, "wave", "d")[0], 'V').len(), 5000);
 }
 
@@ -128,7 +128,7 @@ fn windows_cut_waves() {
     assert_eq!(texts(&svg, "number"), ["10", "20"]);
     let wave = attributes(&svg, "wave", "d")[0];
     let (levels, corner) = (numbers(wave, 'V'), wave.split(['M', 'H']).nth(1).unwrap());
-    // begins inside, as high as after 20
+    // the wave begins inside, at the same height as after 20
     let first: f64 = corner.split(' ').nth(1).unwrap().parse().unwrap();
     assert_eq!(first, levels[1]);
     assert!(levels[0] > first);
@@ -147,7 +147,7 @@ fn bands_are_named_and_checked() {
     let fills = attributes(&svg, "solid", "fill");
     assert_eq!(fills.len(), 2);
     assert_eq!(fills[0], fills[1]);
-    // the same name has the same colour in all rows, another name another
+    // the same name has the same colour in all rows, different names have different colours
     let svg = timeline.bands("next", "air", [(0.5, "glass")]).unwrap().to_svg();
     let next = attributes(&svg, "solid", "fill");
     assert_eq!(next[3], fills[0]);
@@ -180,7 +180,7 @@ fn time_lines_show_leaves_once() {
     let compiled = Compiled::new(&scene).unwrap();
     let ray = Ray::new(Vec3::new(-5.0, 0.0, 0.0), Vec3::X);
     let svg = ray_timeline(&scene, None, &compiled, ray, Weave::new).unwrap().to_svg();
-    // the ball at the origin and the one beside it: their names on the left, numbers where they change
+    // two waves named `ball`, with numbers where they change
     assert_eq!(svg.matches(">ball<").count(), 2);
     for time in [4, 6, 7, 9] {
         assert!(svg.contains(&format!(">{time}<")), "{time}: {svg}");

@@ -5,8 +5,10 @@
 
 mod kind;
 mod message;
+mod number;
 mod similar;
 
 pub use kind::{Classified, ErrorKind};
 pub use message::Message;
+pub use number::short_number;
 pub use similar::{closest, did_you_mean, with_limited_suggestions};

@@ -22,7 +22,7 @@ pub struct Message {
     suggestion: Option<String>,
 }
 
-/// The most names that the message about an unknown name lists.
+/// The largest number of names that a message about an unknown name lists.
 const MAX_LISTED: usize = 12;
 
 impl Message {

@@ -2,7 +2,8 @@
 
 use std::cell::Cell;
 
-/// The most characters of a name that is compared: an edit distance takes time in proportion to the product of the lengths.
+/// The maximum length in characters of names that are compared: an edit distance takes time in proportion to the product of
+/// the lengths.
 const MAX_CHARACTERS: usize = 64;
 
 /// The work that [`with_limited_suggestions`] allows: pairs of characters compared, and candidates looked at. It takes about a
@@ -39,8 +40,8 @@ fn take_work(amount: usize) -> bool {
     rest.is_some()
 }
 
-/// The candidate that a name is probably a misspelling of, if there is one: at most a third of the letters differ, whatever
-/// their case. `None` for names of more than 64 characters.
+/// The candidate that a name is probably a misspelling of, if there is one: at most a third of the letters differ, ignoring
+/// case. `None` for names of more than 64 characters.
 ///
 /// ```
 /// use rayweave_error::did_you_mean;
@@ -54,10 +55,9 @@ pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str
     closest(name, others, |candidate| length.max(candidate.chars().count()) / 3).first().copied()
 }
 
-/// The candidates with the fewest edits from a name, whatever the case of letters; first those that share the most pairs of
-/// letters with it (`n-bk7` rather than `k7` for `bk7`), then in alphabetical order. `most_edits` bounds the edits of a
-/// candidate. Names of more than 64 characters match nothing, and no name does after the work that
-/// [`with_limited_suggestions`] allows.
+/// The candidates with the fewest edits from a name, ignoring case; first those that share the most pairs of letters with
+/// it (`n-bk7` rather than `k7` for `bk7`), then in alphabetical order. `most_edits` bounds the edits of a candidate. Names
+/// of more than 64 characters match nothing, and no name does after the work that [`with_limited_suggestions`] allows.
 ///
 /// Edits are the Damerau-Levenshtein distance: letters left out, added, changed, or swapped with their neighbour.
 pub fn closest<'a>(

@@ -19,7 +19,7 @@ pub enum Format {
 }
 
 /// All formats, each with its name and file extensions.
-const TABLE: [(Format, &str, &[&str]); 10] = [
+const TABLE: &[(Format, &str, &[&str])] = &[
     (Format::Native, "native", &["toml"]),
     (Format::OpenScad, "openscad", &["csg"]),
     (Format::Gdml, "gdml", &["gdml"]),
@@ -54,6 +54,11 @@ impl Format {
         TABLE.iter().find(|row| row.1 == name).map(|row| row.0)
     }
 
+    /// The file extensions, in lower case without the dot. Written files have the first one.
+    pub fn extensions(self) -> &'static [&'static str] {
+        TABLE.iter().find(|row| row.0 == self).map_or(&[][..], |row| row.2)
+    }
+
     /// The format of a file extension, in lower or upper case.
     pub fn from_path(path: &Path) -> Option<Format> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -72,10 +77,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_format_has_a_name_and_endings_of_its_own() {
+    fn every_format_has_its_own_name_and_extensions() {
         for (k, (format, name, endings)) in TABLE.iter().enumerate() {
             assert_eq!(Format::from_name(name), Some(*format));
             assert_eq!(Format::NAMES[k], format.name());
+            assert_eq!(format.extensions(), *endings);
             for ending in *endings {
                 assert_eq!(Format::from_path(Path::new(&format!("a.b.{ending}"))), Some(*format));
             }
@@ -83,6 +89,17 @@ mod tests {
         assert_eq!(Format::from_path(Path::new("PART.CSG")), Some(Format::OpenScad));
         for unknown in ["part", "part.scad", ".csg", ""] {
             assert_eq!(Format::from_path(Path::new(unknown)), None, "{unknown}");
+        }
+    }
+
+    #[test]
+    fn the_documentation_lists_every_extension() {
+        let page = include_str!("../../../docs/reference/formats.md");
+        let table = page.split("\n\n").find(|part| part.starts_with("| format | endings |")).unwrap();
+        for (format, _, endings) in TABLE {
+            for ending in *endings {
+                assert!(table.contains(&format!("`.{ending}`")), "{format}: .{ending}");
+            }
         }
     }
 }

@@ -27,7 +27,7 @@ impl Body {
             Error::NotManifold => Manifold::from_mesh_gl64_robust(&raw),
             _ => strict,
         };
-        Body::checked(made)?.ok_or_else(|| "a shape without an inside".to_owned())
+        Body::checked(made)?.ok_or_else(|| "a shape without an interior".to_owned())
     }
 
     pub fn from_polyhedron(solid: &Polyhedron) -> Result<Body, String> {
@@ -86,7 +86,7 @@ impl Body {
         triangles.iter().map(|t| t.map(|k| points[k as usize]).to_vec()).collect()
     }
 
-    /// A point of the body: the mean of the vertices of a convex body, otherwise a vertex.
+    /// A point of the body: the mean of the vertices if it is convex, otherwise a vertex.
     fn a_point(&self) -> Vec3 {
         let (points, _) = self.triangles();
         match self.is_convex() {

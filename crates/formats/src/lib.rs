@@ -1,8 +1,8 @@
-//! Models of other programs, read as documents and scenes: OpenSCAD, GDML and mesh files.
+//! Models from other programs, read as documents and scenes: OpenSCAD, GDML and mesh files.
 //!
-//! [`load`] reads a model in any [`Format`]; the extension of the file or the caller selects it. A [`Report`] lists every
+//! [`load`] reads a model in any [`Format`], selected by the extension of the file or by the caller. A [`Report`] lists every
 //! loss, i.e. each construct that a scene cannot represent, with its kind, its position and its count. Items that are not
-//! supported are refused and the rest of the file is read. A file that does not have the format at all is an error.
+//! supported are refused and the rest of the file is read. A file that is not in the format at all is an error.
 //!
 //! ```
 //! use rayweave_formats::{Format, Options, parse};
@@ -41,13 +41,13 @@ use rayweave_scene::{Diagnostics, Document, Scene, Source};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Reads a model file and overrides parameters (name, arithmetic text). Without a format, the extension of the file selects
-/// it; the native format is the fallback.
+/// Reads a model file and overrides parameters (name, arithmetic expression). Without a format, the extension of the file
+/// selects it; the native format is the fallback.
 ///
 /// # Errors
 ///
-/// All problems of the file at once, if it does not have the format or too much of it is wrong; all warnings, if they are
-/// errors ([`Options::strict`]).
+/// All problems of the file at once, if it is not in the format or has too many errors; all warnings, if they count as errors
+/// ([`Options::strict`]).
 pub fn load(
     path: impl AsRef<Path>,
     format: Option<Format>,
@@ -97,7 +97,7 @@ pub fn parse(
     strictly(imported?, options)
 }
 
-/// Rejects a model with warnings, if they are errors.
+/// Rejects a model with warnings, if they count as errors.
 fn strictly(imported: Imported, options: &Options) -> Result<Imported, Diagnostics> {
     match options.strict && !imported.scene.warnings.is_empty() {
         true => Err(imported.scene.warnings.into_errors()),

@@ -2,8 +2,8 @@
 //!
 //! [`rayweave_mesh_io`] documents the file formats. If every object of a file is closed, each becomes a region, and later
 //! regions have priority over earlier ones where they overlap. Otherwise all triangles together form one region. An open
-//! mesh is an error and a suspicious one a warning, both with position and count; [`Options::repair`] repairs as far as
-//! that is safe and reports the changes.
+//! mesh is an error, a suspicious one a warning, both with position and count; [`Options::repair`] repairs meshes as far as
+//! is safe and reports the changes.
 //!
 //! **Units** come from the file if it has one (3MF; glTF, which uses metres), else from [`Options::unit`], else
 //! millimetres. glTF has its y axis up: points (x, y, z) become (x, -z, y), so that z is up.
@@ -53,7 +53,7 @@ struct Import<'a> {
     format: MeshFormat,
     options: &'a Options,
     report: Report,
-    /// For all objects of the file together.
+    /// Shared by all objects of the file.
     pairs: PairBudget,
     warnings: Vec<Diagnostic>,
     problems: Vec<Diagnostic>,
@@ -99,7 +99,7 @@ impl<'a> Import<'a> {
         let is_short = limits.max_elements < ReadOptions::default().max_elements;
         if let (FileError::Mesh { error: MeshError::TooMany { .. }, .. }, true) = (error, is_short) {
             why += &format!(
-                " A triangle takes up to {} bytes while it is read, and there is no more memory.",
+                " A triangle takes up to {} bytes while it is read, and there is not enough memory for more.",
                 ReadOptions::BYTES_PER_TRIANGLE
             );
         }
@@ -136,8 +136,7 @@ impl<'a> Import<'a> {
                 return parts;
             }
             let (all, why) = (parts.len(), "all triangles together are taken as one solid");
-            let warning =
-                Diagnostic::warning(format!("{open} of {all} objects are not closed by themselves"));
+            let warning = Diagnostic::warning(format!("{open} of {all} objects are not closed on their own"));
             self.warnings.push(warning.why(why).in_file(self.source));
         }
         let name = self.source.path().and_then(|path| path.file_stem()).map(|stem| stem.to_string_lossy());
@@ -150,7 +149,7 @@ impl<'a> Import<'a> {
         if self.options.repair {
             let (mended, done) = mesh.auto_repaired().unwrap_or((mesh, Repair::default()));
             mesh = mended;
-            self.tell_repairs(&what, &done);
+            self.report_repairs(&what, &done);
         }
         let diagnosis = mesh.diagnose_within(&mut self.pairs);
         match Polyhedron::closed(&mesh, &diagnosis) {
@@ -160,7 +159,7 @@ impl<'a> Import<'a> {
             }
             Err(error) => {
                 let problem = Diagnostic::error(format!("{what} is not a solid: {error}")).why(diagnosis);
-                let advice = "does `--repair` help (`repair=True` in Python)?".to_owned();
+                let advice = "try `--repair` (`repair=True` in Python)".to_owned();
                 let advice = (!self.options.repair && error != MeshError::Flat).then_some(advice);
                 self.problems.push(problem.suggest(advice).in_file(self.source));
                 None
@@ -170,13 +169,14 @@ impl<'a> Import<'a> {
 
     fn warn(&mut self, what: &str, diagnosis: &Diagnosis) {
         if !diagnosis.is_sound() {
-            let warning = Diagnostic::warning(format!("{what} may not be what was meant: {diagnosis}"));
-            let why = "inside is where a line from infinity has crossed it an odd number of times";
+            let warning = Diagnostic::warning(format!("{what} may not be as intended: {diagnosis}"));
+            let why =
+                "a point is inside if a line to it from infinity crosses the mesh an odd number of times";
             self.warnings.push(warning.why(why).in_file(self.source));
         }
     }
 
-    fn tell_repairs(&mut self, what: &str, done: &Repair) {
+    fn report_repairs(&mut self, what: &str, done: &Repair) {
         for (count, repair) in done.summary() {
             let warning = Diagnostic::warning(format!("{what} was repaired: {count} {repair}"));
             self.report.add(LossKind::Approximated, repair, warning.in_file(self.source));
@@ -209,11 +209,11 @@ fn scene(solids: Vec<(String, Polyhedron)>, unit: Unit) -> Scene {
     }
 }
 
-/// The names of regions so far.
+/// The names of regions in use.
 #[derive(Default)]
 struct Names {
     taken: HashSet<String>,
-    /// For a name that was asked for several times the next number to try: thousands of objects may have one name.
+    /// The next number to try for each name that occurred repeatedly: thousands of objects may have the same name.
     next: HashMap<String, u64>,
 }
 

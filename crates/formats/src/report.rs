@@ -33,7 +33,7 @@ impl fmt::Display for LossKind {
 pub struct Loss {
     /// Kind of the loss.
     pub kind: LossKind,
-    /// The construct, in the words of the format: `minkowski()`, `twistedbox`.
+    /// The construct as the format names it, such as `minkowski()` or `twistedbox`.
     pub what: String,
     /// Reason, with the first position in the file.
     pub first: Diagnostic,
@@ -85,13 +85,13 @@ impl Report {
     pub fn warnings(&self) -> Diagnostics {
         let warning = |loss: &Loss| match loss.count {
             1 => loss.first.clone(),
-            count => loss.first.clone().why(format!("{count} times, here first")),
+            count => loss.first.clone().why(format!("it occurs {count} times, first here")),
         };
         Diagnostics::new(self.iter().map(warning).collect())
     }
 }
 
-/// An error for an OpenSCAD program (`.scad`), unless a format is given explicitly.
+/// Returns an error for an OpenSCAD source file (`.scad`), unless a format is given explicitly.
 pub(crate) fn refuse_program(
     source: &Arc<Source>,
     path: &Path,
@@ -101,13 +101,13 @@ pub(crate) fn refuse_program(
     if !is_program || format.is_some() {
         return Ok(());
     }
-    let problem = Diagnostic::error("programs of OpenSCAD are not read")
-        .why("only their dumps are")
-        .suggest(Some("`openscad -o model.csg model.scad` writes one".to_owned()));
+    let problem = Diagnostic::error("OpenSCAD source files are not read")
+        .why("only CSG dumps are supported")
+        .suggest(Some("create one with `openscad -o model.csg model.scad`".to_owned()));
     Err(Diagnostics::new(vec![problem.in_file(source)]))
 }
 
-/// An error for each parameter override, in formats without parameters.
+/// Returns an error for each parameter override, in formats without parameters.
 pub(crate) fn refuse_overrides(
     source: &Arc<Source>,
     format: Format,
@@ -115,7 +115,7 @@ pub(crate) fn refuse_overrides(
 ) -> Result<(), Diagnostics> {
     let problem = |(name, _): &(String, String)| {
         Diagnostic::error(format!("the parameter `{name}` cannot be set"))
-            .why(format!("files of the format {format} have no parameters"))
+            .why(format!("files in the format {format} have no parameters"))
             .in_file(source)
     };
     match overrides.is_empty() {
@@ -124,7 +124,7 @@ pub(crate) fn refuse_overrides(
     }
 }
 
-/// An error if a unit is given for a file that has its own.
+/// Returns an error if a unit is given for a file that has its own.
 pub(crate) fn refuse_unit(
     source: &Arc<Source>,
     format: Format,
@@ -134,7 +134,7 @@ pub(crate) fn refuse_unit(
         return Ok(());
     };
     let problem = Diagnostic::error(format!("the unit cannot be set to {unit}"));
-    Err(problem.why(format!("files of the format {format} say theirs")).in_file(source).into())
+    Err(problem.why(format!("files in the format {format} specify their unit")).in_file(source).into())
 }
 
 #[cfg(test)]
@@ -156,6 +156,9 @@ mod tests {
         assert_eq!(report.count(LossKind::Refused), 4);
         let warnings = report.warnings();
         let messages: Vec<&str> = warnings.iter().map(|warning| warning.message()).collect();
-        assert_eq!(messages, ["no a: 3 times, here first.", "rough a: 3 times, here first.", "no b"]);
+        assert_eq!(
+            messages,
+            ["no a: it occurs 3 times, first here.", "rough a: it occurs 3 times, first here.", "no b"]
+        );
     }
 }

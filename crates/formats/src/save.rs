@@ -6,8 +6,8 @@ use rayweave_table::{AtomicFile, TableError};
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a scene to a file, which appears when it is complete, and returns the losses. Without a format the extension of
-/// the path selects it; unknown extensions mean the native format. `stated` is the document of the scene, if there is one.
+/// Writes a scene to a file, which appears when it is complete, and returns the losses. Without a format, the extension of
+/// the path selects one; an unknown extension means the native format. `stated` is the document of the scene, if there is one.
 ///
 /// ```
 /// use rayweave_formats::{Options, WriteOptions, load, save};

@@ -1,4 +1,4 @@
-//! Files that models name: only those beside or below the model are read, or those that the caller allows.
+//! Files that models refer to: only those in the folder of the model or below are read, and those that the caller allows.
 #![cfg(unix)]
 
 use rayweave_formats::{Options, load};
@@ -7,7 +7,7 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A folder with `model/`, where the models are, and `other/`, which they may not read.
+/// A folder with `model/`, which contains the models, and `other/`, which they may not read.
 struct Tree(PathBuf);
 
 impl Tree {
@@ -51,8 +51,8 @@ fn npy() -> Vec<u8> {
     [b"\x93NUMPY\x01\x00v\x00", header.as_bytes(), &[0; 24]].concat()
 }
 
-/// Each way in which a model names a file: the model, the text of the model with FILE for the name, and the contents of the file
-/// with its extension.
+/// Each way in which a model can refer to a file: the name of the model, its text with FILE for the file name, and the
+/// extension and the contents of the file.
 fn ways() -> Vec<(&'static str, String, &'static str, Vec<u8>)> {
     let gdml = |solids: &str, placed: &str| OUTER.replace("SOLIDS", solids).replace("PLACED", placed);
     let entity = "<!DOCTYPE gdml [<!ENTITY e SYSTEM \"FILE\">]>".to_owned() + &gdml("&e;", "");
@@ -102,7 +102,7 @@ fn tetrahedron() -> Vec<u8> {
 }
 
 #[test]
-fn models_read_files_beside_and_below_them_and_allowed_ones() {
+fn models_read_files_in_their_folder_below_and_allowed_ones() {
     let tree = Tree::new("every");
     for (model, text, ending, contents) in ways() {
         let part = format!("part.{ending}");
@@ -132,7 +132,7 @@ fn models_read_files_beside_and_below_them_and_allowed_ones() {
     }
 }
 
-/// Opening a FIFO would wait for a writer, and reading a device may not end.
+/// Opening a FIFO would wait for a writer, and reading a device may never end.
 #[test]
 fn models_read_regular_files_only() {
     let tree = Tree::new("special");
@@ -162,9 +162,9 @@ fn models_read_regular_files_only() {
     }
 }
 
-/// A file of another format may be a secret of someone else.
+/// A file in a different format may contain someone's secret.
 #[test]
-fn messages_hold_nothing_of_files_of_other_formats() {
+fn messages_do_not_quote_files_in_other_formats() {
     let tree = Tree::new("secret");
     let secret = "hunter2:x:0:0:root\nsecond hunter2\n";
     for (model, text, ending, _) in ways() {
@@ -186,7 +186,7 @@ fn messages_hold_nothing_of_files_of_other_formats() {
         tree.write("model/mesh.toml", text.as_bytes());
         for contents in [secret.to_owned(), secret.repeat(10), format!("42 {secret}")] {
             tree.write(&format!("model/secret.{ending}"), contents.as_bytes());
-            let message = tree.load("mesh.toml", &[]).expect_err("it is no mesh");
+            let message = tree.load("mesh.toml", &[]).expect_err("it is not a mesh");
             assert!(!message.contains("hunter2"), "{ending}: {message}");
         }
     }

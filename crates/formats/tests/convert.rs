@@ -1,7 +1,7 @@
 //! Conversions: models written in every format are read back without losses, and have the same volume.
 //!
-//! By default these are small models in few formats, within a few seconds; the ignored test takes all models of the
-//! repository and of the shared folder, in all formats.
+//! By default, small models are converted to a few formats, within seconds; the ignored test converts all models of the
+//! repository and of the shared folder to all formats.
 
 mod skip;
 
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Largest model file of the default run, in bytes.
 const SMALL: u64 = 1500;
 
-/// Relative tolerance of volumes, for triangles instead of curved faces and for sampling by rays.
+/// Relative tolerance of volumes, for the tessellation of curved faces and for sampling with rays.
 const NEAR: f64 = 0.02;
 
 /// Formats of the default run: the three with operators, and one of triangles.
@@ -37,7 +37,7 @@ const ALL: [Format; 10] = [
     Format::Mesh(MeshFormat::Glb),
 ];
 
-/// Volume of everything but the world in cubic millimetres, by rays along a skew axis; `None` for nothing.
+/// Volume of everything but the world in cubic millimetres, from rays along a skew axis; `None` for an empty scene.
 fn volume(scene: &Scene) -> Result<Option<f64>, String> {
     const SIDE: usize = 120;
     let program = Program::compile_regions(&scene.model_regions()).map_err(|error| error.to_string())?;
@@ -68,13 +68,13 @@ fn volume(scene: &Scene) -> Result<Option<f64>, String> {
     Ok(Some(length * (2.0 * reach / SIDE as f64).powi(2) * unit.powi(3)))
 }
 
-/// Writes a scene, reads it back and compares; an error says what differs.
+/// Writes a scene, reads it back and compares; an error describes the difference.
 fn convert(scene: &Scene, name: &str, format: Format) -> Result<(), String> {
     let written =
         write(scene, None, format, &WriteOptions::default()).map_err(|error| format!("writing: {error}"))?;
     let folder = std::env::temp_dir().join(format!("rayweave-convert-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|error| error.to_string())?;
-    let path = folder.join(format!("{name}.{}", format.to_string().replace("openscad", "csg")));
+    let path = folder.join(format!("{name}.{}", format.extensions()[0]));
     std::fs::write(&path, &written.bytes).map_err(|error| error.to_string())?;
     let read = load(&path, Some(format), &[], &Options::default());
     let _ = std::fs::remove_file(&path);
@@ -129,7 +129,7 @@ fn check_files(files: &[(PathBuf, u64)], formats: &[Format]) {
     let mut failures = Vec::new();
     for (path, _) in files {
         let Ok(imported) = load(path, None, &[], &Options::default()) else { continue };
-        // a dump of which nothing can be read, since its imported file is missing
+        // a dump that is empty because its imported file is missing
         if imported.scene.regions.is_empty() {
             continue;
         }
@@ -153,8 +153,8 @@ fn long_all_models_come_back() {
     check_files(&[models(), shared()].concat(), &ALL);
 }
 
-/// Plates over sections and shadows of a bored ball, as in example021 of OpenSCAD, and its kin: outlines with holes, and a
-/// twisted region with a hole in an intersection, as in example009.
+/// Plates over sections and shadows of a bored ball, as in example021 of OpenSCAD, and similar cases: outlines with holes,
+/// and a twisted region with a hole in an intersection, as in example009.
 #[test]
 fn regions_of_the_plane_come_back() {
     let rods = "cylinder($fn = 0, $fa = 30, $fs = 2, h = 62.5, r1 = 12.5, r2 = 6.25, center = true); \

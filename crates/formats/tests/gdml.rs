@@ -28,7 +28,7 @@ fn parse(text: &str) -> Result<Imported, Diagnostics> {
     rayweave_formats::parse(text, Format::Gdml, &[], &Options::default())
 }
 
-/// A file with the given definitions, solids and structure, and the boilerplate of every file.
+/// A file with the given definitions, solids and structure, and the boilerplate that every file needs.
 fn model(define: &str, solids: &str, structure: &str) -> String {
     format!(
         "<?xml version=\"1.0\"?>\n<gdml><define>{define}</define>\n<materials><material name=\"Al\" Z=\"13\">\
@@ -39,7 +39,7 @@ fn model(define: &str, solids: &str, structure: &str) -> String {
 
 /// Names of the regions along a ray, each with its start; the last one is the outside.
 fn along(imported: &Imported, origin: [f64; 3], direction: [f64; 3]) -> Vec<(f64, String)> {
-    // a medium per region, since only changes of the medium are crossings
+    // each region gets its own medium, since only changes of medium are crossings
     let mut regions = imported.scene.model_regions();
     regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
     let program = Arc::new(Program::compile_regions(&regions).unwrap());

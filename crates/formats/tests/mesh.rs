@@ -98,7 +98,7 @@ fn units_are_the_files_or_as_requested() {
     save(&cuboid([0.0; 3], [1.0; 3]), &path, None, MeshWriteOptions::default()).unwrap();
     let refused = load(&path, None, &[], &inch).unwrap_err().to_string();
     assert!(
-        refused.contains("the unit cannot be set to in: files of the format 3mf say theirs."),
+        refused.contains("the unit cannot be set to in: files in the format 3mf specify their unit."),
         "{refused}"
     );
 }
@@ -124,13 +124,13 @@ fn objects_that_close_only_together_are_one_solid() {
     assert_eq!((region(&imported, [0.5; 3]), region(&imported, [1.5; 3])), (1, 0));
     let warnings = imported.scene.warnings.to_string();
     assert!(
-        warnings.contains("2 of 2 objects are not closed by themselves: all triangles together"),
+        warnings.contains("2 of 2 objects are not closed on their own: all triangles together"),
         "{warnings}"
     );
 }
 
 #[test]
-fn what_is_open_is_an_error_with_its_place_unless_it_is_repaired() {
+fn open_meshes_are_errors_with_position_unless_repaired() {
     let (vertices, triangles) = cuboid([0.0; 3], [1.0; 3]).into_parts();
     // a lid is missing, one triangle is duplicated, one is reversed
     let mut broken = triangles[2..].to_vec();
@@ -152,7 +152,7 @@ fn what_is_open_is_an_error_with_its_place_unless_it_is_repaired() {
 }
 
 #[test]
-fn points_that_nearly_meet_are_joined_if_that_closes_it() {
+fn nearby_points_are_joined_if_that_closes_the_mesh() {
     let mesh = cuboid([0.0; 3], [1.0; 3]);
     let (vertices, triangles) = mesh.into_parts();
     // each triangle has its own vertices, which differ in the seventh digit
@@ -171,7 +171,7 @@ fn points_that_nearly_meet_are_joined_if_that_closes_it() {
 }
 
 #[test]
-fn counts_that_cannot_be_are_refused_before_anything_is_taken() {
+fn impossible_counts_are_refused_before_allocation() {
     let folder = Folder::new("count");
     let path = folder.0.join("huge.stl");
     let mut bytes = vec![0; 84];
@@ -187,7 +187,7 @@ fn counts_that_cannot_be_are_refused_before_anything_is_taken() {
 }
 
 #[test]
-fn what_is_folded_flat_encloses_nothing() {
+fn folded_sheets_enclose_no_volume() {
     // a boundary of three edges is a plane hole; filling it makes two triangles of one
     let text = "v 0 0 0\nv 3 0 0\nv 0 4 0\nf 1 2 3\n";
     let mending = Options { repair: true, ..Options::default() };

@@ -63,7 +63,7 @@ fn difference(a: &Solid, b: &Solid, count: usize) -> (f64, f64) {
     let bounds = Program::compile(a).unwrap().bounds();
     let batch = rays(&bounds.grown(0.05 * bounds.size().length()), count, 7);
     let lengths = times(a, &batch).into_iter().zip(times(b, &batch)).enumerate().map(|(ray, (a, b))| {
-        // where the solids differ, the number of changes of both together is odd
+        // the solids differ after an odd number of changes of either
         let mut all = [a, b].concat();
         all.sort_by(f64::total_cmp);
         all.chunks(2).map(|pair| pair[1] - pair[0]).sum::<f64>() * batch.rays().get(ray).direction.length()
@@ -278,7 +278,7 @@ fn booleans_of_meshes_keep_edges_and_closed_forms() {
     }
 }
 
-/// A volume that its daughters fill up to 1e-8 mm is a film: glTF, in single precision, has no volume for it, OBJ has.
+/// A volume that its daughters fill up to 1e-8 mm is a film: it has no volume in glTF, in single precision, but has one in OBJ.
 #[test]
 fn regions_without_volume_are_left_out() {
     let corners = |hi: &str| format!("box_from_corners = {{ lo = [0, 0, 0], hi = [{hi}, 1, 1] }}\n");
@@ -292,7 +292,7 @@ fn regions_without_volume_are_left_out() {
         [(MeshFormat::Gltf, &["daughter"][..]), (MeshFormat::Obj, &["mother", "daughter"])]
     {
         let written = written(&scene, Format::Mesh(format), None);
-        let left_out = "`mother` is left out: beside the regions after it, it has no volume";
+        let left_out = "`mother` is left out: later regions cover all of its volume";
         let is_told = written.remarks.iter().any(|remark| remark.what == left_out);
         assert_eq!(is_told, expected.len() == 1, "{:?}", written.remarks);
         let found = back(&written, Format::Mesh(format)).scene;
@@ -304,13 +304,13 @@ fn regions_without_volume_are_left_out() {
 }
 
 #[test]
-fn what_cannot_be_written_says_why() {
+fn a_failed_write_has_a_reason() {
     let endless =
         scene(&[("rod", Primitive::from(primitive::Cylinder::new(1.0, f64::INFINITY).unwrap()).into())]);
     let refused = write(&endless, None, Format::OpenScad, &WriteOptions::default()).unwrap_err().to_string();
     assert_eq!(
         refused,
-        "region `rod` has no end: files of the format openscad cannot say that. Can it be cut with a box?"
+        "region `rod` is unbounded: the format openscad needs bounded solids. Intersect it with a box."
     );
     let ball = scene(&[("ball", Primitive::from(primitive::Sphere::new(1.0).unwrap()).into())]);
     for tolerance in [0.0, -1.0, f64::NAN] {
@@ -319,7 +319,7 @@ fn what_cannot_be_written_says_why() {
     }
     let fine = WriteOptions { tolerance: Some(1e-12), text: false };
     let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
-    assert!(refused.contains("more than 20000 corners around a circle"), "{refused}");
+    assert!(refused.contains("a circle needs more than 20000 vertices"), "{refused}");
 }
 
 /// Volume by lines along z through the cells of a grid.
@@ -395,7 +395,7 @@ fn plane_faces_are_not_reported_as_approximated() {
 
 /// A box without curved faces, and a ball, in centimetres.
 #[test]
-fn lengths_are_millimetres_where_a_format_says_no_unit() {
+fn lengths_default_to_millimetres_in_formats_without_units() {
     let cuboid = Solid::from(Primitive::from(primitive::CentredBox::new(Vec3::new(2.0, 3.0, 4.0)).unwrap()));
     let ball = Solid::from(Primitive::from(primitive::Sphere::new(1.0).unwrap())).translate([5.0, 0.0, 0.0]);
     let mut scene = scene(&[("cuboid", cuboid), ("ball", ball)]);

@@ -4,7 +4,7 @@ use crate::{Mat3, UNIT_ROUNDOFF, Vec3, sin_cos_degrees};
 
 /// An affine map of space: `p -> linear * p + translation`.
 ///
-/// Variables that hold a map are named after the frames that it joins, as in `world_from_local`.
+/// Variables that hold a map are named after the frames that it joins, e.g. `world_from_local`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Affine {
     /// The linear part.
@@ -155,8 +155,8 @@ impl Affine {
         let off = gram - Mat3::from_diagonal(Vec3::splat(square));
         let worst = off.to_cols_array().iter().fold(0.0f64, |w, e| w.max(e.abs()));
         (square > 0.0 && worst <= 64.0 * UNIT_ROUNDOFF * square).then(|| {
-            // snapping to powers of two keeps radii exact to the bit under rotations, and exact in every digit under
-            // rotations with a scale by a power of two
+            // snapping to a power of two keeps the bits of radii under rotations, and the digits under rotations with a
+            // scale by a power of two
             let root = square.sqrt();
             let power = libm::ldexp(1.0, libm::ilogb(root * std::f64::consts::SQRT_2));
             if (root - power).abs() <= 8.0 * UNIT_ROUNDOFF * power { power } else { root }

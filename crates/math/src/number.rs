@@ -1,6 +1,6 @@
 //! Conversions of single numbers: decimal rounding and random bits.
 
-/// The number rounded to `digits` significant decimal digits; infinite numbers and NaN as they are.
+/// The number rounded to `digits` significant decimal digits; infinite numbers and NaN are returned unchanged.
 pub fn round_to_digits(value: f64, digits: usize) -> f64 {
     let decimals = digits.saturating_sub(1);
     format!("{value:.decimals$e}").parse().unwrap_or(value)

@@ -4,16 +4,16 @@ use crate::{FileError, Location};
 use std::cell::Cell;
 use std::io::{self, BufRead, Read};
 
-/// The number of bytes that the parts of an archive of this length may expand to: 16 MiB, or 32 times its length. Deflate reaches
-/// a factor of 1000 on repeated text, the models of slicers 5 to 20.
+/// The number of bytes that the parts of an archive of this length may expand to: 32 times its length, at least 16 MiB and at
+/// most 4 GiB. Deflate reaches a factor of 1000 on repeated text; models from slicers reach 5 to 20.
 pub fn expanded_bytes(length: u64) -> u64 {
     length.saturating_mul(32).clamp(16 << 20, 1 << 32)
 }
 
-/// Rejects a number of vertices or triangles that a file of this length cannot make but by repetition: more than a million, or
-/// 2 for each byte.
+/// Rejects a number of vertices or triangles that a file of this length can describe only by repetition: more than 300,000
+/// and more than 2 for each byte.
 pub fn check_repetition(what: &str, count: u64, length: u64, location: Location) -> Result<(), FileError> {
-    let limit = length.saturating_mul(2).max(1_000_000);
+    let limit = length.saturating_mul(2).max(300_000);
     if count <= limit {
         return Ok(());
     }

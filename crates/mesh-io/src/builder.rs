@@ -73,7 +73,7 @@ impl<'a> MeshBuilder<'a> {
         let objects = objects(std::mem::take(&mut self.object_starts), self.triangles.len());
         if self.non_planar > 0 {
             self.warnings.push(format!(
-                "{} faces with more than three corners are not plane: their triangulation is not unique",
+                "{} faces with more than three corners are not planar: their triangulation is not unique",
                 self.non_planar
             ));
         }

@@ -92,7 +92,7 @@ fn chunk(bytes: &[u8], at: usize, kind: u32) -> Result<(&[u8], usize), FileError
         .zip(number(at + 4))
         .ok_or_else(|| FileError::truncated(location, "the header of a chunk"))?;
     if found.1 != kind {
-        let problem = "the chunk has another type than expected";
+        let problem = "the chunk has an unexpected type";
         return Err(FileError::syntax(location, problem, "GLB has a JSON chunk and then a binary chunk"));
     }
     let end = at + 8 + found.0 as usize;
@@ -117,7 +117,8 @@ fn old_version(version: &str) -> FileError {
     FileError::Syntax { location: Location::Byte(0), message: message.suggest("Convert it") }
 }
 
-/// Name prefixes of extensions that do not change triangles. Quantised positions are accessors with other component types.
+/// Name prefixes of extensions that do not change triangles. Quantised positions are accessors with different component
+/// types.
 const HARMLESS: [&str; 6] = [
     "KHR_materials_",
     "KHR_texture_",

@@ -1,9 +1,10 @@
 //! Mesh files: readers and writers of STL, OBJ, PLY, OFF, 3MF, glTF and GLB.
 //!
 //! Readers are safe on malformed input: a count in a header is compared with the length of the file before anything is
-//! allocated, the length of lines is limited, and NaN or infinite numbers are rejected with their location. Faces with more than
-//! three corners are triangulated. The parts of an archive may expand to 16 MiB or 32 times its length; meshes that a file uses
-//! several times may make a million vertices and triangles, or 2 for each byte of the file.
+//! allocated, the length of lines is limited, and NaN or infinite numbers are rejected with their location. Faces with more
+//! than three corners are triangulated. The parts of an archive may expand to 32 times its length (at least 16 MiB, at most 4
+//! GiB); meshes that a file uses several times may make a million vertices and triangles or, if that is more, 2 for each byte
+//! of the file.
 //!
 //! | format | read | written | unit |
 //! | --- | --- | --- | --- |

@@ -35,7 +35,7 @@ pub fn read(from: impl BufRead, options: &ReadOptions) -> Result<LoadedMesh, Fil
             Some(word) if word.starts_with(|c: char| c.is_ascii_alphabetic()) => {}
             None => {}
             Some(word) => {
-                // a file of another format may be secret, so that nothing of it is quoted
+                // a file of a different format may be confidential, so nothing of it is quoted
                 let problem = match builder.vertices.is_empty() {
                     true => "the file is not OBJ: a line does not begin with a statement".to_owned(),
                     false => format!("`{}` is not a statement", excerpt(word)),

@@ -46,7 +46,7 @@ fn header(tokens: &mut Tokens<impl BufRead>) -> Result<(), FileError> {
     let prefix = keyword.strip_suffix("OFF").map(|prefix| prefix.replace("ST", "").replace(['C', 'N'], ""));
     let location = tokens.location();
     if prefix.as_deref() != Some("") {
-        // a file of another format may be secret, so that nothing of it is quoted
+        // a file of a different format may be confidential, so nothing of it is quoted
         let problem = "the file is not OFF";
         let reason = "three-dimensional OFF begins with OFF, COFF, NOFF, STOFF or a combination of these";
         return Err(FileError::syntax(location, problem, reason));

@@ -89,7 +89,7 @@ fn read_text(from: impl BufRead, options: &ReadOptions) -> Result<LoadedMesh, Fi
             }
             "facet" if is_open => soup.add(facet(&mut tokens)?),
             _ => {
-                // a file of another format may be secret, so that nothing of it is quoted
+                // a file of a different format may be confidential, so nothing of it is quoted
                 let problem = match solids.is_empty() {
                     true => "the file is not STL".to_owned(),
                     false => format!("`{}` is not expected here", excerpt(token)),

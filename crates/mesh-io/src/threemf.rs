@@ -64,7 +64,7 @@ struct Model {
 }
 
 impl Model {
-    /// The part with a name, which is read if it was not.
+    /// The part with this name, which is scheduled for reading if it is new.
     fn part(&mut self, name: &str) -> Rc<str> {
         if let Some(known) = self.known_parts.get(name) {
             return known.clone();
@@ -79,7 +79,7 @@ impl Model {
         self.items += 1;
         if self.items > MAX_ITEMS {
             let problem = format!("the model has more than {MAX_ITEMS} objects, components and build items");
-            return Err(FileError::syntax(location, problem, "so many are not supported"));
+            return Err(FileError::syntax(location, problem, "larger models are not supported"));
         }
         Ok(())
     }
@@ -134,7 +134,7 @@ fn whole_model(
     while let Some(name) = model.parts.get(next).cloned() {
         if next >= MAX_PARTS {
             let problem = format!("the model has more than {MAX_PARTS} parts");
-            return Err(FileError::syntax(Location::Byte(0), problem, "so many are not supported"));
+            return Err(FileError::syntax(Location::Byte(0), problem, "larger models are not supported"));
         }
         let part = archive.by_name(&name).map_err(archive_error)?;
         let part = Metered::new(BufReader::new(part), &left, limit, &event);

@@ -78,7 +78,7 @@ fn faces_with_many_corners_are_triangulated() {
     );
     let bent = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0.5\n0 1 0\n4 0 1 2 3 255 0 0\n";
     let bent = loaded(bent.as_bytes(), MeshFormat::Off).unwrap();
-    assert!(bent.warnings[0].starts_with("1 faces with more than three corners are not plane"));
+    assert!(bent.warnings[0].starts_with("1 faces with more than three corners are not planar"));
 }
 
 #[test]
@@ -434,7 +434,7 @@ fn archives_have_one_budget() {
         .chain(names.iter().map(|name| (name.as_str(), nothing.as_str())))
         .collect();
     assert!(error(&parts).contains("the model has more than 4096 parts"));
-    // nested components: 4^13 tetrahedra, which are cut off by their vertices
+    // nested components: 4^13 tetrahedra, which the limit of vertices cuts off
     let nested: String = (2..15)
         .map(|id| {
             format!(
@@ -444,7 +444,7 @@ fn archives_have_one_budget() {
         })
         .collect();
     let found = error(&[(main, &model(&format!("{TETRAHEDRON}{nested}"), "<item objectid=\"14\"/>"))]);
-    assert!(found.contains("the file uses its meshes so often that they make 1000004 vertices"), "{found}");
+    assert!(found.contains("the file uses its meshes so often that they make 300004 vertices"), "{found}");
     let many = model("", &"<item objectid=\"1\"/>".repeat(600_000));
     let found = error(&[(main, &many)]);
     assert!(found.contains("no object 1") || found.contains("more than"), "{found}");
@@ -464,7 +464,7 @@ fn accessors_of_gltf_are_not_used_without_limit() {
     root["nodes"] = vec![root["nodes"][0].clone(); 2000].into();
     root["scenes"][0]["nodes"] = (0..2000).collect::<Vec<_>>().into();
     let found = loaded(root.to_string().as_bytes(), MeshFormat::Gltf).unwrap_err().to_string();
-    assert!(found.contains("uses its meshes so often that they make 1000"), "{found}");
+    assert!(found.contains("uses its meshes so often that they make 3000"), "{found}");
 }
 
 /// The nodes of a long list of roots, which took quadratic time.

@@ -18,6 +18,7 @@ mod line;
 mod mesh;
 mod polyhedron;
 mod repair;
+mod shift;
 mod topology;
 mod tree;
 mod triangle;

@@ -15,7 +15,8 @@ use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 
 /// The infinite line `r(t) = origin + t direction`.
 ///
-/// Components of the origin are at most 1e100 in absolute value, the largest of the direction is between 1e-70 and 1e70.
+/// Components of the origin are at most 1e100 in absolute value, and the largest one of the direction is between 1e-70
+/// and 1e70.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// The point at t = 0.

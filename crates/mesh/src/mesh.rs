@@ -4,7 +4,7 @@ use crate::{MeshError, triangle};
 use rayweave_math::{Bounds, Vec3};
 use rustc_hash::FxHashMap;
 
-/// An indexed triangle mesh, in the given order.
+/// An indexed triangle mesh, with vertices and triangles in the given order.
 ///
 /// Every index is in range and every coordinate is finite. There are no further guarantees: a mesh may have holes, and vertices
 /// may coincide ([`Mesh::welded`]).
@@ -49,7 +49,8 @@ impl Mesh {
         Ok(Mesh { vertices, triangles })
     }
 
-    /// Checks a number of vertices or triangles against [`Mesh::MAX_TRIANGLES`]. Readers call it before they allocate. `what` is "vertices" or "triangles", for the message.
+    /// Checks a number of vertices or triangles against [`Mesh::MAX_TRIANGLES`]; readers do this before they allocate.
+    /// `what` is "vertices" or "triangles", for the message.
     ///
     /// # Errors
     /// [`MeshError::TooMany`].
@@ -128,7 +129,7 @@ impl Mesh {
         if bounds.is_empty() { Vec3::ZERO } else { bounds.centre() }
     }
 
-    /// The mesh with equal vertices merged, in order of first use. Triangles keep their indices, unused vertices are dropped.
+    /// The mesh with equal vertices merged, in order of first use. Triangles keep their order; unused vertices are dropped.
     pub fn welded(&self) -> Mesh {
         let mut welder = VertexWelder::default();
         let weld = |corners: &[u32; 3]| corners.map(|vertex| welder.index(self.vertices[vertex as usize]));

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::shells::Shells;
 use crate::line::{Line, MeshCrossing, Perturbation, Shear, contains_origin, is_edge_on};
+use crate::shift::Shift;
 use crate::topology::{HalfEdge, ParityUnionFind, by_edge, half_edges};
 use crate::tree::TriangleTree;
 use crate::triangle::{self, Triangle};
@@ -56,8 +57,8 @@ pub struct Nearest {
     pub triangle: u32,
 }
 
-/// The number of triangles that the lines which orient shells, or determine their depths, may cross.
-pub(crate) const MAX_CROSSINGS: usize = 5_000_000;
+/// The number of triangles with which the lines that orient shells, or determine their depths, may be compared.
+pub(crate) const MAX_COMPARISONS: usize = 50_000_000;
 
 /// A line prepared for intersection with triangles.
 struct Query {
@@ -115,7 +116,7 @@ impl Polyhedron {
     }
 
     /// Determines which triangles are counter-clockwise seen from outside, by one line through each shell. When these lines have
-    /// crossed [`MAX_CROSSINGS`] triangles, the lines of earlier shells decide for those that they crossed, so that many shells
+    /// been compared with [`MAX_COMPARISONS`] triangles, the lines of earlier shells decide for those that they crossed, so that many shells
     /// behind each other do not take quadratic time.
     /// For shells that intersect others, or are one-sided, the result holds only for some of the triangles.
     fn orientations(&self, shells: &Shells) -> Vec<bool> {
@@ -124,15 +125,15 @@ impl Polyhedron {
         let largest = shells.largest(|triangle| {
             triangle::cross(self.corners(self.places[triangle as usize] as usize)).length_squared()
         });
-        let (mut left, mut found) = (MAX_CROSSINGS, Vec::new());
+        let (mut left, mut found) = (MAX_COMPARISONS, Vec::new());
         for (shell, &triangle) in largest.iter().enumerate() {
             if left == 0 && crossed[shell].is_some() {
                 outward[shell] = crossed[shell];
                 continue;
             }
             let Some(line) = self.line_through(triangle) else { continue };
-            self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
-            left = left.saturating_sub(found.len());
+            let compared = self.crossings(&line, &[Vec3::ONE, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
+            left = left.saturating_sub(compared);
             for (rank, crossing) in found.iter().enumerate() {
                 let other = shells.component_of[crossing.triangle as usize] as usize;
                 if crossed[other].is_none() {
@@ -194,13 +195,18 @@ impl Polyhedron {
     ///
     /// The time of a crossing is that of the plane of its face, clamped to the range of the triangle's
     /// corners. A line that lies in faces, within [`Line::delta`] along its chord of the ball around the
-    /// mesh, is shifted by a few such distances along the first of the directions `perturbation` that leaves
-    /// the face, so that the whole line is on one side. At edges and vertices symbolic perturbation puts the
+    /// mesh, is shifted by a few such distances out of them ([`Shift`]), so that the whole line is on the side to which
+    /// `perturbation` leads. At edges and vertices symbolic perturbation puts the
     /// line on one side, the same for all triangles (`contains_origin`).
     ///
-    /// `found` is cleared first.
-    pub fn crossings(&self, line: &Line, perturbation: &Perturbation, found: &mut Vec<MeshCrossing>) {
-        self.crossings_with(line, perturbation, 0.0, found);
+    /// `found` is cleared first. Returns the number of triangles with which the line was compared.
+    pub fn crossings(
+        &self,
+        line: &Line,
+        perturbation: &Perturbation,
+        found: &mut Vec<MeshCrossing>,
+    ) -> usize {
+        self.crossings_with(line, perturbation, 0.0, found)
     }
 
     /// [`Polyhedron::crossings`] of a line that was mapped into the frame of the mesh: `lengths` is added to the magnitude of
@@ -211,43 +217,42 @@ impl Polyhedron {
         perturbation: &Perturbation,
         lengths: f64,
         found: &mut Vec<MeshCrossing>,
-    ) {
+    ) -> usize {
         found.clear();
         let Some(chord) = self.tree.chord(line) else {
-            return;
+            return 0;
         };
         let far = chord.0.abs().max(chord.1.abs());
         let delta = line.delta(if far.is_finite() { far } else { 0.0 }, self.magnitude() + lengths);
-        let shift = self.gather(
+        let (shift, mut compared) = self.gather(
             &Query { shear: Shear::new(line), line: *line, timed: *line, delta },
             chord,
             perturbation,
             found,
         );
+        let shift = shift.vector();
         if shift != Vec3::ZERO {
             found.clear();
             let moved = Line { origin: line.origin + shift, ..*line };
-            self.gather(
-                &Query { shear: Shear::new(&moved), line: moved, timed: *line, delta: -1.0 },
-                chord,
-                perturbation,
-                found,
-            );
+            let again = Query { shear: Shear::new(&moved), line: moved, timed: *line, delta: -1.0 };
+            compared += self.gather(&again, chord, perturbation, found).1;
         }
         found.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+        compared
     }
 
-    /// Appends the crossings of a line, in no order, and returns the shift that moves the line out of all
-    /// faces it lies in.
+    /// Appends the crossings of a line, in no order. Returns the shift that moves the line out of all faces in which it lies, and
+    /// the number of triangles with which the line was compared.
     fn gather(
         &self,
         query: &Query,
         chord: (f64, f64),
         perturbation: &Perturbation,
         found: &mut Vec<MeshCrossing>,
-    ) -> Vec3 {
-        let mut shift = Vec3::ZERO;
+    ) -> (Shift, usize) {
+        let (mut shift, mut compared) = (Shift::default(), 0);
         self.tree.traverse(&query.line, |range| {
+            compared += range.len();
             for place in range {
                 let corners = self.corners(place);
                 let images = corners.map(|corner| query.shear.image(corner));
@@ -255,31 +260,23 @@ impl Polyhedron {
                     let t = self.time(place, &query.timed);
                     found.push(MeshCrossing { t, triangle: self.numbers[place] });
                 }
-                if query.delta >= 0.0 && is_edge_on(images, query.delta) {
-                    shift = longer(shift, self.shift_out_of_face(place, query, chord, perturbation));
+                if query.delta >= 0.0
+                    && is_edge_on(images, query.delta)
+                    && let Some(normal) = self.face_around(place, query, chord)
+                {
+                    shift.add(normal, perturbation, query.delta);
                 }
             }
         });
-        shift
+        (shift, compared)
     }
 
-    /// The shift that moves a line out of the plane of a triangle; 0 if it does not lie in that plane.
-    fn shift_out_of_face(
-        &self,
-        place: usize,
-        query: &Query,
-        chord: (f64, f64),
-        perturbation: &Perturbation,
-    ) -> Vec3 {
+    /// The normal of the face of a triangle if a line lies in its plane.
+    fn face_around(&self, place: usize, query: &Query, chord: (f64, f64)) -> Option<Vec3> {
         let [corner, ..] = self.corners(self.faces[place] as usize);
         let normal = self.face_normal(place);
         let lies = |t: f64| normal.dot(query.line.at(t) - corner).abs() <= query.delta;
-        if !(lies(chord.0) && lies(chord.1)) {
-            return Vec3::ZERO;
-        }
-        let leaves = |way: &Vec3| normal.dot(*way).abs() > 1e-3 * way.length();
-        let way = perturbation.iter().copied().find(leaves).unwrap_or(normal);
-        (4.0 * query.delta / normal.dot(way).abs()) * way
+        (lies(chord.0) && lies(chord.1)).then_some(normal)
     }
 
     /// The time at which a line crosses the plane of a triangle's face, clamped to the range of the
@@ -410,13 +407,6 @@ fn in_order(mesh: &Mesh, numbers: &[u32]) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     };
     let triangles = numbers.iter().map(|&k| mesh.triangles()[k as usize].map(&mut renumbered)).collect();
     (vertices, triangles)
-}
-
-/// The longer of two vectors. Among equal lengths an order of the components decides, so that the longest of many
-/// does not depend on their order.
-fn longer(a: Vec3, b: Vec3) -> Vec3 {
-    let rank = |v: Vec3| (v.length_squared(), v.x, v.y, v.z);
-    if rank(b) > rank(a) { b } else { a }
 }
 
 /// The time at which a line crosses the plane of a triangle. All triangles in a plane perpendicular to an

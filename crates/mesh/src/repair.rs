@@ -70,9 +70,9 @@ impl Repair {
 const RELATIVE_WELD: f64 = 1e-6;
 
 impl Mesh {
-    /// The least repair that closes the mesh around a volume: without merging and filling, with vertices within a millionth of
-    /// the mesh's size merged, with plane holes filled, with both. Filling comes late, because every isolated triangle is
-    /// a plane hole. If none closes the mesh, the last; `None` if no triangles are left.
+    /// The least repair that closes the mesh around a volume: neither merging nor filling; merging vertices within a millionth
+    /// of the mesh's size; filling plane holes; both. Filling comes late, because every isolated triangle is a plane hole. If
+    /// none of these closes the mesh, the result is the last one; `None` if no repair succeeds.
     pub fn auto_repaired(&self) -> Option<(Mesh, Repair)> {
         let near = RELATIVE_WELD * self.bounds().size().length();
         let mut best = None;

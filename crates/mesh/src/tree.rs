@@ -8,7 +8,7 @@ use std::ops::Range;
 /// Maximum number of triangles in a leaf.
 const LEAF: usize = 4;
 
-/// Growth of boxes in units of half the mesh size, beside the growth for rounding errors.
+/// Growth of boxes in units of half the mesh size, in addition to the growth for rounding errors.
 const MARGIN: f64 = 1.05e-6;
 
 /// A BVH over the triangles of a mesh, which are reordered.
@@ -66,9 +66,9 @@ impl TriangleTree {
     /// Calls `visit` with ranges of triangles, in the order of the tree, that include every triangle close to
     /// the line.
     ///
-    /// A triangle that the line misses, visited because of its neighbours in a leaf, can shift a line that lies in
-    /// its plane ([`Polyhedron::crossings`](crate::Polyhedron::crossings)). Another division into leaves can
-    /// therefore change times by rounding errors.
+    /// A triangle that the line misses, visited because of its neighbours in a leaf, can shift a line that lies in its
+    /// plane ([`Polyhedron::crossings`](crate::Polyhedron::crossings)). A different division into leaves can therefore
+    /// change times by rounding errors.
     pub fn traverse(&self, line: &Line, visit: impl FnMut(Range<usize>)) {
         if self.chord(line).is_none() {
             return;

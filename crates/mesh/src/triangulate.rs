@@ -87,7 +87,7 @@ pub fn clip_ears(
         let mut ear = None;
         for k in (0..left.len()).map(|k| (start + k) % left.len()) {
             let [a, b, c] = neighbours(&left, k);
-            // the comparison with all other corners is due for convex corners only
+            // only convex corners need the comparison with all others
             let is_convex = orientation(vertices, [a, b, c], normal) > 0.0;
             if !budget.take(if is_convex { left.len() } else { 1 }) {
                 return None;

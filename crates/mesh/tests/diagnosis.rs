@@ -64,7 +64,7 @@ fn holes_are_found_and_plane_ones_are_filled() {
     assert_eq!((unchanged, done), (open.welded(), Repair::default()));
 }
 
-/// The hole around a removed vertex is not plane and stays open.
+/// The hole around a removed vertex is not planar and stays open.
 #[test]
 fn non_planar_holes_stay_open() {
     let bent = with_triangles(&potato(2), |triangles| {

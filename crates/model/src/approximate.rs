@@ -6,8 +6,8 @@ use crate::{CrossingColumns, Program, Query, Rays};
 /// Finds the crossings of a compiled model within stated error bounds: single precision on a GPU, a preview,
 /// a learned predictor.
 ///
-/// This is the second contract beside [`Evaluator`](crate::Evaluator), whose answers are equal bit for bit. For each ray
-/// that is not marked as uncertain, compared with the answer of an `Evaluator` to the same query:
+/// This is a second contract next to that of [`Evaluator`](crate::Evaluator), whose answers are equal bit for bit. For
+/// each ray that is not marked as uncertain, compared with the answer of an `Evaluator` to the same query:
 ///
 /// - the region at the start, the number of crossings and their order are the same;
 /// - each crossing has the same face, placement and regions on both sides;

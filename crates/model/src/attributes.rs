@@ -10,8 +10,8 @@ pub fn point(ray: &Ray, crossing: &Crossing) -> Vec3 {
     ray.at(crossing.t)
 }
 
-/// The unit normal of a crossing: against the ray where it enters a region, along the ray where it leaves for
-/// the world.
+/// The unit normal of a crossing: against the ray where it enters a region, along the ray where it leaves into the
+/// world.
 ///
 /// It is the gradient of the surface, transformed to the world by the inverse transpose. Where the surface
 /// has no tangent plane (the apex of a cone) it is parallel to the ray, so that it is never NaN.

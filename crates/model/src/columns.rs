@@ -117,14 +117,14 @@ pub struct CrossingColumns {
     pub leaf: Vec<u32>,
     /// The placement of the leaf.
     pub placement: Vec<u32>,
-    /// True if the ray enters a region, false if it leaves for the world.
+    /// True if the ray enters a region, false if it leaves into the world.
     pub enters: Vec<bool>,
     /// The region before the crossing; 0 is the world.
     pub before: Vec<u32>,
     /// The region after the crossing.
     pub after: Vec<u32>,
-    /// Rows whose crossing has another face on one of its two sides ([`Crossing::is_between`]), in order,
-    /// with that crossing.
+    /// Rows whose crossing has a different face on one of its two sides ([`Crossing::is_between`]), in order, with that
+    /// crossing.
     pub between: Vec<(usize, Crossing)>,
 }
 

@@ -1,10 +1,10 @@
-//! Check for rays that are too far from a model: where the tolerance is as large as the model, all its crossings would be
+//! Check for rays that are too far from a model: if the tolerance is as large as the model, all crossings would be
 //! welded, and the ray would silently miss it.
 //!
 //! A solid vanishes along a ray if it is thinner than twice the tolerance `delta = 64 u (|o| + |t| |d| + m)` there. A ray
-//! is rejected where `delta`, at its point closest to the centre of the model, exceeds a quarter of the model's size: a
-//! factor of 2 before that. The size is the shortest side of the box around all regions. It is infinite for a half-space,
-//! which cannot vanish; a slab and a rod without ends have one.
+//! is rejected where `delta`, at its point closest to the centre of the model, exceeds a quarter of the model's size,
+//! which leaves a factor of 2. The size is the shortest side of the box around all regions. It is infinite for a
+//! half-space, which cannot vanish, and finite for an unbounded slab or rod.
 //!
 //! A ray that misses the ball around the box by several `delta` is accepted: rounding cannot make it hit.
 
@@ -13,8 +13,8 @@ use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rayweave_shape::surface::delta;
 use rayweave_shape::{Ray, RayError};
 
-/// The least size of a model relative to the extent of its parts. Parts that touch overlap by less, in a sliver that rounding
-/// leaves: it is not seen from anywhere.
+/// The least size of a model relative to the extent of its parts. Parts in contact may overlap in a thinner sliver due to
+/// rounding, which no ray can resolve.
 const SLIVER: f64 = 1e-12;
 
 /// The distance at which a model vanishes.
@@ -34,7 +34,7 @@ impl Range {
         let (bounds, ball) = (&group.bounds, &group.ball);
         let (centre, radius, extent) = match bounds.is_finite() {
             true => (bounds.centre(), 0.5 * bounds.size().length(), ball.radius),
-            // planes that touch have no extent, but a position
+            // the ball around planes through one point has radius 0, so their position counts, too
             false => (ball.centre, f64::INFINITY, ball.centre.length() + ball.radius),
         };
         let size = bounds.size().min_element();

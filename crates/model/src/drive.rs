@@ -1,8 +1,8 @@
 //! Parallel driver: fixed chunks of work, ordered results, bounded memory, cancellation.
 //!
-//! The chunks do not depend on the number of threads, and results are merged in the order of the chunks, so
-//! that every run gives the same bits on any machine. Chunks are pulled only as fast as results are merged:
-//! at most a few per thread exist at any time. Work of one piece, such as reading a file, runs [`aside`].
+//! The chunks do not depend on the number of threads, and results are merged in the order of the chunks, so that every
+//! run gives the same bits on any machine. Chunks are pulled only as fast as results are merged: at most a few per
+//! thread exist at any time. Work that is not divided into chunks, such as reading a file, can run [`aside`].
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -32,15 +32,15 @@ impl Cancel {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The token of the work that this thread runs: [`aside`] or within [`Cancel::while_current`]. Elsewhere a new one, which nothing
-    /// cancels.
+    /// The token of the work that this thread runs [`aside`] or within [`Cancel::while_current`]; elsewhere a new
+    /// token, which nothing cancels.
     pub fn current() -> Cancel {
         CURRENT.with_borrow(|current| current.clone().unwrap_or_default())
     }
 
     /// Runs work with this token as [`Cancel::current`], for work that checks a token without taking one: the compilation of solids.
     pub fn while_current<T>(&self, work: impl FnOnce() -> T) -> T {
-        /// Restores the token before, even after a panic.
+        /// Restores the previous token, even after a panic.
         struct Restore(Option<Cancel>);
         impl Drop for Restore {
             fn drop(&mut self) {
@@ -59,7 +59,7 @@ thread_local! {
 /// Interval at which [`aside`] calls `look`.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Stack size of a thread for [`aside`], in bytes; that of main threads or more.
+/// Stack size of a thread for [`aside`], in bytes: at least that of usual main threads.
 const STACK: usize = 16 << 20;
 
 /// Runs `work` on a thread of its own and returns its result, for work that does not check a token often enough. Meanwhile the
@@ -85,7 +85,7 @@ pub fn aside<T: Send + 'static, E>(
     };
     let thread = match std::thread::Builder::new().stack_size(STACK).spawn(run) {
         Ok(thread) => thread,
-        // no thread is left: the work runs here, where it cannot be cancelled
+        // no thread can be started: the work runs here, where it cannot be cancelled
         Err(error) => match take(&work) {
             Some(work) => return Ok(work()),
             None => unreachable!("a thread that did not start took work: {error}"),
@@ -114,7 +114,7 @@ pub enum Stopped<E> {
     Failed(#[from] E),
 }
 
-/// Upper limit of the number of threads: on current machines more of them only wait for each other.
+/// Upper limit of the number of threads: on current machines, additional threads only wait for each other.
 const MAX_THREADS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
 
 /// Number of threads: `requested` if given, else the environment variable `RAYWEAVE_THREADS`, else the number of
@@ -135,9 +135,9 @@ const AHEAD: usize = 3;
 
 /// Runs `work` on every chunk and merges the results in the order of the chunks.
 ///
-/// The calling thread is one of the `threads`. Each thread makes its own scratch once. `merge` runs on the
-/// calling thread; an error of it ends the run, as does the token, which is checked before each chunk and
-/// each merge. A panic in `work` is propagated.
+/// The calling thread is one of the `threads`. Each thread makes its own scratch once. `merge` runs on the calling
+/// thread. An error of `merge` ends the run, and so does cancellation, which is checked before each chunk and each
+/// merge. A panic in `work` is propagated.
 pub fn drive<I, O, S, E>(
     threads: NonZeroUsize,
     cancel: &Cancel,

@@ -7,7 +7,7 @@ use rayweave_math::SingularError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{path}: {problem}")]
 pub struct CompileError {
-    /// The names and operators on the way from the root to the part, as `lens/union[1]/sphere`.
+    /// The names and operators on the way from the root to the part, e.g. `lens/union[1]/sphere`.
     pub path: String,
     /// The problem with that part.
     pub problem: CompileProblem,
@@ -37,16 +37,16 @@ pub enum CompileProblem {
     Transform(#[from] SingularError),
     /// More parts than the 31-bit ids of a program can number.
     #[error(
-        "the model has more than 2^31 {what}: their numbers do not fit. Are shared parts placed instead of copied?"
+        "the model has more than 2^31 {what}: their numbers do not fit. Place shared parts (`place`) instead of copying them."
     )]
     TooLarge {
         /// Leaves, surfaces or placements.
         what: &'static str,
     },
-    /// Repeated parts that make more leaves than the description justifies: 2^24, or 64 for each solid and copy of the
-    /// description; in model files 500,000, or 8 for each.
+    /// Repeated parts that make more leaves than a description of this size may: 2^24 or 64 for each of its solids and
+    /// copies, whichever is more; in model files 500,000 or 8 for each.
     #[error(
-        "its {nodes} solids and copies describe more than {limit} leaves: each use of a solid under another map copies all of its leaves. Place shared solids instead (`place`), which copies nothing."
+        "its {nodes} solids and copies describe more than {limit} leaves: each use of a solid under a different map copies all of its leaves. Place shared solids instead (`place`), which copies nothing."
     )]
     Repeated {
         /// The number of solids and copies in the description.
@@ -59,7 +59,7 @@ pub enum CompileProblem {
     Cancelled,
     /// A chain of nearly equal surfaces so long that its ends are not equal.
     #[error(
-        "faces {first} and {second} are neither equal nor apart: a chain of nearly coincident faces joins them. Were they computed in different ways?"
+        "faces {first} and {second} are neither equal nor distinct: a chain of nearly coincident faces connects them. Were they computed in different ways?"
     )]
     WideClass {
         /// A face at one end of the chain.
@@ -70,7 +70,7 @@ pub enum CompileProblem {
     /// A length of a shape under its map, or of the translations that lead to it, exceeds
     /// [`rayweave_shape::Ray::MAX_COMPONENT`], or a size vanished.
     #[error(
-        "the shape has no usable size or place here: beyond 1e100 squares overflow, and sizes may vanish. Is a scale far too large or small?"
+        "the size or position of the shape is out of range here: lengths beyond 1e100 overflow, and tiny sizes vanish. Is a scale far too large or small?"
     )]
     NotFinite,
 }

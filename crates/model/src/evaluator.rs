@@ -175,7 +175,7 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// True if the ray enters a region, false if it leaves for the world.
+    /// True if the ray enters a region, false if it leaves into the world.
     pub fn enters(&self) -> bool {
         self.after != RegionId(0)
     }
@@ -279,8 +279,8 @@ pub trait Evaluator: Sync {
 
     /// Passes the crossings of every ray of a batch to the sink.
     ///
-    /// Rays must pass [`Program::check_rays`], which the caller runs once per batch. The answer for a ray that
-    /// does not pass is arbitrary, usually a miss; it does not panic.
+    /// Rays must pass [`Program::check_rays`], which the caller runs once per batch. The answer for a ray that does not
+    /// pass is arbitrary, usually a miss; the call does not panic.
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink);
 
     /// The region that each point is in; 0 is the world. For a point on a boundary the symbolic perturbation
@@ -322,10 +322,9 @@ pub trait Evaluator: Sync {
         self.nearest_from(rays, &query, scratch, hits, &mut Vec::new());
     }
 
-    /// Finds the first crossing of every ray of a batch, like [`Evaluator::nearest`], for rays that may start
-    /// on surfaces; the limit of the query is ignored. Crossings that have another face on one of their sides
-    /// ([`Crossing::is_between`]) are also appended to `between`, each with the number of its ray, in any
-    /// order.
+    /// Finds the first crossing of every ray of a batch, like [`Evaluator::nearest`], for rays that may start on
+    /// surfaces; the limit of the query is ignored. Crossings that have a different face on one of their sides
+    /// ([`Crossing::is_between`]) are also appended to `between`, each with the number of its ray, in any order.
     fn nearest_from(
         &self,
         rays: Rays<'_>,

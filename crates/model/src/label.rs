@@ -1,5 +1,6 @@
 //! Names of leaves and their faces, stored once for all leaves with equal names.
 
+use crate::number_map::NumberMap;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::RandomState;
@@ -7,18 +8,18 @@ use std::hash::BuildHasher;
 use std::sync::Arc;
 
 /// The names of a shape and of its faces.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Label {
     /// The name given to the leaf, or the name of its kind.
     pub name: Arc<str>,
-    /// The kind of shape, as `sphere`.
+    /// The kind of shape, e.g. `sphere`.
     pub kind: &'static str,
     /// The faces, as the manual page of the kind names them.
     pub faces: Arc<[Cow<'static, str>]>,
 }
 
 impl Label {
-    /// The name of a face by its number, as `rim.side`.
+    /// The name of a face by its number, e.g. `rim.side`.
     pub fn face_name(&self, facet: usize) -> String {
         format!("{}.{}", self.name, self.faces.get(facet).map_or("", |face| face))
     }
@@ -30,7 +31,7 @@ pub(crate) struct Labels {
     labels: Vec<Label>,
     hasher: RandomState,
     /// For each hash the last label with it.
-    newest: HashMap<u64, u32>,
+    newest: NumberMap<u64, u32>,
     /// For each label the one before it with the same hash; itself if there is none.
     older: Vec<u32>,
     /// The distinct lists of face names.
@@ -51,14 +52,18 @@ impl Labels {
         if is_last {
             return self.labels.len() as u32 - 1;
         }
-        self.insert(Label { name: name.clone(), kind, faces: faces.collect() })
+        let last = self.labels.last().filter(|last| faces.clone().eq(last.faces.iter().cloned()));
+        let faces = last.map_or_else(|| faces.clone().collect(), |last| last.faces.clone());
+        self.insert(Label { name: name.clone(), kind, faces })
     }
 
     /// The number of a label, which is added if it is new.
     pub fn insert(&mut self, mut label: Label) -> u32 {
         label.faces = self.faces(label.faces);
         let fresh = self.labels.len() as u32;
-        let newest = self.newest.entry(self.hasher.hash_one(&label)).or_insert(fresh);
+        // equal lists of faces are the same list
+        let hash = self.hasher.hash_one((&label.name, label.kind, Arc::as_ptr(&label.faces).addr()));
+        let newest = self.newest.entry(hash).or_insert(fresh);
         let (mut number, mut next) = (fresh, *newest);
         while number != next {
             number = next;
@@ -73,6 +78,9 @@ impl Labels {
     }
 
     fn faces(&mut self, faces: Arc<[Cow<'static, str>]>) -> Arc<[Cow<'static, str>]> {
+        if let Some(last) = self.labels.last().filter(|last| last.faces == faces) {
+            return last.faces.clone();
+        }
         if let Some((known, ())) = self.faces.get_key_value(&faces) {
             return known.clone();
         }

@@ -107,7 +107,7 @@ impl<'p> Leaf<'p> {
         self.table.entries[self.number].of & COMPLEMENT != 0
     }
 
-    /// The name given to the leaf, or its kind; for an instance with its number, as `place[7]`.
+    /// The name given to the leaf, or its kind; for an instance with its number, e.g. `place[7]`.
     pub fn name(&self) -> Cow<'p, str> {
         match (self.label(), self.instance()) {
             (Some(label), _) => Cow::Borrowed(&label.name),
@@ -126,7 +126,7 @@ impl<'p> Leaf<'p> {
         self.label().map(|label| &*label.name)
     }
 
-    /// The name of a facet, as `rim.side`.
+    /// The name of a facet, e.g. `rim.side`.
     pub fn face_name(&self, facet: usize) -> String {
         self.label().map_or_else(String::new, |label| label.face_name(facet))
     }

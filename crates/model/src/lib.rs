@@ -31,6 +31,7 @@ mod instances;
 mod label;
 mod leaf;
 mod lower;
+mod number_map;
 mod occurrence;
 mod print;
 mod program;

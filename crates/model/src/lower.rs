@@ -5,6 +5,7 @@
 
 use crate::drive::Cancel;
 use crate::leaf::MAX_LEAVES;
+use crate::number_map::NumberMap;
 use crate::simplify::{Formula, Op};
 use crate::size;
 use crate::trail::{Naming, TOP, Trail, TrailBuilder};
@@ -62,7 +63,7 @@ impl Group<'_> {
     }
 }
 
-/// Number of maps and names searched for an outer name; it keeps naming all leaves of a deep tree linear in
+/// Maximum number of maps and names searched for an outer name, so that naming all leaves of a deep tree takes linear
 /// time.
 const MAX_NAME_LEVELS: usize = 64;
 
@@ -117,7 +118,7 @@ impl<'a> Prototypes<'a> {
 struct Context<'a> {
     parent: u32,
     name: Option<&'a Arc<str>>,
-    /// The single copy with a label that this context is inside of.
+    /// The labelled single copy that contains this context.
     copy: Option<&'a Copies>,
     /// The innermost context with a name or a copy, this one included; 0 if there is none.
     step: u32,
@@ -171,9 +172,9 @@ struct Lowering<'p, 'a> {
     /// The context of the name of the whole group; 0 if there is none.
     own: u32,
     leaf_names: LeafNames,
-    context_of: HashMap<(u32, usize), u32>,
-    leaf_of: HashMap<Key, Edge>,
-    done: HashMap<Key, Edge>,
+    context_of: NumberMap<(u32, usize), u32>,
+    leaf_of: NumberMap<Key, Edge>,
+    done: NumberMap<Key, Edge>,
     tasks: Vec<Task<'a>>,
     frames: Vec<Frame>,
     /// Stack of operands that no operator has consumed yet.
@@ -194,9 +195,9 @@ impl<'p, 'a> Lowering<'p, 'a> {
             at_root: is_placed,
             own: 0,
             leaf_names: LeafNames::default(),
-            context_of: HashMap::new(),
-            leaf_of: HashMap::new(),
-            done: HashMap::new(),
+            context_of: NumberMap::default(),
+            leaf_of: NumberMap::default(),
+            done: NumberMap::default(),
             tasks: Vec::new(),
             frames: Vec::new(),
             operands: Vec::new(),
@@ -399,7 +400,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let next = Context { parent: visit.context, name, copy: None, step, named, direct: true, map };
         let composed = self.composed(&Affine::IDENTITY, map);
         let bits = |map: &Affine| map.to_rows().map(|row| row.map(f64::to_bits));
-        // the product with the identity may have another zero than -0
+        // the product with the identity may turn -0 into 0
         match bits(&composed.0) == bits(&self.maps[map as usize].0) {
             true => self.enter(visit, next),
             false => self.enter_moved(visit, next, composed),
@@ -477,7 +478,7 @@ impl LeafNames {
 
 /// The names around the leaves of a group. `own` is the context of the name of the whole group.
 fn trail(contexts: &[Context<'_>], parts: &[Part<'_>], own: u32) -> Trail {
-    let mut steps = Steps { contexts, node_of: HashMap::new(), builder: TrailBuilder::default() };
+    let mut steps = Steps { contexts, node_of: NumberMap::default(), builder: TrailBuilder::default() };
     let place: Arc<str> = "place".into();
     let mut leaf = 0;
     for part in parts {
@@ -516,7 +517,7 @@ fn trail(contexts: &[Context<'_>], parts: &[Part<'_>], own: u32) -> Trail {
 /// The contexts with names, which become nodes of the trail when a part needs them.
 struct Steps<'c, 'a> {
     contexts: &'c [Context<'a>],
-    node_of: HashMap<u32, u32>,
+    node_of: NumberMap<u32, u32>,
     builder: TrailBuilder<'c>,
 }
 

@@ -5,7 +5,7 @@
 
 use std::fs::read_to_string;
 
-/// The reason why a result cannot be kept, for the middle of a message: it says how much memory is needed, in MiB.
+/// The reason why a result cannot be kept: the part of a message that states how much memory is needed, in MiB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{needed} MiB of memory are needed, and {available} MiB are available")]
 pub struct Shortage {
@@ -15,7 +15,7 @@ pub struct Shortage {
     pub available: u64,
 }
 
-/// Checks that a number of items of a size in bytes fits into memory; always true where the available memory is unknown.
+/// Checks that `items` items of `size` bytes each fit into memory; succeeds if the available memory is unknown.
 ///
 /// # Errors
 ///
@@ -35,13 +35,13 @@ fn compare(bytes: u64, available: Option<u64>) -> Result<(), Shortage> {
     }
 }
 
-/// The size of a result, in bytes, from which on the available memory is compared with it.
+/// Size in bytes from which a result is compared with the available memory.
 const LOOK: u64 = 64 << 20;
 
 /// A watch on a result that grows while it is computed: it stops the growth before memory runs out.
 ///
-/// Lists double their capacity when they are full and are copied then, so that half as much as the result already takes is needed
-/// beside it, and as much again before the next look.
+/// A full list is copied to a list of twice the capacity, so at each look one and a half times the size of the result must be
+/// available in addition to it. The next look is when the result has grown by a quarter.
 #[derive(Clone, Debug)]
 pub struct Growth {
     /// The size of the result at the next look, in bytes.
@@ -55,7 +55,7 @@ impl Default for Growth {
 }
 
 impl Growth {
-    /// Checks that a result that takes a number of bytes so far may grow.
+    /// Checks that a result that takes `bytes` so far may grow.
     ///
     /// # Errors
     ///
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn results_that_do_not_fit_are_refused() {
+    fn results_that_do_not_fit_are_rejected() {
         assert_eq!(compare(3 << 20, None), Ok(()));
         assert_eq!(compare(3 << 20, Some(3 << 20)), Ok(()));
         assert_eq!(compare((3 << 20) + 1, Some(3 << 20)), Err(Shortage { needed: 4, available: 3 }));
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn there_is_some() {
-        // this very process holds more than a megabyte
+        // this process itself uses more than a megabyte
         assert!(available().is_some_and(|bytes| bytes > 1 << 20));
     }
 }

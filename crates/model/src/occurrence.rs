@@ -31,7 +31,7 @@ impl Face {
 }
 
 impl Program {
-    /// The path of names and copy numbers that leads to an occurrence, as `tower[3]/brick[12]/hole`.
+    /// The path of names and copy numbers that leads to an occurrence, e.g. `tower[3]/brick[12]/hole`.
     ///
     /// Each step is the name of a solid around the leaf; the last one is the name of the leaf, or its kind of
     /// shape. A placed solid has the number of its copy in brackets: the number in the file, where the file
@@ -98,7 +98,7 @@ impl Program {
         })
     }
 
-    /// The occurrence with a number as by [`Occurrence::number`], if the program has it.
+    /// The occurrence with a number from [`Occurrence::number`], if the program has it.
     pub fn occurrence(&self, number: u64) -> Option<Occurrence> {
         let (placement, leaf) = (PlacementId((number >> 32) as u32), LeafId(number as u32));
         if placement.0 >= self.prototype(PrototypeId(0)).placements {
@@ -148,8 +148,8 @@ impl<'p> OccurrencePath<'p> {
         &self.steps
     }
 
-    /// The path to the innermost placed solid around the occurrence, as `tower[3]/brick[12]`: the same for all
-    /// its leaves. Empty if nothing around the occurrence is placed.
+    /// The path to the innermost placed solid around the occurrence, e.g. `tower[3]/brick[12]`: the same for all its
+    /// leaves. Empty if nothing around the occurrence is placed.
     #[must_use]
     pub fn placed(mut self) -> OccurrencePath<'p> {
         let end = self.steps.iter().rposition(|step| step.is_placed).map_or(0, |last| last + 1);

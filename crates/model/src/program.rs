@@ -163,7 +163,7 @@ impl Program {
         self.leaf(leaf).first_facet() as u32 + facet
     }
 
-    /// The name of a face by its number in [`Program::facets`], as `rim.side`.
+    /// The name of a face by its number in [`Program::facets`], e.g. `rim.side`.
     pub fn face_name(&self, face: u32) -> String {
         let leaf = self.leaves.leaf_of_facet(face as usize);
         leaf.face_name(face as usize - leaf.first_facet())

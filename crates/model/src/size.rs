@@ -1,11 +1,12 @@
 //! The number of leaves of a model, counted before they are made.
 //!
-//! A solid may be used many times, and each use under another map makes leaves of its own: forty steps of
+//! A solid may be used many times, and each use under a different map makes its own leaves: forty steps of
 //! `s = s | s.translate(v)` describe 2^40 of them. The count visits each shared solid once.
 
+use crate::number_map::{NumberMap, NumberSet};
 use crate::{CompileError, CompileProblem, Node, Solid};
 use rayweave_math::Affine;
-use std::collections::{HashMap, HashSet};
+use rayweave_shape::primitive::Primitive;
 
 /// The number of leaves that a description of this size may make.
 struct Allowance {
@@ -15,6 +16,9 @@ struct Allowance {
     /// described one by one.
     per_node: u64,
 }
+
+/// The number of faces of a polyhedron that take as much memory as a leaf of another kind.
+const FACES_PER_LEAF: u64 = 8;
 
 /// For solids built by a program.
 const BUILT: Allowance = Allowance { always: 1 << 24, per_node: 64 };
@@ -88,21 +92,21 @@ struct Frame<'a> {
     address: usize,
     size: Size,
     waiting: Vec<&'a Solid>,
-    seen: HashSet<usize>,
+    seen: NumberSet<usize>,
 }
 
 impl<'a> Frame<'a> {
     fn new(address: usize, waiting: Vec<&'a Solid>) -> Frame<'a> {
-        Frame { address, size: Size::default(), waiting, seen: HashSet::new() }
+        Frame { address, size: Size::default(), waiting, seen: NumberSet::default() }
     }
 }
 
-/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or the visits exceed theirs.
+/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or if there are too many visits.
 fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
     let mut total = Size::default();
-    let mut known: HashMap<usize, Size> = HashMap::new();
+    let mut known: NumberMap<usize, Size> = NumberMap::default();
     let mut prototypes: Vec<&Solid> = Vec::new();
-    let mut is_prototype: HashSet<usize> = HashSet::new();
+    let mut is_prototype: NumberSet<usize> = NumberSet::default();
     let mut next = 0;
     let mut roots: Vec<&Solid> = solids.to_vec();
     loop {
@@ -123,7 +127,7 @@ fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
 /// The size of one group. `place` receives the solids that are placed several times.
 fn group<'a>(
     roots: Vec<&'a Solid>,
-    known: &mut HashMap<usize, Size>,
+    known: &mut NumberMap<usize, Size>,
     most: u64,
     mut place: impl FnMut(&'a Solid),
 ) -> Option<Size> {
@@ -147,7 +151,7 @@ fn group<'a>(
         frame.size.visits += 1;
         match solid.node() {
             Node::Empty | Node::Universe => {}
-            Node::Primitive(_) => frame.size.leaves += 1,
+            Node::Primitive(shape) => frame.size.leaves += weight(shape),
             Node::Placed(inner, copies) if copies.len() != 1 => {
                 frame.size.leaves = frame.size.leaves.saturating_add(copies.len() as u64);
                 if !copies.is_empty() {
@@ -160,10 +164,13 @@ fn group<'a>(
                 frame.waiting.push(inner);
             }
             Node::Transformed(_, inner) | Node::Named(_, inner) | Node::Placed(inner, _) => {
-                match (inner.node(), known.get(&inner.address())) {
-                    (Node::Primitive(_), _) => frame.size.add(Size { leaves: 1, visits: 1 }),
-                    (_, Some(&size)) => frame.size.add(size),
-                    (_, None) => frames.push(Frame::new(inner.address(), vec![inner])),
+                if let Some((shape, visits)) = shape_within(inner) {
+                    frame.size.add(Size { leaves: weight(shape), visits });
+                    continue;
+                }
+                match known.get(&inner.address()) {
+                    Some(&size) => frame.size.add(size),
+                    None => frames.push(Frame::new(inner.address(), vec![inner])),
                 }
             }
             other => frame.waiting.extend(other.operand_refs()),
@@ -172,14 +179,37 @@ fn group<'a>(
     None
 }
 
+/// The number of leaves that a shape counts for: a polyhedron is one leaf and may have any number of faces.
+fn weight(shape: &Primitive) -> u64 {
+    match shape {
+        Primitive::Convex(polyhedron) => 1 + polyhedron.planes().len() as u64 / FACES_PER_LEAF,
+        _ => 1,
+    }
+}
+
+/// A shape under a few maps and names, and the number of visits to it; `None` for other solids.
+fn shape_within(mut solid: &Solid) -> Option<(&Primitive, u64)> {
+    for visits in 1..=4 {
+        solid = match solid.node() {
+            Node::Primitive(shape) => return Some((shape, visits)),
+            Node::Transformed(_, inner) | Node::Named(_, inner) => inner,
+            _ => return None,
+        };
+    }
+    None
+}
+
 /// The number of different nodes and copies of the description.
 fn distinct(solids: &[&Solid]) -> u64 {
-    let (mut waiting, mut seen, mut copies) = (solids.to_vec(), HashSet::new(), 0u64);
+    let (mut waiting, mut seen, mut copies) = (solids.to_vec(), NumberSet::default(), 0u64);
     while let Some(solid) = waiting.pop() {
         if seen.insert(solid.address()) {
-            if let Node::Placed(_, maps) = solid.node() {
-                copies = copies.saturating_add(maps.len() as u64);
-            }
+            copies = copies.saturating_add(match solid.node() {
+                Node::Placed(_, maps) => maps.len() as u64,
+                // what it counts for beyond its node
+                Node::Primitive(shape) => weight(shape) - 1,
+                _ => 0,
+            });
             waiting.extend(solid.node().operand_refs());
         }
     }
@@ -189,7 +219,7 @@ fn distinct(solids: &[&Solid]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rayweave_shape::primitive::build;
+    use rayweave_shape::primitive::{Convex, build};
 
     #[test]
     fn many_different_parts_are_not_repetitions() {
@@ -201,6 +231,21 @@ mod tests {
         // compiling them would take seconds
         check_repetition(&[&rows, &placed]).unwrap();
         check(&[&rows, &placed]).unwrap();
+    }
+
+    /// A polyhedron counts for its faces, both where it is described and where it is repeated.
+    #[test]
+    fn faces_count() {
+        let wheel = |offset: f64| {
+            let plane = |k: u32| [1.0, f64::from(k), 0.0, offset];
+            Solid::from(Primitive::from(Convex::new((0..600_000).map(plane).collect()).unwrap()))
+        };
+        let one = wheel(1.0);
+        let described: Vec<Solid> = (1..=7).map(|k| wheel(f64::from(k))).collect();
+        assert!(one.has_more_leaves_than(75_000) && !one.has_more_leaves_than(75_001));
+        check_repetition(&described.iter().collect::<Vec<_>>()).unwrap();
+        let many = Solid::union((0..20).map(|k| one.translate([f64::from(k), 0.0, 0.0])));
+        assert!(check_repetition(&[&many]).is_err());
     }
 
     #[test]

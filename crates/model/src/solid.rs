@@ -118,37 +118,37 @@ impl Solid {
         Solid::new(Node::Transformed(world_from_local, self.clone()))
     }
 
-    /// Moved by a vector.
+    /// The solid moved by a vector.
     pub fn translate(&self, by: impl Into<Vec3>) -> Solid {
         self.apply(Affine::translate(by.into()))
     }
 
-    /// Turned about an axis through the origin, right-handed, by an angle in degrees.
+    /// The solid rotated about an axis through the origin, right-handed, by an angle in degrees.
     pub fn rotate(&self, axis: impl Into<Vec3>, degrees: f64) -> Solid {
         self.apply(Affine::rotation(axis.into(), degrees))
     }
 
-    /// Turned about the x axis, +y towards +z.
+    /// The solid rotated about the x axis, +y towards +z, by an angle in degrees.
     pub fn rotate_x(&self, degrees: f64) -> Solid {
         self.rotate(Vec3::X, degrees)
     }
 
-    /// Turned about the y axis, +z towards +x.
+    /// The solid rotated about the y axis, +z towards +x, by an angle in degrees.
     pub fn rotate_y(&self, degrees: f64) -> Solid {
         self.rotate(Vec3::Y, degrees)
     }
 
-    /// Turned about the z axis, +x towards +y.
+    /// The solid rotated about the z axis, +x towards +y, by an angle in degrees.
     pub fn rotate_z(&self, degrees: f64) -> Solid {
         self.rotate(Vec3::Z, degrees)
     }
 
-    /// Scaled about the origin by one factor per axis (`Vec3::splat(s)` for all three).
+    /// The solid scaled about the origin by one factor per axis (`Vec3::splat(s)` for all three).
     pub fn scale(&self, factors: impl Into<Vec3>) -> Solid {
         self.apply(Affine::scale(factors.into()))
     }
 
-    /// Mirrored in the plane through the origin with the given normal.
+    /// The solid mirrored in the plane through the origin with the given normal.
     pub fn mirror(&self, normal: impl Into<Vec3>) -> Solid {
         self.apply(Affine::mirror(normal.into()))
     }
@@ -168,8 +168,9 @@ impl Solid {
         Arc::ptr_eq(&self.0, &other.0)
     }
 
-    /// The address of the node; identifies shared sub-trees.
-    pub(crate) fn address(&self) -> usize {
+    /// The address of the node: the same for all handles of a node, and different for different nodes that exist at the same
+    /// time.
+    pub fn address(&self) -> usize {
         Arc::as_ptr(&self.0) as usize
     }
 

@@ -108,8 +108,8 @@ pub(crate) struct TrailBuilder<'n> {
     trail: Trail,
     /// Number of nodes with equal names, by parent, name and copy number.
     nodes: HashMap<(u32, &'n str, Option<i64>), u32>,
-    /// Nodes of labelled copies: equal labels mean the same copy, as where each volume of a file repeats the
-    /// placements of its mothers.
+    /// Nodes of labelled copies: equal labels mean the same copy, e.g. in files in which each volume repeats the
+    /// placements of its mother volumes.
     labelled: HashMap<(u32, &'n str, Option<i64>), u32>,
     /// Number of leaves with equal names, by node and name.
     leaves: HashMap<(u32, &'n str), u32>,
@@ -120,7 +120,7 @@ pub(crate) struct TrailBuilder<'n> {
 }
 
 impl<'n> TrailBuilder<'n> {
-    /// Adds a node for a name of a solid: each occurrence of the name is another one.
+    /// Adds a node for a name of a solid: each occurrence of the name gets its own node.
     pub fn named(&mut self, parent: u32, name: &'n Arc<str>) -> u32 {
         self.node(parent, name, None, false)
     }

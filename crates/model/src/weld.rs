@@ -52,8 +52,8 @@ impl Trajectory for Ray {
     }
 }
 
-/// False if the ray lies in the surface and the piece between two times is long enough to have a side: tangent cones may
-/// be left at different times along a common ruling.
+/// False if the ray lies in the surface and the piece between two times is long enough to have a side: then it is not a
+/// sliver. (Along a common ruling of two tangent cones, for example, the ray may leave them at different times.)
 fn is_short_if_in_surface(program: &Program, ray: &Ray, face: Face, piece: (f64, f64)) -> bool {
     let mut group = GroupRay::world(program, *ray, &[]);
     for (place, prototype) in program.descend_groups(face.placement) {

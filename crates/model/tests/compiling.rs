@@ -170,7 +170,7 @@ fn copies_keep_their_maps_to_the_bit() {
 }
 
 #[test]
-fn faces_are_named_wherever_copies_stand() {
+fn faces_of_all_copies_are_named() {
     let [a, b] = balls();
     let row = a.named("dot").place([0.0, 9.0].map(|x| Affine::translate(Vec3::new(x, 5.0, 0.0))).to_vec());
     let tile = shape("box", &[("size", 1.0)]).named("tile");
@@ -188,7 +188,7 @@ fn faces_are_named_wherever_copies_stand() {
 }
 
 #[test]
-fn too_many_placements_are_refused() {
+fn too_many_placements_are_rejected() {
     let shifts: Vec<_> = (0..2000).map(|k| Affine::translate(Vec3::splat(f64::from(k)))).collect();
     let [a] = balls();
     let error = Program::compile(&a.place(shifts.clone()).place(shifts.clone()).place(shifts)).unwrap_err();
@@ -238,7 +238,7 @@ fn printing_uses_the_fewest_parentheses() {
 
 /// Beyond 1e100 squares and products of lengths overflow: rays and models are rejected there.
 #[test]
-fn models_out_of_reach_are_refused() {
+fn models_out_of_reach_are_rejected() {
     let ball = shape("sphere", &[("radius", 1.0)]);
     let problem = |solid: &Solid| Program::compile(solid).err().map(|error| error.problem);
     for far in [1e101, 1e200] {
@@ -257,7 +257,7 @@ fn models_out_of_reach_are_refused() {
     assert!(text.contains("beyond 1e100") && text.ends_with("Is a scale far too large or small?"), "{text}");
 }
 
-/// `s | s.translate(v)`, time and again: 2^steps leaves.
+/// `s | s.translate(v)`, repeated `steps` times: 2^steps leaves.
 fn doubled(steps: usize) -> Solid {
     let ball = shape("sphere", &[("radius", 1.0)]);
     (0..steps).fold(ball, |s, k| &s | s.translate([3.0 * 2f64.powi(k as i32), 0.0, 0.0]))

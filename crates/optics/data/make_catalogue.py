@@ -2,8 +2,8 @@
 
     python make_catalogue.py DATABASE
 
-DATABASE is the folder with `main`, `specs`, `organic` and `other`; the package `refractiveindex` (1.3.1) brings it along. Written
-are MAKER.agf for makers of glass and `materials.yml` for everything else. Needs PyYAML. Texts are reduced to the references.
+DATABASE is the folder with `main`, `specs`, `organic` and `other`; the Python package `refractiveindex` (1.3.1) includes it.
+Writes MAKER.agf for each maker of glass and `materials.yml` for everything else. Needs PyYAML. Texts are reduced to the references.
 """
 
 import html
@@ -26,7 +26,7 @@ MAKERS = [
     ("cdgm", "CDGM", ["optical"], r".*(?<!-25)"),
 ]
 
-# Tables are cut to this range in µm: X-rays and radio waves need another optics.
+# Tables are cut to this range in µm: the optics here does not apply to X-rays and radio waves.
 WINDOW_UM = (0.1, 30.0)
 
 # Name, aliases, file.

@@ -30,7 +30,7 @@ pub struct Light {
     pub power: f64,
     /// The number of the source.
     pub source: u32,
-    /// The polarisation, `None` for unpolarised light. Its power is ignored.
+    /// The polarisation, or `None` for unpolarised light; the power in the Stokes vector is ignored.
     pub stokes: Option<Stokes>,
 }
 
@@ -105,7 +105,7 @@ impl Beam {
         system.program().check_rays(self.rays())?;
         let bad = |column, ray, value, range| OpticsError::BadLight { column, ray, value, range };
         let first = |column: &[f64], is_good: fn(f64) -> bool| {
-            // a fold without branches; the position is searched only if a value is invalid
+            // a branch-free fold; the position is searched for only if a value is invalid
             let all = column.iter().fold(true, |all, &value| all & is_good(value));
             if all { None } else { column.iter().position(|&value| !is_good(value)) }
         };
@@ -144,7 +144,7 @@ pub trait Emitter: Sync {
     /// The number of rays.
     fn count(&self) -> usize;
 
-    /// Appends the rays of a range. The same numbers give the same rays.
+    /// Appends the rays of a range. The same ray numbers always give the same rays.
     fn emit(&self, range: Range<usize>, beam: &mut Beam);
 }
 

@@ -14,15 +14,15 @@ pub enum Material {
     Transparent(Medium),
     /// Light is absorbed at the surface, except for the part that the finish reflects.
     Opaque,
-    /// A metal: light is reflected by the Fresnel equations for the complex refractive index, the
-    /// rest is absorbed at the surface.
+    /// A metal: reflects light according to the Fresnel equations for the complex refractive index;
+    /// the rest is absorbed at the surface.
     Metal(Medium),
 }
 
 /// The finish of a face: its effect on light, with the media on both sides.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Finish {
-    /// Polished: reflection and refraction by the Fresnel equations of the two media.
+    /// Polished: reflection and refraction according to the Fresnel equations for the two media.
     Polished,
     /// Reflects a fraction of the power and absorbs the rest.
     Mirror {
@@ -39,8 +39,8 @@ pub enum Finish {
         /// The fraction, from 0 to 1.
         reflectance: f64,
     },
-    /// A diffuse reflector: scatters a fraction of the power back by Lambert's cosine law,
-    /// unpolarised, and absorbs the rest.
+    /// A diffuse reflector: scatters a fraction of the power back according to Lambert's cosine
+    /// law, unpolarised, and absorbs the rest.
     Diffuse {
         /// The fraction, from 0 to 1.
         reflectance: f64,
@@ -71,8 +71,7 @@ pub enum Action {
         /// The fraction, from 0 to 1.
         reflectance: f64,
     },
-    /// An ideal thin lens: light through the point at the distance y from its centre is bent by y /
-    /// f in slope.
+    /// An ideal thin lens: light that passes at height y above its centre changes slope by -y / f.
     ThinLens {
         /// The focal length; negative for a diverging lens.
         focal_length: f64,
@@ -87,12 +86,12 @@ pub enum Action {
         /// True if it reflects.
         reflects: bool,
     },
-    /// A linear polariser: transmits light polarised along an axis, absorbs light polarised across it.
+    /// A linear polariser: transmits light polarised along an axis, absorbs light polarised perpendicular to it.
     Polariser {
         /// The axis of transmission, in the frame of the sheet.
         axis: Vec3,
     },
-    /// A retarder (wave plate): light polarised across the fast axis lags behind light along it.
+    /// A retarder (wave plate): light polarised perpendicular to the fast axis lags behind light polarised along it.
     Retarder {
         /// The fast axis, in the frame of the sheet.
         axis: Vec3,
@@ -102,8 +101,8 @@ pub enum Action {
 }
 
 impl Action {
-    /// True if the action depends on the side from which the light comes.
-    pub(crate) fn has_sides(&self) -> bool {
+    /// True if the action needs the normal that faces the light.
+    pub(crate) fn needs_normal(&self) -> bool {
         match self {
             Action::Mirror { .. } | Action::Splitter { .. } | Action::Grating { .. } => true,
             Action::Absorb | Action::Record | Action::ThinLens { .. } => false,
@@ -111,8 +110,8 @@ impl Action {
         }
     }
 
-    /// The axis of a polarising sheet and its diagonal Jones matrix: the amplitudes along the axis
-    /// and across it.
+    /// The axis of a polariser or retarder and its diagonal Jones matrix: the amplitudes along the
+    /// axis and perpendicular to it.
     pub(crate) fn jones(&self) -> Option<(Vec3, [Complex64; 2])> {
         match self {
             Action::Polariser { axis } => Some((*axis, [Complex64::ONE, Complex64::ZERO])),
@@ -142,9 +141,9 @@ pub enum Body {
         solid: Solid,
         /// Its material.
         material: Material,
-        /// The finish of all faces without their own.
+        /// The finish of all faces without one of their own.
         finish: Finish,
-        /// The finishes of single faces by their names; the last one of a name counts.
+        /// Finishes of individual faces, by name; if a name occurs twice, the last finish wins.
         faces: Vec<(String, Finish)>,
     },
     /// A sheet.
@@ -183,7 +182,7 @@ impl Element {
         Element { name: name.to_owned(), body: Body::Sheet { sheet, action } }
     }
 
-    /// Sets the finish of all faces without their own; no effect on sheets, which have no finish.
+    /// Sets the finish of all faces without one of their own; no effect on sheets, which have no finish.
     pub fn finish(mut self, new: Finish) -> Element {
         if let Body::Solid { finish, .. } = &mut self.body {
             *finish = new;
@@ -211,7 +210,7 @@ impl Element {
         Ok(self)
     }
 
-    /// The element with another name.
+    /// The element with a different name.
     pub fn named(mut self, name: &str) -> Element {
         self.name = name.to_owned();
         self
@@ -233,7 +232,7 @@ impl Element {
         }
     }
 
-    /// Whether it is a polarising sheet: a polariser or a retarder.
+    /// True for a sheet that changes the polarisation: a polariser or a retarder.
     pub fn polarises(&self) -> bool {
         matches!(&self.body, Body::Sheet { action, .. } if action.jones().is_some())
     }

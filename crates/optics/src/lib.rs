@@ -3,8 +3,8 @@
 //! An [`Assembly`] of [`Element`]s (solids of a [`Material`], and sheets) compiles to a [`System`].
 //! A [`Tracer`] traces light, a [`Beam`] or any other [`Emitter`], through the system and returns
 //! the [`Segments`] of all rays and the power [`Balance`]. Light is refracted and reflected at the
-//! interfaces between media, whatever the shapes that bound them: cemented, immersed and nested
-//! elements need no gaps.
+//! interfaces between media, independent of the shapes that bound them: cemented, immersed and
+//! nested elements need no gaps.
 //!
 //! - [`interface`]: the physics of one event (Snell's law, Fresnel equations, thin films, gratings,
 //!   Stokes parameters)

@@ -1,5 +1,5 @@
-//! Optical media: complex refractive index by wavelength (dispersion), gradient index and
-//! absorption (Beer-Lambert law).
+//! Optical media: complex refractive index as a function of wavelength (dispersion), gradient index
+//! and absorption (Beer-Lambert law).
 
 use crate::error::OpticsError;
 use crate::glass::{Glass, GlassError, glass};
@@ -9,7 +9,7 @@ use rayweave_math::Vec3;
 use std::fmt;
 use std::sync::Arc;
 
-/// A dispersion law: the complex refractive index by wavelength.
+/// A dispersion law: the complex refractive index as a function of wavelength.
 pub trait Index: Send + Sync + fmt::Debug {
     /// The index n + i k at a vacuum wavelength in nanometres, for all wavelengths of
     /// [`Index::range_nm`]; `k >= 0` is the extinction coefficient.
@@ -100,7 +100,7 @@ impl Medium {
         &self.name
     }
 
-    /// The material of the catalogue, if it is one.
+    /// The catalogue material, if the medium is one.
     pub fn as_glass(&self) -> Option<&Glass> {
         match &self.index {
             Law::Glass(glass) => Some(glass),
@@ -117,7 +117,7 @@ impl Medium {
     }
 
     /// The complex refractive index at a vacuum wavelength in nanometres, with an extinction of 0
-    /// where that is unknown; without meaning outside [`Medium::range_nm`].
+    /// where that is unknown; meaningless outside [`Medium::range_nm`].
     ///
     /// For a gradient this is the index that its factor multiplies.
     pub fn index(&self, wavelength_nm: f64) -> Complex64 {

@@ -37,7 +37,7 @@ pub struct Path {
     /// The numbers of the elements, -1 for none (light that escaped or was dropped), and whether
     /// the light was reflected there.
     pub steps: Vec<(i32, bool)>,
-    /// The number of rays that end on it.
+    /// The number of rays that end on this path.
     pub rays: u64,
     /// The power of these rays at the start of their last segments.
     pub power: f64,
@@ -49,7 +49,7 @@ impl Path {
         self.steps.iter().filter(|step| step.1).count()
     }
 
-    /// The names of the elements in order; a `*` marks reflections, a `-` stands for no element.
+    /// The names of the elements in order; a `*` marks reflections, a `-` means no element.
     pub fn text(&self, elements: &[String]) -> String {
         let name = |element: i32| {
             usize::try_from(element).ok().and_then(|k| elements.get(k)).map_or("-", String::as_str)
@@ -62,8 +62,8 @@ impl Path {
 }
 
 impl Paths {
-    /// Adds all segments of some rays; the parent of each row comes before it. Segments left out of the table
-    /// ([`crate::Keep::Ends`], escaped light) are missing from the paths.
+    /// Adds all segments of some rays; the parent of each row must come before it. Segments left out of the
+    /// table ([`crate::Keep::Ends`], escaped light) are missing from the paths.
     pub fn add(&mut self, segments: &Segments) {
         let mut steps: Vec<PathStep> = Vec::with_capacity(segments.len());
         let mut goes_on = vec![false; segments.len()];
@@ -114,7 +114,7 @@ impl Paths {
         self.power[path as usize] += power;
     }
 
-    /// The paths in the order of falling power.
+    /// The paths in order of decreasing power.
     pub fn list(&self) -> Vec<Path> {
         let ended = (0..self.steps.len()).filter(|&path| self.rays[path] > 0);
         let mut found: Vec<Path> = ended.map(|path| self.path(path)).collect();
@@ -132,7 +132,7 @@ impl Paths {
         let (mut steps, mut at, mut is_reflected) = (Vec::new(), path as u32, false);
         while at != FIRST {
             let step = self.steps[at as usize];
-            // a step that begins with a reflection is reflected at the element of the step before it
+            // a step that begins with a reflection was reflected at the element of the previous step
             steps.push((step.element, is_reflected));
             (at, is_reflected) = (step.before, step.is_reflected);
         }

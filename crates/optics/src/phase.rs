@@ -10,14 +10,14 @@ use num_complex::Complex64;
 use rayweave_model::{Collected, Crossing, Evaluator, Query, Window, attributes};
 use rayweave_shape::Ray;
 
-/// The phase of each row of a table of segments where its [path](Segment::path) ends, in degrees
-/// from 0 to 360.
+/// The phase of each segment of a table where its [path](Segment::path) ends, in degrees from 0 to
+/// 360.
 ///
 /// The phase grows along the ray with the optical path, by 360 degrees per wavelength, and jumps by
-/// the argument of the amplitude of reflection or transmission: of the Fresnel equations, or of a
-/// stack of thin films with all its multiple reflections ([`transfer_matrix`]), for light polarised
-/// across the plane of incidence (s) and in it (p). The amplitudes of interfering beams add:
-/// `sum sqrt(intensity) exp(i phase)`.
+/// the argument of the amplitude of reflection or transmission: from the Fresnel equations, or from
+/// a stack of thin films with all its multiple reflections ([`transfer_matrix`]), for light
+/// polarised perpendicular to the plane of incidence (s) and in it (p). The amplitudes of
+/// interfering beams add: `sum sqrt(intensity) exp(i phase)`.
 ///
 /// - Waves go as `exp(i (k.r - w t))`. With `p = k x s` for every beam, p keeps its sign at
 ///   reflection by a denser medium at normal incidence, and s is reversed, by 180 degrees (Born &
@@ -25,12 +25,12 @@ use rayweave_shape::Ray;
 /// - The sums of s and of p hold for light that stays s or p: with one common plane of incidence,
 ///   or at normal incidence. Where the plane turns from face to face, use the jump of each event
 ///   alone.
-/// - Ideal mirrors and beam splitters are perfect conductors: 180 degrees for s, 0 for p.
+/// - Ideal mirrors and beam splitters reflect like perfect conductors: 180 degrees for s, 0 for p.
 ///   Polarisers, retarders, thin lenses and gratings add nothing to the phase of the path.
 ///   Scattered light (rough and diffuse faces) has no phase: NaN.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Phases {
-    /// The phase of s light, polarised across the plane of incidence.
+    /// The phase of s light, polarised perpendicular to the plane of incidence.
     pub s: Vec<f64>,
     /// The phase of p light, polarised in the plane of incidence.
     pub p: Vec<f64>,
@@ -44,8 +44,8 @@ const UNKNOWN: Jump = [f64::NAN; 2];
 const CONDUCTOR: Jump = [180.0, 0.0];
 
 impl<E: Evaluator> Tracer<'_, E> {
-    /// The phases of the segments of a trace of this system, whose parents are rows before them, as in every
-    /// [`Trace`](crate::Trace). Each event is computed again, on one thread.
+    /// The phases of the segments of a trace of this system; each parent must come before its children, as
+    /// in every [`Trace`](crate::Trace). Each event is recomputed, on a single thread.
     pub fn phases(&self, segments: &Segments) -> Phases {
         let mut jumps: Vec<Jump> = Vec::with_capacity(segments.len());
         for row in segments.iter() {

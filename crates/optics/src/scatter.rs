@@ -66,7 +66,7 @@ impl Incident {
         random
     }
 
-    /// All of the light in another direction.
+    /// All of the light in a new direction.
     fn redirected(&self, direction: Vec3, side: ExitSide) -> Scattered {
         Scattered { direction, power: self.power, stokes: self.stokes, side, delay: 0.0 }
     }
@@ -136,7 +136,7 @@ impl Incident {
         }
     }
 
-    /// Scatters light at a smooth interface, by the Fresnel equations or the transfer matrix of films.
+    /// Scatters light at a smooth interface, according to the Fresnel equations or the transfer matrix of films.
     fn at_interface(
         &self,
         (behind, index): (&Substance, Complex64),
@@ -179,7 +179,7 @@ impl Incident {
             None => {
                 let cosine = -self.direction.dot(normal);
                 let found = fresnel(self.index, Complex64::from(index), cosine.min(1.0));
-                // exactly all of the power, in spite of rounding
+                // exactly all of the power, despite rounding
                 let unit = found.reflected.map(|amplitude| amplitude / amplitude.norm());
                 let direction = reflect(self.direction, normal);
                 Outcome::one(Event::TotallyReflected, self.with(unit, direction, normal, ExitSide::Incident))
@@ -253,8 +253,8 @@ impl Incident {
         if is_rounding { Outcome::one(Event::Transmitted, all(on)) } else { Outcome::absorbed() }
     }
 
-    /// Diffuse reflection by Lambert's cosine law: uniform on the disk below the hemisphere
-    /// (Malley's method).
+    /// Diffuse reflection according to Lambert's cosine law: uniform on the disk below the
+    /// hemisphere (Malley's method).
     fn diffuse(&self, reflectance: f64, settings: &TraceSettings) -> Outcome {
         let mut random = self.random(settings);
         let (radius, angle) = (random.random::<f64>().sqrt(), std::f64::consts::TAU * random.random::<f64>());
@@ -269,17 +269,17 @@ impl Incident {
     }
 
     /// The normal of a random microfacet of a rough face: Gaussian slopes by the method of Box &
-    /// Muller (Ann. Math. Stat. 29, 610, 1958), weighted by the visible area of the facet, its
-    /// cosine to the light over that to the mean normal.
+    /// Muller (Ann. Math. Stat. 29, 610, 1958), weighted by the visible area of the facet, which is
+    /// the cosine of its angle to the light divided by that of its angle to the mean normal.
     ///
     /// A facet that faces away from the light, or would scatter it to the wrong side of the mean
     /// face, is masked or shadowed by others (Walter, Marschner, Li & Torrance, *Microfacet Models
-    /// for Refraction through Rough Surfaces*, EGSR 2007, section 4.1). Another one is drawn
+    /// for Refraction through Rough Surfaces*, EGSR 2007, section 4.1). A new facet is drawn
     /// instead, so that the shadowed power is shared among the remaining directions, and none is
-    /// lost. `ratio` is the index before over that behind.
+    /// lost. `ratio` is the index before divided by the index behind.
     fn sample_facet(&self, slope: f64, ratio: Option<f64>, settings: &TraceSettings) -> Vec3 {
         let mut random = self.random(settings);
-        // the draw of the branch comes from the same stream: it must not be the same number
+        // the branch is drawn from the same stream and must not use the same number
         random.next_u64();
         let (u, v) = self.normal.any_orthonormal_pair();
         let cosine = -self.direction.dot(self.normal);
@@ -354,7 +354,7 @@ impl Incident {
         }
     }
 
-    /// Passes light through a polariser or a retarder, by its diagonal Jones matrix.
+    /// Passes light through a polariser or a retarder, using its diagonal Jones matrix.
     fn polarise(&self, action: &Action, frame: &Affine) -> Outcome {
         let Some((axis, amplitudes)) = action.jones() else { return Outcome::absorbed() };
         let across = frame.vector(axis);
@@ -375,11 +375,11 @@ impl Incident {
 ///
 /// Slopes change by the height over the focal length. The added path length makes all paths from an
 /// object point to its image equal to the path through the centre of the lens. One ray does not
-/// determine its object point: it is taken at the distance `h^2 / (h . p)` before the lens, with
-/// the height h as a vector and the slope p, where a meridional ray crosses the axis. Paths from
-/// every point of the axis to its image are then equal, in both directions; paths from points off
-/// the axis are equal up to terms of fourth order, because no lens images all of space with equal
-/// paths (Born & Wolf, *Principles of Optics*, 7th edition, section 4.2.3).
+/// determine its object point: the point is assumed at the distance `h^2 / (h . p)` before the
+/// lens, where a meridional ray crosses the axis (h is the height as a vector, p the slope). Paths
+/// from every point of the axis to its image are then equal, in both directions; paths from points
+/// off the axis are equal up to terms of fourth order, because no lens images all of space with
+/// equal paths (Born & Wolf, *Principles of Optics*, 7th edition, section 4.2.3).
 fn thin_lens(direction: Vec3, point: Vec3, focal_length: f64) -> (Vec3, f64) {
     let across = |v: Vec3| Vec3::new(v.x, v.y, 0.0);
     let height = across(point);

@@ -31,7 +31,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// All events by their numbers.
+    /// All events in the order of their numbers.
     pub const ALL: [Event; 10] = [
         Event::Escaped,
         Event::Transmitted,

@@ -43,7 +43,7 @@ pub struct TraceSettings {
     pub keep_escaped: bool,
     /// The seed of all random choices.
     pub seed: u64,
-    /// The number of threads; by default that of the cores. Results do not depend on it.
+    /// The number of threads, by default the number of cores. Results do not depend on it.
     pub threads: Option<NonZeroUsize>,
     /// Cancels the run from another thread.
     pub cancel: Cancel,

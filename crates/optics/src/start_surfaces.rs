@@ -45,7 +45,7 @@ struct Core {
 /// The frame of a placement, for a conservative test whether a surface is out of reach.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
-    /// The composed map, which may differ by rounding from the maps that rays pass one after the other.
+    /// The composed map, which may differ by rounding from the maps that are applied to rays one after the other.
     local_from_world: Affine,
     /// Upper bound of the factor by which it scales a length.
     norm: f64,
@@ -53,16 +53,16 @@ struct Frame {
     path: f64,
 }
 
-/// The clusters whose boxes meet the box of a cluster, for those that meet few.
+/// For each cluster with few neighbours, the clusters whose boxes touch its box.
 #[derive(Clone, Debug, Default)]
 struct Neighbours {
     /// The lists, one after the other, and the first of each cluster; empty for clusters with too many neighbours.
     lists: Vec<u32>,
     first: Vec<u32>,
-    /// The first cluster of each placement, and of each surface the position of its cluster there.
+    /// The first cluster of each placement, and for each surface the position of its cluster in that placement.
     of_placement: Vec<u32>,
     of_surface: Vec<u32>,
-    /// The growth of all boxes in the lists.
+    /// The margin by which all boxes in the lists are grown.
     slack: f64,
 }
 
@@ -78,11 +78,11 @@ pub enum ExitSide {
 /// Number of neighbours above which the tree is faster than a list.
 const FEW: usize = 16;
 
-/// Ratio of the growth of boxes in lists of neighbours to the size of the model; it covers the tolerances of rays that are
-/// up to 10^5 times as long.
+/// The margin of boxes in lists of neighbours, relative to the size of the model; it covers the tolerances of rays up to
+/// 10^5 times as long as the model.
 const SLACK: f64 = 1e-6;
 
-/// Number of nested placements whose maps are composed.
+/// Nesting depth up to which the bounds of a composed map are used; in deeper frames no surface counts as far.
 const NESTED: usize = 4;
 
 impl StartSurfaces {
@@ -143,8 +143,8 @@ impl StartSurfaces {
         is_unplaced.then_some(surfaces)
     }
 
-    /// The largest box about the centre of a cluster that none of its surfaces passes, if all are planes across the axes of the
-    /// world; otherwise an empty one.
+    /// The largest box about the centre of a cluster that none of its surfaces intersects, if all are planes perpendicular to
+    /// the world axes; otherwise an empty one.
     fn core(&self, program: &Program, k: usize) -> Core {
         let (cluster, bounds, slack) = (&self.clusters[k], &self.boxes[k], self.neighbours.slack);
         let frame = &self.frames[cluster.placement.index()];
@@ -284,8 +284,8 @@ impl StartSurfaces {
     }
 }
 
-/// Gives surfaces of a reflected ray the sides of the incident ray's start list, if the incident ray is reflected where it
-/// starts: its direction does not show the sides.
+/// Sets the sides of surfaces of a reflected ray to those in the incident ray's start list, if the incident ray is
+/// reflected where it starts: its direction does not show the sides.
 fn keep_sides((t, side): (f64, ExitSide), known: &[Start], starts: &mut [Start]) {
     if side != ExitSide::Incident || t != 0.0 {
         return;
@@ -313,7 +313,7 @@ struct Departure<'a> {
     ray: &'a Ray,
     t: f64,
     point: Vec3,
-    /// Upper bound of the lengths of the ray's origin and of its way to the point.
+    /// Upper bound of the lengths of the ray's origin and of its path to the point.
     lengths: f64,
     side: ExitSide,
 }
@@ -356,7 +356,7 @@ impl Frame {
             frame.norm *= norm;
             frame.path = norm * (frame.path + place.path);
             if depth == NESTED {
-                // the bounds of deeper frames are not certain to cover the roundings: no surface is far
+                // the bounds may not cover the rounding errors of deeper frames: no surface is far
                 frame.norm = f64::INFINITY;
             }
         }
@@ -454,7 +454,7 @@ impl<'a> Contact<'a> {
         self.places.iter().flatten().chain(&self.deeper)
     }
 
-    /// The slope along the ray of the surface's function, up to a positive factor, as that of
+    /// The slope along the ray of the surface's function, up to a positive factor, like that of
     /// [`rayweave_model::attributes::world_gradient`].
     fn slope(&self) -> f64 {
         let up = self.maps().rev().fold(self.gradient, |gradient, map| map.linear.transpose() * gradient);
@@ -492,7 +492,7 @@ mod tests {
         Solid::from(build(name, &[(argument, Value::Number(value))]).unwrap())
     }
 
-    /// Boxes that touch, plain, turned and nested, and balls, in a large box.
+    /// Touching boxes (plain, rotated and nested) and balls in a large box.
     fn model() -> Program {
         let cube = shape("box", "size", 2.0);
         let grid: Vec<Affine> = (0..27)
@@ -523,7 +523,7 @@ mod tests {
         Program::compile_regions(&(0..).zip(&solids).map(region).collect::<Vec<_>>()).unwrap()
     }
 
-    /// The list of a point is that of a test of all surfaces.
+    /// The list of a point equals the result of testing all surfaces.
     #[test]
     fn lists_hold_all_surfaces_near_a_point() {
         let program = model();

@@ -63,8 +63,8 @@ impl Assembly {
     /// Compiles the system.
     ///
     /// # Errors
-    /// [`OpticsError`] for two elements of one name, numbers out of range, finishes of faces that
-    /// do not exist, and solids that do not compile.
+    /// [`OpticsError`] for two elements with the same name, numbers out of range, finishes of faces
+    /// that do not exist, and solids that do not compile.
     pub fn compile(&self) -> Result<System, OpticsError> {
         let mut names = HashSet::new();
         if let Some(twice) = self.elements.iter().find(|element| !names.insert(&element.name)) {
@@ -166,11 +166,11 @@ struct ElementFinishes {
     element: usize,
     finish: Finish,
     own: Vec<Finish>,
-    /// For every face of the program the number of its own finish, or [`NONE`]; empty if no face has its own.
+    /// For every face of the program, the number of its own finish or [`NONE`]; empty if no face has its own finish.
     by_face: Vec<u16>,
 }
 
-/// The number of no own finish.
+/// Marks a face without a finish of its own.
 const NONE: u16 = u16::MAX;
 
 impl ElementFinishes {
@@ -291,8 +291,8 @@ impl Solids {
         Ok(())
     }
 
-    /// The number of the medium. Polished solids of the same glass share one number, so that there
-    /// is no interface where they touch.
+    /// The number of the medium. Polished solids of the same glass share one number, so that they
+    /// have no interface where they touch.
     fn medium(&mut self, material: &Material, is_plain: bool) -> u32 {
         let substance = match material {
             Material::Transparent(medium) => Substance::Transparent(medium.clone()),
@@ -379,7 +379,7 @@ fn list(names: Vec<String>) -> String {
     names.join(", ")
 }
 
-/// A face has a finish other than polished.
+/// Error: a face has a finish other than polished.
 pub(crate) struct NotPolished;
 
 /// An optical system, ready to be traced.
@@ -389,7 +389,7 @@ pub struct System {
     pub(crate) start_surfaces: StartSurfaces,
     pub(crate) refractor: Option<Refractor>,
     pub(crate) predictor: Option<Predictor>,
-    /// The faces by their numbers.
+    /// The faces, indexed by their numbers.
     pub(crate) faces: Vec<Face>,
     pub(crate) media: Vec<Substance>,
     finishes: Vec<ElementFinishes>,
@@ -407,12 +407,12 @@ impl System {
         &self.program
     }
 
-    /// The names of the elements; results name elements by their numbers in this list.
+    /// The names of the elements; results refer to elements by their numbers in this list.
     pub fn element_names(&self) -> &[String] {
         &self.elements
     }
 
-    /// The name of a surface by its number in results: faces of solids first, then the sheets in their order.
+    /// The name of the surface with this number in results: faces of solids first, then the sheets in their order.
     pub fn surface_name(&self, surface: usize) -> &str {
         let sheet = || self.sheets.get(surface - self.face_names.len()).map(|sheet| sheet.element);
         match self.face_names.get(surface) {
@@ -453,7 +453,7 @@ impl System {
         }
     }
 
-    /// The media of the world and of all solids that are not opaque, each once.
+    /// The media of the world and of all solids that are not opaque; equal media may occur several times.
     pub fn media(&self) -> impl Iterator<Item = &Medium> {
         self.media.iter().filter_map(|substance| match substance {
             Substance::Transparent(medium) | Substance::Metal(medium) => Some(medium),
@@ -477,8 +477,8 @@ impl System {
         }
     }
 
-    /// The face at a crossing: that of the entered element or, if it is polished and the other is
-    /// not, of the left one.
+    /// The face at a crossing: that of the element that is entered or, if it is polished and the
+    /// other is not, that of the element that is left.
     pub(crate) fn face_at(&self, crossing: &Crossing) -> HitFace<'_> {
         let side = |region: RegionId, face: Face, from_inside: bool| {
             let finishes = self.finishes.get(region.index().checked_sub(1)?)?;

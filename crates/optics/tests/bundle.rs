@@ -1,4 +1,4 @@
-//! Light in ray bundles with hit prediction has the same results, to the bit, as each ray traced
+//! Light in ray bundles with hit prediction has bit for bit the same results as each ray traced
 //! alone: on ordinary systems, and in cases in which SIMD lanes are prone to errors.
 
 mod common;
@@ -162,7 +162,7 @@ fn rays_through_the_edges_of_apertures() {
 }
 
 #[test]
-fn faces_that_coincide_and_gaps_that_are_hardly_any() {
+fn coincident_faces_and_tiny_gaps() {
     let plate = |z: f64| block(20.0, 20.0, 4.0).translate(Vec3::Z * z);
     for gap in [0.0, 1e-15, 1e-14, 1e-12, 1e-9, 1e-7, 1e-3] {
         let (surface, trim) = flat(6.0 + gap, 9.0);

@@ -75,7 +75,7 @@ fn near(found: f64, degrees: f64) {
 /// `tan(s / 2) = -sqrt(sin^2 - n^2) / cos` and `tan(p / 2) = -sqrt(sin^2 - n^2) / (n^2 cos)` with n the index behind over
 /// that in front (Born & Wolf, section 1.5.4, equation 60).
 #[test]
-fn total_reflection_delays_s_and_p_apart() {
+fn total_reflection_delays_s_and_p_differently() {
     let n = 1.51;
     let block = system(
         Solid::from(Primitive::from(CentredBox::new(Vec3::splat(10.0)).unwrap())),

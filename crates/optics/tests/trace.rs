@@ -56,7 +56,7 @@ fn a_plate_shifts_light_sideways() {
     assert_eq!(system.surface_name(rows[0].surface as usize), "plate.z-");
 }
 
-/// In a cube with an index of 1.5, light along its diagonal meets each face at 54.7 degrees, beyond the critical angle of 41.8
+/// In a cube with an index of 1.5, light along its diagonal hits each face at 54.7 degrees, beyond the critical angle of 41.8
 /// degrees: it stays for ever. All rays hit edges of the cube exactly, the first one its corners.
 #[test]
 fn light_does_not_leak_at_edges() {
@@ -163,7 +163,7 @@ fn doublet() -> (Solid, Solid) {
 }
 
 #[test]
-fn nothing_is_seen_between_cemented_lenses() {
+fn cemented_lenses_have_no_gap() {
     let (crown, flint) = doublet();
     let (axis, angle) = (Vec3::new(0.3, -0.5, 0.8), 37.0);
     let world = Medium::constant("water", 1.333, 0.0).unwrap();
@@ -193,7 +193,7 @@ fn nothing_is_seen_between_cemented_lenses() {
 }
 
 #[test]
-fn light_finds_its_way_back() {
+fn light_paths_are_reversible() {
     let (crown, flint) = doublet();
     let system = Assembly::new()
         .add(Element::transparent("crown", crown, &glass(1.5168)))
@@ -212,7 +212,7 @@ fn light_finds_its_way_back() {
 }
 
 #[test]
-fn power_is_neither_made_nor_lost() {
+fn power_is_conserved() {
     let (crown, flint) = doublet();
     let stained = Medium::constant("stained", 1.5168, 1e-6).unwrap();
     let silver = Medium::constant("silver", 0.13, 3.9).unwrap();
@@ -248,7 +248,7 @@ fn power_is_neither_made_nor_lost() {
 }
 
 #[test]
-fn random_choices_agree_with_both_ways_in_the_mean() {
+fn random_branches_agree_with_both_branches_on_average() {
     let plate = Element::transparent("plate", block(40.0, 40.0, 10.0), &glass(1.8));
     let system = Assembly::new().add(plate).compile().unwrap();
     let count = 20_000;
@@ -306,7 +306,7 @@ fn brewster_plates_polarise() {
 
 #[test]
 fn absorption_follows_beer_and_lambert() {
-    // one percent a millimetre
+    // one percent per millimetre
     let k = -0.99_f64.ln() * D_NM * 1e-6 / (4.0 * std::f64::consts::PI);
     let filter = Medium::constant("filter", 1.5, k).unwrap();
     let plate = Element::transparent("plate", block(40.0, 40.0, 10.0), &filter);
@@ -454,11 +454,11 @@ fn rough_faces_send_light_to_the_right_side() {
     }
 }
 
-/// The mean slope of the visible facets of a rough face with the spread s of slopes: towards light
-/// at the angle a it is s^2 tan(a) (Walter et al. 2007, the distribution of visible normals, here
-/// of slopes).
+/// The mean slope of the visible facets of a rough face whose slopes have the standard deviation s:
+/// towards light at the angle a it is s^2 tan(a) (Walter et al. 2007, the distribution of visible
+/// normals, here of slopes).
 #[test]
-fn light_sees_the_facets_that_are_turned_to_it() {
+fn visible_facets_are_tilted_towards_the_light() {
     let half = solid(HalfSpace::new(Vec3::Z, 0.0).unwrap());
     for (slope, degrees) in [(0.1, 60.0_f64), (0.05, 75.0), (0.1, 0.0)] {
         let (s, c) = degrees.to_radians().sin_cos();
@@ -482,7 +482,7 @@ fn light_sees_the_facets_that_are_turned_to_it() {
 }
 
 #[test]
-fn crossed_polarisers_let_nothing_pass_and_a_third_between_them_a_quarter_of_a_half() {
+fn crossed_polarisers_block_light_and_a_third_between_them_transmits_an_eighth() {
     let at = |z: f64, degrees: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         let action = Action::Polariser { axis: Vec3::new(cosine, sine, 0.0) };
@@ -512,7 +512,7 @@ fn corner_cubes_send_light_back() {
 }
 
 #[test]
-fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
+fn a_shared_face_has_the_finish_of_the_entered_element() {
     // the silvered spot of a lens: the mirror begins in the same face in which the lens would end
     let centre = Vec3::Z * -25.0;
     let round = (
@@ -529,7 +529,7 @@ fn a_face_that_two_elements_share_has_the_finish_of_the_one_that_is_met() {
             .unwrap();
         let rows = one(&system, along_z(1.0, 0.5), &TraceSettings::default());
         assert_eq!(rows[1].event, Event::Reflected, "{rows:?}");
-        // light beside the spot is transmitted, whatever the names of the leaves
+        // light outside the spot is transmitted, regardless of the names of the leaves
         let beside = one(&system, along_z(5.0, 0.5), &TraceSettings::default());
         assert_eq!(beside[1].event, Event::Transmitted, "{beside:?}");
     }
@@ -576,7 +576,7 @@ fn results_do_not_depend_on_threads() {
 }
 
 #[test]
-fn rays_in_bundles_get_the_bits_of_rays_alone() {
+fn bundled_rays_equal_single_rays_bit_for_bit() {
     let lens = ball(50.0).translate(Vec3::Z * 46.0) & ball(60.0).translate(Vec3::Z * -56.0) & rod(15.0, 20.0);
     let turned = lens.rotate(Vec3::new(0.3, -0.5, 0.8), 11.0).translate(Vec3::new(0.3, -0.7, 1.1));
     let system = Assembly::new().add(Element::transparent("lens", turned, &glass(1.5168))).compile().unwrap();
@@ -620,7 +620,7 @@ fn ends_alone_are_the_last_rows_of_all() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_name_the_problem() {
     let message = |found: Result<System, OpticsError>| found.unwrap_err().to_string();
     let lens = || Element::transparent("lens", ball(1.0), &glass(1.5));
     assert_eq!(

@@ -69,7 +69,10 @@ pub enum PhotonError {
     /// A setting of a source or of a run is invalid.
     #[error("{0}")]
     Setting(Message),
-    /// A file of hits cannot be written.
+    /// A sample of photons cannot be compared.
+    #[error("{0}")]
+    Sample(Message),
+    /// A table of photons cannot be written or read.
     #[error(transparent)]
     Table(#[from] TableError),
     /// The photons and their hits do not fit into memory.
@@ -101,6 +104,7 @@ impl Classified for PhotonError {
             PhotonError::File(_) => ErrorKind::ModelFile,
             PhotonError::Compile(_) => ErrorKind::Compile,
             PhotonError::Setting(_) | PhotonError::Memory(_) | PhotonError::Spectrum(_) => ErrorKind::Value,
+            PhotonError::Sample(_) => ErrorKind::Input,
             PhotonError::Table(error) => error.kind(),
             PhotonError::Cancelled => ErrorKind::Cancelled,
         }

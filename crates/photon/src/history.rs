@@ -6,6 +6,7 @@ use crate::boundary::BoundaryEvent;
 use crate::detector::Detector;
 use crate::flight::{End, Flight};
 use crate::property::wavelength_nm;
+use crate::source::Source;
 use crate::volume::VolumePaths;
 use rayweave_math::Vec3;
 use rayweave_model::Crossing;
@@ -14,8 +15,12 @@ use std::collections::{BTreeMap, HashMap};
 /// The process at the end of a step of a photon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Process {
-    /// The photon is emitted by the source: the first row of its history.
+    /// The photon is emitted by a torch, or given: the first row of its history.
     Emission,
+    /// The photon is emitted by a Cerenkov genstep: the first row of its history.
+    Cerenkov,
+    /// The photon is emitted by a scintillation genstep: the first row of its history.
+    Scintillation,
     /// Rayleigh scattering.
     Rayleigh,
     /// Mie scattering.
@@ -56,6 +61,8 @@ pub enum Process {
 
 /// The nibbles of Opticks' sequences: 1 plus the number of the bit in `OpticksPhoton.h`. 0 is an empty slot.
 mod nibble {
+    pub const CERENKOV: u64 = 1;
+    pub const SCINTILLATION: u64 = 2;
     pub const MISS: u64 = 3;
     pub const BULK_ABSORB: u64 = 4;
     pub const BULK_REEMIT: u64 = 5;
@@ -73,10 +80,17 @@ mod nibble {
 const ABBREVIATIONS: [&str; 16] =
     ["", "CK", "SI", "MI", "AB", "RE", "SC", "SD", "SA", "DR", "SR", "BR", "BT", "TO", "NA", "EX"];
 
+/// The abbreviation of an Opticks flag by its slot in sequences; empty for 0 and for numbers above 15.
+pub(crate) fn flag_name(nibble: u64) -> &'static str {
+    ABBREVIATIONS.get(nibble as usize).copied().unwrap_or("")
+}
+
 impl Process {
     /// All processes, by their numbers in tables.
-    pub const ALL: [Process; 26] = [
+    pub const ALL: [Process; 28] = [
         Process::Emission,
+        Process::Cerenkov,
+        Process::Scintillation,
         Process::Rayleigh,
         Process::Mie,
         Process::Reemission,
@@ -115,6 +129,8 @@ impl Process {
     pub fn name(self) -> &'static str {
         match self {
             Process::Emission => "emission",
+            Process::Cerenkov => "cerenkov",
+            Process::Scintillation => "scintillation",
             Process::Rayleigh => "rayleigh",
             Process::Mie => "mie",
             Process::Reemission => "reemission",
@@ -142,6 +158,8 @@ impl Process {
     pub fn nibble(self) -> u64 {
         match self {
             Process::Emission => nibble::TORCH,
+            Process::Cerenkov => nibble::CERENKOV,
+            Process::Scintillation => nibble::SCINTILLATION,
             Process::Rayleigh | Process::Mie => nibble::BULK_SCATTER,
             Process::Reemission => nibble::BULK_REEMIT,
             Process::FresnelRefraction
@@ -313,18 +331,30 @@ impl Recorder for () {
 }
 
 /// The recorder of a run with histories.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct HistoryRecorder {
+#[derive(Clone, Debug)]
+pub(crate) struct HistoryRecorder<'s> {
     options: HistoryOptions,
+    /// The source, which tells how a photon is emitted.
+    source: &'s Source,
     histories: Histories,
     /// The rows of each track so far, and its sequence.
     sequences: HashMap<(u64, u64), (usize, [u64; 2])>,
     volume: u32,
 }
 
-impl HistoryRecorder {
-    pub fn new(options: HistoryOptions) -> HistoryRecorder {
-        HistoryRecorder { options, ..HistoryRecorder::default() }
+impl<'s> HistoryRecorder<'s> {
+    pub fn new(options: HistoryOptions, source: &'s Source) -> HistoryRecorder<'s> {
+        let (histories, sequences) = (Histories::default(), HashMap::new());
+        HistoryRecorder { options, source, histories, sequences, volume: 0 }
+    }
+
+    /// The process that emits a photon of the source.
+    fn emission(&self, photon: u64) -> Process {
+        match self.source {
+            Source::Gensteps(gensteps) if gensteps.is_cerenkov(photon) => Process::Cerenkov,
+            Source::Gensteps(_) => Process::Scintillation,
+            Source::Torch(_) | Source::Photons(_) => Process::Emission,
+        }
     }
 
     fn row(&mut self, flight: &Flight, process: Process, surface: Option<u32>) {
@@ -355,14 +385,14 @@ impl HistoryRecorder {
     }
 }
 
-impl Recorder for HistoryRecorder {
+impl Recorder for HistoryRecorder<'_> {
     fn begin(&mut self, detector: &Detector, flight: &Flight, region: u32, crossing: Option<&Crossing>) {
         if self.options.steps {
             let face = crossing.map(|crossing| crossing.left);
             self.volume = self.histories.volumes.number(detector, region, face);
         }
         if flight.steps == 0 {
-            self.row(flight, Process::Emission, None);
+            self.row(flight, self.emission(flight.origin), None);
         }
     }
 

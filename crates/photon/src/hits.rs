@@ -7,6 +7,9 @@ use crate::volume::VolumePaths;
 use rayweave_model::Face;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
 
+/// The genstep of photons of other sources.
+const NO_GENSTEP: i64 = -1;
+
 /// The detected photons, in the order of their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hits {
@@ -28,12 +31,14 @@ pub struct Hits {
     pub steps: Vec<i64>,
     /// The path of the sensor: an index into [`Hits::paths`].
     pub sensor: Vec<u32>,
+    /// The number of the genstep that emitted the photon, -1 for photons of other sources; `None` for runs without gensteps.
+    pub genstep: Option<Vec<i64>>,
     volumes: VolumePaths,
 }
 
 impl Hits {
     /// The size of a hit in bytes.
-    pub(crate) const ROW: u64 = 13 * 8 + 4;
+    pub(crate) const ROW: u64 = 14 * 8 + 4;
 
     /// The number of hits.
     #[must_use]
@@ -99,6 +104,7 @@ impl Hits {
 
     /// Appends other hits.
     pub fn append(&mut self, mut other: Hits) {
+        self.append_gensteps(other.genstep.take(), other.len());
         self.event.append(&mut other.event);
         self.photon.append(&mut other.photon);
         let pairs = [
@@ -116,6 +122,16 @@ impl Hits {
         self.sensor.extend(other.sensor.iter().map(|&sensor| numbers[sensor as usize]));
     }
 
+    /// Appends the gensteps of `rows` other hits, before these are appended.
+    fn append_gensteps(&mut self, other: Option<Vec<i64>>, rows: usize) {
+        if self.genstep.is_none() && other.is_none() {
+            return;
+        }
+        let count = self.len();
+        let own = self.genstep.get_or_insert_with(|| vec![NO_GENSTEP; count]);
+        own.extend(other.unwrap_or_else(|| vec![NO_GENSTEP; rows]));
+    }
+
     /// The hits as rows of a table with the columns of [`hit_schema`].
     ///
     /// # Errors
@@ -129,12 +145,14 @@ impl Hits {
         columns.push(self.wavelength_nm.clone().into());
         columns.push(self.steps.clone().into());
         columns.push(self.sensor.clone().into());
+        columns.extend(self.genstep.iter().cloned().map(Values::from));
         Chunk::new(columns)
     }
 }
 
 /// The columns of a table of hits: `event`, `photon`; `x`, `y`, `z` in mm; `time` in ns; the direction `dx`, `dy`, `dz`; the
-/// polarisation `px`, `py`, `pz`; `wavelength_nm`; `steps`; `sensor`, a path.
+/// polarisation `px`, `py`, `pz`; `wavelength_nm`; `steps`; `sensor`, a path; and for a run of gensteps `genstep`, the number of
+/// the genstep.
 ///
 /// # Errors
 ///
@@ -147,5 +165,6 @@ pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
     columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
     columns.push(Column::new("steps", DType::I64));
     columns.push(Column::names("sensor", hits.paths().into()));
+    columns.extend(hits.genstep.is_some().then(|| Column::new("genstep", DType::I64)));
     Schema::new(columns)
 }

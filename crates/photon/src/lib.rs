@@ -16,6 +16,7 @@
 //! `G4OpBoundaryProcess`, `G4OpAbsorption`, `G4OpRayleigh`, `G4OpMieHG` and `G4OpWLS`.
 
 mod boundary;
+mod compare;
 mod detector;
 mod draws;
 mod error;
@@ -23,6 +24,7 @@ mod flight;
 mod genstep;
 mod history;
 mod hits;
+mod lines;
 mod lint;
 mod material;
 pub mod philox;
@@ -41,6 +43,10 @@ mod tracks;
 mod volume;
 
 pub use boundary::BoundaryEvent;
+pub use compare::{
+    Alphabet, CompareOptions, ComparedBin, ComparedQuantity, Comparison, FirstDifference, Pairs,
+    PhotonSample, SampleTrack, chi_squared_tail, compare, normal_tail, read_sample,
+};
 pub use detector::{DetectionRule, Detector};
 pub use error::{PhotonError, PropertyError};
 pub use flight::End;
@@ -59,7 +65,7 @@ pub use sample::LinearDensity;
 pub use settings::RunSettings;
 pub use source::{Directions, Origin, Pulse, Source, SourceVolume, Torch, WavelengthDistribution};
 pub use start::{check_start, emit};
-pub use step_table::step_schema;
+pub use step_table::{history_schema, step_schema};
 pub use surface::{
     Coating, DAVIS_FINISHES, LUT_FINISHES, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel,
     SurfaceType,

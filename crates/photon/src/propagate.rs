@@ -112,7 +112,7 @@ pub fn simulate_parts<E: Evaluator, X: From<PhotonError>>(
     match histories {
         None => run_batches(detector, evaluator, source, settings, &(), merge),
         Some(options) => {
-            run_batches(detector, evaluator, source, settings, &HistoryRecorder::new(options), merge)
+            run_batches(detector, evaluator, source, settings, &HistoryRecorder::new(options, source), merge)
         }
     }
 }
@@ -297,6 +297,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
         // by photon number, whatever the number of steps
         self.result.hits.sort();
+        self.result.hits.genstep = source.parents(&self.result.hits.photon);
         self.result.ends = self.ends.take();
         self.result.boundary_events = self.boundary_events.take();
         Ok(std::mem::take(&mut self.result))

@@ -1,4 +1,4 @@
-//! Tables of steps.
+//! Tables of steps and of histories.
 
 use crate::detector::Detector;
 use crate::history::{Histories, Process, StepRow};
@@ -54,4 +54,49 @@ impl Histories {
         columns.push(ids(|row| row.surface.unwrap_or(NO_NAME)));
         Chunk::new(columns)
     }
+
+    /// The histories as rows of a table with the columns of [`history_schema`]: a row for each track, with the photon at its end.
+    ///
+    /// # Errors
+    ///
+    /// None: the columns are of equal length.
+    pub fn to_history_rows(&self) -> Result<Chunk, TableError> {
+        let tracks: Vec<&[StepRow]> = self.steps.chunk_by(|a, b| a.track == b.track).collect();
+        let ends: Vec<&StepRow> = tracks.iter().filter_map(|rows| rows.last()).collect();
+        let whole = |value: fn(&StepRow) -> i64| Values::I64(ends.iter().map(|row| value(row)).collect());
+        let real = |value: fn(&StepRow) -> f64| Values::F64(ends.iter().map(|row| value(row)).collect());
+        let text = |rows: &&[StepRow]| -> Arc<str> {
+            rows.iter().map(|row| row.process.name()).collect::<Vec<_>>().join(" ").into()
+        };
+        let paths: Vec<Arc<str>> = self.volumes().iter().map(|path| path.as_str().into()).collect();
+        let volumes = ends.iter().map(|row| paths[row.volume as usize].clone());
+        Chunk::new(vec![
+            whole(|row| row.photon),
+            whole(|row| row.track),
+            whole(|row| i64::from(row.step)),
+            Values::Text(tracks.iter().map(text).collect()),
+            Values::Text(volumes.collect()),
+            real(|row| row.position.x),
+            real(|row| row.position.y),
+            real(|row| row.position.z),
+            real(|row| row.time),
+            real(|row| row.wavelength_nm),
+        ])
+    }
+}
+
+/// The columns of a table of histories, which has a row for each track: `photon`, `track`; `steps`; `history`, the names of the
+/// processes, separated by spaces; and at the end of the track `volume`, a path; `x`, `y`, `z` in mm; `time` in ns;
+/// `wavelength_nm`.
+///
+/// # Errors
+///
+/// None: the names are fixed.
+pub fn history_schema() -> Result<Schema, TableError> {
+    let mut columns = ["photon", "track", "steps"].map(|name| Column::new(name, DType::I64)).to_vec();
+    columns.extend(["history", "volume"].map(|name| Column::new(name, DType::Text)));
+    columns.extend(["x", "y", "z"].map(|name| Column::new(name, DType::F64).unit("mm")));
+    columns.push(Column::new("time", DType::F64).unit("ns"));
+    columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
+    Schema::new(columns)
 }

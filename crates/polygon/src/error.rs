@@ -39,7 +39,7 @@ pub enum PolygonError {
     },
     /// A coordinate exceeds the supported range.
     #[error(
-        "contour {contour}, vertex {vertex}: {} is {value}: the largest supported magnitude is 1e60. Use another unit.",
+        "contour {contour}, vertex {vertex}: {} is {value}: the largest supported magnitude is 1e60. Use a different unit.",
         axis_name(*.axis)
     )]
     Extreme {
@@ -55,7 +55,7 @@ pub enum PolygonError {
     /// Two edges have a common point that is not a corner between them.
     #[error(
         "{first} crosses or touches {second}: contours must not touch each other or themselves. Make each contour a \
-         region of its own and combine these by boolean operators."
+        separate region and combine the regions with boolean operators."
     )]
     Touching {
         /// One of the edges.
@@ -110,14 +110,14 @@ fn orientation(clockwise: bool, parent: Option<usize>) -> String {
 #[non_exhaustive]
 pub enum LineError {
     /// A number is not finite.
-    #[error("the line has a NaN or infinite number: origin and direction must be finite.")]
+    #[error("the line has a coordinate that is NaN or infinite: origin and direction must be finite.")]
     NotFinite,
     /// The direction is the zero vector.
     #[error("the direction of the line is zero: it must be a nonzero vector.")]
     ZeroDirection,
     /// Squares of numbers would over- or underflow.
     #[error(
-        "the line has numbers beyond 1e60, or a direction shorter than 1e-60: they are out of range. Use another unit."
+        "the line has numbers beyond 1e60, or a direction shorter than 1e-60: they are out of range. Use a different unit."
     )]
     Extreme,
 }

@@ -14,7 +14,7 @@ use rayweave_math::roots::{two_product, two_sum};
 pub fn sign([a, b]: [f64; 2], [c, d]: [f64; 2], [e, f]: [f64; 2], [g, h]: [f64; 2]) -> i8 {
     let (p, q) = ((a - b) * (c - d), (e - f) * (g - h));
     let value = p - q;
-    // each difference, each product and the last difference has a relative error of at most u: 3 u (|p| + |q|) + u |value|
+    // each difference, each product and the last difference have a relative error of at most u: 3 u (|p| + |q|) + u |value|
     // plus terms in u^2, in total below 5 u (|p| + |q|)
     if value.abs() > 5.0 * UNIT_ROUNDOFF * (p.abs() + q.abs()) {
         return if value > 0.0 { 1 } else { -1 };

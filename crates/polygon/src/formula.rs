@@ -4,9 +4,9 @@
 //! representation of a simple polygon", Algorithmica 10 (1993) (SIGGRAPH 1988), after D. P. Peterson, "Halfspace
 //! representation of extrusions, solids of revolution, and pyramids", SANDIA report SAND84-0572 (1984).
 //!
-//! A simple chain of edges with infinitely extended first and last edge divides the plane. The formula of its left side is built
-//! recursively. A vertex v on the convex hull of the chain splits it in two parts, whose edges at v are extended to infinity.
-//! The extensions leave the hull and intersect nothing, so that both parts are simple. The left side of the chain is the
+//! A simple chain of edges whose first and last edges are extended to infinity divides the plane. The formula of its left side is
+//! built recursively. A vertex v on the convex hull of the chain splits it into two parts, whose edges at v are extended to
+//! infinity. The extensions leave the hull and intersect nothing, so both parts are simple. The left side of the chain is the
 //! intersection of the left sides of both parts if the chain turns left at v, otherwise their union. A polygon is the
 //! intersection of the left sides of two chains: from its lexicographically first vertex to its last one, and back.
 //!
@@ -42,7 +42,7 @@ pub enum Operator {
     Union,
     /// Inside an odd number of parts.
     SymmetricDifference,
-    /// Outside the one part.
+    /// Outside its only part.
     Complement,
 }
 
@@ -51,7 +51,7 @@ impl Polygons {
     ///
     /// The formula of a contour consists of unions and intersections with one half-plane for each of its edges. The region is the
     /// symmetric difference of all contours or, if it is unbounded, the complement of that. `join` gets one operand for a
-    /// complement and any number for the other operators.
+    /// complement and any number of operands for the other operators.
     pub fn fold<T>(
         &self,
         mut half_plane: impl FnMut(HalfPlane) -> T,
@@ -171,9 +171,9 @@ impl Chain {
         HalfPlane { normal: normal.map(|x| tidy(x / longest)), offset: tidy(offset), edge: self.edges[k] }
     }
 
-    /// A vertex strictly between two others on the convex hull of the extended chain between them: the extreme in a direction from
-    /// which both extensions lead away. Of several directions it takes the one whose extreme is closest to the middle of the
-    /// chain, which keeps formulas shallow. `budget` is the remaining number of vertices that this search may visit.
+    /// A vertex strictly between two others, on the convex hull of the extended chain between them: the extreme vertex in a direction
+    /// from which both extensions lead away. Of several directions, the one whose extreme vertex is closest to the middle of the chain
+    /// is used, which keeps formulas shallow. `budget` is the remaining number of vertices that this search may visit.
     fn cut(&self, from: usize, to: usize, budget: &mut usize) -> usize {
         let p = &self.points;
         // the end edges, directed outward
@@ -184,7 +184,7 @@ impl Chain {
             if best.is_some() && *budget < to - from {
                 break;
             }
-            // by exact signs
+            // tested with exact signs
             if ends.iter().any(|&[a, b]| along(direction, b, a) >= 0) {
                 continue;
             }

@@ -89,7 +89,7 @@ pub struct Contour<'a> {
 /// whole plane.
 ///
 /// The maximal magnitude of a coordinate is 1e60; below 1e-60 it counts as 0. Contact of edges and orientation of contours are
-/// determined by exact predicates. Takes O(n log n) time.
+/// determined with exact predicates. Takes O(n log n) time.
 ///
 /// # Errors
 ///
@@ -195,7 +195,7 @@ impl Polygons {
         [number, self.next[number as usize]].map(|corner| self.vertices[corner as usize])
     }
 
-    /// The bounding box of all corners as smallest and largest coordinates; (+inf, -inf) if there are none.
+    /// The bounding box of all corners, as smallest and largest coordinates; (+inf, -inf) if there are none.
     pub fn corner_bounds(&self) -> [Point; 2] {
         let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
         for vertex in &self.vertices {

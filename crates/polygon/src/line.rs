@@ -1,8 +1,8 @@
 //! Crossings of straight lines with the boundary of a region, watertight, with symbolic perturbation.
 //!
-//! The side of a vertex depends on the line and the vertex alone, not on the edge. A line crosses an edge if its ends are on
-//! different sides. The number of crossings with a contour is therefore even, and rounding cannot make a line slip between two
-//! edges.
+//! The side of a vertex depends on the line and the vertex alone, not on the edge. A line crosses an edge if the ends of the edge
+//! are on different sides. The number of crossings with a contour is therefore even, and rounding cannot make a line slip between
+//! two edges.
 //!
 //! A vertex within the tolerance `delta` of the line counts as on the side on which it lies after the line is moved
 //! infinitesimally along the perturbation direction `w` ([`rayweave_math::perturbation_direction`]), the same rule as for rays
@@ -35,7 +35,7 @@ impl Polygons {
     ///
     /// # Errors
     ///
-    /// As [`Polygons::trace`].
+    /// Those of [`Polygons::trace`].
     pub fn contains(&self, point: Point) -> Result<bool, LineError> {
         let along_x = self.trace(point, [1.0, 0.0])?;
         Ok(along_x.side_at(0.0).is_ok_and(Side::is_inside))
@@ -48,7 +48,7 @@ impl Polygons {
     ///
     /// # Errors
     ///
-    /// As [`Polygons::trace`].
+    /// Those of [`Polygons::trace`].
     pub fn scan(&self, direction: Point, origins: &[Point]) -> Result<Scan, LineError> {
         check(direction, origins)?;
         let mut found: Vec<(u32, Root<u32>)> = Vec::new();
@@ -155,9 +155,9 @@ impl SortedLines {
 
     /// The lines that can cross an edge.
     ///
-    /// A vertex counts as on a line within `delta`, which is at most `128 u` times the magnitudes of vertex and origin, because
-    /// the foot point of the vertex is not farther from the origin than the vertex. The rounding error of the levels is below
-    /// `4 u` times these. The margin is more than twice the sum.
+    /// A vertex counts as on a line if it is within `delta` of it, which is at most `128 u` times the magnitudes of vertex and
+    /// origin, because the foot point of the vertex is not farther from the origin than the vertex. The rounding error of the
+    /// levels is below `4 u` times these magnitudes. The margin is more than twice the sum.
     fn candidates(&self, ends: [Point; 2]) -> &[u32] {
         let [a, b] = ends.map(|end| cross(self.direction, end));
         let magnitude = size(&ends[0]).max(size(&ends[1])) + self.magnitude;

@@ -56,7 +56,7 @@ impl Polygons {
         if self.outside() == Side::Inside || self.edge_count() == 0 {
             return Ok(Slab::new(Vec3::Z, lo, hi)?.into());
         }
-        // large enough to keep corners off the walls, small enough to keep the box useful
+        // large enough to keep corners away from the walls, small enough for a tight box
         let margin = RELATIVE_MARGIN * (high[0] - low[0]).max(high[1] - low[1]);
         let corner = |at: [f64; 2], margin: f64, z| Vec3::new(at[0] + margin, at[1] + margin, z);
         Ok(BoxFromCorners::new(corner(low, -margin, lo), corner(high, margin, hi))?.into())

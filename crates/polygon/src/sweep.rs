@@ -30,7 +30,7 @@ pub struct ContourStart {
     pub contour: u32,
     /// The first corner in lexicographic order.
     pub first: u32,
-    /// The edge directly below that corner, if there is one, and whether it points to the right.
+    /// The edge directly below that corner, if any, and whether it points to the right.
     pub below: Option<(u32, bool)>,
 }
 

@@ -32,7 +32,7 @@ fn lines_agree_with_integer_containment() {
                 let scale = 1 << 26;
                 let at = [0, 1].map(|k| p[k] * scale + t * d[k] * (scale / 64) + w[k]);
                 let time = t as f64 / 64.0;
-                // the perturbation moves roots a little, and a touched corner has two
+                // the perturbation moves roots slightly, and a touched corner has two of them
                 let is_corner = |v: &Lattice| (0..2).all(|k| v[k] * 64 == p[k] * 64 + t * d[k]);
                 let near_root = traced.times().any(|root| (root - time).abs() < 1e-3);
                 if near_root || contours.iter().flatten().any(is_corner) {
@@ -199,7 +199,7 @@ fn messages_give_the_location_and_a_suggestion() {
     bad[2][1] = -2e60;
     let text = message(&[bad], Side::Outside);
     assert!(
-        text.starts_with("contour 0, vertex 2: y is -2000") && text.ends_with("Use another unit."),
+        text.starts_with("contour 0, vertex 2: y is -2000") && text.ends_with("Use a different unit."),
         "{text}"
     );
     let shifted: Vec<Point> = square.iter().map(|p| [p[0] + 4.0, p[1] + 1.0]).collect();

@@ -1,6 +1,6 @@
-//! Files that are generated from the registry of primitives: compared with what the registry says now.
+//! Files that are generated from the registry of primitives, compared with the current registry.
 //!
-//! `cargo xtask generated --accept` rewrites them after a primitive was added or changed.
+//! `cargo xtask generated --accept` rewrites them after a primitive has been added or changed.
 
 use rayweave::shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, ParameterUnit};
 use std::fs;
@@ -133,7 +133,7 @@ fn reference_page() {
         MANUALS.iter().map(|page| format!("## {}\n\n{}\n", page.name, page.text.trim())).collect();
     let text = format!(
         "# Primitives\n\n\
-         Each primitive is an open set with named faces. The names and parameters are the same in model\n\
+         Each primitive is a solid with named faces. The names and parameters are the same in model\n\
          files, in Python and in Rust (`rayweave::shapes`). `rayweave shapes` prints the same pages, and\n\
          [gallery.toml](../../models/gallery.toml) shows every primitive.\n\n\
          This page is generated from the registry of primitives by `{COMMAND}`.\n\n\

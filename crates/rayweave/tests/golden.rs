@@ -75,10 +75,10 @@ fn compare(golden: &Path, drawn: &[u8]) -> Option<String> {
 fn difference(accepted: &[u8], drawn: &[u8]) -> Option<String> {
     let decoded = [accepted, drawn].map(png::decode);
     let [Ok(accepted), Ok(drawn)] = decoded else {
-        return Some("is no picture that can be read".to_owned());
+        return Some("cannot be decoded as a picture".to_owned());
     };
     if accepted.size() != drawn.size() {
-        return Some(format!("is {:?}, drawn {:?}", accepted.size(), drawn.size()));
+        return Some(format!("has the size {:?}, but the drawn picture {:?}", accepted.size(), drawn.size()));
     }
     let apart = |a: &[u8; 4], b: &[u8; 4]| a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
     let differences = || accepted.values().iter().zip(drawn.values()).map(|(a, b)| apart(a, b));
@@ -96,7 +96,7 @@ fn difference(accepted: &[u8], drawn: &[u8]) -> Option<String> {
 fn check(pictures: impl IntoIterator<Item = (PathBuf, Vec<u8>)>) {
     let problems = pictures.into_iter().filter_map(|(golden, drawn)| compare(&golden, &drawn));
     let problems: Vec<String> = problems.collect();
-    let advice = "if that is what was meant, accept it with 'cargo xtask golden --accept'";
+    let advice = "if the change is intended, accept it with 'cargo xtask golden --accept'";
     assert!(problems.is_empty(), "{}\n{advice}", problems.join("\n"));
 }
 

@@ -79,10 +79,10 @@ fn cases(size: Size) -> [(&'static str, RenderOptions); 6] {
     let glass = RenderOptions { colours: vec![clear], ..RenderOptions::new(size) };
     [
         ("headlight, 1 sample", plain),
-        ("shadows of a direction", shadowed),
-        ("shadows of a lamp", lit),
+        ("shadows of a directional light", shadowed),
+        ("shadows of a point light", lit),
         ("headlight, 1 sample, lines", lined),
         ("gooch, lines, 3 x 3 samples", RenderOptions::new(size)),
-        ("the same of clear glass", glass),
+        ("the same with clear glass", glass),
     ]
 }

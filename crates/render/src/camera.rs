@@ -1,8 +1,9 @@
 //! Cameras: position, orientation and projection.
 
-use crate::{CameraError, Size};
-use rayweave_math::{Vec3, any_perpendicular};
-use rayweave_shape::Ray;
+use crate::{CameraError, RenderError, Size};
+use rayweave_math::{Bounds, Vec3, any_perpendicular};
+use rayweave_model::Program;
+use rayweave_shape::{Ray, RayError};
 
 /// A projection of space onto the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +71,7 @@ impl Camera {
     /// A perspective camera; `field_of_view` is vertical, in degrees.
     ///
     /// # Errors
-    /// As [`Camera::new`].
+    /// As for [`Camera::new`].
     pub fn perspective(
         position: impl Into<Vec3>,
         target: impl Into<Vec3>,
@@ -84,7 +85,7 @@ impl Camera {
     /// An orthographic camera; `height` is that of the picture in model units.
     ///
     /// # Errors
-    /// As [`Camera::new`].
+    /// As for [`Camera::new`].
     pub fn orthographic(
         position: impl Into<Vec3>,
         target: impl Into<Vec3>,
@@ -136,6 +137,34 @@ impl Camera {
     /// The projection.
     pub fn projection(&self) -> Projection {
         self.projection
+    }
+
+    /// Checks that the model does not vanish at the distance of the camera: see [`RayError::TooFar`].
+    ///
+    /// # Errors
+    /// [`RenderError::TooFar`]. Other limits of rays are not checked here.
+    pub fn check(&self, program: &Program) -> Result<(), RenderError> {
+        match program.check_ray(&self.ray_towards(program.bounds())) {
+            Err(RayError::TooFar { distance, accuracy, size }) => {
+                Err(RenderError::TooFar { distance, accuracy, size })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The ray towards the middle of a box, whether or not it is in the picture; the line of sight if the box has no middle.
+    fn ray_towards(&self, bounds: Bounds) -> Ray {
+        let towards = bounds.centre() - self.position;
+        match (bounds.is_finite(), self.projection) {
+            (true, Projection::Perspective { .. }) => {
+                Ray::new(self.position, unit(towards).unwrap_or(self.forward))
+            }
+            (true, Projection::Orthographic { .. }) => {
+                let aside = towards - towards.dot(self.forward) * self.forward;
+                Ray::new(self.position + aside, self.forward)
+            }
+            (false, _) => Ray::new(self.position, self.forward),
+        }
     }
 
     /// The ray through the point (x, y), in pixels from the upper left corner.

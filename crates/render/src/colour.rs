@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_laid_over_one_another() {
+    fn colours_are_composited() {
         let red = premultiply([1.0, 0.0, 0.0], 0.5);
         let blue = premultiply([0.0, 0.0, 1.0], 1.0);
         assert_eq!(over(red, blue), [0.5, 0.0, 0.5, 1.0]);

@@ -17,7 +17,7 @@ pub(crate) enum EdgeKind {
 /// radians: nothing larger than a few pixels reaches the limit of 0.35.
 const STEEP: f64 = 0.342;
 
-/// A step in depth of at most this many pixel sides is not tested: so nearly frontal a step is one surface.
+/// A step in depth of at most this many pixel sides is not tested: it counts as one surface.
 const SHALLOW: f64 = 2.0;
 
 /// Between different faces, a step of more than this many pixel sides is an outline even if the planes

@@ -1,21 +1,21 @@
 //! Errors of cameras and rendering.
 
 use crate::limits::{MAX_SAMPLES, MAX_SIDE};
-use rayweave_error::{Classified, ErrorKind};
+use rayweave_error::{Classified, ErrorKind, short_number};
 
 /// Error of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CameraError {
     /// A coordinate is NaN or infinite.
-    #[error("the camera's {what} is not finite: a camera stands somewhere.")]
+    #[error("the camera's {what} is not finite: its coordinates must be finite.")]
     NotFinite {
         /// The argument.
         what: &'static str,
     },
     /// The camera has no line of sight: position and target coincide.
     #[error(
-        "the camera's position and target are the same point: nothing says where it looks. Move one of them."
+        "the camera's position and target are the same point: the line of sight is undefined. Move one of them."
     )]
     NoDirection,
     /// The field of view is out of range.
@@ -76,6 +76,22 @@ pub enum RenderError {
     Samples {
         /// The requested number.
         samples: u32,
+    },
+    /// The camera is too far from the model: the picture would be empty.
+    #[error(
+        "the camera is too far from the model: at a distance of {}, points are accurate to {}, and the model is {} thick. Move the \
+         camera closer to the model, and keep the model close to the origin of the coordinates.",
+        short_number(*.distance),
+        short_number(*.accuracy),
+        short_number(*.size)
+    )]
+    TooFar {
+        /// The distance from the camera to the point of its rays that is closest to the model.
+        distance: f64,
+        /// The tolerance there.
+        accuracy: f64,
+        /// The shortest side of the box around the model.
+        size: f64,
     },
     /// A number of the settings is out of range.
     #[error("the {what} is {value}: it must be from {lo} to {hi}.")]

@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn without_corners_before_the_camera_all_pixels_count() {
+    fn a_box_around_the_camera_covers_all_pixels() {
         let around = Bounds::centred(Vec3::ZERO, Vec3::splat(10.0));
         let camera = Camera::perspective(Vec3::ZERO, Vec3::Y, Vec3::Z, 40.0).unwrap();
         assert_eq!(Extent::new(&camera, size(), &around).columns(7), 0..60);

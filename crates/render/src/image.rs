@@ -91,7 +91,7 @@ impl<T> PixelGrid<T> {
         &mut self.values
     }
 
-    /// Returns the values by value.
+    /// Consumes the plane and returns its values.
     pub fn into_values(self) -> Vec<T> {
         self.values
     }

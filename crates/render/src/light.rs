@@ -64,7 +64,7 @@ impl Light {
         };
         let problem = match () {
             () if !vector.is_finite() => "a position or direction that is not finite",
-            () if !zero_is_legal && vector == Vec3::ZERO => "the direction zero",
+            () if !zero_is_legal && vector == Vec3::ZERO => "a zero direction",
             () if !(0.0..f64::INFINITY).contains(&self.intensity) => {
                 "an intensity that is negative or not finite"
             }

@@ -6,7 +6,7 @@ use crate::contrast::EdgeKind;
 
 /// A pen: the neighbours that a sample is compared with.
 pub(crate) struct Pen {
-    /// Offsets on the grid of samples, nearest first, each with a flag whether creases count there.
+    /// Offsets on the grid of samples, nearest first, each with a flag: true if creases are drawn there.
     offsets: Vec<([isize; 2], bool)>,
     pub colour: Premultiplied,
     /// The greatest offset in pixels, at least 1.
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_as_wide_as_they_should() {
+    fn lines_have_the_requested_width() {
         assert_eq!(covered(1.0, 1, EdgeKind::Outline), 1);
         assert_eq!(covered(1.0, 2, EdgeKind::Outline), 2);
         assert_eq!(covered(1.5, 4, EdgeKind::Outline), 6);

@@ -79,11 +79,11 @@ pub fn ids<E: Evaluator>(
 /// Depth, normal and id of the first surface at the centre of each pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
-    /// As of [`depth`].
+    /// See [`depth`].
     pub depth: PixelGrid<f64>,
-    /// As of [`normals`].
+    /// See [`normals`].
     pub normals: PixelGrid<[f64; 3]>,
-    /// As of [`ids`].
+    /// See [`ids`].
     pub ids: PixelGrid<i32>,
 }
 

@@ -10,7 +10,7 @@ pub enum PngError {
     /// The file is damaged or not a PNG file.
     #[error("this is not a readable PNG file: {0}.")]
     Decoding(#[from] png::DecodingError),
-    /// The picture has a pixel format that is never written here.
+    /// The picture has a pixel format other than 8-bit RGBA.
     #[error("the picture has {0}: only 8-bit RGBA pictures are read. Convert it.")]
     Kind(String),
     /// The picture is too large.
@@ -93,7 +93,14 @@ pub fn decode(bytes: &[u8]) -> Result<Image, PngError> {
     let info = reader.info();
     let size = Size::new(info.width, info.height)?;
     if (info.color_type, info.bit_depth) != (ColorType::Rgba, BitDepth::Eight) {
-        let kind = format!("{:?} pixels of {:?} bits", info.color_type, info.bit_depth);
+        let colour = match info.color_type {
+            ColorType::Grayscale => "greyscale",
+            ColorType::GrayscaleAlpha => "greyscale and alpha",
+            ColorType::Indexed => "indexed",
+            ColorType::Rgb => "RGB",
+            ColorType::Rgba => "RGBA",
+        };
+        let kind = format!("{}-bit {colour} pixels", info.bit_depth as u8);
         return Err(PngError::Kind(kind));
     }
     let mut image = PixelGrid::filled(size, [0; 4]);
@@ -154,14 +161,14 @@ mod tests {
     fn other_files_are_refused() {
         let normals = PixelGrid::filled(size(2, 2), [0.0; 3]);
         let error = decode(&encode_normals(&normals)).unwrap_err();
-        assert!(error.to_string().contains("Rgb pixels of Sixteen bits"), "{error}");
+        assert!(error.to_string().contains("16-bit RGB pixels"), "{error}");
         assert!(matches!(decode(b"GIF89a"), Err(PngError::Decoding(_))));
         let whole = encode(&PixelGrid::filled(size(9, 9), [1; 4]));
         assert!(matches!(decode(&whole[..whole.len() / 2]), Err(PngError::Decoding(_))));
     }
 
     #[test]
-    fn depth_is_linear_and_says_its_range() {
+    fn depth_is_linear_and_stores_its_range() {
         let inf = f64::INFINITY;
         let depth = PixelGrid::from_values(size(4, 1), vec![0.1, 0.35, 0.6, inf]).unwrap();
         let (levels, texts) = grey(&encode_depth(&depth));

@@ -68,7 +68,7 @@ impl<'a, E: Evaluator> PrimaryRays<'a, E> {
         samples.iter_mut().enumerate().for_each(|(i, sample)| *sample = self.sample(i));
     }
 
-    /// Shades by Lambert's law, light by light.
+    /// Shades according to Lambert's law, light by light.
     fn lambert(&mut self, colours: &mut [Premultiplied]) {
         self.arriving.clear();
         self.arriving.resize(self.sight.len(), [AMBIENT; 3]);

@@ -15,12 +15,12 @@ use rayweave_model::Evaluator;
 
 /// Renders a picture.
 ///
-/// The first pass traces one ray through the centre of each pixel. Pixels that differ from a neighbour
-/// (another region, a step in depth, another face at an angle, another shadow: see [`crate::Lines`]), and
-/// those within the reach of a line there, are supersampled on a regular grid; the pixel is the mean in
-/// linear light. Details smaller than a pixel that no centre ray hits are therefore missed. Memory: about 50
-/// bytes per pixel, and 60 n^2 for each supersampled pixel with n x n samples; four times as much with
-/// translucent regions.
+/// The first pass traces one ray through the centre of each pixel. Pixels that differ from a neighbour (a
+/// different region, a step in depth, a different face at an angle, a different shadow: see
+/// [`crate::Lines`]), and those within the reach of a line there, are supersampled on a regular grid; the
+/// pixel is the mean in linear light. Details smaller than a pixel that no centre ray hits are therefore
+/// missed. Memory: about 50 bytes per pixel, and 60 n^2 for each supersampled pixel with n x n samples; four
+/// times as much with translucent regions.
 ///
 /// # Errors
 /// [`RenderError`] for settings out of range and cancelled runs.
@@ -31,6 +31,7 @@ pub fn render<E: Evaluator>(
     run: &mut Run<'_>,
 ) -> Result<Image, RenderError> {
     settings.check()?;
+    camera.check(evaluator.program())?;
     let drawing = Drawing {
         evaluator,
         camera,

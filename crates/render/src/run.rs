@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 /// Threads, cancellation token and progress callback of a rendering.
 #[derive(Default)]
 pub struct Run<'a> {
-    /// The number of threads; by default that of [`thread_count`].
+    /// The number of threads; by default [`thread_count`].
     pub threads: Option<NonZeroUsize>,
     /// Cancels the rendering soon after it is triggered.
     pub cancel: Cancel,

@@ -21,7 +21,7 @@ pub(crate) struct Layer {
     pub lit: u32,
 }
 
-/// The data of a layer that neighbouring samples are compared by.
+/// The data of a layer by which neighbouring samples are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sample {
     pub t: f64,

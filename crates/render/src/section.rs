@@ -4,7 +4,7 @@ use rayweave_math::Vec3;
 use rayweave_model::{Region, Solid};
 use rayweave_shape::primitive::{HalfSpace, Primitive, ShapeError};
 
-/// The name of the cutting half-space; its face appears in answers as `section.plane`.
+/// The name of the cutting half-space; its face appears in results as `section.plane`.
 pub const SECTION: &str = "section";
 
 /// Cuts the regions by a plane: the side `normal . p < offset` stays, and the cut is a face of each region.

@@ -11,8 +11,8 @@ pub enum Style {
     /// For Automatic Technical Illustration", SIGGRAPH 1998).
     #[default]
     Gooch,
-    /// Lambert shading with a light at the camera: as bright as the cosine of the angle to the line of sight.
-    /// Lights of the scene, if there are any, replace that light.
+    /// Lambert shading with a light at the camera: an ambient part, plus a part proportional to the cosine
+    /// of the angle to the line of sight. Lights of the scene, if there are any, replace that light.
     Headlight,
     /// The colour of the region, unshaded.
     Flat,
@@ -43,7 +43,7 @@ pub enum Background {
 /// faces of different parts of one region, have no line between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lines {
-    /// The width of outlines in pixels, from 0 to 8; creases have 6/10 of it.
+    /// The width of outlines in pixels, from 0 to 8; creases have 6/10 of this width.
     pub width: f64,
     /// The least angle between normals that is drawn, in degrees, from 0 to 180.
     pub crease_degrees: f64,

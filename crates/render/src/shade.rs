@@ -53,7 +53,7 @@ const LEVELS: usize = 4;
 /// The ambient fraction of a surface's colour.
 pub(crate) const AMBIENT: f32 = 0.18;
 
-/// A tint, and the fraction of the region's colour added to it: the cool and the warm end of the tones.
+/// A tint and the fraction of the region's colour added to it, for the cool or the warm end of the tones.
 ///
 /// They are k_blue with alpha and k_yellow with beta of Gooch et al. 1998, here for linear light and chosen
 /// by eye so that the region's colour stays recognisable.

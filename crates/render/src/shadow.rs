@@ -10,8 +10,7 @@ use rayweave_shape::Ray;
 /// Casts shadow rays from surfaces to lights.
 ///
 /// A shadow ray starts *on* the visible surface, on the side of the camera: the root at its start is divided
-/// out ([`Start`]), so no surface shades itself and no offset (ray bias) is needed, whatever the size of the
-/// model.
+/// out ([`Start`]), so no surface shades itself and no offset (ray bias) is needed at any size of the model.
 #[derive(Default)]
 pub(crate) struct Shadows {
     rays: RayBatch,
@@ -22,7 +21,7 @@ pub(crate) struct Shadows {
 }
 
 impl Shadows {
-    /// Clears the bits of `lit` for lights that are hidden by something opaque or behind the surface.
+    /// Clears the bits of `lit` for lights that are hidden by an opaque region or behind the surface.
     pub fn cast<E: Evaluator>(
         &mut self,
         evaluator: &E,

@@ -77,7 +77,7 @@ fn columns_and_layers_give_the_same_pictures() {
 /// Random trees with touching and intersecting faces. Where a shadow ray passes an edge of two faces within
 /// rounding error, either answer is right, and a visible point may lie there.
 #[test]
-fn so_they_do_for_tricky_models() {
+fn columns_and_layers_agree_for_tricky_models() {
     let mut rng = Random::new(11);
     let (mut pixels, mut differ) = (0, 0);
     for k in 0..24 {

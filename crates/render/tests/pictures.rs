@@ -30,7 +30,7 @@ fn letter(pixel: &[u8; 4]) -> char {
     }
 }
 
-/// Linear light of a level, by the formula of IEC 61966-2-1.
+/// Linear light of a level, according to the formula of IEC 61966-2-1.
 fn light(level: u8) -> f64 {
     let level = f64::from(level) / 255.0;
     if level <= 0.04045 { level / 12.92 } else { ((level + 0.055) / 1.055).powf(2.4) }
@@ -69,7 +69,7 @@ fn anti_aliasing_converges_to_the_covered_part() {
 }
 
 #[test]
-fn a_headlight_shines_by_the_cosine() {
+fn headlight_shading_follows_the_cosine() {
     let weave = weave(&sphere(1.0));
     let settings =
         RenderOptions { style: Style::Headlight, colours: vec![Rgba::WHITE], ..plain(size(64, 64)) };
@@ -182,7 +182,7 @@ fn nothing_shades_itself() {
 }
 
 #[test]
-fn lines_surround_what_is_seen() {
+fn outlines_surround_the_visible_region() {
     let weave = weave(&block([-2.0, 0.0, -1.0], [2.0, 1.0, 1.0]));
     let lines = Some(Lines { width: 1.0, colour: BLACK, ..Lines::default() });
     let settings = RenderOptions { lines, colours: vec![Rgba::opaque(9, 200, 9)], ..plain(size(12, 8)) };
@@ -220,7 +220,7 @@ fn inner_lines(weave: &Weave, camera: &Camera, colours: &[Rgba]) -> usize {
 }
 
 #[test]
-fn lines_are_where_something_begins() {
+fn lines_mark_changes_of_region_depth_and_angle() {
     let green = [Rgba::opaque(0, 220, 0); 2];
     let (left, right) = (block([-2.0, 0.0, -2.0], [0.0, 1.0, 2.0]), block([0.0, 0.0, -2.0], [2.0, 1.0, 2.0]));
     let camera = front(5.0);
@@ -232,7 +232,7 @@ fn lines_are_where_something_begins() {
     // a step in depth between parallel faces
     let step = inner_lines(&weave(&(&left | right.translate([0.0, 0.3, 0.0]))), &camera, &green);
     assert!((35..=130).contains(&step), "{step}");
-    // a fold: faces at 160 degrees from one another, 20 from being flat
+    // a fold: faces that meet at 160 degrees, 20 less than flat
     let wing = |degrees: f64| {
         let half = block([0.0, 0.0, -2.0], [2.0, 1.0, 2.0]).rotate_z(degrees);
         &half | half.mirror(Vec3::X)

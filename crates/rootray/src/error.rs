@@ -35,7 +35,7 @@ pub enum RootRayError {
         t: f64,
     },
     /// A query time is NaN.
-    #[error("the query time is NaN: any number or an infinity is allowed.")]
+    #[error("the query time is NaN: it must be a number or an infinity.")]
     NanTime,
     /// An end of a window is NaN.
     #[error("the window ({t_min}, {t_max}) has a NaN end: use -inf or inf for an open end.")]

@@ -135,7 +135,7 @@ impl<S> RootRay<S> {
         std::iter::from_fn(move || Some((ends.next()?, ends.next()?)))
     }
 
-    /// The same crossings with other names for the surfaces.
+    /// The same crossings with different names for the surfaces.
     pub fn map_surfaces<R>(self, mut rename: impl FnMut(S) -> R) -> RootRay<R> {
         let roots = self.roots.into_iter().map(|root| Root::new(root.t, rename(root.surface))).collect();
         RootRay { start: self.start, roots }

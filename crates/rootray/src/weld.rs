@@ -48,7 +48,7 @@ pub fn next_run<I: Iterator>(
 
 impl<S: Clone> RootRay<S> {
     /// Drops the pieces, inside or outside, that are shorter than `min_sep`: the function [`min_sep`](crate::min_sep), or
-    /// another one of the two times, such as `|_, _| 1e-6`.
+    /// any other function of the two times, such as `|_, _| 1e-6`.
     ///
     /// Neighbours with `t2 - t1 < min_sep(t1, t2)` are welded. A maximal run of welded neighbours becomes nothing if the sides
     /// before and after it are equal, else its last member. With [`min_sep`](crate::min_sep), or any function that is

@@ -154,7 +154,7 @@ fn ties_go_to_the_lowest_operand_that_decides() {
     assert_eq!(surfaces(&RootRay::symmetric_difference_all(&three)), "a");
     // intersection with a solid that is left while the others are entered: nothing
     assert_eq!(surfaces(&RootRay::intersection_all(&three)), "");
-    // two of three: from {b} to {a, c}; b is no candidate, because without its event all three would be inside
+    // two of three: from {b} to {a, c}; b is not a candidate, because without its event all three would be inside
     let two = [step(Inside, 'b'), step(Outside, 'a'), step(Outside, 'c')];
     assert_eq!(surfaces(&RootRay::at_least(2, &two)), "a");
     // from all four to none: neither one event alone nor one event undone changes "at least two", so the lowest of all

@@ -263,7 +263,7 @@ fn error(a: (&[f64], usize, usize), b: (&[f64], usize, usize)) -> HitArrayError 
 }
 
 #[test]
-fn bad_arrays_are_refused_with_the_first_bad_place() {
+fn bad_arrays_are_rejected_with_the_first_bad_place() {
     let good = (&[1.0, 1.0, 1.0, 2.0, 2.0, 2.0][..], 2, 3);
     let odd = (&[0.0; 9][..], 3, 3);
     assert_eq!(error(good, odd), HitArrayError::OddRows { array: "array2", rows: 3 });
@@ -287,7 +287,7 @@ fn bad_arrays_are_refused_with_the_first_bad_place() {
 }
 
 #[test]
-fn bad_shapes_and_options_are_refused() {
+fn bad_shapes_and_options_are_rejected() {
     let data = [0.0; 6];
     let shape = |rows, columns| HitArray::new(&data, rows, columns).map(|array| array.rows()).unwrap_err();
     assert_eq!(shape(2, 2), HitArrayError::Shape { len: 6, rows: 2, columns: 2 });

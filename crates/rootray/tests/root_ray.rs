@@ -20,7 +20,7 @@ fn times<S>(ray: &RootRay<S>) -> Vec<f64> {
 }
 
 #[test]
-fn bad_roots_are_refused_with_their_place() {
+fn bad_roots_are_rejected_with_their_place() {
     let made =
         |times: &[f64]| RootRay::from_times(Side::Outside, times.iter().copied()).map(|ray| times_of(&ray));
     fn times_of(ray: &RootRay) -> Vec<f64> {
@@ -100,7 +100,7 @@ fn clipping_drops_roots_at_both_ends() {
 }
 
 #[test]
-fn bad_windows_are_refused() {
+fn bad_windows_are_rejected() {
     let ray = ray(Side::Outside, &[1.0]);
     let empty = |t_min, t_max| Err(RootRayError::EmptyWindow { t_min, t_max });
     for (t_min, t_max) in [(1.0, 1.0), (2.0, 1.0), (INF, INF), (-INF, -INF), (INF, -INF), (0.0, -0.0)] {

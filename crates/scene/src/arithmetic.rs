@@ -2,8 +2,8 @@
 //!
 //! Operators, from weak to strong: `+ -`, `* /`, signs, `^` (or `**`, from right to left, so that
 //! `-2 ^ 2` is -4). Functions: see [`FUNCTIONS`]; angles are in degrees, as everywhere in a model file.
-//! Constants: `pi`, `tau`, `inf`. Names are parameters. Transcendental functions come from `libm`: the same
-//! bits on every platform.
+//! Constants: `pi`, `tau`, `inf`. Names are parameters. Transcendental functions come from `libm`, so
+//! results have the same bits on every platform.
 
 use crate::fault::Fault;
 use crate::number::written;
@@ -18,7 +18,7 @@ pub struct Function {
     pub name: &'static str,
     /// The minimum and the maximum number of arguments.
     pub arity: (usize, usize),
-    /// Value of the function.
+    /// A description of its value.
     pub summary: &'static str,
     apply: fn(&[f64]) -> f64,
 }
@@ -51,7 +51,7 @@ pub static FUNCTIONS: &[Function] = &[
     function("max", (1, MANY), "the largest", |x| x.iter().copied().fold(f64::NEG_INFINITY, f64::max)),
     function("floor", (1, 1), "rounded down", |x| x[0].floor()),
     function("ceil", (1, 1), "rounded up", |x| x[0].ceil()),
-    function("round", (1, 1), "rounded to the nearest, halves away from 0", |x| x[0].round()),
+    function("round", (1, 1), "the nearest integer, halves rounded away from 0", |x| x[0].round()),
     function("exp", (1, 1), "e to this power", |x| libm::exp(x[0])),
     function("ln", (1, 1), "the natural logarithm", |x| libm::log(x[0])),
     function("pow", (2, 2), "the first to the power of the second", |x| libm::pow(x[0], x[1])),
@@ -167,7 +167,7 @@ fn call(name: &str, count: usize, span: Span) -> Result<Operation, Fault> {
     }
     let wanted = match (least, most) {
         (1, 1) => "1 argument".to_owned(),
-        (least, MANY) => format!("{least} argument or more"),
+        (least, MANY) => format!("at least {least} argument"),
         (least, _) => format!("{least} arguments"),
     };
     let problem = format!("`{name}` has {count} arguments");
@@ -324,7 +324,7 @@ mod tests {
             "the result is infinite: 0 ^ -1 is beyond the range of a 64-bit float.",
         );
         check_fault("", (0, 0), "the text is empty: a number or a parameter is missing.");
-        check_fault("1 +", (3, 3), "the text ends too early: a number or a parameter is missing.");
+        check_fault("1 +", (3, 3), "the expression ends too early: a number or a parameter is missing.");
         check_fault("1 + * 2", (4, 5), "unexpected `*`: a number or a parameter is missing before it.");
         check_fault("2e", (1, 2), "an operator is missing before this: the operators are + - * / ^.");
         check_fault("2 R", (2, 3), "an operator is missing before this: the operators are + - * / ^.");
@@ -334,7 +334,7 @@ mod tests {
         check_fault("()", (1, 2), "unexpected `)`: a number or a parameter is missing before it.");
         check_fault("1, 2", (1, 2), "unexpected `,`: it separates the arguments of a function.");
         check_fault("min(1,)", (6, 7), "unexpected `)`: a number or a parameter is missing before it.");
-        check_fault("min()", (0, 5), "`min` has 0 arguments: it takes 1 argument or more.");
+        check_fault("min()", (0, 5), "`min` has 0 arguments: it takes at least 1 argument.");
         check_fault("hypot(1)", (0, 8), "`hypot` has 1 arguments: it takes 2 arguments.");
         check_fault("1 | 2", (2, 3), "unexpected operator `|`: the operators are + - * / ^.");
         check_fault("1.2.3", (0, 5), "`1.2.3` is not a number: it has more than one decimal point.");

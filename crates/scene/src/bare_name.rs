@@ -1,7 +1,7 @@
 //! Names in GDML files without pointer suffixes.
 
-/// A name without the pointer suffix that programs append to make it unique: `World0x55f3c0` becomes `World`. Regions and occurrence
-/// paths have these names.
+/// A name without the pointer suffix that programs append to make it unique: `World0x55f3c0` becomes `World`. Regions and
+/// occurrence paths use these names.
 pub fn bare_name(name: &str) -> &str {
     match name.rsplit_once("0x") {
         Some((bare, suffix))

@@ -19,9 +19,8 @@ impl Colour {
     /// White.
     pub const WHITE: Colour = Colour::new(255, 255, 255);
 
-    /// Default colours of regions, assigned in turn: the palette of Okabe and Ito, which remains
-    /// distinguishable with colour vision deficiency ("Color Universal Design", 2008), without
-    /// black.
+    /// Default colours of regions, assigned in turn: the palette of Okabe and Ito without black. Its
+    /// colours remain distinguishable with colour vision deficiency ("Color Universal Design", 2008).
     pub const PALETTE: [Colour; 7] = [
         Colour::new(86, 180, 233),
         Colour::new(230, 159, 0),

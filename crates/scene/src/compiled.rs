@@ -19,8 +19,8 @@ impl Compiled {
     ///
     /// # Errors
     ///
-    /// [`SceneError::Compile`], for example for a singular transform, or for solids that the file repeats so often that they
-    /// make too many leaves ([`check_repetition`]).
+    /// [`SceneError::Compile`], for example for a singular transform, or if repeated solids expand to too many leaves
+    /// ([`check_repetition`]).
     pub fn new(scene: &Scene) -> Result<Compiled, SceneError> {
         let solids: Vec<&Solid> = scene.regions.iter().map(|region| &region.solid).collect();
         check_repetition(&solids)?;
@@ -38,11 +38,11 @@ impl Compiled {
         Compiled::new(&scene.alone(name)?)
     }
 
-    /// Compiles a solid of a scene, or all of its regions if there is no name.
+    /// Compiles a solid of a scene, or all of its regions if no name is given.
     ///
     /// # Errors
     ///
-    /// As [`Compiled::new`] and [`Compiled::solid`].
+    /// Those of [`Compiled::new`] and [`Compiled::solid`].
     pub fn named(scene: &Scene, solid: Option<&str>) -> Result<Compiled, SceneError> {
         match solid {
             Some(name) => Compiled::solid(scene, name),
@@ -75,7 +75,7 @@ impl Scene {
     }
 
     /// The scene with one of its solids as the only region. Its medium is that of the last region
-    /// made of the solid; without such a region, a new medium with the name of the solid.
+    /// with this solid or, without such a region, a new medium with the name of the solid.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Untyped values of a model file: numbers, texts, lists and tables with their source spans.
+//! Untyped values of a model file: numbers, strings, lists and tables with their source spans.
 
 use crate::diagnostic::Diagnostic;
 use crate::number::written;
@@ -9,9 +9,9 @@ use toml::de::{DeInteger, DeTable, DeValue};
 /// An untyped value of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Datum {
-    /// A number; whole numbers beyond 2^53 are rounded.
+    /// A number; integers beyond 2^53 are rounded.
     Number(f64),
-    /// A text.
+    /// A string.
     Text(String),
     /// `true` or `false`.
     Boolean(bool),
@@ -33,13 +33,13 @@ impl Datum {
         if let Datum::Table(table) = self { lookup(table, key) } else { None }
     }
 
-    /// The text of a key; empty if this is no table, or one without such a text.
+    /// The string of a key; empty if this is not a table that has such a string.
     #[must_use]
     pub fn text(&self, key: &str) -> &str {
         self.get(key).and_then(Datum::as_text).unwrap_or_default()
     }
 
-    /// The values in the list of a key; none if this is no table, or one without such a list.
+    /// The values in the list of a key; none if this is not a table that has such a list.
     pub fn list(&self, key: &str) -> impl Iterator<Item = &Datum> {
         self.get(key).into_iter().flat_map(Datum::items)
     }
@@ -50,7 +50,7 @@ impl Datum {
         if let Datum::Number(number) = self { Some(*number) } else { None }
     }
 
-    /// The text, if this is one.
+    /// The string, if this is one.
     #[must_use]
     pub fn as_text(&self) -> Option<&str> {
         if let Datum::Text(text) = self { Some(text) } else { None }
@@ -72,7 +72,7 @@ impl Datum {
     pub(crate) fn description(&self) -> String {
         match self {
             Datum::Number(value) => format!("the number {}", written(*value)),
-            Datum::Text(_) => "a text".to_owned(),
+            Datum::Text(_) => "a string".to_owned(),
             Datum::Boolean(value) => format!("`{value}`"),
             Datum::Time(_) => "a date or time".to_owned(),
             Datum::List(list) => match list.len() {
@@ -91,8 +91,8 @@ pub fn lookup<'t>(table: &'t Table, key: &str) -> Option<&'t Datum> {
     table.iter().find(|(name, _)| name.value == key).map(|(_, value)| &value.value)
 }
 
-/// Converts a table of the syntax tree of a text that begins at `offset` in the source. The TOML parser
-/// limits the nesting of tables to fewer than 300 levels.
+/// Converts a table from the syntax tree of a text that begins at `offset` in the source. The TOML
+/// parser limits the nesting of tables to fewer than 300 levels.
 pub(crate) fn from_toml(
     table: &DeTable,
     offset: usize,
@@ -128,8 +128,8 @@ fn datum(
     Spanned::new(datum, span)
 }
 
-/// Collects items into a list without spare room. `collect` makes room for four at least, and most lists of a
-/// large file have one.
+/// Collects items into a list without spare capacity. `collect` allocates at least four places, but most lists
+/// of a large file have one item.
 pub(crate) fn collected<T>(items: impl ExactSizeIterator<Item = T>) -> Vec<T> {
     let mut list = Vec::with_capacity(items.len());
     list.extend(items);
@@ -182,7 +182,7 @@ pub(crate) fn key(name: &str) -> String {
     if !name.is_empty() && name.chars().all(bare) { name.to_owned() } else { quoted(name) }
 }
 
-/// A text in TOML.
+/// A string in TOML.
 pub(crate) fn quoted(text: &str) -> String {
     let mut quoted = String::with_capacity(text.len() + 2);
     quoted.push('"');

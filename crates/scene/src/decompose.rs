@@ -15,8 +15,8 @@ use std::collections::{HashMap, HashSet};
 
 impl Document {
     /// A document that contains a solid under a name. Reading it back gives `solid.named(name)`, or
-    /// the solid itself if it has a name already (which may be another one). Shared parts become
-    /// solids of their own; parts without a name get names that begin with `_`.
+    /// the solid itself if it already has a name (which may differ). Shared parts become separate
+    /// solids; parts without a name get names that begin with `_`.
     pub fn from_solid(name: &str, solid: &Solid) -> Document {
         Document::from_solids([(name, solid)])
     }
@@ -73,7 +73,7 @@ fn name_of_region<'a>(roots: &mut Vec<(String, &'a Solid)>, region: &'a SceneReg
     name
 }
 
-/// The name itself, or the first of name2, name3, .. that is not taken.
+/// The name itself, or the first of name2, name3, ... that is not taken.
 fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let numbered = (2..).map(|k| format!("{name}{k}"));
     let mut names = std::iter::once(name.to_owned()).chain(numbered);
@@ -138,7 +138,7 @@ struct DocumentBuilder<'s> {
     references: HashMap<usize, usize>,
     names: HashMap<usize, String>,
     taken: HashSet<String>,
-    /// Entries with a name that are not written yet.
+    /// Solids with a name whose entries are not written yet.
     waiting: Vec<&'s Solid>,
     counter: usize,
 }
@@ -175,7 +175,7 @@ impl<'s> DocumentBuilder<'s> {
         }
     }
 
-    /// All entries: unnamed or shared parts, then the roots. References may point forwards.
+    /// All entries: unnamed or shared parts, then the roots. Entries may refer to later ones.
     fn entries(mut self, roots: &[(&str, &'s Solid)]) -> Vec<SolidEntry> {
         let named: Vec<SolidEntry> = roots.iter().map(|(name, solid)| self.root(name, solid)).collect();
         let mut parts = Vec::new();
@@ -189,7 +189,7 @@ impl<'s> DocumentBuilder<'s> {
     }
 
     fn root(&mut self, name: &str, solid: &'s Solid) -> SolidEntry {
-        // a second name for a solid that has an entry already
+        // a second name for a solid that already has an entry
         if self.names[&address(solid)] != name {
             return SolidEntry {
                 name: name.into(),
@@ -349,7 +349,7 @@ fn shape(primitive: &Primitive) -> Body {
     Body::Shape(primitive.name().into(), arguments.collect())
 }
 
-/// The simplest step that has exactly the same numbers.
+/// The simplest step with exactly the same matrix.
 fn step(map: &Affine) -> Step {
     let diagonal = Vec3::new(map.linear.x_axis.x, map.linear.y_axis.y, map.linear.z_axis.z);
     if *map == Affine::translate(map.translation) {

@@ -60,19 +60,19 @@ impl Diagnostic {
         self
     }
 
-    /// Sets the span in a text at which the problem is.
+    /// Sets the span of the problem in a text.
     pub fn at(mut self, source: &Arc<Source>, span: Span) -> Diagnostic {
         self.place = Some((source.clone(), Some(span)));
         self
     }
 
-    /// Sets the file that has the problem as a whole.
+    /// Sets the file of a problem that concerns the whole file.
     pub fn in_file(mut self, source: &Arc<Source>) -> Diagnostic {
         self.place = Some((source.clone(), None));
         self
     }
 
-    /// Adds a note at a related place of the same text.
+    /// Adds a note at a related position in the same text.
     pub fn note(mut self, span: Span, text: impl Into<String>) -> Diagnostic {
         self.notes.push((span, text.into()));
         self
@@ -139,17 +139,17 @@ impl Diagnostic {
     }
 }
 
-/// The maximum length of the lines that a problem shows, in bytes: a file of one line may have thousands of problems.
+/// The maximum length of the source lines shown with a problem, in bytes: a file with a single line may have thousands of problems.
 const LONGEST: usize = 4096;
 
-/// The position of a range, for lines too long to show.
+/// The position of a range, shown instead of lines that are too long.
 fn origin(source: &Source, span: Span) -> annotate_snippets::Origin<'_> {
     let (line, column) = source.line_column(span.start());
     annotate_snippets::Origin::path(source.name()).line(line).char_column(column)
 }
 
 /// The lines that a range overlaps, with the range underlined; `None` if they are too long. The renderer receives only these
-/// lines, so that the time per problem does not depend on the length of the file.
+/// lines, so the time per problem does not depend on the length of the file.
 fn snippet<'a>(
     source: &'a Source,
     span: Span,

@@ -12,12 +12,12 @@ use std::sync::Arc;
 /// The syntax tree of a model file: names, numbers and texts with their source spans, unevaluated.
 /// Every importer creates one.
 ///
-/// Equality ignores the spans, the source and the allowed files.
+/// Equality ignores spans, the source and the allowed files.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     /// The text that the spans refer to.
     pub source: Arc<Source>,
-    /// Files and folders that the document may read besides those in the folder of its source and below.
+    /// Additional files and folders that the document may read; it may always read those in the folder of its source and below.
     pub allowed: Vec<PathBuf>,
     /// The comment at the head of the file, without the `#`.
     pub heading: Vec<String>,
@@ -57,7 +57,7 @@ impl PartialEq for Document {
 }
 
 impl Document {
-    /// The files that the document may name.
+    /// The files that the document may read.
     pub fn files(&self) -> AllowedFiles {
         AllowedFiles::of_model(self.source.path().map(PathBuf::as_path), &self.allowed)
     }
@@ -91,9 +91,9 @@ pub type Matrix = [[Spanned<Number>; 4]; 4];
 /// A named solid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidEntry {
-    /// The name by which others refer to it.
+    /// The name by which other solids refer to it.
     pub name: Spanned<String>,
-    /// The name in the names of its faces, if it differs; empty for none.
+    /// The name used for this solid within its face names, if it differs from `name`; an empty text omits it.
     pub label: Option<Spanned<String>>,
     /// Definition.
     pub body: Body,
@@ -140,11 +140,11 @@ pub enum Step {
 pub struct Place {
     /// The name of the solid.
     pub solid: Spanned<String>,
-    /// Position.
+    /// Positions of the copies.
     pub layout: Layout,
     /// The name of the copies in occurrence paths; that of the solid by default.
     pub name: Option<Spanned<String>>,
-    /// The copy numbers, which need a name; counted from 0 by default.
+    /// The copy numbers, allowed only together with `name`; counted from 0 by default.
     pub numbers: Option<Spanned<Vec<Spanned<Number>>>>,
 }
 
@@ -164,9 +164,9 @@ pub enum Layout {
     },
     /// Copies moved by vectors.
     At(Vec<Vector>),
-    /// Copies under matrices.
+    /// Copies placed by matrices.
     Matrices(Vec<Matrix>),
-    /// Vectors or matrices from an NPY file beside the model file: float64, (N, 3) or (N, 4, 4).
+    /// Vectors or matrices from an NPY file in the folder of the model file: float64, (N, 3) or (N, 4, 4).
     File(Spanned<String>),
 }
 
@@ -186,7 +186,7 @@ pub struct Grid {
 pub struct RegionEntry {
     /// The name of the solid.
     pub solid: Spanned<String>,
-    /// The name of the medium; by default the region has its own.
+    /// The name of the medium; by default, the region has its own medium.
     pub medium: Option<Spanned<String>>,
     /// Its colour in pictures.
     pub colour: Option<Spanned<Colour>>,
@@ -247,11 +247,11 @@ pub struct LightEntry {
 pub enum LightKind<V> {
     /// Parallel light that travels along this vector.
     Direction(V),
-    /// Light from this point, without attenuation by distance.
+    /// Light from this point, not attenuated by distance.
     Position(V),
 }
 
-/// Options of pictures; the renderer supplies missing ones.
+/// Options of pictures; the renderer has defaults for missing ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderEntry {
     /// The colour of the background.
@@ -293,12 +293,12 @@ pub struct Foreign {
     pub name: Spanned<String>,
     /// Contents with their spans.
     pub value: Spanned<Datum>,
-    /// The source text of the table: its sections, each up to the next header of another table.
+    /// The source text of the table: its sections, each up to the header of the next table.
     pub text: String,
 }
 
 impl Foreign {
-    /// A table that is not from a file, with one line for each of its keys.
+    /// Creates a table that is not from a file, with one line for each of its keys.
     pub fn new(name: &str, table: Table) -> Foreign {
         let mut text = format!("[{}]\n", key(name));
         for (name, value) in &table {

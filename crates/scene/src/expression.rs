@@ -4,7 +4,7 @@
 //! `&` intersection, `-` difference, `~` complement. A chain of equal `|`, `^` or `&` is one
 //! operation with many operands. Parentheses are preserved, so that a printed expression reads back
 //! as the same tree. `union(a, b, ..)`, `intersection(..)` and `symmetric_difference(..)` take any
-//! number of operands. `empty` is the empty solid, `universe` all of space. Names with characters
+//! number of operands. `empty` is the empty solid, `universe` is all of space. Names with characters
 //! other than letters, digits and `_` are quoted: `'front lens'`.
 
 use crate::fault::Fault;
@@ -31,7 +31,7 @@ static GRAMMAR: Grammar = Grammar {
 /// A boolean operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
-    /// Union: inside any operand; any number of operands.
+    /// Inside at least one operand; any number of operands.
     Union,
     /// Inside an odd number of operands; any number of operands.
     SymmetricDifference,
@@ -90,12 +90,12 @@ pub enum ExpressionItem {
     Empty,
     /// All of space.
     Universe,
-    /// An operation on the last `n` results.
+    /// An operation on the last `n` values.
     Operation(Operator, usize),
 }
 
 impl ExpressionItem {
-    /// Number of results that the operation consumes.
+    /// Number of values that the operation consumes.
     pub fn arity(&self) -> usize {
         match self {
             ExpressionItem::Operation(_, count) => *count,
@@ -242,11 +242,11 @@ fn term(kind: ItemKind, text: &str, span: Span) -> Result<ExpressionItem, Fault>
     Ok(match kind {
         ItemKind::Number(_) => {
             let problem = format!("`{}` is not the name of a solid", &text[span.range()]);
-            let reason = "names that begin with a digit or hold a `-` stand in quotation marks";
+            let reason = "names that begin with a digit or contain a `-` must be quoted";
             let suggestion = Some("Did you mean 'name-1'?".to_owned());
             return Err(Fault::new(span, problem, reason).suggest(suggestion));
         }
-        // quoted, it is a name
+        // in quotation marks, it is a name
         ItemKind::Name(_) if &text[span.range()] == "empty" => ExpressionItem::Empty,
         ItemKind::Name(_) if &text[span.range()] == "universe" => ExpressionItem::Universe,
         ItemKind::Name(name) => ExpressionItem::Name(name.into_owned()),
@@ -274,7 +274,7 @@ fn call(name: &str, count: usize, span: Span) -> Result<ExpressionItem, Fault> {
 mod tests {
     use super::*;
 
-    /// The tree with all its parentheses, by an independent recursive printer.
+    /// The tree with all its parentheses, from an independent recursive printer.
     fn tree(expression: &Expression) -> String {
         let mut stack: Vec<String> = Vec::new();
         for (term, _) in expression.terms() {
@@ -370,14 +370,14 @@ mod tests {
 
     #[test]
     fn faults() {
-        check_fault("a &", (3, 3), "the text ends too early: the name of a solid is missing.");
+        check_fault("a &", (3, 3), "the expression ends too early: the name of a solid is missing.");
         check_fault("a b", (2, 3), "an operator is missing before this: the operators are | & - ^ ~.");
         check_fault("a & | b", (4, 5), "unexpected `|`: the name of a solid is missing before it.");
         check_fault("a + b", (2, 3), "unexpected operator `+`: the operators are | & - ^ ~.");
         check_fault("a ~ b", (2, 3), "unexpected operator `~`: the operators are | & - ^ ~.");
         check_fault("!a", (0, 1), "unexpected character `!`: it has no meaning here. Did you mean `~`?");
         check_fault("(a | b", (0, 1), "unmatched `(`: there is no `)` after it.");
-        check_fault("'a", (0, 2), "the quoted name does not end: there is no second `'`.");
+        check_fault("'a", (0, 2), "the quoted name is not terminated: the closing `'` is missing.");
         check_fault(
             "unoin(a)",
             (0, 5),
@@ -386,7 +386,7 @@ mod tests {
         check_fault(
             "hole-1",
             (5, 6),
-            "`1` is not the name of a solid: names that begin with a digit or hold a `-` stand in quotation marks. Did you mean 'name-1'?",
+            "`1` is not the name of a solid: names that begin with a digit or contain a `-` must be quoted. Did you mean 'name-1'?",
         );
     }
 

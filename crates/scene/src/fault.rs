@@ -23,7 +23,7 @@ impl Fault {
         self
     }
 
-    /// The diagnostic of a fault in a text that is the value at `span` of a source.
+    /// The diagnostic of a fault in a text, which is the string value at `span` of a source.
     pub fn located(self, source: &Arc<Source>, text: &str, span: Span) -> Diagnostic {
         Diagnostic::error(self.problem)
             .why(self.reason)
@@ -34,7 +34,7 @@ impl Fault {
 
 /// The span in the file of a part of a string value; the whole value if it is written with escapes.
 pub(crate) fn place_in(source: &Source, text: &str, value: Span, part: Span) -> Span {
-    // after no quotation mark, one, three, or three and a line end: a search would take the length of the text for each fault
+    // the text follows no quotation mark, one, three, or three and a line end; searching would take linear time for each fault
     let begins = |at: &usize| source.slice(value).get(*at..).is_some_and(|rest| rest.starts_with(text));
     match [0, 1, 3, 4, 5].into_iter().find(begins) {
         Some(at) if !text.is_empty() => part.shifted(value.start() + at),

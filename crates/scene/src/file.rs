@@ -17,7 +17,7 @@ const MAX_FILE_BYTES: u64 = 256 << 20;
 
 /// Reads a model file, with overrides of some of its parameters (name, arithmetic expression).
 ///
-/// Files that the model names must be in its folder or below.
+/// Files that the model refers to must be in its folder or below.
 ///
 /// # Errors
 ///
@@ -29,7 +29,7 @@ pub fn load(
     load_allowing(path, overrides, &[])
 }
 
-/// Reads a model file that may name files in its folder, in the given files and folders, and below.
+/// Reads a model file that may refer to files in its folder and in the given folders, and below, and to the given files.
 ///
 /// # Errors
 ///
@@ -42,7 +42,7 @@ pub fn load_allowing(
     understand(Arc::new(Source::read(path.as_ref())?), overrides, allowed)
 }
 
-/// Reads a model from text. Names of files are relative to the current folder, and the files must be there or below.
+/// Reads a model from text. File names are relative to the current folder, and the files must be there or below.
 ///
 /// # Errors
 ///
@@ -60,7 +60,7 @@ pub fn parse_with(text: &str, overrides: &[(String, String)]) -> Result<(Documen
     parse_allowing(text, overrides, &[])
 }
 
-/// Reads a model from text that may name files in the current folder, in the given files and folders, and below.
+/// Reads a model from text that may refer to files in the current folder and in the given folders, and below, and to the given files.
 ///
 /// # Errors
 ///
@@ -73,7 +73,7 @@ pub fn parse_allowing(
     understand(Arc::new(Source::new(None, text.to_owned())), overrides, allowed)
 }
 
-/// Reads a model file as [`load_allowing`] does, without its document, which takes less memory.
+/// Reads a model file like [`load_allowing`], but without its document, to save memory.
 ///
 /// # Errors
 ///
@@ -118,7 +118,7 @@ fn read(source: Arc<Source>, allowed: &[PathBuf]) -> Result<Reading, Diagnostics
 }
 
 impl Source {
-    /// Reads the text of a model file, in UTF-8 and of at most 256 MiB.
+    /// Reads the text of a model file, which must be UTF-8 of at most 256 MiB.
     ///
     /// # Errors
     ///
@@ -134,12 +134,12 @@ impl Source {
             Ok(text) => Ok(source(text)),
             Err(error) => {
                 // the valid text before the error is kept unchanged, so that positions in the
-                // displayed text are right
+                // displayed text are correct
                 let at = error.utf8_error().valid_up_to();
                 let source = Arc::new(source(String::from_utf8_lossy(error.as_bytes()).into_owned()));
-                let problem = Diagnostic::error("the file is not a text in UTF-8");
-                let reason = format!("byte {at} is part of no character");
-                let suggestion = Some("was it saved in another encoding?".to_owned());
+                let problem = Diagnostic::error("the file is not UTF-8 text");
+                let reason = format!("byte {at} is not part of a character");
+                let suggestion = Some("was it saved in a different encoding?".to_owned());
                 Err(problem
                     .why(reason)
                     .suggest(suggestion)
@@ -150,11 +150,11 @@ impl Source {
     }
 }
 
-/// The bytes of a text file of at most 256 MiB, for readers of other formats.
+/// Reads the bytes of a text file of at most 256 MiB, for readers of other formats.
 ///
 /// # Errors
 ///
-/// The reason why it cannot be read, for the middle of a message.
+/// The reason why it cannot be read, as a clause for use in a message.
 pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let file = File::open(path).map_err(|error| reason(&error))?;
     let metadata = file.metadata().map_err(|error| reason(&error))?;
@@ -196,24 +196,24 @@ impl Document {
     ///
     /// # Errors
     ///
-    /// Errors of the operating system; an existing file is then unchanged.
+    /// Errors of the operating system; an existing file is left unchanged.
     pub fn save(&self, path: impl AsRef<Path>) -> io::Result<()> {
         let path = path.as_ref();
         let (draft, file) = create_beside(path)?;
         let written = write_all(file, &self.to_toml()).and_then(|()| std::fs::rename(&draft, path));
         if written.is_err() {
-            // the first error is the one to report
+            // the original error is reported, not one of the removal
             let _ = std::fs::remove_file(&draft);
         }
         written
     }
 }
 
-/// Creates a new file in the same folder, so that the rename never has to copy.
+/// Creates a new file in the same folder, so that renaming never has to copy.
 fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
     let name = path
         .file_name()
-        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"))?;
+        .ok_or_else(|| io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name"))?;
     for attempt in 0..100 {
         let mut draft = name.to_owned();
         draft.push(format!(".{}-{attempt}.part", std::process::id()));
@@ -223,7 +223,7 @@ fn create_beside(path: &Path) -> io::Result<(PathBuf, File)> {
             other => return other.map(|file| (draft, file)),
         }
     }
-    Err(io::Error::new(io::ErrorKind::AlreadyExists, "no name is free for the unfinished file"))
+    Err(io::Error::new(io::ErrorKind::AlreadyExists, "all names for the unfinished file are taken"))
 }
 
 fn write_all(mut file: File, text: &str) -> io::Result<()> {

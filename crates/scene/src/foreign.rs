@@ -1,8 +1,8 @@
 //! Reader of the tables of other programs in a model file, such as `[optics]`.
 //!
-//! A program gets its table by [`Document::foreign`] and reads it with a [`Reader`]. Numbers may be
-//! arithmetic expressions of the parameters, transforms have the syntax of those of solids, every
-//! problem has a source span, and all problems are reported at once.
+//! A program obtains its table with [`Document::foreign`] and reads it with a [`Reader`]. Numbers may
+//! be arithmetic expressions in the parameters; transforms have the same syntax as those of solids.
+//! Every problem has a source span, and all problems are reported at once.
 //!
 //! ```
 //! use rayweave_scene::foreign::Reader;
@@ -64,15 +64,15 @@ impl<'d> Reader<'d> {
         self.problems.push(problem, span);
     }
 
-    /// Reports an unknown name: `what`, as in "unknown medium", and the known names.
+    /// Reports an unknown name and the known ones. `what` is the kind, such as "medium".
     pub fn unknown(&mut self, what: &str, name: &Spanned<String>, known: &[&str]) {
         let problem = Diagnostic::error(format!("unknown {what} `{}`", name.value));
         let suggestion = did_you_mean(&name.value, known.iter().copied());
-        let reason = format!("it may be {}", known.join(", "));
+        let reason = format!("the choices are {}", known.join(", "));
         self.report(problem.why(reason).suggest(suggestion), name.span);
     }
 
-    /// Reports a value of the wrong kind, as in "a list of 2 numbers".
+    /// Reports a value of the wrong kind; `wanted` is the expected kind, such as "a list of 2 numbers".
     pub fn wrong_type(&mut self, what: &str, datum: &Spanned<Datum>, wanted: &str) {
         self.problems.wrong_type(what, datum, wanted);
     }
@@ -98,7 +98,7 @@ impl<'d> Reader<'d> {
         match datum.value {
             Datum::List(list) => list.into_iter().filter_map(|item| self.keys(name, item)).collect(),
             _ => {
-                self.wrong_type(name, &datum, &format!("a list of tables, as [[{name}]]"));
+                self.wrong_type(name, &datum, &format!("a list of tables, such as [[{name}]]"));
                 Vec::new()
             }
         }
@@ -113,7 +113,7 @@ impl<'d> Reader<'d> {
         datum
     }
 
-    /// Takes the one of several values that is present, with its key.
+    /// Takes exactly one of several values, with its key; reports it if there are none or several.
     pub fn one_of(
         &mut self,
         keys: &mut Keys,
@@ -122,8 +122,8 @@ impl<'d> Reader<'d> {
         let mut found: Vec<_> = list.iter().filter_map(|name| keys.take_entry(name)).collect();
         let names = list.join(", ");
         if let [_, (second, _), ..] = found.as_slice() {
-            let problem = Diagnostic::error(format!("`{}` is one too many", second.value));
-            let reason = format!("`{}` has one of {names}", keys.name);
+            let problem = Diagnostic::error(format!("`{}` conflicts with another key", second.value));
+            let reason = format!("`{}` has exactly one of {names}", keys.name);
             self.report(problem.why(reason), second.span);
             return None;
         }
@@ -142,7 +142,7 @@ impl<'d> Reader<'d> {
         keys.unknown().into_iter().for_each(|(problem, span)| self.report(problem, span));
     }
 
-    /// A number, or an arithmetic expression of the parameters.
+    /// A number, or an arithmetic expression in the parameters.
     pub fn number(&mut self, what: &str, datum: Spanned<Datum>) -> Option<f64> {
         let number = self.problems.number(what, datum)?;
         self.within(|context, numbers| numbers.number(context, &number))
@@ -181,7 +181,7 @@ impl<'d> Reader<'d> {
         known?.try_into().ok()
     }
 
-    /// A text.
+    /// A string.
     pub fn text(&mut self, what: &str, datum: Spanned<Datum>) -> Option<Spanned<String>> {
         self.problems.text(what, datum)
     }
@@ -191,7 +191,7 @@ impl<'d> Reader<'d> {
         self.problems.boolean(what, datum).map(|boolean| boolean.value)
     }
 
-    /// One of a few words.
+    /// One of several words.
     pub fn choice<T: Copy>(&mut self, what: &str, datum: Spanned<Datum>, choices: &[(T, &str)]) -> Option<T> {
         self.problems.choice(what, datum, choices).map(|choice| choice.value)
     }
@@ -204,7 +204,7 @@ impl<'d> Reader<'d> {
         maps.filter(|_| self.problems.list.len() == before)
     }
 
-    /// True if a text is an arithmetic expression of the parameters of the document.
+    /// True if a string is an arithmetic expression in the parameters of the document.
     pub fn is_arithmetic(&self, text: &str) -> bool {
         let is_known =
             |name: &str| self.document.parameters.iter().any(|parameter| parameter.name.value == name);

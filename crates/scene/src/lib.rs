@@ -2,8 +2,8 @@
 //!
 //! - [`load`] and [`parse`] read a model: a [`Document`] (the syntax tree, with the span of every
 //!   word) and a [`Scene`] (the evaluated solids, regions, media, camera and lights).
-//! - [`Diagnostics`] are all problems of a file at once.
-//! - [`arithmetic`] and [`Expression`] are the two expression languages: numbers, and solids.
+//! - [`Diagnostics`] lists all problems of a file at once.
+//! - [`arithmetic`] and [`Expression`] are the expression languages for numbers and for solids.
 //! - [`foreign`] reads the tables of other programs.
 //! - [`schema()`] describes the format for editors.
 //!

@@ -31,7 +31,7 @@ impl From<f64> for Spanned<Number> {
 
 /// The shortest TOML text that reads back as the same bits: `5`, `0.1`, `1e300`, `-inf`.
 pub(crate) fn written(value: f64) -> String {
-    // debug formatting is the shortest that round-trips, with an exponent where that is shorter to read
+    // debug formatting gives the shortest text that round-trips, with an exponent where that is easier to read
     let text = match value.is_nan() {
         true => "nan".to_owned(),
         false => format!("{value:?}"),

@@ -81,7 +81,7 @@ impl Scene {
 pub struct SceneRegion {
     /// Name.
     pub name: String,
-    /// Its solid; the part that later regions overlap belongs to them.
+    /// Its solid; the parts that later regions overlap belong to those regions.
     pub solid: Solid,
     /// The number of its medium.
     pub medium: u32,
@@ -143,7 +143,7 @@ pub struct Light {
     pub colour: Colour,
 }
 
-/// Options of pictures; the renderer supplies those that are `None`.
+/// Options of pictures; the renderer has defaults for those that are `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderSettings {
     /// The colour of the background.

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// A range of bytes in a text. Positions from 4 GiB on, far beyond the largest file, are stored as that.
+/// A range of bytes in a text. Positions above 4 GiB, far beyond the largest file, are stored as 4 GiB.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Span {
     // a large model has tens of millions of spans
@@ -13,7 +13,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// From the first byte and the byte after the last.
+    /// Creates a span from the first byte and the byte after the last.
     pub fn new(start: usize, end: usize) -> Span {
         let stored = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
         Span { start: stored(start), end: stored(end) }
@@ -92,7 +92,7 @@ impl From<&str> for Spanned<String> {
 pub struct Source {
     path: Option<PathBuf>,
     text: String,
-    /// The first byte of each line, found when a position is asked for first: most files have no problems.
+    /// The first byte of each line, computed when a position is first needed: most files have no problems.
     line_starts: OnceLock<Vec<usize>>,
 }
 

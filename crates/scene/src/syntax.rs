@@ -2,7 +2,7 @@
 //!
 //! The parser converts the text to postfix order by operator precedence (Dijkstra's shunting yard;
 //! E. W. Dijkstra, "Algol 60 translation", MR 34/61, Mathematisch Centrum, 1961), with an explicit
-//! stack: nesting takes heap memory instead of call stack, and time is linear.
+//! stack: nesting takes heap memory instead of call stack, and the time is linear.
 
 use crate::fault::Fault;
 use crate::source::Span;
@@ -19,7 +19,7 @@ pub(crate) enum Associativity {
     Chain,
 }
 
-/// The operators of a language, and its words for messages.
+/// The operators of a language, and descriptions for messages.
 pub(crate) struct Grammar {
     /// Binding power and associativity of an infix operator.
     pub infix: fn(&str) -> Option<(u8, Associativity)>,
@@ -53,7 +53,7 @@ pub(crate) enum ItemKind<'a> {
     Call(&'a str, usize),
 }
 
-/// Parses a whole text.
+/// Parses a complete text.
 pub(crate) fn parse<'a>(text: &'a str, grammar: &Grammar) -> Result<Vec<Item<'a>>, Fault> {
     let mut yard = Yard { grammar, output: Vec::new(), waiting: Vec::new(), want_operand: true };
     let mut lexer = Lexer { text, at: 0 };
@@ -81,7 +81,7 @@ fn continues_name(c: char) -> bool {
 enum Token<'a> {
     Number(f64),
     Name(Cow<'a, str>),
-    /// A name with the opening parenthesis after it.
+    /// A name followed by an opening parenthesis.
     Call(&'a str),
     Symbol(&'a str),
 }
@@ -175,7 +175,11 @@ impl<'a> Lexer<'a> {
                 return Ok(Token::Name(name.into()));
             } else {
                 let span = Span::new(start, self.at);
-                return Err(Fault::new(span, "the quoted name does not end", "there is no second `'`"));
+                return Err(Fault::new(
+                    span,
+                    "the quoted name is not terminated",
+                    "the closing `'` is missing",
+                ));
             }
         }
     }
@@ -311,8 +315,8 @@ impl<'a> Yard<'a, '_> {
         Ok(())
     }
 
-    /// Moves the operators that bind more strongly (or as strongly) to the output, up to the innermost open
-    /// parenthesis.
+    /// Moves the operators that bind more strongly than `power` (or as strongly, if `or_equal`) to the output, up to
+    /// the innermost open parenthesis.
     fn reduce(&mut self, power: u8, or_equal: bool) {
         loop {
             let (item, own) = match self.waiting.last() {
@@ -337,7 +341,7 @@ impl<'a> Yard<'a, '_> {
         if self.want_operand {
             let problem = match self.output.is_empty() && self.waiting.is_empty() {
                 true => "the text is empty",
-                false => "the text ends too early",
+                false => "the expression ends too early",
             };
             return Err(Fault::new(end, problem, format!("{} is missing", self.grammar.operand)));
         }

@@ -20,7 +20,7 @@ pub enum Unit {
     Kilometre,
     /// 25.4 mm (exact since the international yard and pound agreement of 1959).
     Inch,
-    /// 304.8 mm (likewise).
+    /// 304.8 mm (also exact).
     Foot,
 }
 
@@ -37,7 +37,7 @@ impl Unit {
         (Unit::Foot, "ft", 0.3048),
     ];
 
-    /// The unit of a symbol.
+    /// The unit with this symbol.
     pub fn parse(symbol: &str) -> Option<Unit> {
         Unit::ALL.iter().find(|(_, own, _)| *own == symbol).map(|(unit, _, _)| *unit)
     }

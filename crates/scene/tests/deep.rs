@@ -41,7 +41,7 @@ fn long_chains_of_solids_and_parameters_are_resolved() {
             writeln!(text, "p{k} = 'p{} + 1'", k + 1).unwrap();
         }
         writeln!(text, "p{n} = 0\n[solid.s{n}]\nsphere = {{ radius = 'p0' }}").unwrap();
-        // each is made from the next, so that the first depends on all others
+        // each one uses the next, so the first depends on all others
         for k in 0..n {
             writeln!(text, "[solid.s{k}]\nexpr = '~s{}'", k + 1).unwrap();
         }

@@ -54,7 +54,7 @@ error: unknown solid `frnt`: there is no [solid.frnt]. Did you mean `front`?
 fn rendered_with_another_place() {
     let text = "[solid.a]\nsphere = { radius = 1 }\n[[region]]\nsolid = 'a'\n[[region]]\nsolid = 'a'\n";
     let expected = "\
-error: there are two regions called `a`: answers call regions by their names. Give one of them another `name`.
+error: there are two regions called `a`: results refer to regions by name. Give one of them a different `name`.
  --> <text>:7:9
   |
 7 | solid = 'a'
@@ -89,8 +89,8 @@ fn syntax() {
 
 #[test]
 fn the_top_level() {
-    check("unit = 'mn'", "2:8 unknown unit `mn`: it may be nm, um, mm, cm, m, km, in, ft.");
-    check("unit = 3", "2:8 `unit` is the number 3: it must be a text.");
+    check("unit = 'mn'", "2:8 unknown unit `mn`: the choices are nm, um, mm, cm, m, km, in, ft.");
+    check("unit = 3", "2:8 `unit` is the number 3: it must be a string.");
     check(
         "solis = 3",
         "2:1 unknown key `solis`: outside tables there are only rayweave and unit. Did you mean `solid`?",
@@ -101,8 +101,8 @@ fn the_top_level() {
     );
     check("[optics]\nanything = 1\n", "");
     check("[solid]\nsphere = 3", "3:10 `solid.sphere` is the number 3: it must be a table.");
-    check("solid = 3", "2:9 `solid` is the number 3: it must be tables with names, as [solid.name].");
-    check("[region]\n", "2:1 `region` is a table: it must be a list of tables, as [[region]].");
+    check("solid = 3", "2:9 `solid` is the number 3: it must be named tables, such as [solid.name].");
+    check("[region]\n", "2:1 `region` is a table: it must be a list of tables, such as [[region]].");
     check(
         "k = 1e999",
         "2:1 unknown key `k`: outside tables there are only rayweave and unit.\n2:5 1e999 is too large: the largest number is about 1.8e308. Did you mean `inf`?",
@@ -116,12 +116,12 @@ fn versions() {
         Err(problems) => listed(&problems),
     };
     assert_eq!(message("rayweave = 2"), "1:12 unknown version 2: this program reads version 1.");
-    assert_eq!(message("rayweave = 'x'"), "1:12 `rayweave` is a text: this program reads version 1.");
+    assert_eq!(message("rayweave = 'x'"), "1:12 `rayweave` is a string: this program reads version 1.");
     assert_eq!(
         message(""),
         "0:0 warning: the format version is missing: future versions may read the file differently. \
          Add `rayweave = 1` as the first line.\n0:0 warning: the model is empty: it has no solid. \
-         Define one, as `[solid.ball]` with `sphere = { radius = 1 }`."
+         Define one, such as `[solid.ball]` with `sphere = { radius = 1 }`."
     );
 }
 
@@ -137,7 +137,7 @@ fn parameters() {
     );
     check(
         "[parameters]\nradius = 1\n[solid.s]\nsphere = { radius = '2 * raduis' }",
-        "5:26 unknown parameter `raduis`: it does not stand in [parameters]. Did you mean `radius`?",
+        "5:26 unknown parameter `raduis`: it is not defined in [parameters]. Did you mean `radius`?",
     );
     check(
         "[parameters]\nx = 1\n[optics]\n",
@@ -146,10 +146,10 @@ fn parameters() {
     check("[parameters]\nx = 1\n[optics]\ny = 'x'\n", "");
     check(
         "[parameters]\npi = 3\n",
-        "3:1 no parameter can be called `pi`: it is a constant in arithmetic text.",
+        "3:1 no parameter can be called `pi`: it is a constant of arithmetic expressions.",
     );
     check("[parameters]\nx = nan\n", "3:5 `x` is nan: it must be a number.");
-    check("[parameters]\nx = true\n", "3:5 `x` is `true`: it must be a number or arithmetic text.");
+    check("[parameters]\nx = true\n", "3:5 `x` is `true`: it must be a number or an arithmetic expression.");
     check(
         "[parameters]\nx = '1 / (1 - 1)'\ny = 'x + 1'\n[solid.s]\nsphere = { radius = 'y' }\n",
         "3:8 division by zero: the divisor of 1 / 0 is zero.",
@@ -158,10 +158,10 @@ fn parameters() {
         "[parameters]\nx = '''\n1 +\n 2 2'''\n",
         "5:4 an operator is missing before this: the operators are + - * / ^.",
     );
-    // a text with escapes is reported as a whole
+    // for a string with escapes, the span is the whole string
     check(
         "[parameters]\nx = \"1 \\u002b\"\n",
-        "3:5 the text ends too early: a number or a parameter is missing.",
+        "3:5 the expression ends too early: a number or a parameter is missing.",
     );
 }
 
@@ -181,18 +181,18 @@ fn shapes() {
     check(
         "[solid.s]\nsphre = { radius = 1 }",
         &format!(
-            "3:1 unknown shape `sphre`: the shapes are {}; others are `expr` and `place`. Did you mean `sphere`?",
+            "3:1 unknown shape `sphre`: the shapes are {}; a solid can also be an `expr` or a `place`. Did you mean `sphere`?",
             shapes.join(", ")
         ),
     );
     check("[solid.s]\n", "2:1 the solid has no shape: it needs a shape, `expr` or `place`.");
     check(
         "[solid.s]\nsphere = 5",
-        "3:10 `sphere` is the number 5: it must be a table of its parameters, as { radius = .. }.",
+        "3:10 `sphere` is the number 5: it must be a table of its parameters, such as { radius = .. }.",
     );
     check(
         "[solid.s]\nsphere = { radius = 1 }\nexpr = 'empty'",
-        "3:1 the solid is a `expr` and a `sphere`: a solid is one thing; `expr` joins several.",
+        "3:1 the solid has both `expr` and `sphere`: a solid has one definition; an `expr` combines several solids.",
     );
     check(
         "[solid.s]\nbox = { size = [1, '1 - 1', 3] }",
@@ -200,11 +200,11 @@ fn shapes() {
     );
     check(
         "[solid.s]\nconvex = { planes = [[1, 0, 0, 1], [0, 0, 0, 1]] }",
-        "3:36 convex: planes[1] is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?",
+        "3:36 convex: planes[1] is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?",
     );
     check(
         "[solid.s]\nsphere = { radius = true }",
-        "3:21 `radius` is `true`: it must be a number or arithmetic text.",
+        "3:21 `radius` is `true`: it must be a number or an arithmetic expression.",
     );
     check(
         "[solid.s]\nsphere = { radius = 1 }\ntransfrom = []",
@@ -214,7 +214,7 @@ fn shapes() {
     );
     check(
         "[solid.empty]\nsphere = { radius = 1 }",
-        "2:8 no solid can be called `empty`: the name has a meaning of its own in expressions.",
+        "2:8 no solid can be called `empty`: the name has a special meaning in expressions.",
     );
 }
 
@@ -222,16 +222,16 @@ fn shapes() {
 fn expressions() {
     check(
         "[solid.a]\nexpr = 'b | c'\n[solid.b]\nexpr = '~c'\n[solid.c]\nexpr = 'b - a'\n",
-        "7:9 the solid `b` is made from itself: b -> c -> b.\n\
-         7:13 the solid `a` is made from itself: a -> b -> c -> a.",
+        "7:9 the solid `b` is defined by itself: b -> c -> b.\n\
+         7:13 the solid `a` is defined by itself: a -> b -> c -> a.",
     );
-    check("[solid.a]\nexpr = 'a'\n", "3:9 the solid `a` is made from itself: a -> a.");
+    check("[solid.a]\nexpr = 'a'\n", "3:9 the solid `a` is defined by itself: a -> a.");
     check("[solid.a]\nexpr = 'x | y & (z'\n", "3:17 unmatched `(`: there is no `)` after it.");
     check(
         "[solid.a]\nexpr = 'x | y'\n",
         "3:9 unknown solid `x`: there is no [solid.x].\n3:13 unknown solid `y`: there is no [solid.y].",
     );
-    check("[solid.a]\nexpr = 3\n", "3:8 `expr` is the number 3: it must be a text.");
+    check("[solid.a]\nexpr = 3\n", "3:8 `expr` is the number 3: it must be a string.");
     check("[solid.a]\nexpr = ''\n", "3:8 the text is empty: the name of a solid is missing.");
 }
 
@@ -256,9 +256,9 @@ fn transforms() {
     );
     check(
         &solid("[{ translate = [1, 2] }, { rotate_x = 1, scale = 2 }]"),
-        "4:28 `translate` is a list of 2 values: it must be a list of 3 numbers.\n4:38 the step has 2 maps: each step is one map, because their order counts.",
+        "4:28 `translate` is a list of 2 values: it must be a list of 3 numbers.\n4:38 the step has 2 maps: a step is one map, because the order of maps matters.",
     );
-    check(&solid("[{}]"), "4:14 the step has 0 maps: each step is one map, because their order counts.");
+    check(&solid("[{}]"), "4:14 the step has 0 maps: a step is one map, because the order of maps matters.");
     check(
         &solid("[{ translat = [1, 2, 3] }]"),
         "4:16 unknown key `translat` in `transform`: the keys are translate, rotate_x, rotate_y, rotate_z, rotate, scale, mirror, matrix. Did you mean `translate`?",
@@ -270,7 +270,7 @@ fn transforms() {
     check(&solid("[{ translate = [inf, 0, 0] }]"), "4:29 the number is inf: it must be finite.");
     check(
         &solid("3"),
-        "4:13 `transform` is the number 3: it must be a list of steps, as [{ rotate_x = 90 }].",
+        "4:13 `transform` is the number 3: it must be a list of steps, such as [{ rotate_x = 90 }].",
     );
 }
 
@@ -281,7 +281,7 @@ fn placements() {
     check(&place("solid = 'x', at = []"), "5:19 unknown solid `x`: there is no [solid.x].");
     check(
         &place("solid = 's'"),
-        "5:9 `place` says 0 times where: it needs one of grid, ring, at, matrices, file.",
+        "5:9 `place` has 0 lists of positions: it needs exactly one of grid, ring, at, matrices and file.",
     );
     check(
         &place("solid = 's', grid = [2, 2.5, 0], step = [1, 1, 1]"),
@@ -289,10 +289,10 @@ fn placements() {
     );
     check(
         &place("solid = 's', grid = [4000, 4000, 4000], step = [1, 1, 1]"),
-        "5:32 the grid has 64000000000 copies: the most is 4194304.",
+        "5:32 the grid has 64000000000 copies: the maximum is 4194304.",
     );
     check(&place("solid = 's', ring = 3"), "5:9 `place` has no `radius`: it is required.");
-    check(&place("solid = 'p', at = [[0, 0, 0]]"), "5:19 the solid `p` is made from itself: p -> p.");
+    check(&place("solid = 'p', at = [[0, 0, 0]]"), "5:19 the solid `p` is defined by itself: p -> p.");
     check(
         &place("solid = 's', file = 'none.npy'"),
         "5:31 the placements in `none.npy` cannot be used: there is no such file.",
@@ -316,17 +316,20 @@ fn regions_and_media() {
     );
     check(
         &model("[medium.glass]\nindx = 1.5\nabbe = 64\n"),
-        "5:1 warning: `indx` is not used: other keys of media are kept for those who know them. Did you mean `index`?",
+        "5:1 warning: `indx` is not used: additional keys of media are kept only for other programs. Did you mean `index`?",
     );
 }
 
 #[test]
 fn cameras_lights_and_drawing() {
     check("[camera]\nfov = 30\n", "2:1 `camera` has no `position`: it is required.");
-    check("[camera]\nposition = [0, 0, 0]\n", "2:1 the camera looks nowhere: its position is its target.");
+    check(
+        "[camera]\nposition = [0, 0, 0]\n",
+        "2:1 the camera has no direction of view: its position equals its target.",
+    );
     check(
         "[camera]\nposition = [0, 0, 5]\nup = [0, 0, 2]\n",
-        "2:1 the camera looks along `up`: the upward direction of the picture is then undefined.",
+        "2:1 the camera looks along `up`: the upward direction of the picture is undefined.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 180\n",
@@ -342,7 +345,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[[light]]\nintensity = 1\n",
-        "2:1 the light has no `direction` and no `position`: it is parallel or comes from a point.",
+        "2:1 the light has no `direction` and no `position`: it needs one of them.",
     );
     check(
         "[[light]]\ndirection = [0, 0, 0]\n",
@@ -350,7 +353,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[render]\nshading = 'gouch'\nsamples = 1.5\nedges = 1\n",
-        "3:11 unknown shading `gouch`: it may be gooch, headlight. Did you mean `gooch`?\n4:11 the number is 1.5: it must be a whole number from 1 to 16.\n5:9 `edges` is the number 1: it must be true or false.",
+        "3:11 unknown shading `gouch`: the choices are gooch, headlight. Did you mean `gooch`?\n4:11 the number is 1.5: it must be a whole number from 1 to 16.\n5:9 `edges` is the number 1: it must be true or false.",
     );
 }
 
@@ -369,7 +372,7 @@ fn overrides() {
     check(
         "radius",
         "2 +",
-        "error: the text ends too early: a number or a parameter is missing.\n\x20--> -D:1:11\n  |\n1 | radius=2 +\n  |           ^",
+        "error: the expression ends too early: a number or a parameter is missing.\n\x20--> -D:1:11\n  |\n1 | radius=2 +\n  |           ^",
     );
     check(
         "radius",
@@ -379,7 +382,7 @@ fn overrides() {
 }
 
 #[test]
-fn one_problem_does_not_hide_another_nor_make_new_ones() {
+fn one_problem_neither_hides_nor_causes_others() {
     let text = "unit = 'mn'\n[parameters]\nR = [1]\n\
         [solid.ball]\nsphere = { radius = 'R' }\ntransform = [{ scale = 0 }]\n\
         [solid.cube]\nbox = { size = -1 }\n\
@@ -387,7 +390,7 @@ fn one_problem_does_not_hide_another_nor_make_new_ones() {
         [[region]]\nsolid = 'both'\nmedium = 'air'\n";
     check(
         text,
-        "2:8 unknown unit `mn`: it may be nm, um, mm, cm, m, km, in, ft.\n4:5 `R` is a list of 1 value: it must be a number or arithmetic text.\n7:14 the transform is singular: it has no inverse. Check for a scale factor of 0.\n9:16 box: size is -1: size must be finite and greater than 0. Did you mean 1?\n11:23 unknown solid `cub`: there is no [solid.cub]. Did you mean `cube`?\n14:10 unknown medium `air`: there is no [medium.air].",
+        "2:8 unknown unit `mn`: the choices are nm, um, mm, cm, m, km, in, ft.\n4:5 `R` is a list of 1 value: it must be a number or an arithmetic expression.\n7:14 the transform is singular: it has no inverse. Check for a scale factor of 0.\n9:16 box: size is -1: size must be finite and greater than 0. Did you mean 1?\n11:23 unknown solid `cub`: there is no [solid.cub]. Did you mean `cube`?\n14:10 unknown medium `air`: there is no [medium.air].",
     );
 }
 
@@ -415,7 +418,7 @@ fn files_that_cannot_be_read() {
     check(
         "latin1.toml",
         Some(b"# gr\xf6\xdfe\n"),
-        "error: the file is not a text in UTF-8: byte 4 is part of no character. Was it saved in another encoding?\n --> FILE:1:5\n  |\n1 | # gr\u{fffd}\u{fffd}e\n  |     ^",
+        "error: the file is not UTF-8 text: byte 4 is not part of a character. Was it saved in a different encoding?\n --> FILE:1:5\n  |\n1 | # gr\u{fffd}\u{fffd}e\n  |     ^",
     );
     let mut huge = std::fs::File::create(folder.join("huge.toml")).unwrap();
     huge.set_len(300 << 20).unwrap();
@@ -448,7 +451,7 @@ fn physical_numbers_of_media() {
     }
     for (density, expected) in [
         ("'heavy'", "7:12 unknown parameter `heavy`"),
-        ("true", "7:11 `density` is `true`: it must be a number or arithmetic text."),
+        ("true", "7:11 `density` is `true`: it must be a number or an arithmetic expression."),
         ("-1", "7:11 the number is -1: it must be finite and at least 0."),
         ("inf", "7:11 the number is inf: it must be finite and at least 0."),
     ] {
@@ -458,7 +461,7 @@ fn physical_numbers_of_media() {
 }
 
 #[test]
-fn tables_that_nothing_reads() {
+fn tables_without_a_reader() {
     let found = |table: &str| {
         let text = format!("rayweave = 1\n[solid.a]\nsphere = {{ radius = 1 }}\n[{table}]\nx = 1\n");
         listed(&parse(&text).unwrap().1.warnings)

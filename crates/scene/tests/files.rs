@@ -1,4 +1,4 @@
-//! Placements from files beside the model.
+//! Placements from files in the folder of the model.
 
 use npyz::WriterBuilder;
 use rayweave_math::{Affine, Vec3};
@@ -62,7 +62,7 @@ fn translations_and_matrices() {
 }
 
 #[test]
-fn what_cannot_be_used() {
+fn invalid_placement_files_are_rejected() {
     let folder = Folder::new("bad");
     let check = |expected: &str| {
         let problems = folder.load().unwrap_err();
@@ -71,11 +71,11 @@ fn what_cannot_be_used() {
     };
     check("there is no such file");
     write(&folder.maps(), &[2, 2], npyz::Order::C, &[1.0; 4]);
-    check("its shape is [2, 2], it must be (N, 3) or (N, 4, 4)");
+    check("its shape is [2, 2], but it must be (N, 3) or (N, 4, 4)");
     write(&folder.maps(), &[1, 3], npyz::Order::C, &[1.0f32; 3]);
-    check("its numbers are <f4, they must be float64");
+    check("its numbers are <f4, but must be float64");
     write(&folder.maps(), &[2, 3], npyz::Order::Fortran, &[1.0; 6]);
-    check("its order is Fortran's, it must be C");
+    check("its order is Fortran's, but must be C");
     write(&folder.maps(), &[2, 3], npyz::Order::C, &[1.0, 2.0, 3.0, 4.0, f64::NAN, 6.0]);
     check("transform 1 of the file: the transform has an entry that is NaN or infinite");
     write(&folder.maps(), &[1, 4, 4], npyz::Order::C, &[1.0; 16]);
@@ -106,14 +106,14 @@ fn mesh_problems(name: &str, text: &str) -> Result<Scene, String> {
 }
 
 #[test]
-fn meshes_stand_in_files_beside_the_model() {
+fn meshes_come_from_files_in_the_folder_of_the_model() {
     let scene = mesh_problems("mesh", CUBE).unwrap();
     let corners =
         CUBE.lines().skip(2).take(8).map(|line| line.split(' ').map(|x| x.parse().unwrap()).collect());
     let corners: Vec<Vec<f64>> = corners.collect();
     let arguments = scene.regions[0].solid.to_string();
     assert!(corners.iter().all(|corner| arguments.contains(&format!("{corner:?}"))), "{arguments}");
-    // a face is missing; then a face refers to a vertex that does not exist
+    // first a face is missing; then a face refers to a vertex that does not exist
     let open = mesh_problems("open", &CUBE.replace("8 6 0", "8 5 0")).unwrap_err();
     assert!(
         open.contains("the mesh in `part.off` is not a solid: the mesh is not closed: 4 edges"),
@@ -135,5 +135,5 @@ fn a_mesh_has_a_file_or_its_numbers() {
     assert!(problem("{ file = 'part.off', repair = 1 }").contains("true or false"));
     assert!(problem("{ file = 3 }").contains("the name of a file"));
     let both = problem("{ file = 'part.stl', vertices = [[0, 0, 0]] }");
-    assert!(both.contains("the mesh has a file and something else"), "{both}");
+    assert!(both.contains("the mesh has both a file and other parameters"), "{both}");
 }

@@ -9,7 +9,7 @@ use rayweave_shape::primitive::Primitive;
 use rayweave_trace::Weave;
 use std::sync::Arc;
 
-/// An object of POV-Ray, as a membership test.
+/// A POV-Ray object that supports membership tests.
 #[derive(Debug)]
 enum Object {
     Sphere(Vec3, f64),
@@ -129,7 +129,7 @@ impl<'a> Reader<'a> {
             "union" => Object::Union(self.objects()),
             "intersection" => Object::Intersection(self.objects()),
             "difference" => Object::Difference(self.objects()),
-            _ => panic!("{kind} is no object"),
+            _ => panic!("{kind} is not an object"),
         };
         self.modified(own)
     }
@@ -177,7 +177,7 @@ impl<'a> Reader<'a> {
                     assert!(self.next() == "{" && self.next().starts_with("Region") && self.next() == "}");
                     own
                 }
-                other => panic!("{other} is no modifier"),
+                other => panic!("{other} is not a modifier"),
             };
         }
     }

@@ -101,7 +101,7 @@ pixels = 20
 #[test]
 fn a_document_survives() {
     let (document, scene) = parse(EVERYTHING).unwrap();
-    // the tables of others are kept, with a warning
+    // the tables of other programs are kept, with a warning
     let warnings: Vec<&str> = scene.warnings.iter().map(|warning| warning.message()).collect();
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     for (warning, table) in warnings.iter().zip(["wiring", "detector"]) {
@@ -115,7 +115,7 @@ fn a_document_survives() {
 }
 
 #[test]
-fn what_was_read_is_there() {
+fn the_contents_are_read() {
     let (document, scene) = parse(EVERYTHING).unwrap();
     assert_eq!(document.heading, ["A model with one of everything.", "It means nothing."]);
     assert_eq!(scene.parameters, [("R".to_owned(), 50.0), ("half".to_owned(), 25.0)]);
@@ -129,7 +129,7 @@ fn what_was_read_is_there() {
 }
 
 #[test]
-fn solids_are_what_operators_make_of_them() {
+fn solids_follow_their_operators() {
     let (_, scene) = parse(EVERYTHING).unwrap();
     let ball = build("sphere", &[("radius", 50.0)])
         .rotate_x(90.0)
@@ -254,7 +254,7 @@ fn solids_survive() {
 
 #[test]
 fn a_graph_stays_a_graph() {
-    // expanded to a tree it would have 2^60 leaves
+    // expanded to a tree, it would have 2^60 leaves
     let mut solid = build("sphere", &[("radius", 1.0)]);
     for _ in 0..60 {
         solid = &solid | &solid;

@@ -1,5 +1,5 @@
-//! The schema accepts the models and rejects invalid files, by a validator of the few keywords that
-//! it uses.
+//! The schema accepts the models and rejects invalid files, according to a validator of the few
+//! keywords that it uses.
 
 use rayweave_scene::schema;
 use serde_json::{Value, json};
@@ -66,7 +66,7 @@ fn word_problem(
                 rule => problem(root, rule, v),
             })
         }
-        other => panic!("the validator does not know {other}"),
+        other => panic!("the validator does not support {other}"),
     }
 }
 
@@ -84,7 +84,7 @@ fn is_of_type(value: &Value, name: &str) -> bool {
         "string" => value.is_string(),
         "number" => value.is_number(),
         "boolean" => value.is_boolean(),
-        other => panic!("the validator does not know {other}"),
+        other => panic!("the validator does not support {other}"),
     }
 }
 
@@ -126,7 +126,7 @@ fn every_model_fits() {
 }
 
 #[test]
-fn what_is_right_fits() {
+fn valid_files_match_the_schema() {
     for text in [
         "",
         "rayweave = 1\nunit = 'in'\n[wiring]\nx = 1\n[[detector]]\n",
@@ -152,7 +152,7 @@ fn what_is_right_fits() {
 }
 
 #[test]
-fn what_is_wrong_does_not_fit() {
+fn invalid_files_do_not_match_the_schema() {
     for text in [
         "rayweave = 2",
         "unit = 'furlong'",
@@ -183,7 +183,7 @@ fn what_is_wrong_does_not_fit() {
 
 /// The programs that own these tables report their problems, not this crate.
 #[test]
-fn what_is_wrong_with_light_does_not_fit() {
+fn invalid_optics_do_not_match_the_schema() {
     for text in [
         "[optics]\nbranch = 'both'\n",
         "[optics]\nbranches = 'none'\n",

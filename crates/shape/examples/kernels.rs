@@ -1,5 +1,6 @@
-//! Profiling target: one kernel, named by the first argument, over a number of rays: `kernels sphere 1000` in lanes,
-//! `kernels sphere 1000 scalar` ray by ray. Prints the time per ray, the least of nine equal parts of the run.
+//! Profiling target: runs one kernel, named by the first argument, on a number of rays: `kernels sphere 1000` in SIMD
+//! lanes, `kernels sphere 1000 scalar` ray by ray. Prints the time per ray: the minimum over nine equal parts of the
+//! run.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};

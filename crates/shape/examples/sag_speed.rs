@@ -1,4 +1,4 @@
-//! Time per ray and sag surface, single-threaded: `sag_speed [rays [name]]`.
+//! Prints the time per ray for each sag surface, single-threaded: `sag_speed [rays [name]]`.
 
 use rayweave_math::Vec3;
 use rayweave_shape::Ray;

@@ -1,6 +1,6 @@
 //! Ray: a straight line in space with a parameter t.
 
-use rayweave_error::{Classified, ErrorKind};
+use rayweave_error::{Classified, ErrorKind, short_number};
 use rayweave_math::{Affine, Vec3};
 use std::fmt;
 
@@ -44,7 +44,7 @@ pub enum RayError {
         vector: Vec3,
     },
     /// A component exceeds [`Ray::MAX_COMPONENT`].
-    #[error("the {part} is {}: beyond 1e100 squares overflow. Is the unit far too small?", text(.vector))]
+    #[error("the {part} is {}: components beyond 1e100 overflow in computations. Is the unit far too small?", text(.vector))]
     TooLarge {
         /// The vector at fault.
         part: RayPart,
@@ -52,10 +52,10 @@ pub enum RayError {
         vector: Vec3,
     },
     /// The direction is zero.
-    #[error("the direction is zero: a ray must go somewhere.")]
+    #[error("the direction is zero: it must have a length.")]
     NoDirection,
     /// All components of the direction are below [`Ray::MIN_DIRECTION`].
-    #[error("the direction is {}: below 1e-100 its square vanishes. Give it a length near 1.", text(.direction))]
+    #[error("the direction is {}: components below 1e-100 vanish in computations. Give it a length near 1.", text(.direction))]
     TooShort {
         /// The direction.
         direction: Vec3,
@@ -63,9 +63,11 @@ pub enum RayError {
     /// The ray's points are too inaccurate, at its closest approach to the model, to resolve the model: a query would silently
     /// miss it.
     #[error(
-        "the ray is too far from the model: {distance:.3e} along it, where it comes closest, points are accurate to \
-         {accuracy:.3e}, and the model is {size:.3e} thick. Start the ray closer to the model, and keep the model close to \
-         the origin of the coordinates."
+        "the ray is too far from the model: at its closest point, {} from its origin, coordinates are accurate to {}, and the model \
+         is {} thick. Start the ray closer to the model, and keep the model close to the origin of the coordinates.",
+        short_number(*.distance),
+        short_number(*.accuracy),
+        short_number(*.size)
     )]
     TooFar {
         /// The distance from the origin of the ray to its point closest to the model.
@@ -163,19 +165,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rays_out_of_range_are_refused_with_a_reason() {
+    fn rays_out_of_range_are_rejected_with_a_reason() {
         let check = |o: [f64; 3], d: [f64; 3]| Ray::new(o.into(), d.into()).check();
-        let says = |o, d| check(o, d).unwrap_err().to_string();
+        let message = |o, d| check(o, d).unwrap_err().to_string();
         let x = [1.0, 0.0, 0.0];
         assert_eq!(
-            says([0.0, f64::NAN, 0.0], x),
+            message([0.0, f64::NAN, 0.0], x),
             "the origin is (0.0, NaN, 0.0): its components must be finite."
         );
-        assert!(says(x, [0.0, 0.0, f64::INFINITY]).starts_with("the direction is (0.0, 0.0, inf): its"));
-        assert!(says([0.0, -1e200, 0.0], x).starts_with("the origin is (0.0, -1e200, 0.0): beyond"));
-        assert!(says(x, [1e101, 0.0, 0.0]).ends_with("Is the unit far too small?"));
+        assert!(message(x, [0.0, 0.0, f64::INFINITY]).starts_with("the direction is (0.0, 0.0, inf): its"));
+        assert!(
+            message([0.0, -1e200, 0.0], x)
+                .starts_with("the origin is (0.0, -1e200, 0.0): components beyond 1e100")
+        );
+        assert!(message(x, [1e101, 0.0, 0.0]).ends_with("Is the unit far too small?"));
         assert_eq!(check(x, [0.0, -0.0, 0.0]), Err(RayError::NoDirection));
-        assert!(says(x, [0.0, -9e-101, 5e-324]).ends_with("Give it a length near 1."));
+        assert!(message(x, [0.0, -9e-101, 5e-324]).ends_with("Give it a length near 1."));
         for (o, d) in [([1e100, -1e100, 0.0], x), (x, [1e-100, 0.0, 0.0]), (x, [0.0, -1e100, 1e-300])] {
             assert_eq!(check(o, d), Ok(()));
         }

@@ -1,5 +1,5 @@
-//! Numbers of one ray (`f64`) or of eight (SIMD lanes), and vectors of them: a kernel that is generic over [`Real`] is the
-//! source of the scalar and of the lane version.
+//! Numbers of one ray (`f64`) or of eight (SIMD lanes), and vectors of them: a kernel that is generic over [`Real`]
+//! compiles to both its scalar and its lane version.
 //!
 //! Both versions give the same bits, because every operation here is correctly rounded and none is fused. All functions must be
 //! inlined into a caller that is compiled for the instruction set ([`fearless_simd::dispatch`]).
@@ -234,7 +234,7 @@ impl<R: Real> Vector<R> {
         Vector { x: self.x + v.x, y: self.y + v.y, z: self.z + v.z }
     }
 
-    /// Difference to the same vector for all rays.
+    /// Difference from the same vector for all rays.
     #[inline(always)]
     pub fn minus_all(self, v: Vec3) -> Self {
         Vector { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
@@ -264,7 +264,7 @@ impl<R: Real> Vector<R> {
         Vector { x: self.x * v.x, y: self.y * v.y, z: self.z * v.z }
     }
 
-    /// Minus the same vector for all rays times one number per ray.
+    /// This vector minus a multiple of `axis`: the same axis for all rays, one factor per ray.
     #[inline(always)]
     pub fn without(self, along: R, axis: Vec3) -> Self {
         Vector { x: self.x - along * axis.x, y: self.y - along * axis.y, z: self.z - along * axis.z }

@@ -1,6 +1,7 @@
 //! Coincidence of rays and surfaces: rays that lie in a surface, and pieces of rays that coincide with one.
 
-use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, Transform, Vec3};
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, Transform, UNIT_ROUNDOFF, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Surface, coincides_along, crossings_in, delta, lies_in};
 
@@ -145,4 +146,29 @@ fn a_quartic_is_sampled_at_its_quarter_points() {
     let ray = Ray::new(Vec3::new(-4.0, 0.0, 0.0), Vec3::X);
     assert!(!coincides_along(&torus, 3.0, &ray, 1.0, 7.0));
     assert!(coincides_along(&torus, 3.0, &ray, 1.0, 1.0 + 1e-15));
+}
+
+/// Along a cylinder over a conic the side is constant, also for a ray that drifts within the tolerance.
+#[test]
+fn sides_along_elliptic_cylinders_are_constant() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let mut number = |lo: f64, hi: f64| rng.random_range(lo..hi);
+    let conic = Mat3::from_diagonal(Vec3::new(1.0, 0.25, 0.0));
+    let ellipse = Surface::quadric_about(Vec3::ZERO, conic, Vec3::ZERO, -1.0);
+    let mut found = 0;
+    for _ in 0..5000 {
+        let axis = Vec3::new(number(-1.0, 1.0), number(-1.0, 1.0), number(0.1, 1.0));
+        let map = Affine::rotation(axis, number(0.0, 360.0));
+        let surface = ellipse.transformed(&Transform::new(map, 0.0).unwrap());
+        let (sin, cos) = number(0.0, 6.283).sin_cos();
+        let start = map.point(Vec3::new(cos, 2.0 * sin, 0.0));
+        let drift = UNIT_ROUNDOFF * Vec3::new(number(-60.0, 60.0), number(-60.0, 60.0), 0.0);
+        let ray = Ray::new(start, map.vector(Vec3::Z + drift));
+        let length = number(1.0, 1000.0);
+        if let Some(crossings) = crossings_in(&surface, surface.magnitude(), &ray, (-length, length)) {
+            assert_eq!(crossings.times(), [], "{ray:?}");
+            found += 1;
+        }
+    }
+    assert!(found > 1000, "{found}");
 }

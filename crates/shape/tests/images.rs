@@ -97,10 +97,10 @@ fn a_stretch_along_the_axis_keeps_the_kind() {
         let (along, across) = (size(&mut rng, 0.25, 4.0), size(&mut rng, 0.25, 4.0));
         let maps = [Affine::scale(Vec3::new(across, -across, along)).then(&turn)];
         let cylinder = check_image(&Surface::cylinder(Vec3::X, Vec3::Z, 0.4), &maps, &mut rng);
-        let Surface::Cylinder(c) = cylinder else { panic!("{cylinder:?} is no cylinder") };
+        let Surface::Cylinder(c) = cylinder else { panic!("{cylinder:?} is not a cylinder") };
         assert!((c.radius - 0.4 * across).abs() <= 1e-15 * across, "{c:?}");
         let cone = check_image(&Surface::cone(Vec3::Y, Vec3::Z, 0.5), &maps, &mut rng);
-        let Surface::Cone(c) = cone else { panic!("{cone:?} is no cone") };
+        let Surface::Cone(c) = cone else { panic!("{cone:?} is not a cone") };
         assert!((c.slope - 0.5 * across / along).abs() <= 1e-14 * c.slope, "{c:?}");
         // any other scaling makes them elliptic
         let other = [Affine::scale(Vec3::new(across, 1.001 * across, along)).then(&turn)];

@@ -332,7 +332,7 @@ fn bad_numbers_give_an_answer() {
     }
 }
 
-/// Rays that are parallel or asymptotic but for rounding: no crossing at times of 1e8 or 1e15 tells of it.
+/// Rays that are parallel or asymptotic up to rounding: no crossings are reported at times of 1e8 or 1e15.
 mod nearly_never {
     use rayweave_math::{Affine, Transform, Vec3};
     use rayweave_shape::{Ray, surface::Surface};
@@ -364,10 +364,10 @@ mod nearly_never {
             }
         }
         assert!(parallel > 5000, "{parallel}");
-        // a component of any size counts where the plane is parallel to coordinate axes
+        // where the normal is a coordinate axis, a component of any size counts
         let across = times(&Surface::plane(Vec3::X, 1.0), &Ray::new(Vec3::ZERO, Vec3::new(1e-17, 0.0, 1.0)));
         assert_eq!(across, (true, vec![1e17]));
-        // an angle of 1e-14 is no rounding error
+        // an angle of 1e-14 is not a rounding error
         let tilted = Ray::new(Vec3::ZERO, Vec3::new(-3.0, 1.0, 2.0 + 1e-13));
         assert_eq!(times(&plane, &tilted).1.len(), 1);
     }

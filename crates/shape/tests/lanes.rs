@@ -193,7 +193,7 @@ impl Case {
 }
 
 /// Results of the lanes for eight rays.
-struct Said {
+struct LaneResults {
     crossings: [Crossings<4>; LANES],
     /// One bit per ray for each kind of uncertainty.
     always: u64,
@@ -230,7 +230,7 @@ fn evaluate<S: Simd>(
     limits: &LaneLimits,
     rays: &[Ray; LANES],
     pairs: &[[(f64, f64); LANES]],
-) -> Said {
+) -> LaneResults {
     let (origins, directions) = (load(simd, rays, |r| r.origin), load(simd, rays, |r| r.direction));
     let (ray, mut uncertain): (LaneRay<S>, Uncertain<S>) = LaneRay::new(simd, origins, directions, limits);
     let mut span = LaneSpan::line(simd);
@@ -245,7 +245,7 @@ fn evaluate<S: Simd>(
             ray.may_coincide(ends[0], ends[1], limits).to_bitmask()
         })
         .collect();
-    Said {
+    LaneResults {
         crossings: std::array::from_fn(|k| holds(columns.map(|column| column[k]))),
         always: uncertain.always.to_bitmask(),
         grazes: uncertain.grazes.to_bitmask(),
@@ -285,30 +285,30 @@ fn check(case: &Case, inside: bool, rays: &[Ray; LANES], levels: &[Level], dice:
     let pairs = pairs(case, rays, dice);
     let mut first = None;
     for &level in levels {
-        let said = dispatch!(level, simd => evaluate(simd, &facet, &limits, rays, &pairs));
+        let results = dispatch!(level, simd => evaluate(simd, &facet, &limits, rays, &pairs));
         for (k, ray) in rays.iter().enumerate() {
-            if said.always >> k & 1 == 1 {
+            if results.always >> k & 1 == 1 {
                 continue;
             }
             let mut expected = case.surface.crossings(ray);
             if !inside {
                 expected = expected.negated();
             }
-            assert_eq!(bits(&said.crossings[k]), bits(&expected), "{case:?} {inside} {ray:?} {level:?}");
+            assert_eq!(bits(&results.crossings[k]), bits(&expected), "{case:?} {inside} {ray:?} {level:?}");
             let middle = ray.closest_time(limits.centre);
             let half = limits.radius / ray.direction.length();
             let lies = lies_in(&case.surface, limits.magnitude, ray, (middle - half, middle + half));
             assert!(!lies, "{case:?} {ray:?}");
-            for (pair, may_coincide) in pairs.iter().zip(&said.may_coincide) {
+            for (pair, may_coincide) in pairs.iter().zip(&results.may_coincide) {
                 let (a, b) = pair[k];
-                let sure = (may_coincide | said.grazes) >> k & 1 == 0 && b < f64::INFINITY;
+                let sure = (may_coincide | results.grazes) >> k & 1 == 0 && b < f64::INFINITY;
                 assert!(
                     !sure || !coincides_along(&case.surface, limits.magnitude, ray, a, b),
                     "{case:?} {ray:?} {a} {b}"
                 );
             }
         }
-        let uncertain_lanes = (said.always, said.grazes, said.may_coincide);
+        let uncertain_lanes = (results.always, results.grazes, results.may_coincide);
         assert_eq!(*first.get_or_insert(uncertain_lanes.clone()), uncertain_lanes, "{case:?} {level:?}");
     }
     first.map_or([0, 0], |(always, grazes, _)| [always.count_ones(), grazes.count_ones()])

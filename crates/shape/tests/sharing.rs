@@ -27,7 +27,7 @@ fn kinds(place: Vec3, axis: Vec3) -> Vec<Surface> {
     ]
 }
 
-/// The same surface by two different maps: the copies differ by rounding, and are one.
+/// The same surface under two different maps: the copies differ by rounding and share one canonical form.
 #[test]
 fn copies_that_differ_by_rounding_are_one() {
     let mut rng = rng(51);
@@ -127,7 +127,7 @@ fn the_answer_does_not_depend_on_the_order() {
 }
 
 #[test]
-fn a_chain_wider_than_four_tolerances_is_refused() {
+fn a_chain_wider_than_four_tolerances_is_rejected() {
     let step = 50.0 * U;
     let chain = |count: usize| -> Vec<(Surface, f64)> {
         (0..count).map(|k| (Surface::plane(Vec3::Z, 1.0 + step * k as f64), 1.0)).collect()
@@ -135,7 +135,7 @@ fn a_chain_wider_than_four_tolerances_is_refused() {
     assert!(share(&chain(5)).unwrap().representative.iter().all(|&r| r == 0));
     let refused = share(&chain(8)).unwrap_err();
     assert_eq!(refused, WideClass { first: 0, second: 7 });
-    assert!(refused.to_string().starts_with("surfaces 0 and 7 are too far apart"));
+    assert!(refused.to_string().starts_with("surfaces 0 and 7 are neither equal nor distinct"));
     // a part of a large solid within the tolerance of two faces of a small one
     let faces = [(0.0, 1e-3), (200.0, 1e-3), (100.0, 10.0)];
     let faces = faces.map(|(k, magnitude)| (Surface::plane(Vec3::Z, 1e-3 + k * 1e-3 * U), magnitude));

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //!        A          the particle flies along x at 2 m/s
-//!        |     |plate    ball A, radius 1, crosses its way upward (+y) at x = 4, t = 2
+//!        |     |plate    ball A, radius 1, crosses its path upward (+y) at x = 4, t = 2
 //!  o---->+--+--|-->      ball B, radius 1, downward at x = 5, t = 2.5: they pass through each other
 //!           |  |         the plate, 8 < x < 8.5, has a round shutter that is open for 3.9 < t < 4.3
 //!           B
@@ -36,7 +36,7 @@ fn scene() -> Result<Solid<4>, SpaceError> {
     let a = moving_ball(1.0, [4.0, -2.0, 0.0], [0.0, 1.0, 0.0])?.named("ball A");
     let b = moving_ball(1.0, [5.0, 2.5, 0.0], [0.0, -1.0, 0.0])?.named("ball B");
     let plate = Solid::slab(0, 8.0, 8.5)?.named("plate");
-    // round in y and z: a cylinder of the plane, along x and for all times, here from the first two axes to y and z
+    // round in y and z, unbounded along x and in time: a cylinder over the first two axes, rotated to y and z
     let hole = Solid::cylinder(2, 0.5)?.rotate(0, 2, 90.0)?.named("rim");
     let open = Solid::slab(3, 3.9, 4.3)?.named("shutter");
     Ok(a | b | (plate - (hole & open)))

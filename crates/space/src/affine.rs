@@ -54,8 +54,8 @@ impl<const D: usize> Affine<D> {
         Affine::new(from_fn(row), [0.0; D])
     }
 
-    /// Rotation in a coordinate plane by an angle in degrees, from axis `from` towards axis `to`; in space, from x to y is the
-    /// rotation about z. Quarter turns are exact.
+    /// Rotation in a coordinate plane by an angle in degrees, from axis `from` towards axis `to`; in space, the rotation from
+    /// x to y is the one about z. Quarter turns are exact.
     ///
     /// # Errors
     /// `Axis` or `SameAxis`, `NotFinite` for the angle.

@@ -57,7 +57,7 @@ pub enum SpaceError {
     },
     /// Both axes of a rotation are equal.
     #[error(
-        "the axes of the rotation are both {axis}: a rotation turns one axis towards another one. Give two different axes."
+        "the axes of the rotation are both {axis}: a rotation turns one axis towards another. Give two different axes."
     )]
     SameAxis {
         /// The repeated axis.

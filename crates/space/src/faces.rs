@@ -9,7 +9,7 @@ impl<const D: usize> Program<D> {
         self.faces.len()
     }
 
-    /// The index of a face in an answer, counted through all leaves from 0.
+    /// The index of a face in a result, counted through all leaves from 0.
     pub fn face_number(&self, face: &Face<D>) -> usize {
         self.leaves[face.leaf as usize].first_face as usize + face.face as usize
     }

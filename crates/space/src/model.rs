@@ -52,7 +52,7 @@ pub struct CurveTrace {
 ///
 /// let ball = Solid::from(build("sphere", &[("radius", Value::Number(2.0))])?);
 /// let program = Program::compile(&ball)?;
-/// // a particle with gyrofrequency 1 and gyroradius 1 that starts in the centre
+/// // a particle with gyrofrequency 1 and gyroradius 1 that starts at the centre
 /// let path = Helix::new([0.0; 3], [0.0, 1.0, 0.5], [0.0, 0.0, 1.0], 1.0)?;
 /// let found = trace_curve(&program, &path, 0.0, 20.0)?;
 /// assert_eq!((found.start, found.crossings.len()), (RegionId(1), 1));
@@ -77,8 +77,8 @@ pub fn trace_curve(
 /// just before `t1` of all surfaces that the curve may have crossed, so that a trajectory can be traced piece by piece.
 ///
 /// Light that leaves a face begins *on* it, and rounding would decide the side of the first point. A listed surface is not crossed as
-/// long as the curve stays within delta of it from its beginning; a curve that leaves this zone on the other side than listed
-/// crosses the surface at once. Listed sides of surfaces on which the curve does not begin are ignored.
+/// long as the curve stays within delta of it from its beginning; a curve that leaves this zone on the side opposite to the listed
+/// one crosses the surface at once. Listed sides of surfaces on which the curve does not begin are ignored.
 ///
 /// ```
 /// use rayweave_model::{PlacementId, Program, Solid, Start, SurfaceId};
@@ -98,7 +98,7 @@ pub fn trace_curve(
 /// ```
 ///
 /// # Errors
-/// As [`trace_curve`]; `sides` is then unchanged.
+/// As for [`trace_curve`]; `sides` is then unchanged.
 pub fn trace_curve_from(
     program: &Program,
     curve: &dyn Curve<3>,

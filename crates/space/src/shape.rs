@@ -171,7 +171,7 @@ impl<const D: usize> Solid<D> {
     /// The image under an invertible affine map, given by the rows of its matrix and the image of the origin.
     ///
     /// # Errors
-    /// As [`Affine::new`].
+    /// As for [`Affine::new`].
     pub fn affine(&self, matrix: [Point<D>; D], translation: Point<D>) -> Result<Self, SpaceError> {
         Ok(self.apply(Affine::new(matrix, translation)?))
     }
@@ -187,7 +187,7 @@ impl<const D: usize> Solid<D> {
     /// The solid scaled about the origin by one factor per axis (`[s; D]` for all); negative factors mirror.
     ///
     /// # Errors
-    /// As [`Affine::scale`].
+    /// As for [`Affine::scale`].
     pub fn scale(&self, factors: Point<D>) -> Result<Self, SpaceError> {
         Ok(self.apply(Affine::scale(factors)?))
     }
@@ -195,7 +195,7 @@ impl<const D: usize> Solid<D> {
     /// The solid rotated about the origin in a coordinate plane, axis `from` towards axis `to`, by an angle in degrees.
     ///
     /// # Errors
-    /// As [`Affine::rotation`].
+    /// As for [`Affine::rotation`].
     pub fn rotate(&self, from: usize, to: usize, degrees: f64) -> Result<Self, SpaceError> {
         Ok(self.apply(Affine::rotation(from, to, degrees)?))
     }

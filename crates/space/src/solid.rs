@@ -109,7 +109,7 @@ impl<const D: usize> Solid<D> {
         Solid::new(Node::Join(Join::SymmetricDifference, solids.into_iter().collect()))
     }
 
-    /// The solid with a name, which answers use for leaves without a name of their own.
+    /// The solid with a name, which results use for leaves without a name of their own.
     pub fn named(&self, name: &str) -> Self {
         Solid::new(Node::Named(name.into(), self.clone()))
     }

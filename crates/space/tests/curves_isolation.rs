@@ -16,8 +16,8 @@ fn times(ray: &RootRay) -> Vec<f64> {
     ray.times().collect()
 }
 
-/// Checks that the roots are exactly the sign changes of a polynomial: as many as by Sturm's
-/// theorem, each within `within` of an exact sign change.
+/// Checks that the roots are exactly the sign changes of a polynomial: as many as Sturm's theorem
+/// gives, each within `within` of an exact sign change.
 fn expect_exact(p: &Polynomial, got: &RootRay, (t0, t1): (f64, f64), within: f64, what: &str) {
     let times = times(got);
     assert_eq!(times.len(), p.count_roots(t0, t1), "{what}: {times:?}");
@@ -114,7 +114,7 @@ fn wave(amplitude: f64, rate: f64, height: f64) -> impl Curve<3> {
 /// Zeros at multiples of powers of two, which are the points of subdivision, and crests that just
 /// exceed the plane: all are found.
 #[test]
-fn waves_with_roots_where_halving_looks() {
+fn waves_with_roots_at_subdivision_points() {
     let plane = Surface::plane(Vec3::Y, 0.0);
     for (amplitude, rate) in [(1.0, 64.0 * PI), (1e-3, 512.0 * PI), (1e-9, 1000.0), (1e-12, 256.0 * PI)] {
         let got = times(&isolate(&plane, &wave(amplitude, rate, 0.0), -0.001, 1.0 + 1e-4).unwrap());
@@ -135,7 +135,7 @@ fn waves_with_roots_where_halving_looks() {
 
 /// A third-order contact of a user-defined curve: one crossing, however flat.
 #[test]
-fn a_flat_crossing_is_one() {
+fn a_flat_crossing_is_a_single_crossing() {
     let plane = Surface::plane(Vec3::Y, 0.0);
     for power in [3, 5, 7] {
         let n = f64::from(power);
@@ -345,7 +345,7 @@ fn circle_with_bound(bound: impl Fn(f64, f64) -> f64) -> impl Curve<3> {
 
 /// Every violation of the contract of a curve is an error with its times, and never a panic.
 #[test]
-fn curves_that_lie() {
+fn curves_that_violate_their_contract() {
     let sphere = Surface::sphere(Vec3::new(0.5, 0.5, 0.2), 0.7);
     let of = |curve: &dyn Curve<3>| isolate(&sphere, curve, 0.0, 5.0);
     assert_eq!(of(&circle_with_bound(|_, _| 1.0)).unwrap().roots().len(), 2);
@@ -425,7 +425,7 @@ fn curves_beside_surfaces() {
 /// Crests at the points of subdivision, and roots between them: a wave that only appears to run
 /// beside the plane.
 #[test]
-fn waves_with_crests_where_halving_looks() {
+fn waves_with_crests_at_subdivision_points() {
     let plane = Surface::plane(Vec3::Y, 0.0);
     for (amplitude, log) in [(1.0, 5), (1e-7, 9), (1e-9, 12), (1e-11, 9), (1e-12, 12)] {
         let rate = TAU * libm::pow(2.0, f64::from(log));

@@ -57,7 +57,7 @@ fn has_sliver(program: &Program, ray: &Ray, crossings: &[Crossing]) -> bool {
     crossings.windows(2).any(|pair| near(pair[0].face, pair[1].t) || near(pair[1].face, pair[0].t))
 }
 
-/// True if two crossings agree. At an edge, where times are equal up to rounding, any face of the edge counts.
+/// True if two crossings agree. At an edge, where times are equal up to rounding, any face of the edge is accepted.
 fn same(program: &Program, ray: &Ray, a: &Crossing, b: &Crossing) -> bool {
     let slope = |c: &Crossing| normal(program, ray, c).dot(ray.direction).abs();
     let slope = slope(a).min(slope(b));

@@ -158,7 +158,7 @@ fn circles_in_shared_faces() {
 fn curves_that_follow_a_shared_face() {
     let below = block(Vec3::new(-9.0, -9.0, -9.0), Vec3::new(9.0, 9.0, 0.0));
     let above = block(Vec3::new(-9.0, -9.0, 0.0), Vec3::new(9.0, 9.0, 9.0));
-    // z falls as z (1 - s)^3 on a unit of time, or rises as z s^3: twice continuously differentiable
+    // z falls as z (1 - s)^3 in a unit of time, or rises as z s^3: twice continuously differentiable
     let fall = |x: f64, z: f64| [[x, 0.0, z], [1.0, 0.0, -3.0 * z], [0.0, 0.0, 3.0 * z], [0.0, 0.0, -z]];
     let rise = |x: f64, z: f64| [[x, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0; 3], [0.0, 0.0, z]];
     let mut rng = Random::new(8);

@@ -292,7 +292,7 @@ fn touching_spheres_are_distinct_and_equal_spheres_are_one() {
         // through the point of contact: neither gap nor overlap
         assert_eq!(trace([0.0; D], q, &(&a | &b)).unwrap().times().collect::<Vec<_>>(), [-2.0, 2.0]);
         assert_eq!(trace([0.0; D], q, &(&a & &b)).unwrap().roots().len(), 0);
-        // the same ball, constructed in another way
+        // the same ball, constructed differently
         let same = at(0.25).translate(std::array::from_fn(|k| if k == 0 { 0.75 } else { 0.0 })).unwrap();
         let mut p = [0.1; D];
         p[0] = -3.0;

@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 
 /// The files that a model may read: the model itself, the files in its folder and below, and those that the caller allows.
 ///
-/// A model names other files: meshes, placements, drawings, light, parts of itself. Models come from strangers, so that every
+/// A model names other files: meshes, placements, drawings, light, parts of itself. Models are untrusted, so every
 /// reader opens such files with [`open`](Self::open), which alone decides whether a file may be read.
 ///
 /// ```
@@ -42,7 +42,7 @@ impl AllowedFiles {
         &self.folder
     }
 
-    /// Opens a file for reading. The path is used as it stands: join it to [`folder`](Self::folder) before.
+    /// Opens a file for reading. The path is used unchanged: join it to [`folder`](Self::folder) first.
     ///
     /// # Errors
     ///
@@ -52,7 +52,7 @@ impl AllowedFiles {
         let real = match path.canonicalize() {
             Ok(real) => real,
             Err(error) if self.is_below(path) => return Err(RefusedFile::Io(error)),
-            // whether a file exists elsewhere is not told
+            // do not reveal whether a file exists elsewhere
             Err(_) => return Err(RefusedFile::Outside),
         };
         if !self.contains(&real) {
@@ -79,8 +79,7 @@ impl AllowedFiles {
     }
 }
 
-/// True for a pipe, a terminal and everything that the system shows as a file, such as `/dev/stdin`: its folder is not the
-/// model's.
+/// True for a pipe, a terminal and device files such as `/dev/stdin`, whose folder is not that of the model.
 fn is_stream(path: &Path) -> bool {
     let is_special = path.metadata().is_ok_and(|kind| !kind.is_file() && !kind.is_dir());
     is_special || path.starts_with("/dev") || path.starts_with("/proc")
@@ -90,7 +89,7 @@ fn or_current(folder: &Path) -> &Path {
     if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
-/// The reason why a file that a model names is not read. Messages contain nothing of the file.
+/// The reason why a file that a model names is not read. Messages quote nothing of the file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RefusedFile {
@@ -183,7 +182,7 @@ mod tests {
         assert_eq!(verdict(&tree.files(&["out"]), "../out/part"), "open");
         assert_eq!(verdict(&tree.files(&["out/part"]), "../out/part"), "open");
         assert_eq!(verdict(&tree.files(&["in/sub", "nowhere"]), "../out/part"), "outside");
-        // a folder does not allow another one whose name begins like it
+        // an allowed folder does not allow a folder whose name has it as a prefix
         fs::create_dir(tree.0.join("out2")).unwrap();
         fs::write(tree.0.join("out2/part"), "").unwrap();
         assert_eq!(verdict(&tree.files(&["out"]), "../out2/part"), "outside");

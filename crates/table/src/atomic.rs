@@ -10,7 +10,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::TableError;
 
-/// An output file written to a temporary file beside its target and renamed when complete.
+/// An output file written to a temporary file in the folder of its target and renamed when complete.
 ///
 /// The target is untouched until [`finish`](Self::finish). The temporary file is removed on drop without `finish` and after a
 /// failed write, so that an interrupted or failed run leaves no partial file. A killed process leaves the hidden file
@@ -46,7 +46,7 @@ pub struct AtomicFile {
 #[derive(Debug)]
 enum Destination {
     /// The file `temporary`, which is renamed to `resolved`.
-    Temporary { temporary: PathBuf, resolved: PathBuf, _counted: Counted },
+    Temporary { temporary: Temporary, resolved: PathBuf },
     /// The target itself: a device or a pipe.
     Direct,
 }
@@ -69,12 +69,25 @@ impl AtomicFile {
         })
     }
 
-    /// True if this process has no temporary file at the moment. None can be created from then on, so that the process may exit
-    /// at any time: attempts return an error.
+    /// True if this process has no temporary file at the moment. From then on none can be created (attempts return an
+    /// error), so that the process may exit at any time.
     pub fn none_from_now_on() -> bool {
         let mut unfinished = lock();
-        unfinished.refused |= unfinished.count == 0;
+        unfinished.refused |= unfinished.paths.is_empty();
         unfinished.refused
+    }
+
+    /// Removes all temporary files of this process and prevents new ones, so that the process may exit although a thread still
+    /// writes to one, or waits for a blocked pipe while one is open. Their writers get an error from [`finish`](Self::finish).
+    ///
+    /// Some systems cannot remove an open file: it is left behind there.
+    pub fn abandon_all() {
+        let mut unfinished = lock();
+        unfinished.refused = true;
+        for path in &unfinished.paths {
+            // a failure cannot be reported from here
+            let _ = fs::remove_file(path);
+        }
     }
 
     /// The path of the target as given by the caller.
@@ -99,12 +112,12 @@ impl AtomicFile {
             return Err(io::Error::other("an earlier write failed"));
         }
         self.flush()?;
-        let Destination::Temporary { temporary, resolved, .. } = &self.destination else {
+        let Destination::Temporary { temporary, resolved } = &self.destination else {
             return Ok(());
         };
         // close before the rename: some systems cannot rename an open file
         self.file = None;
-        fs::rename(temporary, resolved)?;
+        fs::rename(&temporary.0, resolved)?;
         self.destination = Destination::Direct;
         Ok(())
     }
@@ -143,7 +156,7 @@ impl Drop for AtomicFile {
             // discards the buffer, which dropping the writer would flush
             drop(self.file.take().map(BufWriter::into_parts));
             // a failure cannot be reported from here
-            let _ = fs::remove_file(temporary);
+            let _ = fs::remove_file(&temporary.0);
         }
     }
 }
@@ -172,7 +185,7 @@ fn open(target: &Path) -> io::Result<(File, Destination)> {
     let (file, destination) = open_temporary(fs::canonicalize(target)?)?;
     if let Err(error) = file.set_permissions(metadata.permissions()) {
         if let Destination::Temporary { temporary, .. } = &destination {
-            let _ = fs::remove_file(temporary);
+            let _ = fs::remove_file(&temporary.0);
         }
         return Err(error);
     }
@@ -189,48 +202,45 @@ fn resolve_link(target: &Path) -> PathBuf {
 
 /// The temporary files of this process.
 struct Unfinished {
-    count: usize,
-    /// True if there must not be any further ones.
+    paths: Vec<PathBuf>,
+    /// True if no further files may be created.
     refused: bool,
 }
 
-static UNFINISHED: Mutex<Unfinished> = Mutex::new(Unfinished { count: 0, refused: false });
+static UNFINISHED: Mutex<Unfinished> = Mutex::new(Unfinished { paths: Vec::new(), refused: false });
 
 fn lock() -> MutexGuard<'static, Unfinished> {
     // no panic is possible under the lock
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A temporary file in the count of [`Unfinished`].
+/// A path in the list of [`Unfinished`].
 #[derive(Debug)]
-struct Counted(());
+struct Temporary(PathBuf);
 
-impl Counted {
-    fn new() -> io::Result<Counted> {
+impl Temporary {
+    /// Creates a file, which must not exist. The list is locked meanwhile, so that it names every file that exists.
+    fn create(path: PathBuf) -> io::Result<(File, Temporary)> {
         let mut unfinished = lock();
         if unfinished.refused {
             return Err(io::Error::other("the program ends"));
         }
-        unfinished.count += 1;
-        Ok(Counted(()))
+        let file = OpenOptions::new().write(true).create_new(true).open(&path)?;
+        unfinished.paths.push(path.clone());
+        Ok((file, Temporary(path)))
     }
 }
 
-impl Drop for Counted {
+impl Drop for Temporary {
     fn drop(&mut self) {
-        lock().count -= 1;
+        lock().paths.retain(|path| *path != self.0);
     }
 }
 
 fn open_temporary(resolved: PathBuf) -> io::Result<(File, Destination)> {
-    // before the file exists, until it does not any more
-    let counted = Counted::new()?;
     loop {
-        let temporary = temporary_path(&resolved)?;
-        match OpenOptions::new().write(true).create_new(true).open(&temporary) {
-            Ok(file) => {
-                return Ok((file, Destination::Temporary { temporary, resolved, _counted: counted }));
-            }
+        match Temporary::create(temporary_path(&resolved)?) {
+            Ok((file, temporary)) => return Ok((file, Destination::Temporary { temporary, resolved })),
             // left by a killed process with the same id: try the next name
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
             Err(error) => return Err(error),

@@ -30,6 +30,14 @@ pub enum TableError {
         /// The problem, its reason and a suggestion.
         message: Message,
     },
+    /// A table cannot be read: the place, the reason and a suggestion.
+    #[error("{path}: {message}")]
+    Table {
+        /// The path as given by the caller.
+        path: String,
+        /// The problem, its reason and a suggestion.
+        message: Message,
+    },
     /// The model may not read the file.
     #[error("cannot read {path}: {reason}.")]
     Refused {
@@ -53,9 +61,10 @@ impl Classified for TableError {
     fn kind(&self) -> ErrorKind {
         match self {
             TableError::Format { .. } => ErrorKind::Format,
-            TableError::Rays(_) | TableError::Refused { .. } | TableError::Io { action: "read", .. } => {
-                ErrorKind::Input
-            }
+            TableError::Rays(_)
+            | TableError::Table { .. }
+            | TableError::Refused { .. }
+            | TableError::Io { action: "read", .. } => ErrorKind::Input,
             _ => ErrorKind::Output,
         }
     }

@@ -6,6 +6,7 @@
 //! - [`AtomicFile`] is an output file that appears complete or not at all.
 //! - [`AllowedFiles`] decides which files a model may read.
 //! - [`NpyArray`] is a whole array of float64 numbers, read from an NPY file.
+//! - [`TableReader`] reads a table row by row.
 //! - [`RayReader`] reads rays from CSV or NPY in constant memory and reports every problem with its location.
 //!
 //! ```
@@ -34,6 +35,7 @@ mod format;
 mod npy_array;
 mod npy_header;
 mod rays;
+mod read;
 mod reason;
 mod schema;
 mod writer;
@@ -42,7 +44,8 @@ pub use allowed::{AllowedFiles, RefusedFile};
 pub use atomic::AtomicFile;
 pub use chunk::{Chunk, Values};
 pub use error::{RayProblem, RayProblems, TableError};
-pub use npy_array::{NpyArray, NpyArrayError};
+pub use npy_array::{NpyArray, NpyArrayError, read_npy_words};
 pub use rays::{LIGHT_COLUMNS, Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
+pub use read::{TableReader, TableRow};
 pub use schema::{Column, DType, NO_NAME, Schema};
 pub use writer::TableWriter;

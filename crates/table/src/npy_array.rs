@@ -24,10 +24,10 @@ pub enum NpyArrayError {
     #[error("not an NPY file: {0}")]
     Header(String),
     /// The numbers are not float64, by their type string.
-    #[error("its numbers are {0}, they must be float64")]
+    #[error("its numbers are {0}, but must be float64")]
     Type(String),
     /// The array is in column-major order.
-    #[error("its order is Fortran's, it must be C")]
+    #[error("its order is Fortran's, but must be C")]
     Order,
     /// The array is larger than the limit.
     #[error("it holds more than {0} numbers")]
@@ -80,19 +80,43 @@ impl NpyArray {
         most: u64,
         decode: impl Fn([u8; N]) -> f64,
     ) -> Result<NpyArray, NpyArrayError> {
-        if header.fortran_order {
-            return Err(NpyArrayError::Order);
-        }
-        let count = header.shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
-        let count = count.filter(|&count| count <= most).ok_or(NpyArrayError::TooLarge(most))?;
-        let mut bytes = Vec::new();
-        source.take(count.saturating_mul(N as u64)).read_to_end(&mut bytes)?;
-        let numbers: Vec<f64> = bytes.as_chunks::<N>().0.iter().map(|&number| decode(number)).collect();
-        if (numbers.len() as u64) < count {
-            return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
-        }
-        Ok(NpyArray { numbers, shape: header.shape })
+        let (numbers, shape) = items(source, header, most, decode)?;
+        Ok(NpyArray { numbers, shape })
     }
+}
+
+/// Reads an array of at most `most` unsigned integers of 64 bits in row-major order: the numbers and the shape.
+///
+/// # Errors
+///
+/// As [`NpyArray::read`]; [`NpyArrayError::Type`] for other types.
+pub fn read_npy_words(source: &mut impl Read, most: u64) -> Result<(Vec<u64>, Vec<u64>), NpyArrayError> {
+    let header = npy_header::read(source)?.map_err(NpyArrayError::Header)?;
+    match header.descr.as_str() {
+        "<u8" | "=u8" if !header.structured => items(source, header, most, u64::from_le_bytes),
+        _ => Err(NpyArrayError::Type(npy_header::abridged(&header.descr))),
+    }
+}
+
+/// The items after a header, of `N` bytes each, and the shape.
+fn items<T, const N: usize>(
+    source: &mut impl Read,
+    header: NpyHeader,
+    most: u64,
+    decode: impl Fn([u8; N]) -> T,
+) -> Result<(Vec<T>, Vec<u64>), NpyArrayError> {
+    if header.fortran_order {
+        return Err(NpyArrayError::Order);
+    }
+    let count = header.shape.iter().try_fold(1u64, |product, n| product.checked_mul(*n));
+    let count = count.filter(|&count| count <= most).ok_or(NpyArrayError::TooLarge(most))?;
+    let mut bytes = Vec::new();
+    source.take(count.saturating_mul(N as u64)).read_to_end(&mut bytes)?;
+    let items: Vec<T> = bytes.as_chunks::<N>().0.iter().map(|&item| decode(item)).collect();
+    if (items.len() as u64) < count {
+        return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
+    }
+    Ok((items, header.shape))
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 //! *Source*: NumPy Enhancement Proposal 1 and the documentation of `numpy.lib.format`: magic number, version, length, then a
 //! Python dictionary with `descr`, `fortran_order` and `shape`, padded with spaces and a newline to a multiple of 64.
 //!
-//! Not by the crate `npyz`: its reader trusts any header length and reports damaged headers without a location, and it adds
-//! a parser generator and a C build to every build of the command. `npyz` is the oracle of the tests.
+//! The crate `npyz` is not used here: its reader trusts any header length and reports damaged headers without a
+//! location, and it adds a parser generator and a C build to every build of the command. It is the oracle of the tests.
 
 use std::io::{self, Read};
 

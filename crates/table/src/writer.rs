@@ -14,8 +14,8 @@ use crate::{Chunk, Schema, TableError};
 ///   read back to the same bits, `inf`, `-inf` and `nan`; booleans are `true` and `false`; names are text. The path `-` is
 ///   standard output.
 /// - `.npy`: a packed one-dimensional structured array, little endian, with indices of names and of texts as `<u4`
-///   ([`NO_NAME`](crate::NO_NAME) is 4294967295). If there are columns of names or of texts, `HITS.names.json` beside
-///   `HITS.npy` maps each column to its list; texts are in the order in which they first occur.
+///   ([`NO_NAME`](crate::NO_NAME) is 4294967295). If there are columns of names or of texts, `HITS.names.json` in the
+///   folder of `HITS.npy` maps each column to its list; texts are in the order in which they first occur.
 /// - `.parquet`: row groups of about 100,000 rows, with names as text and units in the file metadata (`unit.COLUMN`).
 ///   Requires the cargo feature `parquet`.
 ///

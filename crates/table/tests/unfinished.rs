@@ -1,5 +1,5 @@
-//! Processes that end while their threads run on: no temporary file is left. A test program of its own, since the state belongs to
-//! the process.
+//! A process that exits while its threads are running leaves no temporary file. A separate test program, because the
+//! state is per process.
 
 use rayweave_table::AtomicFile;
 use std::io::Write;

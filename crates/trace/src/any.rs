@@ -1,9 +1,6 @@
 //! An evaluator chosen by name at run time.
 
-#[cfg(feature = "spans")]
-use crate::Spans;
 use crate::single_hit::TooLarge;
-use crate::{Packets, Reference, SingleHit, Weave};
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::{
     Crossing, Evaluator, FirstHits, HitArrayRows, Program, Query, Rays, RegionId, Sink, Window,
@@ -32,9 +29,11 @@ impl Classified for EvaluatorError {
 }
 
 /// Defines [`AnyEvaluator`] and [`AnyScratch`] from one entry for each evaluator: its documentation, an optional `cfg`, its
-/// type, its name and its constructor. The first entry is the default.
+/// module in this crate and its type, its name and its constructor. The first entry is the default.
 macro_rules! evaluators {
-    ($($(#[doc = $doc:literal])+ $(#[cfg($cfg:meta)])? $Kind:ident, $name:literal, $new:expr;)+) => {
+    ($($(#[doc = $doc:literal])+ $(#[cfg($cfg:meta)])? $module:ident::$Kind:ident, $name:literal, $new:expr;)+) => {
+        $($(#[cfg($cfg)])? use crate::$module::$Kind;)+
+
         /// An evaluator chosen at run time. All kinds give the same answers, bit for bit, and differ in speed only.
         ///
         /// For interfaces that receive the choice as text; other code uses [`Packets`], [`Weave`], [`Reference`] or
@@ -63,7 +62,8 @@ macro_rules! evaluators {
             ///
             /// # Errors
             ///
-            /// [`EvaluatorError`]: an unknown name, or a model that is too large, as it can be for [`SingleHit`].
+            /// [`EvaluatorError`] for an unknown name, or for a model that is too large (possible for [`SingleHit`]
+            /// only).
             pub fn new(name: Option<&str>, program: Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
                 match name.unwrap_or(AnyEvaluator::NAMES[0]) {
                     $($(#[cfg($cfg)])? $name => $new(program).map(AnyEvaluator::$Kind),)+
@@ -113,23 +113,23 @@ macro_rules! evaluators {
 
 evaluators! {
     /// For daily use: rays in bundles of eight where the model is small, the sweep of [`Weave`] elsewhere.
-    Packets, "packets", |program| Ok(Packets::new(program));
+    packets::Packets, "packets", |program| Ok(Packets::new(program));
     /// One sweep along a ray over the sorted crossings of all leaves, for models of any size.
-    Weave, "weave", |program| Ok(Weave::new(program));
+    weave::Weave, "weave", |program| Ok(Weave::new(program));
     /// Root-ray algebra in the order of the expression, for checks.
-    Reference, "reference", |program| Ok(Reference::new(program));
+    reference::Reference, "reference", |program| Ok(Reference::new(program));
     /// Advances from crossing to crossing and can explain each of them.
-    SingleHit, "single_hit", |program| Ok(SingleHit::new(program)?);
+    single_hit::SingleHit, "single_hit", |program| Ok(SingleHit::new(program)?);
     /// Combines whole arrays of hits, from the leaves up.
     #[cfg(feature = "spans")]
-    Spans, "spans", |program| Ok(Spans::new(program));
+    spans::Spans, "spans", |program| Ok(Spans::new(program));
 }
 
 impl AnyEvaluator {
     /// The names to choose from; the first is the default.
     pub const NAMES: [&str; ALL_NAMES.len()] = *ALL_NAMES.first_chunk().expect("as many names as there are");
 
-    /// A function that makes the evaluator of this name, for questions that compile programs of their own.
+    /// A constructor of the evaluator with this name, for callers that compile programs of their own.
     pub fn maker(name: Option<&str>) -> impl Fn(Arc<Program>) -> Result<AnyEvaluator, EvaluatorError> {
         move |program| AnyEvaluator::new(name, program)
     }

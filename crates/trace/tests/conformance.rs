@@ -2,35 +2,34 @@
 
 use rayweave_conformance::conformance_tests;
 use rayweave_model::Program;
-use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{AnyEvaluator, Reference};
 use std::sync::Arc;
 
-mod weave {
-    use super::*;
-    conformance_tests!(Weave::new, Reference::new);
+/// The suite for each evaluator, by its name in [`AnyEvaluator::NAMES`], in a module of that name.
+macro_rules! evaluators {
+    ($($name:ident)+) => {
+        $(mod $name {
+            use super::*;
+
+            fn make(program: Arc<Program>) -> AnyEvaluator {
+                AnyEvaluator::new(Some(stringify!($name)), program)
+                    .expect("no model of the suite is too large")
+            }
+
+            conformance_tests!(make, Reference::new);
+        })+
+
+        #[test]
+        fn every_evaluator_is_tested() {
+            assert_eq!(AnyEvaluator::NAMES, [$(stringify!($name)),+]);
+        }
+    };
 }
 
-mod reference {
-    use super::*;
-    conformance_tests!(Reference::new);
-}
-
-mod single_hit {
-    use super::*;
-
-    fn single_hit(program: Arc<Program>) -> SingleHit {
-        SingleHit::new(program).expect("no model of the suite is too large")
-    }
-
-    conformance_tests!(single_hit, Reference::new);
-}
-
-mod packets {
-    use super::*;
-    conformance_tests!(Packets::new, Reference::new);
-}
-
-mod spans {
-    use super::*;
-    conformance_tests!(Spans::new, Reference::new);
+evaluators! {
+    packets
+    weave
+    reference
+    single_hit
+    spans
 }

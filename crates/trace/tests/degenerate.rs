@@ -58,8 +58,9 @@ impl Bench<'_> {
         frames().iter().for_each(|frame| self.expect_in(frame, solid, ray, true, times, 0.5));
     }
 
-    /// [`Bench::expect_in`] in the original frame: for rays in a face of the whole, whose side the
-    /// perturbation direction w determines, and for cases that rounding decides in other frames.
+    /// [`Bench::expect_in`] in the original frame: for rays in a face of the whole solid, whose
+    /// side the perturbation direction w determines, and for cases that rounding decides in other
+    /// frames.
     fn expect_here(&self, solid: &Solid, origin: [f64; 3], direction: [f64; 3], times: &[f64]) {
         self.expect_in(&Affine::IDENTITY, solid, Ray::new(origin.into(), direction.into()), true, times, 0.5);
     }

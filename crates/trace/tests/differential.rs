@@ -2,18 +2,19 @@
 
 use rayweave_conformance::differential::compare;
 use rayweave_conformance::maker;
-use rayweave_trace::{Packets, Reference, SingleHit, Spans, Weave};
+use rayweave_trace::{AnyEvaluator, Reference, Weave};
 
 #[test]
 fn all_give_the_same_lists() {
-    let single_hit = maker(|program| SingleHit::new(program).expect("no model of the suite is too large"));
-    let scores = compare(
-        &maker(Reference::new),
-        &[maker(Packets::new), maker(Weave::new), single_hit, maker(Spans::new)],
-        0..48,
-    );
+    let tested: Vec<_> = AnyEvaluator::NAMES.into_iter().filter(|name| *name != "reference").collect();
+    let evaluator = |name: &&'static str| {
+        let make = AnyEvaluator::maker(Some(*name));
+        maker(move |program| make(program).expect("no model of the suite is too large"))
+    };
+    let evaluators: Vec<_> = tested.iter().map(evaluator).collect();
+    let scores = compare(&maker(Reference::new), &evaluators, 0..48);
     let names: Vec<_> = scores.iter().map(|score| score.name).collect();
-    assert_eq!(names, ["packets", "weave", "single_hit", "spans"]);
+    assert_eq!(names, tested);
     for score in scores {
         assert!(score.rays >= 40_000 && score.crossings * 2 > score.rays, "{score:?}");
         assert!(score.wrong == 0, "{score:?}");
@@ -22,7 +23,7 @@ fn all_give_the_same_lists() {
 
 #[test]
 fn a_liar_is_found_out() {
-    // an evaluator of another model
+    // an evaluator of a different model
     let liar = maker(|_| {
         Weave::new(std::sync::Arc::new(
             rayweave_model::Program::compile(&rayweave_model::Solid::universe()).expect("legal"),

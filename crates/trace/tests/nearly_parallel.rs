@@ -61,7 +61,7 @@ fn an_elliptic_cylinder_is_not_met_beside_it() {
     }
 }
 
-/// Far away the tolerance is so large that the ray is within it of the surface; nearby it is not.
+/// A ray in an asymptotic direction has one crossing nearby: its square term is 0 up to rounding.
 #[test]
 fn an_asymptotic_ray_meets_a_hyperboloid_once() {
     let rows: [[f64; 4]; 4] =
@@ -76,8 +76,8 @@ fn an_asymptotic_ray_meets_a_hyperboloid_once() {
     }
 }
 
-/// A ray on top of a torus, across the circle where the tangent plane touches: a fourfold root. Rounding
-/// decides whether it is found, but no root is found anywhere else.
+/// A ray in the tangent plane on top of a torus, tangent to the circle of contact: a fourfold root. Rounding decides
+/// whether it is found, but no root is found anywhere else.
 #[test]
 fn a_ray_that_touches_a_ring_on_top_meets_it_nowhere_else() {
     let ring = made("torus", &[("major", 1.0.into()), ("minor", 0.5.into())]);

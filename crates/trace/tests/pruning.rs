@@ -145,12 +145,12 @@ fn check(models: u64, rays: usize) {
             let ray = ray(rng);
             let lines: Vec<Line> = alone.iter().map(|leaf| trace(leaf, ray)).collect();
             let expected = by_long_hand(&tree, &lines);
-            let said = || format!("model {seed}, {ray:?}: {solid}");
-            assert_eq!(trace(&reference, ray), expected, "reference, {}", said());
-            assert_eq!(trace(&weave, ray), expected, "weave, {}", said());
-            assert_eq!(trace(&packets, ray), expected, "packets, {}", said());
-            assert_eq!(trace(&spans, ray), expected, "spans, {}", said());
-            assert_eq!(trace(&single_hit, ray), expected, "single_hit, {}", said());
+            let context = || format!("model {seed}, {ray:?}: {solid}");
+            assert_eq!(trace(&reference, ray), expected, "reference, {}", context());
+            assert_eq!(trace(&weave, ray), expected, "weave, {}", context());
+            assert_eq!(trace(&packets, ray), expected, "packets, {}", context());
+            assert_eq!(trace(&spans, ray), expected, "spans, {}", context());
+            assert_eq!(trace(&single_hit, ray), expected, "single_hit, {}", context());
         }
     }
     assert!(unused as u64 > models / 2, "only {unused} leaves were pruned of {models} models");

@@ -70,7 +70,7 @@ fn tangent_cones_end_at_their_own_apexes() {
 }
 
 /// Random models around a cone or hyperboloid, and rays along its rulings: at every time the answer is whether the
-/// moved point of the ray is inside, found by a query of points, which knows nothing of rays.
+/// moved point of the ray is inside, found by a point query, which does not involve rays.
 #[test]
 fn the_answer_is_that_of_the_moved_points() {
     let (mut rng, mut tested) = (Random::new(11), 0);

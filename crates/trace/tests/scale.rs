@@ -264,7 +264,7 @@ fn slivers_far_along_the_ray_are_seen() {
         let ray = Ray::new(enters - 1.5 * direction, direction);
         let query = Query { limit: Limit::First, ..Query::nearest() };
         let (_, found) = pair.trace(ray, &query);
-        // the top of the block, without any delay
+        // the time at which the ray crosses the top of the block
         let top = (1.0 - ray.origin.z) / direction.z;
         let in_tooth = (0..15).any(|k| (enters.x + 0.5 - 0.1 * k as f64).abs() < 0.03);
         slivers += usize::from(!in_tooth && found.first().is_none_or(|crossing| crossing.t > top + 0.01));

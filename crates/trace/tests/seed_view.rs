@@ -1,6 +1,6 @@
 //! The seed's single-hit algorithm, with counts of the errors caused by its original table and limits.
 //!
-//! Leaves are root-rays, so that the algebra of root-rays gives the truth; "ours" is the evaluator.
+//! Leaves are root-rays, so that the algebra of root-rays gives the correct answers; "ours" is the evaluator.
 
 use rayweave_conformance::Random;
 use rayweave_model::{Edge, Gate, LeafId, NodeId, Rule};
@@ -330,7 +330,7 @@ fn count_wrong(trees: u64, leaves: std::ops::Range<u32>, operators: &[Operator],
 const UNION: [Operator; 1] = [Operator::Union];
 
 #[test]
-fn without_ties_the_mended_tables_are_right_and_the_original_ones_are_not() {
+fn without_ties_the_corrected_tables_are_right_and_the_original_ones_are_not() {
     for operators in [&UNION[..], &Operator::ALL] {
         let wrong = count_wrong(4000, 2..9, operators, false);
         assert!(wrong.original > 0, "{wrong:?}");

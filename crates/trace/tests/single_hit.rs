@@ -358,7 +358,7 @@ fn depth_needs_no_call_stack() {
 }
 
 #[test]
-fn too_much_sharing_is_refused() {
+fn too_much_sharing_is_rejected() {
     let mut skeleton = Skeleton::new(2);
     let mut all = Skeleton::leaf(0);
     for _ in 0..80 {
@@ -406,7 +406,7 @@ fn placed_solids_are_evaluated_in_their_turn() {
 }
 
 #[test]
-fn models_with_too_much_sharing_are_refused_with_a_reason() {
+fn models_with_too_much_sharing_are_rejected_with_a_reason() {
     let mut s = ball("a", 0.0);
     for k in 1..40 {
         let other = ball("b", f64::from(k));
@@ -415,7 +415,7 @@ fn models_with_too_much_sharing_are_refused_with_a_reason() {
     let refused = SingleHit::new(Arc::new(Program::compile(&s).unwrap())).unwrap_err();
     assert!(refused.nodes > 1 << 39 && refused.most == MAX_NODES);
     let text = refused.to_string();
-    assert!(text.contains("4194304: shared parts are written out wherever they are used."), "{text}");
+    assert!(text.contains("4194304: shared parts are duplicated at each use."), "{text}");
 }
 
 // ---- explanations ----
@@ -438,12 +438,12 @@ fn along_x() -> Ray {
 fn the_chain_of_eight_spheres_reads_like_an_explanation() {
     let text = single_hit(eight_spheres()).explain(along_x(), &Query::default()).to_string();
     for line in [
-        "What is next after t = 4?",
+        "The next change after t = 4:",
         "a is left at 6, through a.side.",
         "a | b stays inside at 5.5: b is entered, but the ray is inside a until 6. So b is queried again. (rule 4)",
         "a | b is left at 7.5: b is left, and the ray is outside a for good. (rule 3)",
         "(a | b) - c is left at 7: c is entered, and the ray is inside a | b until 7.5. (rule 3)",
-        "(a ... e) - f is outside for good: the ray is outside ((a | b) - c) | d | e for good, whatever comes of f. (rule 1)",
+        "(a ... e) - f is outside for good: the ray is outside ((a | b) - c) | d | e for good, regardless of f. (rule 1)",
         "So the ray is in solid until t = 11.5, then in the world.",
         "At t = 7 it passes from solid into the world, through c.side.",
         "(7 questions, 131 steps.)",

@@ -53,7 +53,8 @@ fn along_x(from: f64) -> Ray {
     Ray::new(Vec3::new(-from, 0.0, 0.0), Vec3::X)
 }
 
-/// A quarter of the diameter, 1/2, is the tolerance of a ray that starts at `d`: 128 u d, for d = 2^45.
+/// The tolerance of a ray that starts at a distance d is 128 u d. It reaches a quarter of the diameter, 1/2, at d =
+/// 2^45.
 #[test]
 fn the_limit_is_a_quarter_of_the_size() {
     let limit = libm::ldexp(1.0, 45);
@@ -133,7 +134,7 @@ fn unbounded_solids() {
     }
 }
 
-/// Parts that touch but for rounding leave boxes without thickness, which must not reject any ray.
+/// Parts that touch up to rounding leave boxes without thickness, which must not cause any ray to be rejected.
 #[test]
 fn slivers_reject_no_ray() {
     let left = shape("box", &[("size", (0.1 + 0.2).into())]).translate([0.0; 3]);
@@ -149,7 +150,7 @@ fn slivers_reject_no_ray() {
     }
 }
 
-/// A model far from the origin of the coordinates has no digits left, wherever the ray starts.
+/// A model far from the origin of the coordinates loses all digits, wherever the ray starts.
 #[test]
 fn a_model_may_be_too_far_from_the_origin() {
     let solid = ball().translate([1e15, 0.0, 0.0]);
@@ -170,9 +171,9 @@ fn every_query_names_the_ray() {
         assert_eq!(bad.ray, 2);
         assert_eq!(
             bad.to_string(),
-            "ray 2: the ray is too far from the model: 3.000e14 along it, where it comes closest, points are accurate to \
-             4.263e0, and the model is 2.000e0 thick. Start the ray closer to the model, and keep the model close to the \
-             origin of the coordinates."
+            "ray 2: the ray is too far from the model: at its closest point, 3e14 from its origin, coordinates are \
+             accurate to 4.263, and the model is 2 thick. Start the ray closer to the model, and keep the model \
+             close to the origin of the coordinates."
         );
         assert!(trace(&program, along_x(3e14), &query).is_err());
     }

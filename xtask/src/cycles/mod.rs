@@ -49,9 +49,7 @@ pub fn problems(repository: &Repository, file: &str, text: &str) -> Result<Vec<S
     Ok(problems)
 }
 
-/// The rows `| folder or file
-///
-/// reason |` of the table of exceptions; the table is optional.
+/// The rows of the table of exceptions, each a folder or file and a reason; the table is optional.
 fn exceptions(text: &str) -> Result<Vec<Exception>, String> {
     let rows = text.lines().enumerate().skip_while(|(_, line)| line.trim() != OPEN);
     // the marker, the heading and the rule below it

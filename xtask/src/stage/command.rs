@@ -47,7 +47,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     }
     match failures.first() {
         None => Ok(()),
-        Some(first) => Err(format!("{} uses of the command failed, first: {first}", failures.len())),
+        Some(first) => Err(format!("{} calls of the command failed, the first one: {first}", failures.len())),
     }
 }
 
@@ -57,7 +57,7 @@ fn models(workshop: &Workshop<'_>) -> Result<Vec<String>, String> {
     let models: Vec<String> =
         files.into_iter().filter(|path| path.starts_with("models/") && path.ends_with(".toml")).collect();
     if models.is_empty() {
-        Err("models/*.toml: no such file: the command is tried on them.".to_owned())
+        Err("models/*.toml: no such file: the stage runs the command on them.".to_owned())
     } else {
         Ok(models)
     }
@@ -93,7 +93,7 @@ impl User<'_> {
             self.command(arguments).output().map_err(|error| format!("rayweave {words}: {error}"))?;
         let message = String::from_utf8_lossy(&output.stderr);
         match output.status.code() {
-            Some(0) => Err(format!("rayweave {words}: ended well, should have failed")),
+            Some(0) => Err(format!("rayweave {words}: succeeded, but should have failed")),
             Some(PANICKED) | None => Err(format!("rayweave {words}: panicked\n{message}")),
             Some(_) if !message.contains(culprit) => {
                 Err(format!("rayweave {words}: does not name {culprit}\n{message}"))

@@ -40,7 +40,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let scripts = scripts(workshop)?;
     if examples.is_empty() || scripts.is_empty() {
         return Err(format!(
-            "{} examples in Rust and {} in Python: want some of each.",
+            "found {} examples in Rust and {} in Python: there must be some of each.",
             examples.len(),
             scripts.len()
         ));

@@ -44,7 +44,7 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     match counts.passed >= TESTS.len() as u64 {
         true => Ok(()),
         false => {
-            Err(format!("only {} tests ran, of each of {TESTS:?} at least one was wanted", counts.passed))
+            Err(format!("only {} tests ran: at least one of each of {TESTS:?} is required", counts.passed))
         }
     }
 }
@@ -67,7 +67,7 @@ fn copy(repository: &Repository, root: &Path) -> Result<(), String> {
 }
 
 /// The workspace's manifest with only the copied crates as members.
-fn alone(manifest: &str) -> String {
+pub fn alone(manifest: &str) -> String {
     let members = |line: &str| match line.split('=').next().unwrap_or_default().trim() {
         "members" => "members = [\"crates/*\"]\n".to_owned(),
         "default-members" => String::new(),
@@ -83,7 +83,10 @@ fn register(repository: &Repository) -> Outcome {
     let mut text = text;
     for (sphere, new) in new_primitive::registration("sphere").iter().zip(new_primitive::registration(NAME)) {
         if !text.contains(sphere) {
-            return Err(format!("{}: no line '{sphere}': the stage puts its own below.", path.display()));
+            return Err(format!(
+                "{}: no line '{sphere}': the stage inserts its lines below it.",
+                path.display()
+            ));
         }
         text = text.replacen(sphere, &format!("{sphere}\n{new}"), 1);
     }

@@ -1,4 +1,4 @@
-//! Attributes of PyO3, and the one of the stub: the names, signatures and texts that they give.
+//! Attributes of PyO3 and of the stub generator: their names, signatures and texts.
 
 use syn::ext::IdentExt;
 use syn::parse::{Parse, ParseStream};
@@ -121,7 +121,7 @@ impl Parse for Slot {
     }
 }
 
-/// A default value in Python; `...` if it is no literal.
+/// A default value in Python; `...` if it is not a literal.
 fn python_literal(value: &Expr) -> String {
     match value {
         Expr::Lit(ExprLit { lit: Lit::Bool(flag), .. }) if flag.value => "True".to_owned(),

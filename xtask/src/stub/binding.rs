@@ -70,7 +70,7 @@ impl Parse for Exception {
     }
 }
 
-/// The exception that an item defines, if it does.
+/// The exception that an item defines, if any.
 pub fn exception(item: &Item) -> Option<Exception> {
     let Item::Macro(item) = item else { return None };
     let is_one = item.mac.path.segments.last().is_some_and(|last| last.ident == "create_exception");

@@ -1,13 +1,13 @@
 //! The stub of the compiled half of the Python package, `_core.pyi`, from the sources of the binding.
 //!
-//! Names, parameters, default values and documentation are those of PyO3's attributes. Types of Rust
-//! have types in Python (`python_type`); where only a person knows the type, as of `PyAny`, the
-//! signature states it in PyO3's way: `signature = (points: "ArrayLike") -> "NDArray[np.bool_]"`.
-//! Types that PyO3's signatures cannot state, those of properties and overloads, are in attributes that
-//! the compiler drops: `#[cfg_attr(false, stub("() -> dict[str, Solid]"))]`.
+//! Names, parameters, default values and documentation are those of PyO3's attributes. Rust types are
+//! mapped to Python types (`python_type`). Where that is impossible, as for `PyAny`, the signature
+//! states the type in PyO3's syntax: `signature = (points: "ArrayLike") -> "NDArray[np.bool_]"`. Types
+//! that PyO3's signatures cannot state, those of properties and overloads, are in attributes that the
+//! compiler drops: `#[cfg_attr(false, stub("() -> dict[str, Solid]"))]`.
 //!
 //! The generator of PyO3 0.30 (`experimental-inspect`) does not suffice: it leaves out exceptions and
-//! overloads, imports no names that signatures state, and does not know the arrays of NumPy.
+//! overloads, does not import the names in signatures, and does not support NumPy arrays.
 
 mod attribute;
 mod binding;

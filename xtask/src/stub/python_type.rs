@@ -31,8 +31,8 @@ pub struct Scope<'a> {
 /// The maximum depth of definitions that refer to each other.
 const DEEPEST: usize = 16;
 
-/// The alternatives of the alias that the stub has for a type, by the name of the type in Rust. The type
-/// derives `FromPyObject` and has fields without names, and no other such type has its name.
+/// The alternatives of the alias in the stub for a type, by the name of the type in Rust. The type
+/// derives `FromPyObject`, has unnamed fields, and has a unique name among such types.
 pub fn alias(binding: &Binding, name: &str) -> Option<Vec<String>> {
     let mut items = binding.items(name).filter(|(_, item)| match item {
         Item::Struct(ItemStruct { attrs, .. }) | Item::Enum(ItemEnum { attrs, .. }) => is_converted(attrs),
@@ -48,7 +48,7 @@ fn is_converted(attributes: &[Attribute]) -> bool {
 }
 
 impl Scope<'_> {
-    /// The Python type; `None` if only a person knows it, as for `PyAny`.
+    /// The Python type; `None` if it cannot be derived, as for `PyAny`.
     pub fn python(&self, ty: &Type, direction: Direction) -> Option<String> {
         Translation { scope: *self, direction, depth: 0 }.of(ty)
     }

@@ -113,7 +113,7 @@ impl Phrasings {
                 "begin with What, That, Where, How or Who",
                 "begin with the subject",
             ),
-            (self.passives, MAX_PASSIVES, "hold a passive such as 'is asked'", "name who does what"),
+            (self.passives, MAX_PASSIVES, "contain a passive such as 'is asked'", "name who does what"),
             (
                 self.telling,
                 MAX_TELLINGS,
@@ -135,7 +135,7 @@ impl fmt::Display for Phrasings {
         let Phrasings { comments, openings, passives, telling } = self;
         write!(
             f,
-            "{comments} comment lines: {openings} begin with a question word, {passives} hold a vague passive, {telling} 'tell'"
+            "{comments} comment lines: {openings} begin with a question word, {passives} contain a vague passive, {telling} 'tell'"
         )
     }
 }

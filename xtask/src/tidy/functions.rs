@@ -5,7 +5,7 @@ use super::violation::{Rule, Violation};
 use crate::masked::{Masked, item_end};
 use crate::repository::Source;
 
-static FUNCTION_LENGTH: Rule = Rule { name: "function-length", why: "a function is read in one look" };
+static FUNCTION_LENGTH: Rule = Rule { name: "function-length", why: "a function should fit on a screen" };
 
 /// The maximum number of lines from `fn` to the closing brace.
 const LONG_FUNCTION: usize = 80;
@@ -21,8 +21,8 @@ pub fn check(source: &Source) -> Vec<Violation> {
         .map(|(line, name)| (line, name, item_end(&masked.code, line - 1) + 2 - line))
         .filter(|(_, _, length)| *length > LONG_FUNCTION)
         .map(|(line, name, length)| {
-            let problem = format!("function {name} has {length} lines, the most is {LONG_FUNCTION}");
-            Violation::new(&FUNCTION_LENGTH, source, line, problem, "give its parts names").about(name)
+            let problem = format!("function {name} has {length} lines, the limit is {LONG_FUNCTION}");
+            Violation::new(&FUNCTION_LENGTH, source, line, problem, "extract functions").about(name)
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 use super::violation::{Rule, Violation};
 use crate::repository::Source;
 
-static LINK: Rule = Rule { name: "link", why: "a link leads somewhere" };
+static LINK: Rule = Rule { name: "link", why: "the target of a link must exist" };
 
 pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     if !source.is("md") {

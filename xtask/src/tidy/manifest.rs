@@ -4,7 +4,7 @@
 use super::violation::{Rule, Violation};
 use crate::repository::Source;
 
-static LINTS: Rule = Rule { name: "lints", why: "every crate keeps the same rules" };
+static LINTS: Rule = Rule { name: "lints", why: "every crate follows the same rules" };
 static DEPENDENCY: Rule = Rule { name: "dependency", why: "each one costs build time and trust" };
 
 pub fn check(source: &Source) -> Vec<Violation> {
@@ -55,7 +55,7 @@ fn unexplained(source: &Source) -> Vec<Violation> {
         .map(|(index, _, line)| {
             let name = line.split('=').next().unwrap_or_default().trim();
             let problem = format!("dependency {name} has no comment right above it");
-            Violation::new(&DEPENDENCY, source, index + 1, problem, "say what it is for")
+            Violation::new(&DEPENDENCY, source, index + 1, problem, "state its purpose")
         })
         .collect()
 }

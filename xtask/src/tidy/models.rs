@@ -3,7 +3,7 @@
 use super::violation::{Rule, Violation};
 use crate::repository::Source;
 
-static MODEL: Rule = Rule { name: "model", why: "a model is found by its words and its picture" };
+static MODEL: Rule = Rule { name: "model", why: "readers find a model by its description and its picture" };
 
 pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
     let Some(stem) = source.path.strip_prefix("models/").and_then(|name| name.strip_suffix(".toml")) else {
@@ -13,8 +13,7 @@ pub fn check(source: &Source, exists: &dyn Fn(&str) -> bool) -> Vec<Violation> {
         |problem: &str, suggestion: &str| Violation::new(&MODEL, source, 1, problem.to_owned(), suggestion);
     let mut violations = Vec::new();
     if !source.text.starts_with("# ") {
-        violations
-            .push(violation("the model does not say what it shows", "begin with a comment of one line"));
+        violations.push(violation("the model has no description", "begin with a comment of one line"));
     }
     let picture = format!("models/{stem}.png");
     if !exists(&picture) {

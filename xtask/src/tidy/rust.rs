@@ -5,9 +5,9 @@ use super::violation::{Rule, Violation};
 use crate::masked::Masked;
 use crate::repository::Source;
 
-static MODULE_DOCS: Rule = Rule { name: "module-docs", why: "every file says what it holds" };
+static MODULE_DOCS: Rule = Rule { name: "module-docs", why: "every file states its contents" };
 static FILE_LENGTH: Rule = Rule { name: "file-length", why: "one file, one noun" };
-static UNFINISHED: Rule = Rule { name: "unfinished", why: "what is in the tree is finished" };
+static UNFINISHED: Rule = Rule { name: "unfinished", why: "the repository contains finished work only" };
 static MUL_ADD: Rule = Rule { name: "mul-add", why: "its rounding differs between processors" };
 static TRANSCENDENTAL: Rule =
     Rule { name: "transcendental", why: "the standard library's bits differ between platforms" };
@@ -55,8 +55,8 @@ fn module_docs(source: &Source) -> Option<Violation> {
 
 fn file_length(source: &Source) -> Option<Violation> {
     let lines = source.text.lines().count();
-    let problem = format!("{lines} lines, the most is {LONG_FILE}");
-    let violation = Violation::new(&FILE_LENGTH, source, lines, problem, "split the file by its nouns");
+    let problem = format!("{lines} lines, the limit is {LONG_FILE}");
+    let violation = Violation::new(&FILE_LENGTH, source, lines, problem, "split the file by concept");
     match lines {
         _ if lines > LONG_FILE => Some(violation),
         _ if lines > LONGISH_FILE => Some(violation.mild()),

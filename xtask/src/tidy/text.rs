@@ -5,7 +5,7 @@ use crate::masked::Masked;
 use crate::repository::Source;
 
 static BLANKS: Rule = Rule { name: "blanks", why: "diffs should show changes only" };
-static UNFINISHED: Rule = Rule { name: "unfinished", why: "what is in the tree is finished" };
+static UNFINISHED: Rule = Rule { name: "unfinished", why: "the repository contains finished work only" };
 static MACHINE_PATH: Rule = Rule { name: "machine-path", why: "it exists on one machine only" };
 
 // in two parts each, so that this file does not violate its own rules

@@ -1,4 +1,4 @@
-"""Answers that are more than one array."""
+"""Results that consist of several arrays."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Crossings:
-    """Where rays cross the surface of a solid: M rows, sorted by ray, then t.
+    """Crossings of rays with the surface of a solid: M rows, sorted by ray, then t.
 
-    The rows of ray i are ``offsets[i]:offsets[i + 1]``. What `nearest` answers has one row for every ray.
+    The rows of ray i are ``offsets[i]:offsets[i + 1]``. The result of `nearest` has one row for every ray.
     """
 
     ray: NDArray[np.int64]
     """(M,) the number of the ray."""
     t: NDArray[np.float64]
-    """(M,) when, in units of the ray's direction; inf for a miss."""
+    """(M,) the time t, in units of the ray's direction; inf for a miss."""
     point: NDArray[np.float64]
-    """(M, 3) where; NaN for a miss."""
+    """(M, 3) the point; NaN for a miss."""
     normal: NDArray[np.float64]
-    """(M, 3) the unit normal, outward of the result: against the ray where it enters. NaN for a miss."""
+    """(M, 3) the unit normal, pointing out of the solid: against the ray where it enters. NaN for a miss."""
     enters: NDArray[np.bool_]
-    """(M,) whether the ray enters the solid, or leaves it."""
+    """(M,) True where the ray enters the solid, False where it leaves."""
     surface: NDArray[np.int32]
     """(M,) the face that is crossed, as an index of `surface_names`; -1 for a miss."""
     leaf: NDArray[np.int32]
     """(M,) the shape that the face belongs to, in the order of declaration; -1 for a miss."""
     placement: NDArray[np.int32]
-    """(M,) which placement of that shape it is: 0 for what is not placed; -1 for a miss."""
+    """(M,) the number of the placement of that shape; 0 for shapes that are not placed, -1 for a miss."""
     occurrence: NDArray[np.int64]
     """(M,) `leaf` and `placement` in one number, which `occurrence_paths` turns into a path of names; -1 for a miss."""
     offsets: NDArray[np.int64]
-    """(N + 1,) where the rows of each ray begin, and their total at the end."""
+    """(N + 1,) the first row of each ray, followed by the total number of rows."""
     start_inside: NDArray[np.bool_]
     """(N,) whether the ray is inside just after t_min."""
     surface_names: tuple[str, ...]
@@ -45,7 +45,7 @@ class Crossings:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Makes what follows from other arrays when it is requested: most never is."""
+            """Computes derived arrays on first access, because most are never used."""
             make = _MADE.get(name)
             if make is None or "_leaves" not in self.__dict__:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
@@ -81,10 +81,10 @@ _MADE: dict[str, Callable[[Any], NDArray[Any]]] = {
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModelCrossings(Crossings):
-    """Where rays pass from one medium into another: as `Crossings`, with the media and the regions.
+    """Crossings at which the medium changes: like `Crossings`, with media and regions.
 
-    ``enters`` tells whether what follows is another medium than that of the world. From one such medium into another the
-    normal is that of entering.
+    ``enters`` is True if the medium after the crossing is not that of the world. Between two such media the normal
+    points against the ray.
     """
 
     medium_before: NDArray[np.int32]
@@ -103,7 +103,7 @@ class ModelCrossings(Crossings):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Partition:
-    """What rays go through: S pieces, each in one medium, sorted by ray, then t.
+    """The partition of rays by medium: S pieces, each in one medium, sorted by ray, then t.
 
     The pieces of ray i are ``offsets[i]:offsets[i + 1]``. They cover the requested window without gaps: the first
     begins at t_min, the last ends at t_max, which may be infinite.
@@ -120,7 +120,7 @@ class Partition:
     region: NDArray[np.int32]
     """(S,) the region, as an index of `region_names`; 0 is the world."""
     offsets: NDArray[np.int64]
-    """(N + 1,) where the pieces of each ray begin, and their total at the end."""
+    """(N + 1,) the first piece of each ray, followed by the total number of pieces."""
     medium_names: tuple[str, ...]
     """The names of the media."""
     region_names: tuple[str, ...]

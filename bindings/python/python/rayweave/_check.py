@@ -1,4 +1,4 @@
-"""What of a model may not be what was meant."""
+"""Probable faults of a model."""
 
 from __future__ import annotations
 
@@ -29,27 +29,27 @@ CheckRow: TypeAlias = tuple[
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """Something that may not be what was meant; lengths are those of the model, what is not known is NaN."""
+    """A probable fault. Lengths are in the unit of the model; unknown numbers are NaN."""
 
     kind: str
     """overlap, outside, hidden, empty, absorbed, mesh, thin, gap or touch."""
     regions: tuple[str, ...]
-    """The regions that it is about."""
+    """The regions involved."""
     text: str
     size: float
-    """How deep, thick or wide."""
+    """The depth, thickness or width."""
     volume: float
     volume_half_width: float
     area: float
     """The area where regions touch."""
     at: _Array
-    """(3,) a place."""
+    """(3,) a point at the fault."""
     ray: _Array
-    """(2, 3) the ends of a piece of a ray there."""
+    """(2, 3) the ends of a piece of a ray that shows it."""
     is_proved: bool
-    """True if it is known without rays."""
+    """True if it is proved without rays."""
     section: Section | None = field(repr=False)
-    """The place, cut open, if pictures were requested."""
+    """A section through the fault, if pictures were requested."""
 
     def _repr_svg_(self) -> str | None:
         return None if self.section is None else _core.section_text([self.section], "svg", self.text)
@@ -57,12 +57,12 @@ class Finding:
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """What a check has found, and what was looked at."""
+    """The findings and the scope of a check."""
 
     findings: tuple[Finding, ...]
     unit: str
     scope: dict[str, float]
-    """Numbers of rays and pairs, and the lengths under which walls and gaps are reported."""
+    """Numbers of rays and pairs, and the lengths below which walls and gaps are reported."""
 
     def of(self, kind: str) -> tuple[Finding, ...]:
         """The findings of a kind."""
@@ -102,9 +102,10 @@ def check(
 ) -> Check:
     """Look for overlaps, daughters outside their mothers, gaps, thin walls, and parts without effect.
 
-    Walls thinner than `wall` and gaps narrower than `gap` are reported (1e-5 of the diagonal of the model), overlaps that are deeper
-    than `distance` (1e-9 of it). Boxes prove what they can, rays look at everything else: a finding is sure, its absence as sure as
-    the rays are dense, 6 `cells`^2 of them through the model. Equal seeds give equal results.
+    The check reports walls thinner than `wall`, gaps narrower than `gap` (default: 1e-5 of the diagonal of the model)
+    and overlaps deeper than `distance` (default: 1e-9 of it). Bounding boxes prove what they can; rays examine the
+    rest. A finding is certain; the absence of findings is only as certain as the 6 `cells`^2 rays through the model
+    are dense. Equal seeds give equal results.
     """
     rows, unit, scope = _core.check_rows(
         subject, wall, gap, distance, cells, confidence, most_pairs, corners(within), seed, pictures, threads

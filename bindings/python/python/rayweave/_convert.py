@@ -1,4 +1,4 @@
-"""Models from one format into another."""
+"""Conversion of models between formats."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def convert(
 ) -> list[str]:
     """Write the model in the file ``source`` to the file ``target``, complete or not at all.
 
-    The endings of the names tell the formats, unless ``format`` and ``to`` name them. What is read is told by ``load``,
-    how it is written by ``Model.save``. Returns what was lost on the way: the warnings of the one, then what the other says.
+    The endings of the names select the formats, unless ``format`` and ``to`` name them. ``load`` describes reading,
+    ``Model.save`` writing. Returns what was lost: the warnings of the reader, then those of the writer.
 
     >>> import rayweave
     >>> rayweave.convert("lens.toml", "lens.stl", tolerance=0.001)  # doctest: +SKIP

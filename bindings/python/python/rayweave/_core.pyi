@@ -12,6 +12,7 @@ from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._check import CheckRow
 from rayweave._explain import Passage, Question
 from rayweave._model import Medium, Region
+from rayweave.photons._compare import CompareRow
 from rayweave.space import PointCrossings, Trajectory
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "PhotonHits",
     "PhotonRun",
     "PhotonSource",
+    "PhotonTables",
     "Polygons",
     "RayweaveError",
     "ReadElement",
@@ -45,6 +47,7 @@ __all__ = [
     "Spline",
     "array_csg",
     "check_rows",
+    "compare_photons",
     "coordinate_break",
     "count_array",
     "diff_columns",
@@ -68,6 +71,7 @@ __all__ = [
     "number_list",
     "optical_component",
     "optimise",
+    "photon_property_svg",
     "place",
     "pupil_points",
     "ray_timeline_svg",
@@ -168,7 +172,9 @@ class Explanation:
 
     @property
     def welded(self) -> int:
-        """Number of changes of medium that were welded with their neighbours, because the ray keeps to both surfaces between them."""
+        """Number of changes of medium that were welded with their neighbours, because the ray stays within `delta` of both
+        surfaces between them.
+        """
 
     @property
     def steps(self) -> int:
@@ -224,7 +230,7 @@ class Model:
     """A model: an ordered list of regions, each a solid made of a medium. It never changes.
 
     Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. Models come from `load`
-    and `loads`. The questions are those of `Solid`; inside is where the medium is not that of the world.
+    and `loads`. The queries are those of `Solid`; a point is inside where the medium is not that of the world.
     """
 
     @property
@@ -266,7 +272,7 @@ class Model:
         evaluator: str | None = None,
         threads: int | None = None,
     ) -> NDArray[np.float64]:
-        """When rays enter and leave the medium of the world: see `Solid.hits`."""
+        """Times at which rays enter and leave the medium of the world: see `Solid.hits`."""
     @overload
     def hits(
         self,
@@ -301,10 +307,10 @@ class Model:
         *,
         threads: int | None = None,
     ) -> ModelCrossings:
-        """All changes of the medium by one curve, or by each in a list of curves, strictly between two times: see `ModelCrossings`, where
-        `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
-        Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
-        `acceleration_bound(t0, t1)`.
+        """All changes of the medium along one curve, or along each in a list of curves, strictly between two times: see
+        `ModelCrossings`, where `ray` is the number of the curve and `t` its own time. The times are finite numbers, or
+        (N,) arrays with one for each curve. Curves are described in `rayweave.space`: `Helix` and others, or any object
+        with `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`.
         """
 
     def nearest(
@@ -334,14 +340,15 @@ class Model:
     def contains(
         self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
     ) -> NDArray[np.bool_]:
-        """Whether points (N, 3) or (3,) are in another medium than that of the world: bool (N,)."""
+        """Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,)."""
 
     def occurrence_paths(
         self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
     ) -> list[str]:
-        """Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
-        texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
-        of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+        """Paths of names and copy numbers, such as "tower[3]/brick[12]/hole", of `occurrences` as in
+        `Crossings.occurrence`: a list of (M,) texts, "" for -1. With `placed`, each path ends at the innermost placed
+        solid: "tower[3]/brick[12]". Copies have the numbers of the file, or are counted from 0 in the order of `place`;
+        of equal names in one place, the second one ends in "#2".
         """
 
     def explain(
@@ -357,7 +364,7 @@ class Model:
         """
 
     def bounds(self) -> NDArray[np.float64]:
-        """A box that holds all regions: float64 (2, 3), the least and the greatest coordinates."""
+        """A box around all regions: float64 (2, 3), the smallest and the largest coordinates."""
 
     def save(
         self,
@@ -377,7 +384,7 @@ class Model:
         """The model file as text."""
 
     def __eq__(self, other: object, /) -> bool:
-        """Equal if they mean the same: solids, regions, media and pictures, whatever parameters they came from."""
+        """Equal if solids, regions, media and pictures are equal, regardless of the parameters behind them."""
 
     def __hash__(self) -> int: ...
 
@@ -446,7 +453,7 @@ class Arrivals:
         """The geometric modulation of lines across a direction."""
 
     def best_focus(self) -> float:
-        """By how much the plane has to move for the least RMS radius; NaN for parallel rays."""
+        """The shift of the plane with the smallest RMS radius; NaN for parallel rays."""
 
 def optical_component(
     kind: str,
@@ -469,7 +476,7 @@ class Sheet:
     def __new__(
         cls, outline: _Outline, opening: _Outline | None = None, curvature: float = 0.0, conic: float = 0.0
     ) -> Sheet:
-        """`curvature` is that of the surface at its vertex, 1 over its radius; an opening makes a stop of it."""
+        """`curvature` is that of the surface at its vertex, 1 over its radius; an opening turns it into a stop."""
 
     @staticmethod
     def from_solids(surface: Solid, trim: Solid) -> Sheet:
@@ -659,7 +666,7 @@ class CompiledPrescription:
         """A wavefront: points of the pupil (N, 2) and differences in waves (N,)."""
 
     def principal_point(self, field: int, wavelength_nm: float) -> tuple[float, float]:
-        """The point of the paraxial entrance pupil through which the principal ray goes."""
+        """The point of the paraxial entrance pupil through which the principal ray passes."""
 
     def needs_aiming(self, field: int, wavelength_nm: float) -> bool:
         """Whether rays of a field have to be aimed at the stop."""
@@ -681,7 +688,9 @@ def coordinate_break(
     """The matrix of a coordinate break: coordinates in front of it from those behind, row by row."""
 
 def pupil_points(kind: str, count: int) -> NDArray[np.float64]:
-    """Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with that of points across."""
+    """Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with a number of points
+    across.
+    """
 
 def event_names() -> list[str]:
     """The names of events by their numbers."""
@@ -717,13 +726,13 @@ class LightSource:
         """The rays of a file."""
 
     def with_spectrum(self, spectrum: _Spec) -> LightSource:
-        """The source with another spectrum."""
+        """The source with a different spectrum."""
 
     def with_power(self, power: float, is_total: bool) -> LightSource:
-        """The source with another power, of each ray or of all together."""
+        """The source with a different power, of each ray or of all together."""
 
     def with_stokes(self, parameters: tuple[float, float, float, float]) -> LightSource:
-        """The source with polarised light: the parameters of Stokes."""
+        """The source with polarised light, given by Stokes parameters."""
 
     def apply(self, world_from_local: ArrayLike) -> LightSource:
         """The source moved by an affine map, a 4 x 4 matrix."""
@@ -751,11 +760,11 @@ class SegmentStream:
 
     @property
     def rays(self) -> int:
-        """About how many rays have been traced."""
+        """The approximate number of rays traced so far."""
 
     @property
     def balance(self) -> dict[str, Any] | None:
-        """The balance of power, once the run is over."""
+        """The balance of power, available once the run is over."""
 
 @final
 class CompiledSystem:
@@ -793,7 +802,7 @@ class CompiledSystem:
         """Traces the light of sources: columns by name, and the balance of power."""
 
     def phases(self, columns: dict[str, NDArray[Any]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The phases of s and p of the rows of a whole trace, whose columns are given, in degrees."""
+        """The phases of s- and p-polarised light for the rows of a whole trace with the given columns, in degrees."""
 
     def stream(
         self, sources: Sequence[LightSource], settings: Mapping[str, Any], rows: int, phases: bool
@@ -809,18 +818,28 @@ class CompiledSystem:
         phases: bool,
         progress: Callable[[int, int], object] | None = None,
     ) -> dict[str, Any]:
-        """Traces the light of sources into a file, `.csv` or `.npy`; lengths are in a unit. The balance of power."""
+        """Traces the light of sources into a file, `.csv` or `.npy`, and returns the balance of power. `unit` is that of
+        lengths.
+        """
 
 def zernike_term(scheme: str, index: int) -> tuple[int, int]:
-    """The order and the frequency by an index: "noll" from 1, "osa" from 0."""
+    """The radial order and the azimuthal frequency for an index: "noll" from 1, "osa" from 0."""
 
 def zernike_values(term: tuple[int, int], pupil: ArrayLike) -> NDArray[np.float64]:
-    """The values of a polynomial at points (N, 2) of the unit disk."""
+    """The values of a Zernike polynomial at points (N, 2) of the unit disk."""
 
 def zernike_fit(
     pupil: ArrayLike, values: ArrayLike, terms: Sequence[tuple[int, int]]
 ) -> tuple[NDArray[np.float64], float]:
     """The coefficients of the least-squares fit, and the RMS of the residual."""
+
+def compare_photons(
+    a: str | PathLike[str], b: str | PathLike[str], least: float, flags: bool, hits: bool
+) -> CompareRow:
+    """Compares two files of photons: see `rayweave.photons.compare`."""
+
+def photon_property_svg(title: str, curves: Sequence[tuple[str, Sequence[tuple[float, float]]]]) -> str:
+    """Curves by wavelength as SVG: the name with the unit, and pairs of a wavelength in nm and a value."""
 
 @final
 class CompiledDetector:
@@ -848,6 +867,20 @@ class CompiledDetector:
     ) -> list[tuple[tuple[str, str, str], float, tuple[str, list[tuple[str, NDArray[np.float64], NDArray[np.float64], str]], list[tuple[str, float]]]]]:
         """The surfaces: the words of model, finish and type, the value; name, properties and constants as those of materials."""
 
+    def findings(self) -> list[tuple[str, str | None, str]]:
+        """The findings of the lint: rule (optical or unused), place, problem with its reason and suggestion."""
+
+    def check_start(self, source: PhotonSource, settings: Mapping[str, Any]) -> str | None:
+        """A sentence about photons of a source that start outside the world or in a material without a refractive index; an error if
+        all of them do.
+        """
+
+    def volume_source(self, name: str, is_boundary: bool, light: Mapping[str, Any]) -> PhotonSource:
+        """A torch in a volume, or on its boundary."""
+
+    def gensteps(self, gensteps: ArrayLike, materials: Mapping[int, str]) -> PhotonSource:
+        """Gensteps in the layout of Opticks, (N, 6, 4), or of Geant4, (N, 16), with the names of materials by their numbers."""
+
     def simulate(
         self,
         source: PhotonSource,
@@ -857,12 +890,16 @@ class CompiledDetector:
         """Simulates photons of a source. `progress` is called with the number of finished photons and the total."""
 
 def load_detector(
-    path: str | PathLike[str], *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
+    path: str | PathLike[str],
+    tables: PhotonTables,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
 ) -> CompiledDetector:
     """Reads a detector from a GDML file, or from a native model converted from one."""
 
 def loads_detector(
-    text: str, *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
+    text: str, tables: PhotonTables, *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
 ) -> CompiledDetector:
     """Reads a detector from the text of a GDML file."""
 
@@ -955,10 +992,22 @@ class PhotonSource:
     """A source of photons: see `rayweave.photons.Source`."""
 
     @staticmethod
-    def point(
-        position: ArrayLike, wavelength_nm: float, towards: ArrayLike | None = None
+    def point(position: ArrayLike, light: Mapping[str, Any]) -> PhotonSource:
+        """A point."""
+
+    @staticmethod
+    def disc(
+        centre: ArrayLike, normal: ArrayLike, radius: float, light: Mapping[str, Any]
     ) -> PhotonSource:
-        """A point that emits unpolarised photons, in all directions or in one."""
+        """A flat disc."""
+
+    @staticmethod
+    def line(start: ArrayLike, end: ArrayLike, light: Mapping[str, Any]) -> PhotonSource:
+        """A straight line."""
+
+    @staticmethod
+    def from_opticks(photons: ArrayLike) -> PhotonSource:
+        """Photons in the layout of Opticks, (N, 4, 4)."""
 
     @staticmethod
     def photons(
@@ -971,12 +1020,36 @@ class PhotonSource:
         """Given photons."""
 
     @property
+    def notes(self) -> list[str]:
+        """Sentences about gensteps that do not fit their materials."""
+
+    @property
     def count(self) -> int | None:
         """The number of photons, if it is limited."""
 
 @final
+class PhotonTables:
+    """Tables of measured surfaces: see `rayweave.photons.SurfaceTables`."""
+
+    def __new__(
+        cls, folder: str | PathLike[str] | None = None, dichroic: str | PathLike[str] | None = None
+    ) -> PhotonTables:
+        """The tables of a folder and of a dichroic file."""
+
+    def with_lut(self, name: str, probabilities: ArrayLike) -> PhotonTables:
+        """The same with a table of probabilities for a surface or a finish."""
+
+    def with_davis(self, name: str, reflectance: ArrayLike, directions: ArrayLike) -> PhotonTables:
+        """The same with reflectances and directions for a surface or a finish."""
+
+    def with_dichroic(
+        self, name: str, wavelengths_nm: ArrayLike, angles_degrees: ArrayLike, percent: ArrayLike
+    ) -> PhotonTables:
+        """The same with a transmittance for a surface."""
+
+@final
 class Polygons:
-    """A region of the plane bounded by polygons. It never changes; `from_polygons` makes one."""
+    """A region of the plane bounded by polygons. Immutable; created by `from_polygons`."""
 
     @property
     def outside(self) -> int:
@@ -993,7 +1066,7 @@ class Polygons:
         """
 
     def trace(self, origin: ArrayLike, direction: ArrayLike) -> RootRay:
-        """The line origin + t direction: when it is inside."""
+        """The root-ray of the line origin + t direction."""
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether points (N, 2) or (2,) are inside: bool (N,). A point on the boundary has the side
@@ -1027,11 +1100,11 @@ def notebook_png(subject: Solid | Model) -> bytes:
 
 @final
 class RootRay:
-    """Which parts of one trajectory are inside one solid: the side on which it starts and the times at which it changes sides.
+    """The parts of one trajectory inside one solid: the side on which it starts and the times at which it changes sides.
 
     `start` is +1 or "outside", -1 or "inside": the side as t goes to -inf. `roots` are the times of the crossings: finite and
-    strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, nothing is compared with a tolerance.
-    It unpacks and compares as the pair `(start, list of roots)`.
+    strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, and no comparison uses a
+    tolerance. It unpacks and compares as the pair `(start, list of roots)`.
     """
 
     def __new__(cls, start: int | Literal["outside", "inside"], roots: ArrayLike) -> RootRay: ...
@@ -1069,7 +1142,7 @@ class RootRay:
         """The crossings with t_min < t < t_max; the side just after t_min becomes the start."""
 
     def weld(self, min_sep: float | None = None) -> RootRay:
-        """Without the pieces shorter than `min_sep`; by default, than `rayweave.rootray.min_sep` of their ends."""
+        """The root-ray without pieces shorter than `min_sep`, by default `rayweave.rootray.min_sep` of their ends."""
 
     def __or__(self, other: RootRay, /) -> RootRay: ...
     def __ror__(self, other: RootRay, /) -> RootRay: ...
@@ -1090,7 +1163,7 @@ class RootRay:
     def __hash__(self) -> int: ...
 
 def min_sep(t1: float, t2: float) -> float:
-    """The least separation of two root times: see `rayweave.rootray.min_sep`."""
+    """The minimum separation of two root times: see `rayweave.rootray.min_sep`."""
 
 def root_problems(roots: ArrayLike) -> list[str]:
     """All problems of a list of root times, as messages: see `rayweave.rootray.validate`."""
@@ -1172,15 +1245,15 @@ def shape(name: str, values: Sequence[Any]) -> Solid:
 class Solid:
     """A solid: a boolean combination of shapes under affine maps. It never changes.
 
-    Make solids with the functions `sphere`, `box`, ... and join them with `|` (union), `&` (intersection), `-` (difference),
-    `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new solid; matrices are
-    world_from_local and act on columns.
+    Create solids with the functions `sphere`, `box`, ... and combine them with `|` (union), `&` (intersection), `-`
+    (difference), `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new
+    solid; matrices are world_from_local and act on columns.
 
-    Questions take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` counts in units of the
-    direction, which need not be of unit length. `t_min` and `t_max` cut a window out of every ray, strictly between them.
-    `evaluator` is "packets" (the default), "weave" (sweep by sweep), "reference" (slow, obvious) or "single_hit" (crossing by
-    crossing); all give the same answers to the bit. `threads` is by default the variable
-    RAYWEAVE_THREADS, else the number of cores; answers do not depend on it.
+    Queries take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` is in units of
+    the direction, which need not be of unit length. `t_min` and `t_max` restrict every ray to the open window between
+    them. `evaluator` is "packets" (the default), "weave" (one sweep per ray), "reference" (slow and simple) or
+    "single_hit" (crossing by crossing); all give bit-identical answers. `threads` is by default the environment
+    variable RAYWEAVE_THREADS, or the number of cores; answers do not depend on it.
     """
 
     def translate(self, v: ArrayLike) -> Solid:
@@ -1201,7 +1274,7 @@ class Solid:
         """The solid turned about the z axis, +x towards +y, by an angle in degrees."""
 
     def scale(self, s: float | ArrayLike) -> Solid:
-        """The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror."""
+        """The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror it."""
 
     def mirror(self, normal: ArrayLike) -> Solid:
         """The solid mirrored in the plane through the origin with this normal, which need not be of unit length."""
@@ -1210,7 +1283,7 @@ class Solid:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns, with the last row 0, 0, 0, 1."""
 
     def named(self, name: str) -> Solid:
-        """The same solid under a name, by which its faces are called in answers."""
+        """The same solid with a name, which becomes part of the names of its faces."""
 
     def __or__(self, other: Solid, /) -> Solid: ...
     def __ror__(self, other: Solid, /) -> Solid: ...
@@ -1237,14 +1310,14 @@ class Solid:
     ) -> NDArray[np.float64]:
         """Times at which rays enter and leave the solid: a float64 array (H, N), or a pair of it and the surfaces.
 
-        Column = ray, row = k-th entry, each column in order and padded with +inf; H is the least even number, at least 2, that
-        holds all columns. The column of a ray that is inside just after t_min begins with -inf; a ray that is inside just
-        before t_max has no entry for that end. With `return_surfaces`, an int32 array (H, N) has the face of each entry
-        (`surface_names` of `crossings` has their names), or -1.
+        Column = ray, row = k-th entry, each column in order and padded with +inf; H is the smallest even number, at
+        least 2, that is sufficient for all columns. The column of a ray that is inside just after t_min begins with
+        -inf; a ray that is inside just before t_max has no entry for that end. With `return_surfaces`, an int32 array
+        (H, N) has the face of each entry (`surface_names` of `crossings` has their names), or -1.
 
         `out` is a float64 array of an even number of rows, enough for all columns, or with `return_surfaces` a pair of it and an
-        int32 array of the same shape. The hits are written into it, and it is returned in place of a new one. It is fastest where
-        its rows have no gaps. If there is an error, it may hold anything.
+        int32 array of the same shape. The hits are written to it, and it is returned instead of a new array. It is
+        fastest if its rows are contiguous. After an error its contents are undefined.
         """
     @overload
     def hits(
@@ -1280,10 +1353,10 @@ class Solid:
         *,
         threads: int | None = None,
     ) -> Crossings:
-        """All crossings of the surface by one curve, or by each in a list of curves, strictly between two times: see `Crossings`, where
-        `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,) arrays with one for each curve.
-        Curves are described in `rayweave.space`: `Helix` and others, or any object with `position(t)`, `velocity(t)` and
-        `acceleration_bound(t0, t1)`.
+        """All crossings of the surface along one curve, or along each in a list of curves, strictly between two times: see
+        `Crossings`, where `ray` is the number of the curve and `t` its own time. The times are finite numbers, or (N,)
+        arrays with one for each curve. Curves are described in `rayweave.space`: `Helix` and others, or any object with
+        `position(t)`, `velocity(t)` and `acceleration_bound(t0, t1)`.
         """
 
     def nearest(
@@ -1303,9 +1376,10 @@ class Solid:
     def occurrence_paths(
         self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
     ) -> list[str]:
-        """Paths of names and copy numbers, as "tower[3]/brick[12]/hole", of `occurrences` as in `Crossings.occurrence`: a list of (M,)
-        texts, "" for -1. With `placed`, each path ends at the innermost placed solid: "tower[3]/brick[12]". Copies have the numbers
-        of the file, or are counted from 0 in the order of `place`; of equal names in one place, the second one ends in "#2".
+        """Paths of names and copy numbers, such as "tower[3]/brick[12]/hole", of `occurrences` as in
+        `Crossings.occurrence`: a list of (M,) texts, "" for -1. With `placed`, each path ends at the innermost placed
+        solid: "tower[3]/brick[12]". Copies have the numbers of the file, or are counted from 0 in the order of `place`;
+        of equal names in one place, the second one ends in "#2".
         """
 
     def explain(
@@ -1323,7 +1397,7 @@ class Solid:
         """
 
     def bounds(self) -> NDArray[np.float64]:
-        """A box that holds the solid: float64 (2, 3), the least and the greatest coordinates. The box
+        """A box around the solid: float64 (2, 3), the smallest and the largest coordinates. The box
         of the empty solid is (+inf, -inf). The box is conservative and may be larger than the
         solid.
         """
@@ -1334,7 +1408,7 @@ class Solid:
     def __hash__(self) -> int: ...
 
     def save(self, path: str | PathLike[str], name: str | None = None) -> None:
-        """Writes the solid as a model file (.toml), under the name it has or under this one."""
+        """Writes the solid as a model file (.toml), under its own name or the given one."""
 
     def render(self, **options: Any) -> NDArray[Any]:
         """A picture of the solid as an array: see `rayweave.render`, whose options these are."""
@@ -1361,8 +1435,8 @@ def intersection(solids: Iterable[Solid]) -> Solid:
     """The intersection of the solids; `universe()` if there are none."""
 
 def place(solid: Solid, transforms: ArrayLike) -> Solid:
-    """The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The solid is
-    compiled once, however many they are.
+    """The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The
+    solid is compiled once, regardless of the number of maps.
     """
 
 @disjoint_base
@@ -1386,7 +1460,7 @@ class Curve:
         """r'(t): (d,), or (N, d) for times (N,)."""
 
     def acceleration_bound(self, t0: float, t1: float) -> float:
-        """A number that the length of r'' nowhere exceeds between two times, t0 < t1."""
+        """An upper bound of the length of r'' between two times, t0 < t1."""
 
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
@@ -1397,8 +1471,8 @@ class Curve:
 class Line(Curve):
     """The straight line origin + t direction.
 
-    Both are of shape (d,), d = 2, 3 or 4. `t` is counted in units of the direction, which need not be of unit length; of length
-    zero, it stays where it is. Raises `RayweaveError` for numbers that are not finite.
+    Both are of shape (d,), d = 2, 3 or 4. `t` is in units of the direction, which need not be of unit length; a
+    direction of length zero is a point at rest. Raises `RayweaveError` for numbers that are not finite.
     """
 
     def __new__(cls, origin: ArrayLike, direction: ArrayLike) -> Line: ...
@@ -1407,26 +1481,27 @@ class Line(Curve):
 class Parabola(Curve):
     """The path of a projectile, position + t velocity + t^2 / 2 acceleration.
 
-    All are of shape (d,), d = 2, 3 or 4: where and how fast it is at t = 0, and its constant acceleration, in units of length
-    and of t. Raises `RayweaveError` for numbers that are not finite.
+    All are of shape (d,), d = 2, 3 or 4: position and velocity at t = 0, and the constant acceleration, in units of
+    length and of t. Raises `RayweaveError` for numbers that are not finite.
     """
 
     def __new__(cls, position: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike) -> Parabola: ...
 
 @final
 class Arc(Curve):
-    """A circle or an ellipse, centre + cos(speed t) axes[0] + sin(speed t) axes[1]: an arc of it by the window of times.
+    """A circle or an ellipse, centre + cos(speed t) axes[0] + sin(speed t) axes[1]: the window of times selects an arc of
+    it.
 
-    `centre` is of shape (d,), d = 2, 3 or 4, `axes` of shape (2, d): two perpendicular ones of the length of the radius give a
-    circle, any others an ellipse (its conjugate semi-diameters). `speed` is in degrees per unit of t: with 1, the default, `t`
-    is the angle in degrees. Raises `RayweaveError` for numbers that are not finite.
+    `centre` is of shape (d,), d = 2, 3 or 4, `axes` of shape (2, d): two perpendicular axes whose length is the radius
+    give a circle, others an ellipse (its conjugate semi-diameters). `speed` is in degrees per unit of t: with 1, the
+    default, `t` is the angle in degrees. Raises `RayweaveError` for numbers that are not finite.
     """
 
     def __new__(cls, centre: ArrayLike, axes: ArrayLike, speed: float = 1.0) -> Arc: ...
 
     @staticmethod
     def about(centre: ArrayLike, normal: ArrayLike, start: ArrayLike, speed: float = 1.0) -> Arc:
-        """The circle in space about `centre` from `start`, by the right hand about `normal` (of any length but 0), with `speed`
+        """The circle in space about `centre` from `start`, right-handed about `normal` (of any length but 0), with `speed`
         degrees per unit of t. The part of start - centre along the normal is dropped.
         """
 
@@ -1435,10 +1510,10 @@ class Helix(Curve):
     """The path of a charged particle in a uniform magnetic field: a helix about the field.
 
     `position` and `velocity`, of shape (3,), are those at t = 0; `axis` is the direction of the field, of any length but 0;
-    `radius` is the gyro radius, the velocity across the field by the signed gyro frequency: positive turns clockwise as seen
-    against the field, as a positive charge does, negative the other way; infinite is a straight line. For a particle of charge q
-    and momentum p across a field B it is p / (q B). Raises `RayweaveError` for numbers that are not finite, an axis of length
-    zero, a radius of 0.
+    `radius` is the gyro radius, the speed across the field divided by the signed gyro frequency. A positive radius
+    turns clockwise as seen against the field, like a positive charge, a negative one counter-clockwise; an infinite
+    radius is a straight line. For a particle of charge q and momentum p across a field B it is p / (q B). Raises
+    `RayweaveError` for numbers that are not finite, an axis of length zero, a radius of 0.
     """
 
     def __new__(cls, position: ArrayLike, velocity: ArrayLike, axis: ArrayLike, radius: float) -> Helix: ...
@@ -1447,13 +1522,13 @@ class Helix(Curve):
     def with_frequency(
         position: ArrayLike, velocity: ArrayLike, axis: ArrayLike, frequency: float
     ) -> Helix:
-        """The same by the signed gyro frequency, in degrees per unit of t."""
+        """The same helix, defined by the signed gyro frequency in degrees per unit of t."""
 
     @staticmethod
     def about(centre: ArrayLike, axis: ArrayLike, start: ArrayLike, pitch: float) -> Helix:
-        """The helix from `start` about the line through `centre` along `axis`, by the right hand, rising along the axis by `pitch` in
-        every turn of 360 units of t: `t` is the angle in degrees. A pitch of 0 is a circle; a negative one makes the helix
-        left-handed.
+        """The helix from `start` about the line through `centre` along `axis`, right-handed, rising along the axis by
+        `pitch` in every turn of 360 units of t: `t` is the angle in degrees. A pitch of 0 is a circle; a negative one
+        makes the helix left-handed.
         """
 
 @final
@@ -1461,8 +1536,8 @@ class Spline(Curve):
     """A cubic spline: at `points[k]` at time `knots[k]`, with r' and r'' continuous; defined from the first to the last knot.
 
     `knots` are (N,), at least two and strictly increasing, `points` (N, d), d = 2, 3 or 4. `ends` is "natural" (r'' = 0 at both
-    ends), "periodic" (r' and r'' are the same at both ends; so must the points be) or "clamped", with `velocities` (2, d) at the
-    two ends. Raises `RayweaveError` that names the first bad knot or point.
+    ends), "periodic" (r' and r'' are equal at both ends, and the points must be) or "clamped", with `velocities` (2, d)
+    at the two ends. Raises `RayweaveError` that names the first bad knot or point.
     """
 
     def __new__(
@@ -1478,9 +1553,10 @@ class SpaceSolid:
     """A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
     changes.
 
-    Make solids with the functions of `rayweave.space` and join them with `|` (union), `&` (intersection), `-` (difference),
-    `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are about the origin and
-    return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60 and 1e60.
+    Create solids with the functions of `rayweave.space` and combine them with `|` (union), `&` (intersection), `-`
+    (difference), `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are
+    about the origin and return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60
+    and 1e60.
     """
 
     @property
@@ -1502,10 +1578,10 @@ class SpaceSolid:
         """The image under an invertible affine map, p -> matrix p + offset: matrix (d, d), acting on columns, offset (d,)."""
 
     def extrude(self, d: int) -> SpaceSolid:
-        """The same solid in a space of more dimensions, unbounded along the axes that are new."""
+        """The same solid in a space of higher dimension, unbounded along the new axes."""
 
     def named(self, name: str) -> SpaceSolid:
-        """The same solid under a name, by which its faces are called in answers."""
+        """The same solid with a name, which becomes part of the names of its faces."""
 
     def __or__(self, other: SpaceSolid, /) -> SpaceSolid: ...
     def __ror__(self, other: SpaceSolid, /) -> SpaceSolid: ...
@@ -1519,7 +1595,7 @@ class SpaceSolid:
 
     def crossings(self, p: ArrayLike, q: ArrayLike, *, threads: int | None = None) -> PointCrossings:
         """All crossings of the lines through pairs of points, t = 0 at p and t = 1 at q, over all t: see `PointCrossings`. `p` and `q`
-        are of shape (N, d) or (d,), broadcast against each other; no pair may be one point twice.
+        are of shape (N, d) or (d,), broadcast against each other; the two points of a pair must differ.
         """
 
     def crossings_along(

@@ -1,4 +1,4 @@
-"""Are two models the same solid?"""
+"""Comparison of two models."""
 
 from __future__ import annotations
 
@@ -18,45 +18,46 @@ _Truths = NDArray[np.bool_]
 
 @dataclass(frozen=True, eq=False)
 class Diff:
-    """What two models have in common and what not, in P parts; a notebook shows the thickest difference, cut open.
+    """The common and the different parts of two models; a notebook shows the thickest difference in section.
 
-    Lengths are in the unit of the first model. `x_half_width` is half the width of the confidence interval of `x`.
+    P regions, media or whole models are compared. Lengths are in the unit of the first model. `x_half_width` is half
+    the width of the confidence interval of `x`.
     """
 
     is_same: bool
-    """True if no difference thicker than `distance` was met."""
+    """True if no difference thicker than `distance` was found."""
     names: tuple[str, ...]
     """The names of the regions or media that were compared; "model" for everything."""
     same: _Truths
-    """(P,) the same for each part."""
+    """(P,) the same statement for each part."""
     proved: _Truths
-    """(P,) whether that is known without rays."""
+    """(P,) whether that is proved without rays."""
     in_a: _Truths
     """(P,) whether the first model has such a part."""
     in_b: _Truths
     both: _Array
-    """(P,) volumes that both have in common."""
+    """(P,) volumes common to both models."""
     both_half_width: _Array
     a_only: _Array
-    """(P,) volumes that only the first has."""
+    """(P,) volumes that belong to the first model only."""
     a_only_half_width: _Array
     b_only: _Array
     b_only_half_width: _Array
     thickness: _Array
-    """(P,) thickness of the thickest difference that was met, 0 if there was none."""
+    """(P,) the thickness of the thickest difference found, 0 if there is none."""
     is_a: _Truths
-    """(P,) whether the first model has something there."""
+    """(P,) whether the thickest difference belongs to the first model."""
     ray: _Array
-    """(P, 2, 3) the ends of the piece of a ray there; NaN if there is none."""
+    """(P, 2, 3) the ends of the piece of a ray in the thickest difference; NaN if there is none."""
     place: _Array
-    """(P, 2, 3) the corners of a box around all differences that matter; NaN if there are none."""
+    """(P, 2, 3) the corners of a box around all differences thicker than `distance`; NaN if there are none."""
     distance: float
-    """Differences up to this thickness do not matter."""
+    """Differences up to this thickness are ignored."""
     unit: str
     rays: int
     """The number of rays that were traced."""
     section: Section
-    """The part with the thickest difference, cut open: "both", "A only", "B only"."""
+    """A section through the part with the thickest difference: "both", "A only", "B only"."""
 
     def __repr__(self) -> str:
         if self.is_same:
@@ -87,12 +88,13 @@ def diff(
     seed: int = 0,
     threads: int | None = None,
 ) -> Diff:
-    """Compare two models: are they the same solid, and if not, where do they differ and how much?
+    """Compare two models: whether they are the same solid and, if not, where and by how much they differ.
 
-    Lengths of the second model are brought to the unit of the first. Regions are compared by name, media by name, or everything
-    with everything, which is what is done if one of the models has a single region and `by` says nothing. Differences up to
-    `distance` (1e-9 of the diagonal) do not matter. There are 6 `cells`^2 rays for each part; volumes are measured until half the
-    width of their interval is `precision` times the volume, with at most `most_rays`. Equal seeds give equal results.
+    Lengths of the second model are converted to the unit of the first. `by` compares regions by name, media by name, or
+    the whole models; by default whole models if one of them has a single region, otherwise regions. Differences up to
+    `distance` (default: 1e-9 of the diagonal) are ignored. Each part is tested with 6 `cells`^2 rays; volumes are
+    measured until half the width of their interval is `precision` times the volume, with at most `most_rays` rays.
+    Equal seeds give equal results.
     """
     names, truths, numbers, (is_same, unit, limit, rays), section = _core.diff_columns(
         a, b, by, distance, cells, precision, confidence, most_rays, corners(within), seed, threads

@@ -1,4 +1,4 @@
-"""Drawings as texts."""
+"""Drawings as SVG."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Drawing:
     """The drawing as SVG."""
 
     def save(self, path: str | PathLike[str]) -> None:
-        """Writes the drawing into a file (.svg)."""
+        """Writes the drawing to a file (.svg)."""
         Path(path).write_text(self.svg, encoding="utf-8")
 
     def _repr_svg_(self) -> str:

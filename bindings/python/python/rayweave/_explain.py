@@ -1,4 +1,4 @@
-"""How an answer comes about, as data."""
+"""Explanations of answers, as data."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ class Operand:
     """An operand of a decision, with its answer."""
 
     node: str
-    """What it is called, its complement not counted."""
+    """Its name, without the complement."""
     complemented: bool
-    """Whether the decision takes its complement."""
+    """Whether the decision uses its complement."""
     before: int
     """Its own value until t: 1 inside, 0 outside; for a choice among regions the number of the region."""
     after: int
     """Its own value just after t."""
     t: float
-    """When it changes next; inf if it never does."""
+    """The time of its next change; inf if there is none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,19 +27,19 @@ class Entry:
     """A shape that was queried, or a node of the tree that decided from the answers of its two operands."""
 
     node: str
-    """What it is called, its complement not counted."""
+    """Its name, without the complement."""
     depth: int
-    """How far it lies below the root of the tree."""
+    """Its depth below the root of the tree."""
     rule: int | None
     """The rule that decided: 1, 3 or 4; None for a shape."""
     verdict: Literal["leaf", "settled", "changes", "ask again"]
-    """What came of it: a shape's answer, a value for good, a change at t, or no change at t, so that operands are queried again."""
+    """The outcome: the answer of a shape, a final value, a change at t, or none, so that operands are queried again."""
     before: int
     """The value until t: 1 inside, 0 outside; for a choice among regions the number of the region."""
     after: int
     """The value just after t."""
     t: float
-    """The time of the change, or of what changes nothing; inf if nothing ever changes."""
+    """The time of the change, or of the event that changes nothing; inf if nothing ever changes."""
     face: str | None
     """The face through which a shape is entered or left."""
     operands: tuple[Operand, ...]
@@ -50,22 +50,22 @@ class Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """One question to the whole model: what is next after t_min?"""
+    """One query to the whole model: the next crossing after t_min."""
 
     t_min: float
     """The time from which the query starts."""
     entries: tuple[Entry, ...]
-    """What happened, in order: operands before their nodes; nothing about parts that are known never to change again."""
+    """The steps in order, operands before their nodes, without parts that are known never to change again."""
     repeated: int
-    """How many more there were about parts that are known."""
+    """The number of omitted steps about such parts."""
     left_out: int
-    """How many more there were than are kept."""
+    """The number of further steps, which were not kept."""
     before: str
     """The region until t."""
     after: str
     """The region just after t."""
     t: float
-    """When the region changes next; inf if it never does."""
+    """The time of the next change of region; inf if there is none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +73,7 @@ class Passage:
     """A crossing, with names."""
 
     t: float
-    """When, in units of the ray's direction."""
+    """The time t, in units of the ray's direction."""
     before: str
     """The region before."""
     after: str

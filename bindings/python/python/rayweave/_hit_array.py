@@ -34,9 +34,9 @@ def array_csg(
 ) -> NDArray[Any]:
     """The hits of ``array1 operation array2``, for one ray or for many.
 
-    A hit array holds the times at which rays cross the boundary of a solid: column = ray, row = k-th hit, each column in
-    non-decreasing order, an even number of rows, padded with +inf. An odd number of -inf entries means that the ray comes
-    from infinity inside the solid.
+    A hit array holds the times at which rays cross the boundary of a solid: column = ray, row = k-th hit, each column
+    in non-decreasing order, an even number of rows, padded with +inf. An odd number of -inf entries means that the ray
+    comes from infinity inside the solid.
 
     Parameters
     ----------
@@ -46,18 +46,19 @@ def array_csg(
     operation
         `Operation.UNION`, `Operation.INTERSECT` or `Operation.DIFFERENCE`.
     sort_output
-        If False, entries that are not kept stay as +inf in their places among the merged ones. That is not a valid hit array
+        If False, dropped entries remain as +inf at their positions among the merged ones. That is not a valid hit array
         until it is sorted along axis 0.
     regularize
-        False: where both arrays hold the same time the entries toggle one after the other, those of `array1` first, so that
-        pieces of length zero may show up and `array1`, `array2` do not commute. True: equal times toggle together, and such
-        pieces are gone. A number: moreover, pieces shorter than it are dropped.
+        False: entries of both arrays with equal times toggle one after the other, those of `array1` first, so that
+        pieces of length zero may occur and the order of the arrays matters. True: entries with equal times toggle
+        together, which leaves no such pieces. A number: as True, and pieces shorter than this number are dropped.
     out
-        An array of the result's shape and dtype, which is written and returned. If it is contiguous and shares no memory with
-        the operands, nothing is allocated. After an error that names an entry part of the result may have been written.
+        An array of the result's shape and dtype, which is written and returned. If it is contiguous and shares no
+        memory with the operands, nothing is allocated. After an error that names an entry, the array may be partly
+        overwritten.
     threads
-        The most threads to use, by default the environment variable RAYWEAVE_THREADS, else the number of cores; small arrays
-        are not cut. The bits of the result do not depend on it.
+        The maximum number of threads; by default the environment variable RAYWEAVE_THREADS, or the number of cores.
+        Small arrays are not split. The number changes no bit of the result.
 
     Returns
     -------
@@ -66,8 +67,8 @@ def array_csg(
     Raises
     ------
     RayweaveError
-        For an odd number of rows, NaN, a column that is not sorted, different numbers of rays; the message names the array
-        and the first bad column.
+        For an odd number of rows, NaN, a column that is not sorted, different numbers of rays; the message names the
+        array and the first bad column.
     TypeError
         For a dtype that is not real (bool, complex, object, text).
 
@@ -87,10 +88,10 @@ def array_csg(
 def count_array(
     array1: ArrayLike, array2: ArrayLike, operation: Operation
 ) -> tuple[NDArray[Any], NDArray[np.int64]]:
-    """The merged entries of two hit arrays and, after each, the number of solids that the ray is inside of.
+    """The merged entries of two hit arrays and, after each entry, the number of solids around the ray.
 
-    For `Operation.DIFFERENCE` the second solid is replaced by its complement. Shapes and errors are those of `array_csg`; the
-    counts are between 0 and 2.
+    For `Operation.DIFFERENCE` the second solid is replaced by its complement. Shapes and errors are those of
+    `array_csg`; the counts are between 0 and 2.
     """
     return _core.count_array(array1, array2, _number(operation))
 

@@ -16,10 +16,10 @@ _Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """What has been measured of R regions; `x_half_width` is half the width of the confidence interval of `x`.
+    """The measured values of R regions; `x_half_width` is half the width of the confidence interval of `x`.
 
-    Lengths are those of the document. A value that is not known is NaN: the mass of a medium without a density, the volume by
-    formula of anything but a single shape, the centre of a region that no ray has met.
+    Lengths are in the unit of the document. Unknown values are NaN: the mass of a medium without a density, the volume
+    by formula of anything but a single shape, the centre of a region that no ray has hit.
     """
 
     regions: tuple[str, ...]
@@ -32,7 +32,7 @@ class Measurement:
     volume_by_formula: _Array
     """(R,) exact volumes."""
     area: _Array
-    """(R,) areas of the boundaries; what two regions share counts for both."""
+    """(R,) areas of the boundaries; a face between two regions counts for both."""
     area_half_width: _Array
     mass: _Array
     """(R,) masses in grams, from the density of the medium in g/cm^3."""
@@ -67,9 +67,10 @@ def measure(
 ) -> Measurement:
     """Measure the regions of a model, or a solid as the only region, by stratified rays.
 
-    Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision` times
-    the volume, or `most_rays` are spent for a region. A region is what later regions leave of it. `within` (2, 3), the corners
-    of a box, measures only what lies in it. Equal seeds give equal results, whatever the number of threads.
+    Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision`
+    times the volume, or `most_rays` have been traced for a region. Parts that later regions cover do not count.
+    `within` (2, 3), the corners of a box, restricts the measurement to the box. Equal seeds give equal results,
+    regardless of the number of threads.
     """
     regions, media, (rays, is_reached), (values, widths) = _core.measure_columns(
         subject, precision, confidence, most_rays, corners(within), seed, evaluator, threads

@@ -12,9 +12,9 @@ class Region:
     """A solid made of a medium, as part of a model."""
 
     name: str
-    """What it is called."""
+    """Its name."""
     solid: Solid
-    """The space that it takes, except where a later region takes it."""
+    """The space that it occupies, except where a later region has priority."""
     medium: str
     """The name of its medium."""
     colour: str
@@ -23,13 +23,13 @@ class Region:
 
 @dataclass(frozen=True)
 class Medium:
-    """What regions are made of."""
+    """A material of regions."""
 
     name: str
-    """What it is called."""
+    """Its name."""
     index: float | None = None
     """Its refractive index, if it is known."""
     colour: str | None = None
     """The colour of regions made of it."""
     numbers: dict[str, float] = field(default_factory=dict)
-    """What else the file says of it."""
+    """Further numbers that the file states for it."""

@@ -14,7 +14,7 @@ from rayweave._core import Model, Solid
 from rayweave._drawing import Drawing
 
 View: TypeAlias = Literal["front", "back", "left", "right", "top", "bottom", "iso"]
-"""The directions from which all of a model can be looked at; z is up."""
+"""Directions of view that show the whole model; z is up."""
 Shading: TypeAlias = Literal["gooch", "headlight", "flat"]
 """How surfaces are shaded."""
 Opacity: TypeAlias = float | Mapping[str, float]
@@ -23,18 +23,18 @@ Opacity: TypeAlias = float | Mapping[str, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """From where a picture is taken: in perspective, or without foreshortening if `height` is given."""
+    """A camera: perspective, or orthographic if `height` is given."""
 
     position: ArrayLike
-    """Where the camera is."""
+    """The position of the camera."""
     target: ArrayLike = (0.0, 0.0, 0.0)
-    """The point in the middle of the picture; not the position."""
+    """The point in the middle of the picture; it must differ from the position."""
     up: ArrayLike = (0.0, 0.0, 1.0)
     """The direction that is up in the picture."""
     field_of_view: float | None = None
     """The vertical field of view in degrees, between 0 and 180; 30 if neither it nor `height` is given."""
     height: float | None = None
-    """The height of the picture in lengths of the model, for a picture without foreshortening."""
+    """The height of the picture in the unit of the model, for an orthographic picture."""
 
 
 @overload
@@ -114,7 +114,7 @@ def render(
 ) -> NDArray[Any]:
     """A picture of a solid or a model as an array, row by row from the top.
 
-    What is None is as the model file says, or else as told below.
+    Arguments that are None have the values of the model file or else the defaults below.
 
     Parameters
     ----------
@@ -126,32 +126,32 @@ def render(
     size
         Width and height in pixels; 1280 x 720.
     view
-        The direction from which all of the model is looked at, without foreshortening.
+        The direction of an orthographic view of the whole model.
     field_of_view
-        The vertical field of view in degrees of a picture of all of the model, in perspective.
+        The vertical field of view in degrees, for a perspective view of the whole model.
     camera
-        Where the picture is taken from; without it and `view`, from the upper right, so that all of the model is seen.
+        The camera; without it and `view`, one at the upper right that shows the whole model.
     shading
         "gooch" (from cool to warm), "headlight" (a lamp on the camera) or "flat".
     edges
-        Whether lines are drawn where something begins or ends; True.
+        Whether edges are drawn as lines; True.
     shadows
         Whether lights cast shadows; False.
     samples
         Samples along each side of a pixel, 1 to 16; 3.
     cut
-        Takes away what is on these sides of planes, so that the inside shows: "x>0" one half of space, "x>50%,y<50%" a
+        Removes the parts on these sides of planes to show the inside: "x>0" removes one half of space, "x>50%,y<50%" a
         quarter of the model's box.
     explode
-        Draws the regions apart along this axis, with a gap as a part of the model's largest side: "z", "x:0.3".
+        Moves the regions apart along this axis, with a gap as a fraction of the model's largest side: "z", "x:0.3".
     opacity
-        Lets one see through regions.
+        Makes regions transparent.
     evaluator, threads
-        As in the questions of `Solid`.
+        As in the queries of `Solid`.
     """
     if camera is not None and (view is not None or field_of_view is not None):
         raise _core.RayweaveError(
-            "camera is given together with view or field_of_view: both say where to look from. Leave one of them out."
+            "camera is given together with view or field_of_view: both define the view. Leave one of them out."
         )
     arguments = dict(
         size=size,
@@ -190,8 +190,8 @@ def sheet(
 ) -> Drawing:
     """A sheet of paper with a model from several sides and a legend of its media; a notebook shows it.
 
-    The views from the front, from above and from the right are to one scale and in line with one another, each on the side
-    from which it is taken (third-angle projection, ISO 5456-2); the fourth is from the upper right.
+    The views from the front, from above and from the right are to one scale and in line with one another, each on the
+    side from which it is taken (third-angle projection, ISO 5456-2); the fourth is from the upper right.
 
     Parameters
     ----------

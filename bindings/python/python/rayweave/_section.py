@@ -64,23 +64,23 @@ def section(
     Parameters
     ----------
     plane
-        "xy", "xz", "yz", or a place along an axis, as "z=0.5".
+        "xy", "xz", "yz", or a position along an axis, such as "z=0.5".
     point, normal
         Instead of `plane`: a point of the plane (the origin), and its normal, of any length.
     at
-        (K,) places of a stack: coordinates along the axis of the plane, or distances from the point along the normal. The answer
-        is a list then, one section for each.
+        (K,) positions of a stack of planes: coordinates along the axis of the plane, or distances from the point along
+        the normal. The result is then a list with one section for each.
     by
         Whether regions of one medium are one part, or each region is a part of its own.
     tolerance
-        How far contours may be from the truth; 1/10000 of the larger side of the model in the plane.
+        The maximum distance of contours from the true section; 1/10000 of the larger side of the model in the plane.
     columns
-        The least number of rays that sweep the plane, 2 to 65536: what is thinner than their distance may be overlooked.
+        The minimum number of rays that sweep the plane, 2 to 65536: parts thinner than their spacing may be missed.
     within
-        (2, 3) corners of a box: only what lies in it is cut.
+        (2, 3) corners of a box: only the part of the model within it is cut.
     """
     if point is not None and normal is None:
-        raise _core.RayweaveError("point is given without normal: a plane needs both, or a name. Leave it out.")
+        raise _core.RayweaveError("point is given without normal: a plane needs both. Pass normal, too.")
     origin = [0.0, 0.0, 0.0] if point is None else _vector(point, "point")
     found = _core.section_list(
         subject,
@@ -101,10 +101,10 @@ def section(
 def save_section(
     sections: Section | Sequence[Section], path: str | PathLike[str], *, title: str = ""
 ) -> None:
-    """Writes a section, or a stack of them, as a picture (.svg) or as closed polylines on a layer for each part (.dxf).
+    """Writes a section, or a stack of them, as a picture (.svg) or as closed polylines with one layer per part (.dxf).
 
-    A picture shows at most 100 planes, evenly chosen. Coordinates of a DXF file are those of the planes, in the unit of the
-    model; the height is the offset of the plane.
+    A picture shows at most 100 planes, evenly chosen. Coordinates of a DXF file are those of the planes, in the unit of
+    the model; the height is the offset of the plane.
     """
     ending = Path(path).suffix.lower().lstrip(".")
     if ending not in ("svg", "dxf"):

@@ -1,4 +1,4 @@
-"""The functions that make shapes, from the one list of manual pages that the engine holds."""
+"""The functions that create shapes, generated from the manual pages of the engine."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _describe(parameter: dict[str, Any]) -> str:
 
 
 def _docstring(page: dict[str, Any]) -> str:
-    """The manual page with its table of parameters as NumPy's documentation writes it."""
+    """The manual page, with its table of parameters in the style of NumPy's documentation."""
     summary, _, rest = page["text"].partition("\n")
     rest = "\n".join(line for line in rest.splitlines() if not line.startswith("|"))
     parameters = "".join(map(_describe, page["parameters"]))
@@ -30,7 +30,7 @@ def _signature(parameter: dict[str, Any]) -> str:
 
 
 def _function(page: dict[str, Any]) -> Callable[..., _core.Solid]:
-    """The function that makes a shape: written as text, so that its signature and its errors are those of any other."""
+    """The function that creates a shape, compiled from text for an ordinary signature and ordinary errors."""
     names = [parameter["name"] for parameter in page["parameters"]]
     source = (
         f"def {page['name']}({', '.join(map(_signature, page['parameters']))}):\n"

@@ -15,17 +15,17 @@ _Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Thickness:
-    """How far the ray of each pixel goes through each of M media."""
+    """The path length of the ray of each pixel in each of M media."""
 
     media: tuple[str, ...]
     """The names of the media; the first is that of the world."""
     lengths: _Array
-    """(H, W, M) path lengths; that through the world is the way between the first and the last crossing; inf where a medium has no
-    end."""
+    """(H, W, M) path lengths; in the world only between the first and the last crossing; inf where a medium is
+    unbounded."""
     radiograph: _Array
-    """(H, W) the part of an X-ray that comes through, 0 to 1."""
+    """(H, W) the transmitted fraction of X-rays, 0 to 1."""
     attenuation: _Array
-    """(M,) the attenuation per length of each medium by which that is reckoned."""
+    """(M,) the attenuation per length of each medium that the radiograph uses."""
     unit: str
 
     def __repr__(self) -> str:
@@ -43,11 +43,12 @@ def thickness(
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> Thickness:
-    """Measure how far rays go through each medium: one ray through the centre of each pixel, and all the way through.
+    """Measure path lengths in each medium, along one ray through the centre of each pixel, through the whole model.
 
-    `view` looks at all of the model along parallel rays ("front", "top", ...); without it the camera of the model is taken. `size`
-    is width and height in pixels. The radiograph is by the numbers `attenuation` (per length) of the media; if there are none,
-    by their `density`, or all media alike, so that 5 % come through the place that weakens most.
+    `view` selects parallel rays that cover the whole model ("front", "top", ...); without it the camera of the model is
+    used. `size` is width and height in pixels. The radiograph uses the numbers `attenuation` (per length) of the media.
+    Without these, attenuation is proportional to `density` or, without densities, equal for all media, scaled so that 5
+    % pass where most is absorbed.
     """
     media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, size, evaluator, threads)
     return Thickness(tuple(media), lengths, radiograph, np.array(attenuation), unit)

@@ -1,4 +1,4 @@
-"""Time lines: drawings of what is inside when."""
+"""Time lines: drawings of the times at which rays are inside solids."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def timeline(
     operands, results
         Names and root-rays, pairs ``(+1 | -1, list)``, or hits of one ray: (H,) or (H, 1).
     title
-        What is written above.
+        The text above the drawing.
     window
-        The stretch of time that is shown; without it, all crossings with something around them.
+        The interval of time to draw; by default all crossings, with a margin.
     count
-        Whether there is a row that counts the operands that are inside.
+        Whether a row shows the number of operands that are inside.
 
     Examples
     --------

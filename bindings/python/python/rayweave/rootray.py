@@ -1,11 +1,11 @@
 """The boolean algebra of solids along one ray: the functions of J. Stolfi's module *rootray* (2021), under its names.
 
-A root-ray says on which side of a solid a trajectory starts and at which times it crosses the boundary. These functions take
-`RootRay` objects or that module's pairs ``(s, T)``: ``s`` is +1 if the trajectory starts in the exterior and -1 if it starts in
-the interior, ``T`` is a list of strictly increasing finite times. Of pairs they make pairs; if any operand is a `RootRay`, so
-is the result.
+A root-ray says on which side of a solid a trajectory starts and at which times it crosses the boundary. These functions
+take `RootRay` objects or that module's pairs ``(s, T)``: ``s`` is +1 if the trajectory starts in the exterior and -1 if
+it starts in the interior, ``T`` is a list of strictly increasing finite times. The result is a pair if all operands are
+pairs, and a `RootRay` otherwise.
 
-As that module does, the functions that combine or cut root-rays drop pieces shorter than `min_sep`. The operators
+As in that module, the functions that combine or cut root-rays drop pieces shorter than `min_sep`. The operators
 ``| & - ^ ~`` of `RootRay` are exact.
 
 >>> union((+1, [1.0, 2.0]), (+1, [2.0, 3.0]))
@@ -44,12 +44,12 @@ NewPair: TypeAlias = tuple[int, list[float]]
 
 
 def vacuum() -> RootRay:
-    """The trajectory that is outside for ever, ``(+1, [])``: neutral for `union`, absorbing for `intersection`."""
+    """The trajectory that is always outside, ``(+1, [])``: neutral for `union`, absorbing for `intersection`."""
     return RootRay(+1, [])
 
 
 def plenum() -> RootRay:
-    """The trajectory that is inside for ever, ``(-1, [])``: neutral for `intersection`, absorbing for `union`."""
+    """The trajectory that is always inside, ``(-1, [])``: neutral for `intersection`, absorbing for `union`."""
     return RootRay(-1, [])
 
 
@@ -58,7 +58,7 @@ def complement(f: RootRay) -> RootRay: ...
 @overload
 def complement(f: Pair) -> NewPair: ...
 def complement(f: RootRay | Pair) -> RootRay | NewPair:
-    """The root-ray of the complement: the same times, the other start side. Exact."""
+    """The root-ray of the complement: the same times, the opposite start side. Exact."""
     return _like(~_root_ray(f, "f"), f)
 
 
@@ -102,12 +102,12 @@ def symmetric_difference(f1: Pair, f2: RootRay) -> RootRay: ...
 @overload
 def symmetric_difference(f1: Pair, f2: Pair) -> NewPair: ...
 def symmetric_difference(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
-    """The root-ray of what is in exactly one of the two, without very thin pieces."""
+    """The root-ray of the points in exactly one of the two, without very thin pieces."""
     return _combine(RootRay.__xor__, f1, f2)
 
 
 def min_sep(t1: float, t2: float) -> float:
-    """The least separation of two distinct finite root times: symmetric, monotonic in ``abs(t1)`` and ``abs(t2)``."""
+    """The minimum separation of two distinct finite root times: symmetric, monotonic in ``abs(t1)`` and ``abs(t2)``."""
     return _core.min_sep(t1, t2)
 
 
@@ -116,14 +116,16 @@ def clip_time(f: RootRay, tmin: float, tmax: float) -> RootRay: ...
 @overload
 def clip_time(f: Pair, tmin: float, tmax: float) -> NewPair: ...
 def clip_time(f: RootRay | Pair, tmin: float, tmax: float) -> RootRay | NewPair:
-    """The part of `f` with ``tmin < t < tmax``; the side just after `tmin` becomes the start. Either end may be infinite."""
+    """The part of `f` with ``tmin < t < tmax``; the side just after `tmin` becomes the start. Either end may be
+    infinite."""
     return _like(_root_ray(f, "f").clip(tmin, tmax).weld(), f)
 
 
 def validate(f: RootRay | Pair) -> list[str]:
-    """All that is wrong with `f`: times that are NaN, infinite, not increasing, or closer than `min_sep`.
+    """The problems of `f`: times that are NaN, infinite, not increasing, or closer than `min_sep`.
 
-    One message each, none if all is well. A pair may hold anything; a `RootRay` can only have roots that are too close.
+    One message for each; an empty list if there are none. A pair may contain anything; in a `RootRay`, roots can only
+    be too close.
     """
     if isinstance(f, RootRay):
         return _core.root_problems(f.roots)
@@ -133,7 +135,7 @@ def validate(f: RootRay | Pair) -> list[str]:
 
 
 def surface_count(rays: Iterable[RootRay | Pair]) -> tuple[int, list[tuple[float, int]]]:
-    """How many solids a trajectory is inside of: the number as t goes to -inf, and (time, number just after it) for every
+    """The number of solids around a trajectory: as t goes to -inf, and as pairs (time, number just after it) for every
     distinct time at which some solid is entered or left."""
     return _core.surface_count([_root_ray(f, f"rays[{k}]") for k, f in enumerate(rays)])
 
@@ -160,7 +162,7 @@ def _unpacked(f: RootRay | Pair, name: str) -> Pair:
 
 
 def _like(result: RootRay, *given: RootRay | Pair) -> RootRay | NewPair:
-    """The result as a pair if all that was given were pairs."""
+    """The result as a pair if all arguments are pairs."""
     if any(isinstance(f, RootRay) for f in given):
         return result
     return result.start, result.roots

@@ -1,13 +1,12 @@
 """Solids in spaces of 2, 3 and 4 dimensions, and curves: the same boolean algebra along any trajectory.
 
-Solids: the functions below make a `Solid` of this module, whose last parameter `d` is the dimension of its space. Axes are
-counted from 0; the last axis may well be time. Lengths must be 0 or of a magnitude between 1e-60 and 1e60. The operators are
-``| & - ^ ~``, as for the ordinary solids of `rayweave`.
+Solids: the functions below create a `Solid` of this module; their last parameter `d` is the dimension of its space.
+Axes are counted from 0; the last axis can be time. Lengths must be 0 or of a magnitude between 1e-60 and 1e60. The
+operators are ``| & - ^ ~``, as for the ordinary solids of `rayweave`.
 
-Curves: `Line`, `Parabola`, `Arc`, `Helix`, `Spline`, or any object of your own with the three methods of `Trajectory`. They
-serve the solids of this module (``solid.crossings_along``) and the ordinary solids and models of `rayweave`, which have a
-method of the same name. Where a curve crosses a surface is found from bounds, not from samples: nothing is missed between
-them. Angles are in degrees.
+Curves: `Line`, `Parabola`, `Arc`, `Helix`, `Spline`, or any object of your own with the three methods of `Trajectory`.
+The solids of this module and the ordinary solids and models of `rayweave` have a method ``crossings_along``. Crossings
+are isolated by bounds, not by sampling, so that none is missed. Angles are in degrees.
 
 >>> import rayweave.space as rs
 >>> ring = rs.ball(2, d=2) - rs.ball(1, d=2)
@@ -57,11 +56,11 @@ __all__ = [
 
 
 class Trajectory(Protocol):
-    """What a curve of your own must offer: three methods, of which the third is a promise.
+    """The methods of a user-defined curve; the third one promises a bound.
 
-    The answers are right if the curve is continuously differentiable and the bound holds. Promises that are seen to be broken
-    are a `RayweaveError` that tells the times; exceptions of these methods come out as they are. An attribute `domain`, a pair
-    of times, may say where the curve is defined; without it, everywhere.
+    The answers are correct if the curve is continuously differentiable and the bound holds. A violation that is
+    detected raises a `RayweaveError` with the times; exceptions raised by these methods propagate unchanged. The
+    optional attribute `domain`, a pair of times, states where the curve is defined; by default everywhere.
     """
 
     def position(self, t: float, /) -> ArrayLike:
@@ -71,15 +70,15 @@ class Trajectory(Protocol):
         """r'(t): (d,), finite, exact to rounding."""
 
     def acceleration_bound(self, t0: float, t1: float, /) -> float:
-        """A number that the Euclidean length of r'' nowhere exceeds between two times, t0 < t1: finite, at least 0.
+        """An upper bound of the Euclidean length of r'' between two times, t0 < t1: finite, at least 0.
 
-        The closer the bound, the less work; it may be the same for all times.
+        A tighter bound needs fewer evaluations; the bound may be the same for all times.
         """
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PointCrossings:
-    """Where lines or curves cross the surface of a solid in R^d: M rows, sorted by ray, then t.
+    """Crossings of lines or curves with the surface of a solid in R^d: M rows, sorted by ray, then t.
 
     A ray is a line or a curve. The rows of ray i are ``offsets[i]:offsets[i + 1]``.
     """
@@ -87,23 +86,23 @@ class PointCrossings:
     ray: NDArray[np.int64]
     """(M,) the number of the line or curve."""
     t: NDArray[np.float64]
-    """(M,) when: of a line through p and q, 0 at p and 1 at q; of a curve its own time."""
+    """(M,) the time t: for a line through p and q, 0 at p and 1 at q; for a curve its parameter."""
     point: NDArray[np.float64]
-    """(M, d) where."""
+    """(M, d) the point."""
     normal: NDArray[np.float64]
-    """(M, d) the unit normal, outward of the solid: against the ray where it enters."""
+    """(M, d) the unit normal, pointing out of the solid: against the ray where it enters."""
     enters: NDArray[np.bool_]
-    """(M,) whether the ray enters the solid, or leaves it."""
+    """(M,) True where the ray enters the solid, False where it leaves."""
     surface: NDArray[np.int32]
     """(M,) the face that is crossed, as an index of `surface_names`."""
     leaf: NDArray[np.int32]
     """(M,) the shape that the face belongs to, in the order of declaration."""
     offsets: NDArray[np.int64]
-    """(N + 1,) where the rows of each ray begin, and their total at the end."""
+    """(N + 1,) the first row of each ray, followed by the total number of rows."""
     start_inside: NDArray[np.bool_]
     """(N,) whether a line comes from infinity inside, or a curve is inside just after t_min."""
     surface_names: tuple[str, ...]
-    """The names of all faces: that of the shape; with ``.lo`` and ``.hi`` for a slab, and the axis, ``.lo0``, for a box."""
+    """The names of all faces: that of the shape; for a slab with ``.lo`` or ``.hi``, for a box as in ``.lo0``."""
 
     def __len__(self) -> int:
         """The number of rows, M."""
@@ -114,7 +113,7 @@ class PointCrossings:
 
 
 def empty(d: int) -> Solid:
-    """Nothing, in a space of d dimensions: the neutral element of union."""
+    """The empty solid in a space of d dimensions: the neutral element of union."""
     return _shape("empty", d)
 
 
@@ -135,7 +134,7 @@ def half_space(axis: int, d: int, *, offset: float = 0.0) -> Solid:
 
 
 def half_space_below(normal: ArrayLike, offset: float) -> Solid:
-    """The points p with normal . p < offset. The normal (d,) need not be of unit length, but not zero."""
+    """The points p with normal . p < offset. The normal (d,) may have any length but 0."""
     normal = _vector(normal, "normal")
     return _shape("half_space", len(normal), (), [*normal, offset])
 
@@ -149,12 +148,13 @@ def box(lo: ArrayLike, hi: ArrayLike) -> Solid:
     """The box between two opposite corners (d,), the first less than the second in every coordinate."""
     lo, hi = _vector(lo, "lo"), _vector(hi, "hi")
     if len(lo) != len(hi):
-        raise RayweaveError(f"lo has {len(lo)} numbers and hi has {len(hi)}: they must be of one space.")
+        raise RayweaveError(f"lo has {len(lo)} numbers and hi has {len(hi)}: they must have the same length.")
     return _shape("box", len(lo), (), [*lo, *hi])
 
 
 def quadric(n: int, m: int, bias: float, d: int | None = None) -> Solid:
-    """The points where the sum of the first m squared coordinates minus that of the next n - m, plus bias, is less than 0.
+    """The points where the sum of the first m squared coordinates minus that of the next n - m, plus bias, is less than
+    0.
 
     0 <= m <= n <= d; the other d - n coordinates are free; d is n unless it is given. n = m = d is a ball of radius
     sqrt(-bias), n = m < d a cylinder, m < n with bias 0 a cone, with bias < 0 a hyperboloid of one sheet if m > 1, with
@@ -172,10 +172,11 @@ def cylinder(m: int, radius: float, d: int) -> Solid:
 
 
 def cone(m: int, slope: float, d: int) -> Solid:
-    """The double cone with its apex at the origin: the length of the first m coordinates is less than slope times that of the others.
+    """The double cone with its apex at the origin: the length of the first m coordinates is less than slope times that
+    of the others.
 
-    1 <= m < d, slope > 0. m = d - 1 is a cone about the last axis; with time last and slope c it is the light cone of the
-    origin.
+    1 <= m < d, slope > 0. m = d - 1 is a cone about the last axis; with time last and slope c it is the light cone of
+    the origin.
     """
     return _shape("cone", d, [("m", m)], [slope])
 
@@ -188,8 +189,8 @@ def ball(radius: float, d: int) -> Solid:
 def prism(points: ArrayLike, d: int) -> Solid:
     """The points whose first two coordinates lie in a simple polygon, convex or not, unbounded in the others.
 
-    `points` (N, 2) may go either way round. The face of the edge from point k to the next is called ``edge`` k. For holes and
-    several contours see `rayweave.from_polygons`.
+    The order of `points` (N, 2) may be clockwise or counter-clockwise. The face of the edge from point k to the next is
+    named ``edge`` k. For holes and several contours see `rayweave.from_polygons`.
     """
     array = np.asarray(points)
     if array.ndim != 2 or array.shape[1] != 2:
@@ -198,20 +199,20 @@ def prism(points: ArrayLike, d: int) -> Solid:
 
 
 def union(solids: Iterable[Solid]) -> Solid:
-    """Inside any of the solids: at least one, all of one dimension."""
+    """The union of solids: at least one, all of the same dimension."""
     return _core.space_join("union", solids)
 
 
 def intersection(solids: Iterable[Solid]) -> Solid:
-    """Inside all of the solids: at least one, all of one dimension."""
+    """The intersection of solids: at least one, all of the same dimension."""
     return _core.space_join("intersection", solids)
 
 
 def trace(p: ArrayLike, q: ArrayLike, solid: Solid) -> RootRay:
     """The root-ray of the line through two points (d,), over all t: 0 at p, 1 at q.
 
-    Raises `RayweaveError` if p and q are the same point, or for a coordinate that is not finite. For faces, points and normals,
-    and for many lines at once, see `Solid.crossings`.
+    Raises `RayweaveError` if p and q are the same point, or for a coordinate that is not finite. For faces, points and
+    normals, and for many lines at once, see `Solid.crossings`.
     """
     return _core.space_trace(p, q, solid)
 
@@ -219,9 +220,9 @@ def trace(p: ArrayLike, q: ArrayLike, solid: Solid) -> RootRay:
 def trace_along(curve: Trajectory, solid: Solid, t_min: float, t_max: float) -> RootRay:
     """The root-ray of a curve strictly between two finite times; its start is the side just after t_min.
 
-    Raises `RayweaveError` for a window that is not finite, empty or beyond the curve's domain, for a curve of another space and
-    for one that breaks its promises (see `Trajectory`). For faces, points and normals, and for many curves at once, see
-    `Solid.crossings_along`.
+    Raises `RayweaveError` for a window that is not finite, empty or beyond the curve's domain, for a curve of a
+    different dimension, and for one that violates its bound (see `Trajectory`). For faces, points and normals, and for
+    many curves at once, see `Solid.crossings_along`.
     """
     return _core.space_trace_along(curve, solid, t_min, t_max)
 
@@ -243,13 +244,13 @@ def _vector(values: ArrayLike, name: str) -> list[float]:
 
 
 def _restore(name: str, maker: str | None, arguments: tuple[Any, ...]) -> Curve:
-    """A curve from what pickling wrote."""
+    """A curve from its pickled form."""
     if name not in ("Arc", "Helix", "Line", "Parabola", "Spline") or maker not in (
         None,
         "about",
         "with_frequency",
     ):
-        raise RayweaveError("the pickled object is not a curve: it is of another version.")
+        raise RayweaveError("the pickled object is not a curve: it comes from a different version.")
     made = globals()[name]
     curve: Curve = (made if maker is None else getattr(made, maker))(*arguments)
     return curve

@@ -53,7 +53,7 @@ impl PyArrivals {
 
     /// The number of rays, the centroid (x, y), the RMS radii (both, x, y) and the geometric radius.
     fn spot(&self) -> PyResult<Sizes> {
-        let dark = || bad_value("no light arrives at the image: a spot needs some.");
+        let dark = || bad_value("no light arrives at the image: a spot needs at least one ray.");
         let spot = Spot::of(&self.0).ok_or_else(dark)?;
         let ([x, y], [rms_x, rms_y]) = (spot.centroid, spot.rms_xy);
         Ok((spot.rays, (x, y), (spot.rms, rms_x, rms_y), spot.geometric))
@@ -82,7 +82,7 @@ impl PyArrivals {
         PyArray1::from_vec(py, py.detach(|| geometric_mtf(&self.0, direction, &frequencies)))
     }
 
-    /// By how much the plane has to move for the least RMS radius; NaN for parallel rays.
+    /// The shift of the plane with the smallest RMS radius; NaN for parallel rays.
     fn best_focus(&self) -> f64 {
         best_focus(&self.0).unwrap_or(f64::NAN)
     }

@@ -108,7 +108,7 @@ pub struct PySheet(pub Sheet);
 
 #[pymethods]
 impl PySheet {
-    /// `curvature` is that of the surface at its vertex, 1 over its radius; an opening makes a stop of it.
+    /// `curvature` is that of the surface at its vertex, 1 over its radius; an opening turns it into a stop.
     #[new]
     #[pyo3(signature = (outline, opening=None, curvature=0.0, conic=0.0))]
     fn new(outline: Outline, opening: Option<Outline>, curvature: f64, conic: f64) -> PyResult<Self> {

@@ -70,7 +70,7 @@ pub fn rows_of(table: &Bound<'_, PyDict>) -> PyResult<Segments> {
 fn column<T: numpy::Element + Clone>(table: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
     let missing = || bad_value(format!("there is no column {name:?}"));
     let array = table.get_item(name)?.ok_or_else(missing)?;
-    let array = array.cast::<PyArray1<T>>().map_err(|_| bad_value(format!("{name} is of another type")))?;
+    let array = array.cast::<PyArray1<T>>().map_err(|_| bad_value(format!("{name} has a different type")))?;
     Ok(array.try_readonly().map_err(bad_value)?.as_array().to_vec())
 }
 

@@ -70,20 +70,20 @@ impl PySource {
         py.detach(read).map(PySource).map_err(bad_value)
     }
 
-    /// The source with another spectrum.
+    /// The source with a different spectrum.
     #[pyo3(signature = (spectrum))]
     fn with_spectrum(&self, spectrum: Spec) -> PyResult<Self> {
         self.0.clone().spectrum(&spectrum_of(&spectrum)?).map(PySource).map_err(bad_value)
     }
 
-    /// The source with another power, of each ray or of all together.
+    /// The source with a different power, of each ray or of all together.
     #[pyo3(signature = (power, is_total))]
     fn with_power(&self, power: f64, is_total: bool) -> PyResult<Self> {
         let power = if is_total { Power::Total(power) } else { Power::PerRay(power) };
         self.0.clone().power(power).map(PySource).map_err(bad_value)
     }
 
-    /// The source with polarised light: the parameters of Stokes.
+    /// The source with polarised light, given by Stokes parameters.
     #[pyo3(signature = (parameters))]
     fn with_stokes(&self, parameters: [f64; 4]) -> PyResult<Self> {
         self.0.clone().stokes(parameters).map(PySource).map_err(bad_value)
@@ -137,9 +137,8 @@ fn pattern(
     outline: Option<&Outline>,
     sampling: &str,
 ) -> PyResult<Pattern> {
-    let aperture = || {
-        outline.ok_or_else(|| bad_value("the aperture is missing: the light comes through it."))?.aperture()
-    };
+    let aperture =
+        || outline.ok_or_else(|| bad_value("the aperture is missing: it bounds the beam."))?.aperture();
     Ok(match (kind, numbers) {
         ("line", &[length]) => Pattern::Line { length, count },
         ("circle", &[diameter]) => Pattern::Circle { diameter, count },

@@ -20,7 +20,7 @@ use crate::optics::segments::{accounts, columns};
 /// The interval at which a waiting reader checks for signals.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// The interval at which a thread looks whether another one has taken its table.
+/// The interval at which a thread checks whether another one has taken its table.
 const TURN: Duration = Duration::from_millis(1);
 
 /// The maximum number of chunks, of a few thousand rays each, that wait for the reader.
@@ -188,13 +188,13 @@ impl PyStream {
         self.cancel.cancel();
     }
 
-    /// About how many rays have been traced.
+    /// The approximate number of rays traced so far.
     #[getter]
     fn rays(&self) -> u64 {
         self.state().rays
     }
 
-    /// The balance of power, once the run is over.
+    /// The balance of power, available once the run is over.
     #[getter]
     #[cfg_attr(false, stub("() -> dict[str, Any] | None"))]
     fn balance<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {

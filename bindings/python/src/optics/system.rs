@@ -91,7 +91,7 @@ impl PySystem {
         Ok((columns(py, segments)?, accounts(py, &balance)?))
     }
 
-    /// The phases of s and p of the rows of a whole trace, whose columns are given, in degrees.
+    /// The phases of s- and p-polarised light for the rows of a whole trace with the given columns, in degrees.
     #[pyo3(signature = (columns: "dict[str, NDArray[Any]]"))]
     #[allow(clippy::type_complexity)] // two arrays
     fn phases<'py>(
@@ -116,7 +116,8 @@ impl PySystem {
         Ok(PyStream::start(self.system.clone(), all(&sources), settings.settings()?, batch))
     }
 
-    /// Traces the light of sources into a file, `.csv` or `.npy`; lengths are in a unit. The balance of power.
+    /// Traces the light of sources into a file, `.csv` or `.npy`, and returns the balance of power. `unit` is that of
+    /// lengths.
     #[pyo3(signature = (
         path, unit, sources, settings, phases, progress: "Callable[[int, int], object] | None" = None
     ) -> "dict[str, Any]")]

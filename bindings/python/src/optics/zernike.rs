@@ -16,7 +16,7 @@ fn zernike((n, m): (u32, i32)) -> PyResult<ZernikePolynomial> {
     has_term.then_some(ZernikePolynomial { n, m }).ok_or_else(problem)
 }
 
-/// The order and the frequency by an index: "noll" from 1, "osa" from 0.
+/// The radial order and the azimuthal frequency for an index: "noll" from 1, "osa" from 0.
 #[pyfunction]
 #[pyo3(signature = (scheme, index))]
 pub fn zernike_term(scheme: &str, index: u32) -> PyResult<(u32, i32)> {
@@ -31,7 +31,7 @@ pub fn zernike_term(scheme: &str, index: u32) -> PyResult<(u32, i32)> {
     Ok((zernike.n, zernike.m))
 }
 
-/// The values of a polynomial at points (N, 2) of the unit disk.
+/// The values of a Zernike polynomial at points (N, 2) of the unit disk.
 #[pyfunction]
 #[pyo3(signature = (term, pupil: "ArrayLike"))]
 pub fn zernike_values<'py>(

@@ -1,5 +1,6 @@
 //! Detectors: GDML files with optical properties, and simulation of photons in them.
 
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,15 +13,17 @@ use rayweave::formats::{self, Format, Imported, Options};
 use rayweave::model::drive::Cancel;
 use rayweave::photon::property::PropertyTable;
 use rayweave::photon::{
-    DetectionRule, Detector, Histories, HistoryOptions, OpticalMaterial, OpticalSurface, PhotonPart,
-    PhotonRun, RunSettings, simulate_parts,
+    DetectionRule, Detector, Histories, HistoryOptions, LintFinding, OpticalMaterial, OpticalSurface,
+    PhotonPart, PhotonRun, RunSettings, SurfaceTables, check_start, lint, simulate_parts,
 };
 
 use crate::error::bad_value;
 use crate::interrupt::{abandonable, interruptible};
+use crate::photons::light::TorchLight;
 use crate::photons::parts::DetectorParts;
 use crate::photons::run::{Halt, PhotonWatch, PyPhotonRun};
 use crate::photons::source::PyPhotonSource;
+use crate::photons::tables::PyTables;
 
 /// A property: its name, energies in MeV, values, and unit.
 type Property<'py> = (&'static str, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, &'static str);
@@ -37,33 +40,37 @@ pub struct PyDetector {
 
 /// Reads a detector from a GDML file, or from a native model converted from one.
 #[pyfunction]
-#[pyo3(signature = (path, *, allow = Vec::new(), strict = false))]
+#[pyo3(signature = (path, tables, *, allow = Vec::new(), strict = false))]
 pub fn load_detector(
     py: Python<'_>,
     path: PathBuf,
+    tables: &PyTables,
     allow: Vec<PathBuf>,
     strict: bool,
 ) -> PyResult<PyDetector> {
     let options = Options { allow, strict, ..Options::default() };
+    let tables = tables.0.clone();
     abandonable(py, move || {
         let imported = formats::load(&path, None, &[], &options).map_err(bad_value)?;
-        PyDetector::new(&imported)
+        PyDetector::new(imported, tables)
     })?
 }
 
 /// Reads a detector from the text of a GDML file.
 #[pyfunction]
-#[pyo3(signature = (text, *, allow = Vec::new(), strict = false))]
+#[pyo3(signature = (text, tables, *, allow = Vec::new(), strict = false))]
 pub fn loads_detector(
     py: Python<'_>,
     text: String,
+    tables: &PyTables,
     allow: Vec<PathBuf>,
     strict: bool,
 ) -> PyResult<PyDetector> {
     let options = Options { allow, strict, ..Options::default() };
+    let tables = tables.0.clone();
     abandonable(py, move || {
         let imported = formats::parse(&text, Format::Gdml, &[], &options).map_err(bad_value)?;
-        PyDetector::new(&imported)
+        PyDetector::new(imported, tables)
     })?
 }
 
@@ -152,6 +159,56 @@ impl PyDetector {
         self.parts.detector.surfaces().iter().map(own).collect()
     }
 
+    /// The findings of the lint: rule (optical or unused), place, problem with its reason and suggestion.
+    fn findings(&self, py: Python<'_>) -> Vec<(&'static str, Option<String>, String)> {
+        let DetectorParts { imported, tables, .. } = &*self.parts;
+        let places = |element, name: &str, property: &str| {
+            imported.places.find(element, name, property).map(str::to_owned)
+        };
+        let found = py.detach(|| lint(&imported.scene, &imported.document(), tables, Packets::new, &places));
+        let own = |finding: LintFinding| {
+            let kind = if finding.is_unused { "unused" } else { "optical" };
+            (kind, finding.place, finding.message.to_string())
+        };
+        found.into_iter().map(own).collect()
+    }
+
+    /// A sentence about photons of a source that start outside the world or in a material without a refractive index; an error if
+    /// all of them do.
+    fn check_start(
+        &self,
+        py: Python<'_>,
+        source: &PyPhotonSource,
+        settings: PhotonSettings,
+    ) -> PyResult<Option<String>> {
+        source.check_detector(&self.parts)?;
+        let run = settings.settings(&Cancel::new())?;
+        let DetectorParts { detector, evaluator, .. } = &*self.parts;
+        py.detach(|| check_start(detector, evaluator, &source.source, &run)).map_err(bad_value)
+    }
+
+    /// A torch in a volume, or on its boundary.
+    fn volume_source(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        is_boundary: bool,
+        light: TorchLight,
+    ) -> PyResult<PyPhotonSource> {
+        PyPhotonSource::in_volume(py, self.parts.clone(), (name, is_boundary), &light)
+    }
+
+    /// Gensteps in the layout of Opticks, (N, 6, 4), or of Geant4, (N, 16), with the names of materials by their numbers.
+    #[pyo3(signature = (gensteps: "ArrayLike", materials: "Mapping[int, str]"))]
+    fn gensteps(
+        &self,
+        py: Python<'_>,
+        gensteps: &Bound<'_, PyAny>,
+        materials: BTreeMap<u32, String>,
+    ) -> PyResult<PyPhotonSource> {
+        PyPhotonSource::of_gensteps(py, self.parts.clone(), gensteps, &materials)
+    }
+
     /// Simulates photons of a source. `progress` is called with the number of finished photons and the total.
     #[pyo3(signature = (source, settings, progress: "Callable[[int, int], object] | None" = None))]
     fn simulate(
@@ -161,6 +218,7 @@ impl PyDetector {
         settings: PhotonSettings,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<PyPhotonRun> {
+        source.check_detector(&self.parts)?;
         let cancel = Cancel::new();
         let run = settings.settings(&cancel)?;
         let record = settings.record.map(|(steps, sequences)| HistoryOptions { steps, sequences });
@@ -188,14 +246,16 @@ impl PyDetector {
 }
 
 impl PyDetector {
-    fn new(imported: &Imported) -> PyResult<PyDetector> {
-        let detector = Detector::new(&imported.scene, &imported.document()).map_err(bad_value)?;
+    fn new(imported: Imported, tables: SurfaceTables) -> PyResult<PyDetector> {
+        let detector = Detector::with_tables(&imported.scene, &imported.document(), &tables);
+        let detector = detector.map_err(bad_value)?;
         let evaluator = Packets::new(detector.program().clone());
         let rendered = |warning: &rayweave::scene::Diagnostic| {
             rayweave::scene::Diagnostics::from(warning.clone()).render(false)
         };
         let warnings = imported.scene.warnings.iter().map(rendered).collect();
-        Ok(PyDetector { parts: Arc::new(DetectorParts { detector, evaluator }), warnings })
+        let parts = Arc::new(DetectorParts { detector, evaluator, imported, tables });
+        Ok(PyDetector { parts, warnings })
     }
 }
 

@@ -123,7 +123,7 @@ impl PyHistories {
     #[pyo3(signature = (title, plane = None))]
     fn tracks_svg(&self, py: Python<'_>, title: &str, plane: Option<&str>) -> PyResult<String> {
         let plane = plane.map(str::parse::<LayoutPlane>).transpose().map_err(bad_value)?;
-        let DetectorParts { detector, evaluator } = &*self.detector;
+        let DetectorParts { detector, evaluator, .. } = &*self.detector;
         let draw = || {
             let layout = OpticalLayout::of_light(
                 evaluator,

@@ -44,6 +44,9 @@ impl PyPhotonHits {
         table.set_item("sensor", PyArray1::from_iter(py, sensor))?;
         let copies = hits.sensor.iter().map(|&sensor| hits.copies()[sensor as usize]);
         table.set_item("copy", PyArray1::from_iter(py, copies))?;
+        if let Some(gensteps) = &hits.genstep {
+            table.set_item("genstep", PyArray1::from_slice(py, gensteps))?;
+        }
         Ok(table)
     }
 

@@ -1,41 +1,129 @@
 //! Sources of photons.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
+use std::sync::Arc;
 
+use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use rayweave::Vec3;
 use rayweave::photon::property::HC_MEV_NM;
-use rayweave::photon::{Directions, Photon, Source, Torch};
+use rayweave::photon::{
+    Genstep, Gensteps, Origin, Photon, Source, SourceVolume, Torch, from_geant4, from_opticks,
+    photons_from_opticks,
+};
 
-use crate::arrays::list;
+use crate::arrays::{RealArray, contiguous, double_array, list, real_array, shape_text};
 use crate::error::bad_value;
+use crate::photons::light::TorchLight;
+use crate::photons::parts::DetectorParts;
 use crate::vectors::{vector, vectors};
 
 /// A source of photons: see `rayweave.photons.Source`.
 #[pyclass(frozen, module = "rayweave.photons", name = "PhotonSource")]
 pub struct PyPhotonSource {
     pub source: Source,
+    /// The detector that a source with volumes or materials belongs to.
+    detector: Option<Arc<DetectorParts>>,
+}
+
+impl PyPhotonSource {
+    fn free(source: Source) -> PyPhotonSource {
+        PyPhotonSource { source, detector: None }
+    }
+
+    fn torch(origin: Origin, light: &TorchLight) -> PyResult<Torch> {
+        light.light(Torch::new(origin, light.wavelengths()?).map_err(bad_value)?)
+    }
+
+    /// The inside of a volume, or its boundary.
+    pub fn in_volume(
+        py: Python<'_>,
+        parts: Arc<DetectorParts>,
+        (name, is_boundary): (&str, bool),
+        light: &TorchLight,
+    ) -> PyResult<PyPhotonSource> {
+        let DetectorParts { detector, evaluator, .. } = &*parts;
+        let volume = py.detach(|| match is_boundary {
+            true => SourceVolume::boundary(detector, evaluator, name),
+            false => SourceVolume::inside(detector, evaluator, name),
+        });
+        let torch = Self::torch(Origin::Volume(volume.map_err(bad_value)?), light)?;
+        Ok(PyPhotonSource { source: Source::Torch(torch), detector: Some(parts) })
+    }
+
+    /// Gensteps, with the names of materials by their numbers.
+    pub fn of_gensteps(
+        py: Python<'_>,
+        parts: Arc<DetectorParts>,
+        gensteps: &Bound<'_, PyAny>,
+        materials: &BTreeMap<u32, String>,
+    ) -> PyResult<PyPhotonSource> {
+        let steps = read_gensteps(gensteps)?;
+        let DetectorParts { detector, evaluator, .. } = &*parts;
+        let gensteps = py.detach(|| Gensteps::new(detector, evaluator, &steps, materials));
+        let source = Source::Gensteps(gensteps.map_err(bad_value)?);
+        Ok(PyPhotonSource { source, detector: Some(parts) })
+    }
+
+    /// An error if the source belongs to another detector: numbers of volumes and materials would differ.
+    pub fn check_detector(&self, detector: &Arc<DetectorParts>) -> PyResult<()> {
+        match &self.detector {
+            Some(own) if !Arc::ptr_eq(own, detector) => {
+                let problem = "the source belongs to another detector: its volumes and materials are those of the detector that it \
+                               was made with. Make one with this detector.";
+                Err(bad_value(problem))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 #[pymethods]
 impl PyPhotonSource {
-    /// A point that emits unpolarised photons, in all directions or in one.
+    /// A point.
     #[staticmethod]
-    #[pyo3(signature = (position: "ArrayLike", wavelength_nm, towards: "ArrayLike | None" = None))]
-    fn point(
-        position: &Bound<'_, PyAny>,
-        wavelength_nm: f64,
-        towards: Option<&Bound<'_, PyAny>>,
+    #[pyo3(signature = (position: "ArrayLike", light))]
+    fn point(position: &Bound<'_, PyAny>, light: TorchLight) -> PyResult<Self> {
+        let origin = Origin::Point(vector(position, "position")?);
+        Ok(Self::free(Source::Torch(Self::torch(origin, &light)?)))
+    }
+
+    /// A flat disc.
+    #[staticmethod]
+    #[pyo3(signature = (centre: "ArrayLike", normal: "ArrayLike", radius, light))]
+    fn disc(
+        centre: &Bound<'_, PyAny>,
+        normal: &Bound<'_, PyAny>,
+        radius: f64,
+        light: TorchLight,
     ) -> PyResult<Self> {
-        let torch = Torch::point(vector(position, "position")?, wavelength_nm).map_err(bad_value)?;
-        let torch = match towards {
-            None => torch,
-            Some(direction) => {
-                let directions = Directions::Cone { axis: vector(direction, "towards")?, half_angle: 0.0 };
-                torch.towards(directions).map_err(bad_value)?
-            }
-        };
-        Ok(PyPhotonSource { source: Source::Torch(torch) })
+        let (centre, axis) = (vector(centre, "centre")?, vector(normal, "normal")?);
+        let torch = Self::torch(Origin::Disc { centre, axis, radius }, &light)?;
+        Ok(Self::free(Source::Torch(torch)))
+    }
+
+    /// A straight line.
+    #[staticmethod]
+    #[pyo3(signature = (start: "ArrayLike", end: "ArrayLike", light))]
+    fn line(start: &Bound<'_, PyAny>, end: &Bound<'_, PyAny>, light: TorchLight) -> PyResult<Self> {
+        let torch = Self::torch(Origin::Line(vector(start, "start")?, vector(end, "end")?), &light)?;
+        Ok(Self::free(Source::Torch(torch)))
+    }
+
+    /// Photons in the layout of Opticks, (N, 4, 4).
+    #[staticmethod]
+    #[pyo3(signature = (photons: "ArrayLike"))]
+    fn from_opticks(photons: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let array = double_array(photons, "photons")?;
+        if !matches!(array.shape(), [_, 4, 4]) {
+            let shape = shape_text(array.shape());
+            return Err(bad_value(format!("photons has shape {shape}: it must be (N, 4, 4).")));
+        }
+        let array = contiguous(array)?;
+        let array = array.try_readonly().map_err(bad_value)?;
+        let photons = photons_from_opticks(array.as_slice().map_err(bad_value)?).map_err(bad_value)?;
+        Ok(Self::free(Source::Photons(photons)))
     }
 
     /// Given photons.
@@ -82,7 +170,16 @@ impl PyPhotonSource {
             Ok(Photon { position: positions[k], direction, polarisation, energy, time: times[k] })
         };
         let photons: Vec<Photon> = (0..count).map(photon).collect::<PyResult<_>>()?;
-        Ok(PyPhotonSource { source: Source::Photons(photons) })
+        Ok(Self::free(Source::Photons(photons)))
+    }
+
+    /// Sentences about gensteps that do not fit their materials.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        match &self.source {
+            Source::Gensteps(gensteps) => gensteps.notes().to_vec(),
+            Source::Torch(_) | Source::Photons(_) => Vec::new(),
+        }
     }
 
     /// The number of photons, if it is limited.
@@ -90,6 +187,35 @@ impl PyPhotonSource {
     fn count(&self) -> Option<u64> {
         self.source.limit()
     }
+}
+
+/// Gensteps in the layout of Opticks, (N, 6, 4), or of Geant4, (N, 16).
+fn read_gensteps(array: &Bound<'_, PyAny>) -> PyResult<Vec<Genstep>> {
+    let array = real_array(array, "gensteps")?;
+    let shape = match &array {
+        RealArray::Single(array) => array.shape().to_vec(),
+        RealArray::Double(array) => array.shape().to_vec(),
+    };
+    let steps = match (array, &shape[..]) {
+        (array, [_, 16]) => {
+            let array = contiguous(array.into_double()?)?;
+            from_geant4(array.try_readonly().map_err(bad_value)?.as_slice().map_err(bad_value)?)
+        }
+        (RealArray::Single(array), [_, 6, 4]) => {
+            let array = contiguous(array)?;
+            from_opticks(array.try_readonly().map_err(bad_value)?.as_slice().map_err(bad_value)?)
+        }
+        (RealArray::Double(_), [_, 6, 4]) => {
+            let problem = "gensteps of shape (N, 6, 4) are not float32: they hold integers in the bits of float32. Give the array \
+                           as it was written.";
+            return Err(bad_value(problem));
+        }
+        _ => {
+            let shape = shape_text(&shape);
+            return Err(bad_value(format!("gensteps has shape {shape}: it must be (N, 6, 4) or (N, 16).")));
+        }
+    };
+    steps.map_err(bad_value)
 }
 
 /// An error about an entry of an array, unless a condition holds.

@@ -102,7 +102,7 @@ impl PyCurve {
         self.at(t, true)
     }
 
-    /// A number that the length of r'' nowhere exceeds between two times, t0 < t1.
+    /// An upper bound of the length of r'' between two times, t0 < t1.
     #[pyo3(signature = (t0, t1))]
     fn acceleration_bound(&self, t0: f64, t1: f64) -> PyResult<f64> {
         if t0.is_nan() || t1.is_nan() || t0 >= t1 {
@@ -188,8 +188,8 @@ impl std::fmt::Display for Argument {
 
 /// The straight line origin + t direction.
 ///
-/// Both are of shape (d,), d = 2, 3 or 4. `t` is counted in units of the direction, which need not be of unit length; of length
-/// zero, it stays where it is. Raises `RayweaveError` for numbers that are not finite.
+/// Both are of shape (d,), d = 2, 3 or 4. `t` is in units of the direction, which need not be of unit length; a
+/// direction of length zero is a point at rest. Raises `RayweaveError` for numbers that are not finite.
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Line")]
 pub struct PyLine;
 
@@ -209,8 +209,8 @@ impl PyLine {
 
 /// The path of a projectile, position + t velocity + t^2 / 2 acceleration.
 ///
-/// All are of shape (d,), d = 2, 3 or 4: where and how fast it is at t = 0, and its constant acceleration, in units of length
-/// and of t. Raises `RayweaveError` for numbers that are not finite.
+/// All are of shape (d,), d = 2, 3 or 4: position and velocity at t = 0, and the constant acceleration, in units of
+/// length and of t. Raises `RayweaveError` for numbers that are not finite.
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Parabola")]
 pub struct PyParabola;
 
@@ -235,11 +235,12 @@ impl PyParabola {
     }
 }
 
-/// A circle or an ellipse, centre + cos(speed t) axes[0] + sin(speed t) axes[1]: an arc of it by the window of times.
+/// A circle or an ellipse, centre + cos(speed t) axes[0] + sin(speed t) axes[1]: the window of times selects an arc of
+/// it.
 ///
-/// `centre` is of shape (d,), d = 2, 3 or 4, `axes` of shape (2, d): two perpendicular ones of the length of the radius give a
-/// circle, any others an ellipse (its conjugate semi-diameters). `speed` is in degrees per unit of t: with 1, the default, `t`
-/// is the angle in degrees. Raises `RayweaveError` for numbers that are not finite.
+/// `centre` is of shape (d,), d = 2, 3 or 4, `axes` of shape (2, d): two perpendicular axes whose length is the radius
+/// give a circle, others an ellipse (its conjugate semi-diameters). `speed` is in degrees per unit of t: with 1, the
+/// default, `t` is the angle in degrees. Raises `RayweaveError` for numbers that are not finite.
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Arc")]
 pub struct PyArc;
 
@@ -270,7 +271,7 @@ impl PyArc {
         Ok(PyClassInitializer::from(curve).add_subclass(PyArc))
     }
 
-    /// The circle in space about `centre` from `start`, by the right hand about `normal` (of any length but 0), with `speed`
+    /// The circle in space about `centre` from `start`, right-handed about `normal` (of any length but 0), with `speed`
     /// degrees per unit of t. The part of start - centre along the normal is dropped.
     #[staticmethod]
     #[pyo3(signature = (centre: "ArrayLike", normal: "ArrayLike", start: "ArrayLike", speed = 1.0))]
@@ -295,10 +296,10 @@ impl PyArc {
 /// The path of a charged particle in a uniform magnetic field: a helix about the field.
 ///
 /// `position` and `velocity`, of shape (3,), are those at t = 0; `axis` is the direction of the field, of any length but 0;
-/// `radius` is the gyro radius, the velocity across the field by the signed gyro frequency: positive turns clockwise as seen
-/// against the field, as a positive charge does, negative the other way; infinite is a straight line. For a particle of charge q
-/// and momentum p across a field B it is p / (q B). Raises `RayweaveError` for numbers that are not finite, an axis of length
-/// zero, a radius of 0.
+/// `radius` is the gyro radius, the speed across the field divided by the signed gyro frequency. A positive radius
+/// turns clockwise as seen against the field, like a positive charge, a negative one counter-clockwise; an infinite
+/// radius is a straight line. For a particle of charge q and momentum p across a field B it is p / (q B). Raises
+/// `RayweaveError` for numbers that are not finite, an axis of length zero, a radius of 0.
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Helix")]
 pub struct PyHelix;
 
@@ -322,7 +323,7 @@ impl PyHelix {
         Ok(PyClassInitializer::from(curve).add_subclass(PyHelix))
     }
 
-    /// The same by the signed gyro frequency, in degrees per unit of t.
+    /// The same helix, defined by the signed gyro frequency in degrees per unit of t.
     #[staticmethod]
     #[pyo3(signature = (position: "ArrayLike", velocity: "ArrayLike", axis: "ArrayLike", frequency))]
     fn with_frequency(
@@ -340,9 +341,9 @@ impl PyHelix {
         Py::new(py, PyClassInitializer::from(curve).add_subclass(PyHelix))
     }
 
-    /// The helix from `start` about the line through `centre` along `axis`, by the right hand, rising along the axis by `pitch` in
-    /// every turn of 360 units of t: `t` is the angle in degrees. A pitch of 0 is a circle; a negative one makes the helix
-    /// left-handed.
+    /// The helix from `start` about the line through `centre` along `axis`, right-handed, rising along the axis by
+    /// `pitch` in every turn of 360 units of t: `t` is the angle in degrees. A pitch of 0 is a circle; a negative one
+    /// makes the helix left-handed.
     #[staticmethod]
     #[pyo3(signature = (centre: "ArrayLike", axis: "ArrayLike", start: "ArrayLike", pitch))]
     fn about(
@@ -379,8 +380,8 @@ fn helix(
 /// A cubic spline: at `points[k]` at time `knots[k]`, with r' and r'' continuous; defined from the first to the last knot.
 ///
 /// `knots` are (N,), at least two and strictly increasing, `points` (N, d), d = 2, 3 or 4. `ends` is "natural" (r'' = 0 at both
-/// ends), "periodic" (r' and r'' are the same at both ends; so must the points be) or "clamped", with `velocities` (2, d) at the
-/// two ends. Raises `RayweaveError` that names the first bad knot or point.
+/// ends), "periodic" (r' and r'' are equal at both ends, and the points must be) or "clamped", with `velocities` (2, d)
+/// at the two ends. Raises `RayweaveError` that names the first bad knot or point.
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Spline")]
 pub struct PySpline;
 
@@ -433,7 +434,7 @@ fn spline_ends<const D: usize>(ends: &str, velocities: Option<&[Vec<f64>]>) -> P
             Err(bad_value("velocities is missing: ends = 'clamped' needs them, one for each end."))
         }
         ("natural" | "periodic", Some(_)) => Err(bad_value(format!(
-            "velocities are given: with ends = '{ends}' they follow. Did you mean 'clamped'?"
+            "velocities are given: with ends = '{ends}' they are computed. Use ends = 'clamped'."
         ))),
         _ => Err(bad_value(format!("ends is '{ends}': it must be 'natural', 'clamped' or 'periodic'."))),
     }
@@ -484,7 +485,7 @@ fn same_length(names: &[&str], vectors: &[Vec<f64>]) -> PyResult<usize> {
     match vectors.iter().position(|vector| vector.len() != d) {
         None => Ok(d),
         Some(k) => Err(bad_value(format!(
-            "{} has {d} numbers and {} has {}: they must be of one space.",
+            "{} has {d} numbers and {} has {}: they must have the same length.",
             names[0],
             names[k],
             vectors[k].len()

@@ -126,7 +126,7 @@ where
     match any.held() {
         Some(curve) => Ok(Given::Ours(curve.clone())),
         None => Err(bad_value(format!(
-            "the curve is of dimension {} and the solid of dimension {D}: they must be of one space.",
+            "the curve is of dimension {} and the solid of dimension {D}: they must have the same dimension.",
             any.dimension()
         ))),
     }

@@ -126,5 +126,5 @@ fn point<const D: usize>(numbers: &[f64]) -> PyResult<Point<D>> {
 }
 
 fn damaged() -> PyErr {
-    bad_value("the pickled bytes are not a solid: they are damaged or of another version.")
+    bad_value("the pickled bytes are not a solid: they are damaged or come from a different version.")
 }

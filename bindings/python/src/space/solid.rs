@@ -22,9 +22,10 @@ use crate::rootray::PyRootRay;
 /// A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
 /// changes.
 ///
-/// Make solids with the functions of `rayweave.space` and join them with `|` (union), `&` (intersection), `-` (difference),
-/// `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are about the origin and
-/// return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60 and 1e60.
+/// Create solids with the functions of `rayweave.space` and combine them with `|` (union), `&` (intersection), `-`
+/// (difference), `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are
+/// about the origin and return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60
+/// and 1e60.
 #[pyclass(frozen, module = "rayweave.space", name = "Solid")]
 pub struct PySpaceSolid {
     any: AnySolid,
@@ -57,7 +58,7 @@ impl PySpaceSolid {
         let (a, b) = (self.any.dimension(), other.any.dimension());
         if a != b {
             return Err(bad_value(format!(
-                "one solid is of dimension {a} and the other of dimension {b}: an operator joins solids of one space. Use extrude."
+                "one solid is of dimension {a} and the other of dimension {b}: an operator needs equal dimensions. Use extrude."
             )));
         }
         Self::make(call, a, Vec::new(), None, &[self, other])
@@ -131,17 +132,17 @@ impl PySpaceSolid {
         self.image("affine", numbers)
     }
 
-    /// The same solid in a space of more dimensions, unbounded along the axes that are new.
+    /// The same solid in a space of higher dimension, unbounded along the new axes.
     #[pyo3(signature = (d: "int"))]
     fn extrude(&self, d: &Bound<'_, PyAny>) -> PyResult<Self> {
         Self::make("extrude", count(d, "d")? as usize, Vec::new(), None, &[self])
     }
 
-    /// The same solid under a name, by which its faces are called in answers.
+    /// The same solid with a name, which becomes part of the names of its faces.
     #[pyo3(signature = (name))]
     fn named(&self, name: &str) -> PyResult<Self> {
         if name.is_empty() {
-            return Err(bad_value("name is empty: faces are called by it."));
+            return Err(bad_value("name is empty: it becomes part of the names of faces."));
         }
         Self::make("named", self.any.dimension(), Vec::new(), Some(name), &[self])
     }
@@ -167,7 +168,7 @@ impl PySpaceSolid {
     }
 
     /// All crossings of the lines through pairs of points, t = 0 at p and t = 1 at q, over all t: see `PointCrossings`. `p` and `q`
-    /// are of shape (N, d) or (d,), broadcast against each other; no pair may be one point twice.
+    /// are of shape (N, d) or (d,), broadcast against each other; the two points of a pair must differ.
     #[pyo3(signature = (p: "ArrayLike", q: "ArrayLike", *, threads: "int | None" = None) -> "PointCrossings")]
     fn crossings<'py>(
         &self,
@@ -246,7 +247,8 @@ type Pickled = (String, usize, Vec<f64>, Option<String>, Vec<usize>);
 #[pyfunction]
 #[pyo3(signature = (steps))]
 pub fn space_solid_from_steps(steps: Vec<Pickled>) -> PyResult<PySpaceSolid> {
-    let damaged = || bad_value("the pickled bytes are not a solid: they are damaged or of another version.");
+    let damaged =
+        || bad_value("the pickled bytes are not a solid: they are damaged or come from a different version.");
     let mut made: Vec<PySpaceSolid> = Vec::with_capacity(steps.len());
     for (call, dimension, numbers, name, operands) in steps {
         let call = call_named(&call).ok_or_else(damaged)?;
@@ -295,13 +297,15 @@ pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSoli
     }
     let operands: Vec<&PySpaceSolid> = operands.iter().map(|solid| solid.get()).collect();
     let Some(first) = operands.first() else {
-        return Err(bad_value("solids is empty (of which space?) use empty(d) or universe(d)?"));
+        return Err(bad_value(
+            "solids is empty, so that the dimension is unknown. Use empty(d) or universe(d).",
+        ));
     };
     let d = first.any.dimension();
     if let Some(k) = operands.iter().position(|solid| solid.any.dimension() != d) {
         let other = operands[k].any.dimension();
         return Err(bad_value(format!(
-            "solids[0] is of dimension {d} and solids[{k}] of dimension {other}: they must be of one space."
+            "solids[0] is of dimension {d} and solids[{k}] of dimension {other}: they must have the same dimension."
         )));
     }
     PySpaceSolid::make(call, d, Vec::new(), None, &operands)

@@ -33,7 +33,7 @@ pub struct PointTable {
 }
 
 impl PointTable {
-    /// Of the lines through pairs of points.
+    /// Crossings of the lines through pairs of points.
     pub fn of_lines<'py, const D: usize>(
         solid: &Solid<D>,
         [p, q]: [&Bound<'py, PyAny>; 2],
@@ -80,7 +80,7 @@ impl PointTable {
         table.into_python(py, &program)
     }
 
-    /// Of curves.
+    /// Crossings of curves.
     pub fn of_curves<'py, const D: usize>(
         solid: &Solid<D>,
         curves: &Bound<'py, PyAny>,

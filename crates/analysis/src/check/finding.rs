@@ -10,11 +10,11 @@ use rayweave_math::Vec3;
 #[non_exhaustive]
 pub enum FindingKind {
     /// Two regions overlap and neither is inside the other; the overlap belongs to the later one. In models
-    /// with a hierarchy, also overlapping copies of one volume.
+    /// with a hierarchy, also overlapping copies of the same volume.
     Overlap,
     /// A daughter extends beyond its mother.
     Outside,
-    /// A region is covered entirely by later regions.
+    /// A region is completely covered by later regions.
     Hidden,
     /// A solid is empty.
     Empty,
@@ -30,7 +30,7 @@ pub enum FindingKind {
     Optical,
     /// Two regions touch: a note, not a fault.
     Touch,
-    /// Optical input without an effect: a note, not a fault.
+    /// An optical property or surface has no effect: a note, not a fault.
     Unused,
 }
 
@@ -50,7 +50,7 @@ impl FindingKind {
         (FindingKind::Unused, "unused"),
     ];
 
-    /// True for notes, which are no faults.
+    /// True for notes, which are not faults.
     pub fn is_note(self) -> bool {
         matches!(self, FindingKind::Touch | FindingKind::Unused)
     }
@@ -80,9 +80,9 @@ pub struct Finding {
     pub kind: FindingKind,
     /// The regions concerned.
     pub regions: Vec<String>,
-    /// The finding in words.
+    /// A description of the finding.
     pub text: String,
-    /// The depth of an overlap along a ray, or the least thickness of a wall or gap, in the unit of the
+    /// The depth of an overlap along a ray, or the smallest thickness of a wall or gap, in the unit of the
     /// model.
     pub size: Option<f64>,
     /// The volume of the overlap, or of the part outside.
@@ -98,7 +98,7 @@ pub struct Finding {
 }
 
 impl Finding {
-    /// A finding without a position, as those about the text of a file.
+    /// Creates a finding without a position, for example about the text of a file.
     pub fn stated(kind: FindingKind, text: String) -> Finding {
         Finding::new(kind, &[], text)
     }

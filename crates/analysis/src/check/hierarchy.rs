@@ -12,7 +12,7 @@ pub struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// A hierarchy from the mothers of each region, by region numbers from 0.
+    /// Creates a hierarchy from the mothers of each region, as region numbers from 0.
     pub fn new(mothers: Vec<Vec<usize>>) -> Hierarchy {
         Hierarchy { mothers }
     }
@@ -30,7 +30,7 @@ impl Hierarchy {
         let mut mothers = vec![Vec::new(); scene.regions.len()];
         for row in &rows {
             let Some(mother) = region_of(row) else { continue };
-            // an assembly has no region: its daughters are in the volume around it
+            // an assembly has no region: its daughters belong to the volume around it
             let (mut waiting, mut met) = (daughters(row), vec![false; rows.len()]);
             while let Some(name) = waiting.pop() {
                 let Some(&k) = by_name.get(name).filter(|&&k| !std::mem::replace(&mut met[k], true)) else {

@@ -1,8 +1,8 @@
 //! Model checker: overlaps, daughters outside their mothers, gaps, thin walls, parts without effect.
 //!
-//! Disjoint bounding boxes prove that regions have nothing in common. Everything else is sampled by rays, and
-//! a fault that no ray crosses is not reported: findings are certain, their absence is as certain as the rays
-//! are dense. [`CheckReport::scope`] lists what was proved and what was sampled. Equal seeds give equal
+//! Disjoint bounding boxes prove that regions have nothing in common. Everything else is sampled with rays, and
+//! a fault that no ray crosses is not reported: findings are certain, but their absence depends on the density
+//! of the rays. [`CheckReport::scope`] lists what was proved and what was sampled. Equal seeds give equal
 //! reports for any number of threads.
 //!
 //! ```
@@ -77,7 +77,7 @@ pub fn check<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let boxes = compiled(&regions)?.region_bounds();
     let frame = frame(&boxes)?;
     if settings.within.is_some() && frame.is_empty() {
-        let message = Message::new("nothing of the model is within the box", "there is nothing to check");
+        let message = Message::new("no part of the model is within the box", "there is nothing to check");
         return Err(AnalysisError::Solid(message.suggest("Is the box in the unit of the model?")));
     }
     let regions = ended(regions, &boxes, &frame)?;
@@ -99,7 +99,7 @@ fn compiled(regions: &[Region]) -> Result<Program, AnalysisError> {
     Ok(Program::compile_regions(&one_medium_each(regions))?)
 }
 
-/// The sampled box: that of the bounded regions, with a margin if others are unbounded.
+/// The sampled box: that of the bounded regions, with a margin if there are unbounded ones.
 fn frame(boxes: &[Bounds]) -> Result<Bounds, AnalysisError> {
     let finite = boxes.iter().filter(|own| own.is_finite() && !own.is_empty());
     let whole = finite.fold(Bounds::EMPTY, |all, own| all.union(own));
@@ -131,8 +131,7 @@ fn in_range(settings: &CheckSettings) -> Result<(), AnalysisError> {
     let lengths = [("wall", settings.wall), ("gap", settings.gap), ("distance", settings.distance)];
     for (name, length) in lengths {
         if let Some(length) = length.filter(|length| !(*length >= 0.0 && length.is_finite())) {
-            let message =
-                Message::new(format!("the {name} is {length}"), "it must be 0 or greater, and finite");
+            let message = Message::new(format!("the {name} is {length}"), "it must be finite and at least 0");
             return Err(AnalysisError::Value(message));
         }
     }

@@ -8,7 +8,7 @@ use rayweave_model::{Evaluator, Node, Program, Region, Solid};
 use rayweave_shape::primitive::Primitive;
 use std::collections::HashSet;
 
-/// The greatest number of operands of a searched intersection: each operand is compared with all others, as
+/// The maximum number of operands of an intersection that is searched: each operand is compared with all others, because
 /// boxes exclude none.
 const MAX_INTERSECTED: usize = 1024;
 
@@ -27,7 +27,7 @@ pub fn findings<E: Evaluator>(
 
 struct Search<'a, 'p, E> {
     region: &'a str,
-    /// The visited nodes, by address: solids share them.
+    /// The addresses of the visited nodes, which solids may share.
     met: HashSet<*const Node>,
     found: Vec<Finding>,
     probe: &'a mut Probe<'p, E>,
@@ -44,7 +44,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
                 Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
                 Node::Transformed(own, inner) => waiting.push((inner.clone(), own.then(&map))),
                 Node::Placed(inner, maps) => {
-                    // one copy stands for all
+                    // one copy represents all
                     waiting.extend(maps.first().map(|own| (inner.clone(), own.then(&map))));
                 }
                 node => {
@@ -71,7 +71,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         }
     }
 
-    /// Compares each operand with those whose boxes overlap its own: no others can contain any of it.
+    /// Compares each operand with those whose boxes overlap its own: no other operand can contain any part of it.
     fn union(&mut self, all: &[Solid], map: &Affine) -> Result<(), AnalysisError> {
         match all.len() {
             0..2 => return Ok(()),
@@ -127,7 +127,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         let bounds = Program::compile(&effect)?.bounds();
         let is_proved = bounds.is_empty();
         if is_proved || self.probe.is_there(&effect, &bounds, 2 * FEW)?.is_none() {
-            let text = format!("{} {what} what it is joined with in {}", label(own), self.region);
+            let text = format!("{} {what} the rest of {}", label(own), self.region);
             let finding = Finding::new(FindingKind::Absorbed, &[self.region], text);
             let place = Program::compile(&own.apply(*map))?.bounds();
             let at = (place.is_finite() && !place.is_empty()).then(|| place.centre());
@@ -139,7 +139,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
     fn mesh(&mut self, mesh: &rayweave_shape::primitive::Mesh) {
         let diagnosis = mesh.solid().to_mesh().diagnose();
         if !diagnosis.is_sound() {
-            let text = format!("the mesh in {} may not be what was meant: {diagnosis}", self.region);
+            let text = format!("the mesh in {} may not be as intended: {diagnosis}", self.region);
             let finding = Finding::new(FindingKind::Mesh, &[self.region], text);
             self.found.push(Finding { is_proved: true, ..finding });
         }

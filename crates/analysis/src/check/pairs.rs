@@ -18,10 +18,10 @@ struct Common {
     solids: Vec<Solid>,
 }
 
-/// The limit of pairs of parts of two regions whose volumes are added; further pairs are only counted.
+/// The maximum number of pairs of parts of two regions whose volumes are added; further pairs are only counted.
 const MAX_SOLIDS: usize = 1024;
 
-/// Overlaps of regions of which neither is inside the other.
+/// Overlaps of two regions neither of which is inside the other.
 pub fn overlaps<E: Evaluator>(
     subject: &Subject<'_>,
     probe: &mut Probe<'_, E>,
@@ -36,7 +36,7 @@ pub fn overlaps<E: Evaluator>(
     Ok(findings)
 }
 
-/// Pairs of regions that intersect, by parts. Copies of one volume are included if there is a hierarchy: in
+/// Pairs of intersecting regions, part by part. Copies of the same volume are included if there is a hierarchy: in
 /// other models, solids of one union may overlap intentionally.
 fn common<E: Evaluator>(
     subject: &Subject<'_>,
@@ -83,8 +83,8 @@ fn count<E: Evaluator>(
     probe.scope.left_out = (met.count - met.pairs.len()) as u64;
 }
 
-/// True if the later region lies inside the earlier one, as far as rays show, or the other way round, which
-/// is reported as hidden.
+/// True if, as far as rays show, the later region lies inside the earlier one, or the earlier one inside the later
+/// one, which is reported as hidden.
 fn is_nested<E: Evaluator>(
     subject: &Subject<'_>,
     a: usize,
@@ -109,15 +109,13 @@ fn overlap<E: Evaluator>(
 ) -> Result<Finding, AnalysisError> {
     let (first, second) = (subject.name(a), subject.name(b));
     let text = match (a == b, common.count) {
-        (true, 1) => format!("two copies of {first} take the same space"),
-        (true, n) => format!("copies of {first} take the same space: {n} pairs."),
+        (true, 1) => format!("two copies of {first} overlap"),
+        (true, n) => format!("{n} pairs of copies of {first} overlap"),
         (false, 1) => {
-            format!("{first} and {second} take the same space, where {second} wins as the later one")
+            format!("{first} and {second} overlap; {second}, the later one, has priority")
         }
         (false, n) => {
-            format!(
-                "{first} and {second} take the same space in {n} places, where {second} wins as the later one"
-            )
+            format!("{first} and {second} overlap in {n} places; {second}, the later one, has priority")
         }
     };
     let volume = match common.solids.len() == common.count {
@@ -151,14 +149,14 @@ pub fn outside<E: Evaluator>(
         let Some(met) = farthest(&rest, &by_region[daughter], probe)? else { continue };
         let names: Vec<&str> = mothers.iter().map(|&mother| subject.name(mother)).collect();
         let name = subject.name(daughter);
-        let text = format!("{name} reaches out of its mother, {}", names.join(" or "));
+        let text = format!("{name} extends beyond its mother, {}", names.join(" or "));
         let finding = Finding::new(FindingKind::Outside, &[&[name][..], &names].concat(), text);
         findings.push(Finding { volume: probe.volume(&rest)?, ..finding }.seen(met.thickness, met.chord));
     }
     Ok(findings)
 }
 
-/// The thickest place outside, among the remainders of parts in their boxes.
+/// The thickest place outside the mothers, among the remainders of the parts in their boxes.
 fn farthest<E: Evaluator>(
     rest: &Solid,
     boxes: &[Bounds],

@@ -14,7 +14,7 @@ pub struct Part {
     pub copy: Option<usize>,
 }
 
-/// The limit of parts of a region; a region with more is not divided.
+/// The maximum number of parts of a region; a region with more parts is not divided.
 const MAX_PARTS: usize = 1 << 16;
 
 /// All parts of all regions.
@@ -87,7 +87,7 @@ fn box_of(solid: &Solid, known: &mut Vec<(Solid, Bounds)>) -> Result<Bounds, Ana
     Ok(bounds)
 }
 
-/// The pairs of boxes that overlap in more than a face, by a sweep along x: O(n log n) for scattered boxes.
+/// The pairs of boxes that overlap in more than a face, found by a sweep along x: O(n log n) for scattered boxes.
 /// `wanted` selects pairs; those beyond `most` are only counted.
 pub fn overlapping_pairs(
     parts: &[Part],

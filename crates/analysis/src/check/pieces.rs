@@ -1,4 +1,4 @@
-//! Checks by rays through the whole model: thin walls, gaps, contacts, hidden regions.
+//! Checks with rays through the whole model: thin walls, gaps, contacts, hidden regions.
 
 use super::probe::{FEW, Probe};
 use super::subject::Subject;
@@ -55,7 +55,7 @@ impl Seen {
         }
         self.regions.insert(region);
         match width(piece, thin.max(narrow)) {
-            // the space between daughters is a gap, whatever its region
+            // the space between daughters is a gap, regardless of its region
             Some(_) if is_mother(region, before) && is_mother(region, after) => {
                 self.narrow(piece, pair, narrow);
             }
@@ -109,7 +109,7 @@ impl Thinnest {
 
 /// The width of a wall or gap, if it is below a limit.
 fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
-    // much longer pieces run along a face, which other rays cross
+    // much longer pieces run along a face; other rays cross it
     let is_near = piece.length() < 64.0 * less_than;
     is_near.then(|| piece.wall()).flatten().filter(|width| *width < less_than)
 }
@@ -154,15 +154,15 @@ fn walls_and_gaps(subject: &Subject<'_>, seen: &Seen) -> Vec<Finding> {
     let name = |region: &RegionId| subject.name(region.index() - 1);
     let times = |count: u64| if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") };
     let thin = seen.thin.iter().map(|(region, least)| {
-        let text = format!("{} is thin where {} met it", name(region), times(least.count));
+        let text = format!("{} is thin, as {} found", name(region), times(least.count));
         Finding::new(FindingKind::Thin, &[name(region)], text).seen(least.width, least.chord)
     });
     let gaps = seen.gaps.iter().map(|([a, b], least)| {
         let (rays, names) = (times(least.count), [name(a), name(b)]);
         let (text, names) = match a == b {
-            true => (format!("{} is parted by a narrow gap that {rays} met", names[0]), &names[..1]),
+            true => (format!("{} is divided by a narrow gap, which {rays} found", names[0]), &names[..1]),
             false => (
-                format!("{} and {} are parted by a narrow gap that {rays} met", names[0], names[1]),
+                format!("{} and {} are separated by a narrow gap, which {rays} found", names[0], names[1]),
                 &names[..],
             ),
         };
@@ -202,14 +202,18 @@ fn nothing<E: Evaluator>(
 ) -> Result<Option<Finding>, AnalysisError> {
     let name = subject.name(region);
     let proved = || {
-        let finding = Finding::new(FindingKind::Empty, &[name], format!("there is nothing in {name}"));
+        let finding = Finding::new(FindingKind::Empty, &[name], format!("{name} is empty"));
         Ok(Some(Finding { is_proved: true, ..finding }))
     };
     let Some(whole) = subject.beyond(region) else {
         if subject.boxes[region].is_empty() {
             return proved();
         }
-        return Ok(Some(Finding::new(FindingKind::Empty, &[name], format!("no ray met anything in {name}"))));
+        return Ok(Some(Finding::new(
+            FindingKind::Empty,
+            &[name],
+            format!("no ray found any part of {name}"),
+        )));
     };
     let bounds = Program::compile(whole)?.bounds();
     if bounds.is_empty() {
@@ -219,7 +223,7 @@ fn nothing<E: Evaluator>(
     if !bounds.is_finite() || probe.thickest(whole, &bounds, 3 * FEW)?.is_some() {
         return Ok(None);
     }
-    Ok(Some(Finding::new(FindingKind::Empty, &[name], format!("no ray met anything in {name}"))))
+    Ok(Some(Finding::new(FindingKind::Empty, &[name], format!("no ray found any part of {name}"))))
 }
 
 /// Reports a region that no ray crossed.
@@ -237,10 +241,10 @@ fn unseen<E: Evaluator>(
     let mut owner = [RegionId(0)];
     evaluator.regions_at([&[at.x], &[at.y], &[at.z]], &mut evaluator.scratch(), &mut owner);
     let Some(owner) = owner[0].index().checked_sub(1).filter(|&owner| owner != region) else {
-        // the region exists, and the rays missed it
+        // the region exists, but the rays missed it
         return Ok(None);
     };
     let by = subject.name(owner);
-    let text = format!("nothing is left of {name}, which {by} takes as the later region");
+    let text = format!("{name} is completely covered by the later region {by}");
     Ok(Some(Finding::new(FindingKind::Hidden, &[name, by], text).seen(met.thickness, met.chord)))
 }

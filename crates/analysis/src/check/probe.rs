@@ -10,10 +10,10 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, Region, RegionId, Solid};
 use std::sync::Arc;
 
-/// The limit of pieces per search that are measured again, the thickest first.
+/// The maximum number of pieces per search that are measured again, the thickest first.
 const MAX_CANDIDATES: usize = 256;
 
-/// Cells along an edge of the cross-section for the box of a small part.
+/// Number of cells along an edge of the cross-section of the box of a small part.
 pub const FEW: u32 = 10;
 
 /// Traces rays for the checks, and counts them.

@@ -31,11 +31,11 @@ pub struct Scope {
     pub parts: u64,
     /// Pairs of parts of different regions with disjoint boxes: proved to have nothing in common.
     pub apart: u64,
-    /// Pairs of parts sampled by rays.
+    /// Pairs of parts sampled with rays.
     pub pairs: u64,
     /// Pairs of parts beyond the limit, not checked.
     pub left_out: u64,
-    /// Operands sampled by rays.
+    /// Operands sampled with rays.
     pub operands: u64,
     /// Operands beyond the limit, not checked.
     pub operands_left_out: u64,

@@ -18,7 +18,7 @@ use std::sync::Arc;
 ///
 /// # Errors
 ///
-/// As [`cross_sections`].
+/// Those of [`cross_sections`].
 pub fn finding_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     scene: &Scene,
     finding: &Finding,

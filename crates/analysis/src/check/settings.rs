@@ -13,12 +13,12 @@ pub struct CheckSettings {
     pub gap: Option<f64>,
     /// Overlaps no deeper than this count as rounding error; by default 1e-9 of the diagonal.
     pub distance: Option<f64>,
-    /// Cells along an edge of the cross-sections of the model. 6 n^2 rays go through the whole model, and
+    /// Number of cells n along an edge of the cross-sections of the model. 6 n^2 rays go through the whole model, and
     /// about as many again through single regions and pairs.
     pub across: u32,
     /// The level of confidence of volumes.
     pub confidence: f64,
-    /// The limit of pairs of parts, and of operands.
+    /// The maximum number of pairs of parts, and of operands.
     pub most_pairs: usize,
     /// Restricts the check to this box.
     pub within: Option<Bounds>,

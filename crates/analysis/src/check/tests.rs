@@ -40,13 +40,13 @@ fn kinds(report: &CheckReport) -> Vec<(FindingKind, Vec<&str>)> {
 }
 
 #[test]
-fn overlaps_and_what_is_none() {
+fn overlaps_and_harmless_contacts() {
     let report = checked(
         &boxes(&[
             ("a", [0.0; 3], [2.0; 3]),
             // 0.25 deep into a
             ("b", [1.75, 0.5, 0.5], [3.0, 1.5, 1.5]),
-            // inside a, the usual way to place a part in another
+            // inside a, the usual way to place a part inside another
             ("c", [0.5; 3], [1.0; 3]),
             // touching a
             ("d", [0.0, 0.0, 2.0], [2.0, 2.0, 3.0]),
@@ -78,9 +78,9 @@ fn curved_overlaps_by_formula() {
     let overlap = report.of(FindingKind::Overlap).next().unwrap();
     assert!(is_about(overlap.volume, lens), "{overlap:?} {lens}");
     assert!(overlap.size.unwrap() > 0.08 && overlap.size.unwrap() <= 0.1 + 1e-12, "{overlap:?}");
-    // touching in a point only
+    // touching at a single point
     assert!(checked(&two.replace("1.9", "2"), &quick()).findings.is_empty());
-    // faces that agree to rounding do not overlap
+    // faces that agree up to rounding do not overlap
     let third = 1.0 / 3.0;
     let near = boxes(&[("a", [0.0; 3], [0.1 + 0.2, 1.0, 1.0]), ("b", [0.3, 0.0, 0.0], [1.0, 1.0, third])]);
     assert_eq!(kinds(&checked(&near, &quick())), [(FindingKind::Touch, vec!["a", "b"])]);
@@ -102,8 +102,8 @@ fn hidden_and_empty() {
 
 /// A region outside the checked box is not reported as empty; a region that is empty everywhere is.
 #[test]
-fn what_is_beyond_the_box_is_not_empty() {
-    let four = boxes(&[
+fn regions_outside_the_box_are_not_empty() {
+    let three = boxes(&[
         ("a", [0.0; 3], [2.0; 3]),
         ("outside", [5.0; 3], [6.0; 3]),
         ("beside", [0.0, 1.5, 0.0], [2.0, 3.0, 2.0]),
@@ -111,13 +111,13 @@ fn what_is_beyond_the_box_is_not_empty() {
     let none = "[solid.x]\nexpr = \"a - a\"\n[[region]]\nsolid = \"x\"";
     let within = |lo: f64, hi: f64| Some(Bounds::new(Vec3::splat(lo), Vec3::splat(hi)));
     let settings = CheckSettings { within: within(-1.0, 1.0), ..quick() };
-    let report = checked(&format!("{four}{none}"), &settings);
+    let report = checked(&format!("{three}{none}"), &settings);
     let empty: Vec<_> = report.of(FindingKind::Empty).map(|found| found.regions[0].as_str()).collect();
     assert_eq!(empty, ["x"], "{report:?}");
     let far = CheckSettings { within: within(50.0, 51.0), ..quick() };
     let error =
-        check(&scene(&four), None, AnyEvaluator::maker(None), &far, &mut |_| ()).unwrap_err().to_string();
-    assert!(error.starts_with("nothing of the model is within the box"), "{error}");
+        check(&scene(&three), None, AnyEvaluator::maker(None), &far, &mut |_| ()).unwrap_err().to_string();
+    assert!(error.starts_with("no part of the model is within the box"), "{error}");
 }
 
 #[test]
@@ -132,7 +132,7 @@ fn walls_and_gaps() {
     let sizes: Vec<f64> = report.findings.iter().map(|finding| finding.size.unwrap()).collect();
     assert!((sizes[0] - 0.02).abs() < 1e-12 && (sizes[1] - 0.01).abs() < 1e-12, "{sizes:?}");
     assert!(checked(&plates, &quick()).findings.is_empty());
-    // slanted rays have longer pieces in a wall than its thickness; a slot in one region
+    // a slot in one region; pieces of slanted rays in it are longer than its width
     let slot = "[solid.block]\nbox = { size = 10 }\n[solid.slot]\nbox = { size = [0.01, 20, 20] }\n\
         [solid.body]\nexpr = \"block - slot\"\ntransform = [{ rotate_y = 40 }]\n[[region]]\nsolid = \"body\"";
     let report = checked(slot, &CheckSettings { wall: Some(0.05), gap: Some(0.05), ..quick() });
@@ -157,7 +157,7 @@ fn operands_without_effect() {
     assert!(has("inner adds nothing", false), "{found:?}");
 }
 
-/// A hundred boxes in a row and one inside another: all are checked, or the number of skipped ones is
+/// Two rows of a hundred boxes each, and one small box inside another: all are checked, or the number of skipped ones is
 /// reported.
 #[test]
 fn unions_of_many() {
@@ -177,9 +177,9 @@ fn unions_of_many() {
     );
     let report = checked(&text, &quick());
     let absorbed: Vec<&str> = report.of(FindingKind::Absorbed).map(|finding| finding.text.as_str()).collect();
-    assert_eq!(absorbed, ["inner adds nothing to what it is joined with in row"]);
+    assert_eq!(absorbed, ["inner adds nothing to the rest of row"]);
     assert_eq!((report.scope.operands, report.scope.operands_left_out), (201, 0));
-    // each of the second row is half inside one of the first
+    // each box of the second row is half inside one of the first row
     let overlap = report.of(FindingKind::Overlap).next().unwrap();
     assert!(is_about(overlap.volume, 400.0), "{overlap:?}");
     let few = checked(&text, &CheckSettings { most_pairs: 7, ..quick() }).scope;
@@ -208,7 +208,7 @@ const DETECTOR: &str = r#"<?xml version="1.0"?>
  <setup name="s" version="1"><world ref="Hall"/></setup>
 </gdml>"#;
 
-/// A crate that extends 5 mm out of the hall; two of three cells that overlap; cells in crates are correct.
+/// A crate extends 5 mm beyond the hall, and two of the three cells overlap; the cell in the crate is correct.
 #[test]
 fn daughters_and_copies() {
     let imported = rayweave_formats::parse(DETECTOR, Format::Gdml, &[], &Options::default()).unwrap();
@@ -221,7 +221,7 @@ fn daughters_and_copies() {
     assert_eq!((outside.kind, outside.regions.join(" ")), (FindingKind::Outside, "Crate Hall".to_owned()));
     assert!(is_about(outside.volume, 4500.0) && (outside.size.unwrap() - 5.0).abs() < 1e-9, "{outside:?}");
     assert!(hierarchy.is_within(2, 0) && !hierarchy.is_within(0, 2));
-    // 2.5 mm of the hall between the crate and a cell that was moved out of it is a gap, not a thin wall
+    // 2.5 mm of the hall between the crate and a cell that was moved next to it are a gap, not a thin wall
     let apart = DETECTOR.replace(r#"x="-25""#, r#"x="17.5""#);
     let imported = rayweave_formats::parse(&apart, Format::Gdml, &[], &Options::default()).unwrap();
     let settings = CheckSettings { wall: Some(3.0), gap: Some(3.0), ..quick() };

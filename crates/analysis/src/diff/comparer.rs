@@ -14,7 +14,7 @@ use std::sync::Arc;
 const A_ONLY: RegionId = RegionId(2);
 const B_ONLY: RegionId = RegionId(3);
 
-/// The limit of pieces that are measured again, the thickest first.
+/// The maximum number of pieces that are measured again, the thickest first.
 const MAX_CANDIDATES: usize = 4096;
 
 /// The box of both models.
@@ -91,7 +91,7 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
         Ok(found)
     }
 
-    /// Searches for differences by rays.
+    /// Searches for differences with rays.
     fn search(
         &mut self,
         evaluator: &E,

@@ -1,4 +1,4 @@
-//! Comparison of two models: same solid or not, and the volume, thickness and place of the differences.
+//! Comparison of two models: whether they are the same solid, and the volume, thickness and position of differences.
 //!
 //! Regions are compared in pairs: regions with the same name, the regions of each medium together, or all
 //! regions together. A region is its solid minus later regions. Lengths of the second model are converted to
@@ -73,7 +73,7 @@ pub fn diff<E: Evaluator, X: Classified + Send + Sync + 'static>(
 fn check(settings: &DiffSettings) -> Result<(), AnalysisError> {
     let message = match settings.distance {
         Some(d) if !(d >= 0.0 && d.is_finite()) => {
-            Message::new(format!("the distance is {d}"), "it must be 0 or greater, and finite")
+            Message::new(format!("the distance is {d}"), "it must be finite and at least 0")
         }
         _ if !(2..=4096).contains(&settings.across) => {
             Message::new(format!("there are {} cells across", settings.across), "from 2 to 4096 are possible")

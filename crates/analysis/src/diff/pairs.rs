@@ -32,7 +32,7 @@ pub fn pairs(a: &Scene, b: &Scene, settings: &DiffSettings) -> Result<(Match, Ve
     Ok((by, matched(first, second)))
 }
 
-/// The regions of a scene, scaled to another unit and clipped to the box.
+/// The regions of a scene, scaled to a different unit and clipped to the box.
 fn regions(scene: &Scene, factor: f64, settings: &DiffSettings) -> Result<Vec<Region>, AnalysisError> {
     let scaled = |region: Region| match factor == 1.0 {
         true => region,
@@ -65,7 +65,7 @@ fn parts(scene: &Scene, by: Match, regions: Vec<Region>) -> Result<Vec<(String, 
     Ok(found.into_iter().map(|(name, solids)| (name, Solid::union(solids))).collect())
 }
 
-/// Each region minus later ones; only those with overlapping boxes are subtracted.
+/// Each region minus the later ones; only those with overlapping boxes are subtracted.
 pub fn shares(regions: &[Region]) -> Result<Vec<Solid>, AnalysisError> {
     let boxes = Program::compile_regions(regions)?.region_bounds();
     let share = |(k, region): (usize, &Region)| {
@@ -95,7 +95,7 @@ fn matched(first: Vec<(String, Solid)>, second: Vec<(String, Solid)>) -> Vec<Pai
 }
 
 impl Pair {
-    /// Three regions: the intersection, the first solid alone, the second solid alone.
+    /// Three regions: the intersection, the rest of the first solid, the rest of the second solid.
     pub fn regions(&self) -> Vec<Region> {
         let [a, b] = self.sides.clone().map(|side| side.unwrap_or_else(Solid::empty));
         let region =
@@ -109,7 +109,7 @@ impl Pair {
         Ok(Program::compile_regions(&self.regions())?)
     }
 
-    /// True if both sides are equal expressions of equal shapes.
+    /// True if both solids are equal expressions of equal shapes.
     pub fn is_written_alike(&self) -> bool {
         let [a, b] = &self.sides;
         a == b

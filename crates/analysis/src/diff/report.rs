@@ -39,14 +39,14 @@ impl DiffReport {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Difference {
-    /// The name of the region or the medium; `model` for everything.
+    /// The name of the region or the medium; `model` for the whole model.
     pub name: String,
     /// True for each model that has such a part.
     pub is_in: [bool; 2],
     /// True if no difference thicker than the accepted one was found.
     pub is_same: bool,
-    /// True if the result is proved without rays: the same shapes in the same places, or nothing on both
-    /// sides.
+    /// True if the result is proved without rays: the same shapes at the same positions, or two empty
+    /// solids.
     pub is_proved: bool,
     /// The volume of the intersection.
     pub both: Estimate,

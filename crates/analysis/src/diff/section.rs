@@ -19,12 +19,12 @@ const COLOURS: [(&str, Colour); 3] = [
 ];
 
 /// The cross-section of the pair with the thickest difference, or of the first pair if all are the same. The
-/// parts are the intersection and the space of each model alone. Without a given plane, it is the plane
-/// across x, y or z through the thickest difference with the largest area of differences.
+/// parts are the intersection and the space that belongs to one model only. If no plane is given, the plane is
+/// the one across x, y or z through the thickest difference that has the largest area of differences.
 ///
 /// # Errors
 ///
-/// As [`super::diff`] and [`crate::section::cross_sections`].
+/// Those of [`super::diff`] and [`crate::section::cross_sections`].
 pub fn diff_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     a: &Scene,
     b: &Scene,
@@ -37,7 +37,7 @@ pub fn diff_section<E: Evaluator, X: Classified + Send + Sync + 'static>(
     let name = report.worst().or(report.pairs.first()).map_or("", |pair| &pair.name);
     let pair = pairs.iter().find(|pair| pair.name == name);
     let nothing = || {
-        let reason = "it has no part that is in them";
+        let reason = "none of its parts is in them";
         AnalysisError::Solid(Message::new("the report is not about these models", reason))
     };
     let program = Arc::new(pair.ok_or_else(nothing)?.program()?);

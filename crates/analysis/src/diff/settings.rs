@@ -10,7 +10,7 @@ pub enum Match {
     Auto,
     /// Regions with the same name.
     Region,
-    /// All regions of one medium, by the name of the medium.
+    /// All regions with the same medium, by the name of the medium.
     Medium,
     /// All regions together.
     Whole,
@@ -24,14 +24,14 @@ pub struct DiffSettings {
     /// The accepted thickness of differences, in the unit of the first model; by default 1e-9 of the diagonal
     /// of the models.
     pub distance: Option<f64>,
-    /// Cells along an edge of the cross-sections; each pair takes 6 n^2 rays.
+    /// Number of cells n along an edge of the cross-sections; each pair takes 6 n^2 rays.
     pub across: u32,
     /// The options of volumes. Box (in the unit of the first model), seed, threads and cancellation token
     /// apply to the whole comparison.
     pub measure: measure::MeasureSettings,
 }
 
-/// 98,304 rays for each pair, volumes to 1 % at 99 % with at most 2^20 rays.
+/// 98,304 rays for each pair; volumes to 1 %, with a confidence of 99 % and at most 2^20 rays.
 impl Default for DiffSettings {
     fn default() -> Self {
         let measure = measure::MeasureSettings {

@@ -36,7 +36,7 @@ fn ball(radius: f64) -> String {
 fn the_same_in_other_words() {
     let proved = compared(BALL, BALL, &quick());
     assert!(proved.is_same() && proved.pairs[0].is_proved && proved.worst().is_none());
-    // the same position by other maps, and in another unit: equal up to rounding
+    // the same position through different maps and in a different unit: equal up to rounding
     let moved = "unit = \"in\"\n[solid.r]\ntorus = { major = 3, minor = 1 }\n\
         transform = [{ rotate_x = 33 }, { translate = [0.1, 0.2, 0.3] }]";
     let again = "unit = \"mm\"\n[solid.r]\ntorus = { major = 76.2, minor = 25.4 }\n\
@@ -45,17 +45,17 @@ fn the_same_in_other_words() {
     assert!(report.is_same() && !report.pairs[0].is_proved, "{report:?}");
     assert!(report.pairs[0].both.contains(2.0 * PI * PI * 3.0), "{report:?}");
     assert_eq!(report.unit, Unit::Inch);
-    // a box from planes, and from another primitive
+    // a box made of planes or of a different primitive
     let cube = "[solid.a]\nbox = { size = 2 }";
     let planes = "[solid.x]\nslab = { normal = [1, 0, 0], lo = -1, hi = 1 }\n[solid.y]\nslab = { normal = [0, 1, 0], lo = -1, hi = 1 }\n\
         [solid.z]\nslab = { normal = [0, 0, 1], lo = -1, hi = 1 }\n[solid.all]\nexpr = \"x & y & z\"\n[[region]]\nsolid = \"all\"";
     assert!(compared(cube, planes, &quick()).is_same());
 }
 
-/// A shell thinner than the accepted distance is no difference, although rays along its rim have long pieces
+/// A shell thinner than the accepted distance is not reported, although rays along its rim have long pieces
 /// in it.
 #[test]
-fn what_is_thinner_than_matters() {
+fn thin_differences_are_ignored() {
     let shell = |radius: f64, distance: f64| {
         compared(BALL, &ball(radius), &DiffSettings { distance: Some(distance), ..quick() })
     };
@@ -109,7 +109,7 @@ fn region_by_region() {
     let [bath, ball] = &report.pairs[..] else { panic!("{report:?}") };
     let shell = 4.0 / 3.0 * PI * (1.331 - 1.0);
     assert!(report.by == Match::Region && !bath.is_same && !ball.is_same);
-    // the shell that the ball gains is lost by the bath
+    // the bath loses the shell that the ball gains
     assert!(
         bath.a_only.contains(shell) && bath.b_only.value == 0.0 && ball.b_only.contains(shell),
         "{report:?}"

@@ -13,11 +13,11 @@ use rayweave_table::{Chunk, Progress, RayChunk, RayReader, TableWriter};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// The limit of rays per task. The results of a few tasks per thread wait in memory: the rows of 2,048 rays
+/// The maximum number of rays per task. The results of a few tasks per thread wait in memory: the rows of 2,048 rays
 /// with ten crossings each take 3 MiB.
 const MAX_RAYS_PER_TASK: usize = 1 << 11;
 
-/// The limit of ray-leaf pairs per task: a ray can cross every leaf of a large model.
+/// The maximum number of ray-leaf pairs per task: a ray can cross every leaf of a large model.
 const MAX_PAIRS_PER_TASK: usize = 1 << 20;
 
 fn rays_per_task(program: &Program) -> usize {
@@ -53,8 +53,8 @@ pub struct TraceSummary {
 ///
 /// The columns are those of [`HitSchema`]. The extension of `hits` selects the format, `.csv`, `.npy` or (with
 /// the feature `parquet`) `.parquet`; `-` is CSV on standard output. The file appears when it is complete,
-/// and not at all after an error or a cancellation. Rows are in the order of the rays, and every run writes
-/// the same bytes for any number of threads. `progress` receives the position of the reader after each chunk.
+/// and not at all after an error or a cancellation. Rows are in the order of the rays, and the bytes written do
+/// not depend on the number of threads. `progress` receives the position of the reader after each chunk.
 ///
 /// # Errors
 ///
@@ -125,7 +125,7 @@ fn answer<E: Evaluator>(
     Ok(Answered { rows: rows.finish()?, rays: rays.len() as u64, progress: task.progress })
 }
 
-/// The rays of a file, task by task; ends after an error.
+/// The rays of a file, task by task. The iteration ends after an error.
 struct Tasks {
     reader: Option<RayReader>,
     size: usize,

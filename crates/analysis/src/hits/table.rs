@@ -62,7 +62,7 @@ impl HitSchema {
         &self.schema
     }
 
-    /// Empty rows for the crossings of a batch of rays; `first` is the number in the file of the first ray.
+    /// Empty rows for the crossings of a batch of rays; `first` is the number of the first ray in the file.
     pub fn rows<'a>(&self, program: &'a Program, rays: Rays<'a>, first: u64) -> HitRowSink<'a> {
         HitRowSink {
             program,

@@ -44,7 +44,7 @@ fn overlaps<'a>(below: &'a [Piece], own: &'a [Piece]) -> impl Iterator<Item = (u
 
 fn root(parent: &mut [u32], mut k: u32) -> u32 {
     while parent[k as usize] != k {
-        // path halving, for the next search
+        // path halving, which speeds up later searches
         parent[k as usize] = parent[parent[k as usize] as usize];
         k = parent[k as usize];
     }
@@ -74,7 +74,7 @@ mod tests {
         assert_eq!(components(&pieces), [0; 6]);
         assert_eq!(components(&pieces[2..]), [0, 1, 0, 1]);
         assert_eq!(components(&[]), [0; 0]);
-        // a missing line separates those below from those above; a common point does not connect
+        // a missing line separates the lines below from those above; a common point does not connect
         assert_eq!(components(&[(0, [0.0, 1.0]), (2, [0.0, 1.0])]), [0, 1]);
         assert_eq!(components(&[(0, [0.0, 1.0]), (1, [1.0, 2.0])]), [0, 1]);
     }

@@ -42,7 +42,7 @@ type Problems = Vec<(Option<usize>, String)>;
 fn parse(bytes: &[u8]) -> Result<Contours, Problems> {
     let text = str::from_utf8(bytes).map_err(|error| {
         let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&b| b == b'\n').count();
-        vec![(Some(line), "the text is not UTF-8: is this a CSV file?".to_owned())]
+        vec![(Some(line), "the text is not UTF-8. Is this a CSV file?".to_owned())]
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines =
@@ -95,7 +95,7 @@ struct Contours {
 }
 
 impl Contours {
-    /// The line of the vertex at fault.
+    /// The line of the invalid vertex.
     fn line_of(&self, error: &PolygonError) -> Option<usize> {
         let (contour, vertex) = match *error {
             PolygonError::NotFinite { contour, vertex, .. }
@@ -110,14 +110,14 @@ impl Contours {
     fn add(&mut self, number: usize, line: &str, [contour, x, y]: [usize; 3]) -> Result<(), String> {
         let fields = fields(line);
         if fields.len() != 3 {
-            return Err(format!("{} fields: a vertex has three: contour,x,y.", fields.len()));
+            return Err(format!("the row has {} fields: a vertex has contour,x,y.", fields.len()));
         }
         let point = [coordinate("x", fields[x])?, coordinate("y", fields[y])?];
         let name = fields[contour];
         if self.points.is_empty() || self.last != name {
             if !self.names.insert(name.to_owned()) {
                 return Err(format!(
-                    "contour {name} goes on after another one: rows of a contour stand together."
+                    "contour {name} continues after another one: the rows of a contour must be consecutive."
                 ));
             }
             self.last = name.to_owned();
@@ -135,8 +135,8 @@ impl Contours {
 fn coordinate(column: &str, field: &str) -> Result<f64, String> {
     match field.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(value) => Err(format!("{column} is {value}: coordinates are finite.")),
-        Err(_) => Err(format!("{column} is `{field}`: not a number.")),
+        Ok(value) => Err(format!("{column} is {value}: coordinates must be finite.")),
+        Err(_) => Err(format!("{column} is `{field}`: it must be a number.")),
     }
 }
 
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn contours_stand_one_after_the_other() {
+    fn the_rows_of_a_contour_are_consecutive() {
         let text = "\u{feff}\"contour\", x ,y\r\n0,0,0\r\n0, 1e0 ,0\n\n0,0,1\nhole,5,5\n";
         let contours = parse(text.as_bytes()).unwrap().points;
         assert_eq!(contours, [vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], vec![[5.0, 5.0]]]);
@@ -164,10 +164,10 @@ mod tests {
     fn all_problems_with_their_lines() {
         let text = "contour,x,y\n0,a,0\n0,1\n0,1,inf\n0,0,0\n1,0,0\n0,5,5\n";
         let expected = [
-            "f.csv:2: x is `a`: not a number.",
-            "f.csv:3: 2 fields: a vertex has three: contour,x,y.",
-            "f.csv:4: y is inf: coordinates are finite.",
-            "f.csv:7: contour 0 goes on after another one: rows of a contour stand together.",
+            "f.csv:2: x is `a`: it must be a number.",
+            "f.csv:3: the row has 2 fields: a vertex has contour,x,y.",
+            "f.csv:4: y is inf: coordinates must be finite.",
+            "f.csv:7: contour 0 continues after another one: the rows of a contour must be consecutive.",
         ];
         assert_eq!(problems(text), expected);
         assert_eq!(problems("\n \n"), ["f.csv: the file is empty: the first line is contour,x,y."]);

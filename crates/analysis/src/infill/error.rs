@@ -1,31 +1,33 @@
 //! Errors of infill.
 
-use rayweave_error::{Classified, ErrorKind};
+use rayweave_error::{Classified, ErrorKind, short_number};
 use rayweave_model::memory::Shortage;
 
 /// Error of infill, printed as `problem: reason. Suggestion.`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InfillError {
-    /// The distance of scan lines is not positive and finite.
+    /// The distance between scan lines is not positive and finite.
     #[error(
-        "the spacing is {0}: the distance of scan lines is greater than 0 and finite. Is its unit that of the model?"
+        "the spacing is {0}: the distance between scan lines must be positive and finite. Is its unit that of the model?"
     )]
     Spacing(f64),
     /// The direction of scan lines is not finite.
-    #[error("the angle is {0}: the direction of scan lines is finite, in degrees.")]
+    #[error("the angle is {0}: the direction of scan lines must be finite, in degrees.")]
     Angle(f64),
     /// The angle between layers is not finite, or so large that the angle of the last layer is not.
-    #[error("the turn is {0:?}: the angles of all layers are finite, in degrees.")]
+    #[error("the turn is {0:?}: the angles of all layers must be finite, in degrees.")]
     Turn(f64),
     /// The shift of scan lines is not a fraction of the spacing.
-    #[error("the phase is {0}: it is a fraction of the spacing, from 0 to 1.")]
+    #[error("the phase is {0}: it must be a fraction of the spacing, from 0 to 1.")]
     Phase(f64),
-    /// The distance of layers is not positive and finite.
-    #[error("the layer height is {0}: the distance of layers is greater than 0 and finite.")]
+    /// The distance between layers is not positive and finite.
+    #[error("the layer height is {0}: the distance between layers must be positive and finite.")]
     LayerHeight(f64),
     /// The height of a layer is not finite, or too large for rays.
-    #[error("height {index} of the layers is {value:?}: a height is finite, and at most 1e59 in magnitude.")]
+    #[error(
+        "height {index} of the layers is {value:?}: a height must be finite and at most 1e59 in magnitude."
+    )]
     Height {
         /// The number of the layer.
         index: usize,
@@ -34,22 +36,24 @@ pub enum InfillError {
     },
     /// There are too many scan lines.
     #[error(
-        "the spacing {spacing:?} makes {lines:.3e} scan lines: at most {most} are filled in one run. Use a larger spacing."
+        "the spacing {spacing:?} results in {} scan lines: at most {most} are filled in one run. Use a larger spacing.",
+        short_number(*.lines)
     )]
     TooManyLines {
-        /// The distance of scan lines.
+        /// The distance between scan lines.
         spacing: f64,
-        /// The number of scan lines of all layers, or the largest number of one.
+        /// The number of scan lines of all layers, or the largest number of one layer.
         lines: f64,
         /// The limit.
         most: u64,
     },
     /// There are too many layers.
     #[error(
-        "the layer height {height} makes {layers:.3e} layers: at most {most} are filled in one run. Use a larger layer height."
+        "the layer height {height} results in {} layers: at most {most} are filled in one run. Use a larger layer height.",
+        short_number(*.layers)
     )]
     TooManyLayers {
-        /// The distance of layers.
+        /// The distance between layers.
         height: f64,
         /// The number of layers.
         layers: f64,
@@ -57,7 +61,7 @@ pub enum InfillError {
         most: u64,
     },
     /// There is nothing to fill.
-    #[error("{name} is empty: there is nothing to fill. Do its parts overlap as they should?")]
+    #[error("{name} is empty: there is nothing to fill. Do its parts overlap as intended?")]
     Empty {
         /// The region.
         name: String,
@@ -72,7 +76,7 @@ pub enum InfillError {
     },
     /// The region is too far from the origin.
     #[error(
-        "{name} reaches to {reach:e}: coordinates of filled regions are at most {most:e}. Is the unit right?"
+        "{name} extends to {reach:e}: coordinates of filled regions must be at most {most:e}. Is the unit correct?"
     )]
     TooFar {
         /// The region.
@@ -83,7 +87,7 @@ pub enum InfillError {
         most: f64,
     },
     /// The traces do not fit into memory.
-    #[error("the traces cannot be kept: {0}. Use a larger spacing, or fill fewer layers at a time.")]
+    #[error("the traces do not fit into memory: {0}. Use a larger spacing, or fill fewer layers at a time.")]
     Memory(#[from] Shortage),
     /// The run was cancelled.
     #[error("cancelled")]

@@ -68,7 +68,7 @@ mod tests {
     fn layers_lie_on_each_other_from_below() {
         let heights = |lo, hi, height| Layers::Every(height).heights("x", &between(lo, hi)).unwrap();
         assert_eq!(heights(-1.0, 1.0, 0.5), [-0.75, -0.25, 0.25, 0.75]);
-        // the middle of the last layer is just inside, or just outside
+        // the middle of the last layer is just inside or just outside
         assert_eq!(heights(0.0, 1.6, 1.0), [0.5, 1.5]);
         assert_eq!(heights(0.0, 1.5, 1.0), [0.5]);
         assert_eq!(heights(0.0, 1.0, 5.0), [0.0; 0]);
@@ -82,7 +82,10 @@ mod tests {
             assert!(message(Layers::Every(bad), between(0.0, 1.0)).contains("layer height is"), "{bad}");
         }
         let text = message(Layers::At(vec![1.0, f64::NAN]), between(0.0, 1.0));
-        assert_eq!(text, "height 1 of the layers is NaN: a height is finite, and at most 1e59 in magnitude.");
+        assert_eq!(
+            text,
+            "height 1 of the layers is NaN: a height must be finite and at most 1e59 in magnitude."
+        );
         let text = message(Layers::At(vec![1e300]), Bounds::ALL);
         assert!(text.starts_with("height 0 of the layers is 1e300: "), "{text}");
         let text = message(Layers::Every(1.0), Bounds::ALL);

@@ -20,18 +20,18 @@
 //!
 //! **Components**: two traces on adjacent scan lines are connected if they overlap, that is if their ranges
 //! along the direction have more than a point in common; a component is a connected set of traces of one
-//! layer. Components are numbered from 0 in the order in which their first traces are listed. In the picture
-//! the trace of scan line 0 overlaps with the left one of scan line 1, so both are in component 0; the trace
-//! of scan line 4 overlaps with none of scan line 3 and is a separate component. A tool fills a component in
-//! steps from one line to the next, without long moves outside the region. (A tip so sharp that its traces do
-//! not overlap, because it leans along the scan lines, is a separate component.)
+//! layer. Components are numbered from 0 in the order in which their first traces are listed. In the picture,
+//! the trace of scan line 0 overlaps the left one of scan line 1, so both are in component 0; the trace of scan
+//! line 4 overlaps none of scan line 3 and is a separate component. A tool fills a component in steps from one
+//! line to the next, without long moves outside the region. (A sharp tip nearly parallel to the scan lines,
+//! whose traces do not overlap, is divided into separate components.)
 //!
 //! **Order**: layer by layer, line by line, along each line in its direction. With alternating directions,
 //! lines with an odd number are run backwards: their traces are listed in the opposite order, with their ends
 //! swapped.
 //!
 //! A scan line in a face of the region follows the rule of symbolic perturbation for rays in a surface: it
-//! counts as moved infinitesimally along the fixed vector w, which points towards +x and +y (and +z). A
+//! is treated as moved infinitesimally along the fixed vector w, which points towards +x and +y (and +z). A
 //! square from 0 to 10 therefore gets lines 0 to 9 with spacing 1, phase 0 and angle 0, and the lengths of
 //! all traces times the spacing are its area.
 //!

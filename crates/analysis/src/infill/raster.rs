@@ -12,11 +12,11 @@ pub struct Raster {
     phase: f64,
 }
 
-/// Up to this value the numbers of scan lines are exact in f64.
+/// Up to this value, the numbers of scan lines are exact in f64.
 const MAX_NUMBER: f64 = 9_007_199_254_740_992.0; // 2^53
 
 impl Raster {
-    /// Scan lines with the distance `spacing` > 0, at `angle` degrees from +x towards +y, shifted by `phase`
+    /// Creates scan lines at a distance of `spacing` > 0, at `angle` degrees from +x towards +y, shifted by `phase`
     /// (0 to 1) times the spacing.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ impl Raster {
         Raster::new(self.spacing, self.angle + degrees, self.phase)
     }
 
-    /// The distance of scan lines.
+    /// The distance between scan lines.
     pub fn spacing(&self) -> f64 {
         self.spacing
     }

@@ -1,4 +1,4 @@
-//! Regions that can be filled, by their intersections with scan lines.
+//! Regions that can be filled, and their intersections with scan lines.
 
 use super::Raster;
 use rayweave_math::{Bounds, Vec3};
@@ -113,7 +113,7 @@ impl Fillable for Polygons {
     }
 }
 
-/// Appends the pieces of a line inside, from its crossing times and the side after each.
+/// Appends the pieces of a line that are inside, given its crossing times and the side after each.
 fn gather(line: i64, starts_inside: bool, ends: impl Iterator<Item = (f64, bool)>, pieces: &mut Vec<Piece>) {
     let mut since = starts_inside.then_some(f64::NEG_INFINITY);
     for (t, is_inside) in ends {

@@ -10,7 +10,7 @@ use rayweave_model::memory::Growth;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
-/// The limit of scan lines per run.
+/// The maximum number of scan lines per run.
 const MAX_LINES: u64 = 10_000_000;
 
 /// Scan lines per task.
@@ -21,7 +21,7 @@ const LINES_PER_TASK: i64 = 512;
 pub struct Filling {
     /// The scan lines of layer 0.
     pub raster: Raster,
-    /// The rotation of each layer against the previous one about the origin, in degrees.
+    /// The rotation of each layer relative to the previous one, about the origin, in degrees.
     pub turn: f64,
     /// True if scan lines with an odd number are run backwards.
     pub alternate: bool,
@@ -92,8 +92,8 @@ struct Task {
 
 /// Fills the layers of a solid or a region and passes them to `take` in order.
 ///
-/// Every run returns the same bits for any number of threads. At most 10 million scan lines and 1 million
-/// layers are filled in one run.
+/// Results have the same bits for any number of threads. At most 10 million scan lines and 1 million layers are
+/// filled in one run.
 ///
 /// # Errors
 ///
@@ -113,7 +113,7 @@ pub fn infill<F: Fillable, X: From<InfillError>>(
     let (mut pieces, mut growth): (Vec<Piece>, Growth) = Default::default();
     let merge = |(task, found): (Task, Vec<Piece>)| {
         pieces.extend(found);
-        // the traces of the layer are made of them
+        // the memory for the pieces and for the traces made from them
         let bytes = pieces.len() * (size_of::<Piece>() + size_of::<InfillTrace>());
         growth.check(bytes as u64).map_err(InfillError::from)?;
         if !task.is_last {
@@ -175,7 +175,7 @@ fn rasters(filling: &Filling, layers: usize) -> Result<Vec<Raster>, InfillError>
     turned.collect::<Result<_, _>>().map_err(|_| InfillError::Turn(filling.turn))
 }
 
-/// The scan lines of all layers, divided into tasks; a layer outside the bounds, or between all lines, has
+/// The scan lines of all layers, divided into tasks; a layer outside the bounds, or between scan lines, has
 /// one task without lines.
 fn tasks(bounds: &Bounds, heights: &[f64], rasters: &[Raster]) -> Result<Vec<Task>, InfillError> {
     let corners = [bounds.lo, bounds.hi].map(|corner| [corner.x, corner.y]);

@@ -70,11 +70,11 @@ impl InfillTable {
 ///
 /// The extension of `out` selects the format, `.csv`, `.npy` or (with the feature `parquet`) `.parquet`; `-`
 /// is CSV on standard output; without `out` nothing is written. The file appears when it is complete, and not
-/// at all after an error or a cancellation. Every run writes the same bytes for any number of threads.
+/// at all after an error or a cancellation. The bytes written do not depend on the number of threads.
 ///
 /// # Errors
 ///
-/// As [`infill`], and a table that cannot be written.
+/// Those of [`infill`], and a table that cannot be written.
 pub fn write_infill<F: Fillable>(
     fillable: &F,
     filling: &Filling,

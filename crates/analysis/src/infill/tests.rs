@@ -1,4 +1,4 @@
-//! Infill compared with closed forms, and of plane regions with that of solids.
+//! Infill compared with closed forms; infill of plane regions compared with that of solids.
 
 use super::*;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
@@ -77,7 +77,7 @@ fn a_square_is_covered_exactly() {
         let found: Vec<i64> = layer.traces.iter().map(|trace| trace.scanline).collect();
         assert_eq!((found, length(layer)), (lines.collect(), 100.0), "{angle}");
     }
-    // the phase shifts all lines; a phase of 1 by one line
+    // the phase shifts all lines; a phase of 1 shifts them by one line
     let levels = |phase| {
         let layers = fill(&flat(&[square(2.0)]), &filling(1.0, 0.0, phase), &floor());
         layers[0].traces.iter().map(|trace| (trace.scanline, trace.from[1])).collect::<Vec<_>>()
@@ -86,9 +86,9 @@ fn a_square_is_covered_exactly() {
     assert_eq!(levels(1.0), [(-1, 0.0), (0, 1.0)]);
 }
 
-/// The sum of a function's values on a grid, times its spacing, differs from its integral by at most its
-/// total variation times the spacing; chords of a convex region rise once and fall once, by the longest of
-/// them.
+/// The sum of a function's values on a grid, times the spacing, differs from its integral by at most its
+/// total variation times the spacing; the chord length of a convex region rises once to its maximum and falls
+/// once.
 fn check_area(layer: &LayerTraces, spacing: f64, area: f64, longest: f64, what: &str) {
     let covered = spacing * length(layer);
     assert!((covered - area).abs() <= 2.0 * longest * spacing, "{what}: {covered} {area}");
@@ -132,8 +132,8 @@ fn a_ball_by_layers_has_its_volume() {
         assert_eq!(layer.components, 1);
     }
     let volume = height * spacing * summary.length;
-    // layers: variation of the area, 2 x 9 pi, times the height; lines: that of the chords, 12 at most, in 6
-    // of z
+    // layers: the variation of the area, 2 x 9 pi, times the height; lines: the variation of the chords, at most
+    // 12, over a height of 6
     let bound = height * 18.0 * std::f64::consts::PI + 6.0 * 12.0 * spacing;
     assert!((volume - 36.0 * std::f64::consts::PI).abs() < bound, "{volume}");
     let sum: f64 = layers.iter().map(length).sum();
@@ -248,7 +248,7 @@ fn layers_beyond_the_solid_are_empty_and_reported() {
 }
 
 #[test]
-fn what_cannot_be_filled_is_named() {
+fn unfillable_solids_are_named() {
     let message = |solid: &Solid, spacing: f64, layers: Layers| {
         let filling = filling(spacing, 0.0, 0.0);
         fill_with(&Slices(&weave(solid)), &filling, &layers, &InfillRun::default()).unwrap_err().to_string()
@@ -264,7 +264,7 @@ fn what_cannot_be_filled_is_named() {
     assert!(message(&bar, 1.0, Layers::Every(1.0)).contains("unbounded in z"));
     assert_eq!(fill(&Slices(&weave(&bar)), &filling(1.0, 0.0, 0.5), &floor())[0].traces.len(), 2);
     let text = message(&cube, 1e-9, floor());
-    assert!(text.contains("4.000e9 scan lines: at most 10000000"), "{text}");
+    assert!(text.contains("4e9 scan lines: at most 10000000"), "{text}");
     assert!(
         message(&cube, 1e-5, Layers::Every(0.01)).contains("1.600e8 scan lines"),
         "{}",
@@ -296,7 +296,7 @@ fn settings_out_of_range() {
     let filling = Filling { turn: f64::INFINITY, ..filling(1.0, 0.0, 0.0) };
     let error = fill_with(&flat(&[square(1.0)]), &filling, &floor(), &InfillRun::default()).unwrap_err();
     assert!(matches!(error, InfillError::Turn(_)));
-    // angles that are finite up to the third layer
+    // the angles are finite up to the third layer
     let filling = Filling { raster: Raster::new(1.0, 1e308, 0.0).unwrap(), turn: 5e307, alternate: false };
     let layers = Layers::At(vec![0.0; 3]);
     let error = fill_with(&flat(&[square(1.0)]), &filling, &layers, &InfillRun::default()).unwrap_err();
@@ -319,7 +319,7 @@ fn a_spacing_larger_than_numbers_can_be_traced_loses_no_line() {
             assert_eq!(beside.iter().map(|layer| layer.traces.len()).collect::<Vec<_>>(), [0]);
         }
     }
-    // at the greatest allowed distance
+    // at the largest allowed distance
     for angle in [0.0, 45.0, 90.0] {
         let far = square(1e59);
         let layer = &fill(&flat(std::slice::from_ref(&far)), &filling(1e58, angle, 0.5), &floor())[0];

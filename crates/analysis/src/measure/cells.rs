@@ -72,7 +72,7 @@ impl Cells {
             let [lo, hi] = [within.lo, within.hi].map(|corner| corner[self.axis] - self.bounds.lo[self.axis]);
             Window::new(lo, hi)
         });
-        // a box thinner than the spacing of f64 values there has no volume
+        // a box thinner than the spacing of f64 values at its position has no volume
         within.and_then(Result::ok).unwrap_or_default()
     }
 

@@ -16,7 +16,7 @@ pub enum MeasureError {
     },
     /// The model is too far away, or too large, for finite moments.
     #[error(
-        "{name} reaches to {reach:e}: coordinates of measured regions are at most {most:e}. Is the unit right?"
+        "{name} extends to {reach:e}: coordinates of measured regions must be at most {most:e}. Is the unit correct?"
     )]
     TooFar {
         /// The region.
@@ -28,7 +28,7 @@ pub enum MeasureError {
     },
     /// The box of the measurement has no volume.
     #[error(
-        "the box reaches from {lo:?} to {hi:?}: it must be finite, and hi greater than lo. Are its corners swapped?"
+        "the box extends from {lo:?} to {hi:?}: it must be finite, and hi must be greater than lo. Are its corners swapped?"
     )]
     BadBox {
         /// Its lower corner.
@@ -40,7 +40,7 @@ pub enum MeasureError {
     #[error("the precision is {0}: it must be greater than 0 and at most 1. Try 1e-3.")]
     Precision(f64),
     /// The level of confidence is out of range.
-    #[error("the confidence is {0}: it must be between 0.5 and 1, and below 1. Try 0.99.")]
+    #[error("the confidence is {0}: it must be at least 0.5 and below 1. Try 0.99.")]
     Confidence(f64),
     /// The run was cancelled.
     #[error("cancelled")]

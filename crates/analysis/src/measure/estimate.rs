@@ -33,7 +33,7 @@ pub struct Measured {
     /// The centroid of the volume; `None` if no ray crossed the region.
     pub centre: Option<[Estimate; 3]>,
     /// The inertia tensor about the centre for density 1, `integral of |r|^2 1 - r r^T`, row by row, in
-    /// lengths to the fifth power. Multiply by the density for that of the body.
+    /// lengths to the fifth power. Multiply by the density to obtain that of the body.
     pub inertia: [[Estimate; 3]; 3],
     /// The longest chord, a lower bound of the extent; `None` if no ray crossed the region. Volume and area
     /// are then between 0 and the half width: see [`measure`](super::measure).
@@ -106,7 +106,7 @@ pub(super) fn report(tally: &Tally, origin: Vec3, quantile: f64) -> Measured {
 /// The ratio of half width to standard deviation for a level of confidence below 1: by bisection, the root of
 /// erf(q / sqrt 2) = confidence.
 pub(super) fn quantile(confidence: f64) -> f64 {
-    // erf(40 / sqrt 2) is 1 in double precision
+    // erf(40 / sqrt 2) rounds to 1 in double precision
     let (mut lo, mut hi) = (0.0, 40.0);
     for _ in 0..64 {
         let middle = 0.5 * (lo + hi);

@@ -11,8 +11,8 @@
 //! ```
 //!
 //! Both are unbiased; each axis gives a separate estimate, and the mean is reported. The stratification makes
-//! the error decrease faster than the root of the number of rays: nearly as its 3/4-th power for a smooth
-//! boundary.
+//! the error decrease faster than with the square root of the number of rays: for a smooth boundary, nearly with its
+//! power of 3/4.
 //!
 //! The surface area comes from the crossings of the same rays. With `n` the unit normal, `n_x^2 + n_y^2 +
 //! n_z^2 = 1`, and a piece of surface of area `dS` has the projected area `|n_x| dS` for the rays along x. So
@@ -23,8 +23,8 @@
 //!
 //! with weights of at most 1, whereas one direction alone would need the unbounded weight 1 / |n_x|.
 //!
-//! A half width is the quantile of the normal distribution times the estimated deviation. It covers only the
-//! observed rays: all of them can miss a part much thinner than their distance. Models with very small parts
+//! A half width is the quantile of the normal distribution times the estimated standard deviation. It reflects only
+//! the observed rays, all of which can miss a part much thinner than their spacing. Models with very small parts
 //! therefore need more rays than the precision requires. Rounds of rays are added until the precision is
 //! reached, which makes intervals slightly too short on average (by less than the variation of the estimated
 //! deviation).

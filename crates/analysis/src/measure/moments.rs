@@ -101,7 +101,7 @@ mod tests {
                 add(&mut sum, &along(axis, at, 0.0, size[axis]), area);
             }
             for (k, (found, exact)) in sum.iter().zip(exact).enumerate() {
-                // the midpoint rule is exact except for the transverse squares, with an error of 1 / (4 n^2)
+                // the midpoint rule is exact except for the squares of transverse coordinates, with an error of 1 / (4 n^2)
                 assert!((found / exact - 1.0).abs() < 1.1 / (4.0 * 2500.0), "{axis} {k}: {found} {exact}");
             }
             let about = inertia(&sum, size / 2.0);

@@ -26,7 +26,7 @@ pub struct MeasureSettings {
     pub precision: f64,
     /// The level of confidence of all intervals: from 0.5, below 1.
     pub confidence: f64,
-    /// The limit of rays per region, without those of the first round, which serves all regions.
+    /// The maximum number of rays per region, excluding the first round, which serves all regions.
     pub most_rays: u64,
     /// Restricts the measurement to this box; the faces of the box do not count as boundary.
     pub within: Option<Bounds>,
@@ -60,10 +60,10 @@ impl Default for MeasureSettings {
 /// ([`Measured::is_reached`]) or `most_rays` is reached. The rounds are independent estimates; they are
 /// combined with weights that depend only on the density of their rays.
 ///
-/// A region that no ray crosses gets one round of its own. It may still be non-empty: its interval covers the
+/// A region that no ray crosses gets one additional round. It may still be non-empty: its interval covers the
 /// volume that this number of rays can miss.
 ///
-/// Touching regions of one medium have no boundary between them and count as one of the two:
+/// Touching regions with the same medium have no boundary between them and count as one of the two;
 /// [`one_medium_each`] separates them.
 ///
 /// `progress` receives the number of rays so far, on the calling thread.
@@ -80,7 +80,7 @@ pub fn measure<E: Evaluator>(
     let program = evaluator.program();
     let count = program.regions().len();
     let mut run = Run { evaluator, settings, progress, quantile, traced: 0, streams: 0 };
-    let boxes = program.region_bounds().into_iter().map(|own| with_an_inside(run.clipped(own)));
+    let boxes = program.region_bounds().into_iter().map(|own| empty_if_flat(run.clipped(own)));
     let boxes = boxes.collect::<Vec<_>>();
     let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
     let mut results = vec![Joined::default(); count];
@@ -99,7 +99,7 @@ pub fn measure<E: Evaluator>(
             ..report(&joined.mean(), joined.origin, quantile)
         };
         regions.push(match found.longest {
-            None => unmet(found, &boxes[region], own, settings.confidence),
+            None => uncrossed(found, &boxes[region], own, settings.confidence),
             Some(_) => found,
         });
     }
@@ -112,7 +112,7 @@ pub fn measure<E: Evaluator>(
 /// all miss it with a probability of at most (1 - f)^n, also for stratified rays: so f is below -ln(1 -
 /// confidence) / n. The volume is at most that fraction of the box; the area, if no ray crosses the boundary
 /// more than twice, at most that fraction of the area of the box.
-fn unmet(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
+fn uncrossed(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
     if bounds.is_empty() {
         return found;
     }
@@ -131,8 +131,8 @@ pub fn one_medium_each(regions: &[Region]) -> Vec<Region> {
     regions.iter().enumerate().map(own).collect()
 }
 
-/// Replaces a box of zero width, which has no cross-section, by the empty box.
-fn with_an_inside(own: Bounds) -> Bounds {
+/// Replaces a box of zero width, which has no cross-section, with the empty box.
+fn empty_if_flat(own: Bounds) -> Bounds {
     if own.size().min_element() > 0.0 { own } else { Bounds::EMPTY }
 }
 
@@ -169,7 +169,7 @@ impl Joined {
     /// Adds a round of rays, about the same or another point.
     fn join(&mut self, tally: &Tally, weight: f64, origin: Vec3, rays: u64) {
         if origin != self.origin {
-            // the region's own box: the few rays of the first round do not justify a change of origin
+            // the first round in the region's own box: the few earlier rays are dropped, since they do not justify a change of origin
             *self = Joined { origin, rays: self.rays, ..Joined::default() };
         }
         self.sum.add(tally, weight, weight);
@@ -203,7 +203,10 @@ impl<E: Evaluator> Run<'_, E> {
             .map(|k| ["x", "y", "z"][k])
             .collect();
         if !unbounded.is_empty() {
-            return Err(MeasureError::Unbounded { name: name(), axes: unbounded.join(" and ") });
+            // "x", "x and y" or "x, y and z"
+            let commas = unbounded.len().saturating_sub(2);
+            let axes = unbounded.join(" and ").replacen(" and ", ", ", commas);
+            return Err(MeasureError::Unbounded { name: name(), axes });
         }
         let reach = bounds.lo.abs().max(bounds.hi.abs()).max_element();
         match reach > MAX_REACH {
@@ -226,7 +229,7 @@ impl<E: Evaluator> Run<'_, E> {
     ) -> Result<u64, MeasureError> {
         let mut across = FIRST_ACROSS;
         let mut spent = 0;
-        while !bounds.is_empty() && !self.is_sure(&results[region], spent) {
+        while !bounds.is_empty() && !self.is_finished(&results[region], spent) {
             let most = ((self.settings.most_rays - spent) / 6).isqrt();
             if most == 0 {
                 break;
@@ -240,7 +243,7 @@ impl<E: Evaluator> Run<'_, E> {
     }
 
     /// True if no more rays are needed. A region that no ray crossed gets one more round.
-    fn is_sure(&self, joined: &Joined, spent: u64) -> bool {
+    fn is_finished(&self, joined: &Joined, spent: u64) -> bool {
         let is_met = joined.weight > 0.0 && joined.mean().moments[0] > 0.0;
         self.is_reached(joined) && (is_met || spent > 0)
     }

@@ -27,7 +27,7 @@ pub struct RegionReport {
     pub measured: Measured,
     /// The name of the medium.
     pub medium: String,
-    /// The exact volume, if the region is a single primitive with a closed form whose bounding box meets that of no
+    /// The exact volume, if the region is a single primitive with a closed form, its bounding box overlaps that of no
     /// other region, and the measurement is not restricted to a box.
     pub exact_volume: Option<f64>,
     /// The mass in grams, if the medium has a `density` (in g/cm^3).

@@ -51,14 +51,14 @@ fn a_ball_far_from_the_origin() {
 
 /// Two cubes that have only a face in common.
 #[test]
-fn a_box_without_a_width_holds_nothing() {
+fn a_box_of_zero_width_has_no_volume() {
     let found = one(&(cube(2.0) & cube(2.0).translate(2.0 * Vec3::X)), &quick());
     assert_eq!((found.volume.value, found.volume.half_width), (0.0, 0.0), "{found:?}");
     assert!(found.is_reached && found.centre.is_none(), "{found:?}");
 }
 
 #[test]
-fn what_is_flat_is_exact() {
+fn flat_faces_are_exact() {
     let solid = cube(2.0).scale(Vec3::new(1.0, 2.0, 3.0)).rotate_z(90.0);
     let found = one(&solid, &quick());
     assert!((found.volume.value - 48.0).abs() < 1e-9 && found.volume.half_width < 1e-9, "{found:?}");
@@ -67,8 +67,8 @@ fn what_is_flat_is_exact() {
     assert!(found.inertia[1][1].contains(expected), "{:?} {expected}", found.inertia[1][1]);
 }
 
-/// With a confidence of 90 % each interval misses with probability 0.1; of 200, more than 35 miss with
-/// probability 4e-4.
+/// With a confidence of 90 %, each interval misses the value with probability 0.1; more than 35 of 200 do so
+/// with probability 4e-4.
 #[test]
 fn confidence_is_kept() {
     let torus = Solid::from(Primitive::from(Torus::new(1.0, 0.4).unwrap())).rotate_x(35.0);
@@ -105,7 +105,7 @@ fn regions_of_a_partition() {
     }
     assert_eq!(found.regions[2].name, "dot");
     assert!(found.volume().contains(1000.0));
-    // the surface of the bubble belongs also to the block
+    // the surface of the bubble also belongs to the block
     let areas = [600.0 + 36.0 * PI + 4e-4 * PI, 36.0 * PI, 4e-4 * PI];
     for (region, expected) in found.regions.iter().zip(areas) {
         assert!(region.area.contains(expected), "{region:?} {expected}");
@@ -134,7 +134,7 @@ fn no_more_rays_than_requested() {
 }
 
 #[test]
-fn nothing_there() {
+fn empty_regions() {
     let apart = cube(1.0) & cube(1.0).translate(Vec3::new(0.5, 0.5, 2.0));
     let found = one(&apart, &quick());
     assert_eq!((found.volume.value, found.volume.half_width, found.centre), (0.0, 0.0, None));
@@ -149,7 +149,7 @@ fn nothing_there() {
 
 /// A region that is small in its box: cut from a huge plate and subtracted from it again.
 #[test]
-fn what_no_ray_has_met_may_still_be_there() {
+fn a_region_that_no_ray_crosses_may_exist() {
     let plate = cube(1.0).scale(Vec3::new(1e6, 1e6, 1.0));
     let solid = &plate - &(&plate - &cube(1.0).scale(Vec3::new(10.0, 10.0, 1.0)));
     let found = one(&solid, &quick());
@@ -187,7 +187,7 @@ fn refusals() {
         message(&rod.named("rod"), quick()),
         "rod is unbounded in z: it has no volume. Measure it within a box."
     );
-    assert!(message(&sphere(1e40), quick()).contains(" reaches to 1e40: "));
+    assert!(message(&sphere(1e40), quick()).contains(" extends to 1e40: "));
     assert!(
         message(&sphere(1.0), MeasureSettings { precision: 0.0, ..quick() })
             .starts_with("the precision is 0")
@@ -203,7 +203,7 @@ fn refusals() {
     let swapped = Bounds::new(Vec3::ONE, Vec3::ZERO);
     assert!(
         message(&sphere(1.0), MeasureSettings { within: Some(swapped), ..quick() })
-            .starts_with("the box reaches")
+            .starts_with("the box extends")
     );
     let cancel = Cancel::new();
     cancel.cancel();

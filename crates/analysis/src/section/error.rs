@@ -9,7 +9,7 @@ use rayweave_model::memory::Shortage;
 #[non_exhaustive]
 pub enum SectionError {
     /// The axes span no plane.
-    #[error("the axes {across} and {up} span no plane: they have to be finite, and not parallel.")]
+    #[error("the axes {across} and {up} span no plane: they must be finite and not parallel.")]
     Axes {
         /// The first axis.
         across: Vec3,
@@ -17,7 +17,7 @@ pub enum SectionError {
         up: Vec3,
     },
     /// The window has no area.
-    #[error("the window from {lo:?} to {hi:?} has no area: its ends have to be finite, the lower one first.")]
+    #[error("the window from {lo:?} to {hi:?} has no area: its ends must be finite, the lower one first.")]
     Window {
         /// The lower left corner.
         lo: [f64; 2],
@@ -25,13 +25,13 @@ pub enum SectionError {
         hi: [f64; 2],
     },
     /// The tolerance is not positive and finite.
-    #[error("the tolerance is {tolerance}: it has to be greater than 0 and finite.")]
+    #[error("the tolerance is {tolerance}: it must be positive and finite.")]
     Tolerance {
         /// The tolerance.
         tolerance: f64,
     },
     /// The section does not fit into memory.
-    #[error("the section cannot be kept: {0}. Use fewer columns or planes, or a larger tolerance.")]
+    #[error("the section does not fit into memory: {0}. Use fewer columns or planes, or a larger tolerance.")]
     Memory(#[from] Shortage),
     /// The run was cancelled.
     #[error("cancelled")]

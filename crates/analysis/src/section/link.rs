@@ -128,7 +128,7 @@ pub fn chains(lines: Vec<Vec<[f64; 2]>>) -> Vec<Vec<[f64; 2]>> {
     });
     let mut lines: Vec<Option<Vec<[f64; 2]>>> = lines.into_iter().map(Some).collect();
     let mut found = Vec::new();
-    // lines that begin where none ends come first: the others are closed, or parts of lines already used
+    // lines that begin where no line ends come first; the others are closed, or parts of lines already used
     let is_loose =
         |line: &Option<Vec<[f64; 2]>>| line.as_ref().is_some_and(|line| !ends.contains_key(&key(line[0])));
     let loose: Vec<usize> = (0..lines.len()).filter(|&number| is_loose(&lines[number])).collect();

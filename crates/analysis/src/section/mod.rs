@@ -1,15 +1,15 @@
 //! Cross-sections of models by a plane.
 //!
-//! Parallel rays, *scan lines* (the option `columns` is their least number), sweep the plane. The crossings of a scan line are exact. Two neighbouring scan lines
-//! with the same faces are joined by straight edges if a third scan line halfway between them agrees within a
-//! tolerance; otherwise the gap is halved, until it is as narrow as the tolerance. A remaining difference
-//! becomes a *wall*, an edge along the scan lines. The points of an edge therefore lie on the surfaces to
-//! rounding error, edges deviate by at most the tolerance, and walls are within half a tolerance of their
-//! true position.
+//! Parallel rays, *scan lines* (the option `columns` is their minimum number), sweep the plane. The crossings of a
+//! scan line are exact. Two neighbouring scan lines with the same faces are joined by straight edges if a third scan
+//! line halfway between them agrees within a tolerance; otherwise the gap is halved, until it is as narrow as the
+//! tolerance. A remaining difference becomes a *wall*, an edge along the scan lines. The points of an edge therefore
+//! lie on the surfaces up to rounding error, edges deviate by at most the tolerance, and walls are within half a
+//! tolerance of their true position.
 //!
 //! Scan lines are evenly spaced, with additional ones at both ends and in the middle of the box of every leaf. A
-//! part between scan lines is missed: it must be thinner than their distance, and far from the ends and middles
-//! of its leaves.
+//! part that lies between scan lines is missed; such a part is thinner than their spacing and contains neither
+//! ends nor middles of its leaves.
 
 mod cut;
 mod edge;
@@ -75,7 +75,7 @@ pub fn section<E: Evaluator>(
 /// Like [`section`], with a number of threads and a cancellation token.
 ///
 /// # Errors
-/// [`SectionError`], [`SectionError::Cancelled`] among them.
+/// [`SectionError`], including [`SectionError::Cancelled`].
 pub fn section_with<E: Evaluator>(
     evaluator: &E,
     cut: &Cut,

@@ -25,7 +25,7 @@ enum Form {
     Oblique { point: Vec3, normal: Vec3 },
 }
 
-/// The limit of planes per stack.
+/// The maximum number of planes per stack.
 const MAX_PLANES: usize = 100_000;
 
 impl SectionPlane {
@@ -33,7 +33,7 @@ impl SectionPlane {
     ///
     /// # Errors
     ///
-    /// [`AnalysisError::Value`] for another axis, or a coordinate that is not finite.
+    /// [`AnalysisError::Value`] for an invalid axis, or a coordinate that is not finite.
     pub fn across(axis: usize, coordinate: f64) -> Result<SectionPlane, AnalysisError> {
         match axis < 3 && coordinate.is_finite() {
             true => Ok(SectionPlane { form: Form::Axis(axis), offset: coordinate }),
@@ -54,8 +54,8 @@ impl SectionPlane {
         match point.is_finite() && unit.is_finite() && unit != Vec3::ZERO {
             true => Ok(SectionPlane { form: Form::Oblique { point, normal: unit }, offset: 0.0 }),
             false => Err(AnalysisError::Value(Message::new(
-                format!("no plane goes through {point} with the normal {normal}"),
-                "both must be finite, the normal not 0",
+                format!("no plane through {point} has the normal {normal}"),
+                "both must be finite, and the normal must not be zero",
             ))),
         }
     }

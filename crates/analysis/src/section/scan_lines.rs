@@ -171,7 +171,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
         match () {
             () if is_smooth && (0..middle.passes.len()).all(is_straight) => Gap::Smooth,
             () if right.u - left.u <= 2.0 * tolerance => Gap::Jump,
-            // as narrow as f64 can represent
+            // the gap is as narrow as f64 can represent
             () if middle.u <= left.u || middle.u >= right.u => Gap::Jump,
             () => Gap::Unknown,
         }

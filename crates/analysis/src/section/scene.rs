@@ -30,7 +30,7 @@ pub struct SectionSettings {
     /// The largest distance of contours from the surfaces, in the unit of the model; by default 1/10,000 of
     /// the larger side of the model in the plane.
     pub tolerance: Option<f64>,
-    /// The least number of columns, at least 2: parts thinner than their distance can be missed.
+    /// The minimum number of columns, at least 2: parts thinner than their spacing can be missed.
     pub columns: u32,
     /// Restricts the section to this box.
     pub within: Option<Bounds>,
@@ -84,7 +84,7 @@ impl CrossSection {
         self.parts.iter().find(|part| part.name == name)
     }
 
-    /// About the memory that it takes, in bytes.
+    /// The approximate memory that it takes, in bytes.
     fn size(&self) -> u64 {
         let points: usize = self.parts.iter().flat_map(|part| &part.contours).map(Vec::len).sum();
         (points * size_of::<[f64; 2]>() + self.parts.len() * size_of::<SectionPart>()) as u64
@@ -193,7 +193,7 @@ impl<E: Evaluator> Cutter<'_, E> {
         }
         if !lo.iter().chain(&hi).all(|end| end.is_finite()) {
             let problem = format!("the model is unbounded in the plane {plane}");
-            let message = Message::new(problem, "a section is finite").suggest("Cut it within a box.");
+            let message = Message::new(problem, "a section must be finite").suggest("Cut it within a box.");
             return Err(AnalysisError::Solid(message));
         }
         let side = (hi[0] - lo[0]).max(hi[1] - lo[1]).max(f64::MIN_POSITIVE);

@@ -43,7 +43,7 @@ fn circle_and_annuli() {
     let shell = format!("{shell}\n[[region]]\nsolid = \"shell\"");
     let found = cut(&shell, "x=3");
     check(&found, "shell", PI * (16.0 - 7.0), 2.0 * PI * (4.0 + 7f64.sqrt()), 1);
-    // a torus through its axis, and along its plane
+    // a torus cut through its axis, and in its plane
     let torus = "[solid.t]\ntorus = { major = 3, minor = 1 }";
     check(&cut(torus, "xz"), "t", 2.0 * PI, 4.0 * PI, 0);
     check(&cut(torus, "xy"), "t", 12.0 * PI, 12.0 * PI, 1);
@@ -86,7 +86,7 @@ fn tolerances_hold() {
         let points = contour.iter().copied().chain(middles);
         let off = points.map(|[x, y]| (x.hypot(y) - 1.0).abs()).fold(0.0, f64::max);
         assert!(off <= tolerance && off > 0.01 * tolerance, "{off} {tolerance}");
-        // a chord of angle a keeps to within a^2 / 8
+        // a chord of angle a stays within a^2 / 8 of the arc
         let least = PI / (2.0 * tolerance).sqrt();
         assert!((contour.len() as f64) < 6.0 * least + 24.0, "{} points for {tolerance}", contour.len());
     }
@@ -116,7 +116,7 @@ fn by_medium_or_by_region() {
 }
 
 #[test]
-fn a_box_ends_what_has_no_end() {
+fn a_box_bounds_unbounded_solids() {
     let rod = scene("[solid.rod]\ncylinder = { radius = 1, height = inf }");
     let settings = SectionSettings::default();
     let plane = || "xz".parse().unwrap();

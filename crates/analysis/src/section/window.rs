@@ -13,7 +13,7 @@ pub struct SectionWindow {
     pub hi: [f64; 2],
     /// The largest distance of edges from the surfaces, in the unit of the model.
     pub tolerance: f64,
-    /// The least number of columns.
+    /// The minimum number of columns.
     pub columns: u32,
 }
 

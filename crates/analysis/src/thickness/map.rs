@@ -75,8 +75,10 @@ impl ThicknessMap {
         // each length, and its copy in a table or array
         memory::check(count.unwrap_or(usize::MAX) as u64, 2 * size_of::<f64>() as u64).map_err(
             |shortage| {
-                let problem =
-                    format!("a map of {width}x{height} pixels with {} media cannot be kept", media.len());
+                let problem = format!(
+                    "a map of {width}x{height} pixels with {} media does not fit into memory",
+                    media.len()
+                );
                 AnalysisError::Value(Message::new(problem, shortage.to_string()).suggest("Reduce the size."))
             },
         )?;
@@ -117,9 +119,9 @@ impl ThicknessMap {
         Ok(self.pixels(|lengths| lengths[medium]))
     }
 
-    /// The transmission of an X-ray from 0 to 1, pixel by pixel, from the property `attenuation` of the
-    /// media, per length unit of the model; a medium without one is transparent. If no medium has one,
-    /// attenuations are proportional to `density`, or equal: see [`FAINTEST`].
+    /// The transmission of X-rays from 0 to 1, pixel by pixel, computed from the property `attenuation` of the
+    /// media, per length unit of the model; a medium without it is transparent. If no medium has it, attenuations
+    /// are proportional to `density`, or equal: see [`FAINTEST`].
     pub fn radiograph(&self, scene: &Scene) -> Vec<f64> {
         let attenuations = self.attenuations(scene);
         self.pixels(|lengths| libm::exp(-lengths.iter().zip(&attenuations).map(optical_depth).sum::<f64>()))
@@ -223,11 +225,11 @@ mod tests {
         }
     }
 
-    /// Along the centre 2 of water and 4 of steel; near a corner of the box 6 of water alone.
+    /// Along the centre, 2 of water and 4 of steel; near a corner of the box, 6 of water alone.
     #[test]
     fn media_weaken_by_attenuation_or_density_or_alike() {
         let corner = (8, 8);
-        // the exponents along the centre and the corner, and the greatest of all rays
+        // the exponents along the centre and the corner, and the largest of all rays
         for (water, steel, sums, most) in [
             ("", "", [6.0, 6.0], 6.0),
             ("density = 1", "density = 8", [34.0, 6.0], 34.0),

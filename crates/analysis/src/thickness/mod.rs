@@ -1,8 +1,8 @@
 //! Path lengths of rays through media, and radiographs.
 //!
 //! The path length of a ray through a medium is the total length of the ray inside it. An X-ray attenuated by
-//! `mu` per length is transmitted with the factor `exp(-sum of mu l)` (Beer-Lambert law), without scattered
-//! light.
+//! `mu` per length is transmitted with the factor `exp(-sum of mu l)` (Beer-Lambert law); scattering is
+//! ignored.
 
 mod map;
 

@@ -39,8 +39,8 @@ impl Exemplar for ArrayCsg {
     }
 
     fn about(&self) -> &str {
-        "The union of two hit arrays of H entries on each of 2^20 rays into an array that is given, checks included; the \
-         least traffic is H entries read twice and 2 H written."
+        "The union of two hit arrays with H entries for each of 2^20 rays, written to an existing array, checks included; \
+         the minimum traffic is 2 H entries read and 2 H written per ray."
     }
 
     fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String> {

@@ -61,8 +61,8 @@ pub fn all() -> Vec<Box<dyn Exemplar>> {
             "die/full/incoherent",
             QueryKind::Full,
             false,
-            "Every crossing with the die (box & sphere) - three cylinders, with its face, into hit arrays; rays from anywhere \
-             on a sphere of radius 5 to anywhere in the box: 2.73 crossings a ray.",
+            "Every crossing with the die (box & sphere) - three cylinders, with its face, into hit arrays; rays from random \
+             points on a sphere of radius 5 to random points in the box: 2.73 crossings per ray.",
         ),
         of(
             "die/full/coherent",
@@ -149,8 +149,8 @@ impl Die {
         }
     }
 
-    /// Resources per ray: kernels need their operations (a batch stays within the last-level
-    /// cache), all others the time of a kernel.
+    /// The limits per ray: for kernels the operations (a batch fits into the last-level cache), for
+    /// all others the time of the best kernel.
     fn needs(&self, bench: &Bench, outcome: &Outcome, best: Option<f64>) -> Option<Need> {
         match outcome.role {
             Role::Ceiling => {
@@ -285,8 +285,8 @@ impl Exemplar for Single {
     }
 
     fn about(&self) -> &'static str {
-        "Every crossing of one ray with the die, a call for each ray; by hand: one step of the kernel, which is of no \
-         use to a single ray but answers as many as fit."
+        "Every crossing of one ray with the die, one call per ray; by hand: one kernel step, which always processes \
+         a full vector of rays, so that a single ray gains nothing."
     }
 
     fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String> {

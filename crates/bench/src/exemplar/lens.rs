@@ -41,13 +41,13 @@ struct Lens {
 pub fn all() -> Vec<Box<dyn Exemplar>> {
     let first = Lens {
         name: "lens/first",
-        about: "The first crossing with a lens (two spheres and a cylinder), with its face and its normal, of 2^20 rays.",
+        about: "The first crossing with a lens (two spheres and a cylinder), with its face and its normal, for 2^20 rays.",
         rays: 1 << 20,
         is_first: true,
     };
     let full = |name, rays| Lens {
         name,
-        about: "Every crossing with the lens, with its face: what PyRayT's intersect gives.",
+        about: "Every crossing with the lens, with its face, like PyRayT's `intersect`.",
         rays,
         is_first: false,
     };

@@ -22,7 +22,7 @@ const RAYS: usize = 100_000;
 /// The number of rays whose end points are compared.
 const COMPARED: usize = 4096;
 
-/// The exemplar, by the rows that a run keeps.
+/// The exemplar, with the end points only or with every segment.
 struct Optics {
     name: &'static str,
     about: &'static str,
@@ -34,12 +34,12 @@ pub fn all() -> Vec<Box<dyn Exemplar>> {
     vec![
         Box::new(Optics {
             name: "optics/ends",
-            about: "Where parallel light ends that goes through a biconvex lens onto a screen, three segments a ray. PyRayT makes its whole table.",
+            about: "The end points of parallel light that passes through a biconvex lens onto a screen, three segments per ray. PyRayT always creates its whole table.",
             keep: Keep::Ends,
         }),
         Box::new(Optics {
             name: "optics/table",
-            about: "The same with every segment as a row: where it begins and ends, its direction, power, index, path and what it meets.",
+            about: "The same with every segment as a row: its start and end, direction, power, index, optical path and event.",
             keep: Keep::All,
         }),
     ]

@@ -22,7 +22,7 @@ impl Exemplar for Picture {
     }
 
     fn about(&self) -> &'static str {
-        "Depth, normals and ids of the die in 1280 x 720 pixels; the least traffic is 36 bytes written for each pixel."
+        "Depth, normals and ids of the die in 1280 x 720 pixels; the minimum traffic is 36 bytes written per pixel."
     }
 
     fn measure(&self, bench: &Bench) -> Result<Vec<Section>, String> {

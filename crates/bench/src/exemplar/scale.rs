@@ -46,12 +46,14 @@ pub fn all(large: bool) -> Vec<Box<dyn Exemplar>> {
     let count = if large { 4 } else { 3 };
     let one = |(family, make): Family, (size, leaves): (&str, usize)| -> Box<dyn Exemplar> {
         let what = match family {
-            "spheres" => "random spheres united, at the same filling whatever their number",
+            "spheres" => "a union of random spheres whose packing density does not depend on their number",
             "plate" => "a plate less round holes",
             "sponge" => "a sponge by nested differences",
-            _ => "a die of five leaves placed again and again",
+            _ => "many placed copies of a die of five leaves",
         };
-        let about = format!("About {size} leaves: {what}. Compiling, every crossing, and the first one.");
+        let about = format!(
+            "About {size} leaves: {what}. Measures compilation, all crossings and the first crossing."
+        );
         Box::new(Scale { name: format!("scale/{family}/{size}"), about, make, leaves })
     };
     FAMILIES.iter().flat_map(|family| sizes[..count].iter().map(|size| one(*family, *size))).collect()

@@ -50,8 +50,8 @@ struct Ray<L> {
     direction: [L; 3],
 }
 
-/// All crossings of the die on each ray, in order of time: the times, +inf after the last, and the
-/// faces, with undefined numbers after the last.
+/// All crossings of the die on each ray, in order of time: the times, padded with +inf, and the
+/// faces, undefined where the time is +inf.
 ///
 /// # Panics
 /// If there are fewer than 16 rays, or rows shorter than the batch.
@@ -208,8 +208,8 @@ fn kept<L: Lanes>([block, ball, a, b, c]: &[Leaf<L>; 5]) -> [[End<L>; 2]; 5] {
     ]
 }
 
-/// The ends of a leaf that are inside the first and outside the second set of leaves; others are at
-/// infinity.
+/// The ends of a leaf that lie inside all leaves of the first set and outside all of the second;
+/// others are at infinity.
 #[inline(always)]
 fn crossings_of<L: Lanes, const IN: usize, const OUT: usize>(
     leaf: &Leaf<L>,
@@ -238,7 +238,8 @@ fn keep<L: Lanes, const IN: usize, const OUT: usize>(
 }
 
 /// The interval in the box, between the last plane entered and the first one left. For a ray that
-/// misses, it is left before it is entered; the ends of an empty interval are not crossings.
+/// misses the box the exit precedes the entry; the ends of such an empty interval are not
+/// crossings.
 #[inline(always)]
 fn block<L: Lanes>(ray: &Ray<L>) -> Leaf<L> {
     let slabs = [slab(ray, 0), slab(ray, 1), slab(ray, 2)];

@@ -1,4 +1,4 @@
-//! Hand-written kernels, each for one solid: an upper bound of the achievable speed.
+//! Hand-written kernels, each for one solid: upper bounds of the achievable speed.
 
 pub mod die;
 pub mod lanes;

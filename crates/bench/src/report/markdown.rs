@@ -6,7 +6,7 @@ use crate::interleaved::Role;
 const HEAD: &str = "\
 # Performance
 
-Written by the benchmark itself: figures, tables and the plot are those of one run. What they mean is said at the end.
+The benchmark writes this page: figures, tables and the plot are those of one run. The end of the page explains them.
 ";
 
 const FOOT: &str = include_str!("page.md");
@@ -53,7 +53,7 @@ fn growth(report: &Report) -> String {
     }
     let lines = rows.into_iter().map(|(name, cells)| format!("- {name}: {}\n", cells.join(", ")));
     format!(
-        "\n## Growth\n\nThe time of one ray, or of compiling one leaf, by the number of leaves; the fastest evaluator.\n\n{}",
+        "\n## Growth\n\nThe time per ray, or per leaf when compiling, by number of leaves, for the fastest evaluator.\n\n{}",
         lines.collect::<String>()
     )
 }

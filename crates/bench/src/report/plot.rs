@@ -40,7 +40,7 @@ pub fn plot(report: &Report) -> String {
     let scale = Scale::of(rates);
     let mut svg = Drawing::default();
     let height = TOP + sections.iter().map(|section| height(section)).sum::<f64>() + 30.0;
-    svg.text("title", [20.0, 28.0], Anchor::Start, "Work done in a second");
+    svg.text("title", [20.0, 28.0], Anchor::Start, "Work done per second");
     legend(&mut svg);
     for power in scale.powers() {
         guide(&mut svg, &scale, power, height);
@@ -51,7 +51,7 @@ pub fn plot(report: &Report) -> String {
         y += self::height(section);
     }
     let description = format!("Rates measured on {}, as in the tables of the page.", report.date);
-    svg.0.finish([WIDTH, height], "Work done in a second", &description, STYLE)
+    svg.0.finish([WIDTH, height], "Work done per second", &description, STYLE)
 }
 
 /// False for families of models of different sizes, which have a table of their own.

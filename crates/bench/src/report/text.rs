@@ -19,7 +19,7 @@ pub fn section(section: &Section) -> String {
     let heads = [
         "",
         "threads",
-        &format!("{item}s/s"),
+        &format!("{}/s", if item == "leaf" { "leaves".to_owned() } else { format!("{item}s") }),
         &format!("ns per {item}"),
         "spread",
         "of the ceiling",
@@ -140,7 +140,7 @@ mod tests {
         assert!(lines[..5].iter().all(|line| cells(line) == cells(lines[0])), "{text}");
         assert!(lines[2].contains("**weave**") && lines[2].contains("50 % (kernel by hand)"), "{text}");
         assert!(lines[2].contains("50.0 x") && !lines[3].contains(" x "), "{text}");
-        assert!(!text.contains("instructions"), "nobody counted them");
+        assert!(!text.contains("instructions"), "they were not counted");
         assert!(text.ends_with("\nGeant4: it broke\n"));
         assert!(ceilings(&example().ceilings).contains("| copy, 2 threads"));
     }

@@ -106,7 +106,7 @@ pub fn passes(ray: &Ray, bounds: &Bounds) -> bool {
             }
             continue;
         }
-        // None is infinite: without an effect
+        // `None` for an infinite plane, which has no effect
         let time = |plane: f64| Some((exact(plane)? - exact(o)?) / exact(d)?);
         let (near, far) = if d > 0.0 { (bounds.lo[k], bounds.hi[k]) } else { (bounds.hi[k], bounds.lo[k]) };
         enter = enter.max(time(near));

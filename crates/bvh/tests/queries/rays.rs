@@ -58,7 +58,7 @@ fn few_items_beside_the_ray_are_found() {
         met += on_the_way(&ray, &boxes).len();
         found += touched(&tree, &ray).len();
     }
-    // rays through corners and in faces touch many boxes barely
+    // rays through corners and in faces barely touch many boxes
     assert!(met > 1000 && found <= met + met / 50 + 60, "{found} of {met}");
 }
 
@@ -186,7 +186,7 @@ fn a_bundle_visits_a_superset_of_the_exact_answers_of_its_rays() {
                     met += 1;
                 }
             }
-            // each bounded item that is found is on the way of a ray, but for the growth
+            // each bounded item that is found is on the path of a ray, up to the growth of the boxes
             let is_near = |item: &&u32| {
                 let grown = boxes[**item as usize].grown(1e-9 * (size + around(&boxes).size().max_element()));
                 bundle.iter().any(|ray| passes(&Ray { window: ALL, ..*ray }, &grown))

@@ -1,15 +1,15 @@
-//! `rayweave bench`: benchmarks, compared with peers and the ceilings of the machine.
+//! `rayweave bench`: benchmarks, compared with other programs and with the limits of the machine.
 
 use crate::arguments::GlobalArguments;
 use crate::failure::Failure;
 use clap::Args;
 use rayweave_bench::{Arguments, run};
 
-/// Measure exemplars beside peers and the ceilings of this machine
+/// Run benchmarks and compare them with other programs and with the limits of this machine
 ///
 /// First the bandwidth and the arithmetic throughput of the machine are measured. Then the
-/// evaluators, hand-written kernels and the installed peers run each exemplar in turn. Tables go to
-/// standard output.
+/// evaluators, hand-written kernels and the other programs that are installed run each exemplar in
+/// turn. Tables go to standard output.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

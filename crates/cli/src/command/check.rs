@@ -1,37 +1,39 @@
 //! `rayweave check`: probable mistakes of a model.
 
+use super::photon_tables::SurfaceTableArguments;
 use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
 use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
-use rayweave::AnyEvaluator;
 use rayweave::check::{CheckReport, CheckSettings, Finding, FindingKind, Hierarchy, check, finding_section};
-use rayweave::photon::{SurfaceTables, lint};
+use rayweave::photon::lint;
 use rayweave::scene::Scene;
 use rayweave::section::section_svg;
+use rayweave::{AnyEvaluator, Packets};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
 const AFTER_HELP: &str = "\
 Kinds of findings:
-  overlap   two regions take the same space, and neither is within the other
-  outside   a daughter reaches out of its mother (GDML)
-  hidden    nothing is left of a region: later ones take all of it
-  empty     there is nothing in a solid
-  absorbed  an operand of a boolean operator changes nothing
-  mesh      a mesh that is closed, but may not be what was meant
+  overlap   two regions overlap, and neither is inside the other
+  outside   a daughter extends beyond its mother (GDML)
+  hidden    a region is completely covered by later ones
+  empty     a solid is empty
+  absorbed  an operand of a boolean operator has no effect
+  mesh      a mesh that is closed, but may not be as intended
   thin      a wall thinner than --wall
   gap       a gap narrower than --gap
-  optical   an optical property, surface or sensor of a GDML file is probably wrong
+  optical   an optical property, surface or sensor is probably wrong
   touch     two regions touch (a note)
   unused    an optical property or surface has no effect (a note)
 
-A file that cannot be read, one with an open mesh for instance, is reported as an error with its place (exit code 3).";
+A file that cannot be read, for example because of an open mesh, is reported as an error with its position (exit code 3).";
 
-/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers, optical properties that are off
+/// Look for overlaps, gaps, thin walls, parts without effect, daughters outside their mothers, suspicious optical properties
 ///
-/// Bounding boxes prove what they can; rays sample the rest. Findings are certain; their absence depends on the density of rays
-/// (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of these kinds set exit code 1.
+/// Pairs of parts that bounding boxes cannot separate are sampled with rays. Findings are certain; their absence depends on the
+/// density of rays (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of the given
+/// kinds cause exit code 1.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Check {
@@ -46,7 +48,7 @@ pub struct Check {
     #[arg(long, value_name = "LENGTH")]
     gap: Option<f64>,
 
-    /// Overlaps that are nowhere deeper than this count as rounding [default: 1e-9 of the diagonal of the model]
+    /// Attribute overlaps that are nowhere deeper than this to rounding [default: 1e-9 of the diagonal of the model]
     #[arg(long, value_name = "LENGTH")]
     distance: Option<f64>,
 
@@ -61,6 +63,9 @@ pub struct Check {
     #[arg(long, value_name = "N", default_value_t = 20_000)]
     pairs: usize,
 
+    #[command(flatten)]
+    tables: SurfaceTableArguments,
+
     /// Confidence level of volumes
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     confidence: f64,
@@ -69,7 +74,7 @@ pub struct Check {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Exit with code 1 if there are findings of these kinds, as overlap,thin; `all` means all kinds except notes
+    /// Exit with code 1 if there are findings of these kinds, such as overlap,thin; `all` means all kinds except notes
     #[arg(long, value_name = "KINDS", value_delimiter = ',', value_parser = kinds)]
     fail_on: Vec<Kinds>,
 
@@ -128,10 +133,9 @@ impl Check {
         let places = |element, name: &str, property: &str| {
             imported.places.find(element, name, property).map(str::to_owned)
         };
-        let optical = imported
-            .stated
-            .as_ref()
-            .map(|document| lint(&scene, document, &SurfaceTables::default(), &places));
+        let tables = self.tables.tables()?;
+        let optical =
+            imported.stated.as_ref().map(|document| lint(&scene, document, &tables, Packets::new, &places));
         let hierarchy = imported.stated.as_ref().and_then(|document| Hierarchy::of(document, &scene));
         let bar = terminal::counter("rays", global.quiet);
         let make = AnyEvaluator::maker(None);
@@ -155,7 +159,7 @@ impl Check {
         if report.findings.iter().any(is_bad) { Err(Failure::Answer) } else { Ok(()) }
     }
 
-    /// Picture of a finding, named by its number in the list and its kind.
+    /// Writes a picture of a finding, named by its number in the list and its kind.
     fn draw(
         &self,
         folder: &std::path::Path,
@@ -232,7 +236,7 @@ fn scope(report: &CheckReport) -> String {
     let scope = &report.scope;
     let short = terminal::short3;
     let mut text = format!(
-        "proved by boxes: {} pairs of parts are apart; looked at by {} rays: {} pairs of parts, {} operands\n\
+        "proved disjoint by boxes: {} pairs of parts; sampled with {} rays: {} pairs of parts, {} operands\n\
          reported: overlaps deeper than {}, walls under {}, gaps under {}\n",
         scope.apart,
         scope.rays,
@@ -244,12 +248,12 @@ fn scope(report: &CheckReport) -> String {
     );
     if scope.left_out + scope.operands_left_out > 0 {
         let (pairs, operands) = (scope.left_out, scope.operands_left_out);
-        text += &format!("left out: {pairs} pairs of parts, {operands} operands (see --pairs)\n");
+        text += &format!("not examined: {pairs} pairs of parts, {operands} operands (see --pairs)\n");
     }
     text
 }
 
-/// Sizes and positions, in a line.
+/// Sizes and positions, on one line.
 fn facts(finding: &Finding, unit: &str) -> String {
     let point = |p: rayweave::Vec3| terminal::short_point(p.to_array().map(|x| terminal::rounded(x, 6)));
     let mut facts = Vec::new();

@@ -46,7 +46,7 @@ impl Convert {
         let same = |path: &Path| path.canonicalize().ok();
         if same(&self.out).is_some_and(|out| same(&self.model.model) == Some(out)) {
             let text = format!(
-                "{}: the model would be overwritten: it is the file to write, too.",
+                "{}: the model would be overwritten: it is also the output file.",
                 self.out.display()
             );
             return Err(Failure::Usage(text));
@@ -55,7 +55,7 @@ impl Convert {
         let options = WriteOptions { tolerance: self.tolerance, text: self.text };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);
         let written = written.map_err(rayweave::Error::from)?;
-        // approximations are reported also with --quiet
+        // approximations are reported even with --quiet
         let (changes, losses): (Vec<_>, Vec<_>) =
             written.remarks.iter().partition(|remark| remark.kind == RemarkKind::Changed);
         if !global.quiet {

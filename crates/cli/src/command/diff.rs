@@ -14,12 +14,12 @@ use std::path::PathBuf;
 
 const AFTER_HELP: &str = "\
 Exit codes:
-  0    no difference that matters was met
+  0    no difference that matters was found
   1    the models differ
-  2    trouble: a model cannot be read or compared, or the command line is wrong
+  2    error: a model cannot be read or compared, or the command line is invalid
   130  cancelled by Ctrl-C";
 
-/// Compare two models: are they the same solid, and where do they differ
+/// Compare two models: report whether they are the same solid and where they differ
 ///
 /// Rays search for parts that belong to one model only. Differences thinner than a distance (by default the size of rounding
 /// errors) are ignored; thickness is measured perpendicular to the surface. Several regions are compared by name. Lengths of the
@@ -33,7 +33,7 @@ pub struct Diff {
     /// The second model, in any of the formats
     other: PathBuf,
 
-    /// Format of the second model [default: by its ending]
+    /// Format of the second model [default: by the file extension]
     #[arg(long, value_name = "NAME", value_parser = rayweave::formats::Format::NAMES)]
     other_format: Option<String>,
 
@@ -80,7 +80,7 @@ pub struct Diff {
     #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
-    /// Plane of the picture, as z=0.5 [default: the plane across x, y or z through the thickest difference that shows most of it]
+    /// Plane of the picture, such as z=0.5 [default: the plane across x, y or z through the thickest difference that shows the largest area of differences]
     #[arg(long, value_name = "PLANE", value_parser = super::section::plane, requires = "out")]
     plane: Option<SectionPlane>,
 
@@ -91,9 +91,9 @@ pub struct Diff {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum By {
-    /// Regions of one name
+    /// Regions with the same name
     Region,
-    /// All regions of one medium
+    /// All regions with the same medium
     Medium,
     /// The union of all regions
     Whole,

@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 
 /// Write a model as a POV-Ray scene
 ///
-/// Uses the camera of the model file; without one, the view shows the whole model. Standard error lists the differences of the
-/// POV-Ray picture.
+/// Uses the camera of the model file; without one, the view shows the whole model. Standard error lists what will look different
+/// in POV-Ray.
 #[derive(Args)]
 #[command(after_help = "\
 Example:
@@ -53,7 +53,7 @@ impl Export {
     }
 }
 
-/// Converts a camera to the form of scenes.
+/// Converts a camera to that of a scene.
 fn exported(camera: &Camera, size: (u32, u32)) -> scene::Camera {
     let (position, up): (Vec3, Vec3) = (camera.position(), camera.up());
     scene::Camera {

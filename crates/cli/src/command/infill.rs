@@ -14,13 +14,13 @@ use std::path::{Path, PathBuf};
 
 /// Fill the layers of a solid with tool paths (parallel traces)
 ///
-/// Layers lie at the heights given by --layer-height or --z. In each layer parallel scan lines run through the solid; a trace is a
+/// Layers lie at the heights given by --layer-height or --z. In each layer, parallel scan lines run through the solid; a trace is a
 /// piece of a scan line inside it. Instead of a model, a .csv file with the columns contour, x, y describes a region of the
-/// plane, which is one layer: outlines run counter-clockwise, holes clockwise.
+/// plane, filled as one layer: outlines run counter-clockwise, holes clockwise.
 ///
-/// The table has the columns layer, z, scanline, component, x0, y0, x1, y1. Scan line k has the distance (k + phase) spacings from
-/// the origin, measured to the left of the direction, in every layer. Overlapping traces on adjacent scan lines belong to one
-/// component of their layer. Without -o and --svg the command prints only the totals.
+/// The table has the columns layer, z, scanline, component, x0, y0, x1, y1. In every layer, scan line k lies (k + phase) spacings
+/// from the origin, measured to the left of the direction. Overlapping traces on adjacent scan lines belong to one component of
+/// their layer. Without -o and --svg, the command prints only the totals.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -46,7 +46,7 @@ pub struct Infill {
     #[arg(long, value_name = "P", default_value = "0", value_parser = number, allow_hyphen_values = true)]
     phase: f64,
 
-    /// Turn each layer by this many degrees from the one below
+    /// Turn each layer by this many degrees relative to the one below
     #[arg(long, value_name = "DEGREES", default_value = "0", value_parser = number, allow_hyphen_values = true)]
     turn: f64,
 
@@ -66,7 +66,7 @@ pub struct Infill {
     #[arg(short, long, value_name = "TRACES")]
     out: Option<PathBuf>,
 
-    /// Drawing of the layers side by side as SVG, one colour per component
+    /// SVG drawing of the layers side by side, one colour per component
     #[arg(long, value_name = "OUT.svg")]
     svg: Option<PathBuf>,
 }
@@ -77,13 +77,13 @@ impl Infill {
         let filling = Filling { raster, turn: self.turn, alternate: self.alternate };
         let mut picture = InfillPicture::new(self.spacing);
         if self.is_flat() {
-            self.refuse_what_is_for_solids()?;
+            self.reject_options_of_solids()?;
             let region = read_region(&self.model.model, Side::Outside)?;
             picture.outline(&region);
             return self.fill(global, &region, &filling, &Layers::At(vec![0.0]), "", picture);
         }
         let layers = self.layers()?;
-        let scene = self.model.load()?;
+        let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         self.fill(global, &Slices(&evaluator), &filling, &layers, scene.unit.symbol(), picture)
@@ -94,7 +94,7 @@ impl Infill {
         self.model.model.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"))
     }
 
-    fn refuse_what_is_for_solids(&self) -> Result<(), Failure> {
+    fn reject_options_of_solids(&self) -> Result<(), Failure> {
         let given = [
             ("--layer-height", self.layer_height.is_some()),
             ("--z", !self.z.is_empty()),
@@ -104,7 +104,7 @@ impl Infill {
         ];
         match given.iter().find(|(_, is_given)| *is_given) {
             Some((option, _)) => Err(Failure::Usage(format!(
-                "{option} is given for {}: a region of the plane is one layer, without solids and parameters. Leave it out.",
+                "{option} does not apply to {}: a region of the plane is one layer, without solids and parameters. Leave it out.",
                 self.model.name()
             ))),
             None => Ok(()),
@@ -116,7 +116,7 @@ impl Infill {
             Some(height) => Ok(Layers::Every(height)),
             None if !self.z.is_empty() => Ok(Layers::At(self.z.clone())),
             None => Err(Failure::Usage(
-                "no layers are requested: a solid is filled at heights. Give --layer-height, or --z."
+                "no layers are requested: a solid is filled layer by layer. Give --layer-height or --z."
                     .to_owned(),
             )),
         }
@@ -152,7 +152,7 @@ impl Infill {
         text += &empty_layers(&lost, &fillable.bounds());
         if picture.left_out() > 0 {
             let most = InfillPicture::MAX_LAYERS;
-            text += &format!("the picture shows the first {most} layers: --z chooses others.\n");
+            text += &format!("the picture shows only the first {most} layers; --z selects others.\n");
         }
         terminal::print(&text)
     }
@@ -173,11 +173,11 @@ impl Infill {
             1 => "1 layer".to_owned(),
             n => format!("{n} layers"),
         };
-        format!("{place}: {traces} traces in {layers}, {length}{space}{unit} long together\n")
+        format!("{place}: {traces} traces in {layers}, {length}{space}{unit} in total\n")
     }
 }
 
-/// Note about layers without traces.
+/// A note about layers without traces.
 fn empty_layers(lost: &[(usize, f64)], bounds: &Bounds) -> String {
     let Some(&(layer, z)) = lost.first() else { return String::new() };
     let others = match lost.len() {
@@ -185,8 +185,10 @@ fn empty_layers(lost: &[(usize, f64)], bounds: &Bounds) -> String {
         n => format!(" (and {} more)", n - 1),
     };
     let reason = match z < bounds.lo.z || z > bounds.hi.z {
-        true => format!("what is filled lies between z = {} and {}", short(bounds.lo.z), short(bounds.hi.z)),
-        false => "no scan line meets anything there".to_owned(),
+        true => {
+            format!("the filled solid lies between z = {} and {}", short(bounds.lo.z), short(bounds.hi.z))
+        }
+        false => "no scan line crosses the solid there".to_owned(),
     };
     format!("layer {layer} at z = {}{others} has no traces: {reason}\n", short(z))
 }

@@ -10,6 +10,7 @@ use rayweave::model::{Leaf, LeafKind};
 use rayweave::scene::Scene;
 use rayweave::{Bounds, Compiled, Program};
 use serde_json::{Value, json};
+use std::collections::HashSet;
 
 /// Print the contents of a model: regions, media, the tree of solids, bounds, statistics
 #[derive(Args)]
@@ -29,7 +30,7 @@ pub struct Info {
     #[arg(long, value_name = "N", default_value_t = 12)]
     depth: usize,
 
-    /// Maximum number of lines of the tree, and of the list of pruned parts
+    /// Maximum number of lines of the tree and of the list of pruned parts
     #[arg(long, value_name = "N", default_value_t = 200)]
     lines: usize,
 }
@@ -109,13 +110,9 @@ impl Info {
 
 /// The roots of the tree: the distinct solids of the regions.
 fn roots(scene: &Scene) -> Vec<rayweave::Solid> {
-    let mut roots: Vec<rayweave::Solid> = Vec::new();
-    for region in &scene.regions {
-        if !roots.iter().any(|root| root.is_same(&region.solid)) {
-            roots.push(region.solid.clone());
-        }
-    }
-    roots
+    let mut seen = HashSet::new();
+    let solids = scene.regions.iter().map(|region| &region.solid);
+    solids.filter(|solid| seen.insert(solid.address())).cloned().collect()
 }
 
 fn counts(scene: &Scene) -> String {
@@ -161,7 +158,7 @@ fn statistics(program: &Program) -> [(&'static str, usize); 7] {
     ]
 }
 
-/// The number of surfaces that several faces share.
+/// The number of surfaces that are shared by several faces.
 fn shared_surfaces(program: &Program) -> usize {
     let mut faces = vec![0u32; program.surfaces().len()];
     for facet in program.facets() {

@@ -25,11 +25,11 @@ use std::path::{Path, PathBuf};
 ///
 /// In other models the [optics] tables describe the sources, the media, the effect of faces and sheets on light, and the tracing.
 /// The summary lists the power absorbed by each element and, for each sheet, the number of rays, their centroid in the sheet's
-/// own x and y, and the RMS distance from it, both weighted by power. For a lens file, a second table lists them for each field.
+/// own x and y, and the RMS distance from the centroid, both weighted by power. For a lens file, a second table has a row per field.
 ///
-/// The table has a row for each piece of a ray between two events, with the columns id, parent, generation, source,
+/// The table of segments has a row for each piece of a ray between two events, with the columns id, parent, generation, source,
 /// wavelength_nm, intensity, index, x0, y0, z0, x1, y1, z1, x_tilt, y_tilt, z_tilt, path, element, surface, event. It is streamed:
-/// memory does not grow with the number of rays. The file appears when it is complete.
+/// the memory required does not grow with the number of rays. The file appears when it is complete.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -48,15 +48,15 @@ pub struct Optics {
     #[arg(short, long, value_name = "TABLE")]
     out: Option<PathBuf>,
 
-    /// Add the columns phase_s and phase_p: the phases at the end of the path, in degrees, of light polarised across the plane of incidence and in it, including the jumps of reflections and coatings. Slower, because each event is computed again
+    /// Add the columns phase_s and phase_p: the phases at the end of the path, in degrees, of light polarised perpendicular and parallel to the plane of incidence, including the phase jumps at reflections and coatings. Slower, because each event is computed again
     #[arg(long, requires = "out")]
     phases: bool,
 
-    /// Drawing of the system, .svg or .png: a section of the solids, filled by medium, with rays; faint rays have little power
+    /// Drawing of the system, .svg or .png: a section of the solids, coloured by medium, with rays; rays with little power are faint
     #[arg(long, value_name = "DRAWING")]
     layout: Option<PathBuf>,
 
-    /// Plane of the section: yz, xz, xy, or a position along an axis, as x=2.5 [default: the plane that contains most of the light]
+    /// Plane of the section: yz, xz, xy, or a position along an axis, such as x=2.5 [default: the plane that contains most of the light]
     #[arg(long, value_name = "PLANE", requires = "layout")]
     plane: Option<LayoutPlane>,
 
@@ -68,7 +68,7 @@ pub struct Optics {
     #[arg(long, value_name = "WHAT", requires = "layout", default_value = "wavelength")]
     colour: Colours,
 
-    /// Spot diagram, .svg or .png: the points where light crosses a sheet; of a lens file, one diagram for each field
+    /// Spot diagram, .svg or .png: the points where light crosses a sheet; for a lens file, one diagram per field
     #[arg(long, value_name = "DRAWING")]
     spot: Option<PathBuf>,
 
@@ -76,7 +76,7 @@ pub struct Optics {
     #[arg(long, value_name = "DRAWING")]
     map: Option<PathBuf>,
 
-    /// Sheet for --spot and --map [default: the image of a lens file, else the sheet that absorbs most power]
+    /// Sheet for --spot and --map [default: the image of a lens file, else the sheet that absorbs the most power]
     #[arg(long, value_name = "SHEET")]
     detector: Option<String>,
 
@@ -105,7 +105,7 @@ pub struct Optics {
     json: bool,
 }
 
-/// Names of [`Branches`].
+/// Command-line names of [`Branches`].
 #[derive(Clone, Copy, ValueEnum)]
 enum Ways {
     Ideal,
@@ -123,7 +123,7 @@ impl From<Ways> for Branches {
     }
 }
 
-/// Names of [`RayColour`].
+/// Command-line names of [`RayColour`].
 #[derive(Clone, Copy, ValueEnum)]
 enum Colours {
     /// The visible colour of the wavelength
@@ -187,8 +187,9 @@ impl Optics {
         match piped + usize::from(self.json) {
             0 | 1 => Ok(piped > 0),
             _ => {
-                let problem = "several things go to standard output: one can: `-` is given more than once, or with --json.";
-                Err(Failure::Usage(format!("{problem} give the others files?")))
+                let problem =
+                    "several results go to standard output: `-` is given more than once, or with --json.";
+                Err(Failure::Usage(format!("{problem} Write the others to files.")))
             }
         }
     }
@@ -221,7 +222,7 @@ impl Optics {
         }
     }
 
-    /// The sheet to draw, if one is: the selected one, or the one that absorbs most power.
+    /// The sheet to draw, if any: the selected one, or the one that absorbs the most power.
     fn drawn<'a>(
         &self,
         detectors: &'a Detectors,
@@ -247,7 +248,7 @@ impl Optics {
         }
     }
 
-    /// Draws the light at a sheet; a lens has a spot for each field.
+    /// Draws the light at a sheet; a lens has one spot per field.
     fn draw_detector(&self, drawn: Option<&Detector>, fields: &[String], unit: &str) -> Result<(), Failure> {
         let Some(Detector { name, spots, by_source, irradiance, .. }) = drawn else { return Ok(()) };
         if let Some(path) = &self.spot {
@@ -320,7 +321,7 @@ struct Report<'a> {
     detectors: Detectors,
     /// The fields of a lens.
     fields: Vec<String>,
-    /// The number of the image of a lens among the detectors.
+    /// The number of the detector at the image of a lens.
     image: Option<usize>,
 }
 
@@ -334,7 +335,7 @@ impl Report<'_> {
         rows.push(("absorbed in media".to_owned(), balance.absorbed_in_media));
         rows.push(("escaped".to_owned(), balance.escaped));
         rows.push(("dropped".to_owned(), balance.dropped));
-        // rounding errors are removed: they have no physical meaning
+        // rounds to 1e-12 of the emitted power: smaller differences are rounding errors
         let rounded = |power: f64| short((power / balance.emitted * 1e12).round() * 1e-12 * balance.emitted);
         let mut rows: Vec<Vec<String>> =
             rows.into_iter().map(|(what, power)| vec![what, rounded(power)]).collect();
@@ -373,7 +374,7 @@ impl Report<'_> {
         text
     }
 
-    /// False if the light of several fields arrives: it has no common spot.
+    /// False if light from several fields arrives, which has no common spot.
     fn is_one_spot(&self) -> bool {
         self.fields.len() < 2
     }

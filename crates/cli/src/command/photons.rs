@@ -1,19 +1,21 @@
 //! `rayweave photons`: optical photons in a detector.
 
+use super::photon_compare::PhotonCompare;
 use super::photon_source::SourceArguments;
+use super::photon_tables::SurfaceTableArguments;
 use crate::arguments::{GlobalArguments, ModelArguments};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::photon_report::PhotonReport;
 use crate::terminal::{self, Unit};
-use clap::{Args, ValueEnum};
+use clap::{ArgMatches, Args, Command, FromArgMatches, ValueEnum};
 use rayweave::Packets;
 use rayweave::detector::{Histogram, HitPositions, histograms_svg, hit_maps_svg};
 use rayweave::layout::{LayoutPlane, OpticalLayout};
 use rayweave::photon::{
-    DetectionRule, Detector, DichroicTable, Histories, HistoryOptions, Hits, PhotonError, RunSettings,
-    Source, SurfaceTables, check_start, hit_schema, simulate_parts, step_schema,
+    DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, check_start,
+    history_schema, hit_schema, simulate_parts, step_schema,
 };
 use rayweave::table::TableWriter;
 use std::ops::Range;
@@ -30,8 +32,10 @@ use std::time::Instant;
 /// number of threads, and --range simulates a part of a run.
 ///
 /// The table has a row for each detected photon with the columns event, photon, x, y, z (mm), time (ns), dx, dy, dz, px, py, pz,
-/// wavelength_nm, steps, sensor. Lengths are in mm. The table of steps has a row for the emission and for each process of each
+/// wavelength_nm, steps, sensor, and genstep for runs of --gensteps. Lengths are in mm. The table of steps has a row for the emission and for each process of each
 /// photon, with the columns photon, track, step, process, x, y, z, time, dx, dy, dz, px, py, pz, wavelength_nm, volume, surface.
+///
+/// `rayweave photons compare A B` compares two runs, of Rayweave, Geant4 or Opticks.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -42,8 +46,9 @@ Examples:
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --counts --sequences 10
   rayweave photons detector.gdml --at 0,0,0 --wavelength 420 --range 17:18 --steps photon17.csv
   rayweave photons detector.gdml --source volume --volume Target --spectrum emission.csv --time-decay 6 -o hits.csv
-  rayweave photons detector.gdml --gensteps gensteps.npy --event 7 -o hits.csv")]
-pub struct Photons {
+  rayweave photons detector.gdml --gensteps gensteps.npy --event 7 -o hits.csv
+  rayweave photons compare histories.csv geant4.csv")]
+pub struct Simulation {
     #[command(flatten)]
     model: ModelArguments,
 
@@ -70,13 +75,8 @@ pub struct Photons {
     #[arg(long, value_name = "RULE", default_value = "both")]
     detect: Rule,
 
-    /// Folder with the tables of Geant4's data set RealSurface, decompressed (PolishedTyvek.dat), for LUT and DAVIS surfaces
-    #[arg(long, value_name = "FOLDER")]
-    surface_tables: Option<PathBuf>,
-
-    /// Table of the transmittance of dichroic surfaces, in the format of Geant4 (G4DICHROICDATA)
-    #[arg(long, value_name = "FILE")]
-    dichroic: Option<PathBuf>,
+    #[command(flatten)]
+    tables: SurfaceTableArguments,
 
     /// Maximum number of steps of a photon
     #[arg(long, value_name = "N", default_value_t = 10_000)]
@@ -93,6 +93,11 @@ pub struct Photons {
     /// Table of steps of all photons: .csv, .npy (with a table of names) or .parquet (if built in). It is written during the run: memory does not grow with the number of photons
     #[arg(long, value_name = "TABLE")]
     steps: Option<PathBuf>,
+
+    /// Table of histories, with a row for each photon: the names of its processes, and volume, position, time and wavelength at its
+    /// end. The endings are those of --steps. `rayweave photons compare` compares two of them
+    #[arg(long, value_name = "TABLE")]
+    histories: Option<PathBuf>,
 
     /// Drawing of tracks, .svg or .png: a section of the detector with the tracks of the first photons, coloured by wavelength
     #[arg(long, value_name = "DRAWING")]
@@ -145,8 +150,56 @@ impl Rule {
     }
 }
 
+/// The command with its task: a comparison, or else a simulation.
+pub enum Photons {
+    Compare(PhotonCompare),
+    Simulate(Box<Simulation>),
+}
+
 impl Photons {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
+        match self {
+            Photons::Compare(compare) => compare.run(),
+            Photons::Simulate(simulation) => simulation.run(global),
+        }
+    }
+}
+
+/// By hand: the model and the source are required unless there is a sub-command, which the derive macro cannot express.
+impl FromArgMatches for Photons {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Photons, clap::Error> {
+        match matches.subcommand_matches(COMPARE) {
+            Some(own) => PhotonCompare::from_arg_matches(own).map(Photons::Compare),
+            None => Simulation::from_arg_matches(matches).map(|own| Photons::Simulate(Box::new(own))),
+        }
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Photons::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Args for Photons {
+    fn augment_args(command: Command) -> Command {
+        let compare = PhotonCompare::augment_args(Command::new(COMPARE)).allow_negative_numbers(true);
+        Simulation::augment_args(command)
+            .args_conflicts_with_subcommands(true)
+            .subcommand_negates_reqs(true)
+            .disable_help_subcommand(true)
+            .subcommand(compare)
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Photons::augment_args(command)
+    }
+}
+
+/// The name of the sub-command.
+const COMPARE: &str = "compare";
+
+impl Simulation {
+    fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let is_piped = self.is_piped()?;
         self.drawings().try_for_each(|path| drawing::check(path))?;
         if let Some(path) = self.out.as_deref().filter(|_| !is_piped) {
@@ -154,7 +207,7 @@ impl Photons {
             TableWriter::create(path, &hit_schema(&Hits::default())?)?;
         }
         let (document, scene) = self.model.load_document()?;
-        let detector = Detector::with_tables(&scene, &document, &self.tables()?)?;
+        let detector = Detector::with_tables(&scene, &document, &self.tables.tables()?)?;
         let note = |text: &str| {
             if !global.quiet {
                 terminal::note(text);
@@ -209,7 +262,7 @@ impl Photons {
 
     /// Whether standard output carries a file instead of the summary; at most one file can.
     fn is_piped(&self) -> Result<bool, Failure> {
-        let files = [&self.out, &self.steps].into_iter().flatten().chain(self.drawings());
+        let files = [&self.out, &self.steps, &self.histories].into_iter().flatten().chain(self.drawings());
         let piped = files.filter(|path| path.as_path() == Path::new("-")).count();
         match piped + usize::from(self.json) {
             0 | 1 => Ok(piped > 0),
@@ -218,18 +271,6 @@ impl Photons {
                 Err(Failure::Usage(text.to_owned()))
             }
         }
-    }
-
-    /// The tables of measured surfaces.
-    fn tables(&self) -> Result<SurfaceTables, Failure> {
-        let mut tables = SurfaceTables::default();
-        if let Some(folder) = &self.surface_tables {
-            tables = tables.folder(folder);
-        }
-        if let Some(path) = &self.dichroic {
-            tables = tables.dichroic(DichroicTable::read(path)?);
-        }
-        Ok(tables)
     }
 
     fn drawings(&self) -> impl Iterator<Item = &PathBuf> {
@@ -285,7 +326,10 @@ impl Photons {
         let evaluator = Packets::new(detector.program().clone());
         let steps = self.steps.as_deref().map(|path| TableWriter::create(path, &step_schema(detector)?));
         let mut steps = steps.transpose()?;
-        let options = HistoryOptions { steps: steps.is_some(), sequences: self.sequences.is_some() };
+        let create = |path: &Path| TableWriter::create(path, &history_schema()?);
+        let mut ends = self.histories.as_deref().map(create).transpose()?;
+        let is_recorded = steps.is_some() || ends.is_some();
+        let options = HistoryOptions { steps: is_recorded, sequences: self.sequences.is_some() };
         let histories = (options != HistoryOptions::default() || self.counts).then_some(options);
         let mut report = PhotonReport::new(detector, self.detect.rule().1, self.counts, self.sequences);
         let Range { start, end } = settings.photons;
@@ -295,6 +339,9 @@ impl Photons {
             if let (Some(table), Some(histories)) = (&mut steps, &part.histories) {
                 table.write(&histories.to_rows()?)?;
             }
+            if let (Some(table), Some(histories)) = (&mut ends, &part.histories) {
+                table.write(&histories.to_history_rows()?)?;
+            }
             bar.set_position(part.photons.end - start);
             report.add(part);
             Ok::<(), PhotonError>(())
@@ -302,7 +349,7 @@ impl Photons {
         bar.finish_and_clear();
         done?;
         report.duration = begin.elapsed();
-        if let Some(table) = steps {
+        for table in [steps, ends].into_iter().flatten() {
             table.finish()?;
         }
         Ok(report)

@@ -92,10 +92,8 @@ impl Probe {
         let problem = match ray.check() {
             Ok(()) => return Ok(ray),
             _ if !ray.direction.is_finite() => "are too far apart: their distance overflows.".to_owned(),
-            Err(RayError::NoDirection) => {
-                "are the same point: the direction of the ray is from one to the other.".to_owned()
-            }
-            Err(error) => format!("give a ray that cannot be traced: {error}"),
+            Err(RayError::NoDirection) => "are the same point: a ray needs two different points.".to_owned(),
+            Err(error) => format!("define a ray that cannot be traced: {error}"),
         };
         Err(Failure::Usage(format!("--from and --to {problem}")))
     }
@@ -145,11 +143,11 @@ impl Probe {
     }
 }
 
-/// Parses a number of lines from 1, or "all".
+/// Parses a number of lines, at least 1, or "all".
 fn lines(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(0) | Err(_) if text != "all" => {
-            Err("a number of lines is a whole number from 1, or all".to_owned())
+            Err("a number of lines is a whole number of at least 1, or all".to_owned())
         }
         Ok(number) => Ok(number),
         Err(_) => Ok(usize::MAX),
@@ -174,7 +172,7 @@ impl Found<'_> {
         program.leaf(face.leaf).face_name(face.facet as usize)
     }
 
-    /// Faces of the regions that the ray leaves and enters, except for the world.
+    /// The faces of the regions that the ray leaves and enters, except for the world.
     fn sides(&self, crossing: &Crossing) -> [Option<String>; 2] {
         let of = |region, face| self.compiled.region_name(region).map(|_| self.face(face));
         [of(crossing.before, crossing.left), of(crossing.after, crossing.entered)]

@@ -43,11 +43,11 @@ pub struct Render {
     #[arg(long)]
     legend: bool,
 
-    /// Remove the parts on these sides of planes to show the inside: x>0 removes one half, x>50%,y<50% a quarter of the model
+    /// Remove the parts on these sides of planes to show the interior: x>0 removes one half, x>50%,y<50% a quarter of the model
     #[arg(long, value_name = "PLANES")]
     cut: Option<String>,
 
-    /// Explode the regions along this axis, with gaps as a fraction of the model's largest side, as in z or x:0.3
+    /// Explode the regions along this axis, with gaps given as a fraction of the model's longest side: z or x:0.3, for example
     #[arg(long, value_name = "AXIS[:GAP]")]
     explode: Option<String>,
 
@@ -75,7 +75,7 @@ pub struct Render {
     #[arg(long)]
     no_edges: bool,
 
-    /// Lights cast shadows; a model without lights gets one beside the camera
+    /// Lights cast shadows; a model without lights gets one next to the camera
     #[arg(long, overrides_with = "no_shadows")]
     shadows: bool,
 
@@ -172,7 +172,7 @@ impl Render {
         Picture::draw(self.kind.parse()?, evaluator, &camera, &settings, run)
     }
 
-    /// Destination of the picture.
+    /// The output file.
     fn out(&self) -> Result<PathBuf, Failure> {
         if self.sheet().is_some() && self.kind != "colour" {
             let (kind, why) = (&self.kind, "the pictures of sheets and legends are in colour");
@@ -215,7 +215,7 @@ pub fn size(text: &str) -> Result<Size, String> {
     let numbers = text.split_once(['x', 'X']).map(|(w, h)| (w.trim().parse(), h.trim().parse()));
     match numbers {
         Some((Ok(width), Ok(height))) => Size::new(width, height).map_err(|error| error.to_string()),
-        _ => Err("a size is width x height in pixels, as in 640x480".to_owned()),
+        _ => Err("a size is width x height in pixels, such as 640x480".to_owned()),
     }
 }
 

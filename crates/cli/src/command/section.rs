@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 
 /// Cut a model by a plane, or a stack of planes: areas, contours, pictures, DXF
 ///
-/// Contours of true cross-sections keep to the surfaces within a tolerance. The table lists the area of each medium. A .svg or
-/// .png file is a picture, filled by medium, with a legend. A .dxf file has closed polylines on a layer for each medium, at the
-/// height of the plane. Pictures of a stack show at most 100 planes; a .dxf file holds all planes.
+/// Contours follow the surfaces within a tolerance. The table lists the area of each medium. An .svg or .png file is a picture,
+/// coloured by medium, with a legend. A .dxf file has closed polylines on a layer for each medium, at the height of the plane.
+/// Pictures of a stack show at most 100 planes; a .dxf file contains all planes.
 #[derive(Args)]
 pub struct Section {
     #[command(flatten)]
@@ -29,7 +29,7 @@ pub struct Section {
     #[command(flatten)]
     within: WithinArguments,
 
-    /// Plane: xy, xz, yz, or a position along an axis, as z=0.5
+    /// Plane: xy, xz, yz, or a position along an axis, such as z=0.5
     #[arg(long, value_name = "PLANE", default_value = "xy", value_parser = plane, conflicts_with_all = ["point", "normal"])]
     plane: SectionPlane,
 
@@ -65,11 +65,11 @@ pub struct Section {
     #[arg(long, value_name = "LENGTH")]
     tolerance: Option<f64>,
 
-    /// SectionRun the plane by at least this many columns: parts thinner than their distance may be overlooked
+    /// Scan the plane with at least this many columns; parts thinner than the column spacing may be missed
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
     columns: u32,
 
-    /// Keep regions of one medium apart
+    /// Do not merge regions with the same medium
     #[arg(long)]
     by_region: bool,
 
@@ -99,7 +99,7 @@ impl Section {
         let found = cross_sections(&scene, solid, make, &planes, &settings, &mut progress);
         bar.finish_and_clear();
         let found = found?;
-        self.refuse_nothing(&scene, &found)?;
+        self.reject_missed_planes(&scene, &found)?;
         self.out.iter().try_for_each(|path| self.save(path, &found, scene.unit.symbol()))?;
         let is_taken = self.out.iter().any(|path| path == Path::new("-"));
         match () {
@@ -118,9 +118,9 @@ impl Section {
         };
         let (Some(from), Some(to)) = (self.from, self.to) else { return Ok(vec![plane]) };
         if self.normal.is_none() && plane.offset() != 0.0 {
-            let problem = format!("--plane {plane}: a stack has no place of its own");
-            let remedy = "(--from and --to say where it begins and ends) name the plane alone, as yz?";
-            return Err(Failure::Usage(format!("{problem} {remedy}")));
+            let problem = format!("--plane {plane}: --from and --to set the positions of a stack");
+            let remedy = "Give only the name of the plane, such as yz.";
+            return Err(Failure::Usage(format!("{problem}. {remedy}")));
         }
         let evenly = (to - from) / f64::from(self.count.unwrap_or(10) - 1);
         // a stack of height 0 is one plane
@@ -129,7 +129,7 @@ impl Section {
     }
 
     /// Rejects planes that miss the model.
-    fn refuse_nothing(&self, scene: &Scene, found: &[CrossSection]) -> Result<(), Failure> {
+    fn reject_missed_planes(&self, scene: &Scene, found: &[CrossSection]) -> Result<(), Failure> {
         if found.iter().any(|section| !section.parts.is_empty()) {
             return Ok(());
         }
@@ -141,7 +141,7 @@ impl Section {
                 all => format!("none of the {} planes", all.len()),
             },
         );
-        let verb = if found.len() == 1 { "does not meet" } else { "meets" };
+        let verb = if found.len() == 1 { "does not intersect" } else { "intersects" };
         let reach = match bounds.is_empty() {
             true => "it is empty".to_owned(),
             false => {
@@ -167,7 +167,7 @@ impl Section {
             format!("{model}: contours within {tolerance} {unit} of the truth, lengths in {unit}\n\n");
         let rows = found.iter().flat_map(|section| {
             section.parts.iter().map(|part| {
-                // as many digits as the tolerance guarantees
+                // as many digits as are accurate at this tolerance
                 let digits = |value: f64, error: f64| rayweave::draw::axis::format_number(value, error);
                 let area = digits(part.area, section.tolerance * part.perimeter);
                 let perimeter = digits(part.perimeter, 1e-3 * part.perimeter);

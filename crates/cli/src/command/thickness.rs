@@ -16,10 +16,10 @@ use std::path::{Path, PathBuf};
 
 /// Measure path lengths through each medium: a radiograph, or a table
 ///
-/// One ray runs through the centre of each pixel and through the whole model. A .png file shows the transmitted fraction of
-/// X-rays, computed from `attenuation` (per length) in the tables of the media; without it from `density`, else from equal
-/// attenuations, scaled such that 5 % pass through the most absorbing pixel. Other files are tables of path lengths, one column per
-/// medium; the column of the world counts the way between a ray's first and last crossing.
+/// One ray per pixel runs through its centre and through the whole model. A .png file shows the transmitted fraction of X-rays,
+/// computed from `attenuation` (per length) in the tables of the media. If no medium has an attenuation, it is proportional to
+/// `density`, or else equal in all media, and scaled such that 5 % pass through the most absorbing pixel. Other files are tables of
+/// path lengths, one column per medium; the column of the world counts the length between a ray's first and last crossing.
 #[derive(Args)]
 pub struct Thickness {
     #[command(flatten)]
@@ -49,10 +49,11 @@ impl Thickness {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let is_picture = self.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
         if self.medium.is_some() && !is_picture {
-            let text = "--medium chooses what a picture shows: the table has all media. Write a .png.";
+            let text =
+                "--medium selects what a picture shows, but a table lists all media. Write a .png file.";
             return Err(Failure::Usage(text.to_owned()));
         }
-        let scene = self.model.load()?;
+        let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let view = self.view.as_deref().and_then(|name| name.parse().ok());
@@ -97,14 +98,16 @@ impl Thickness {
             return Ok(format!("white is {} {unit} of {medium}", terminal::short(longest)));
         }
         save(map.radiograph(scene), 1.0)?;
-        let is_said = |key| scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == key));
-        let white = "white is where all comes through";
-        if is_said("attenuation") {
+        let is_given = |key| scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == key));
+        let white = "white is full transmission";
+        if is_given("attenuation") {
             return Ok(white.to_owned());
         }
         let percent = terminal::short(100.0 * FAINTEST);
-        let by = if is_said("density") { "they weaken by their density" } else { "they weaken alike" };
-        Ok(format!("{white}, {percent} % where most is lost: no medium has an attenuation: {by}."))
+        let by = if is_given("density") { "proportional to the density" } else { "equal in all media" };
+        Ok(format!(
+            "{white}, the darkest pixel {percent} %: no medium has an attenuation, so it is taken as {by}."
+        ))
     }
 }
 

@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 /// Trace a file of rays and write the table of their crossings
 ///
 /// Rays are CSV with the header ox,oy,oz,dx,dy,dz, or NPY of shape (N, 6). The table has the columns ray, crossing, t, x, y,
-/// z, nx, ny, nz, enters, surface, solid, medium_before, medium_after, and occurrence with --occurrence. Both files are streamed: memory does not grow with the
-/// number of rays. The output file appears when it is complete.
+/// z, nx, ny, nz, enters, surface, solid, medium_before, medium_after, and occurrence with --occurrence. Both files are streamed:
+/// the memory required does not grow with the number of rays. The output file appears when it is complete.
 #[derive(Args)]
 pub struct Trace {
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub struct Trace {
     #[arg(short, long, value_name = "HITS")]
     out: PathBuf,
 
-    /// Only the first crossing of each ray after --t-min, which defaults to 0 here
+    /// Only the first crossing of each ray after --t-min, whose default is then 0
     #[arg(long)]
     nearest: bool,
 
@@ -47,7 +47,7 @@ pub struct Trace {
     #[arg(long, value_name = "T", value_parser = time, allow_hyphen_values = true)]
     t_max: Option<f64>,
 
-    /// Add the column occurrence: which copy of which shape was hit, as tower[3]/brick[12]/hole
+    /// Add the column occurrence: which copy of which shape was hit, such as tower[3]/brick[12]/hole
     #[arg(long)]
     occurrence: bool,
 }
@@ -55,7 +55,7 @@ pub struct Trace {
 impl Trace {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let query = self.query()?;
-        let scene = self.model.load()?;
+        let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let cancel = interrupt::token();
@@ -93,7 +93,7 @@ impl Trace {
     }
 }
 
-/// Opens the ray file so that reading from a pipe can be cancelled.
+/// Opens the ray file such that reading from a pipe can be cancelled.
 fn open(path: &Path, cancel: &Cancel) -> Result<RayReader, TableError> {
     if path == Path::new("-") {
         let stdin = Interruptible::new(|| Ok(io::stdin()), cancel.clone());

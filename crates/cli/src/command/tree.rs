@@ -19,8 +19,8 @@ struct Branch {
     is_last: bool,
 }
 
-/// Prints the trees of solids, at most `depth` levels and `lines` lines of them. A named solid is
-/// printed in full at its first occurrence. Does not recurse.
+/// Prints the trees of solids, limited to `depth` levels and `lines` lines. A named solid is
+/// printed in full only at its first occurrence. Does not recurse.
 pub fn draw(roots: &[Solid], depth: usize, lines: usize) -> String {
     let mut waiting: Vec<Branch> = roots.iter().rev().map(root).collect();
     let mut shown: Vec<Solid> = Vec::new();
@@ -87,8 +87,7 @@ struct Head {
 }
 
 impl Head {
-    /// Collects the name, if the solid has one, and the named content: everything up to the next
-    /// name.
+    /// Collects the name, if the solid has one, and the transforms down to the next name.
     fn of(solid: &Solid) -> Head {
         let (mut inner, name) = match solid.node() {
             Node::Named(name, inner) => (inner.clone(), format!("{name} = ")),
@@ -133,7 +132,7 @@ fn what(solid: &Solid) -> String {
     }
 }
 
-/// Lines below a node.
+/// The operands that are printed below a node.
 fn operands(solid: &Solid) -> Vec<Solid> {
     match solid.node() {
         Node::Named(..) => vec![solid.clone()],
@@ -141,7 +140,7 @@ fn operands(solid: &Solid) -> Vec<Solid> {
     }
 }
 
-/// Limits the length of a text: a convex polyhedron may have thousands of planes.
+/// Limits the length of a description: a convex polyhedron may have thousands of planes.
 fn shortened(text: String) -> String {
     let count = text.chars().count();
     if count <= LONGEST {

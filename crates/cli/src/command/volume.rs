@@ -13,8 +13,8 @@ use serde_json::{Value, json};
 
 /// Measure volume, mass, centre, inertia and surface area of every region, with confidence intervals
 ///
-/// Uses stratified rays until the volume of each region reaches the requested precision. A region excludes the parts that later
-/// regions take; --solid measures a solid alone. The mass, in grams, needs a density (in g/cm^3) in the table of the medium. The
+/// Traces stratified rays until the volume of each region reaches the requested precision. A region excludes the parts that later
+/// regions own; --solid measures a solid alone. The mass, in grams, needs a density (in g/cm^3) in the table of the medium. The
 /// JSON output contains the inertia tensor, about the centre and for density 1.
 #[derive(Args)]
 pub struct Volume {
@@ -65,7 +65,9 @@ impl Volume {
         let [unmet, vague] = [unmet, vague].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
         if !unmet.is_empty() {
             let names = unmet.join(", ");
-            terminal::note(&format!("note: {names}: no ray met anything: measure a smaller box, --within?"));
+            terminal::note(&format!(
+                "note: {names}: no ray hit anything. Measure within a smaller box: --within."
+            ));
         }
         if !vague.is_empty() {
             let (names, most) = (vague.join(", "), self.sampling.rays);

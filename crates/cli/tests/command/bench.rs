@@ -26,7 +26,7 @@ medium = "glass"
 index = 1.5
 "#;
 
-/// Two boxes that touch at x = 0, of two media, inside a larger ball of a third one.
+/// Two boxes of different media that touch at x = 0, inside a larger ball of a third medium.
 pub const CEMENTED: &str = r#"
 rayweave = 1
 unit = "cm"

@@ -2,7 +2,7 @@
 
 use crate::bench::{BALL, Bench, CEMENTED};
 
-/// Two plates, the second 0.5 deep in the first.
+/// Two plates; the second overlaps the first by 0.5.
 const PLATES: &str = "rayweave = 1\nunit = \"mm\"\n[solid.a]\nbox = { size = [8, 8, 2] }\n[solid.b]\nbox = { size = [4, 4, 2] }\n\
     transform = [{ translate = [0, 0, 1.5] }]\n[[region]]\nsolid = \"a\"\n[[region]]\nsolid = \"b\"";
 
@@ -17,10 +17,10 @@ fn findings_with_places() {
     let bench = bench();
     let said = bench.says(&["check", "plates.toml", "--cells", "32", "--pictures", "found"]);
     assert!(said.starts_with("plates.toml: overlap 1; lengths in mm\n"), "{said}");
-    assert!(said.contains("overlap: a and b take the same space, where b wins as the later one"), "{said}");
+    assert!(said.contains("overlap: a and b overlap; b, the later one, has priority"), "{said}");
     assert!(said.contains("0.5 mm deep, volume 8 ") && said.contains("ray from ("), "{said}");
     let picture = bench.read("found/1-overlap.svg");
-    assert!(picture.contains(">both<") && picture.contains("a and b take the same space"), "{picture}");
+    assert!(picture.contains(">both<") && picture.contains("a and b overlap"), "{picture}");
     let said = bench.says(&["check", "ball.toml", "--cells", "16"]);
     assert!(said.starts_with("ball.toml: nothing found"), "{said}");
 }

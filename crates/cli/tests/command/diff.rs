@@ -15,14 +15,14 @@ fn the_same_is_0() {
     bench.write("bead.toml", IN_INCHES);
     let said = bench.says(&["diff", "ball.toml", "bead.toml", "--cells", "32"]);
     assert!(said.contains("the same solid") && !said.contains("as written"), "{said}");
-    // another format
+    // a different format
     bench.write("cube.csg", "cube(size = [2, 2, 2], center = true);");
     bench.write("cube.toml", "rayweave = 1\n[solid.cube]\nbox = { size = 2 }");
     bench.says(&["diff", "cube.toml", "cube.csg", "--cells", "16"]);
 }
 
 #[test]
-fn a_difference_is_1_and_is_told() {
+fn a_difference_has_exit_code_1_and_is_reported() {
     let bench = Bench::new();
     bench.write("large.toml", BALL.replace("R = 1.0", "R = 1.25"));
     let run = bench.run(&["diff", "ball.toml", "large.toml", "--cells", "32", "--json", "-o", "d.svg"]);

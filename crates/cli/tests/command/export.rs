@@ -7,7 +7,7 @@ fn a_scene_for_pov_ray() {
     let bench = Bench::new();
     let done = bench.run(&["export", "ball.toml", "ball.pov", "-D", "R=2"]);
     assert_eq!((done.code, done.out.as_str()), (0, ""), "{}", done.err);
-    assert!(done.err.contains("lost: edges: none are drawn.\n"), "{}", done.err);
+    assert!(done.err.contains("lost: edges: they are not drawn.\n"), "{}", done.err);
     let text = bench.read("ball.pov");
     assert!(text.starts_with("#version 3.7;\n"), "{text}");
     assert!(text.contains("\nsphere { <0, 0, 0>, 2 texture { Region0 } }\n"), "{text}");

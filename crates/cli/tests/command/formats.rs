@@ -1,4 +1,4 @@
-//! Models of other programs.
+//! Models from other programs.
 
 use crate::bench::Bench;
 
@@ -13,7 +13,7 @@ fn openscad_by_ending_and_by_option() {
         let info = bench.says(arguments);
         assert!(info.contains("1 region") && info.contains("sphere"), "{info}");
     }
-    // exactly round: 1 from the centre; with --facets the apothem of a facet
+    // exactly round: 1 from the centre; with --facets, the apothem of a facet
     let probe = ["probe", "part.csg", "--from", "-4,0.1,0.1", "--to", "4,0.1,0.1"];
     let round = bench.says(&probe);
     let faceted = bench.says(&[&probe[..], &["--facets"]].concat());
@@ -35,7 +35,7 @@ fn losses_are_reported_with_their_places() {
     assert!(bench.fails(3, &["info", "cut.csg"]).contains("cut.csg:2:"));
 }
 
-/// Numbers about a part of a model would be wrong.
+/// Results computed from a part of a model would be wrong.
 #[test]
 fn answers_need_all_of_the_geometry() {
     let bench = Bench::new();

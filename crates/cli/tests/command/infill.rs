@@ -48,7 +48,7 @@ fn bench() -> Bench {
 fn a_plate_by_closed_forms() {
     let bench = bench();
     let said = bench.says(&["infill", "shop.toml", "--spacing", "2", "--layer-height", "1", "-o", "t.csv"]);
-    assert_eq!(said, "t.csv: 8 traces in 2 layers, 80 mm long together\n");
+    assert_eq!(said, "t.csv: 8 traces in 2 layers, 80 mm in total\n");
     let table = bench.read("t.csv");
     assert_eq!(table.lines().next(), Some(HEADER));
     let expected: Vec<Vec<String>> = (0..8)
@@ -88,8 +88,8 @@ fn a_region_of_the_plane() {
     let bench = bench();
     let arguments = ["infill", "region.csv", "--spacing", "1", "--phase", "0.5", "-o", "t.csv"];
     let said = bench.says(&[&arguments[..], &["--svg", "t.svg"]].concat());
-    // four lines of 6, two of them without the 2 of the hole: 24 - 4 is the area
-    assert_eq!(said, "t.csv: 6 traces in 1 layer, 20 long together\n");
+    // four lines of length 6, two of which skip the hole, 2 wide: 24 - 4 is the area
+    assert_eq!(said, "t.csv: 6 traces in 1 layer, 20 in total\n");
     let table = bench.read("t.csv");
     let lines: Vec<Vec<&str>> = rows(&table);
     assert_eq!(lines[1], ["0", "0.0", "1", "0", "0.0", "1.5", "1.0", "1.5"]);
@@ -110,7 +110,7 @@ fn pictures_of_layers_and_totals_alone() {
     };
     assert_eq!(
         fill(&["--layer-height", "0.5", "--svg", "t.svg"]),
-        "t.svg: 48 traces in 4 layers, 272 mm long together\n"
+        "t.svg: 48 traces in 4 layers, 272 mm in total\n"
     );
     let svg = bench.read("t.svg");
     for part in ["0: z = 0.25", "3: z = 1.75", "<title>shop.toml, towers: traces 1 apart</title>"] {
@@ -118,7 +118,7 @@ fn pictures_of_layers_and_totals_alone() {
     }
     // layers 0 and 1 in one colour, 2 and 3 in two
     assert_eq!((svg.matches("#0072b2").count(), svg.matches("#d55e00").count()), (4, 2));
-    assert_eq!(fill(&["--z", "0.5"]), "shop.toml: 8 traces in 1 layer, 80 mm long together\n");
+    assert_eq!(fill(&["--z", "0.5"]), "shop.toml: 8 traces in 1 layer, 80 mm in total\n");
     assert_eq!(fill(&["--z", "0.5", "--quiet"]), "");
     assert!(fill(&["--z", "0.5", "--svg", "-"]).starts_with("<svg "));
 }
@@ -144,12 +144,15 @@ fn heights_beyond_the_solid_are_reported() {
     let said = bench.says(&["infill", "shop.toml", "--spacing", "1", "--z", "1,9,-3", "-o", "t.csv"]);
     assert_eq!(
         said,
-        "t.csv: 8 traces in 3 layers, 80 mm long together\n\
-         layer 1 at z = 9 (and 1 more) has no traces: what is filled lies between z = 0 and 2\n"
+        "t.csv: 8 traces in 3 layers, 80 mm in total\n\
+         layer 1 at z = 9 (and 1 more) has no traces: the filled solid lies between z = 0 and 2\n"
     );
     assert_eq!(rows(&bench.read("t.csv")).len(), 8);
     let said = bench.says(&["infill", "shop.toml", "--spacing", "100", "--phase", "0.5", "--z", "1"]);
-    assert!(said.ends_with("layer 0 at z = 1 has no traces: no scan line meets anything there\n"), "{said}");
+    assert!(
+        said.ends_with("layer 0 at z = 1 has no traces: no scan line crosses the solid there\n"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -166,17 +169,15 @@ fn settings_that_make_no_sense() {
         let message = fails(2, &["--spacing", "1", "--layer-height", bad]);
         assert!(message.starts_with("error: the layer height is "), "{message}");
     }
-    assert!(fails(2, &["--spacing", "1e-9", "--z", "1"]).contains("8.000e9 scan lines: at most 10000000"));
-    assert!(
-        fails(2, &["--spacing", "1", "--layer-height", "1e-9"]).contains("2.000e9 layers: at most 1000000")
-    );
+    assert!(fails(2, &["--spacing", "1e-9", "--z", "1"]).contains("8e9 scan lines: at most 10000000"));
+    assert!(fails(2, &["--spacing", "1", "--layer-height", "1e-9"]).contains("2e9 layers: at most 1000000"));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--phase", "2"]).contains("from 0 to 1"));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--angle", "inf"]).contains("the angle is inf"));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--turn", "nan"]).contains("the turn is NaN"));
     assert!(fails(2, &["--spacing", "1", "--z", "1,nan"]).contains("height 1 of the layers is NaN"));
     assert!(fails(2, &["--spacing", "wide", "--z", "1"]).contains("`wide` is not a number"));
     assert!(fails(2, &["--z", "1"]).contains("--spacing"));
-    assert!(fails(2, &["--spacing", "1"]).contains("Give --layer-height, or --z."));
+    assert!(fails(2, &["--spacing", "1"]).contains("Give --layer-height or --z."));
     assert!(fails(2, &["--spacing", "1", "--z", "1", "--layer-height", "1"]).contains("cannot be used with"));
 }
 
@@ -219,7 +220,7 @@ fn regions_that_cannot_be_filled() {
     let message = fails(3, "contour,x,y\na,0,0\na,1,nan\na,1,b\n", &[]);
     assert_eq!(
         message,
-        "error: bad.csv:3: y is NaN: coordinates are finite.\nbad.csv:4: y is `b`: not a number.\n"
+        "error: bad.csv:3: y is NaN: coordinates must be finite.\nbad.csv:4: y is `b`: it must be a number.\n"
     );
     let crossing = "contour,x,y\na,0,0\na,4,0\na,0,4\na,4,4\n";
     let message = fails(3, crossing, &[]);
@@ -236,7 +237,10 @@ fn regions_that_cannot_be_filled() {
         [("--z", "1"), ("--layer-height", "1"), ("--solid", "a"), ("--evaluator", "weave"), ("-D", "a=1")]
     {
         let message = fails(2, REGION, &[option, value]);
-        assert!(message.contains("is given for bad.csv: a region of the plane is one layer"), "{message}");
+        assert!(
+            message.contains("does not apply to bad.csv: a region of the plane is one layer"),
+            "{message}"
+        );
     }
 }
 
@@ -264,9 +268,9 @@ fn the_plate_of_the_models() {
     // plate, window, isle, slot, star, by the shoelace formula
     let area = 2400.0 - 400.0 + 100.0 - 200.0 + 195.0;
     let covered = 0.01 * found.iter().map(length).sum::<f64>();
-    // the variation of the chords of five contours, 75 at most, up and down twice each, times the spacing
+    // error bound: the spacing times the total variation of the chord lengths of five contours, each at most 75, up and down twice
     assert!((covered - area).abs() < 0.01 * 5.0 * 4.0 * 75.0, "{covered} {area}");
-    // the tips of the star lean along the scan lines, so that their ends may be components of their own
+    // the tips of the star are nearly parallel to the scan lines, so their ends may be separate components
     let mut areas = [0.0; 8];
     found.iter().for_each(|row| areas[row[3].parse::<usize>().unwrap()] += 0.01 * length(row));
     assert_eq!(areas.iter().filter(|&&area| area > 1.0).count(), 3, "{areas:?}");

@@ -128,7 +128,7 @@ fn how_a_model_is_prepared() {
         "prune     3 -> 1          0            2 -> 1    no parts that bounds show not to matter",
         "leaves  2 of 5 are used",
         "bounds  (-20, -10, -5) to (62, 10, 32) of all leaves",
-        "        (-20, -10, -1) to (20, 10, 1) of what they are joined to",
+        "        (-20, -10, -1) to (20, 10, 1) of the solid they form",
         "  hole_b/hole: it lies outside plate: A - B with disjoint bounds.",
         "  bolt: it is nowhere, as the bounds of lid and bolt/hole are disjoint",
     ] {

@@ -34,7 +34,7 @@ fn wait_until(ready: impl Fn() -> bool) {
 }
 
 fn assert_cancelled(bench: &Bench, done: Done) {
-    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled: unfinished files are removed.\n"));
+    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled: unfinished files were removed.\n"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
 }
 
@@ -44,7 +44,7 @@ fn trace(bench: &Bench) -> Child {
     command.stdin(Stdio::piped()).spawn().unwrap()
 }
 
-/// A model file in a pipe without a writer is never loaded.
+/// A model file that is a pipe without a writer never finishes loading.
 #[test]
 fn loading_can_be_interrupted() {
     let rest: [&[&str]; 5] = [
@@ -68,7 +68,7 @@ fn loading_can_be_interrupted() {
 
 #[test]
 fn compiling_can_be_interrupted() {
-    // 2^18 spheres, each in a place of its own, intersected with a different sphere
+    // 2^18 spheres, each at a different position, intersected with a different sphere
     let mut model = "rayweave = 1\n[solid.s0]\nsphere = { radius = 1 }\n".to_owned();
     for k in 0..18 {
         let next = k + 1;
@@ -83,7 +83,7 @@ fn compiling_can_be_interrupted() {
         bench.write("ball.toml", &model);
         let child = trace(&bench);
         wait_until(|| listens(&child));
-        // it takes seconds
+        // loading takes seconds
         std::thread::sleep(Duration::from_millis(50));
         send(&child, signal);
         assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
@@ -95,7 +95,7 @@ fn a_busy_trace_leaves_nothing() {
     let bench = Bench::new();
     let mut child = trace(&bench);
     let mut stdin = child.stdin.take().unwrap();
-    // endless rays, until the command closes its input
+    // rays without end, until the command closes its input
     let feeder = std::thread::spawn(move || {
         let block = "-5,0.5,0,1,0,0\n".repeat(1000);
         let _ = stdin.write_all(RAYS.as_bytes());
@@ -125,6 +125,22 @@ fn a_trace_that_waits_for_rays_leaves_nothing() {
         assert_cancelled(&bench, done(child.wait_with_output().unwrap()));
         drop(stdin);
     }
+}
+
+/// The table of names goes to a pipe that nobody opens, while the table of hits is unfinished.
+#[test]
+fn a_trace_that_waits_for_a_reader_leaves_nothing() {
+    let bench = Bench::new();
+    bench.write("rays.csv", format!("{RAYS}-5,0,0,1,0,0\n"));
+    assert!(Command::new("mkfifo").arg(bench.path("hits.names.json")).status().unwrap().success());
+    let child =
+        bench.command(&["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.npy"]).spawn().unwrap();
+    let folder = bench.path("");
+    wait_until(|| holds(&folder, ".hits.npy."));
+    interrupt(&child);
+    let done = done(child.wait_with_output().unwrap());
+    assert_eq!((done.code, done.err.as_str()), (130, "error: cancelled: unfinished files are removed.\n"));
+    assert_eq!(bench.files(), ["ball.toml", "cemented.toml", "hits.names.json", "rays.csv"]);
 }
 
 #[test]

@@ -12,6 +12,7 @@ mod interrupt;
 mod memory;
 mod optics;
 mod pages;
+mod photon_compare;
 mod photons;
 mod probe;
 mod render;

@@ -1,4 +1,4 @@
-//! The memory of a trace does not grow with the number of rays.
+//! The memory that a trace needs does not grow with the number of rays.
 #![cfg(target_os = "linux")]
 
 use crate::bench::{Bench, RAYS, done};

@@ -5,7 +5,7 @@ use crate::bench::{Bench, number, rows};
 const HEADER: &str = "id,parent,generation,source,wavelength_nm,intensity,index,x0,y0,z0,x1,y1,z1,x_tilt,y_tilt,z_tilt,path,\
                       element,surface,event";
 
-/// A plate of glass about the origin between an ideal lens, whose focus is on the screen, and the light.
+/// A plate of glass about the origin, between the light and an ideal lens that is focused on the screen.
 const PLATE: &str = r#"
 rayweave = 1
 unit = "mm"
@@ -51,7 +51,7 @@ fn bench() -> Bench {
 fn a_summary_for_people() {
     let said = bench().says(&["optics", "plate.toml", "--seed", "7"]);
     let lines: Vec<&str> = said.lines().collect();
-    // through two faces of the plate, the lens, and to the screen
+    // through two faces of the plate and the lens to the screen
     assert_eq!(lines[0], "plate.toml: 5000 rays, 20000 segments");
     let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
     let found = |begin: &str| words(lines.iter().find(|line| line.starts_with(begin)).unwrap());
@@ -62,8 +62,8 @@ fn a_summary_for_people() {
     assert!(said.contains("centroid / mm") && said.contains("RMS radius / mm"), "{said}");
 }
 
-/// The focus in the coordinates of the screen, which is rotated; and a disc, whose RMS radius is R
-/// / sqrt(2).
+/// The focus in the coordinates of the rotated screen; and a disc, whose RMS radius is
+/// R / sqrt(2).
 #[test]
 fn spots_by_closed_forms() {
     let found = bench().json(&["optics", "plate.toml", "--json"]);
@@ -95,7 +95,7 @@ fn drawings() {
     }
     let layout = bench.read("layout.svg");
     let count = |class: &str| layout.matches(&format!(r#"class="{class}""#)).count();
-    // the plate, the two sheets; all rays have one colour and all of their power
+    // the plate and the two sheets; all rays have one colour and their full power
     assert_eq!(["glass", "outline", "sheet", "ray"].map(count), [1, 1, 2, 1]);
     assert!(layout.contains(">550 nm<") && layout.contains(">20 mm<"), "{layout}");
     let spot = bench.read("spot.svg");
@@ -130,8 +130,8 @@ fn drawings_of_what_is_requested() {
     assert!(!bench.path("a.svg").exists());
 }
 
-/// The paths through a plate whose faces reflect the fraction r: straight, and with each additional
-/// pair of reflections.
+/// The paths through a plate whose faces reflect the fraction r: the straight one, and those with
+/// pairs of reflections inside.
 #[test]
 fn ghosts() {
     let bench = bench();
@@ -199,7 +199,7 @@ fn the_table_of_segments() {
             continue;
         }
         let before = &rows[usize::try_from(parent).unwrap()];
-        // same ray, one event later, from the end of the previous segment
+        // the same ray, one event later, starts at the end of the previous segment
         assert_eq!((row[0], whole(row[2])), (before[0], whole(before[2]) + 1));
         assert_eq!(row[7..10], before[10..13]);
         let inside = number(row[9]).abs() <= 1.0 && number(row[12]).abs() <= 1.0;
@@ -232,7 +232,7 @@ fn any_number_of_threads_writes_the_same_bytes() {
 }
 
 #[test]
-fn what_can_be_wrong() {
+fn invalid_runs_are_rejected_with_a_reason() {
     let bench = bench();
     let message = bench.fails(3, &["optics", "ball.toml"]);
     assert!(message.contains("the model has no [optics] table"), "{message}");
@@ -253,9 +253,9 @@ fn what_can_be_wrong() {
         ":33:17",
     );
     let twice = bench.fails(2, &["optics", "plate.toml", "--layout", "-", "--out", "-"]);
-    assert!(twice.contains("several things go to standard output"), "{twice}");
+    assert!(twice.contains("several results go to standard output"), "{twice}");
     let usage = bench.fails(2, &["optics", "plate.toml", "--json", "--out", "-"]);
-    assert!(usage.contains("give the others files?"), "{usage}");
+    assert!(usage.contains("Write the others to files."), "{usage}");
     assert!(bench.fails(2, &["optics", "plate.toml", "--branches", "none"]).contains("ideal"));
     assert!(
         bench.fails(2, &["optics", "plate.toml", "-o", "table.txt"]).contains("the table format is unknown")
@@ -287,8 +287,8 @@ fn the_guide() {
     assert!((power - (1.0 - r) / (1.0 + r)).abs() < 1e-4, "{power}");
 }
 
-/// 360 degrees a wavelength of the path: 9 mm to the plate, 12 mm to its far side; no jumps at
-/// transmission.
+/// The phase is 360 degrees per wavelength of path: 9 mm to the plate, 12 mm to its far side;
+/// transmission causes no jump.
 #[test]
 fn phases_are_columns_on_request() {
     let bench = bench();
@@ -320,14 +320,14 @@ fn a_lens_file() {
                 SURF 2\n DISZ 94.775\nSURF 3\n";
     bench.write("lens.ZMX", file);
     let said = bench.says(&["optics", "lens.ZMX", "--spot", "spot.svg", "--layout", "layout.svg"]);
-    // two fields of 331 rays through two faces to the image, and away
+    // two fields of 331 rays, each through two faces to the image and beyond
     assert!(said.starts_with("lens.ZMX: 662 rays, 2648 segments"), "{said}");
     let image: Vec<&str> =
         said.lines().find(|line| line.starts_with("image ")).unwrap().split_whitespace().collect();
-    // half the field of a degree, by the focal length of 96.75 mm: 50 / 0.5168
+    // mean of the fields of 0 and 1 degree, with the focal length of 96.75 mm = 50 / 0.5168
     let height: f64 = image[3].trim_end_matches(')').parse().unwrap();
     assert!((height - 0.5 * 96.75 * 1f64.to_radians().tan()).abs() < 2e-3, "{said}");
-    // one diagram and one radius for each field, not one of all fields
+    // one diagram and one radius for each field, instead of one for all fields
     let fields: Vec<&str> = said.lines().skip_while(|line| !line.starts_with("field on the image")).collect();
     assert!(fields.iter().any(|line| line.starts_with("0 (0, 0)\u{b0}")), "{said}");
     assert!(fields.iter().any(|line| line.starts_with("1 (0, 1)\u{b0}")), "{said}");

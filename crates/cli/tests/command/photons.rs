@@ -19,15 +19,15 @@ fn bench() -> Bench {
     bench
 }
 
-/// The arguments of a run of 2,000 photons of the guide.
+/// The arguments of a run of 2,000 photons in the guide's model.
 fn run<'a>(more: &[&'a str]) -> Vec<&'a str> {
     let mut arguments = vec!["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "2000"];
     arguments.extend(more);
     arguments
 }
 
-/// The command of the guide runs; the ends add up; every hit is at the interface of the crystal and the diode, after at
-/// least the time of the straight way at c / 1.79.
+/// The guide's command runs; the counts of the ends add up; every hit is at the interface of the crystal and the diode, no
+/// earlier than the straight path at c / 1.79 allows.
 #[test]
 fn the_guide() {
     let bench = bench();
@@ -96,7 +96,7 @@ fn bad_arguments_are_explained() {
     assert!(bench.fails(3, &plain).contains(reason));
 }
 
-/// A NPY file of numbers.
+/// An NPY file of numbers.
 fn npy(descr: &str, shape: &str, bytes: impl IntoIterator<Item = u8>) -> Vec<u8> {
     let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
     let mut file = b"\x93NUMPY\x01\x00".to_vec();
@@ -110,7 +110,7 @@ fn singles(numbers: &[f32]) -> impl Iterator<Item = u8> {
     numbers.iter().flat_map(|number| number.to_le_bytes())
 }
 
-/// All kinds of sources run, with their distributions, and say which options they miss.
+/// All kinds of sources run, with their distributions, and report which required options are missing.
 #[test]
 fn sources() {
     let bench = bench();
@@ -161,7 +161,7 @@ fn sources() {
     assert!(bench.fails(3, &bad).contains("bad.csv: line 2: two numbers are needed"));
 }
 
-/// Gensteps and photons from arrays; the numbers of their photons are those of the file.
+/// Gensteps and photons from arrays; the number of photons is that of the file.
 #[test]
 fn arrays() {
     let bench = bench();
@@ -184,6 +184,12 @@ fn arrays() {
     let found: Value = serde_json::from_str(&whole.out).unwrap();
     assert_eq!(found["photons"], 400, "{}", whole.err);
     assert!(found["hits"].as_u64().unwrap() > 10);
+    // the number of the only genstep is the last column
+    let table = done(&["-o", "-", "--quiet"]).out;
+    assert!(table.lines().next().unwrap().ends_with(",sensor,genstep"), "{table}");
+    assert!(table.lines().skip(1).all(|row| row.ends_with(",0")), "{table}");
+    let sequences = done(&["--sequences", "--quiet", "--json"]).out;
+    assert!(sequences.contains("CK ") && !sequences.contains("TO"), "{sequences}");
     assert_eq!(done(&["--material", "4=Crystal", "-o", "-"]).out, done(&["-o", "-", "--quiet"]).out);
     assert!(done(&["--material", "4=Water"]).err.contains("no material is called `Water`"));
     assert!(done(&["-n", "401"]).err.contains("-n is 401: the source has 400 photons."));
@@ -262,7 +268,7 @@ fn histories_and_drawings() {
     }
     let sequences = found["sequences"].as_array().unwrap();
     assert_eq!(sequences.len(), 5);
-    // photons that are absorbed on their first way: of 400 mm on at most 10 sqrt(3) to 50 mm
+    // photons absorbed on their first segment: the absorption length is 400 mm, much longer than the segment
     assert!(sequences.iter().any(|row| row["sequence"] == "TO AB"), "{sequences:?}");
     assert!(bench.read("t.svg").contains("section x = 0") && bench.read("t.svg").contains("550 nm"));
     assert!(bench.read("m.svg").contains(&format!("{} hits of one sensor", found["hits"])));
@@ -289,10 +295,17 @@ fn measured_surfaces_and_outer_sources() {
     );
     bench.write("wrapped.gdml", &wrapped);
     let run = ["photons", "wrapped.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "100", "--json"];
-    assert!(bench.fails(3, &run).contains("data set RealSurface with GroundTyvek.dat"));
+    assert!(bench.fails(3, &run).contains("data set RealSurface with GroundTyvek.z"));
+    // the check needs the table as well
+    let check = ["check", "wrapped.gdml", "--cells", "4", "--json"];
+    let missing = bench.says(&check);
+    assert!(missing.contains("RealSurface with GroundTyvek.z"), "{missing}");
     bench.write("GroundTyvek.dat", "1 ".repeat(151_515));
     let with: Vec<&str> = run.into_iter().chain(["--surface-tables", "."]).collect();
     assert_eq!(bench.json(&with)["photons"], 100);
+    let with: Vec<&str> = check.into_iter().chain(["--surface-tables", "."]).collect();
+    let found = bench.says(&with);
+    assert!(!found.contains("RealSurface"), "{found}");
     let outside = ["photons", "bar.gdml", "--at", "0,0,500", "--wavelength", "550", "-n", "10"];
     assert!(bench.fails(2, &outside).contains("the source at [0, 0, 500] is outside the world"));
 }

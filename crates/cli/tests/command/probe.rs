@@ -1,4 +1,4 @@
-//! `probe`: closed forms along single rays.
+//! `probe`: closed-form results along single rays.
 
 use crate::bench::Bench;
 use serde_json::{Value, json};
@@ -121,27 +121,28 @@ fn a_ray_needs_a_direction() {
     let same = ["probe", "ball.toml", "--from", "1,2,3", "--to", "1,2,3"];
     assert_eq!(
         bench.fails(2, &same),
-        "error: --from and --to are the same point: the direction of the ray is from one to the other.\n"
+        "error: --from and --to are the same point: a ray needs two different points.\n"
     );
     let far = ["probe", "ball.toml", "--from", "-1e308,0,0", "--to", "1e308,0,0"];
     assert!(bench.fails(2, &far).contains("too far apart"));
     let huge = ["probe", "ball.toml", "--from", "1e200,0,0", "--to", "0,0,0"];
     assert_eq!(
         bench.fails(2, &huge),
-        "error: --from and --to give a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): beyond 1e100 squares overflow. Is the unit far too small?\n"
+        "error: --from and --to define a ray that cannot be traced: the origin is (1e200, 0.0, 0.0): components beyond 1e100 overflow in computations. Is the unit far too small?
+"
     );
     let tiny = ["probe", "ball.toml", "--from", "0,0,0", "--to", "0,1e-200,0"];
-    assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): below 1e-100"));
+    assert!(bench.fails(2, &tiny).contains("the direction is (0.0, 1e-200, 0.0): components below 1e-100"));
 }
 
-/// From there the ball is smaller than the tolerance, and would be missed.
+/// From that distance, the ball is smaller than the tolerance and would be missed.
 #[test]
 fn a_ray_from_too_far_is_rejected() {
     let bench = Bench::new();
     let line = ["probe", "ball.toml", "--from", "-1e15,0,0", "--to", "0,0,0"];
-    let expected = "error: the ray is too far from the model: 1.000e15 along it, where it comes closest, points are accurate \
-                    to 1.421e1, and the model is 2.000e0 thick. Start the ray closer to the model, and keep the model close \
-                    to the origin of the coordinates.\n";
+    let expected = "error: the ray is too far from the model: at its closest point, 1e15 from its origin, coordinates are \
+                    accurate to 14.21, and the model is 2 thick. Start the ray closer to the model, and keep the \
+                    model close to the origin of the coordinates.\n";
     assert_eq!(bench.fails(2, &line), expected);
     assert_eq!(bench.fails(2, &[&line[..], &["--explain"]].concat()), expected);
 }
@@ -197,13 +198,13 @@ fn the_explanation_of_the_chain() {
     assert!(text.starts_with(&plain), "{text}");
     for line in [
         "The ray (-60, 0, 0) + t (120, 0, 0).",
-        "  rule 4: if not, the operands that have changed are queried again, from there on.",
-        "What is next after t = -inf?",
+        "  rule 4: if not, the operands that have changed are queried again, after that time.",
+        "The next change after t = -inf:",
         "        s1 is entered at 0.0375, through s1.side.",
         "      s1 | s2 is entered at 0.0375: s1 is entered, and the ray is outside s2 until 0.145833. (rule 3)",
         "  So the ray is in the world until t = 0.0375, then in chain.",
         // a table of nine entries gets this wrong: both are left, but the later exit is not yet the
-        // answer
+        // result
         "      s1 | s2 stays inside at 0.204167: s1 is left, but the ray is inside s2 until 0.3125. So s1 is queried again. (rule 4)",
         "    s1 | s2 | s3 | s4 stays inside at 0.3125: s1 | s2 is left, but the ray is inside s3 | s4 until 0.529167. So s1 | s2 is queried again. (rule 4)",
         "  (s1 ... s4) | (s5 ... s8) stays inside at 0.529167: s1 | s2 | s3 | s4 is left, but the ray is inside s5 | s6 | s7 | s8 until 0.9625. So s1 | s2 | s3 | s4 is queried again. (rule 4)",
@@ -214,7 +215,7 @@ fn the_explanation_of_the_chain() {
     ] {
         assert!(text.lines().any(|found| found == line), "{line}\n{text}");
     }
-    // every sphere overlaps the next: there is no other crossing, and no line is omitted
+    // every sphere overlaps the next: there are no other crossings, and no line is omitted
     assert_eq!(text.matches("  So the ray is in").count(), 3);
     assert!(!text.contains("left out"), "{text}");
 }
@@ -237,10 +238,10 @@ fn stories_of_parts_and_of_few_lines() {
         .map(|explain| bench.says(&[&["probe", "cemented.toml", explain], &line[..]].concat()));
     assert_eq!(all, many);
     let segment = [&["probe", "ball.toml", "--segment", "--explain"], &HEAD_ON[..]].concat();
-    assert!(bench.says(&segment).contains("What is next after t = 0?"));
+    assert!(bench.says(&segment).contains("The next change after t = 0:"));
     for wrong in ["--explain=0", "--explain=-1", "--explain=few"] {
         let message = bench.fails(2, &[&["probe", "ball.toml", wrong], &HEAD_ON[..]].concat());
-        assert!(message.contains("a whole number from 1, or all"), "{message}");
+        assert!(message.contains("a whole number of at least 1, or all"), "{message}");
     }
     let both = [&["probe", "ball.toml", "--explain", "--json"], &HEAD_ON[..]].concat();
     assert!(bench.fails(2, &both).contains("cannot be used with"));

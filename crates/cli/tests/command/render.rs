@@ -4,7 +4,7 @@ use crate::bench::Bench;
 
 const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// Width and height from the header of a PNG file (PNG specification, section 11.2.2).
+/// Returns width and height from the header of a PNG file (PNG specification, section 11.2.2).
 fn size(png: &[u8]) -> [u32; 2] {
     assert!(png.starts_with(SIGNATURE));
     let number = |at: usize| u32::from_be_bytes(png[at..at + 4].try_into().unwrap());
@@ -90,15 +90,15 @@ fn a_picture_goes_through_a_pipe() {
 }
 
 /// The ball of radius 1 seen from the front fills 0.92 of the height of its picture; with three
-/// quarters of its width cut away it is the segment of a circle with a sagitta of 1/2, on the same
-/// scale.
+/// quarters of its width cut away, it is the segment of a circle with a sagitta of 1/2, at the
+/// same scale.
 #[test]
 fn a_cut_takes_away_a_part() {
     let bench = Bench::new();
     let options = ["--cut", "x>25%", "--view", "front", "--no-edges", "--shading", "flat"];
     let image = picture(&bench, &options);
     let corner = *image.get(0, 0).unwrap();
-    // half of the pixels on its edge belong to it
+    // half of the pixels on its edge count as inside
     let whole = *image.get(16, 20).unwrap();
     let part = |&pixel: &[u8; 4]| {
         if pixel == whole {
@@ -154,7 +154,7 @@ fn sheets_and_legends() {
     assert!(svg.contains(">glass</text>") && svg.matches("<image ").count() == 1);
     bench.says(&["render", "ball.toml", "--legend", "-o", "one.png", "--size", "120x90"]);
     assert_eq!(size(&bench.bytes("one.png")), [120, 90]);
-    // the ball is where the picture is, above the legend
+    // the ball is in the picture, above the legend
     let image = rayweave::render::png::decode(&bench.bytes("one.png")).unwrap();
     assert!(*image.get(60, 30).unwrap() != [255; 4] && *image.get(100, 84).unwrap() == [255; 4]);
 }
@@ -164,7 +164,7 @@ fn wrong_views() {
     let bench = Bench::new();
     let fails = |options: &[&str]| bench.fails(2, &[&["render", "ball.toml"], options].concat());
     assert!(fails(&["--cut", "x"]).contains("neither < nor >"));
-    assert!(fails(&["--explode", "up"]).contains("as in z:0.2"));
+    assert!(fails(&["--explode", "up"]).contains("such as z:0.2"));
     assert!(fails(&["--opacity", "glas=0.3"]).contains("Did you mean `glass`?"));
     assert!(fails(&["--opacity", "glass=3"]).contains("from 0 to 1"));
     assert!(fails(&["--view", "sheet", "--kind", "depth"]).contains("are in colour"));
@@ -178,7 +178,7 @@ fn wrong_options() {
     let bench = Bench::new();
     let fails = |code, options: &[&str]| bench.fails(code, &[&["render", "ball.toml"], options].concat());
     assert!(fails(2, &["--size", "0x0"]).contains("0 x 0 pixels"));
-    assert!(fails(2, &["--size", "big"]).contains("as in 640x480"));
+    assert!(fails(2, &["--size", "big"]).contains("such as 640x480"));
     assert!(fails(2, &["--view", "above"]).contains("front, back, left, right, top, bottom, iso, sheet"));
     assert!(fails(2, &["--samples", "0"]).contains("1..=16"));
     assert!(fails(2, &["--fov", "180"]).contains("the field of view is 180 degrees"));

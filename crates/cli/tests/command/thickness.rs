@@ -43,7 +43,7 @@ fn path_lengths_as_a_table() {
     let rows = rows(&table);
     let middle = &rows[20 * 41 + 20];
     let lengths: Vec<f64> = middle[2..].iter().map(|field| number(field)).collect();
-    // through the middle: 6 cm, 4 of them steel
+    // through the middle: 6 cm, of which 4 cm are steel
     assert!(
         lengths[0] == 0.0 && (lengths[1] - 2.0).abs() < 1e-12 && (lengths[2] - 4.0).abs() < 1e-12,
         "{middle:?}"
@@ -55,14 +55,17 @@ fn path_lengths_as_a_table() {
 fn pictures() {
     let bench = bench();
     let said = bench.says(&[&["thickness", "tank.toml", "-o", "t.png"], &VIEW[..]].concat());
-    assert!(said.starts_with("t.png: white is where all comes through, 5 % where most is lost"), "{said}");
-    assert!(said.ends_with("no medium has an attenuation: they weaken alike.\n"), "{said}");
+    assert!(said.starts_with("t.png: white is full transmission, the darkest pixel 5 %"), "{said}");
+    assert!(
+        said.ends_with("no medium has an attenuation, so it is taken as equal in all media.\n"),
+        "{said}"
+    );
     let said =
         bench.says(&[&["thickness", "tank.toml", "-o", "s.png", "--medium", "steel"], &VIEW[..]].concat());
     assert_eq!(said, "s.png: white is 4 cm of steel\n");
     bench.write("dense.toml", TANK.replace("[medium.steel]", "[medium.steel]\nattenuation = 0.3"));
     let said = bench.says(&[&["thickness", "dense.toml", "-o", "d.png"], &VIEW[..]].concat());
-    assert_eq!(said, "d.png: white is where all comes through\n");
+    assert_eq!(said, "d.png: white is full transmission\n");
     assert!(bench.bytes("d.png").starts_with(b"\x89PNG") && bench.bytes("d.png") != bench.bytes("t.png"));
 }
 
@@ -72,7 +75,7 @@ fn refusals() {
     let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.png", "--medium", "steal"]);
     assert!(failed.contains("Did you mean `steel`?"), "{failed}");
     let failed = bench.fails(2, &["thickness", "tank.toml", "-o", "t.csv", "--medium", "steel"]);
-    assert!(failed.contains("Write a .png."), "{failed}");
+    assert!(failed.contains("Write a .png file."), "{failed}");
     bench.fails(2, &["thickness", "tank.toml", "-o", "t.jpg"]);
     assert!(!bench.files().iter().any(|name| name.starts_with("t.")), "{:?}", bench.files());
 }

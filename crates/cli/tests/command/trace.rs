@@ -35,7 +35,7 @@ fn csv_to_csv_by_closed_forms() {
             // the root's condition number is 1 / half; half is at least 0.02 here
             assert!((t - 0.5 * (x + 5.0)).abs() < 1e-13 && (px - x).abs() < 1e-13, "{row:?}");
             assert_eq!([py, pz], [y, 0.0]);
-            // the outward normal of a unit ball is the point, on both sides
+            // the outward normal of the unit ball equals the point, at entry and at exit
             assert!((nx - x).abs() < 1e-12 && (ny - y).abs() < 1e-12 && nz == 0.0, "{row:?}");
             let (enters, before, after) = match crossing {
                 0 => ("true", "world", "glass"),
@@ -57,10 +57,10 @@ fn a_ray_from_too_far_is_rejected() {
     bench.write("rays.csv", far);
     for evaluator in ["packets", "weave", "reference", "single_hit"] {
         let said = bench.fails(
-            2,
+            3,
             &["trace", "ball.toml", "--rays", "rays.csv", "-o", "hits.csv", "--evaluator", evaluator],
         );
-        assert!(said.contains("ray 5000: the ray is too far from the model: 1.000e15 along it"), "{said}");
+        assert!(said.contains("ray 5000: the ray is too far from the model: 1e15 along it"), "{said}");
         assert!(!bench.files().contains(&"hits.csv".to_owned()), "{:?}", bench.files());
     }
 }
@@ -82,7 +82,7 @@ fn any_number_of_threads_and_any_evaluator_write_the_same_bytes() {
     assert_eq!(one, with("single_hit.csv", &["--evaluator", "single_hit"]));
 }
 
-/// The paths of copies: the same for any number of threads, in text and by number.
+/// The paths of copies are the same for any number of threads, in text and by number.
 #[test]
 fn occurrences_name_the_copies() {
     let bench = Bench::new();
@@ -116,7 +116,7 @@ fn occurrences_name_the_copies() {
 #[test]
 fn nearest_and_windows() {
     let bench = Bench::new();
-    // from the inside, from in front, from behind
+    // from inside, from in front, from behind
     bench.write("rays.csv", format!("{RAYS}0,0,0,1,0,0\n-5,0,0,1,0,0\n5,0,0,1,0,0\n"));
     let times = |options: &[&str]| {
         let files = ["trace", "ball.toml", "--rays", "rays.csv", "-o", "-"];
@@ -255,7 +255,7 @@ fn quiet_is_quiet() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_failure() {
+fn a_closed_reader_is_not_an_error() {
     let bench = Bench::new();
     bench.write("rays.csv", fan(20_000));
     let mut child = bench.command(&["trace", "ball.toml", "--rays", "rays.csv", "-o", "-"]).spawn().unwrap();

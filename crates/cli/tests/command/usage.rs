@@ -9,7 +9,7 @@ fn wrong_command_lines() {
     assert!(bench.fails(2, &["rendre", "ball.toml"]).contains("'render'"));
     assert!(bench.fails(2, &["info"]).contains("<MODEL>"));
     assert!(bench.fails(2, &["info", "ball.toml", "--jsn"]).contains("'--json'"));
-    assert!(bench.fails(2, &["info", "ball.toml", "-D", "R"]).contains("as in R=60"));
+    assert!(bench.fails(2, &["info", "ball.toml", "-D", "R"]).contains("such as R=60"));
     assert!(bench.fails(2, &["info", "ball.toml", "--threads", "0"]).contains("--threads"));
 }
 
@@ -65,7 +65,7 @@ fn a_singular_transform() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_failure() {
+fn a_closed_reader_is_not_an_error() {
     let bench = Bench::new();
     for arguments in [&["schema"][..], &["shapes"], &["info", "ball.toml"]] {
         let mut child = bench.command(arguments).spawn().unwrap();
@@ -75,7 +75,7 @@ fn a_reader_that_goes_away_is_no_failure() {
     }
 }
 
-/// A full disk: the version and the help are output like any other.
+/// A full disk is reported also for the version and the help.
 #[test]
 #[cfg(target_os = "linux")]
 fn output_that_cannot_be_written_is_a_failure() {

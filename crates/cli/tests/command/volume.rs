@@ -57,7 +57,7 @@ fn a_block_with_a_bubble() {
     assert!(holds(&block["volume"], 24.0 - ball) && holds(&bubble["volume"], ball), "{json}");
     assert!(holds(&block["mass_g"], 2.5 * (24.0 - ball)) && bubble["mass_g"].is_null(), "{json}");
     assert!(holds(&block["area"], 52.0 + 4.0 * PI) && holds(&bubble["area"], 4.0 * PI), "{json}");
-    // the inertia of the block about z, less that of the ball
+    // the inertia of the block about z, minus that of the ball
     let about_z = 24.0 * (4.0 + 9.0) / 12.0 - 0.4 * ball;
     assert!(holds(&block["inertia"][2][2], about_z), "{json}");
     let (value, half_width) = estimate(&block["volume"]);
@@ -70,7 +70,7 @@ fn text_for_people() {
     let mut lines = said.lines();
     assert!(lines.next().unwrap().starts_with("block.toml: 99 % intervals from "), "{said}");
     let row = lines.nth(2).unwrap();
-    // the value by formula is printed beside the measurement
+    // the value from the formula is printed next to the measurement
     assert!(row.starts_with("bubble  air") && row.contains("4.188790205"), "{said}");
 }
 
@@ -100,7 +100,7 @@ fn refusals() {
     bench.fails(3, &["volume", "none.toml"]);
     bench.write("part.scad", "cube(1);");
     let failed = bench.fails(3, &["volume", "part.scad"]);
-    assert!(failed.contains("`openscad -o model.csg model.scad` writes one"), "{failed}");
-    // more threads than cores take no longer
+    assert!(failed.contains("Create one with `openscad -o model.csg model.scad`"), "{failed}");
+    // more threads than cores do no harm
     bench.says(&["volume", "block.toml", "--precision", "0.1", "--threads", "1000000"]);
 }

@@ -18,7 +18,7 @@ pub(super) const GREY: f64 = 4.0;
 /// than `(1 + sqrt(2)) sqrt(error / |a|)`.
 pub(super) const TANGENT_SHIFT: f64 = 2.5;
 
-/// The reason why the exact answer for a ray is uncertain; another ray is drawn instead.
+/// The reason why the exact answer for a ray is uncertain; a new ray is drawn instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncertain {
     /// Its distance from a surface is close to the tolerance.
@@ -232,8 +232,8 @@ fn turn(surface: &Surface, line: &Line, span: &Span) -> Result<Option<[Dyadic; 2
 /// True (negative) if moving along w makes f negative, in the middle of each chord.
 fn side_along_w(surface: &Surface, line: &Line, span: &Span) -> Result<bool, Uncertain> {
     let mut sides = span.middles().map(|t| {
-        // the middle is rounded: at a self-intersection of the surface the gradient is 0, and arbitrary
-        // beside it
+        // the middle is rounded: at a self-intersection of the surface the gradient is 0, and its direction nearby is
+        // arbitrary
         let slack = surface.bend() * delta(surface, line, t.to_f64());
         side_at(surface, line, &t, slack)
     });

@@ -229,7 +229,18 @@ impl<'a> RayComputation<'a> {
             far |= depths.iter().all(|&d| d > GREY);
             near &= depths.iter().all(|&d| d * GREY < 1.0);
         }
+        // a piece close to a face of a mesh from which it leaves through another one is close to the mesh
+        if far && [a, b].into_iter().any(|moment| self.mesh_faces(moment).any(|s| deepest(&s) <= GREY)) {
+            return Err(Uncertain::Depth);
+        }
         if far == near { Err(Uncertain::Depth) } else { Ok(near) }
+    }
+
+    /// The faces of the meshes whose sides change at a moment, except those in which the ray lies.
+    fn mesh_faces(&self, moment: &Moment) -> impl Iterator<Item = usize> {
+        let meshes = moment.leaves.iter().map(|&leaf| &self.exact.leaves[leaf]).filter(|leaf| leaf.is_mesh);
+        let faces = meshes.flat_map(|leaf| leaf.facets.iter().map(|facet| facet.0));
+        faces.filter(|&s| !self.along[s].lies)
     }
 
     /// Sample times of a piece: its ends, quarters, and around the point nearest to the start of the ray.
@@ -271,10 +282,10 @@ impl<'a> RayComputation<'a> {
         Ok(Some(Expected { before, after, t, times, leaves }))
     }
 
-    /// The leaves that a crossing may belong to. Where several surfaces coincide at a time, rounding may let
-    /// any leaf with one of them change, and change back. Where there is a single surface, it is the lowest leaf
-    /// whose event alone changes the medium before, or whose event undone changes the medium after, or if there
-    /// is none the first that changes it when they change one after the other.
+    /// The leaves that a crossing may belong to. Where several surfaces coincide at a time, rounding may make any leaf
+    /// with one of them change and change back. Where there is a single surface, it is the lowest leaf whose event
+    /// alone changes the medium before, or whose event undone changes the medium after, or if there is none the first
+    /// that changes it when they change one after the other.
     fn owners(&self, run: &[usize], times: (f64, f64)) -> Vec<usize> {
         let about = self.moments.iter().filter(|m| times.0 <= m.root.t() && m.root.t() <= times.1);
         let mut surfaces: Vec<usize> = about.flat_map(|m| m.surfaces.clone()).collect();

@@ -17,11 +17,9 @@ pub struct Count {
     pub crossings: u64,
     /// Rays without a certain answer, mostly because the depth of a piece is close to the tolerance.
     pub redrawn: u64,
-    /// Rays within 1e-9 of an edge or a tangency, and how many of them have another answer (rotated models
-    /// only).
+    /// Rays within 1e-9 of an edge or a tangency, and how many of them have a different answer (rotated models only).
     pub near_edges: (u64, u64),
-    /// Rays with another answer that cross two surfaces at one time within rounding, at very different
-    /// angles.
+    /// Rays with a different answer that cross two surfaces at one time within rounding, at very different angles.
     pub torn: u64,
     /// Wrong answers.
     pub wrong: u64,

@@ -95,7 +95,7 @@ impl Dyadic {
 impl From<f64> for Dyadic {
     /// Exact conversion. Panics if the number is not finite.
     fn from(x: f64) -> Dyadic {
-        assert!(x.is_finite(), "{x} is not a number of finite length");
+        assert!(x.is_finite(), "{x} is not finite");
         let (fraction, exponent) = libm::frexp(x);
         let whole = libm::ldexp(fraction, 53) as i64;
         // short mantissas keep products short

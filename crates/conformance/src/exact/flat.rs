@@ -11,6 +11,8 @@ pub struct Leaf {
     pub facets: Vec<(usize, bool)>,
     /// True for the complement.
     pub complement: bool,
+    /// True for a triangle mesh, which the engine takes for one surface.
+    pub is_mesh: bool,
 }
 
 /// A boolean tree over leaf numbers.
@@ -125,7 +127,8 @@ impl Exact {
                 (self.surface(surface), facet.inside)
             })
             .collect();
-        self.leaves.push(Leaf { facets, complement });
+        let is_mesh = matches!(shape, Shape::MeshCorners(..));
+        self.leaves.push(Leaf { facets, complement, is_mesh });
         Node::Leaf(self.leaves.len() - 1)
     }
 

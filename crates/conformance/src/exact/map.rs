@@ -58,7 +58,7 @@ impl Map {
             }
             Map::Scale(s) => {
                 for factor in s {
-                    assert_eq!(libm::frexp(factor.abs()).0, 0.5, "{factor} is no power of two");
+                    assert_eq!(libm::frexp(factor.abs()).0, 0.5, "{factor} is not a power of two");
                 }
                 diagonal([1.0 / s[0], 1.0 / s[1], 1.0 / s[2], 1.0])
             }

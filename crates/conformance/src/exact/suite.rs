@@ -5,7 +5,7 @@ use super::sensitivity::sensitivity;
 use super::shrink::smaller_models;
 use super::tree::regions;
 use super::trial::{generic, through};
-use super::{Count, Exact, Line, Map, Part, Span, draw};
+use super::{Count, Exact, Line, Map, Part, Shape, Span, Tree, draw};
 use crate::{EvaluatorUnderTest, Maker, Random, list};
 use rayweave_math::{Affine, Mat3, Vec3};
 use rayweave_model::{Ball, Crossing, Limit, PlacementId, Program, Query, RayBatch, Window};
@@ -21,7 +21,7 @@ struct Subject {
     parts: Vec<Part>,
     exact: Exact,
     evaluators: Vec<Box<dyn EvaluatorUnderTest>>,
-    /// The balls of the model and of all solids placed in it, each with the map into its frame.
+    /// The balls of the model, of all solids placed in it and of all meshes, each with the map into its frame.
     balls: Vec<(Affine, Ball)>,
     /// The map from the exact model to the engine's model.
     frame: Affine,
@@ -45,7 +45,8 @@ fn subject(parts: &[Part], frame: Affine, makers: &[Maker]) -> Result<Subject, S
     let program =
         |frame: &Affine| Program::compile_regions(&regions(parts, frame)).map_err(|e| e.to_string());
     // the balls are those of the model in the frame of the exact answer
-    let balls = balls(&program(&Affine::IDENTITY)?);
+    let mut balls = balls(&program(&Affine::IDENTITY)?);
+    parts.iter().for_each(|part| mesh_balls(&part.tree, &Affine::IDENTITY, &mut balls));
     let compiled = program(&frame)?;
     // a mesh shares no surface with a plane in one of its faces, so rounding decides which leaf is crossed first
     let numbered = compiled.prototypes().len() == 1 && !parts.iter().any(|part| part.tree.has_mesh());
@@ -65,6 +66,24 @@ fn balls(program: &Program) -> Vec<(Affine, Ball)> {
         (map, program.prototype(group).ball)
     };
     placements.map(ball).collect()
+}
+
+/// The balls of meshes, over whose chords a ray has to stay in a face to lie in it (`rayweave_mesh::Polyhedron`), with
+/// the maps into their frames.
+fn mesh_balls(tree: &Tree, world_from_local: &Affine, balls: &mut Vec<(Affine, Ball)>) {
+    match tree {
+        Tree::Leaf(Shape::MeshCorners(lo, hi)) => {
+            let [lo, hi] = [lo, hi].map(|corner| Vec3::from(*corner));
+            let half = (0.5 * (hi - lo)).max_element();
+            let ball = Ball { centre: 0.5 * (lo + hi), radius: 1.75 * half };
+            balls.push((world_from_local.inverse().unwrap_or(Affine::IDENTITY), ball));
+        }
+        Tree::Moved(map, a) => mesh_balls(a, &map.affine().then(world_from_local), balls),
+        Tree::Placed(maps, a) => {
+            maps.iter().for_each(|map| mesh_balls(a, &map.affine().then(world_from_local), balls));
+        }
+        _ => tree.operands().into_iter().for_each(|a| mesh_balls(a, world_from_local, balls)),
+    }
 }
 
 /// Models on a dyadic grid, unrotated: compares number of crossings, regions before and after, and times.
@@ -104,8 +123,8 @@ pub fn meshes(makers: &[Maker], seeds: Range<u64>) -> Count {
     count
 }
 
-/// Random rays through the models of [`planted`] and through random trees of boxes, balls and rods. Almost
-/// none of the rays has a coincidence of its own, though half of the models have common faces.
+/// Random rays through the models of [`planted`] and through random trees of boxes, balls and rods. Almost no ray has a
+/// coincidence of its own, although half of the models have common faces.
 pub fn transversal(makers: &[Maker], seeds: Range<u64>) -> Count {
     let mut count = Count::default();
     for seed in seeds {
@@ -262,10 +281,10 @@ fn differences(
         Some(format!("{what}: {name} from {start} {}\nexact {}", list(crossings), description(expected)))
     };
     if subject.medium(found.starts[0].index()) != subject.medium(expected.start) {
-        return wrong("another medium at the start");
+        return wrong("a different medium at the start");
     }
     if crossings.len() != expected.crossings.len() {
-        return wrong("another number of crossings");
+        return wrong("a different number of crossings");
     }
     let pairs = || crossings.iter().zip(&expected.crossings);
     let media = |before: usize, after: usize| [before, after].map(|k| subject.medium(k));
@@ -280,7 +299,7 @@ fn differences(
         return wrong("another leaf");
     }
     if nearest_differs(evaluator, &batch, crossings) {
-        return wrong("another nearest crossing");
+        return wrong("a different nearest crossing");
     }
     let start = subject.is_windowed() || found.starts[0].index() == expected.start;
     if !start || !pairs().all(|(c, e)| (c.before.index(), c.after.index()) == (e.before, e.after)) {

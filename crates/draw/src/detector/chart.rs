@@ -51,7 +51,7 @@ impl Chart {
         [self.x.start, self.y.end, self.x.end - self.x.start, self.y.start - self.y.end]
     }
 
-    /// Draws title, subtitle, and axes with ticks. `unit` is that of lengths.
+    /// Draws title, subtitle, and axes with ticks. `unit` is the unit of length.
     pub fn draw(&self, svg: &mut Svg, titles: [&str; 2], unit: &str) {
         self.draw_axes(svg, titles, ["x", "y"], unit);
     }
@@ -87,4 +87,25 @@ impl Chart {
         svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, &across, &across);
         svg.text("tick", [left - 8.0, top - 8.0], Anchor::End, &up, &up);
     }
+}
+
+/// Draws the axes of a panel with ticks: the label of the horizontal axis below it, and that of the vertical axis above.
+pub fn panel_axes(svg: &mut Svg, [across, up]: [&Axis; 2], [below, above]: [&str; 2]) {
+    let (left, right) = (across.start, across.end);
+    let (bottom, top) = (up.start, up.end);
+    let mut path = format!("M{} {}V{}H{}", Pixels(left), Pixels(top), Pixels(bottom), Pixels(right));
+    // writing to a string cannot fail
+    for (value, text) in across.ticks((right - left) / 80.0) {
+        let x = across.position(value);
+        let _ = write!(path, "M{} {}v5", Pixels(x), Pixels(bottom));
+        svg.text("tick", [x, bottom + 18.0], Anchor::Middle, &text, &text);
+    }
+    for (value, text) in up.ticks((bottom - top) / 50.0) {
+        let y = up.position(value);
+        let _ = write!(path, "M{} {}h-5", Pixels(left), Pixels(y));
+        svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
+    }
+    svg.path("axis", path, "");
+    svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, below, below);
+    svg.text("tick", [left - 8.0, top - 8.0], Anchor::Start, above, above);
 }

@@ -1,10 +1,9 @@
-//! Histograms as SVG: spectra of times and wavelengths.
+//! Histograms as SVG, such as distributions of times and wavelengths.
 
-use super::chart::{BELOW, LEFT, MARGIN, TOP};
+use super::chart::{BELOW, LEFT, MARGIN, TOP, panel_axes};
 use crate::axis::{Axis, format_number, round_step};
 use crate::legend::wavelength_paint;
-use crate::svg::{Anchor, Pixels, Svg};
-use std::fmt::Write;
+use crate::svg::{Anchor, Svg};
 
 /// Values of a quantity.
 #[derive(Clone, Copy, Debug)]
@@ -23,13 +22,13 @@ const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 260.0;
 const HEADING: f64 = 0.0;
 
-/// About the number of bins of a histogram with many values.
+/// The approximate number of bins of a histogram with many values.
 const BINS: f64 = 60.0;
 
-/// The number of empty bins on either side of equal values.
+/// The number of empty bins on either side if all values are equal.
 const ALONE: f64 = 10.0;
 
-/// The fraction of the values that the axis holds at least: single late photons do not hide the shape.
+/// The minimum fraction of the values on the axis: single late photons do not hide the shape.
 const SHOWN: f64 = 0.995;
 
 const STYLE: &str = "\
@@ -48,8 +47,8 @@ struct Bins {
     beyond: usize,
 }
 
-/// Draws histograms side by side: the number of values by bins of a round width. The highest 0.5 % of the values may lie beyond
-/// the axis: the subtitle states their number.
+/// Draws histograms side by side: the number of values in bins of a round width. The highest 0.5 % of the values may lie beyond
+/// the axis; the subtitle states their number.
 ///
 /// ```
 /// use rayweave_draw::detector::{Histogram, histograms_svg};
@@ -84,23 +83,8 @@ fn draw(histogram: &Histogram<'_>, [left, top]: [f64; 2], svg: &mut Svg) {
         let fill = if is_wavelength { wavelength_paint(0.5 * (from + to)) } else { BAR.to_owned() };
         svg.rectangle("bar", [x, y, (end - x).max(1.0), bottom - y], &format!(r#" fill="{fill}""#));
     }
-    let mut path = format!("M{} {}V{}H{}", Pixels(left), Pixels(top), Pixels(bottom), Pixels(right));
-    // writing to a string cannot fail
-    for (value, text) in across.ticks(WIDTH / 80.0) {
-        let x = across.position(value);
-        let _ = write!(path, "M{} {}v5", Pixels(x), Pixels(bottom));
-        svg.text("tick", [x, bottom + 18.0], Anchor::Middle, &text, &text);
-    }
-    for (value, text) in up.ticks(HEIGHT / 50.0) {
-        let y = up.position(value);
-        let _ = write!(path, "M{} {}h-5", Pixels(left), Pixels(y));
-        svg.text("tick", [left - 8.0, y + 4.0], Anchor::End, &text, &text);
-    }
-    svg.path("axis", path, "");
-    let label = format!("{name} / {unit}");
-    svg.text("tick", [0.5 * (left + right), bottom + 38.0], Anchor::Middle, &label, &label);
     let width = format!("hits per {} {unit}", format_number(bins.width, 1e-3 * bins.width));
-    svg.text("tick", [left - 8.0, top - 8.0], Anchor::Start, &width, &width);
+    panel_axes(svg, [&across, &up], [&format!("{name} / {unit}"), &width]);
     let subtitle = subtitle(&values, unit, bins.beyond);
     svg.text("tick", [left + MARGIN - LEFT, top - 34.0], Anchor::Start, &subtitle, &subtitle);
 }
@@ -125,13 +109,13 @@ impl Bins {
             return Bins { lo: 0.0, width: 1.0, counts: vec![0], beyond: 0 };
         };
         let high = sorted[((sorted.len() - 1) as f64 * SHOWN).ceil() as usize];
-        // a long tail is cut off, a short one is not
+        // only a long tail is cut off
         let last = if last - first > 1.5 * (high - first) && high > first { high } else { last };
         // fewer bins for few values
         let most = BINS.min((2.0 * (values.len() as f64).sqrt()).max(5.0));
         let (width, margin) = match last > first {
             true => (round_step((last - first) / most), 0.0),
-            // equal values: one bin among empty ones, narrow compared with them, but wider than their rounding
+            // equal values: one bin among empty ones, narrow compared with the values, but wider than their rounding errors
             false => (round_step((1e-3 * first.abs()).max(1e-6)), ALONE),
         };
         let begin = (first / width).floor() - margin;

@@ -21,10 +21,10 @@ const PANEL: f64 = 250.0;
 const MAX_COLUMNS: usize = 3;
 const HEADING: f64 = 52.0;
 
-/// The most sensors that have a map of their own.
+/// The maximum number of sensors with a separate map.
 const MAX_SENSORS: usize = 8;
 
-/// The most cells along a side of a map, and the mean number of hits in a cell of a square map with fewer cells.
+/// The maximum number of cells along a side of a map, and the mean number of hits in a cell of a square map with fewer cells.
 const CELLS: usize = 64;
 const HITS_PER_CELL: usize = 4;
 
@@ -36,9 +36,9 @@ struct Panel<'a> {
     map: IrradianceMap,
 }
 
-/// Draws the number of hits per area of each sensor, by colour, in the plane of the two coordinates in which the hits of single
-/// sensors are spread most. Of several sensors, the first map has all hits, and the eight sensors with the most hits have maps of their own, with a
-/// common scale of colours. `unit` is that of lengths.
+/// Draws the number of hits per area of each sensor as colours, in the plane of the two coordinates along which the hits on single
+/// sensors are spread most. For several sensors, the first map has all hits; the eight sensors with the most hits have separate
+/// maps with a common colour scale. `unit` is the unit of length.
 ///
 /// ```
 /// use rayweave_draw::detector::{HitPositions, hit_maps_svg};
@@ -52,7 +52,7 @@ struct Panel<'a> {
 pub fn hit_maps_svg(hits: HitPositions<'_>, title: &str, unit: &str) -> String {
     let panels = panels(hits);
     let peak = |panels: &[Panel<'_>]| panels.iter().map(|panel| panel.map.peak()).fold(0.0, f64::max);
-    // the hits of all sensors may overlap in the plane: the first of several maps has a scale of its own
+    // the hits of all sensors may overlap in the plane, so the first of several maps has its own scale
     let (first, others) = panels.split_at(1.min(panels.len()));
     let peaks = [peak(first), peak(others)];
     let mut svg = Svg::default();
@@ -90,7 +90,7 @@ fn subtitle(hits: HitPositions<'_>, maps: usize) -> String {
     }
 }
 
-/// The sensors with hits, and their numbers of hits: the largest first.
+/// The sensors with hits and their numbers of hits, the largest first.
 fn counts(hits: HitPositions<'_>) -> Vec<(u32, usize)> {
     let mut counts = vec![0; hits.names.len()];
     hits.sensors.iter().for_each(|&sensor| counts[sensor as usize] += 1);
@@ -116,7 +116,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// The plane without the coordinate in which the hits of single sensors are spread least.
+    /// The plane without the coordinate along which the hits on single sensors are spread least.
     fn new(hits: HitPositions<'_>) -> Plane {
         let extent = |k: usize| {
             let mut ranges = vec![(f64::INFINITY, f64::NEG_INFINITY); hits.names.len()];
@@ -126,7 +126,7 @@ impl Plane {
             }
             ranges.into_iter().filter(|(lo, hi)| lo <= hi).map(|(lo, hi)| hi - lo).sum::<f64>()
         };
-        // the last one of equal extents
+        // of equal extents, the last one
         match [2, 1, 0].into_iter().min_by(|&a, &b| extent(a).total_cmp(&extent(b))) {
             Some(0) => Plane { axes: [1, 2], names: ["y", "z"] },
             Some(1) => Plane { axes: [0, 2], names: ["x", "z"] },

@@ -41,7 +41,7 @@ fn subtitle(map: &IrradianceMap) -> String {
     format!("power {power} on {} \u{d7} {} cells", map.columns, map.rows())
 }
 
-/// Draws all cells of one colour as one path; the brightest colour is that of `peak`.
+/// Draws all cells of the same colour as one path; `peak` has the brightest colour.
 pub(super) fn draw_cells(map: &IrradianceMap, peak: f64, chart: &Chart, svg: &mut Svg) {
     let mut paths: BTreeMap<usize, String> = BTreeMap::new();
     let [_, top, width, height] = chart.frame();
@@ -87,7 +87,7 @@ fn level_paint(level: usize) -> String {
     paint(cubehelix(level as f64 / (LEVELS - 1) as f64))
 }
 
-/// Colours from black to white with a perceived lightness that grows evenly: D. A. Green, *A colour scheme for the display of
+/// Colours from black to white with evenly increasing perceived lightness: D. A. Green, *A colour scheme for the display of
 /// astronomical intensity images*, Bull. Astron. Soc. India 39, 289 (2011), with start 0.5, -1.5 rotations, hue 1, gamma 1.
 fn cubehelix(part: f64) -> Rgba {
     let angle = std::f64::consts::TAU * (0.5 / 3.0 + 1.0 - 1.5 * part);

@@ -1,11 +1,13 @@
-//! Charts of the light at a detector: spot diagrams, maps of irradiance and of hits, histograms.
+//! Charts of the light at a detector: spot diagrams, maps of irradiance and of hits, histograms, curves.
 
 mod chart;
+mod curve;
 mod histogram;
 mod hits;
 mod irradiance;
 mod spot;
 
+pub use curve::{PropertyCurve, property_curves_svg};
 pub use histogram::{Histogram, histograms_svg};
 pub use hits::{HitPositions, hit_maps_svg};
 pub use irradiance::irradiance_svg;

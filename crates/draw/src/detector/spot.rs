@@ -8,7 +8,7 @@ use rayweave_optics::detector::{SpotDiagram, SpotPoint};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// The window of a chart, and the part of the power outside of it.
+/// The window of a chart, and the fraction of the power outside it.
 struct Window {
     lo: [f64; 2],
     hi: [f64; 2],
@@ -17,9 +17,9 @@ struct Window {
 
 /// Light farther from the centroid than this many times the radius of the bright part is not drawn.
 const FAR: f64 = 3.0;
-/// The part of the power that the bright part holds.
+/// The fraction of the power in the bright part.
 const BRIGHT: f64 = 0.99;
-/// The part of the power outside of the window from which on the subtitle reports it.
+/// The minimum fraction of the power outside the window that the subtitle reports.
 const REPORTED: f64 = 5e-5;
 
 /// The length of an axis where several diagrams are drawn side by side, their columns, and the height of the title above.
@@ -33,8 +33,8 @@ const STYLE: &str = "\
 @media (prefers-color-scheme: dark) { .circle { stroke: #e4e9ee } }
 ";
 
-/// Draws a spot diagram: the points in the coordinates of the detector, coloured by wavelength, and a circle of the RMS radius
-/// about the centroid. Faint and distant ghosts are outside of the chart. `unit` is that of lengths.
+/// Draws a spot diagram: the points in the coordinates of the detector, coloured by wavelength, and a circle with the RMS radius
+/// about the centroid. Faint and distant ghosts lie outside the chart. `unit` is the unit of length.
 ///
 /// ```
 /// use rayweave_draw::detector::spot_svg;
@@ -57,8 +57,8 @@ pub fn spot_svg(spot: &SpotDiagram, name: &str, unit: &str) -> String {
     svg.finish([right, bottom], &title, &subtitle, STYLE)
 }
 
-/// Draws spot diagrams of one detector side by side, for example one for each field of a lens. All have the same scale, each is
-/// centred at its own centroid, with its own RMS radius. `spots` are names and diagrams; `unit` is that of lengths.
+/// Draws spot diagrams of one detector side by side, for example one for each field of a lens. All have the same scale; each is
+/// centred at its own centroid, with its own RMS radius. `spots` are names and diagrams; `unit` is the unit of length.
 ///
 /// ```
 /// use rayweave_draw::detector::spots_svg;
@@ -78,7 +78,7 @@ pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str) -> Stri
     let columns = panels.len().clamp(1, MAX_COLUMNS);
     let mut svg = Svg::default();
     let (title, text) =
-        (format!("Spot diagrams: {name}"), format!("{} spots of the same scale", panels.len()));
+        (format!("Spot diagrams: {name}"), format!("{} spots at the same scale", panels.len()));
     svg.text("title", [MARGIN, 30.0], Anchor::Start, &title, &title);
     for (k, Panel { title, subtitle, spot, window }) in panels.iter().enumerate() {
         let corner = [width * (k % columns) as f64, HEADING + height * (k / columns) as f64];
@@ -92,7 +92,7 @@ pub fn spots_svg(spots: &[(&str, &SpotDiagram)], name: &str, unit: &str) -> Stri
     svg.finish([right, bottom], &title, &text, STYLE)
 }
 
-/// A spot diagram among others.
+/// One of several spot diagrams.
 struct Panel<'a> {
     title: &'a str,
     subtitle: String,
@@ -131,12 +131,12 @@ fn subtitle(spot: &SpotDiagram, unit: &str, window: &Window) -> String {
     let radius = format_number(spot.rms_radius(), 1e-4 * spot.rms_radius().max(f64::MIN_POSITIVE));
     let text = format!("{} rays, centroid ({x}, {y}) {unit}, RMS radius {radius} {unit}", spot.count());
     match window.outside > REPORTED {
-        true => format!("{text}; {} % of the power beside", format_number(100.0 * window.outside, 1e-2)),
+        true => format!("{text}; {} % of the power outside", format_number(100.0 * window.outside, 1e-2)),
         false => text,
     }
 }
 
-/// Half the width of a square around the centroid that holds all points but faint and distant ones.
+/// Half the width of a square around the centroid that contains all points except faint and distant ones.
 fn half_width(spot: &SpotDiagram) -> f64 {
     let centroid = spot.centroid();
     let mut points: Vec<(f64, f64)> =
@@ -151,14 +151,14 @@ fn half_width(spot: &SpotDiagram) -> f64 {
     let (bright, last) = (bright.map_or(0.0, |point| point.0), points.last().map_or(0.0, |point| point.0));
     let is_far = last > FAR * bright && total > 0.0;
     let radius = if is_far { 0.5 * FAR * bright } else { last };
-    // a spot of the size of rounding errors is one point
+    // a spot of the size of rounding errors counts as one point
     let around = centroid.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let half = 1.08 * radius.max(1e-9 * around);
-    // no point, or one at the origin
+    // no points, or a single one at the origin
     if half > 0.0 { half } else { 1.0 }
 }
 
-/// The greater one of the distances along x and y.
+/// The larger of the distances along x and y.
 fn distance([x, y]: [f64; 2], centroid: [f64; 2]) -> f64 {
     (x - centroid[0]).abs().max((y - centroid[1]).abs())
 }
@@ -226,7 +226,7 @@ mod tests {
         assert!(spot_svg(&dark, "a", "mm").contains("no light arrives"));
         let mut focus = SpotDiagram::default();
         focus.add([0.0; 2], 500.0, 1.0);
-        // axes of a legible range
+        // axes with a legible range
         for diagram in [dark, focus] {
             let window = Window::around(&diagram, half_width(&diagram));
             assert_eq!((window.lo, window.hi), ([-1.0; 2], [1.0; 2]));

@@ -40,7 +40,7 @@ use std::sync::Arc;
 /// The meaning of the colours of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RayColour {
-    /// The colour of the wavelength as eyes see it; grey outside of the visible range.
+    /// The visible colour of the wavelength; grey outside the visible range.
     #[default]
     Wavelength,
     /// A colour for each source.
@@ -75,7 +75,7 @@ pub struct OpticalLayout {
     parts: Vec<Part>,
     sheets: Vec<Vec<[f64; 2]>>,
     segments: Segments,
-    /// True for light of [`OpticalLayout::of_light`]: thin lines, the thinner the more there are.
+    /// True for light of [`OpticalLayout::of_light`]: thin lines, which get thinner as their number grows.
     is_dense: bool,
     /// Points that are marked, and the meaning of the marks.
     marks: Option<(String, Vec<[f64; 2]>)>,
@@ -92,7 +92,7 @@ struct Part {
     contours: Vec<Vec<[f64; 2]>>,
 }
 
-/// Light with less than this part of its initial power is not drawn.
+/// Light with less than this fraction of its initial power is not drawn.
 const FAINTEST: f64 = 1e-4;
 
 impl OpticalLayout {
@@ -100,7 +100,7 @@ impl OpticalLayout {
     /// evaluators.
     ///
     /// # Errors
-    /// [`DrawError::Optics`] for light that cannot be traced, [`DrawError::Section`] for a plane or a system without size.
+    /// [`DrawError::Optics`] for light that cannot be traced, [`DrawError::Section`] for an invalid plane or a system without extent.
     pub fn new<E: Evaluator>(
         system: &System,
         light: &impl Emitter,
@@ -136,11 +136,11 @@ impl OpticalLayout {
         Ok(layout)
     }
 
-    /// Cuts a model of regions and draws traced light, all of it, projected into the plane. `medium` is the name of the medium
-    /// of a region, `None` for opaque ones. The window holds the ends of all segments; light that escapes is drawn up to its edge.
+    /// Cuts a model of regions and draws all traced light, projected onto the plane. `medium` is the name of the medium of a
+    /// region, `None` for opaque ones. The window contains the ends of all segments; escaping light is drawn up to its edge.
     ///
     /// # Errors
-    /// [`DrawError::Section`] for a plane or a model without size.
+    /// [`DrawError::Section`] for an invalid plane or a model without extent.
     pub fn of_light<E: Evaluator>(
         evaluator: &E,
         medium: impl Fn(RegionId) -> Option<String>,
@@ -176,7 +176,7 @@ impl OpticalLayout {
         self
     }
 
-    /// The layout as SVG. `unit` is that of lengths.
+    /// The layout as SVG. `unit` is the unit of length.
     pub fn to_svg(&self, title: &str, unit: &str) -> String {
         svg::drawing(self, title, unit)
     }
@@ -200,7 +200,7 @@ impl OpticalLayout {
         Ok(())
     }
 
-    /// Cuts the sheets, each in a window of its own size.
+    /// Cuts the sheets, each in a window of the size of the sheet.
     fn cut_sheets<E: Evaluator>(
         &mut self,
         system: &System,
@@ -211,10 +211,10 @@ impl OpticalLayout {
             let ranges = [0, 1].map(|k| self.cut.range(&program.bounds(), k));
             let lo = [0, 1].map(|k| ranges[k][0].max(self.lo[k]));
             let hi = [0, 1].map(|k| ranges[k][1].min(self.hi[k]));
-            let room = 1e-3 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
+            let margin = 1e-3 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
             if lo[0] < hi[0] && lo[1] < hi[1] {
                 let sheet = make(program.clone());
-                let found = self.section(&sheet, lo.map(|x| x - room), hi.map(|x| x + room))?;
+                let found = self.section(&sheet, lo.map(|x| x - margin), hi.map(|x| x + margin))?;
                 self.sheets.extend(found.between(RegionId(1), RegionId(2)));
             }
         }
@@ -247,7 +247,7 @@ fn window(system: &System, cut: &Cut, segments: &Segments) -> ([f64; 2], [f64; 2
         (0..2).for_each(|k| grow(cut.range(&bounds, k), k, all));
     }
     let of_light = light_range(cut, segments);
-    // distant light: as much is shown as the elements are large
+    // distant light is shown only near the elements, up to 0.6 times their size
     let most = [0, 1].map(|k| {
         let [lo, hi] = ranges[k];
         let size = ranges.iter().map(|[lo, hi]| hi - lo).fold(0.0, f64::max);
@@ -269,7 +269,7 @@ fn boxes(system: &System) -> Vec<Bounds> {
     let whole = program.bounds();
     let solids: Vec<Bounds> = match whole.is_finite() {
         true => vec![whole],
-        // of an unbounded model, the bounded parts
+        // for an unbounded model, only the bounded parts
         false => leaves.filter(Bounds::is_finite).collect(),
     };
     let sheets = system.element_names().iter().filter_map(|name| system.sheet_program(name));

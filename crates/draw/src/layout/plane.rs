@@ -8,7 +8,7 @@ use rayweave_optics::Segments;
 use std::fmt;
 use std::str::FromStr;
 
-/// A plane at right angles to an axis, with its coordinate along that axis.
+/// A plane perpendicular to a coordinate axis, with its coordinate along that axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LayoutPlane {
     /// At this x, with z to the right and y up.
@@ -64,22 +64,22 @@ impl FromStr for LayoutPlane {
 
     fn from_str(text: &str) -> Result<LayoutPlane, DrawError> {
         let problem = || {
-            let reason = "a plane is yz, xz, xy, or a coordinate along an axis, as x=2.5";
-            DrawError::Option(Message::new(format!("`{text}` is no plane"), reason))
+            let reason = "a plane is yz, xz, xy, or a coordinate along an axis, such as x=2.5";
+            DrawError::Option(Message::new(format!("`{text}` is not a plane"), reason))
         };
         let (axis, coordinate) = axis_and_place(text).ok_or_else(problem)?;
         Ok([LayoutPlane::X, LayoutPlane::Y, LayoutPlane::Z][axis](coordinate))
     }
 }
 
-/// The plane nearest to the light; that of y and z where others are hardly nearer.
+/// The plane nearest to the light; the yz plane if the others are hardly nearer.
 pub(super) fn nearest_to_light(segments: &Segments) -> LayoutPlane {
     let axes = [0, 1, 2].map(|k| Along::new(segments, k));
     let size = axes.iter().map(|along| along.extent).fold(0.0, f64::max);
     let preference = [1.0, 1.25, 1.5];
     let cost = |k: usize| (axes[k].deviation + 1e-9 * size) * preference[k];
     let best = (0..3).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(0);
-    // light about the origin is about the plane through the origin
+    // for light around the origin, the plane through the origin
     let near = axes[best].median.abs() < 0.05 * size;
     let place = if near { 0.0 } else { axes[best].median };
     [LayoutPlane::X, LayoutPlane::Y, LayoutPlane::Z][best](place)

@@ -5,7 +5,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Evaluator;
 use rayweave_optics::{Beam, Branches, Emitter, Light, OpticsError, Segments, TraceSettings, Tracer};
 
-/// The most trial rays of all sources together.
+/// The maximum number of trial rays, for all sources together.
 const MAX_TRIALS: usize = 4096;
 
 /// Rays from all parts of the sources, with their segments where nothing splits them.
@@ -27,7 +27,7 @@ impl TrialRays {
         let parts = count.min(MAX_TRIALS);
         for part in 0..parts {
             let [from, to] = [part, part + 1].map(|k| (k as u128 * count as u128 / parts as u128) as usize);
-            // at random distances: even ones lie on few arms of a spiral
+            // at random intervals: evenly spaced rays would lie on a few arms of a spiral
             let ray = from + split_mix(part as u64) as usize % (to - from).max(1);
             light.emit(ray..ray + 1, &mut rays);
         }
@@ -37,7 +37,7 @@ impl TrialRays {
         Ok(TrialRays { rays, segments, sources })
     }
 
-    /// About `count` rays near a plane, evenly spread, the same number of each source.
+    /// About `count` rays near a plane, evenly spread, the same number from each source.
     pub fn nearest_to(&self, cut: &Cut, count: usize) -> Beam {
         let keys = self.keys(cut);
         let each = count.div_ceil(self.sources.max(1));
@@ -71,23 +71,23 @@ impl TrialRays {
     }
 }
 
-/// The place of a ray relative to a plane.
+/// The position of a ray relative to a plane.
 struct Key {
     ray: usize,
-    /// The greatest distance from the plane.
+    /// The largest distance from the plane.
     off: f64,
-    /// Increases from ray to ray upwards in the drawing.
+    /// The height of the ray in the drawing, for sorting.
     along: f64,
 }
 
-/// The lowest and the highest of the rays nearest to the plane, and others evenly between.
+/// The lowest and the highest of the rays nearest to the plane, and rays evenly spaced between them.
 fn spread(keys: &mut Vec<&Key>, count: usize) -> Vec<usize> {
     if keys.is_empty() {
         return Vec::new();
     }
     keys.sort_by(|a, b| a.off.total_cmp(&b.off));
     let last = keys[(6 * count).min(keys.len()) - 1].off;
-    // rays as near as the last one are kept, so that a flat fan stays whole
+    // all rays as near as the last one are kept, so that a flat fan stays complete
     keys.retain(|key| key.off <= last * (1.0 + 1e-9));
     keys.sort_by(|a, b| a.along.total_cmp(&b.along));
     let count = count.min(keys.len());
@@ -111,7 +111,7 @@ mod tests {
         spread(&mut keys.iter().collect(), count)
     }
 
-    /// The ends and the middle of a flat fan; of a disc only points near the plane.
+    /// A flat fan gives its ends and its middle; a disc gives only points near the plane.
     #[test]
     fn rays_near_the_plane_evenly() {
         let fan: Vec<Key> = (0..101).map(|ray| Key { ray, off: 0.0, along: ray as f64 }).collect();

@@ -10,7 +10,7 @@ use rayweave_render::{PALETTE, Rgba};
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
 
-/// The width of the drawing, and the greatest height of the section.
+/// The width of the drawing, and the maximum height of the section.
 const WIDTH: f64 = 960.0;
 const MAX_HEIGHT: f64 = 620.0;
 const MARGIN: f64 = 24.0;
@@ -33,12 +33,12 @@ const STYLE: &str = "\
 }
 ";
 
-/// Fills of media in the order of their appearance, light enough for rays of any colour.
+/// Fills of media in the order of their appearance, light enough for rays of any colour to be visible.
 const MEDIA: [&str; 7] = ["#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4", "#d2eeea", "#ecebc4"];
 /// The fill of opaque regions.
 const OPAQUE: &str = "#b9c0c8";
 
-/// The number of segments from which on lines of dense light are thinner.
+/// The number of segments above which lines of dense light are thinner.
 const DENSE: f64 = 150.0;
 
 /// The colour of marks.
@@ -47,7 +47,7 @@ const MARK: &str = "#c0392b";
 /// The sine of the angle between chord and direction below which a segment is straight.
 const STRAIGHT: f64 = 1e-6;
 
-/// Least part of the initial power, width and opacity of rays.
+/// Minimum fraction of the initial power, width and opacity of rays.
 const WEIGHTS: [(f64, f64, f64); 4] =
     [(0.3, 1.1, 0.9), (0.03, 0.8, 0.75), (3e-3, 0.6, 0.55), (0.0, 0.45, 0.4)];
 
@@ -139,7 +139,7 @@ impl<'a> Drawing<'a> {
             }
             let weight = WEIGHTS.iter().position(|(least, ..)| part >= *least).unwrap_or(WEIGHTS.len() - 1);
             let Some([from, to]) = self.visible(&segment) else { continue };
-            // one path for each track of dense light: where tracks overlap, the colour is stronger
+            // one path for each track of dense light, so that the colour is stronger where tracks overlap
             let track = if self.layout.is_dense { segment.id } else { 0 };
             let path = paths.entry((WEIGHTS.len() - weight, self.colour(&segment), track)).or_default();
             let ([x0, y0], [x1, y1]) =
@@ -158,8 +158,8 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// The inner control points of the Bezier curve with the ends and tangents of a curved segment, with tangents a third as
-    /// long as the chord; `None` if the segment leaves the window.
+    /// The inner control points of the Bezier curve with the ends and tangents of a curved segment, at a third of the chord
+    /// length from the ends; `None` if the segment leaves the window.
     fn control_points(&self, segment: &Segment, tangent: Vec3) -> Option<[[Pixels; 2]; 2]> {
         let OpticalLayout { cut, lo, hi, .. } = self.layout;
         let third = (segment.end - segment.start).length() / 3.0;
@@ -193,7 +193,7 @@ impl<'a> Drawing<'a> {
         clipped(from, to, *lo, *hi)
     }
 
-    /// The factor of the width and the opacity of rays: lines of dense light are thinner the more there are.
+    /// The factor of the width and the opacity of rays: lines of dense light get thinner as their number grows.
     fn thinning(&self) -> f64 {
         match self.layout.is_dense {
             true => (DENSE / self.layout.segments.len().max(1) as f64).sqrt().clamp(0.35, 1.0),
@@ -210,7 +210,7 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// The height of the scale bar and the axes: the section of dense light fills the window down to its lower edge.
+    /// The height of the scale bar and the axes. The section of dense light fills the window down to its lower edge.
     fn bar(&self) -> f64 {
         if self.layout.is_dense { BAR + 14.0 } else { BAR }
     }
@@ -254,8 +254,8 @@ fn emitted(segments: &Segments) -> HashMap<i64, f64> {
     first.map(|segment| (segment.id, segment.intensity)).collect()
 }
 
-/// The direction at the start of every curved segment: the one at the end of the previous segment or, where the curve begins,
-/// the one of the parabola with the ends of the segment and the direction at its end. `None` for straight segments.
+/// The direction at the start of every curved segment: that at the end of the previous segment or, where the curve begins,
+/// that of the parabola given by the ends of the segment and the direction at its end. `None` for straight segments.
 fn tangents(segments: &Segments) -> Vec<Option<Vec3>> {
     let rows: Vec<Segment> = segments.iter().collect();
     let before = |row: &Segment| usize::try_from(row.parent).ok().and_then(|parent| rows.get(parent));

@@ -9,7 +9,7 @@ use rayweave_scene::Scene;
 use rayweave_shape::primitive::{HalfSpace, Primitive};
 use std::str::FromStr;
 
-/// A part of space that is removed from a model to show its inside: the intersection of half spaces.
+/// A part of space that is removed from a model to show its interior: an intersection of half-spaces.
 ///
 /// Parses conditions separated by commas. Each consists of `x`, `y` or `z`, `<` or `>`, and a coordinate of the model or a
 /// percentage of its bounding box from the lower end: `x>0` removes half of space, `x>50%,y<50%` a quarter of the model.
@@ -34,7 +34,7 @@ use std::str::FromStr;
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutAway(Vec<Condition>);
 
-/// A half space across an axis.
+/// A half-space perpendicular to an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Condition {
     axis: usize,
@@ -42,11 +42,11 @@ struct Condition {
     coordinate: Coordinate,
 }
 
-/// The coordinate of a plane across an axis.
+/// The coordinate of a plane perpendicular to an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Coordinate {
     Length(f64),
-    /// A part of the bounding box of the model, 0 to 1.
+    /// A fraction of the bounding box of the model, 0 to 1.
     Part(f64),
 }
 
@@ -58,7 +58,7 @@ impl CutAway {
     /// [`DrawError::Option`] for a percentage of a model that is empty, or unbounded along the axis; [`DrawError::Compile`].
     pub fn apply(&self, scene: &Scene) -> Result<Scene, DrawError> {
         let has_parts = self.0.iter().any(|condition| matches!(condition.coordinate, Coordinate::Part(_)));
-        // only percentages need the bounding box, which takes a compilation
+        // only percentages need the bounding box, which requires a compilation
         let bounds = match has_parts {
             true => Program::compile_regions(&scene.model_regions())?.bounds(),
             false => Bounds::EMPTY,
@@ -74,11 +74,11 @@ impl CutAway {
 }
 
 impl Condition {
-    /// The half space where the condition holds.
+    /// The half-space in which the condition holds.
     fn half_space(&self, bounds: &Bounds) -> Result<Solid, DrawError> {
         let coordinate = self.coordinate(bounds)?;
         let axis = Vec3::AXES[self.axis];
-        // a half space lies behind its normal
+        // a half-space lies behind its plane, opposite to the normal
         let (normal, offset) = if self.is_above { (-axis, -coordinate) } else { (axis, coordinate) };
         Ok(Primitive::from(HalfSpace::new(normal, offset)?).into())
     }
@@ -94,8 +94,10 @@ impl Condition {
         }
         let axis = AXES[self.axis];
         let reason = if bounds.is_empty() { "is empty" } else { "is unbounded along this axis" };
-        let problem = format!("no cut at {} % of {axis}", 100.0 * part);
-        Err(DrawError::Option(Message::new(problem, format!("the model {reason}")).suggest("Give a length")))
+        let problem = format!("a cut at {} % of {axis} is not possible", 100.0 * part);
+        Err(DrawError::Option(
+            Message::new(problem, format!("the model {reason}")).suggest("Give a coordinate instead"),
+        ))
     }
 }
 
@@ -110,8 +112,8 @@ impl FromStr for CutAway {
 fn condition(text: &str) -> Result<Condition, DrawError> {
     let text = text.trim();
     let problem = |reason: &str| {
-        let form = "A cut is written as in x>0 or x>50%,y<50%";
-        DrawError::Option(Message::new(format!("`{text}` is no cut"), reason).suggest(form))
+        let form = "Write a cut such as x>0 or x>50%,y<50%";
+        DrawError::Option(Message::new(format!("`{text}` is not a cut"), reason).suggest(form))
     };
     let sign = text.find(['<', '>']).ok_or_else(|| problem("it has neither < nor >"))?;
     let (name, coordinate) = (text[..sign].trim(), text[sign + 1..].trim());
@@ -145,7 +147,7 @@ mod tests {
         for text in ["", "x", "w>0", "x>", "x>nan", "x>1e999", "x>5%%", "x>1,", "x=1", "x<>1"] {
             let error = text.parse::<CutAway>().unwrap_err();
             assert_eq!(error.kind(), ErrorKind::Value, "{text}");
-            assert!(error.to_string().contains("as in x>0"), "{error}");
+            assert!(error.to_string().contains("such as x>0"), "{error}");
         }
     }
 }

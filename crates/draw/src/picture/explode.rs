@@ -9,9 +9,9 @@ use rayweave_scene::Scene;
 use std::str::FromStr;
 
 /// An exploded view: regions are moved along an axis, in the order of the centres of their bounding boxes, until a gap separates
-/// each from the regions in its way. Regions beside one another stay so.
+/// each one from the regions in its way. Regions that are next to each other stay so.
 ///
-/// Parses the axis, optionally with the gap as a part of the largest side of the model: `z`, `x:0.3`. The default gap is
+/// Parses the axis, optionally with the gap as a fraction of the longest side of the model: `z`, `x:0.3`. The default gap is
 /// [`Explosion::GAP`].
 ///
 /// ```
@@ -42,13 +42,13 @@ struct Part {
 }
 
 impl Explosion {
-    /// The default gap, as a part of the largest side of the model.
+    /// The default gap, as a fraction of the longest side of the model.
     pub const GAP: f64 = 0.1;
 
-    /// The most regions. The time is quadratic in their number.
+    /// The maximum number of regions. The time is quadratic in their number.
     pub const MAX_REGIONS: usize = 20_000;
 
-    /// The exploded scene. Later regions are first subtracted from earlier ones, so that nothing shows twice. The camera of the
+    /// The exploded scene. Later regions are first subtracted from earlier ones, so that nothing appears twice. The camera of the
     /// scene is dropped, because its target has moved.
     ///
     /// # Errors
@@ -59,10 +59,7 @@ impl Explosion {
         if regions > Explosion::MAX_REGIONS {
             let most = Explosion::MAX_REGIONS;
             let problem = format!("an exploded view of {regions} regions");
-            return Err(DrawError::Option(Message::new(
-                problem,
-                format!("at most {most} can be drawn apart"),
-            )));
+            return Err(DrawError::Option(Message::new(problem, format!("the maximum is {most} regions"))));
         }
         let program = Program::compile_regions(&scene.model_regions())?;
         let boxes = program.region_bounds();
@@ -88,7 +85,7 @@ impl Explosion {
             None => Ok(()),
             Some(number) => {
                 let name = &scene.regions[number].name;
-                let problem = format!("region `{name}` cannot be drawn apart");
+                let problem = format!("region `{name}` cannot be exploded");
                 let message = Message::new(problem, "it is unbounded");
                 Err(DrawError::Option(message.suggest("Intersect it with a box")))
             }
@@ -100,7 +97,7 @@ impl Explosion {
         let solid = boxes.iter().enumerate().filter(|(_, own)| !own.is_empty());
         let mut waiting: Vec<Part> = solid.map(|(number, &bounds)| Part { number, bounds }).collect();
         let middle = |part: &Part| part.bounds.centre()[self.axis];
-        // stable: of two regions with the same centre the earlier one, into which the later one may be carved, comes first
+        // a stable sort: of two regions with the same centre, the earlier one comes first, since the later one may be carved into it
         waiting.sort_by(|a, b| middle(a).total_cmp(&middle(b)));
         let mut shifts = vec![0.0; boxes.len()];
         let mut placed: Vec<Part> = Vec::new();
@@ -116,7 +113,7 @@ impl Explosion {
         shifts
     }
 
-    /// True if the projections of boxes along the axis overlap; touching ones do not.
+    /// True if the projections of two boxes along the axis overlap; contact does not count.
     fn is_in_the_way(&self, a: &Bounds, b: &Bounds) -> bool {
         let across = (0..3).filter(|&axis| axis != self.axis);
         across.into_iter().all(|axis| a.lo[axis] < b.hi[axis] && b.lo[axis] < a.hi[axis])
@@ -133,10 +130,9 @@ impl FromStr for Explosion {
         match (axis, gap) {
             (Some(axis), Ok(gap)) if (0.0..=1e3).contains(&gap) => Ok(Explosion { axis, gap }),
             _ => {
-                let reason =
-                    "it is x, y or z, with a gap from 0 to 1000 as a part of the largest side of the model";
-                let problem = format!("`{text}` is no direction of an exploded view");
-                Err(DrawError::Option(Message::new(problem, format!("{reason}, as in z:0.2"))))
+                let reason = "it is x, y or z, with a gap from 0 to 1000 as a fraction of the longest side of the model";
+                let problem = format!("`{text}` is not a direction of an exploded view");
+                Err(DrawError::Option(Message::new(problem, format!("{reason}, such as z:0.2"))))
             }
         }
     }
@@ -154,14 +150,14 @@ mod tests {
             let error = text.parse::<Explosion>();
             match text {
                 "z:" => assert!(error.is_ok()),
-                _ => assert!(error.unwrap_err().to_string().contains("as in z:0.2"), "{text}"),
+                _ => assert!(error.unwrap_err().to_string().contains("such as z:0.2"), "{text}"),
             }
         }
     }
 
     /// Four screws above a plate rise together; a washer around one of them follows.
     #[test]
-    fn regions_beside_one_another_stay_so() {
+    fn adjacent_regions_stay_adjacent() {
         let part = |x: f64, lo: f64, hi: f64, half: f64| {
             Bounds::new(Vec3::new(x - half, -half, lo), Vec3::new(x + half, half, hi))
         };
@@ -170,7 +166,7 @@ mod tests {
         assert_eq!(explosion.shifts(&boxes, 2.0), [0.0, 2.5, 2.5]);
     }
 
-    /// Boxes that were apart already stay where they are.
+    /// Boxes that are already apart stay where they are.
     #[test]
     fn separated_regions_stay() {
         let slab = |lo: f64| Bounds::new(Vec3::new(-1.0, -1.0, lo), Vec3::new(1.0, 1.0, lo + 1.0));

@@ -1,7 +1,7 @@
 //! Pictures of scenes: camera and settings from a model file and from options.
 //!
-//! [`CutAway`], [`Explosion`] and [`Opacity`] change a scene before it is compiled, to show its inside. A [`PictureSheet`] holds several
-//! views and a legend.
+//! [`CutAway`], [`Explosion`] and [`Opacity`] change a scene before it is compiled, to show its interior. A [`PictureSheet`]
+//! contains several views and a legend.
 //!
 //! ```
 //! use rayweave_draw::picture::{Picture, PictureKind, PictureOptions, arrange};
@@ -40,15 +40,15 @@ use rayweave_render::{
 use rayweave_scene::{self as scene, Compiled, Scene, SceneRegion};
 use std::str::FromStr;
 
-/// The options of a picture. `None` stands for the value in the model file, and where the file has none, for the default of
+/// The options of a picture. `None` means the value in the model file or, if the file has none, the default of
 /// [`RenderOptions::new`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PictureOptions {
     /// Width and height, 1280 x 720 by default.
     pub size: Option<Size>,
-    /// The direction of view, with all of the model in the picture; by default the camera of the file, else [`View::Iso`].
+    /// The direction of view, with the whole model in the picture; by default that of the camera in the file, else [`View::Iso`].
     pub view: Option<View>,
-    /// The vertical field of view in degrees of a camera that is fitted to the model. Without it, a `view` is orthographic, and
+    /// The vertical field of view, in degrees, of a camera that is fitted to the model. Without it, a `view` is orthographic, and
     /// the substitute for a missing camera has [`FIELD_OF_VIEW`].
     pub field_of_view: Option<f64>,
     /// The shading of surfaces.
@@ -161,9 +161,9 @@ impl Picture {
     }
 }
 
-/// Refuses a picture that would not fit into memory, before anything is allocated.
+/// Rejects a picture that would not fit into memory, before anything is allocated.
 fn check_memory(size: Size, kind: PictureKind, available: Option<u64>) -> Result<(), RenderError> {
-    // measured: 108 for colours with edges, 29 for normals and 9 for depths
+    // measured: 108 bytes for colours with edges, 29 for normals and 9 for depths
     let bytes_per_pixel = match kind {
         PictureKind::Colour => 128,
         PictureKind::Normal => 48,
@@ -247,8 +247,8 @@ fn own_camera(camera: &scene::Camera) -> Result<Camera, DrawError> {
     Ok(Camera::new(position, target, up, projection)?)
 }
 
-/// The colour of each region of the program: that of the region of the scene, or, for a solid alone, of the last region of its
-/// medium.
+/// The colour of each region of the program: that of the region of the scene or, for a single solid, that of the last region
+/// with its medium.
 fn colours(scene: &Scene, compiled: &Compiled) -> Vec<Rgba> {
     let colour = |(k, region): (usize, &RegionInfo)| {
         let is_same = |own: &&SceneRegion| own.name == region.name && own.medium == region.medium;

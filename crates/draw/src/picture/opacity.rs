@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 /// The opacity of regions, from 0 (transparent) to 1 (opaque).
 ///
-/// Parses the name of a region or a medium with the opacity, `glass=0.3`, or the opacity alone for all regions.
+/// Parses the name of a region or a medium with its opacity, such as `glass=0.3`, or an opacity alone for all regions.
 ///
 /// ```
 /// use rayweave_draw::picture::Opacity;
@@ -26,7 +26,7 @@ pub struct Opacity {
 }
 
 impl Opacity {
-    /// The opacity of the regions with a name or a medium of that name; without a name, of all regions.
+    /// Creates the opacity of the regions with this name or medium, or of all regions without a name.
     ///
     /// # Errors
     ///
@@ -79,8 +79,8 @@ impl FromStr for Opacity {
         };
         let number = opacity.trim().parse();
         let problem = |_| {
-            let reason = "an opacity is written as in glass=0.3, or 0.3 for all regions";
-            DrawError::Option(Message::new(format!("`{text}` is no opacity"), reason))
+            let reason = "write glass=0.3, for example, or 0.3 for all regions";
+            DrawError::Option(Message::new(format!("`{text}` is not an opacity"), reason))
         };
         Opacity::new(name, number.map_err(problem)?)
     }

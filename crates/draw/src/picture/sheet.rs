@@ -42,8 +42,8 @@ pub struct PictureSheet {
 pub enum SheetKind {
     /// One picture.
     One,
-    /// The views from the front, from above and from the right, to one scale and aligned, and one from the upper right. Each view
-    /// lies on the side from which it is taken (third-angle projection, ISO 5456-2).
+    /// The views from the front, from above and from the right, aligned and at the same scale, and one from the upper right. Each
+    /// view lies on the side from which it is taken (third-angle projection, ISO 5456-2).
     Views,
 }
 
@@ -66,7 +66,7 @@ const HEAD: usize = 26;
 const FOOT: usize = 30;
 /// The height of the first row of a legend.
 const LEGEND: usize = 30;
-/// The most entries of a legend.
+/// The maximum number of entries of a legend.
 const MAX_ENTRIES: usize = 40;
 
 /// The views of a sheet, with the column and row of each.
@@ -149,7 +149,7 @@ impl PictureSheet {
         bottom: usize,
         painter: &mut Painter<'_, '_, E>,
     ) -> Result<(), DrawError> {
-        let size = self.room(self.size.width(), bottom)?;
+        let size = self.remaining_size(self.size.width(), bottom)?;
         self.pictures.push(PlacedPicture { x: 0, y: 0, image: painter.paint(&camera, size)? });
         Ok(())
     }
@@ -163,7 +163,7 @@ impl PictureSheet {
     ) -> Result<(), DrawError> {
         let left = self.size.width().saturating_sub(3 * MARGIN) / 2;
         let tall = bottom.saturating_sub(2 * HEAD + FOOT) / 2;
-        let cell = self.room(left, tall)?;
+        let cell = self.remaining_size(left, tall)?;
         painter.of = VIEWS.len();
         let cameras = to_one_scale(VIEWS.map(|(view, ..)| view.fit(&compiled.program, cell)));
         for ((view, column, row), camera) in VIEWS.into_iter().zip(cameras) {
@@ -191,18 +191,18 @@ impl PictureSheet {
     }
 
     /// The size of a picture in an area.
-    fn room(&self, width: usize, height: usize) -> Result<Size, DrawError> {
+    fn remaining_size(&self, width: usize, height: usize) -> Result<Size, DrawError> {
         let side = |pixels: usize| u32::try_from(pixels).unwrap_or(u32::MAX);
         if width > 0 && height > 0 {
             return Ok(Size::new(side(width), side(height))?);
         }
         let (w, h) = (self.size.width(), self.size.height());
         let problem = format!("a sheet of {w} x {h} pixels is too small");
-        Err(DrawError::Option(Message::new(problem, "names and legend leave no room for a picture")))
+        Err(DrawError::Option(Message::new(problem, "the names and the legend leave no room for a picture")))
     }
 }
 
-/// The drawing of the pictures of a sheet, with its progress.
+/// Draws the pictures of a sheet and tracks the progress.
 struct Painter<'a, 'r, E> {
     evaluator: &'a E,
     settings: RenderOptions,
@@ -229,7 +229,7 @@ impl<E: Evaluator> Painter<'_, '_, E> {
     }
 }
 
-/// Cameras along axes get the scale of the one with the largest field; the others are unchanged.
+/// Cameras along axes get the scale of the one with the largest field; other cameras are unchanged.
 fn to_one_scale(cameras: [Camera; 4]) -> [Camera; 4] {
     let along_axis = |camera: &Camera| camera.forward().abs().max_element() == 1.0;
     let height = |camera: &Camera| match camera.projection() {
@@ -246,7 +246,7 @@ fn to_one_scale(cameras: [Camera; 4]) -> [Camera; 4] {
     })
 }
 
-/// An entry for each medium, or, where regions of one medium differ in colour, for each colour.
+/// An entry for each medium or, if regions with the same medium differ in colour, for each colour.
 fn entries(compiled: &Compiled, settings: &RenderOptions) -> Vec<Entry> {
     let mut of_media: BTreeMap<u32, Vec<(Rgba, &str)>> = BTreeMap::new();
     for (region, &colour) in compiled.program.regions().iter().zip(&settings.colours) {

@@ -6,11 +6,11 @@ use rayweave_analysis::section::{CrossSection, SectionPart};
 use std::collections::HashMap;
 use std::fmt::Write;
 
-/// The greatest length of the name of a layer.
+/// The maximum length of the name of a layer.
 const NAME: usize = 31;
 
-/// Draws sections as DXF: each contour is a closed POLYLINE in the coordinates of its plane, at the height of the offset of the
-/// plane, on a layer with the name of its part. Lengths are in `unit`.
+/// Draws sections as DXF: each contour is a closed POLYLINE in the coordinates of its plane, at the height given by the offset of
+/// the plane, on a layer with the name of its part. Lengths are in `unit`.
 pub fn section_dxf(sections: &[CrossSection], unit: &str) -> String {
     let layers = Layers::new(sections);
     let mut text = String::new();
@@ -86,7 +86,7 @@ impl Layers {
         layers
     }
 
-    /// An unused layer name of the characters that DXF allows: capitals, digits, `$`, `-`, `_`.
+    /// An unused layer name with characters that DXF allows: capitals, digits, `$`, `-`, `_`.
     fn unused(&self, name: &str) -> String {
         let letter = |c: char| {
             if c.is_ascii_alphanumeric() || "$-_".contains(c) { c.to_ascii_uppercase() } else { '_' }

@@ -6,7 +6,7 @@ use crate::svg::{Anchor, Svg};
 use rayweave_analysis::section::{CrossSection, SectionPart};
 use rayweave_scene::Colour;
 
-/// The width of the drawing, and the greatest height of a single section.
+/// The width of the drawing, and the maximum height of a single section.
 const WIDTH: f64 = 960.0;
 const MAX_HEIGHT: f64 = 640.0;
 const MARGIN: f64 = 24.0;
@@ -17,7 +17,7 @@ const ROW: f64 = 20.0;
 /// The height of the name of a plane below its panel.
 const LABEL: f64 = 24.0;
 
-/// The most planes of a stack that are drawn.
+/// The maximum number of planes of a stack that are drawn.
 const MAX_PANELS: usize = 100;
 
 const STYLE: &str = "\
@@ -88,7 +88,7 @@ fn window(sections: &[CrossSection], visible: Visible) -> ([f64; 2], [f64; 2]) {
 /// The choice of the parts that are drawn.
 #[derive(Clone, Copy)]
 struct Visible {
-    /// Whether transparent parts are drawn: only if there are no others.
+    /// Whether transparent parts are drawn, which they are only if there are no other parts.
     transparent: bool,
 }
 
@@ -128,7 +128,7 @@ fn entries(sections: &[CrossSection], visible: Visible) -> Vec<Entry> {
     entries
 }
 
-/// The opaque colour: the parts of a section do not overlap.
+/// The colour without its opacity: the parts of a section do not overlap.
 fn paint(colour: Colour) -> String {
     Colour { alpha: 255, ..colour }.to_string()
 }
@@ -148,8 +148,8 @@ impl Grid {
         let columns = ((all as f64 * 1.2 * high / wide).sqrt().ceil() as usize).clamp(1, all.min(12));
         let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
         let most = if all == 1 { MAX_HEIGHT } else { width * 1.5 };
-        let room = if all == 1 { width } else { 0.9 * width };
-        Grid { columns, width, height: (room * high / wide).min(most), is_one: all == 1 }
+        let available = if all == 1 { width } else { 0.9 * width };
+        Grid { columns, width, height: (available * high / wide).min(most), is_one: all == 1 }
     }
 
     fn corner(&self, k: usize) -> [f64; 2] {
@@ -159,8 +159,8 @@ impl Grid {
 
     fn frame(&self, k: usize) -> [f64; 4] {
         let [x, y] = self.corner(k);
-        let room = if self.is_one { 0.0 } else { 0.05 * self.width };
-        [x + room, y, self.width - 2.0 * room, self.height]
+        let margin = if self.is_one { 0.0 } else { 0.05 * self.width };
+        [x + margin, y, self.width - 2.0 * margin, self.height]
     }
 
     fn label(&self, k: usize) -> [f64; 2] {

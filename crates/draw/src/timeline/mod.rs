@@ -1,4 +1,4 @@
-//! Time lines: the sides of one ray over time, as square waves and bands.
+//! Time lines: the state of a ray over time, as square waves and bands.
 
 mod scene;
 mod svg;
@@ -8,11 +8,11 @@ pub use scene::ray_timeline;
 use rayweave_error::{Classified, ErrorKind};
 use rayweave_rootray::{RootRay, Side, SurfaceCount, surface_count};
 
-/// A drawing of root-rays over time. Rows from top to bottom: the operands, the number of operands that contain the ray, the
-/// results.
+/// A drawing of root-rays over time. Its rows from top to bottom: the operands, the number of operands that contain the ray,
+/// the results.
 ///
 /// Each root-ray is a square wave, low outside and high inside, labelled with its roots. A wave that stays inside ends in an
-/// arrow. A dashed line through all rows marks times at which several operands change. Overlapping numbers are left out and
+/// arrow. A dashed line through all rows marks times at which several operands change. Overlapping numbers are left out, and
 /// long names are shortened (a tooltip shows the whole name).
 ///
 /// ```
@@ -63,7 +63,7 @@ struct Bands {
 pub enum TimelineError {
     /// The window is not an interval of time.
     #[error(
-        "the window of the time line from {t_min} to {t_max} is empty: its ends must be finite and increase."
+        "the window of the time line from {t_min} to {t_max} is invalid: its ends must be finite and increasing."
     )]
     Window {
         /// Its beginning.
@@ -72,7 +72,7 @@ pub enum TimelineError {
         t_max: f64,
     },
     /// The changes of a row are out of order.
-    #[error("change {index} of `{name}` is at {t}: times must be finite and increase.")]
+    #[error("change {index} of `{name}` is at {t}: times must be finite and increasing.")]
     Change {
         /// The row.
         name: String,
@@ -90,7 +90,7 @@ impl Classified for TimelineError {
 }
 
 impl Timeline {
-    /// A drawing without rows.
+    /// Creates a drawing without rows.
     pub fn new() -> Timeline {
         Timeline::default()
     }
@@ -143,7 +143,7 @@ impl Timeline {
         self
     }
 
-    /// Restricts the drawing to a window of time. The default holds all roots, with padding.
+    /// Restricts the drawing to a window of time. The default contains all roots, with padding.
     ///
     /// # Errors
     /// Ends that are not finite or do not increase.

@@ -8,25 +8,25 @@ use rayweave_scene::{Compiled, Scene};
 use rayweave_shape::{Ray, RayError};
 use std::sync::Arc;
 
-/// The most rows of operands.
+/// The maximum number of rows of operands.
 const MAX_OPERANDS: usize = 40;
 
-/// Up to this number of operands, all are shown, whether or not the ray touches them.
+/// Up to this number of operands, all of them are shown, even if the ray does not cross them.
 const FEW_OPERANDS: usize = 8;
 
-/// The most nodes that are visited: with shared parts the number of leaves can be exponential.
+/// The maximum number of nodes that are visited: with shared parts, the number of leaves can be exponential.
 const MAX_NODES: usize = 10_000;
 
 /// The time line of a ray: a wave for each leaf, the count of leaves that contain the ray, and bands for regions and media.
 ///
-/// The leaves are those of the solids of the regions, or of the solid that `compiled` is made of; `make` constructs evaluators.
-/// A placed solid counts as one leaf. Leaves of one name with the same wave are drawn and counted once. Of many leaves only
-/// those that the ray crosses are drawn. Above 40 leaves, the waves are those of the regions' solids; above 40 regions, there are
-/// none.
+/// The leaves are those of the solids of the regions, or of the solid from which `compiled` was made; `make` constructs
+/// evaluators. A placed solid counts as one leaf. Leaves with the same name and the same wave are drawn and counted once. If
+/// there are many leaves, only those that the ray crosses are drawn. Above 40 leaves, the waves are those of the regions'
+/// solids; above 40 regions, there are none.
 ///
 /// # Errors
 ///
-/// [`DrawError::Compile`], [`DrawError::Scene`] if the scene has no solid of this name.
+/// [`DrawError::Compile`], [`DrawError::Scene`] if the scene has no solid with this name.
 pub fn ray_timeline<E: Evaluator>(
     scene: &Scene,
     solid: Option<&str>,
@@ -149,7 +149,7 @@ fn answer(evaluator: &impl Evaluator, ray: Ray) -> Result<Collected, RayError> {
     evaluator.one(ray, &Query::default())
 }
 
-/// The root-ray of crossings, inside where the region is not the world.
+/// The root-ray of the given crossings, inside where the region is not the world.
 fn wave_of(start: RegionId, crossings: &[Crossing]) -> Result<RootRay, DrawError> {
     let start = if start == RegionId(0) { Side::Outside } else { Side::Inside };
     Ok(RootRay::from_times(start, crossings.iter().map(|crossing| crossing.t))?)

@@ -17,14 +17,14 @@ const GAP: f64 = 13.0;
 const AXIS: f64 = 44.0;
 /// The gap between operands and results.
 const BREAK: f64 = 10.0;
-/// With more times than this, plain guides are left out.
+/// The number of times above which plain guides are left out.
 const MAX_GUIDES: usize = 100;
-/// The most characters of a name.
+/// The maximum number of characters of a name.
 const NAME: usize = 26;
 /// The approximate width of a character of names and of numbers.
 const LETTER: f64 = 7.4;
 const DIGIT: f64 = 6.1;
-/// The greatest height of one step of the count, and of all steps together.
+/// The maximum height of one step of the count, and of all steps together.
 const STEP: f64 = 13.0;
 const STEPS: f64 = 78.0;
 
@@ -74,7 +74,7 @@ fn heights(timeline: &Timeline, count: Option<&SurfaceCount>) -> f64 {
     rows as f64 * (NUMBERS + WAVE + GAP) + of_count + breaks * BREAK
 }
 
-/// The greatest count, at least 1, and the height of its row.
+/// The largest count, at least 1, and the height of its row.
 fn steps(count: &SurfaceCount) -> (usize, f64) {
     let most = count.steps.iter().map(|step| step.1).fold(count.start, usize::max).max(1);
     (most, (most as f64 * STEP).clamp(WAVE, STEPS))
@@ -198,7 +198,7 @@ impl Drawing {
         self.svg.path("wave", path, &format!(r#" stroke="{stroke}""#));
     }
 
-    /// Draws arrows at the ends of a wave that stays inside.
+    /// Draws arrows at the ends of a wave that is inside as t -> -inf or +inf.
     fn arrows(&mut self, wave: &Wave, y: f64, fill: &str) {
         let ends = [(wave.ray.start(), self.axis.start, -1.0), (wave.ray.end(), self.axis.end, 1.0)];
         for (_, x, sign) in ends.into_iter().filter(|(side, ..)| side.is_inside()) {
@@ -282,8 +282,8 @@ impl Drawing {
     fn axis(&mut self) {
         let (left, right, y) = (self.axis.start, self.axis.end, self.y + 6.0);
         let mut path = format!("M{} {}H{}", Pixels(left), Pixels(y), Pixels(right));
-        let room = (right - left) / 90.0;
-        for (t, text) in self.axis.ticks(room) {
+        let max_ticks = (right - left) / 90.0;
+        for (t, text) in self.axis.ticks(max_ticks) {
             let x = self.axis.position(t);
             let _ = write!(path, "M{} {}V{}", Pixels(x), Pixels(y), Pixels(y + 5.0));
             self.svg.text("tick", [x, y + 17.0], Anchor::Middle, &text, &text);

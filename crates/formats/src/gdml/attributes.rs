@@ -18,7 +18,7 @@ const MAX_STEPS: usize = 500_000;
 /// The reason why an element could not be read.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Failure {
-    /// The problem was reported already.
+    /// The problem has already been reported.
     Reported,
     /// Valid but unsupported; holds the reason.
     Refused(String),
@@ -58,10 +58,22 @@ impl<'c> Numbers<'c> {
         }
     }
 
-    /// Reports a problem.
+    /// Reports a problem as an error.
     pub fn tell(&mut self, trouble: Trouble) -> Failure {
         self.context.error(trouble);
         Failure::Reported
+    }
+
+    /// Counts the faces of a solid that has more of them than numbers in its text, before they are made.
+    pub fn count_faces(&mut self, faces: usize) -> Result<(), Failure> {
+        let (all, most) = (self.context.faces.saturating_add(faces), self.context.most());
+        if all > most {
+            return refused(format!(
+                "with the solids before it, it has too many faces: files of this length may have {most}"
+            ));
+        }
+        self.context.faces = all;
+        Ok(())
     }
 
     /// A required attribute.
@@ -71,12 +83,12 @@ impl<'c> Numbers<'c> {
             let unlike = |known: &&str| !["name", "lunit", "aunit"].contains(known);
             let message = format!("`{}` has no attribute `{name}`: it is required.", element.name);
             let near = rayweave_error::did_you_mean(name, known.filter(unlike));
-            let slip = near.map(|near| format!(" is `{near}` meant for it?")).unwrap_or_default();
+            let slip = near.map(|near| format!(" Did you mean `{near}`?")).unwrap_or_default();
             self.tell(Trouble::new(message + &slip, element.place))
         })
     }
 
-    /// Name of an element, with bracketed expressions replaced by their values.
+    /// Name of an element, with bracketed expressions expanded.
     pub fn name(&mut self, element: &Element) -> Result<String, Failure> {
         let attribute = self.need(element, "name")?;
         self.expanded(attribute)
@@ -256,7 +268,7 @@ impl<'c> Numbers<'c> {
         let step = self.number_or(element, "step", 1.0)?;
         if step <= 0.0 && from <= to {
             return Err(self.tell(Trouble::new(
-                "the step of the loop is not greater than 0: it would not end.",
+                "the step of the loop is not greater than 0: the loop would not end.",
                 element.place,
             )));
         }
@@ -265,7 +277,7 @@ impl<'c> Numbers<'c> {
             self.steps += 1 + element.children.len();
             if self.steps > MAX_STEPS {
                 return Err(self.tell(Trouble::new(
-                    format!("the loops stand for more than {MAX_STEPS} elements"),
+                    format!("the loops generate more than {MAX_STEPS} elements"),
                     place,
                 )));
             }

@@ -55,8 +55,7 @@ impl Numbers<'_> {
             "matrix" => self.matrix(element)?,
             "position" | "rotation" | "scale" => self.vector_definition(element)?,
             other => {
-                let trouble =
-                    Trouble::new(format!("`{other}` is nothing that can be defined"), element.place);
+                let trouble = Trouble::new(format!("`{other}` is not a definition"), element.place);
                 let known = [
                     "constant",
                     "variable",
@@ -76,7 +75,7 @@ impl Numbers<'_> {
 
     fn set(&mut self, element: &Element, name: &str, value: f64) {
         if element.name == "constant" && self.names.is_set(name) {
-            let message = format!("the constant `{name}` is defined again: the later value holds.");
+            let message = format!("the constant `{name}` is defined again: the later value is used.");
             self.context.warn(Trouble::new(message, element.place));
         }
         self.names.set(name, value);
@@ -148,18 +147,20 @@ impl Numbers<'_> {
                 _ => value? * unit,
             };
         }
-        self.suspect(element, role, unit);
+        self.warn_of_degrees(element, role, unit);
         Ok(vector)
     }
 
-    /// Warns of a rotation of more than a turn in radians, which is probably in degrees.
-    fn suspect(&mut self, element: &Element, role: Role, unit: f64) {
+    /// Warns about a rotation of more than two turns in radians, which is probably in degrees.
+    fn warn_of_degrees(&mut self, element: &Element, role: Role, unit: f64) {
         let large = ["x", "y", "z"].iter().filter_map(|axis| element.attribute(axis));
         let large = large.filter_map(|attribute| attribute.value.trim().parse::<f64>().ok());
         if role == Role::Rotation && unit == 1.0 && large.fold(0.0, |a: f64, b| a.max(b.abs())) > 4.0 * PI {
-            let aunit = if element.attribute("aunit").is_some() { " `aunit` has no effect here" } else { "" };
-            let message =
-                format!("a rotation of more than two turns (in radians) is `unit=\"deg\"` missing?{aunit}");
+            let aunit =
+                if element.attribute("aunit").is_some() { " `aunit` has no effect here." } else { "" };
+            let message = format!(
+                "the rotation is more than two turns (in radians). Is `unit=\"deg\"` missing?{aunit}"
+            );
             self.context.warn(Trouble::new(message, element.place));
         }
     }
@@ -221,7 +222,7 @@ fn role_default(role: Role) -> Vec3 {
     if role == Role::Scale { Vec3::ONE } else { Vec3::ZERO }
 }
 
-/// The words of a text with their offsets.
+/// The words of a text, with their byte offsets.
 pub(super) fn words(text: &str) -> impl Iterator<Item = (&str, usize)> {
     text.split_whitespace()
         .map(move |word| (word, (word.as_ptr() as usize).wrapping_sub(text.as_ptr() as usize)))

@@ -1,8 +1,8 @@
 //! Arithmetic expressions in attributes: numbers, names, units, functions and matrix elements.
 //!
 //! The language is that of the CLHEP evaluator, which Geant4 uses, with the constants and units that Geant4 sets
-//! (millimetres, radians, MeV). Operators from weak to strong: `||`, `&&`, `== !=`, `< <= > >=`, `+ -`, `* /`, a sign, `^`
-//! or `**`. All are left-associative, so that `2^3^2` is 64, and `-2^2` is -4. Comparisons yield 1 or 0. `name[i, j]` is a
+//! (millimetres, radians, MeV). Operators from weak to strong: `||`, `&&`, `== !=`, `< <= > >=`, `+ -`, `* /`, signs, and
+//! `^` or `**`. All are left-associative, so `2^3^2` is 64, and `-2^2` is -4. Comparisons yield 1 or 0. `name[i, j]` is a
 //! matrix element, with indices from 1.
 
 use super::units;
@@ -210,7 +210,7 @@ impl<'a> Parser<'a> {
     fn binary(&mut self, weakest: u8) -> Result<f64, Fault> {
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.fault(self.at, format!("more than {DEEPEST} parentheses within one another")));
+            return Err(self.fault(self.at, format!("more than {DEEPEST} nested parentheses")));
         }
         let mut value = self.operand()?;
         while let Some((symbol, power, apply)) = self.operator().filter(|(_, power, _)| *power > weakest) {
@@ -342,13 +342,13 @@ impl<'a> Parser<'a> {
 
     fn unknown(&self, name: &str, start: usize, what: &str) -> Fault {
         let problem = format!(
-            "unknown {what} `{name}`: no constant, variable, quantity or matrix before it, and no unit."
+            "unknown {what} `{name}`: no constant, variable, quantity or matrix defined before has this name, and no unit."
         );
         Fault { span: Span::new(start, start + name.len()), problem, unknown: Some(name.to_owned()) }
     }
 
     fn unexpected(&mut self, wanted: &str) -> Fault {
-        let found = self.peek().map_or("the end of the text".to_owned(), |c| format!("`{c}`"));
+        let found = self.peek().map_or("the end of the expression".to_owned(), |c| format!("`{c}`"));
         let end = self.text[self.at..].chars().next().map_or(self.at, |c| self.at + c.len_utf8());
         Fault {
             span: Span::new(self.at, end),
@@ -421,8 +421,8 @@ mod tests {
         assert_eq!(fault("1 + 1e400").0, 4);
         assert_eq!(fault("2 * (3 + x)").0, 9);
         assert_eq!(fault("1.e+3mm"), (5, 6, "`m` where an operator is expected".to_owned()));
-        assert_eq!(fault("(1 + 2"), (6, 6, "the end of the text where `)` is expected".to_owned()));
-        assert_eq!(fault("").2, "the end of the text where a number or a name is expected");
+        assert_eq!(fault("(1 + 2"), (6, 6, "the end of the expression where `)` is expected".to_owned()));
+        assert_eq!(fault("").2, "the end of the expression where a number or a name is expected");
         assert!(fault("1/0").2.starts_with("`1/0` is not a finite number"));
         assert!(fault(&"(".repeat(1_000_000)).2.starts_with("more than 200 parentheses"));
         assert!(fault("pow(2)").2.starts_with("`pow` has 1 arguments"));

@@ -34,7 +34,7 @@ pub(super) struct Volume {
     /// Index of the material.
     pub material: Option<usize>,
     pub daughters: Vec<Daughter>,
-    /// The volume that holds the daughters: its own index, except for copies with other dimensions.
+    /// Index of the volume that has the daughters: its own index, except for copies with different dimensions.
     pub content: usize,
     pub auxiliary: Vec<Auxiliary>,
     pub place: Place,
@@ -62,7 +62,7 @@ pub(super) struct Auxiliary {
 }
 
 impl Graph {
-    /// A graph of volumes without materials.
+    /// Creates a graph of volumes without materials.
     pub fn of(volumes: Vec<Volume>) -> Graph {
         Graph { volumes, ..Graph::default() }
     }

@@ -22,11 +22,21 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
     let media = Media::new(graph);
     let ancestry = Ancestry::new(graph, &order);
     let (mut regions, mut taken) = (Vec::new(), Taken::default());
-    let mut names = HashMap::new();
+    let (mut names, mut nested) = (HashMap::new(), 0);
     for &volume in order.iter().filter(|&&volume| !(volume == world && is_room(&graph.volumes[world]))) {
-        let Some(solid) = ancestry.in_world(graph, volume) else {
+        let Some((solid, steps)) = ancestry.in_world(graph, volume) else {
             continue;
         };
+        nested += steps;
+        if nested > context.most() {
+            let message = format!(
+                "the volumes up to `{}` are nested too deeply: all of them together are in more than {} others.",
+                graph.volumes[volume].name,
+                context.most()
+            );
+            context.error(Trouble::new(message, graph.volumes[volume].place));
+            return None;
+        }
         let name = taken.free(graph.volumes[volume].bare_name());
         names.insert(volume, name.clone());
         let medium = media.of(&graph.volumes[volume]);
@@ -116,7 +126,7 @@ fn cycle_trouble(graph: &Graph, cycle: &[usize]) -> Trouble {
 /// A mother, and the copies of a daughter in it.
 type Mother = (usize, Copies);
 
-/// Placements of all volumes in their mothers.
+/// The placements of all volumes in their mothers.
 pub(super) struct Ancestry {
     /// Mothers of each volume, each with the maps of all placements in it.
     mothers: HashMap<usize, Vec<Mother>>,
@@ -148,17 +158,20 @@ impl Ancestry {
     }
 
     /// All copies of a volume, in the frame of the world. The copies are collected from mother to mother, and all paths
-    /// through the same mother are merged there, so that copies of copies take little memory.
-    pub fn in_world(&self, graph: &Graph, volume: usize) -> Option<Solid> {
+    /// through the same mother are merged there, so that copies of copies take little memory. Also returns the number of
+    /// placements on the way.
+    pub fn in_world(&self, graph: &Graph, volume: usize) -> Option<(Solid, usize)> {
+        let mut steps = 0;
         let solid = graph.volumes[volume].solid()?.clone();
         let mut waiting = std::collections::BTreeMap::from([(self.rank[&volume], vec![solid])]);
         while let Some((rank, parts)) = waiting.pop_last() {
             let all = if parts.len() == 1 { parts.into_iter().next()? } else { Solid::union(parts) };
             if rank == 0 {
-                return Some(all);
+                return Some((all, steps));
             }
             for (mother, copies) in self.mothers.get(&self.order[rank]).into_iter().flatten() {
                 if !copies.is_empty() {
+                    steps += 1;
                     waiting.entry(self.rank[mother]).or_default().push(all.place_copies(copies.clone()));
                 }
             }
@@ -188,7 +201,7 @@ impl Numbered {
         }
     }
 
-    /// The copies under the name of their volume. A copy with its own dimensions is a volume `name[k]`.
+    /// The copies, named after their volume. A copy with its own dimensions is a volume `name[k]`.
     fn labelled(self, volume: &str) -> Copies {
         let sized = volume.strip_suffix(']').and_then(|text| text.rsplit_once('['));
         let sized = sized.and_then(|(name, k)| Some((name, k.parse::<i64>().ok()?)));
@@ -231,8 +244,8 @@ struct Media {
     names: Vec<String>,
 }
 
-/// Auxiliary tag (kind and value) of a world that the writer added as the bounding box of a model; readers make no region
-/// of it.
+/// Auxiliary tag (kind and value) of a world that the writer added as the bounding box of a model; the reader creates no
+/// region for it.
 pub(crate) const NO_REGION: [&str; 2] = ["rayweave", "room"];
 
 /// The medium of volumes without material.
@@ -261,7 +274,7 @@ impl Media {
     }
 }
 
-/// Colour of a volume: the auxiliary tag `Color`, else a colour per medium. The world is transparent.
+/// Colour of a volume: that of the auxiliary tag `Color`, else a colour per medium. The world is transparent.
 fn colour(volume: &Volume, medium: u32, is_world: bool) -> Colour {
     let tag = volume.auxiliary.iter().find(|tag| tag.kind.eq_ignore_ascii_case("color"));
     let stated =

@@ -32,7 +32,7 @@ pub(super) struct Material {
     pub parts: Vec<Part>,
     /// Properties by name, most of which depend on the photon energy.
     pub properties: Vec<(String, Property)>,
-    /// Places of the properties, by name, and under an empty name that of the element.
+    /// Positions of the properties, by name; the empty name has the position of the element.
     pub places: Vec<(String, Place)>,
     /// Refractive index, from the property `RINDEX`.
     pub index: Option<f64>,
@@ -58,7 +58,7 @@ pub(super) struct Part {
 
 /// Wavelength of the refractive indices of media, in nanometres: the sodium D line.
 const SODIUM_NM: f64 = 589.3;
-/// Relative rounding error of photon energies: four digits are usual.
+/// Relative rounding error of photon energies, which usually have four digits.
 const ROUNDED: f64 = 5e-5;
 
 /// Prefix of the predefined (NIST) materials of Geant4.
@@ -77,8 +77,10 @@ impl Materials {
                 ..Material::default()
             }));
         }
-        let trouble =
-            Trouble::new(format!("unknown material `{name}`: there is none of this name before it."), place);
+        let trouble = Trouble::new(
+            format!("unknown material `{name}`: no material defined before has this name."),
+            place,
+        );
         numbers.context.warn(trouble.did_you_mean(name, self.by_name.keys().map(String::as_str)));
         Some(self.add(Material { name: name.to_owned(), tag: "material".to_owned(), ..Material::default() }))
     }
@@ -105,7 +107,7 @@ pub(super) fn read(numbers: &mut Numbers, materials: &mut Materials, section: &E
         }
         "define" => numbers.define(element),
         other => {
-            let message = format!("`{other}` is nothing that stands among materials.");
+            let message = format!("`{other}` is not an element of `materials`.");
             let known = ["material", "element", "isotope", "define", "loop"];
             let trouble = Trouble::new(message, element.place).did_you_mean(other, known);
             numbers.context.lose(crate::LossKind::Dropped, other, trouble);
@@ -224,8 +226,8 @@ fn index(numbers: &Numbers, property: &Property) -> Result<Option<f64>, String> 
     }
 }
 
-/// Refractive index at the sodium D line: linear interpolation over the energy. Beyond the ends there is none, because a
-/// value for other wavelengths says little about it.
+/// Refractive index at the sodium D line, by linear interpolation over the energy. Without data on both sides of it there is
+/// none, because values at other wavelengths say little about it.
 fn index_of(values: &[f64], columns: usize) -> Result<f64, String> {
     if columns != 2 {
         return Err(format!("its `RINDEX` has {columns} columns, not 2 (photon energy and index)"));
@@ -233,7 +235,7 @@ fn index_of(values: &[f64], columns: usize) -> Result<f64, String> {
     let mut rows: Vec<(f64, f64)> = values.chunks_exact(2).map(|row| (row[0], row[1])).collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let energy = define::sodium_energy();
-    // a limit of 589.3 nm may be rounded
+    // a range that ends at 589.3 nm may have rounded limits
     let (least, most) = (rows[0].0, rows[rows.len() - 1].0);
     if !(least * (1.0 - ROUNDED) <= energy && energy <= most * (1.0 + ROUNDED)) {
         let nm = |energy: f64| define::sodium_energy() * SODIUM_NM / energy;

@@ -10,9 +10,9 @@
 //!
 //! **The hierarchy** of logical and physical volumes becomes a list of regions, one per logical volume, regardless of the
 //! number of its placements. Mothers precede their daughters, so that a daughter carves its mother (the later region has
-//! priority). A volume with many placements is one prototype under many maps, nested in those of its mother: memory grows
+//! priority). A volume with many placements is one prototype with many maps, nested in those of its mother: memory grows
 //! with the file, not with the number of copies. The world volume is the first region. A daughter that protrudes from its
-//! mother is kept whole; its meaning is undefined in Geant4.
+//! mother is kept whole; Geant4 leaves its meaning undefined.
 //!
 //! **Media** are the materials, with density (`density`, g/cm3), temperature, pressure and, if there is a refractive index,
 //! its value at the sodium D line. All other data of a file are stored in the table `[gdml]` of the document: the volume
@@ -50,8 +50,8 @@ use std::sync::Arc;
 pub(crate) use hierarchy::{NO_REGION, UNSPECIFIED};
 pub(crate) use source::source;
 
-/// Memory per byte of a file: for a file of placements, 15 were measured for reading and compiling, and 19 for writing it
-/// as a native file; for a file of solids whose elements are kept, 34 for reading.
+/// Bytes of memory per byte of a file. Measured: for a file of placements, 15 for reading and compiling, and 19 for writing
+/// it as a native file; for a file of solids whose elements are kept, 34 for reading.
 const MEMORY_A_BYTE: u64 = 36;
 
 /// Reads the text of a GDML file. File names in it are relative to it.
@@ -84,7 +84,7 @@ fn check_memory(source: &Arc<Source>, available: Option<u64>) -> Result<(), Diag
         Some(available) if needed > available => {
             let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
             let why = format!(
-                "it may take {} MiB of memory to read, and there are {}",
+                "reading it may take {} MiB of memory, but only {} are available",
                 mebibytes(needed),
                 mebibytes(available)
             );
@@ -99,7 +99,7 @@ impl Context {
         let mut volumes = graph::Graph::default();
         self.open.extend(source.path().cloned());
         let world = structure::read_file(self, source.clone(), None, &mut volumes)?;
-        // after errors the volumes of some daughters are unknown
+        // after errors, the volumes of some daughters are unknown
         if !self.problems.is_empty() {
             return None;
         }
@@ -107,7 +107,7 @@ impl Context {
         Some((scene, table, self.places(&volumes)))
     }
 
-    /// The places of materials, optical surfaces and their attachments.
+    /// The positions of materials, optical surfaces and their attachments.
     fn places(&self, graph: &graph::Graph) -> Places {
         let mut places = Places::default();
         let mut add = |element, name: &str, property: &str, place| {
@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_into_memory_is_refused() {
+    fn a_file_too_large_for_memory_is_refused() {
         let source = Arc::new(Source::new(None, " ".repeat(1 << 20)));
         assert!(check_memory(&source, Some(36 << 20)).is_ok() && check_memory(&source, None).is_ok());
         let text = check_memory(&source, Some((36 << 20) - 1)).unwrap_err().to_string();

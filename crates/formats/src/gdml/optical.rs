@@ -25,7 +25,7 @@ pub(super) struct Optical {
     pub words: Vec<(&'static str, String)>,
     pub value: Option<f64>,
     pub properties: Vec<(String, Property)>,
-    /// Places of the properties, by name, and under an empty name that of the element.
+    /// Positions of the properties, by name; the empty name has the position of the element.
     pub places: Vec<(String, Place)>,
 }
 

@@ -1,5 +1,5 @@
-//! Elements of solids for which Rayweave has no shape of its own, kept in the table `[gdml]` so that the writer can write
-//! them as they were.
+//! Elements of solids without a corresponding Rayweave shape, kept in the table `[gdml]` so that the writer can reproduce
+//! them.
 
 use super::attributes::Numbers;
 use super::xml::Element;
@@ -7,7 +7,7 @@ use rayweave_model::{Node, Solid};
 use rayweave_scene::{Datum, Spanned, Table};
 use rayweave_shape::primitive::Primitive;
 
-/// Elements that the writer also writes for the shapes that they become.
+/// Elements that usually become a single Rayweave shape, from which the writer can recreate them.
 const WITH_TWIN: [&str; 8] = ["box", "orb", "tube", "cone", "torus", "ellipsoid", "eltube", "paraboloid"];
 
 /// Elements that refer to definitions, which are not kept.
@@ -20,7 +20,7 @@ const WORDS: [&str; 3] = ["lunit", "aunit", "unit"];
 /// element), attributes with the values of their expressions, and `children`.
 pub(super) fn row(numbers: &mut Numbers, element: &Element, name: &str, solid: &Solid) -> Option<Table> {
     let tag = element.name.as_str();
-    if WITH_REFERENCES.contains(&tag) || (WITH_TWIN.contains(&tag) && is_shape(solid)) {
+    if WITH_REFERENCES.contains(&tag) || (WITH_TWIN.contains(&tag) && is_native_twin(solid)) {
         return None;
     }
     let mut row: Table = vec![entry("name", Datum::Text(name.to_owned()))];
@@ -44,8 +44,8 @@ fn entry(key: &str, value: Datum) -> (Spanned<String>, Spanned<Datum>) {
     (key.into(), value.into())
 }
 
-/// True for one shape under a map.
-fn is_shape(solid: &Solid) -> bool {
+/// True for a single shape, possibly transformed, of a kind that GDML also has.
+fn is_native_twin(solid: &Solid) -> bool {
     let inner = solid.node().single_map().map_or(solid, |(_, inner)| inner);
     matches!(
         inner.node(),

@@ -1,14 +1,14 @@
-//! Attributes and children of the elements of GDML: all others are reported, with a spelling suggestion.
+//! Attributes and children of the elements of GDML; all others are reported, with a spelling suggestion.
 //!
 //! *Source*: the schema of GDML 3.1.6 and the reader of Geant4 11.4.1, which accepts a few more. Geant4 ignores unknown
-//! attributes without a message, so that a misspelt optional attribute silently has its default.
+//! attributes without a message, so a misspelt optional attribute silently has its default value.
 
 use super::context::Context;
 use super::trouble::{Place, Trouble};
 use super::xml::Element;
 use std::collections::BTreeMap;
 
-/// An element: its name, its attributes, and its children where their reader does not report unknown ones.
+/// An element: its name, its attributes, and its children unless their reader reports unknown ones.
 type Row = (&'static str, &'static str, Option<&'static str>);
 
 /// Children of placements and of the operands of booleans.
@@ -151,7 +151,7 @@ pub(super) fn check(context: &mut Context, root: &Element) {
             found.attributes(element, "number");
             found.parameters(element);
         }
-        // elements of extensions have attributes of their own
+        // elements of extensions may have other attributes
         if row.is_some() || element.name == "parameters" || std::ptr::eq(element, root) {
             open.extend(element.children.iter().rev());
         }
@@ -183,7 +183,7 @@ impl Found {
     }
 
     fn attributes(&mut self, element: &Element, known: &str) {
-        // attributes of other name spaces, such as xsi:noNamespaceSchemaLocation, are no attributes of GDML
+        // attributes in other namespaces, such as xsi:noNamespaceSchemaLocation, are not attributes of GDML
         let own = element.attributes.iter().filter(|attribute| !attribute.name.contains(':'));
         for attribute in own.filter(|attribute| attribute.name != "xmlns") {
             let name = attribute.name.as_str();
@@ -192,7 +192,7 @@ impl Found {
             }
             self.add(&element.name, &format!("@{name}"), attribute.place, |place| {
                 let message = format!("`{}` has no attribute `{name}`: it is ignored.", element.name);
-                // an attribute that is present cannot be the one that was meant
+                // an attribute that is present cannot be the intended one
                 let missing = known.split(' ').filter(|other| element.attribute(other).is_none());
                 Trouble::new(message, place).did_you_mean(name, missing)
             });

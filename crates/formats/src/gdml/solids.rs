@@ -25,7 +25,7 @@ pub(super) struct Library {
     pub origins: Vec<Table>,
 }
 
-/// A solid, with the dimensions that divisions need.
+/// A solid with the dimensions that divisions need.
 #[derive(Clone, Debug)]
 pub(super) struct Shape {
     pub solid: Solid,
@@ -98,7 +98,7 @@ pub(super) const TAGS: [&str; 34] = [
     "opticalsurface",
 ];
 
-/// Solids that are made of others.
+/// Solids that are composed of others.
 const COMPOSED: [&str; 6] =
     ["union", "subtraction", "intersection", "multiUnion", "scaledSolid", "reflectedSolid"];
 
@@ -108,8 +108,10 @@ impl Library {
         match self.solids.get(name) {
             Some(found) => Ok(found.clone()),
             None => {
-                let trouble =
-                    Trouble::new(format!("unknown solid `{name}`: no solid before it has this name."), place);
+                let trouble = Trouble::new(
+                    format!("unknown solid `{name}`: no solid defined before has this name."),
+                    place,
+                );
                 Err(numbers.tell(trouble.did_you_mean(name, self.solids.keys().map(String::as_str))))
             }
         }
@@ -294,10 +296,12 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
         "polyhedra" => {
             let (planes, sides, phi) = (z_planes(numbers, e)?, sides(numbers, e)?, sector(numbers, e)?);
             sizes.planes(&planes, phi);
+            numbers.count_faces(planes.len().saturating_mul(sides as usize))?;
             polyhedra(&planes, sides, phi)
         }
         "genericPolyhedra" => {
             let (corners, sides) = (corners(numbers, e, "rzpoint", ["r", "z"])?, sides(numbers, e)?);
+            numbers.count_faces(corners.len().saturating_mul(sides as usize))?;
             generic_polyhedra(&corners, sides, sector(numbers, e)?)
         }
         "trd" | "trap" | "para" | "tet" | "arb8" | "xtru" | "tessellated" => faceted(numbers, e, sizes),
@@ -316,7 +320,7 @@ pub(super) fn primitive(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -
         }
         "ellipsoid" | "eltube" | "elcone" | "paraboloid" | "hype" => quadric(numbers, e),
         "twistedbox" | "twistedtrd" | "twistedtrap" | "twistedtubs" => twist(numbers, e),
-        _ => refused("this kind of solid is not known"),
+        _ => refused("this kind of solid is unknown"),
     }
 }
 
@@ -423,7 +427,9 @@ fn faceted(numbers: &mut Numbers, e: &Element, sizes: &mut Sizes) -> Made {
         }
         "xtru" => {
             let vertices = corners(numbers, e, "twoDimVertex", ["x", "y"])?;
-            extruded(&vertices, &sections(numbers, e)?)
+            let sections = sections(numbers, e)?;
+            numbers.count_faces(vertices.len().saturating_mul(sections.len()))?;
+            extruded(&vertices, &sections)
         }
         _ => facets(numbers, e),
     }
@@ -496,21 +502,21 @@ fn facets(numbers: &mut Numbers, e: &Element) -> Made {
     }
 }
 
-/// Warns about the defects that Geant4 warns about. The inside of a solid does not depend on the order of the vertices here.
+/// Warns about the defects that Geant4 warns about. In Rayweave, the interior does not depend on the order of the vertices.
 fn warn_of_defects(numbers: &mut Numbers, e: &Element, facets: &[Vec<Vec3>], places: &[Place]) {
     let (name, defects) = (e.text("name"), Defects::of(facets));
     if defects.volume <= 0.0 {
         let message = format!(
-            "the tessellated solid `{name}` is inside out: its facets are clockwise seen from outside. Here the inside does \
-             not depend on their order; in Geant4 it does."
+            "the tessellated solid `{name}` is inside out: its facets are clockwise seen from outside. In Geant4 the interior \
+            depends on the order of the vertices, in Rayweave it does not."
         );
         numbers.context.warn(Trouble::new(message, e.place));
     }
     if let Some((facet, count)) = defects.reversed {
         let message = format!(
             "facet {facet} (counted from 0) of the tessellated solid `{name}` has the wrong orientation: it and a neighbour \
-             run along {} in the same direction. Here the inside does not depend on the order of the vertices; in Geant4 it \
-             does.",
+             traverse {} in the same direction. In Geant4 the interior depends on the order of the vertices, in Rayweave it \
+             does not.",
             if count == 1 {
                 "their common edge".to_owned()
             } else {
@@ -521,8 +527,8 @@ fn warn_of_defects(numbers: &mut Numbers, e: &Element, facets: &[Vec<Vec3>], pla
     }
     if let Some((facet, count)) = defects.open {
         let message = format!(
-            "the tessellated solid `{name}` has holes: {count} of its edges are not edges of two facets, the first of them \
-             of facet {facet} (counted from 0)."
+            "the tessellated solid `{name}` has holes: {count} of its edges do not belong to two facets. The first is an \
+            edge of facet {facet} (counted from 0)."
         );
         numbers.context.warn(Trouble::new(message, places[facet]));
     }
@@ -592,9 +598,11 @@ fn twist(numbers: &mut Numbers, e: &Element) -> Made {
         }
     };
     let angle = numbers.angle(e, "PhiTwist", 0.0)?;
+    numbers.count_faces(1)?;
     let made = twisted(&trapezoid, angle)?;
+    numbers.count_faces(5 * made.layers)?;
     let message = format!(
-        "the twisted solid `{}` is a stack of {} layers with quadrics as side faces: these are off by at most {:.1e} mm.",
+        "the twisted solid `{}` is a stack of {} layers whose side faces are quadrics that deviate by at most {:.1e} mm.",
         e.text("name"),
         made.layers,
         // two digits, not rounded down
@@ -660,5 +668,6 @@ fn polyhedra_to_corners(numbers: &mut Numbers, e: &Element) -> Made {
     for plane in &mut planes {
         (plane.rmin, plane.rmax) = (cos * plane.rmin, cos * plane.rmax);
     }
+    numbers.count_faces(planes.len().saturating_mul(sides as usize))?;
     polyhedra(&planes, sides, phi)
 }

@@ -1,4 +1,4 @@
-//! Texts of GDML files.
+//! Reading of the texts of GDML files.
 
 use rayweave_scene::{Diagnostics, Source};
 use rayweave_table::AllowedFiles;
@@ -20,7 +20,7 @@ pub(crate) fn source(path: &Path) -> Result<Source, Diagnostics> {
     Source::read(path).or_else(|problems| latin_1().ok_or(problems))
 }
 
-/// Text of an included file, if it may be read and looks like XML. Nothing of a file of another format is quoted in messages.
+/// Text of an included file, if it may be read and looks like XML. Messages never quote a file in a different format.
 pub fn included(files: &AllowedFiles, path: &Path) -> Result<Source, String> {
     let file = files.open(path).map_err(|refused| refused.to_string())?;
     let source = source_of(file, path)?;
@@ -37,8 +37,8 @@ fn source_of(file: File, path: &Path) -> Result<Source, String> {
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(format!("it is larger than {} MiB", MAX_FILE_BYTES >> 20));
     }
-    let text = String::from_utf8(bytes)
-        .or_else(|error| latin_1(error.as_bytes()).ok_or("it is not a text in UTF-8"))?;
+    let text =
+        String::from_utf8(bytes).or_else(|error| latin_1(error.as_bytes()).ok_or("it is not UTF-8 text"))?;
     Ok(Source::new(Some(path.to_owned()), text))
 }
 

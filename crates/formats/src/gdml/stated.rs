@@ -69,7 +69,7 @@ fn volume(
     })
 }
 
-/// The solid of the volume of which a region is the union of copies; importers give it a name.
+/// The solid of a volume, given a region that is the union of its copies; importers give the solid a name.
 fn own(copies: &Solid) -> Solid {
     let mut solid = copies.clone();
     loop {
@@ -109,7 +109,9 @@ fn comes_of(records: &[VolumeRecord], graph: &Graph, scene: &Scene) -> bool {
     }
     let ancestry = Ancestry::new(graph, &order);
     let is_same = |(record, volume): (&VolumeRecord, usize)| match record.region {
-        Some(region) => ancestry.in_world(graph, volume).as_ref() == Some(&scene.regions[region].solid),
+        Some(region) => {
+            ancestry.in_world(graph, volume).is_some_and(|(solid, _)| solid == scene.regions[region].solid)
+        }
         None => true,
     };
     records.iter().zip(0..).all(is_same)

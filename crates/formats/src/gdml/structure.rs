@@ -23,7 +23,7 @@ mod row;
 
 use pending::{Copies, Pending};
 
-/// Deviation of a scale factor from 1 or -1 that rounding explains.
+/// Maximum deviation of a scale factor from 1 or -1 that is attributed to rounding.
 const UNIT_SCALE: f64 = 1e-9;
 
 /// Maximal nesting depth of included files.
@@ -54,7 +54,7 @@ pub(super) fn read_file(
             return None;
         }
         let message = format!(
-            "the outermost element is `{}`, not `gdml`: the file is read as an extension of GDML, as by Geant4.",
+            "the outermost element is `{}`, not `gdml`: the file is read as an extension of GDML, as in Geant4.",
             root.name
         );
         context.warn(Trouble::new(message, root.place));
@@ -100,8 +100,7 @@ impl StructureReader<'_, '_> {
                 "setup" => self.setup(section),
                 "userinfo" => self.graph.auxiliary.extend(auxiliaries(section)),
                 "extension" => {
-                    let message =
-                        "the section `extension` is ignored: its meaning is that of another program.";
+                    let message = "the section `extension` is ignored: only the program that wrote it defines its meaning.";
                     self.numbers.context.lose(
                         LossKind::Dropped,
                         "extension",
@@ -109,8 +108,7 @@ impl StructureReader<'_, '_> {
                     );
                 }
                 other => {
-                    let trouble =
-                        Trouble::new(format!("the section `{other}` is not understood."), section.place);
+                    let trouble = Trouble::new(format!("unknown section `{other}`."), section.place);
                     let trouble = trouble.did_you_mean(other, SECTIONS);
                     self.numbers.context.lose(LossKind::Dropped, other, trouble);
                 }
@@ -149,7 +147,7 @@ impl StructureReader<'_, '_> {
                 }
                 "skinsurface" | "bordersurface" => builder.graph.surfaces.add_link(builder.numbers, element),
                 other => {
-                    let message = format!("`{other}` is nothing that stands in a structure.");
+                    let message = format!("`{other}` is not an element of `structure`.");
                     let known = ["volume", "assembly", "skinsurface", "bordersurface", "loop"];
                     let trouble = Trouble::new(message, element.place).did_you_mean(other, known);
                     builder.numbers.context.lose(LossKind::Dropped, other, trouble);
@@ -163,10 +161,7 @@ impl StructureReader<'_, '_> {
         for pending in std::mem::take(&mut self.pending) {
             let Some(&volume) = self.names.get(&pending.name) else {
                 let trouble = Trouble::new(
-                    format!(
-                        "unknown volume `{}`: there is no volume or assembly of this name.",
-                        pending.name
-                    ),
+                    format!("unknown volume `{}`: no volume or assembly has this name.", pending.name),
                     pending.place,
                 );
                 self.numbers.tell(trouble.did_you_mean(&pending.name, self.names.keys().map(String::as_str)));
@@ -184,32 +179,29 @@ impl StructureReader<'_, '_> {
         let (name, place) = match (wanted, default) {
             (Some(wanted), _) => (wanted.to_owned(), root.place),
             (None, Some((_, volume, place))) => (volume.clone(), *place),
-            (None, None) => return self.lonely(root),
+            (None, None) => return self.only_unplaced_volume(root),
         };
         let found = self.names.get(&name).copied();
         if found.is_none() {
-            let trouble = Trouble::new(
-                format!("unknown volume `{name}`: there is no volume or assembly of this name."),
-                place,
-            );
+            let trouble =
+                Trouble::new(format!("unknown volume `{name}`: no volume or assembly has this name."), place);
             self.numbers.tell(trouble.did_you_mean(&name, self.names.keys().map(String::as_str)));
         }
         found
     }
 
-    /// The only volume without a placement, for files without a world.
-    fn lonely(&mut self, root: &Element) -> Option<usize> {
+    /// The only volume without a placement, which is the world of a file that does not specify one.
+    fn only_unplaced_volume(&mut self, root: &Element) -> Option<usize> {
         let mut placed = vec![false; self.graph.volumes.len()];
         for daughter in self.graph.volumes.iter().flat_map(|volume| &volume.daughters) {
             placed[daughter.volume] = true;
         }
         let free: Vec<usize> = self.names.values().copied().filter(|volume| !placed[*volume]).collect();
-        let what =
-            "the file names no world: <setup name=\"Default\" version=\"1.0\"><world ref=\"..\"/></setup>.";
+        let what = "the file has no world: `<setup name=\"Default\" version=\"1.0\"><world ref=\"..\"/></setup>` is missing.";
         match free.as_slice() {
             [only] => {
                 let message = format!(
-                    "{what}: it is taken to be `{}`, the only volume that is placed nowhere",
+                    "{what} The world is taken to be `{}`, the only volume without a placement",
                     self.graph.volumes[*only].name
                 );
                 self.numbers.context.warn(Trouble::new(message, root.place));
@@ -268,7 +260,7 @@ impl Builder<'_, '_> {
                 let found = self.library.of(self.numbers, solid)?;
                 if found.is_none() {
                     let message = format!(
-                        "the volume `{}` is missing: its solid is refused; what is in it remains.",
+                        "the volume `{}` is missing, because its solid is refused; its daughters remain.",
                         element.text("name")
                     );
                     self.numbers.context.warn(Trouble::new(message, element.place));
@@ -297,7 +289,7 @@ impl Builder<'_, '_> {
             "divisionvol" => self.divisions(mother, element),
             "paramvol" => self.parameterised(mother, element),
             "materialref" | "solidref" | "auxiliary" => Ok(()),
-            // Geant4 treats them as an extension that it does not know
+            // Geant4 treats them as an unknown extension
             "opticalsurface" | "skinsurface" | "bordersurface" => {
                 let (tag, section) = (element.name.as_str(), section_of_surface(&element.name));
                 let message = format!(
@@ -308,7 +300,7 @@ impl Builder<'_, '_> {
             }
             other => {
                 let trouble =
-                    Trouble::new(format!("`{other}` is nothing that stands in a volume."), element.place);
+                    Trouble::new(format!("`{other}` is not an element of a volume."), element.place);
                 let known = [
                     "physvol",
                     "replicavol",
@@ -365,9 +357,9 @@ impl Builder<'_, '_> {
         Ok(())
     }
 
-    /// Map of a placement. GDML gives the rotation of the mother's frame relative to the daughter, so that the inverse
-    /// rotates the daughter. A scale is applied first. As in Geant4 only its signs count: `G4ReflectionFactory` decomposes
-    /// the map and drops the lengths of a scale that does not reflect, and rejects those of one that does.
+    /// Map of a placement. GDML gives the rotation of the mother's frame relative to the daughter, so the inverse
+    /// rotates the daughter. A scale is applied first. As in Geant4, only its signs count: `G4ReflectionFactory` decomposes
+    /// the map, ignores the magnitudes of a scale without reflection, and rejects those of a scale with one.
     fn map(&mut self, element: &Element) -> Result<Affine, Failure> {
         let placement = self.numbers.placement(element, "");
         let scale = self.numbers.child_vector(element, "scale", Role::Scale)?.unwrap_or(Vec3::ONE);
@@ -375,15 +367,15 @@ impl Builder<'_, '_> {
         if scale.to_array().contains(&0.0) {
             return Err(self
                 .numbers
-                .tell(Trouble::new("a scale factor is 0: a volume would be flat.", element.place)));
+                .tell(Trouble::new("a scale factor is 0: the volume would be flat.", element.place)));
         }
         let signs = Vec3::from_array(scale.to_array().map(f64::signum));
         if (scale - signs).abs().max_element() > UNIT_SCALE {
             let child = element.children.iter().find(|child| matches!(&*child.name, "scale" | "scaleref"));
             let [x, y, z] = signs.to_array();
-            let geant4 = if x * y * z > 0.0 { "as by Geant4" } else { "and Geant4 refuses the file" };
+            let geant4 = if x * y * z > 0.0 { "as in Geant4" } else { "and Geant4 refuses the file" };
             let message = format!(
-                "the placement has the scale ({}, {}, {}): only the signs are used, {geant4}. A `scaledSolid` stretches a solid.",
+                "the placement has the scale ({}, {}, {}): only the signs are used, {geant4}. Use a `scaledSolid` to scale a solid.",
                 scale.x, scale.y, scale.z
             );
             let place = child.map_or(element.place, |child| child.place);
@@ -444,9 +436,10 @@ impl Builder<'_, '_> {
     /// `<replicate_along_axis>`: direction, width and offset as child elements.
     fn row_along(&mut self, along: &Element) -> Result<row::Row, Failure> {
         let Some(axis) = along.child("direction").and_then(row::direction) else {
-            return Err(self
-                .numbers
-                .tell(Trouble::new("no direction: one of x, y, z, rho, phi is 1.", along.place)));
+            return Err(self.numbers.tell(Trouble::new(
+                "the direction is missing: one of x, y, z, rho, phi must be 1.",
+                along.place,
+            )));
         };
         let mut quantity = |name: &str| match along.child(name) {
             Some(child) => copies::quantity(self.numbers, child, axis, "value"),

@@ -143,7 +143,7 @@ impl Rows {
             };
             let entry =
                 |(name, property): &(String, Property)| (name.as_str().into(), unplaced(datum(property)));
-            // of repeated properties the last one counts
+            // if a property is repeated, the last one counts
             let last: HashMap<&str, usize> =
                 properties.iter().zip(0..).map(|((name, _), k)| (name.as_str(), k)).collect();
             let kept = properties.iter().zip(0..).filter(|((name, _), k)| last.get(name.as_str()) == Some(k));

@@ -1,7 +1,7 @@
 //! XML as a tree of elements with positions and expanded entities.
 //!
 //! The syntax is parsed by `quick-xml`. This module adds the tree, the positions, and the entities of a document type:
-//! `<!ENTITY name "text">` and `<!ENTITY name SYSTEM "file.xml">`, with the file relative to the one that declares it.
+//! `<!ENTITY name "text">` and `<!ENTITY name SYSTEM "file.xml">`, where the path is relative to the declaring file.
 //! Entities may refer to other entities. An entity expansion limit prevents short files from exhausting memory ("billion
 //! laughs").
 
@@ -14,8 +14,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Maximal nesting depth of elements: those of GDML nest to about ten, multiplied by entities.
+/// Maximal nesting depth of elements: GDML itself nests about ten deep, and entities add to that.
 const DEEPEST: usize = 200;
+/// Maximum number of attributes of an element.
+const MAX_ATTRIBUTES: usize = 200;
 /// Maximal nesting depth of entity references.
 const DEEPEST_ENTITY: usize = 20;
 /// Maximum number of entity references in a document.
@@ -89,7 +91,7 @@ pub(super) struct Attribute {
 }
 
 impl Attribute {
-    /// A part of the value, from a byte offset on.
+    /// A part of the value, starting at a byte offset.
     pub fn part(&self, text: &str, at: usize) -> Attribute {
         let start = self.place.span.start() + at;
         let span = if self.verbatim { Span::new(start, start + text.len()) } else { self.place.span };
@@ -117,7 +119,7 @@ impl Element {
         self.attribute(name).map_or("", |attribute| attribute.value.as_str())
     }
 
-    /// The first child of a name.
+    /// The first child with a name.
     pub fn child(&self, name: &str) -> Option<&Element> {
         self.children.iter().find(|child| child.name == name)
     }
@@ -137,6 +139,11 @@ impl Files {
         self.sources.len() as u32 - 1
     }
 
+    /// The length of all texts so far.
+    pub fn bytes(&self) -> usize {
+        self.sources.iter().map(|source| source.text().len()).sum()
+    }
+
     /// Adds the position to a diagnostic.
     pub fn locate(&self, problem: Diagnostic, place: Place) -> Diagnostic {
         match self.sources.get(place.file as usize) {
@@ -149,10 +156,10 @@ impl Files {
         self.sources.get(file as usize)?.path()
     }
 
-    /// Path of a file named in another one, relative to that.
+    /// Path of a file that another file refers to, relative to the latter.
     pub fn beside(&self, file: u32, name: &str) -> PathBuf {
         let name = name.strip_prefix("file:").unwrap_or(name);
-        // the main file may be a pipe, whose folder is not the model's
+        // the main file may be a pipe, whose folder is not that of the model
         let path = self.path(file).filter(|_| file > 0);
         path.and_then(|path| path.parent()).unwrap_or(self.allowed.folder()).join(name)
     }
@@ -185,7 +192,7 @@ pub(super) fn read(files: &mut Files, source: Arc<Source>) -> Result<Element, Tr
         )),
         _ => Err(Trouble::new(
             format!(
-                "a second element `{}` after the end of the first: a file is one element.",
+                "a second element `{}` after the end of the first: a file has one root element.",
                 roots[1].name
             ),
             roots[1].place,
@@ -255,12 +262,19 @@ impl Tree<'_> {
     fn start(&mut self, tag: &BytesStart, place: Place, depth: usize) -> Result<(), Trouble> {
         if self.open.len() >= DEEPEST {
             return Err(Trouble::new(
-                format!("more than {DEEPEST} elements within one another: GDML has no use for that."),
+                format!("more than {DEEPEST} nested elements: GDML never nests so deeply."),
                 place,
             ));
         }
         let mut attributes = Vec::new();
         for attribute in tag.attributes() {
+            // each is compared with those before it
+            if attributes.len() == MAX_ATTRIBUTES {
+                let message = format!(
+                    "the element has more than {MAX_ATTRIBUTES} attributes: GDML has no use for them."
+                );
+                return Err(Trouble::new(message, place));
+            }
             let attribute =
                 attribute.map_err(|error| Trouble::new(format!("the tag is malformed: {error}."), place))?;
             let at = place.span.start() + 1 + offset_in(tag, &attribute.value);
@@ -270,7 +284,7 @@ impl Tree<'_> {
             let name = self.name(attribute.key.as_ref());
             attributes.push(Attribute { name, value, place, verbatim });
         }
-        // attribute lists are as numerous as elements, and memory limits the size of files
+        // there are as many attribute lists as elements, and memory limits the size of files
         attributes.shrink_to_fit();
         let name = self.name(tag.name().as_ref());
         self.open.push(Element { name, place, attributes, children: Vec::new(), content: None });
@@ -330,7 +344,7 @@ impl Tree<'_> {
                 self.included += source.text().len();
                 if self.included > MAX_INCLUDED {
                     return Err(Trouble::new(
-                        format!("the entities' files have more than {} MiB", MAX_INCLUDED >> 20),
+                        format!("the files of the entities have more than {} MiB", MAX_INCLUDED >> 20),
                         place,
                     ));
                 }
@@ -345,9 +359,7 @@ impl Tree<'_> {
         self.references += 1;
         if depth >= DEEPEST_ENTITY {
             return Err(Trouble::new(
-                format!(
-                    "entities refer to one another more than {DEEPEST_ENTITY} deep: does one contain itself?"
-                ),
+                format!("entities are nested more than {DEEPEST_ENTITY} deep. Does one contain itself?"),
                 place,
             ));
         }
@@ -362,7 +374,7 @@ impl Tree<'_> {
         match self.expanded > MAX_EXPANDED {
             true => Err(Trouble::new(
                 format!(
-                    "the entity `{name}` makes the text longer than {} MiB: entities that repeat one another?",
+                    "the entity `{name}` makes the text longer than {} MiB. Do entities repeat each other?",
                     MAX_EXPANDED >> 20
                 ),
                 place,
@@ -392,7 +404,7 @@ impl Tree<'_> {
             value += &rest[..at];
             let end = rest[at..].find(';').ok_or_else(|| {
                 Trouble::new(
-                    "a `&` without `;` in a value: it begins a reference. Did you mean `&amp;`?",
+                    "a value has a `&` without `;`: it begins a reference. Did you mean `&amp;`?",
                     place,
                 )
             })?;
@@ -411,7 +423,7 @@ impl Tree<'_> {
         self.count(place, depth)?;
         match self.entity(name, place)? {
             Entity::File(_) => Err(Trouble::new(
-                format!("the entity `{name}` is a file, which cannot stand in a value"),
+                format!("the entity `{name}` is a file, which is not allowed in a value"),
                 place,
             )),
             Entity::Text(source) => {
@@ -441,7 +453,7 @@ impl Tree<'_> {
                 }
                 _ => {
                     return Err(Trouble::new(
-                        "the declaration of an entity is malformed: <!ENTITY name \"text\"> or <!ENTITY name SYSTEM \"file\">.",
+                        "the declaration of an entity is malformed: the forms are <!ENTITY name \"text\"> and <!ENTITY name SYSTEM \"file\">.",
                         place,
                     ));
                 }

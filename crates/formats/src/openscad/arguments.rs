@@ -39,15 +39,15 @@ impl<'a> Arguments<'a> {
         self.budget.hold(items).map_err(|limit| self.exceeded(limit))
     }
 
-    /// A result of something that only knows the budget.
+    /// Converts an exceeded limit to a refusal of the item.
     pub fn limited<T>(&self, result: Result<T, Exceeded>) -> Result<T, Refusal> {
         result.map_err(|limit| self.exceeded(limit))
     }
 
-    /// The error that the file exceeds its budget here.
+    /// The error that this item exceeds the budget of the file.
     fn exceeded(&self, limit: Exceeded) -> Refusal {
         let problem = Diagnostic::error(format!("{}() exceeds the limits of the file", self.node.name));
-        let advice = "Do smaller `$fn`, fewer slices or less nesting help?".to_owned();
+        let advice = "Reduce `$fn`, the number of slices or the nesting".to_owned();
         let problem = problem.why(limit.reason()).suggest(Some(advice)).at(self.source, self.node.span);
         let refusal = Box::new(problem);
         self.budget.note(&refusal);
@@ -129,7 +129,7 @@ impl<'a> Arguments<'a> {
 }
 
 impl Arguments<'_> {
-    /// A warning for each argument that is not read: one with an unknown name, one given twice, or one that has no place.
+    /// A warning for each argument that is not read: with an unknown name, given twice, or with an excess position.
     pub fn unused(&self) -> Vec<Diagnostic> {
         let Some(known) = parameters(&self.node.name) else { return Vec::new() };
         let names = || known.iter().copied().chain(order(&self.node.name).iter().copied()).chain(ANYWHERE);
@@ -147,12 +147,12 @@ impl Arguments<'_> {
                     Some(rest) => places = rest,
                     None => warnings.push(ignored(
                         "an argument".to_owned(),
-                        format!("it takes {} arguments without a name", order(&self.node.name).len()),
+                        format!("at most {} of its arguments may be unnamed", order(&self.node.name).len()),
                     )),
                 }
             } else if !names().any(|known| known == name) {
                 let why = format!("it has no parameter `{name}`");
-                // most names are short: one edit is always allowed
+                // most names are short, so one edit is always allowed
                 let edits = |known: &str| (name.len().max(known.len()) / 3).max(1);
                 let meant = closest(name, names(), edits).first().copied();
                 let meant = meant.map(|meant| format!("Did you mean `{meant}`?"));

@@ -25,7 +25,7 @@ pub(super) fn body(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal
 }
 
 fn failed(arguments: &Arguments, why: &str) -> Refusal {
-    arguments.refusal(&format!("its facets cannot be joined: {why}"))
+    arguments.refusal(&format!("its facets cannot be combined: {why}"))
 }
 
 fn of_shell(arguments: &Arguments, shell: &Shell, map: &Affine) -> Result<Option<Body>, Refusal> {
@@ -130,7 +130,7 @@ impl Shell {
     }
 }
 
-/// The Minkowski sum of some nodes, in facets.
+/// The faceted Minkowski sum of several nodes.
 pub(super) fn sum(
     reader: &Reader,
     arguments: &Arguments,
@@ -145,14 +145,16 @@ pub(super) fn sum(
             Some(so_far) => {
                 count_sum(arguments, &so_far, &next)?;
                 let made = so_far.sum(&next);
-                made.map_err(|why| arguments.refusal(&format!("its facets cannot be summed up: {why}")))?
+                made.map_err(|why| {
+                    arguments.refusal(&format!("the Minkowski sum of its facets cannot be computed: {why}"))
+                })?
             }
         };
     }
     Ok(all)
 }
 
-/// Counts the cost of a sum: a hull for each pair of facets (a convex body counts as one), and their unions in pairs.
+/// Counts the cost of a sum: a hull for each pair of facets (a convex body counts as one facet), and their pairwise unions.
 fn count_sum(arguments: &Arguments, a: &Body, b: &Body) -> Result<(), Refusal> {
     let facets = |body: &Body| if body.is_convex() { 1 } else { body.triangle_count() };
     let corners = |body: &Body| if body.is_convex() { body.triangle_count() } else { 3 };

@@ -1,22 +1,22 @@
-//! The work and the memory that one dump may take, together with the files that it names.
+//! The work and the memory that a dump may take, together with the files that it refers to.
 
 use rayweave_scene::Diagnostic;
 use std::cell::{Cell, RefCell};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-/// Steps that every file may take, and more per byte of it. A step is about a nanosecond of a release build.
+/// Steps that every file may take, and more for each of its bytes. A step takes about a nanosecond in a release build.
 const STEPS: u64 = 2_000_000_000;
 const STEPS_PER_BYTE: u64 = 1000;
 
-/// Points and triangles that every file may have, and the bytes of it per further one. Each takes a few hundred bytes
-/// until the scene is complete.
+/// Points and triangles that every file may have, and the number of bytes per additional one. Each takes a few hundred
+/// bytes until the scene is complete.
 const ITEMS: u64 = 1_500_000;
 const BYTES_PER_ITEM: u64 = 8;
 
-/// The cost of an edge in a boolean operation of regions, and of a pair of edges that may cross.
-pub(super) const EDGE: usize = 150;
-pub(super) const CROSSING: usize = 800;
+/// The cost of an edge, or of a pair of edges that may cross, in a boolean operation on regions.
+pub(super) const EDGE: usize = 400;
+pub(super) const CROSSING: usize = 1500;
 
 /// The cost of a corner of a region in a formula of half-planes or half-spaces.
 pub(super) const CORNER: usize = 1000;
@@ -48,8 +48,8 @@ pub(super) enum Exceeded {
 impl Exceeded {
     pub fn reason(self) -> &'static str {
         match self {
-            Exceeded::Steps => "the items up to here, all together, would take too long",
-            Exceeded::Items => "the items up to here, all together, have too many points and facets",
+            Exceeded::Steps => "the items up to here would together take too long",
+            Exceeded::Items => "the items up to here together have too many points and facets",
         }
     }
 }
@@ -80,7 +80,7 @@ impl Budget {
         self.most_items.set(self.most_items.get().saturating_add(bytes / BYTES_PER_ITEM));
     }
 
-    /// Counts the reading of another file, which also has a share of its own: once, however often it is named.
+    /// Counts the reading of another file, which also adds to the budget, once even if the dump refers to it repeatedly.
     pub fn read_file(&self, path: &Path, bytes: u64) -> Result<(), Exceeded> {
         if self.files.borrow_mut().insert(path.to_owned()) {
             self.grow(bytes);

@@ -22,7 +22,7 @@ struct Face {
     corners: [usize; 3],
     /// Neighbours across the edges from each corner to the next.
     next: [usize; 3],
-    /// Points above the face, each of which is above one face only, and the highest of them.
+    /// Points above the face (each point is assigned to one face only), and the highest of them.
     above: Vec<usize>,
     highest: (f64, usize),
     is_kept: bool,
@@ -54,7 +54,7 @@ pub(super) fn convex_hull(
     let Some(first) = first_faces(points) else { return Ok(None) };
     let mut faces: Vec<Face> = first.into_iter().map(Face::new).collect();
     for (k, next) in [[3, 2, 1], [0, 2, 3], [0, 3, 1], [0, 1, 2]].into_iter().enumerate() {
-        // checked by the edges that the faces share
+        // verified by the edges that the faces share
         let [a, b, c] = faces[k].corners;
         let across = |p: usize, q: usize| {
             next.into_iter().find(|n| edges(faces[*n].corners).contains(&(q, p))).unwrap_or(k)
@@ -118,8 +118,7 @@ fn give(
     Ok(())
 }
 
-/// The faces that see a point, which they cease to be faces of the hull for, and their boundary: edges, each with the face
-/// beyond.
+/// Removes the faces visible from a point, and returns them and their boundary: edges, each with the face beyond.
 #[expect(clippy::type_complexity, reason = "two lists that belong together")]
 fn seen_from(
     arguments: &Arguments,
@@ -164,7 +163,7 @@ fn first_faces(points: &[Vec3]) -> Option<Vec<[usize; 3]>> {
     let c = farthest(&|p| along.cross(p - points[a]).length_squared())?;
     let normal = along.cross(points[c] - points[a]);
     let by_far = farthest(&|p| normal.dot(p - points[a]).abs())?;
-    // the rounded measure may be 0 for points outside the plane
+    // the rounded measure may be 0 even for points outside the plane
     let mut candidates = std::iter::once(by_far).chain(0..points.len());
     let d = candidates.find(|d| height(points, [a, b, c], *d) != 0.0)?;
     let [b, c] = if height(points, [a, b, c], d) > 0.0 { [c, b] } else { [b, c] };
@@ -220,7 +219,7 @@ mod tests {
             .expect("within the budget")
     }
 
-    /// The corners of a lattice on a sphere: 100 000 points are few steps, and every one is a vertex.
+    /// The corners of a lattice on a sphere: 100 000 points take few steps, and each is a vertex.
     #[test]
     fn many_points_take_little_work() {
         let n = 100_000;

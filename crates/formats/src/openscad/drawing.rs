@@ -25,7 +25,7 @@ pub(super) struct Drawing {
     pub closed: usize,
     /// The first omitted entities of each kind: name, reason, and line in the file.
     pub refused: Vec<(String, String, usize)>,
-    /// Names and reasons of these.
+    /// Names and reasons of the listed entities.
     known: HashSet<(String, String)>,
     /// Number of omitted entities that are not listed.
     pub unlisted: usize,
@@ -153,14 +153,14 @@ mod tests {
 
     /// The areas equal those of the exports of OpenSCAD 2021.01.
     #[test]
-    fn svg_beside_openscad() {
+    fn svg_areas_equal_those_of_openscad() {
         let cases = [
             ("<circle cx=\"50\" cy=\"50\" r=\"20\"/>", 1251.4741),
             ("<ellipse cx=\"50\" cy=\"50\" rx=\"20\" ry=\"10\"/>", 625.739),
             ("<path d=\"M20 30 C 20 60, 60 60, 60 30 z\"/>", 717.003),
             ("<path d=\"M20 30 Q 20 60, 60 60 L 60 30 z\"/>", 999.0),
             ("<rect x=\"5\" y=\"5\" width=\"20\" height=\"10\" rx=\"3\"/>", 192.1311),
-            // strokes: square ends, sharp corners
+            // strokes with square ends and sharp corners
             ("<path d=\"M20 30 L60 30 L60 60\" style=\"fill:red;stroke:black;stroke-width:4\"/>", 296.0),
             ("<polyline points=\"10,10 50,10 50,50\"/>", 81.0),
             ("<line x1=\"10\" y1=\"10\" x2=\"50\" y2=\"10\" stroke-width=\"3\"/>", 129.0),

@@ -29,8 +29,8 @@ pub(super) struct DxfOptions<'a> {
     pub fineness: Fineness,
     /// Name of the layer to read; all layers if it is empty.
     pub layer: &'a str,
-    /// Factor by which the drawing is scaled afterwards, positive. OpenSCAD divides round shapes outside of blocks by their
-    /// scaled radius.
+    /// Factor by which the drawing is scaled afterwards, positive. In OpenSCAD, the scaled radius of round shapes outside of
+    /// blocks determines their number of facets.
     pub scale: f64,
     pub budget: &'a Budget,
 }
@@ -48,7 +48,7 @@ impl Entity<'_> {
         self.pairs.iter().find(|pair| pair.0 == code).map_or("", |pair| pair.1)
     }
 
-    /// All numbers with a group code; values that are not finite numbers count as 0.
+    /// All values with a group code as numbers; those that are not finite count as 0.
     fn numbers(&self, code: u16) -> impl Iterator<Item = f64> {
         self.pairs.iter().filter(move |pair| pair.0 == code).map(|pair| parsed(pair.1))
     }
@@ -177,7 +177,7 @@ impl<'a> Reader<'a> {
             self.scale = if depth == 0 { self.options.scale } else { 1.0 };
             let mut polyline: Option<(bool, Vec<Vertex>)> = None;
             for entity in entities {
-                // entities of a block are read once per use; each value is searched for among the pairs
+                // entities of a block are read once per use; each value requires a search among the pairs
                 self.options.budget.spend(200 + 50 * entity.pairs.len())?;
                 match entity.name {
                     "VERTEX" => polyline.iter_mut().for_each(|(_, all)| all.push(Vertex::of(entity))),
@@ -327,7 +327,7 @@ impl<'a> Reader<'a> {
         let is_spline =
             (1..=20).contains(&degree) && points.len() > degree && knots.len() == points.len() + degree + 1;
         if !is_spline || knots.windows(2).any(|pair| pair[1] < pair[0]) {
-            let why = "its knots and points do not fit each other".to_owned();
+            let why = "its numbers of knots and points do not match".to_owned();
             self.drawing.refuse("SPLINE", &why, || entity.line);
             return Ok(());
         }
@@ -351,7 +351,7 @@ impl<'a> Reader<'a> {
         self.chain(all, map)
     }
 
-    /// Keeps a single circle exactly round. Among other shapes it may be a hole or have one, and becomes a chain of chords.
+    /// Keeps a single circle exactly round. Among other shapes, a circle may be or contain a hole and becomes a chain of chords.
     fn round_off(&mut self) {
         let rounds = std::mem::take(&mut self.rounds);
         if let [(radii, map, fragments)] = rounds[..]
@@ -444,7 +444,7 @@ fn joined(mut chains: Chains) -> (Chains, Chains) {
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes.count];
     ends.iter().enumerate().for_each(|(k, pair)| pair.iter().for_each(|node| at[*node].push(k)));
     let mut used = vec![false; chains.len()];
-    // number of chains at each node that are known to be used, so that a node with many is not searched repeatedly
+    // number of chains at each node that are known to be used, so that a node with many chains is not searched repeatedly
     let mut passed = vec![0; nodes.count];
     let (mut closed, mut open) = (Vec::new(), Vec::new());
     // open chains start at nodes with only one chain end

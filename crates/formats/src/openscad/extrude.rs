@@ -46,8 +46,8 @@ fn prism(arguments: &Arguments, leaf: &Leaf, map: &Affine, way: &Way) -> Result<
             let middle = 0.5 * (way.bottom + way.top);
             if middle == 0.0 { rod } else { rod.translate([0.0, 0.0, middle]) }
         }
-        // a mesh has a BVH, and other programs can read it as one shape; the ends of very long outlines take too long to cut
-        // into triangles
+        // a mesh has a BVH, and other programs can read it as one shape; triangulating the ends of very long outlines takes too
+        // long
         Leaf::Outline(contours) if (MAX_PLANES..MAX_CORNERS).contains(&leaf.point_count()) => {
             Twist::plain(way).over(arguments, contours)?
         }

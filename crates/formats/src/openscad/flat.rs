@@ -38,7 +38,7 @@ pub(super) struct Flats {
     nodes: Vec<Node>,
     /// True if discs are divided as in OpenSCAD.
     pub facets: bool,
-    /// Regions that are the sum of another region and a disc: that region and the radius.
+    /// For regions that are the sum of a region and a disc: that region and the radius.
     grown: HashMap<Flat, (Flat, f64)>,
     /// Set when a disc is approximated by chords; the reader resets it after each item.
     pub has_chords: Cell<bool>,
@@ -68,7 +68,7 @@ impl Flats {
         self.add(Node::Join(operation, operands))
     }
 
-    /// The region and the radius of which a region is known to be the sum.
+    /// The region and the radius of the disc whose sum is the given region, if known.
     pub fn grown(&self, flat: Flat) -> Option<(Flat, f64)> {
         self.grown.get(&flat).copied()
     }
@@ -93,7 +93,7 @@ impl Flats {
         let mut tasks = vec![Task::Visit(root, Affine::IDENTITY)];
         let mut made = Vec::new();
         while let Some(task) = tasks.pop() {
-            // regions may share parts, each of which is visited once per use
+            // regions may share parts, which are visited once per use
             arguments.spend(100)?;
             match task {
                 Task::Visit(flat, map) => match &self.nodes[flat.0 as usize] {
@@ -232,12 +232,14 @@ pub(super) fn circle(arguments: &Arguments, facets: bool) -> Result<Option<Leaf>
 /// `polygon(points, paths)`, filled by the even-odd rule; without paths all points form one path.
 pub(super) fn polygon(arguments: &Arguments) -> Result<Option<Leaf>, Refusal> {
     let points = arguments.get("points", "a list of points (x, y), all finite", points)?.unwrap_or_default();
-    let paths = arguments.get("paths", "a list of lists of numbers of points", paths)?;
+    let paths = arguments.get("paths", "a list of lists of point indices", paths)?;
     let contours = match paths {
         Some(paths) if !paths.is_empty() => {
             let point = |number: &usize| {
-                let reason =
-                    || arguments.refusal(&format!("a path names point {number} of {}", points.len()));
+                let reason = || {
+                    arguments
+                        .refusal(&format!("a path refers to point {number}, but there are {}", points.len()))
+                };
                 points.get(*number).copied().ok_or_else(reason)
             };
             let contour = |path: &Vec<usize>| path.iter().map(point).collect::<Result<Vec<_>, _>>();
@@ -261,7 +263,7 @@ fn paths(value: &Value) -> Option<Vec<Vec<usize>>> {
     }
 }
 
-/// A number as a point index.
+/// Converts a number to a point index.
 pub(super) fn index(number: f64) -> Option<usize> {
     ((0.0..4e9).contains(&number) && number.fract() == 0.0).then_some(number as usize)
 }

@@ -28,7 +28,7 @@ enum Task {
 pub(super) enum Start {
     /// Start at a node.
     Item(usize),
-    /// Start at the union of the children of a node, whatever its own operation.
+    /// Start at the union of the children of a node, regardless of its operation.
     Below(usize),
 }
 
@@ -61,7 +61,7 @@ pub(super) fn fold<T>(
         let node = &reader.tree.nodes[number];
         let arguments = reader.arguments(number);
         arguments.spend(100)?;
-        // a `resize` whose shell is known need not be computed again
+        // a `resize` with a known shell need not be computed again
         let is_known = from != Start::Below(number) && reader.shells.contains_key(&number);
         let structure = if is_known { None } else { structure(reader, number, from, &arguments)? };
         match structure {
@@ -84,10 +84,10 @@ pub(super) fn fold<T>(
         }
     }
     // the first task produced the only remaining result
-    made.pop().ok_or_else(|| reader.arguments(from.number()).refusal("nothing is in it"))
+    made.pop().ok_or_else(|| reader.arguments(from.number()).refusal("it is empty"))
 }
 
-/// Boolean operation and map of the children of a node; `None` for nodes with shells of their own.
+/// Boolean operation and map of the children of a node; `None` for nodes that have their own shells.
 fn structure(
     reader: &Reader,
     number: usize,
@@ -125,7 +125,7 @@ pub(super) fn is_union(reader: &Reader, root: usize) -> Result<bool, Refusal> {
     )
 }
 
-/// The shells of a node, whose union it is.
+/// The shells whose union a node is.
 fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<Shell>, Refusal> {
     if let Some(known) = reader.shells.get(&number) {
         arguments.spend(50 * known.iter().map(|shell| shell.triangles.len()).sum::<usize>())?;
@@ -168,7 +168,7 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
             }
             None => Vec::new(),
         },
-        _ => return Err(arguments.refusal("what bounds it is not known")),
+        _ => return Err(arguments.refusal("its boundary is unknown")),
     })
 }
 

@@ -20,10 +20,10 @@ use rayweave_math::{Affine, Vec3};
 use rayweave_polygon::Point;
 use std::collections::HashMap;
 
-/// Maximum number of pairs of convex parts; only unions of many parts have more.
+/// Maximum number of pairs of convex parts, which only unions of many parts exceed.
 pub(super) const MAX_SUMS: usize = 2000;
 
-/// All generators below a node. Operands of booleans all count, which is right for unions only.
+/// All generators below a node. All operands of booleans count, which is correct only for unions.
 pub(super) fn generators(reader: &Reader, root: usize, map: Affine) -> Result<Vec<Generator>, Refusal> {
     let mut found = Vec::new();
     let mut waiting = vec![(root, map)];
@@ -90,11 +90,11 @@ pub(super) fn convex_parts(reader: &Reader, root: usize) -> Result<Vec<Vec<Gener
 fn check_convex(reader: &Reader, number: usize, arguments: &Arguments) -> Result<(), Refusal> {
     match is_convex_item(reader, number, arguments)? {
         true => Ok(()),
-        false => Err(arguments.refusal("it is a part of a sum and not known to be convex")),
+        false => Err(arguments.refusal("it is part of a Minkowski sum but not known to be convex")),
     }
 }
 
-/// True if an item without children of its own, or an extrusion, is convex.
+/// True if an item without children, or an extrusion, is convex.
 fn is_convex_item(reader: &Reader, number: usize, arguments: &Arguments) -> Result<bool, Refusal> {
     match (reader.tree.nodes[number].name.as_str(), reader.extruded.get(&number)) {
         ("polyhedron", _) => mesh::is_convex(arguments),
@@ -118,7 +118,7 @@ fn pieces_of(
     if reader.tree.nodes[number].name == "linear_extrude" {
         let Some(way) = Way::of(arguments)? else { return Ok(Vec::new()) };
         if arguments.number("twist", 0.0)? != 0.0 || !way.is_even() {
-            return Err(arguments.refusal("it is a part of a sum and not known to be convex"));
+            return Err(arguments.refusal("it is part of a Minkowski sum but not known to be convex"));
         }
         let [factor, _] = way.scale;
         for piece in pieces {
@@ -237,7 +237,7 @@ fn leaf(
                 None => points(ring_points(&sizes.rings(), fragments)),
             }
         }
-        _ => return Err(arguments.refusal("nothing that it is part of can be the hull of it")),
+        _ => return Err(arguments.refusal("its hull cannot be computed")),
     }
     Ok(())
 }
@@ -292,7 +292,7 @@ fn extruded(
         return Ok(());
     };
     if arguments.number("twist", 0.0)? != 0.0 {
-        return Err(arguments.refusal("the hull of what is twisted cannot be read"));
+        return Err(arguments.refusal("the hull of a twisted extrusion cannot be computed"));
     }
     let ends = [(way.bottom, [1.0; 2]), (way.top, way.scale)];
     for (centre, radius, fragments) in round(arguments, &reader.flats, *flat)? {
@@ -314,7 +314,7 @@ fn extruded(
     Ok(())
 }
 
-/// Generators of a rotate extrusion: the discs of the corners of its profile, or for a part of a turn or with facets the
+/// Generators of a rotate extrusion: the discs of the corners of its profile or, for a partial turn or with facets, the
 /// vertices of its facets.
 fn turned(
     reader: &Reader,
@@ -349,7 +349,7 @@ fn turned(
 /// A disc of the plane with the number of its facets; radius 0 means a point.
 pub(super) type Round = (Point, f64, usize);
 
-/// Discs and points that generate the convex hull of a region: those of its leaves, or for differences and intersections
+/// Discs and points that generate the convex hull of a region: those of its leaves or, for differences and intersections,
 /// the vertices of its boundary.
 pub(super) fn round(arguments: &Arguments, flats: &Flats, flat: Flat) -> Result<Vec<Round>, Refusal> {
     if !flats.is_union(arguments, flat)? {
@@ -384,7 +384,7 @@ pub(super) fn hull_of_discs(
         let disc = flats.leaf(Leaf::Disc { radius: *radius, fragments: *fragments });
         parts.push(flats.transformed(Affine::translate(Vec3::new(centre[0], centre[1], 0.0)), disc));
     }
-    // later operations go over all parts
+    // later operations visit all parts
     arguments.spend(500 * parts.len())?;
     Ok(match parts.is_empty() {
         true => Part::Empty,
@@ -399,7 +399,7 @@ pub(super) fn leaves(
     flat: Flat,
 ) -> Result<Vec<(Leaf, Affine)>, Refusal> {
     if !flats.is_union(arguments, flat)? {
-        return Err(arguments.refusal("the boundary of what is cut out of something is not known"));
+        return Err(arguments.refusal("the boundary of a difference or intersection is unknown"));
     }
     flats.fold(arguments, flat, |leaf, map| Ok(vec![(leaf.clone(), *map)]), |_, parts| Ok(parts.concat()))
 }

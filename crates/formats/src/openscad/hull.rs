@@ -88,25 +88,25 @@ impl Generator {
     }
 }
 
-/// A convex hull; `is_exact` is false if round generators were tessellated.
+/// A convex hull, inexact if round generators were tessellated.
 pub(super) struct Hull {
     pub solid: Option<Solid>,
     pub is_exact: bool,
 }
 
-/// Approximate number of steps to compute an exact hull, without that of points.
+/// Approximate number of steps to compute an exact hull, excluding the hull of points.
 pub(super) fn cost(generators: &[Generator]) -> usize {
     let n = generators.len();
     let is_round = |g: &&Generator| matches!(g, Generator::Ball { radius, .. } if *radius > 0.0);
     let rounds = generators.iter().filter(is_round).count();
     let discs = generators.iter().filter(|g| matches!(g, Generator::Disc { .. })).count();
-    // pairs are compared, of discs for twins and of balls for one that contains the other; triples of balls are tested
+    // pairs of discs are compared to find twins, pairs of balls to find one inside the other; triples of balls are tested
     let pairs = if discs > 0 || rounds > 0 { n.saturating_mul(n).saturating_mul(10) } else { 0 };
     let balls = if discs > 0 { 0 } else { rounds.min(MAX_BALLS) };
     pairs.saturating_add(100 * balls * balls * n.min(MAX_BALLS))
 }
 
-/// Convex hull of generators; without a solid if it has no volume.
+/// Convex hull of generators; it has no solid if its volume is zero.
 pub(super) fn hull(arguments: &Arguments, generators: &[Generator]) -> Result<Hull, Refusal> {
     let exact = match generators.iter().any(|g| matches!(g, Generator::Disc { .. })) {
         true => of_discs(arguments, generators)?,
@@ -138,7 +138,7 @@ pub(super) fn check_count(arguments: &Arguments, count: usize) -> Result<(), Ref
     }
 }
 
-/// Convex polyhedron of points.
+/// Convex hull of points as a polyhedron.
 pub(super) fn of_points(arguments: &Arguments, points: Vec<Vec3>) -> Result<Option<Solid>, Refusal> {
     let points = distinct(points);
     match convex_hull(arguments, &points)? {
@@ -243,7 +243,7 @@ fn push(found: &mut Vec<Touching>, balls: &[Ball], normal: Vec3, i: usize, near:
     found.push(Touching { normal, balls: touched });
 }
 
-/// Normals of the two planes that touch three balls from the same side: n . (c2 - c1) = r1 - r2 etc.
+/// Normals of the two planes that touch three balls from the same side: n . (c2 - c1) = r1 - r2, and so on.
 fn normals([a, b, c]: [&Ball; 3]) -> Vec<Vec3> {
     let (e, f) = (b.centre - a.centre, c.centre - a.centre);
     let across = e.cross(f);

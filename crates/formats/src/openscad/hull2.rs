@@ -5,7 +5,7 @@ use rayweave_polygon::Point;
 /// Tangent points of the convex hull of discs, in order: the points where supporting lines touch the discs. The hull is the
 /// union of the polygon of these points and the discs. A disc of radius 0 is a point.
 ///
-/// Every line that touches two discs is compared with the others, mostly with a few of them; `spend` counts the
+/// Every line that touches two discs is compared with the other discs, usually only a few of them; `spend` counts the
 /// comparisons and may end the search.
 pub(super) fn touching_points<E>(
     discs: &[(Point, f64)],
@@ -113,7 +113,7 @@ mod tests {
             let near = |p: &Point| (p[0] - expected[0]).hypot(p[1] - expected[1]) < 1e-14;
             assert!(drop.iter().any(near), "{drop:?}");
         }
-        // a disc inside the other
+        // one disc inside the other
         assert_eq!(touching_points(&[([0.0, 0.0], 3.0), ([1.0, 0.0], 1.0)]), [[0.0; 2]; 0]);
     }
 }

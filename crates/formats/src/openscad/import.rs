@@ -18,16 +18,17 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-/// The file of an item, with its path relative to the dump. The dump may read the given files.
+/// Opens the file of an item, whose path is relative to the dump. The dump may read the given files.
 pub(super) fn file(arguments: &Arguments, files: &AllowedFiles) -> Result<(PathBuf, File), Refusal> {
     let name = word(arguments, "file")?;
-    let name = name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it names no file"))?;
+    let name =
+        name.filter(|name| !name.is_empty()).ok_or_else(|| arguments.refusal("it has no file name"))?;
     let path = files.folder().join(name);
     match files.open(&path) {
         Ok(file) => Ok((path, file)),
         Err(RefusedFile::Folder) => Err(arguments.refusal(&format!("`{name}` is a folder"))),
         Err(RefusedFile::Io(error)) if error.kind() == ErrorKind::NotFound => {
-            Err(arguments.refusal(&format!("there is no file `{name}` beside the dump")))
+            Err(arguments.refusal(&format!("there is no file `{name}` in the folder of the dump")))
         }
         Err(RefusedFile::Io(error)) => {
             Err(arguments.refusal(&format!("its file `{name}` cannot be read: {error}")))
@@ -40,7 +41,7 @@ pub(super) fn file(arguments: &Arguments, files: &AllowedFiles) -> Result<(PathB
 
 /// A string argument.
 pub(super) fn word<'a>(arguments: &Arguments<'a>, name: &str) -> Result<Option<&'a str>, Refusal> {
-    arguments.get(name, "a text", |value| match value {
+    arguments.get(name, "a string", |value| match value {
         Value::Text(text) => Some(text.as_str()),
         _ => None,
     })
@@ -60,7 +61,7 @@ pub(super) fn text_of(
     arguments.limited(arguments.budget().read_file(path, length))?;
     let mut bytes = Vec::new();
     file.take(largest).read_to_end(&mut bytes).map_err(unreadable)?;
-    // old drawings have names in other encodings, which do not matter
+    // old drawings have names in other encodings; names do not matter
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
@@ -133,11 +134,13 @@ fn drawn(
         report.add(LossKind::Refused, "import()", problem.why("no more are listed"));
     }
     if drawing.has_chords {
-        let why = format!("has chords in place of curves, off by at most {TOLERANCE:e} of their size");
+        let why = format!(
+            "has chords instead of curves, which deviate by at most {TOLERANCE:e} of the size of the drawing"
+        );
         report.add(LossKind::Approximated, "import()", arguments.approximation(&why));
     }
     if drawing.closed > 0 {
-        let why = arguments.approximation("closes lines that are open by straight ones");
+        let why = arguments.approximation("closes open chains with straight lines");
         report.add(LossKind::Approximated, "import()", why);
     }
     let moved = |(leaf, map)| {

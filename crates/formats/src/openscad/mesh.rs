@@ -27,7 +27,7 @@ const MAX_SLICES: f64 = 20_000.0;
 /// Relative tolerance for planes through three points: coordinates are printed with six digits.
 const DIGITS: f64 = 2e-5;
 
-/// Maximum number of faces of a convex solid of planes; larger polyhedra are faster as a mesh, which has a BVH.
+/// Maximum number of faces of a convex solid given by planes; larger polyhedra are faster as a mesh, which has a BVH.
 pub(super) const MAX_PLANES: usize = 64;
 
 pub(super) fn within(
@@ -79,7 +79,7 @@ pub(super) fn between_rings(rings: &[[f64; 2]], fragments: usize) -> (Vec<Vec3>,
 pub(super) fn parts(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<[usize; 3]>), Refusal> {
     let (points, faces) = points_and_faces(arguments)?;
     for face in &faces {
-        // ears are searched for among all corners; in larger faces none are
+        // the search for ears compares all corners; larger faces are not searched
         let corners = face.len();
         arguments.spend(if corners > 1000 {
             100 * corners
@@ -97,7 +97,7 @@ fn points_and_faces(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<Vec<usize>>
         value.list()?.iter().map(vector).collect::<Option<Vec<Vec3>>>()
     })?;
     let points = points.unwrap_or_default();
-    let wanted = "a list of lists of numbers of points";
+    let wanted = "a list of lists of point indices";
     let given = match arguments.get("faces", wanted, faces)? {
         Some(given) => given,
         // the name of the argument in older dumps
@@ -107,7 +107,9 @@ fn points_and_faces(arguments: &Arguments) -> Result<(Vec<Vec3>, Vec<Vec<usize>>
         return Err(arguments.refusal("a face has more corners than there are points"));
     }
     if let Some(number) = given.iter().flatten().find(|number| **number >= points.len()) {
-        return Err(arguments.refusal(&format!("a face names point {number} of {}", points.len())));
+        return Err(
+            arguments.refusal(&format!("a face refers to point {number}, but there are {}", points.len()))
+        );
     }
     Ok((points, given))
 }
@@ -303,8 +305,8 @@ fn flat_distance(p: Vec3, q: Vec3) -> f64 {
     (p - q).truncate().length()
 }
 
-/// Whether the first length is the shorter; `None` if they differ by less than 10^-5 of their mean, which OpenSCAD 2021.01
-/// treats as equal.
+/// Whether the first length is the shorter one; `None` if they differ by less than 10^-5 of their mean: OpenSCAD 2021.01
+/// treats such lengths as equal.
 fn shorter(a: f64, b: f64) -> Option<bool> {
     let differ = 2e5 * (a - b).abs() > a + b;
     differ.then_some(a < b)

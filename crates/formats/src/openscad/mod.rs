@@ -51,8 +51,8 @@ use std::sync::Arc;
 ///
 /// # Errors
 ///
-/// Syntax errors: misplaced tokens, unbalanced braces, numbers beyond the range of `f64`; an item that exceeds the work or the
-/// memory that a file of this size may take; names of files that the dump may not read.
+/// Syntax errors: misplaced tokens, unbalanced braces, numbers beyond the range of `f64`; an item that exceeds the work or
+/// the memory that a file of this size may take; references to files that the dump may not read.
 pub fn read(source: &Arc<Source>, options: &Options) -> Result<(Scene, Report), Diagnostics> {
     let tree = syntax::parse(source)?;
     let budget = budget::Budget::new(source.text().len());

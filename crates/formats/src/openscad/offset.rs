@@ -66,10 +66,10 @@ pub(super) fn plain(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Res
     Ok(flats.leaf(Leaf::Outline(contours)))
 }
 
-/// Maximum number of parts of a union that are grown one by one; each becomes several.
+/// Maximum number of parts of a union that are grown one by one; each one becomes several.
 const MAX_PARTS: usize = 1000;
 
-/// A union of few leaves: the region itself, or a region made of its boundary.
+/// The region itself if it is a union of few leaves, else a region made of its boundary.
 pub(super) fn few(arguments: &Arguments, flats: &mut Flats, flat: Flat) -> Result<Flat, Refusal> {
     let count = flats.fold(arguments, flat, |_, _| Ok(1), |_, parts: Vec<usize>| Ok(parts.iter().sum()))?;
     if count <= MAX_PARTS {

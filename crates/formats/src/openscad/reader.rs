@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
             let is_shadow = modifiers.background && !modifiers.root;
             if self.live[number] && is_shadow && !modifiers.disabled {
                 let why = Diagnostic::warning("an item in the background is left out")
-                    .why("% shows it in previews only");
+                    .why("`%` shows it in previews only");
                 self.report.add(LossKind::Dropped, &node.name, why.at(self.source, node.span));
             }
             self.live[number] &= !modifiers.disabled && !is_shadow;
@@ -100,7 +100,9 @@ impl<'a> Reader<'a> {
         let part = self.read(number, node);
         if self.flats.has_chords.take() {
             let arguments = self.arguments(number);
-            let why = format!("has chords in place of circles, off by at most {TOLERANCE:e} of their radius");
+            let why = format!(
+                "has chords instead of circles, which deviate by at most {TOLERANCE:e} of the radius"
+            );
             self.report.add(LossKind::Approximated, &item(node), arguments.approximation(&why));
         }
         match part {
@@ -150,7 +152,7 @@ impl<'a> Reader<'a> {
     fn polyhedron(&mut self, arguments: &Arguments) -> Result<Part, Refusal> {
         let part = mesh::polyhedron(arguments)?;
         if mesh::bent_faces(arguments)? > 0 {
-            let why = "has faces that are not plane, cut into triangles in one of several ways";
+            let why = "has faces that are not planar, divided into triangles in one of several ways";
             self.report.add(LossKind::Approximated, "polyhedron()", arguments.approximation(why));
         }
         Ok(part)
@@ -179,7 +181,7 @@ impl<'a> Reader<'a> {
                 continue;
             }
             match (part, operation) {
-                // without the first operand a difference is empty
+                // without its first operand, a difference is empty
                 (part @ (Part::Refused | Part::Empty), Operation::Difference) if is_first => return part,
                 (Part::Empty, Operation::Intersection) => return Part::Empty,
                 (Part::Refused | Part::Empty, _) => {}
@@ -190,11 +192,11 @@ impl<'a> Reader<'a> {
             is_first = false;
         }
         if other_dimension {
-            let why = Diagnostic::warning("solids and regions of the plane stand side by side")
-                .why("the dimension of the first one counts, and the others are left out, as in OpenSCAD");
+            let why = Diagnostic::warning("three- and two-dimensional objects are mixed")
+                .why("as in OpenSCAD, only objects with the dimension of the first one are kept");
             self.report.add(LossKind::Dropped, &item(node), why.at(self.source, node.span));
             if operation == Operation::Intersection && !solids.is_empty() {
-                // the omitted operand is no solid, so the intersection is empty
+                // the omitted operand is not a solid, so the intersection is empty
                 return Part::Empty;
             }
         }
@@ -213,7 +215,8 @@ impl<'a> Reader<'a> {
         let part = self.combine(arguments, node, Operation::Union)?;
         let map = if matches!(part, Part::Flat(_)) { transform::restricted_to_xy(&map) } else { map };
         if map.inverse().is_err() && matches!(part, Part::Solid(_) | Part::Flat(_)) {
-            let why = arguments.approximation("leaves nothing: its matrix has no inverse: a scale of 0?");
+            let why =
+                arguments.approximation("leaves nothing, because its matrix has no inverse. Is a scale 0?");
             self.report.add(LossKind::Dropped, "multmatrix()", why);
             return Ok(Part::Empty);
         }
@@ -454,7 +457,7 @@ impl<'a> Reader<'a> {
             let all = all.iter().map(Generator::bounds);
             return Ok(Extent::Box(all.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])));
         }
-        // a limit is no reason to try in another way
+        // an exceeded limit is not a reason to try a different method
         arguments.spend(0)?;
         if !is_union(self, number)? {
             return Ok(body::body(self, Start::Below(number))?
@@ -553,7 +556,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Plane regions as plates of thickness 1, like in OpenSCAD's preview.
+    /// Plane regions as plates of thickness 1, as in OpenSCAD's preview.
     fn plates(&mut self, pieces: &[Piece<Flat>]) -> Vec<Piece<Solid>> {
         let arguments = self.arguments(0);
         let way = Way { bottom: -0.5, top: 0.5, scale: [1.0; 2] };

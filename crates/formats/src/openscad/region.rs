@@ -27,7 +27,7 @@ const FARTHEST: f64 = 1e150;
 /// Grid of `i_overlay`, relative to the size of its input.
 const GRID: f64 = 1.0 / (1u64 << 50) as f64;
 
-/// The region inside contours by a fill rule, as outlines counter-clockwise and holes clockwise that do not cross.
+/// The region inside contours according to a fill rule: counter-clockwise outlines and clockwise holes that do not cross.
 pub(super) fn filled(
     arguments: &Arguments,
     contours: &Contours,
@@ -50,8 +50,8 @@ pub(super) fn filled_near(
     Ok(contours.simplify_shape_as::<i64>(rule).into_iter().flatten().collect())
 }
 
-/// Counts what a boolean of regions costs: their edges, and the pairs of edges that cross, of which there may be
-/// quadratically many. A grid shows whether there can be many; if so, a sweep along an axis finds the pairs.
+/// Counts the cost of a boolean of regions: their edges, and the pairs of edges that cross, whose number may be
+/// quadratic. A grid shows whether there can be many pairs; if so, a sweep along an axis finds them.
 fn count_crossings<'c>(
     budget: &Budget,
     contours: impl Iterator<Item = &'c Vec<Point>>,
@@ -116,7 +116,7 @@ fn pairs_in_cells(edges: &[[Point; 2]]) -> Option<usize> {
     Some(pairs).filter(|pairs| *pairs <= MAX_PAIRS * edges.len())
 }
 
-/// Counts what the stroke of a chain of points costs: its pieces overlap where edges are near each other.
+/// Counts the cost of stroking a chain of points: its pieces overlap where edges are near each other.
 pub(super) fn count_near(budget: &Budget, chain: &[Point], width: f64) -> Result<(), Exceeded> {
     budget.spend(chain.len().saturating_mul(10 * EDGE))?;
     let mut boxes: Vec<[Point; 2]> = chain
@@ -226,11 +226,12 @@ fn boundary_of(arguments: &Arguments, flats: &Flats, flat: Flat, is_fine: bool) 
 }
 
 /// Spacing of the common grid, relative to the size of the drawing: far above the rounding error of the coordinates of one
-/// leaf, so that vertices that two leaves share stay equal. Without it a slit as thin as rounding would separate touching leaves.
+/// leaf, so that vertices shared by two leaves stay equal. Without it, a slit of the size of a rounding error would separate
+/// touching leaves.
 const LEAF_GRID: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Spacing of the common grid of the leaves of a drawing of a size: a power of 2, so that neither division nor product by it is
-/// rounded. `None` for drawings without extent, or of a size near the limits of `f64`.
+/// Spacing of the common grid of the leaves of a drawing of the given size: a power of 2, so that neither division nor
+/// multiplication by it is rounded. `None` for drawings without extent, or with a size near the limits of `f64`.
 fn leaf_spacing(size: f64) -> Option<f64> {
     let spacing = libm::exp2(libm::ceil(libm::log2(size))) * LEAF_GRID;
     spacing.is_normal().then_some(spacing)
@@ -255,7 +256,7 @@ pub(super) fn placed(
         contour.iter_mut().for_each(|p| *p = image(map, *p));
         check_near(arguments, std::slice::from_ref(contour))?;
         if is_sure && width(contour).0 < GRID * size {
-            let why = "its outline is too thin beside the size of the drawing: rounding loses it";
+            let why = "its outline is too thin relative to the size of the drawing: rounding would remove it";
             return Err(arguments.refusal(why));
         }
     }
@@ -271,7 +272,7 @@ fn width(points: &[Point]) -> (f64, bool) {
     let far = points.iter().copied().max_by(|p, q| length(p).total_cmp(&length(q))).unwrap_or(first);
     let [x, y] = from_first(&far);
     let across = |p: &Point| (x * from_first(p)[1] - y * from_first(p)[0]).abs();
-    // coordinates have a relative error of u, their differences too, and the products and their difference again u
+    // coordinates, their differences, the products and the difference of those each have a relative error of u
     let sum = |p: &Point, k: usize| p[k].abs() + first[k].abs();
     let off = |p: &Point| 4.0 * f64::EPSILON * (sum(&far, 0) * sum(p, 1) + sum(&far, 1) * sum(p, 0));
     let width = points.iter().map(across).fold(0.0, f64::max) / length(&far);
@@ -348,7 +349,7 @@ fn around(p: Point, m: Point, n: Point, by: f64, corner: Corner, points: &mut Ve
     let at = |u: Point, by: f64| [p[0] + by * u[0], p[1] + by * u[1]];
     let (sine, cosine) = (m[0] * n[1] - m[1] * n[0], m[0] * n[0] + m[1] * n[1]);
     if sine * by < 0.0 {
-        // the moved edges cross: the detour over the corner gives the area between them the opposite winding
+        // the moved edges cross: the detour via the corner gives the area between them the opposite winding
         points.extend([at(m, by), p, at(n, by)]);
         return;
     }
@@ -394,7 +395,7 @@ pub(super) fn sum(arguments: &Arguments, a: &Contours, b: &Contours) -> Result<C
         }
     }
     for (region, other) in [(a, b), (b, a)] {
-        // holes have no component of their own
+        // holes are not components
         for first in other.iter().filter(|contour| area(contour) > 0.0).map(|contour| contour[0]) {
             all.extend(region.iter().map(|contour| contour.iter().map(|p| plus(*p, first)).collect()));
         }

@@ -39,7 +39,7 @@ pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<She
     Ok(Shell { vertices, triangles, is_convex: false })
 }
 
-/// Brightness of an image in percent, lowest row first. With `invert` it is 1 - b for a byte b, as in OpenSCAD.
+/// Brightness of an image in percent, lowest row first. With `invert`, a byte b becomes 1 - b, as in OpenSCAD.
 fn brightness(arguments: &Arguments, path: &Path, file: File) -> Result<Vec<Vec<f64>>, Refusal> {
     let invert = arguments.boolean("invert", false)?;
     let unreadable =

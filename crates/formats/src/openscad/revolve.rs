@@ -17,7 +17,7 @@ use rayweave_polygon::HalfPlane;
 use rayweave_polygon::Point;
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, HalfSpace, Quadric, Sphere, Torus, Wedge};
 
-/// Tolerance by which a region may cross the axis because of rounding, relative to its size.
+/// Distance by which a region may cross the axis because of rounding, relative to its size.
 const OVER: f64 = 1e-6;
 
 /// A rotate extrusion of a region.
@@ -53,12 +53,12 @@ impl<'a> Turn<'a> {
         }
         let over = OVER * (hi[0] - lo[0]);
         if lo[0] < -over && hi[0] > over {
-            // the leaves may cross the axis where the region itself does not
+            // leaves may cross the axis even if the region itself does not
             match corner_bounds(&boundary(arguments, flats, flat)?) {
                 Some(bounds) => [lo, hi] = bounds,
                 None => return Ok(None),
             }
-            // the boundary has chords, the solid has none
+            // the boundary is made of chords, but the solid is not
             flats.has_chords.take();
         }
         let is_turned = hi[0] <= over;
@@ -117,7 +117,7 @@ impl<'a> Turn<'a> {
         if let Leaf::Disc { radius, .. } = leaf {
             match plane_similarity(&map) {
                 Some(factor) => return self.ring(factor * radius, &map),
-                None => self.approximations.push("takes an ellipse by its facets"),
+                None => self.approximations.push("uses the facets of an ellipse"),
             }
         }
         let arguments = self.arguments;
@@ -152,7 +152,7 @@ impl<'a> Turn<'a> {
             true => solid(self.arguments, Sphere::new(radius))?,
             false if distance > 0.0 => solid(self.arguments, Torus::new(distance, radius))?,
             false if distance + radius <= 0.0 => return Ok(Solid::empty()),
-            false => return Err(self.arguments.refusal("the middle of a disc lies beyond the axis")),
+            false => return Err(self.arguments.refusal("the centre of a disc lies beyond the axis")),
         };
         Ok(ring.translate([0.0, 0.0, height]))
     }
@@ -189,7 +189,7 @@ impl<'a> Turn<'a> {
         let [lo, hi] = self.ends;
         let margin = 0.01 * self.reach.max(hi - lo);
         let far = self.reach + margin;
-        // a narrow sector gets a narrow box, so that most rays miss it
+        // a narrow sector gets a narrow box, which most rays miss
         let (sin, cos) = sin_cos_degrees(step);
         let [left, up] = if cos > 0.0 { [-margin, far * sin + margin] } else { [-far, far] };
         let corners = [Vec3::new(left, -margin, lo - margin), Vec3::new(far, up, hi + margin)];

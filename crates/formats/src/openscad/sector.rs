@@ -8,7 +8,7 @@ use super::state::Reader;
 use rayweave_math::{Vec3, sin_cos_degrees};
 use rayweave_polygon::Point;
 
-/// Number of facets of a circle with the given fragments in the dump; exact circles get fine facets.
+/// Number of facets of a circle with the given number of fragments in the dump; exact circles get fine facets.
 pub(super) fn round(reader: &Reader, fragments: usize) -> usize {
     if reader.options.facets {
         return fragments;

@@ -19,7 +19,7 @@ use std::sync::Arc;
 pub(super) struct Reader<'a> {
     pub source: &'a Arc<Source>,
     pub options: &'a Options,
-    /// The files that the dump may name.
+    /// The files that the dump may read.
     pub files: AllowedFiles,
     pub tree: &'a Tree,
     /// Nodes that take part in the model.

@@ -9,7 +9,7 @@ use super::part::{Part, union};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
 
-/// A Minkowski sum; `is_exact` is false if round generators were tessellated.
+/// A Minkowski sum, inexact if round generators were tessellated.
 pub(super) struct Sum {
     pub solid: Option<Solid>,
     pub is_exact: bool,

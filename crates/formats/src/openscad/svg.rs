@@ -28,6 +28,10 @@ const FARTHEST: f64 = 1e100;
 const DEEPEST: usize = 100;
 /// Maximum number of elements, counting each `use`.
 const MAX_ELEMENTS: usize = 200_000;
+/// Maximum length of expanded entities, in bytes.
+const MAX_EXPANDED: usize = 64 << 20;
+/// Maximum number of entities within one, which the XML parser allows.
+const MAX_NESTED: usize = 255;
 /// Number of chords with facets: of a full ellipse, and of a curve.
 const FACETS: (usize, usize) = (40, 20);
 
@@ -77,6 +81,7 @@ struct Reader<'a, 'input> {
 pub(super) fn read(text: &str, options: SvgOptions<'_>) -> Result<Drawing, String> {
     let limits = ParsingOptions { allow_dtd: true, nodes_limit: 4_000_000, entity_resolver: None };
     check_depth(text)?;
+    check_entities(text)?;
     let document =
         Document::parse_with_options(text, limits).map_err(|error| format!("it is not SVG: {error}"))?;
     let root = document.root_element();
@@ -90,6 +95,21 @@ pub(super) fn read(text: &str, options: SvgOptions<'_>) -> Result<Drawing, Strin
         Reader { document: &document, named, options, within, points: 0, drawing: Drawing::default() };
     reader.elements(root, page)?;
     Ok(reader.drawing)
+}
+
+/// Refuses entities that may expand to more than [`MAX_EXPANDED`] bytes: the XML parser stores the expanded text of each use.
+fn check_entities(text: &str) -> Result<(), String> {
+    let Some(start) = text.find("<!ENTITY") else { return Ok(()) };
+    let end = text.rfind("<!ENTITY").unwrap_or(start);
+    let (declared, rest) = text.split_at(end + text[end..].find('>').unwrap_or(text.len() - end));
+    let declared = &declared[start..];
+    // the parser limits the uses within one
+    let nested = if declared.contains('&') { MAX_NESTED } else { 1 };
+    let uses = rest.bytes().filter(|&byte| byte == b'&').count() + 1;
+    match uses.saturating_mul(declared.len()).saturating_mul(nested) > MAX_EXPANDED {
+        true => Err(format!("its entities may expand to more than {} MiB", MAX_EXPANDED >> 20)),
+        false => Ok(()),
+    }
 }
 
 /// Refuses nesting (opening minus closing tags) that would overflow the call stack of the XML parser.
@@ -111,7 +131,7 @@ fn check_depth(text: &str) -> Result<(), String> {
             }
         }
         if depth > 10 * DEEPEST {
-            return Err(format!("its elements lie more than {} deep", 10 * DEEPEST));
+            return Err(format!("its elements are nested more than {} deep", 10 * DEEPEST));
         }
     }
     Ok(())
@@ -137,7 +157,7 @@ fn page(root: Node, dpi: f64) -> (Affine, f64) {
     let length = |name| given(name).and_then(|length| millimetres(length, dpi));
     let (width, height) = (length("width"), length("height"));
     let Some(view) = root.attribute("viewBox").and_then(|text| ViewBox::from_str(text).ok()) else {
-        // without a view box the unit is a millimetre; the height of the page still applies
+        // without a view box, the unit is a millimetre; the height of the page still applies
         let top = height.unwrap_or(0.0);
         return (plane_map([1.0, 0.0, 0.0, -1.0, 0.0, top]), width.unwrap_or(100.0).max(top));
     };
@@ -193,7 +213,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             count += 1;
             if count > MAX_ELEMENTS || task.depth > DEEPEST {
                 return Err(format!(
-                    "it has more than {MAX_ELEMENTS} elements, or lies more than {DEEPEST} deep"
+                    "it has more than {MAX_ELEMENTS} elements, or they are nested more than {DEEPEST} deep"
                 ));
             }
             self.element(task, &mut waiting)?;
@@ -257,7 +277,7 @@ impl<'a, 'input> Reader<'a, 'input> {
             node.attributes().find(|attribute| attribute.name() == "href").map(|attribute| attribute.value());
         let id = name.and_then(|name| name.strip_prefix('#')).unwrap_or_default();
         let Some(found) = self.named.get(id).copied() else {
-            return self.refuse(node, "it uses what is not there");
+            return self.refuse(node, "the element that it refers to does not exist");
         };
         let map = plane_map([1.0, 0.0, 0.0, 1.0, number(node, "x"), number(node, "y")]).then(&map);
         if found.tag_name().name() == "symbol" {

@@ -41,7 +41,7 @@ pub(super) struct Tree {
 /// A node whose children are being parsed.
 struct Open {
     node: u32,
-    /// The opening brace; `None` if the node takes the single item that follows.
+    /// The opening brace; `None` if its only child is the item that follows.
     brace: Option<Span>,
 }
 
@@ -101,11 +101,11 @@ impl Parser<'_> {
             }
             Some(word) => Ok(word),
             None => {
-                let reason = "the text ends here";
+                let reason = "the file ends here";
                 let problem = *self.problem(format!("{wanted} is missing"), reason, self.tokens.place());
                 let open = self.open.last().and_then(|open| open.brace).filter(|_| self.open.len() > 1);
                 Err(Box::new(match open {
-                    Some(brace) => problem.note(brace, "this one is still open"),
+                    Some(brace) => problem.note(brace, "this brace is still open"),
                     None => problem,
                 }))
             }
@@ -124,7 +124,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses the whole text.
+    /// Parses the complete text.
     fn items(&mut self) -> Step<()> {
         loop {
             let (token, span) = if self.open.len() > 1 {
@@ -187,7 +187,7 @@ impl Parser<'_> {
         Ok(number)
     }
 
-    /// Completes a node, and those that waited for this child only.
+    /// Completes a node, and all nodes that only waited for this child.
     fn finish(&mut self) {
         while self.open.last().is_some_and(|open| open.brace.is_none()) {
             self.open.pop();
@@ -231,15 +231,15 @@ impl Parser<'_> {
         Ok(Argument { name, value, span: span.to(end) })
     }
 
-    /// A value after its first token. Nested lists use a stack of their own.
+    /// A value after its first token. Nested lists use an explicit stack.
     fn value(&mut self, (mut token, mut span): (Token, Span)) -> Step<(Value, Span)> {
         let mut lists: Vec<Vec<Value>> = Vec::new();
         loop {
             let mut value = match token {
                 Token::Mark('[') => {
                     if lists.len() == DEEPEST_LIST {
-                        let reason = format!("at most {DEEPEST_LIST} lists may lie in each other");
-                        return Err(self.problem("this list is too deep", &reason, span));
+                        let reason = format!("lists may be nested at most {DEEPEST_LIST} deep");
+                        return Err(self.problem("this list is nested too deeply", &reason, span));
                     }
                     lists.push(Vec::new());
                     (token, span) = self.need("`]`")?;
@@ -250,7 +250,7 @@ impl Parser<'_> {
                 }
                 token => self.scalar(token, span)?,
             };
-            // a complete value may also end the lists around it
+            // a complete value may also complete the lists around it
             loop {
                 let Some(list) = lists.last_mut() else {
                     return Ok((value, span));

@@ -133,7 +133,7 @@ struct Setting<'a> {
 
 /// `text(text, size, font, spacing, direction, language, script, halign, valign)`.
 pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, Refusal> {
-    let word = |name, default| Ok::<&str, Refusal>(arguments.get(name, "a text", word)?.unwrap_or(default));
+    let word = |name, default| Ok::<&str, Refusal>(arguments.get(name, "a string", word)?.unwrap_or(default));
     let wanted = Wanted::new(word("font", "")?);
     let size = arguments.number("size", 10.0)?;
     let setting = Setting {
@@ -155,7 +155,7 @@ pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, 
     }
     let Some((database, id, stand_in)) = fonts.find(&wanted) else {
         return Err(arguments.refusal(&format!(
-            "there is no font `{}`, and no substitute: name a file or a folder of fonts",
+            "there is no font `{}` and no substitute. Give a font file or a folder of fonts",
             wanted.family
         )));
     };
@@ -169,7 +169,7 @@ pub(super) fn text(arguments: &Arguments, fonts: &mut Fonts) -> Result<Letters, 
     let leaves = leaves.flatten().ok_or_else(|| arguments.refusal("its font cannot be read"))??;
     Ok(Letters {
         leaves,
-        stand_in: stand_in.map(|name| format!("has the font `{name}` instead of `{}`", wanted.family)),
+        stand_in: stand_in.map(|name| format!("uses the font `{name}` instead of `{}`", wanted.family)),
     })
 }
 
@@ -185,7 +185,7 @@ impl Setting<'_> {
     fn shaped(&self, font: &FontRef) -> GlyphBuffer {
         let mut buffer = UnicodeBuffer::new();
         buffer.push_str(self.text);
-        // the characters determine whatever is missing or unknown
+        // missing or unknown properties are derived from the characters
         buffer.guess_segment_properties();
         if let Ok(direction) = self.direction.parse::<Direction>() {
             buffer.set_direction(direction);

@@ -11,7 +11,7 @@ pub(super) enum Token {
     Number(f64),
     /// A string, without its quotation marks.
     Text(String),
-    /// One of `( ) [ ] { } , ; = % # * ! -`.
+    /// One of `( ) [ ] { } , ; = % # * ! - +`.
     Mark(char),
     /// An invalid or unterminated token, with the reason.
     Bad(&'static str),
@@ -30,12 +30,12 @@ impl<'a> Tokens<'a> {
         Tokens { text, at }
     }
 
-    /// The tokens from an offset on, which must be the start of a token.
+    /// The tokens from an offset, which must be the start of a token.
     pub fn after(text: &'a str, at: usize) -> Tokens<'a> {
         Tokens { text, at }
     }
 
-    /// The position after the last token.
+    /// The current position, after the last token that was read.
     pub fn place(&self) -> Span {
         Span::new(self.at, self.at)
     }
@@ -44,7 +44,7 @@ impl<'a> Tokens<'a> {
         self.text.get(self.at..).unwrap_or_default()
     }
 
-    /// Number of bytes from here on that satisfy a condition.
+    /// Number of consecutive bytes from here that satisfy a condition.
     fn run(&self, is_part: impl Fn(u8) -> bool) -> usize {
         self.rest().bytes().take_while(|byte| is_part(*byte)).count()
     }
@@ -78,7 +78,7 @@ impl<'a> Tokens<'a> {
             }
             _ => {
                 self.at += first.len_utf8();
-                Token::Bad("this character begins nothing that a dump can hold")
+                Token::Bad("no token of a dump begins with this character")
             }
         }
     }
@@ -129,7 +129,7 @@ impl<'a> Tokens<'a> {
             }
         }
         self.at = self.text.len();
-        Token::Bad("this text does not end")
+        Token::Bad("this string is not terminated")
     }
 }
 
@@ -153,7 +153,7 @@ impl Iterator for Tokens<'_> {
             self.word(first)
         } else {
             self.at = self.text.len();
-            Token::Bad("this comment does not end")
+            Token::Bad("this comment is not terminated")
         };
         Some((token, Span::new(start, self.at)))
     }
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_word() {
+    fn invalid_words() {
         for text in ["\u{e4}", "\"abc", "\"abc\\", "/* abc", "1e", "1e+", "."] {
             assert!(matches!(words(text)[..], [Token::Bad(_)]), "{text}: {:?}", words(text));
         }

@@ -43,7 +43,7 @@ fn without_noise(mut rows: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
     rows
 }
 
-/// The colour of `color(c)`; `None` if `c` is absent or has a negative channel, which is how OpenSCAD writes an unset colour.
+/// The colour of `color(c)`; `None` if `c` is absent or has a negative channel, as OpenSCAD writes unset colours.
 pub(super) fn colour(arguments: &Arguments) -> Result<Option<Colour>, Refusal> {
     let wanted = "4 numbers from 0 to 1";
     let channels: Option<[f64; 4]> = arguments.get("c", wanted, finite)?;

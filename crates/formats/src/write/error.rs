@@ -10,15 +10,18 @@ use rayweave_table::TableError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum WriteError {
+    /// The format has a reader only.
+    #[error("files of the format {0} are not written: the format has a reader only. Choose another format.")]
+    NotWritten(Format),
     /// The tolerance is not a positive finite length.
     #[error("the tolerance is {0}: it must be finite and greater than 0.")]
     Tolerance(f64),
     /// A solid cannot be compiled.
     #[error(transparent)]
     Compile(#[from] CompileError),
-    /// A region has no end.
+    /// A region is unbounded.
     #[error(
-        "region `{region}` has no end: files of the format {format} cannot say that. Can it be cut with a box?"
+        "region `{region}` is unbounded: the format {format} needs bounded solids. Intersect it with a box."
     )]
     Unbounded {
         /// Name of the region.
@@ -26,8 +29,8 @@ pub enum WriteError {
         /// Format of the file.
         format: Format,
     },
-    /// A region becomes too long a text, or too many triangles.
-    #[error("region `{region}` becomes too large: {why}. Does a greater tolerance help?")]
+    /// The text or the number of triangles of a region becomes too large.
+    #[error("region `{region}` becomes too large: {why}. Increase the tolerance.")]
     TooLarge {
         /// Name of the region.
         region: String,

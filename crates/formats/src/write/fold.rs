@@ -27,8 +27,8 @@ pub(super) trait Builder {
     /// The clip box as a part.
     fn everything(&mut self) -> Self::Part;
 
-    /// A transformed shape, exact within the clip box; `None` if it is empty. Outside of the box `within` the shape does not
-    /// matter either: triangles of an unbounded shape need not reach beyond it.
+    /// A transformed shape, exact within the clip box; `None` if it is empty. Outside the box `within`, the shape does not
+    /// matter: triangles of an unbounded shape need not reach beyond it.
     fn leaf(
         &mut self,
         shape: &Primitive,
@@ -48,7 +48,7 @@ pub(super) trait Builder {
     fn region(&self) -> String;
 }
 
-/// State of a part outside of the clip box, where infinite shapes may have been cut off.
+/// State of a part outside the clip box, where infinite shapes may have been cut off.
 #[derive(Clone, Copy)]
 struct Outside {
     /// True if the part equals the solid there.
@@ -59,11 +59,11 @@ struct Outside {
 
 const NOTHING: Outside = Outside { is_exact: true, is_empty: true };
 
-/// A part or nothing, and its state outside of the clip box.
+/// A part or nothing, and its state outside the clip box.
 type Known<P> = (Option<P>, Outside);
 
 enum Task<'s> {
-    /// A solid, its map, and a box outside of which it does not matter.
+    /// A solid, its map, and a box outside which it does not matter.
     Enter(&'s Solid, Affine, Bounds),
     /// Combines the given number of most recent parts.
     Join(Join, usize),
@@ -180,10 +180,10 @@ fn enter<'s, B: Builder>(
     Ok(None)
 }
 
-/// Margin of the bounds of an intersection relative to their size, so that none of their faces is one of an operand.
+/// Margin of the bounds of an intersection relative to their size, so that none of their faces coincides with one of an operand.
 const MARGIN: f64 = 0.125;
 
-/// The box, with a margin, that the shapes among the operands of an intersection confine it to.
+/// The box, with a margin, to which the operands of an intersection confine it.
 fn common_bounds(all: &[Solid], place: &Affine) -> Bounds {
     let shape = |solid: &Solid| match solid.node() {
         Node::Primitive(shape) => shape.lower().bounds,

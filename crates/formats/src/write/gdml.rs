@@ -8,7 +8,7 @@
 //! regions subtracted from it, because volumes must not overlap. Materials, properties and optical surfaces also come from
 //! the table. Boxes, balls, ellipsoids, tubes, cones, tori and paraboloids are Geant4 solids if their map allows it, with a
 //! `scaledSolid` for a scale along the axes of the shape; half-spaces are boxes as large as the world; other shapes with
-//! plane faces are exact `tessellated` solids, and all others are tessellated within the tolerance.
+//! planar faces are exact `tessellated` solids, and all others are tessellated within the tolerance.
 
 use super::facets::{self, Request, number};
 use super::fold::{Builder, Operation, fold};
@@ -51,10 +51,8 @@ pub(super) fn write(
     if records.is_none() {
         model.remark_on_cuts(remarks);
         if table.is_some() {
-            remarks.add(
-                RemarkKind::Dropped,
-                "the tree of volumes, names of placements, skin and border surfaces",
-            );
+            remarks
+                .add(RemarkKind::Dropped, "the volume tree, names of placements, skin and border surfaces");
         }
     }
     let clip = Bounds::new(scale * model.clip.lo, scale * model.clip.hi);
@@ -207,7 +205,7 @@ impl Writer<'_, '_> {
         Part { solid, place: Affine::translate(bounds.centre()) }
     }
 
-    /// The Geant4 solid of a shape, if there is one: element, position in the frame of the shape, and scale.
+    /// The Geant4 solid that corresponds to a shape, if any: element, position in the frame of the shape, and scale.
     fn own(&mut self, shape: &Primitive, place: &Affine) -> Option<Part> {
         let (turn, s) = decomposed(&place.linear)?;
         let is_round = (s.x - s.y).abs() <= PERPENDICULAR * s.x;
@@ -389,7 +387,7 @@ impl Builder for Writer<'_, '_> {
         self.cuboid(&clip)
     }
 
-    /// The element of the file that the scene came from, if it still makes the same solid.
+    /// The element of the original file, if it still gives the same solid.
     fn named(&mut self, name: &str, solid: &Solid, place: &Affine) -> Option<Part> {
         if !tree::is_orthogonal(&place.linear) || place.linear.determinant() < 0.0 {
             return None;
@@ -431,8 +429,11 @@ impl Builder for Writer<'_, '_> {
         }
         if planes.is_none() && !matches!(shape, Primitive::Mesh(_)) {
             let tolerance = self.model.tolerance;
-            let what =
-                format!("`{}`, by triangles within {tolerance:.3e} {}", shape.name(), self.model.scene.unit);
+            let what = format!(
+                "`{}`, with triangles within {tolerance:.3e} {}",
+                shape.name(),
+                self.model.scene.unit
+            );
             self.remarks.add(RemarkKind::Approximated, what);
         }
         let tolerance = self.scale * self.model.tolerance;

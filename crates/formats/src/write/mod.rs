@@ -3,8 +3,8 @@
 //! [`write`] writes a scene in any [`Format`]. Shapes that the format has are exact, others are triangulated within a
 //! tolerance; remarks list what was approximated, dropped or expressed differently. Formats other than the native one have
 //! no complements, no unbounded solids and no priority of regions. Therefore infinite shapes are cut to a box around the
-//! whole model, a complement becomes that box minus the shape, and each region has the later regions that come near it
-//! subtracted. None of this changes the solid.
+//! whole model, a complement becomes that box minus the shape, and later regions that may overlap a region are subtracted
+//! from it. None of this changes the solid.
 
 mod error;
 mod facets;
@@ -54,25 +54,25 @@ pub fn write(
     let foreign = || stated.into_iter().flat_map(|document| &document.foreign);
     let table = foreign().find(|foreign| format == Format::Gdml && foreign.name.value == "gdml");
     if foreign().count() > usize::from(table.is_some()) {
-        remarks.add(RemarkKind::Dropped, "tables of optics and of other programs");
+        remarks.add(RemarkKind::Dropped, "the optics tables and those of other programs");
     }
     let bytes = match format {
         Format::OpenScad => openscad::write(&model, &mut remarks)?,
         Format::Gdml => gdml::write(&model, table, &mut remarks)?,
         Format::Mesh(kind) => triangles::write(&model, kind, options, &mut remarks)?,
-        Format::Native => Vec::new(),
+        other => return Err(WriteError::NotWritten(other)),
     };
     Ok(Written { bytes, remarks: remarks.finish() })
 }
 
-/// The original document or, if it names other files, which may not be present beside the new one, a document with their
-/// contents.
+/// The original document or, if it refers to other files, which may be missing in the folder of the new one, a document with
+/// their contents.
 fn native(scene: &Scene, stated: Option<&Document>) -> Written {
     let mut remarks = Remarks::default();
     let document = match stated {
         Some(stated) if !names_files(stated) => stated.clone(),
         Some(stated) => {
-            remarks.add(RemarkKind::Changed, "the contents of referenced files, now part of the model");
+            remarks.add(RemarkKind::Changed, "references to files, replaced by their contents");
             if !stated.parameters.is_empty() {
                 remarks.add(RemarkKind::Dropped, "parameters, replaced by their values");
             }

@@ -21,7 +21,7 @@ pub(super) struct Model<'s> {
     /// Clip box: contains all regions, with a margin.
     pub clip: Bounds,
     pub tolerance: f64,
-    /// Whether a face of the model is not plane.
+    /// Whether the model has faces that are not planar.
     pub has_curved_faces: bool,
     /// For each region the indices of the later regions whose boxes overlap its own.
     pub later: Vec<Vec<usize>>,
@@ -71,7 +71,7 @@ impl<'s> Model<'s> {
         if self.later.iter().any(|list| !list.is_empty()) {
             remarks.add(
                 RemarkKind::Changed,
-                "from each region the later regions that may overlap it are subtracted",
+                "regions: later regions that may overlap a region are subtracted from it",
             );
         }
     }

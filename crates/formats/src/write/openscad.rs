@@ -1,9 +1,9 @@
 //! OpenSCAD writer: the flattened language, which OpenSCAD reads as a program and [`crate::openscad`] as a dump.
 //!
-//! Boxes, balls, cylinders, cones and tori are OpenSCAD items under `multmatrix`; shapes with plane faces are
-//! `polyhedron`s. Round shapes stay exactly round for readers that support it; `$fn` is the number of facets that keeps
-//! within the tolerance. Other shapes are `polyhedron`s of triangles. The regions are the top-level items of the file, each
-//! with its colour. If the scene is not in millimetres, the usual unit of OpenSCAD, each region is scaled to millimetres.
+//! Boxes, balls, cylinders, cones and tori are OpenSCAD items under `multmatrix`; shapes with planar faces are
+//! `polyhedron`s. Round shapes stay exactly round for readers that support it; `$fn` is the number of facets required by the
+//! tolerance. Other shapes are `polyhedron`s of triangles. The regions are the top-level items of the file, each with its
+//! colour. If the scene is not in millimetres, the usual unit of OpenSCAD, each region is scaled to millimetres.
 
 use super::facets::{self, Request, number};
 use super::fold::{Builder, Operation, fold};
@@ -61,7 +61,7 @@ pub(super) fn write(model: &Model, remarks: &mut Remarks) -> Result<Vec<u8>, Wri
     let names: BTreeSet<_> = model.regions().map(|(_, region)| region.colour.to_string()).collect();
     writer.remarks.add(RemarkKind::Dropped, "names of regions, media and faces");
     if names.len() < model.regions().count() {
-        writer.remarks.add(RemarkKind::Changed, "regions of equal colour, united");
+        writer.remarks.add(RemarkKind::Changed, "regions with the same colour, which are united");
     }
     model.remark_on_media(writer.remarks);
     model.remark_on_pictures(writer.remarks);
@@ -74,7 +74,7 @@ impl Writer<'_, '_> {
         self.pieces.len() - 1
     }
 
-    /// A region minus the later ones that come near it.
+    /// A region minus the later ones that may overlap it.
     fn carved(&mut self, number: usize) -> Result<Option<usize>, WriteError> {
         let Some(first) = self.solid(number)? else {
             return Ok(None);
@@ -129,15 +129,15 @@ impl Writer<'_, '_> {
         facets::circle_count(radius, request).unwrap_or(facets::MAX_AROUND)
     }
 
-    /// The box to which a shape is cut: for an unbounded shape with plane faces one of its own around the clip box. The faces
-    /// of the boxes would coincide up to rounding otherwise, and readers cannot tell whether such faces are equal.
+    /// The box to which a shape is cut. Each unbounded shape with planar faces has a different box around the clip box: faces of
+    /// boxes that coincide up to rounding would be ambiguous for readers.
     fn room(&mut self, shape: &Primitive) -> Bounds {
         let lowered = shape.lower();
         if lowered.bounds.is_finite() || facets::planes_of(&lowered).is_none() {
             return self.model.clip;
         }
         self.cut += 1;
-        // multiples of the golden ratio modulo 1 keep apart from each other
+        // multiples of the golden ratio modulo 1 stay apart from each other
         let share = (f64::from(self.cut) * 0.618_033_988_749_894_9).fract();
         self.model.clip.grown((0.05 + 0.5 * share) * self.model.clip.size().length())
     }
@@ -162,7 +162,7 @@ impl Writer<'_, '_> {
                 let (inner, outer, height) =
                     (number("inner_radius")?, number("outer_radius")?, number("height")?);
                 let body = cylinder(outer, outer, height);
-                // longer than the body, so that the ends of the bore lie outside of it
+                // the bore is longer than the body, so that its ends lie outside
                 match inner > 0.0 {
                     true => format!("difference() {{ {body} {} }}", cylinder(inner, inner, 1.5 * height)),
                     false => body,
@@ -236,7 +236,7 @@ impl Builder for Writer<'_, '_> {
         }
         if facets::planes_of(&shape.lower()).is_none() {
             let what = format!(
-                "`{}`, by triangles within {:.3e} {}",
+                "`{}`, with triangles within {:.3e} {}",
                 shape.name(),
                 self.model.tolerance,
                 self.model.scene.unit

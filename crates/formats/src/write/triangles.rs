@@ -54,7 +54,7 @@ impl Builder for Triangulator<'_, '_> {
     }
 }
 
-/// The boolean of bodies, which are at least one.
+/// The boolean of one or more bodies.
 fn combine(operation: Operation, mut parts: Vec<Body>) -> Result<Option<Body>, String> {
     match operation {
         Operation::Union => Body::union_all(parts),
@@ -128,7 +128,7 @@ pub(super) fn write(
     let is_plain =
         matches!(format, MeshFormat::Ply | MeshFormat::Off) || format == MeshFormat::Stl && !options.text;
     let bodies = if is_plain && model.regions().count() > 1 {
-        remarks.add(RemarkKind::Dropped, "the division into regions: the file holds one body");
+        remarks.add(RemarkKind::Dropped, "the division into regions: the file contains one body");
         whole(model)?.into_iter().map(|body| (String::new(), body)).collect()
     } else {
         model.remark_on_cuts(remarks);
@@ -144,9 +144,9 @@ pub(super) fn write(
         };
         let written = mapped(&mesh, &|p| in_format(p, format, model))?;
         let in_file = mapped(&written, &|p| in_precision(p, format, options))?;
-        // such as a volume that its daughters fill: films of rounding errors, which no reader takes for a solid
+        // such as a volume that its daughters fill: no reader accepts films of the thickness of rounding errors as a solid
         if in_file.is_flat() {
-            let text = format!("`{name}` is left out: beside the regions after it, it has no volume");
+            let text = format!("`{name}` is left out: later regions cover all of its volume");
             remarks.add(RemarkKind::Changed, text);
             continue;
         }
@@ -157,7 +157,7 @@ pub(super) fn write(
         parts.push((name.as_str(), written));
     }
     if parts.is_empty() {
-        remarks.add(RemarkKind::Changed, "there is nothing in the model, nor in the file");
+        remarks.add(RemarkKind::Changed, "the model is empty, and so is the file");
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();
@@ -168,7 +168,7 @@ pub(super) fn write(
 fn remark_on_format(model: &Model, format: MeshFormat, options: &WriteOptions, remarks: &mut Remarks) {
     if model.has_curved_faces {
         let (tolerance, unit) = (model.tolerance, model.scene.unit);
-        let text = format!("curved faces, by triangles within {tolerance:.3e} {unit}");
+        let text = format!("curved faces, with triangles within {tolerance:.3e} {unit}");
         remarks.add(RemarkKind::Approximated, text);
     }
     if is_single(format, options) {
@@ -188,7 +188,7 @@ fn is_single(format: MeshFormat, options: &WriteOptions) -> bool {
     matches!(format, MeshFormat::Gltf | MeshFormat::Glb) || format == MeshFormat::Stl && !options.text
 }
 
-/// A point as it is read back.
+/// A point as a reader will see it.
 fn in_precision(p: Vec3, format: MeshFormat, options: &WriteOptions) -> Vec3 {
     let rounded = |x: f64| if is_single(format, options) { f64::from(x as f32) } else { x };
     Vec3::new(rounded(p.x), rounded(p.y), rounded(p.z))

@@ -1,4 +1,4 @@
-//! GDML files of other programs, and files that include files.
+//! GDML files from other programs, and files that include files.
 
 use super::skip;
 use rayweave_formats::{Imported, LossKind, Options, load};
@@ -38,7 +38,7 @@ const FILES: [(&str, usize); 20] = [
 fn folder() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/gdml");
     if !folder.is_dir() {
-        skip::tell(&format!("the GDML files of others are not at {}", folder.display()));
+        skip::tell(&format!("GDML files from other programs are not at {}", folder.display()));
         return None;
     }
     Some(folder)

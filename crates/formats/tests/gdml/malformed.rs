@@ -22,7 +22,7 @@ fn problems(text: &str) -> Vec<(usize, usize, String)> {
 }
 
 #[test]
-fn a_good_file_is_good() {
+fn a_valid_file_is_accepted() {
     assert_eq!(parse(&model("", BOX, WORLD)).unwrap().scene.regions.len(), 1);
 }
 
@@ -69,7 +69,7 @@ fn wrong_nesting_is_reported_where_it_is() {
     assert!(problems("solid cube")[0].2.contains("no element"));
     assert!(problems("<html/>")[0].2.contains("not GDML"));
     assert!(problems("<gdml/><gdml/>")[0].2.contains("second element"));
-    assert!(problems(&"<gdml>".repeat(100_000))[0].2.contains("more than 200 elements"));
+    assert!(problems(&"<gdml>".repeat(100_000))[0].2.contains("more than 200 nested elements"));
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn entities_have_limits() {
         .replace("<constant name='a' value='1'/>", "lol");
     assert!(!problems(&attribute).is_empty());
     let ring = "<!DOCTYPE gdml [<!ENTITY a \"&b;\"><!ENTITY b \"&a;\">]><gdml>&a;</gdml>";
-    assert!(problems(ring)[0].2.contains("does one contain itself?"));
+    assert!(problems(ring)[0].2.contains("Does one contain itself?"));
     let found = problems("<!DOCTYPE gdml [<!ENTITY part \"\">]>\n<gdml>&prt;</gdml>");
     assert!(found[0].2.contains("Did you mean `part`?"), "{}", found[0].2);
     assert!(
@@ -124,6 +124,42 @@ fn faces_of_polyhedra_have_a_limit() {
     let solid = format!("<polyhedra name=\"b\" numsides=\"4096\">{planes}</polyhedra>");
     let imported = parse(&model("", &solid, WORLD)).unwrap();
     assert!(imported.report.iter().next().unwrap().first.message().contains("too many faces"));
+}
+
+/// Faces of many solids, attributes of one element, and volumes within volumes, all of them below 1 MB.
+#[test]
+fn the_work_for_a_file_has_a_limit() {
+    let corners: String = (0..1000)
+        .map(|k| {
+            let (sin, cos) = (f64::from(k) * 0.006).sin_cos();
+            format!("<twoDimVertex x=\"{cos}\" y=\"{sin}\"/>")
+        })
+        .collect();
+    let section = |k: u32| format!("<section zOrder=\"{k}\" zPosition=\"{k}\" scalingFactor=\"1\"/>");
+    let sections: String = (0..1000).map(section).collect();
+    let solid = format!("<xtru name=\"b\">{corners}{sections}</xtru>");
+    let imported = parse(&model("", &solid, WORLD)).unwrap();
+    let first = &imported.report.iter().next().unwrap().first;
+    assert!(first.message().contains("files of this length may have 300000"), "{}", first.message());
+    assert!(first.line_column().is_some());
+    let attributes: String = (0..300).map(|k| format!(" a{k}=\"1\"")).collect();
+    let found = problems(&model("", &BOX.replace(" x=", &format!("{attributes} x=")), WORLD));
+    assert!(found[0].2.contains("more than 200 attributes"), "{}", found[0].2);
+    let volume = |k: u32, inside: &str| {
+        format!("<volume name=\"v{k}\"><materialref ref=\"Al\"/><solidref ref=\"b\"/>{inside}</volume>")
+    };
+    let nested = |k: u32| volume(k, &format!("<physvol><volumeref ref=\"v{}\"/></physvol>", k - 1));
+    let deep = |count: u32| {
+        let inner: String = (1..count).map(nested).collect();
+        let world = WORLD.replace(
+            "</volume>",
+            &format!("<physvol><volumeref ref=\"v{}\"/></physvol></volume>", count - 1),
+        );
+        model("", BOX, &format!("{}{inner}{world}", volume(0, "")))
+    };
+    assert_eq!(parse(&deep(200)).unwrap().scene.regions.len(), 201);
+    let found = problems(&deep(1500));
+    assert!(found[0].2.contains("nested too deeply"), "{}", found[0].2);
 }
 
 #[test]

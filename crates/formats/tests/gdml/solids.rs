@@ -29,7 +29,7 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 #[test]
-fn rays_cross_where_geant4_says() {
+fn rays_cross_as_in_geant4() {
     let solids = solids();
     let mut rays: HashMap<&str, Vec<Vec<f64>>> = HashMap::new();
     for line in RAYS.lines().filter(|line| !line.starts_with('#')) {
@@ -63,7 +63,7 @@ fn rays_cross_where_geant4_says() {
 #[test]
 fn volumes_are_those_of_geant4() {
     let solids = solids();
-    // for these Geant4 estimates volumes from random points, or contradicts its own rays (see docs/reference/formats.md)
+    // for these, Geant4 estimates volumes from random points or contradicts its own rays (see docs/reference/formats.md)
     let estimated = ["v_union1", "v_sub1", "v_int1", "v_mu1"];
     for line in RAYS.lines().filter_map(|line| line.strip_prefix("# v_")) {
         let (name, theirs) = line.split_once(" volume ").unwrap();
@@ -122,7 +122,7 @@ fn stacks_have_no_seams() {
         .collect();
     let imported = one(&format!("<polycone name=\"s\" lunit=\"cm\">{planes}</polycone>"));
     let program = Arc::new(Program::compile(&imported.scene.regions[0].solid).unwrap());
-    // rays through the walls between the radii that all sections have in common
+    // rays through the walls, between the radii that all sections have in common
     let rays = (0..20_000).map(|k| {
         let (angle, lean) = (0.001 * f64::from(k), f64::from(k % 100) * 1e-2);
         let (sin, cos) = angle.sin_cos();
@@ -142,12 +142,12 @@ fn angles_beyond_the_pole_are_the_pole() {
     let imported =
         one("<sphere name=\"s\" rmax=\"2\" deltaphi=\"6.3\" starttheta=\"0.5\" deltatheta=\"3.2\"/>");
     let program = Arc::new(Program::compile(&imported.scene.regions[0].solid).unwrap());
-    // a ball without the cone of 0.5 rad about +z: 2 pi r^3 (1 + cos 0.5) / 3
+    // a ball minus the cone of 0.5 rad about +z: 2 pi r^3 (1 + cos 0.5) / 3
     let expected = 2.0 * std::f64::consts::PI * 8.0 * (1.0 + 0.5f64.cos()) / 3.0;
     assert!((volume(&program, 200) / expected - 1.0).abs() < 2e-3);
 }
 
-/// A cube of side 2 with a pyramid of height 1 removed from its top, in facets.
+/// A faceted cube of side 2 with a pyramid of height 1 removed from its top.
 #[test]
 fn facets_that_are_not_convex_are_a_mesh() {
     let corners = [
@@ -197,7 +197,7 @@ fn tan(degrees: f64) -> f64 {
     degrees.to_radians().tan()
 }
 
-/// Vertices of a trapezium: extent along y, along x at low and at high y, slope of the line between the middles of those.
+/// Vertices of a trapezium: extent along y, along x at low and at high y, slope of the line between the midpoints of those sides.
 fn trapezium([y, x1, x2, slope]: [f64; 4]) -> [[f64; 2]; 4] {
     let corner = |x: f64, y: f64| [x + y * slope, y];
     let [y, x1, x2] = [0.5 * y, 0.5 * x1, 0.5 * x2];
@@ -237,7 +237,7 @@ impl Twist {
                 z: 40.0,
                 twist: 50.0,
             },
-            // the twist and the shape turn a side face in opposite directions: within a layer it may turn back
+            // the twist and the shape turn a side face in opposite directions, so it may turn back within a layer
             Twist {
                 element: "<twistedtrap name=\"s\" PhiTwist=\"52\" z=\"40\" Theta=\"0\" Phi=\"0\" y1=\"20\" x1=\"30\" x2=\"10\" \
                           y2=\"20\" x3=\"10\" x4=\"30\" Alph=\"0\" aunit=\"deg\"/>",
@@ -273,7 +273,7 @@ impl Twist {
         (0..4).filter_map(side).min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
     }
 
-    /// Volume: the area of a section, which the twist does not change, is quadratic in z, so that Simpson's rule is exact.
+    /// Volume: the area of a section is unaffected by the twist and quadratic in z, so Simpson's rule is exact.
     fn volume(&self) -> f64 {
         let area = |z: f64| {
             let c = self.section(z);
@@ -293,7 +293,7 @@ fn stated_deviation(imported: &rayweave_formats::Imported) -> f64 {
     number.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("{message}"))
 }
 
-/// Rays from the centres of random sections leave where the formula of the solid says, within the stated bound.
+/// Rays from the centres of random sections leave the solid where its formula predicts, within the stated bound.
 #[test]
 fn twisted_solids_deviate_by_no_more_than_is_stated() {
     for solid in Twist::all() {
@@ -326,8 +326,8 @@ fn twisted_solids_deviate_by_no_more_than_is_stated() {
             worst = worst.max((crossings[1].t - expected).abs() * slope);
         }
         assert!(program.leaves().len() < 700, "{}: {} leaves", solid.element, program.leaves().len());
-        assert!(worst <= bound, "{}: {worst} and not at most {bound}", solid.element);
-        // and the bound is not far from the truth
+        assert!(worst <= bound, "{}: {worst} exceeds {bound}", solid.element);
+        // the bound is not much larger than the actual error
         assert!(worst >= bound / 10.0 || solid.twist == 52.0, "{}: {worst} of {bound}", solid.element);
         let found = volume(&program, 80);
         assert!((found / solid.volume() - 1.0).abs() < 4e-3, "{}: {found} {}", solid.element, solid.volume());

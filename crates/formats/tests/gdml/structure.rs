@@ -82,7 +82,7 @@ fn media_along_rays_are_those_of_geant4() {
 }
 
 /// Divisions of parallelepipeds, polycones, polyhedra and along radii, replicas along the radius of a cone, polycones with
-/// non-monotonic z, and parameterised polycones and polyhedra, against the same.
+/// non-monotonic z, and parameterised polycones and polyhedra, against the same reference.
 #[test]
 fn media_in_pieces_are_those_of_geant4() {
     media_are_those_of(include_str!("copies.gdml"), include_str!("copies.csv"), 150);
@@ -118,7 +118,7 @@ fn media_are_those_of(file: &str, rays: &str, count: usize) {
 
 /// Volume of all regions whose names have a prefix, from a grid of rays.
 fn volume_of(imported: &rayweave_formats::Imported, name: &str) -> f64 {
-    // a medium per region, since only changes of the medium are crossings
+    // each region gets its own medium, since only changes of medium are crossings
     let mut regions = imported.scene.model_regions();
     regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
     let program = Arc::new(Program::compile_regions(&regions).unwrap());
@@ -140,7 +140,7 @@ fn volume_of(imported: &rayweave_formats::Imported, name: &str) -> f64 {
     length * (2.0 * half / count as f64).powi(2)
 }
 
-/// The total volume of the slices equals the volume of the mother by its formula, and nothing is left of the mother.
+/// The total volume of the slices equals the volume of the mother according to its formula; nothing is left of the mother.
 #[test]
 fn pieces_fill_their_mother() {
     let half_turn = std::f64::consts::PI;
@@ -177,7 +177,7 @@ fn pieces_fill_their_mother() {
     }
 }
 
-/// In older files axis, width and offset are attributes of `replicavol`.
+/// In older files, axis, width and offset are attributes of `replicavol`.
 #[test]
 fn old_replicas_are_read() {
     let row = "<replicavol axis=\"kXAxis\" number=\"4\" width=\"20\" offset=\"0\" unit=\"mm\"><volumeref ref=\"Slice\"/></replicavol>";
@@ -187,7 +187,7 @@ fn old_replicas_are_read() {
     assert_eq!(names(&hits), [(0.0, "World"), (60.0, "Slice"), (140.0, "World"), (200.0, "-")]);
 }
 
-/// The syntax of pyg4ometry: the width of copies around an axis in millimetres, which Geant4 treats as radians.
+/// The syntax of pyg4ometry: the angular width of copies around an axis is in millimetres, which Geant4 treats as radians.
 #[test]
 fn angles_in_millimetres_are_radians() {
     let wheel = |unit: &str| {
@@ -205,9 +205,9 @@ fn angles_in_millimetres_are_radians() {
     assert_eq!(radians.scene.warnings.iter().count(), 0);
 }
 
-/// A loop with an empty range has no iterations, whatever the sign of its step.
+/// A loop with an empty range has no iterations, regardless of the sign of its step.
 #[test]
-fn loops_without_steps_stand_for_nothing() {
+fn empty_loops_generate_nothing() {
     let down = "<loop for=\"i\" from=\"3\" to=\"1\" step=\"-1\"><physvol><volumeref ref=\"Slice\"/></physvol></loop>";
     let structure = volume("Slice", "slab", "") + &volume("World", "big", down);
     let imported = parse(&model("<variable name=\"i\" value=\"3\"/>", BOXES, &structure)).unwrap();
@@ -278,7 +278,7 @@ fn rings_along_rho_and_sectors_around_phi() {
 }
 
 #[test]
-fn copies_may_have_dimensions_of_their_own() {
+fn copies_may_have_their_own_dimensions() {
     let parameters = |k: u32, x: i32, size: u32| {
         format!(
             "<parameters number=\"{k}\"><position name=\"p{k}\" x=\"{x}\"/><box_dimensions x=\"{size}\" y=\"{size}\" z=\"{size}\"/></parameters>"
@@ -314,7 +314,7 @@ fn mirrored_placements_are_mirrored() {
 }
 
 #[test]
-fn a_refused_solid_takes_only_its_own_volume_away() {
+fn a_refused_solid_removes_only_its_own_volume() {
     let solids = BOXES.to_owned() + "<box name=\"flat\" x=\"10\" y=\"10\" z=\"0\"/>";
     let structure = [
         volume("Inner", "cube", ""),
@@ -328,7 +328,7 @@ fn a_refused_solid_takes_only_its_own_volume_away() {
 }
 
 #[test]
-fn what_light_needs_is_kept_in_a_table() {
+fn optical_data_are_kept_in_a_table() {
     let define = "<matrix name=\"N\" coldim=\"2\" values=\"1*eV 1.5 3*eV 1.7\"/>";
     let text = model(define, BOXES, &volume("World", "big", "<auxiliary auxtype=\"SensDet\" auxvalue=\"pmt\"/>"))
         .replace("</solids>", "<opticalsurface name=\"Skin\" model=\"unified\" finish=\"polished\" type=\"dielectric_metal\" value=\"1\">\
@@ -365,7 +365,7 @@ fn volumes_of_one_name_are_numbered() {
     assert_eq!((names[0], names[1], names[2], names[3000]), ("World", "Pixel", "Pixel2", "Pixel3000"));
 }
 
-/// A million million copies take a few lines of the file and as few maps.
+/// A million million copies take a few lines in the file and a few maps in memory.
 #[test]
 fn copies_of_copies_take_no_more_room() {
     let mut text = volume("L0", "cube", "");
@@ -378,7 +378,7 @@ fn copies_of_copies_take_no_more_room() {
     text += &volume("World", "big", "<physvol><volumeref ref=\"L6\"/></physvol>");
     let imported = parse(&model("", BOXES, &text)).unwrap();
     assert_eq!(imported.scene.regions.len(), 2);
-    // too many to be numbered: that is an error, before any work is done
+    // they are too many to be numbered, which is an error before any work is done
     assert!(Program::compile_regions(&imported.scene.model_regions()).is_err());
 }
 
@@ -404,12 +404,12 @@ fn many_placements_stay_small() {
     let imported = parse(&text).unwrap();
     assert_eq!(imported.scene.regions.len(), 21);
     let program = Program::compile_regions(&imported.scene.model_regions()).unwrap();
-    // the model, and the one solid that they all share
+    // the model, and the solid that all copies share
     assert_eq!(program.prototypes().len(), 2);
     assert_eq!(program.prototypes()[0].placements, 4001);
 }
 
-/// The paths of the crossings along a ray, each without what is inside its innermost placement.
+/// The paths of the crossings along a ray, each truncated at its innermost placement.
 fn placements_along(scene: &rayweave_scene::Scene, origin: [f64; 3], direction: [f64; 3]) -> Vec<String> {
     let mut regions = scene.model_regions();
     regions.iter_mut().zip(1..).for_each(|(region, medium)| region.medium = medium);
@@ -447,7 +447,7 @@ fn occurrence_paths_have_the_copy_numbers_of_the_file() {
         let (own, tip) = (format!("Arm[{k}]"), |j: u32| format!("Arm[{k}]/Tip[{j}]"));
         [own.clone(), tip(4), tip(4), tip(1), tip(1), own]
     };
-    // the surface of the world is placed nowhere
+    // the surface of the world has no placement
     let expected = [vec![String::new()], arm(17).to_vec(), arm(12).to_vec(), vec![String::new()]].concat();
     let ray = ([-100.0, 0.1, 0.2], [1.0, 0.0, 0.0]);
     assert_eq!(placements_along(&imported.scene, ray.0, ray.1), expected);
@@ -476,7 +476,7 @@ fn replicas_and_divisions_are_counted() {
     let mut found = placements_along(&imported.scene, [-100.0, 0.1, 0.2], [1.0, 0.0, 0.0]);
     found.retain(|path| !path.is_empty());
     assert_eq!(found, expected);
-    // slices of a size of their own are volumes of their own, under the name of the one that is divided
+    // slices with different sizes are separate volumes, named after the volume that is divided
     let divided = "<divisionvol axis=\"kXAxis\" number=\"2\" width=\"0\" offset=\"0\" unit=\"mm\">\
                    <volumeref ref=\"Cell\"/></divisionvol>";
     let structure = [

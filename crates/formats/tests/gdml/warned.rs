@@ -1,4 +1,4 @@
-//! Warnings for content that Geant4 accepts, with or without a message of its own.
+//! Warnings for content that Geant4 accepts, with or without its own message.
 
 use super::{along, model, parse, volume};
 use rayweave_formats::Imported;
@@ -8,7 +8,7 @@ use std::sync::Arc;
 const SOLIDS: &str =
     "<box name=\"w\" x=\"200\" y=\"200\" z=\"200\"/><box name=\"b\" x=\"2\" y=\"4\" z=\"6\"/>";
 
-/// A world with the given elements in it, and a volume `V` of the solid `b` with further elements in that.
+/// A world with the given elements, and a volume `V` of the solid `b` with further elements inside.
 fn world(content: &str, inner: &str) -> String {
     format!(
         "<volume name=\"V\"><materialref ref=\"Al\"/><solidref ref=\"b\"/>{inner}</volume>\
@@ -47,7 +47,7 @@ fn extensions_of_the_schema_are_read() {
         assert_eq!(imported.scene.regions.len(), 2);
         says(&imported, &[name, "extension of GDML"]);
     }
-    // a document without any section is of another format
+    // a document without any section is in a different format
     assert!(parse("<html><body/></html>").unwrap_err().to_string().contains("not GDML"));
 }
 
@@ -66,8 +66,8 @@ fn surfaces_in_volumes_and_unknown_elements_are_ignored() {
 }
 
 #[test]
-fn unknown_attributes_are_named_with_the_likely_one() {
-    // zcut2 is misspelt: the upper cut, and a cut at 0 in its place, would be missing without a message
+fn unknown_attributes_get_a_suggestion() {
+    // zcut2 is misspelt: without the warning, the missing upper cut would go unnoticed
     let lung = "<ellipsoid name=\"b\" ax=\"20\" by=\"30\" cz=\"40\" zcut1=\"-5\" zcut0=\"10\"/>";
     let solids = format!("<box name=\"w\" x=\"200\" y=\"200\" z=\"200\"/>{lung}");
     let text = model("", &solids, &world(&placed(""), ""));
@@ -81,18 +81,18 @@ fn unknown_attributes_are_named_with_the_likely_one() {
         &read(&model("", &(SOLIDS.to_owned() + &boxes), &world(&placed(""), ""))),
         &["`w`", "occurs 30 times"],
     );
-    // attributes of other name spaces are none of GDML
+    // attributes in other namespaces are not GDML attributes
     let text =
         model("", SOLIDS, &world(&placed(""), "")).replace("<gdml>", "<gdml xmlns:xsi=\"i\" xsi:no=\"s\">");
     assert!(read(&text).scene.warnings.is_empty());
 }
 
-/// Geant4 11.4.1 places the box of 2, 4, 6 mm with its own size for the first two of these scales, mirrored where the
-/// signs say so, and refuses the third file (`G4ReflectionFactory::CheckScale`).
+/// Geant4 11.4.1 places the box of 2, 4, 6 mm with its original size for the first two of these scales, mirrored according
+/// to the signs, and refuses the third file (`G4ReflectionFactory::CheckScale`).
 #[test]
 fn only_the_signs_of_a_scale_count() {
     for (scale, reason) in
-        [([2, 3, 4], "as by Geant4"), ([-2, -3, 1], "as by Geant4"), ([-2, 1, 1], "refuses")]
+        [([2, 3, 4], "as in Geant4"), ([-2, -3, 1], "as in Geant4"), ([-2, 1, 1], "refuses")]
     {
         let [x, y, z] = scale;
         let text = model("", SOLIDS, &world(&placed(&format!("<scale x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")), ""));
@@ -146,8 +146,8 @@ fn quantities_of_materials_may_be_defined() {
     assert!(parse(&unknown).unwrap_err().to_string().contains("Did you mean `rho`?"));
 }
 
-/// A cube of side 2 in 12 triangles, each on a line of its own from line 11 on, some of them with the vertices in reverse
-/// order and some of them missing.
+/// A cube of side 2 as 12 triangles, each on a separate line from line 11 on, some with the vertices in reverse order and
+/// some missing.
 fn cube(reversed: &[usize], missing: &[usize]) -> String {
     let corner = |k: i32| [k & 1, k >> 1 & 1, k >> 2].map(|bit| 2 * bit - 1);
     let position = |k: i32| {
@@ -194,7 +194,7 @@ fn holes_in_facets_are_reported() {
     let half = read(&cube(&[], &[3]));
     says(&half, &["`s` has holes", "3 of its edges", "facet 2"]);
     assert_eq!(warning(&half).0, 11 + 2);
-    // without a whole face the planes of the others enclose no volume
+    // without a whole face, the planes of the others enclose no volume
     let open = read(&cube(&[], &[2, 3]));
     assert!(open.scene.regions.is_empty());
     assert!(open.scene.warnings.iter().any(|warning| warning.message().contains("the solid `s` is refused")));

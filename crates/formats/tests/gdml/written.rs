@@ -51,7 +51,7 @@ fn same_partitions(one: &Imported, two: &Imported) {
     };
     let (one, two) = (partitions(one), partitions(two));
     let different = one.iter().zip(&two).filter(|(a, b)| !near(a, b)).count();
-    // grazing rays may differ by a crossing
+    // grazing rays may differ in a crossing
     assert!(different <= 2, "{different} of {}", one.len());
 }
 
@@ -68,7 +68,7 @@ fn key(table: &Table, key: &str) -> Option<Datum> {
 }
 
 #[test]
-fn volumes_lie_in_one_another_as_before() {
+fn the_volume_hierarchy_is_preserved() {
     for text in [include_str!("structure.gdml"), include_str!("copies.gdml")] {
         let first = parse(text).unwrap();
         let file = written(&first);
@@ -76,7 +76,7 @@ fn volumes_lie_in_one_another_as_before() {
             !file
                 .remarks
                 .iter()
-                .any(|remark| remark.what.contains("cut out") || remark.what.contains("tree"))
+                .any(|remark| remark.what.contains("are subtracted from it") || remark.what.contains("tree"))
         );
         let second = again(&file);
         let names = |imported: &Imported| -> Vec<String> {
@@ -139,7 +139,7 @@ fn numbers_of_properties_are_kept() {
 
 /// The volume tree of a table that does not match the regions is ignored; its materials are used.
 #[test]
-fn what_was_changed_is_written_flat() {
+fn edited_models_are_written_flat() {
     let mut imported = parse(OPTICAL).unwrap();
     let document = imported.document();
     let region = &mut imported.scene.regions[1];
@@ -148,7 +148,7 @@ fn what_was_changed_is_written_flat() {
     let file = write(&imported.scene, Some(&document), Format::Gdml, &options).unwrap();
     let text = String::from_utf8(file.bytes.clone()).unwrap();
     assert!(text.contains("<composite n=\"2\" ref=\"H\"/>") && text.contains("subtraction"), "{text}");
-    assert!(file.remarks.iter().any(|remark| remark.what.contains("the tree of volumes")));
+    assert!(file.remarks.iter().any(|remark| remark.what.contains("the volume tree")));
     let back = again(&file);
     let moved = back.scene.regions.iter().find(|region| region.name == "Drop___co").unwrap();
     let program = Program::compile(&moved.solid).unwrap();
@@ -219,7 +219,7 @@ fn edited_solids_are_not_written_as_they_were() {
     assert!(!text.contains("twistedbox") && text.contains("<hype") && text.contains("<polycone"), "{text}");
 }
 
-/// Triangles of a twisted solid follow its own size: a small one in a large world takes few.
+/// The number of triangles of a twisted solid depends on its own size: a small one in a large world takes few.
 #[test]
 fn twisted_solids_become_few_triangles() {
     let solid = "<box name=\"big\" x=\"1000\" y=\"1000\" z=\"1000\"/>\

@@ -85,6 +85,11 @@ fn extrusions_that_name_a_drawing() {
 /// A drawing that cannot be read is refused with its reason, and the rest of the dump is read.
 #[test]
 fn damaged_drawings() {
+    let long = format!(
+        "<!DOCTYPE svg [<!ENTITY a \"{}\">]>{}",
+        "M0 0 ".repeat(20_000),
+        svg(PAGE, &"<path d=\"&a;\"/>".repeat(1000))
+    );
     let nested = format!("<svg>{}", "<g>".repeat(100_000));
     let laughs = "<!DOCTYPE svg [<!ENTITY a \"aaaaaaaaaa\"><!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;\"><!ENTITY c \"&b;&b;&b;&b;&b;&b;&b;&b;&b;&b;\"><!ENTITY d \"&c;&c;&c;&c;&c;&c;&c;&c;&c;&c;\"><!ENTITY e \"&d;&d;&d;&d;&d;&d;&d;&d;&d;&d;\"><!ENTITY f \"&e;&e;&e;&e;&e;&e;&e;&e;&e;&e;\"><!ENTITY g \"&f;&f;&f;&f;&f;&f;&f;&f;&f;&f;\">]><svg id=\"&g;\"/>";
     let cycle =
@@ -99,6 +104,7 @@ fn damaged_drawings() {
         ("svg", "<svg><g>".to_owned(), "it is not SVG"),
         ("svg", "<html/>".to_owned(), "its outermost element is `html`"),
         ("svg", nested, "deep"),
+        ("svg", long, "its entities may expand to more than 64 MiB"),
         ("svg", laughs.to_owned(), "it is not SVG"),
         ("svg", cycle, "deep"),
         ("svg", svg(PAGE, "<text>a</text>"), "leaves out `text` in line 1 of its file"),
@@ -113,7 +119,7 @@ fn damaged_drawings() {
         ("dxf", "0\nEOF\n".to_owned(), "no sections"),
         ("dxf", dxf(&entity("INSERT", &[(2, "B")]), &block), "its blocks use each other"),
         ("dxf", dxf(&entity("HATCH", &[]), ""), "leaves out `HATCH` in line 11 of its file"),
-        ("dxf", dxf(&entity("SPLINE", &[(71, "3"), (40, "0")]), ""), "do not fit each other"),
+        ("dxf", dxf(&entity("SPLINE", &[(71, "3"), (40, "0")]), ""), "points do not match"),
     ];
     let folder = Folder::new("damaged");
     for (ending, text, message) in cases {

@@ -1,4 +1,4 @@
-//! Examples of OpenSCAD, against its own results; skipped if the files are missing.
+//! Examples of OpenSCAD, against OpenSCAD's own results; skipped if the files are missing.
 
 use crate::folder::Folder;
 use crate::measure::volume;
@@ -36,7 +36,7 @@ const VOLUMES: [(&str, f64); 22] = [
 /// Relative tolerance: hinting changes the area of the letters of `recursion` by 4e-4; the rest is sampling error.
 const NEAR: f64 = 1e-3;
 
-/// Examples that name missing files, with the number of items refused for that reason.
+/// Examples that refer to missing files, with the number of items refused for that reason.
 const WITHOUT_FILES: [(&str, usize); 5] =
     [("example008", 5), ("example010", 2), ("example012", 1), ("example016", 4), ("surface", 2)];
 
@@ -78,7 +78,7 @@ fn volumes_are_those_of_openscad() {
 }
 
 #[test]
-fn nothing_is_refused_but_what_is_not_there() {
+fn only_missing_files_are_refused() {
     let Some(folder) = folder() else { return };
     let files = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let mut dumps = 0;

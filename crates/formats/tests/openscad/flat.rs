@@ -75,7 +75,7 @@ fn pyramids() {
 }
 
 /// Two triangles of area 4 that share the point where the contour crosses itself; a section at t has their area times both
-/// factors.
+/// scale factors.
 #[test]
 fn pyramids_over_contours_that_cross_themselves() {
     let bow = "polygon(points = [[-2, -2], [2, 2], [2, -2], [-2, 2]], paths = undef);";
@@ -131,7 +131,7 @@ fn solids_of_revolution() {
     // on the other side of the axis
     let left = format!("rotate_extrude(angle = 90) {} square(1);", moved(-4.0, 0.0, 0.0));
     check_volume(&left, false, 3.5 * PI / 2.0, NEAR);
-    // an hourglass of cones with a straight bore: frustums less a cylinder
+    // an hourglass of cones with a straight bore: frustums minus a cylinder
     let glass = "rotate_extrude() polygon(points = [[1, -3], [4, -3], [2, 0], [4, 3], [1, 3]]);";
     check_volume(glass, false, 2.0 * PI * (16.0 + 8.0 + 4.0) - 6.0 * PI, NEAR);
     // half a disc makes a ball
@@ -215,7 +215,7 @@ fn flat_models_are_plates_and_dimensions_do_not_mix() {
     assert!(approximated == 1 && messages.contains("plate from z = -0.5 to 0.5"), "{messages}");
     assert!((volume(&read("square([3, 4]);", false).scene, 200) - 12.0).abs() < 0.05);
     let (dropped, messages) = losses("cube(1); square(9);", LossKind::Dropped);
-    assert!(dropped == 1 && messages.contains("side by side"), "{messages}");
+    assert!(dropped == 1 && messages.contains("are mixed"), "{messages}");
     let (refused, messages) = losses("linear_extrude(height = 1) cube(1);", LossKind::Refused);
     assert!(refused == 1 && messages.contains("are solids"), "{messages}");
     let (refused, messages) = losses(

@@ -1,4 +1,4 @@
-//! Temporary folders with dumps and the files that these name.
+//! Temporary folders with dumps and the files that they refer to.
 
 use rayweave_formats::{Imported, Options, load};
 use rayweave_math::Bounds;

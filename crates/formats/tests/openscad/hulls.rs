@@ -62,7 +62,7 @@ fn hulls_of_few_balls() {
         moved(0.0, 4.0, 0.0)
     );
     check_volume(&three, false, 2.0 * 6.0 + PI / 2.0 * 12.0 + 4.0 / 3.0 * PI, NEAR);
-    // a ball inside the other
+    // one operand inside the other
     check_volume("hull() { sphere(r = 2); cube(1); }", false, 32.0 / 3.0 * PI, NEAR);
 }
 

@@ -17,7 +17,7 @@ fn problem(text: &str) -> (String, Option<(usize, usize)>) {
 fn cut_off_at_every_byte() {
     for end in (0..MODEL.len()).filter(|end| MODEL.is_char_boundary(*end)) {
         let read = parse(&MODEL[..end], Format::OpenScad, &[], &Options::default());
-        // the empty text and the text without its last line end are valid
+        // only the empty text and the text without its last line end are valid
         assert_eq!(read.is_ok(), end == 0 || end == MODEL.len() - 1, "{}", &MODEL[..end]);
     }
 }
@@ -67,14 +67,14 @@ fn deep_nesting_uses_no_call_stack() {
             assert_eq!(read(text, false).scene.regions.len(), 1);
         }
         let lists = format!("cube({});", "[".repeat(deep));
-        assert!(problem(&lists).0.starts_with("this list is too deep"));
+        assert!(problem(&lists).0.starts_with("this list is nested too deeply"));
         let open = "group() {".repeat(deep);
         assert!(problem(&open).0.starts_with("`}` is missing"));
     });
     worker.expect("a thread").join().expect("no overflow");
 }
 
-/// Message of the error that a dump exceeds the limits of its file, with the position.
+/// Message, with the position, of the error that a dump exceeds its limits.
 fn limit(text: &str, facets: bool) -> (String, Option<(usize, usize)>) {
     let options = Options { facets, ..Options::default() };
     let start: String = text.chars().take(80).collect();
@@ -87,8 +87,8 @@ fn limit(text: &str, facets: bool) -> (String, Option<(usize, usize)>) {
     }
 }
 
-/// Items of few bytes that would take minutes or gigabytes end with an error that names the item. The limits count work, so
-/// that the test does not depend on the machine.
+/// Items of a few bytes that would take minutes or gigabytes cause an error that names the item. The limits count work, so
+/// the test does not depend on the machine.
 #[test]
 fn explosive_items_are_errors() {
     let nested = |item: &str, count: usize, inner: &str| format!("{}{inner}", item.repeat(count));
@@ -171,15 +171,15 @@ fn points_that_are_too_far_out_are_refused() {
     let thin = |far: &str| format!("polygon(points = [[0, 0], [{far}, 4], [4, 0], [0, 4]], paths = undef);");
     let cases = [
         (format!("rotate_extrude() {}", thin("1e153")), "too far out"),
-        (format!("rotate_extrude() {}", thin("1e20")), "too thin beside the size"),
+        (format!("rotate_extrude() {}", thin("1e20")), "too thin relative to the size"),
         (
             format!("linear_extrude(height = 1) offset(delta = 1) {}", thin("1e20")),
-            "too thin beside the size",
+            "too thin relative to the size",
         ),
         ("linear_extrude(height = 1) offset(delta = 1e155) square(1);".to_owned(), "too far out"),
         (
             "linear_extrude(height = 1) offset(delta = 1) { square(1e20); square(1); }".to_owned(),
-            "too thin beside the size",
+            "too thin relative to the size",
         ),
     ];
     for (text, why) in cases {

@@ -1,4 +1,4 @@
-//! Volumes of imported models, measured by rays.
+//! Volumes of imported models, measured with rays.
 
 use rayweave_formats::{Format, Imported, LossKind, Options, parse};
 use rayweave_math::Vec3;

@@ -79,7 +79,7 @@ fn bent_faces_are_reported() {
     };
     assert_eq!(losses(&cube("[1, 1, 1.00001]"), LossKind::Approximated).0, 0);
     let (approximated, messages) = losses(&cube("[1, 1, 1.3]"), LossKind::Approximated);
-    assert!(approximated == 1 && messages.contains("faces that are not plane"), "{messages}");
+    assert!(approximated == 1 && messages.contains("faces that are not planar"), "{messages}");
 }
 
 const TETRAHEDRON: &str = "OFF\n4 4 0\n0 0 0\n3 0 0\n0 3 0\n0 0 4\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
@@ -90,7 +90,7 @@ fn files_beside_the_dump() {
     std::fs::write(folder.0.join("part.off"), TETRAHEDRON).expect("a file");
     std::fs::write(folder.0.join("open.off"), TETRAHEDRON.replace("4 4 0", "4 3 0").replace("3 2 0 3\n", ""))
         .expect("a file");
-    // two rows of two cells: the centre of a cell is the mean of its corners, the floor is 1 below the lowest point
+    // two rows of three cells: the centre of a cell is the mean of its corners, the floor is 1 below the lowest point
     std::fs::write(folder.0.join("map.dat"), "# heights\n1 2 3 5\n2 2 4 1\n\n0 1 0 2\n").expect("a file");
     let measured = |text: &str| {
         let imported = folder.read(text);
@@ -110,11 +110,11 @@ fn files_beside_the_dump() {
     let corner = "intersection() { surface(file = \"map.dat\", center = true); multmatrix([[1, 0, 0, 0.3], [0, 1, 0, 0.2], [0, 0, 1, -1], [0, 0, 0, 1]]) cube(9); }";
     assert!((measured(corner) / 2.490002 - 1.0).abs() < 2.0 * NEAR);
     for (text, message) in [
-        ("import(file = \"gone.stl\"); cube(1);", "there is no file `gone.stl` beside the dump"),
+        ("import(file = \"gone.stl\"); cube(1);", "there is no file `gone.stl` in the folder of the dump"),
         ("import(file = \"part.csg\"); cube(1);", "only meshes (STL, OFF, 3MF, OBJ, PLY) and drawings"),
         ("import(file = \"open.off\"); cube(1);", "import() is left out"),
         ("surface(file = \"part.off\"); cube(1);", "line 1 of its file has a value that is not a number"),
-        ("import(layer = \"x\"); cube(1);", "it names no file"),
+        ("import(layer = \"x\"); cube(1);", "it has no file name"),
     ] {
         let report = folder.read(text).report;
         assert_eq!(report.count(LossKind::Refused), 1, "{text}");

@@ -159,7 +159,7 @@ fn angle(height: f64) -> String {
 }
 
 #[test]
-fn sums_of_what_is_not_convex() {
+fn sums_of_nonconvex_solids() {
     // both arms grow equally on all sides
     check_volume(
         &format!("minkowski() {{ {} cube(0.5); }}", angle(1.0)),

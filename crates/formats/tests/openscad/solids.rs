@@ -5,7 +5,7 @@ use rayweave_formats::LossKind;
 use rayweave_scene::Colour;
 use std::f64::consts::PI;
 
-/// Relative tolerance of volumes by rays.
+/// Relative tolerance of volumes measured with rays.
 const NEAR: f64 = 1e-3;
 
 #[test]
@@ -67,7 +67,7 @@ fn booleans_and_maps() {
 }
 
 #[test]
-fn nothing_where_openscad_makes_nothing() {
+fn empty_where_openscad_is_empty() {
     for text in
         ["", "group();", "cube(0);", "sphere(r = -1);", "cylinder(h = 0, r1 = 1, r2 = 1);", "*cube(1);"]
     {
@@ -85,7 +85,7 @@ fn nothing_where_openscad_makes_nothing() {
     assert_eq!(volume(&read("difference() { group(); cube(2); }", false).scene, 10), 0.0);
     let flat = "multmatrix([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0], [0, 0, 0, 1]]) cube(1); cube(2);";
     let (dropped, messages) = losses(flat, LossKind::Dropped);
-    assert!(dropped == 1 && messages.contains("a scale of 0?"), "{messages}");
+    assert!(dropped == 1 && messages.contains("Is a scale 0?"), "{messages}");
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn modifiers() {
 }
 
 #[test]
-fn colours_are_regions_and_the_outer_one_wins() {
+fn colours_become_regions_and_the_outer_colour_wins() {
     let text = "color([1, 0, 0, 1]) cube(1); color([0, 0, 1, 0.5]) { cube(2); color([1, 0, 0, 1]) sphere(r = 1); } cube(3); cube(4);";
     let scene = whole(text, false);
     let regions: Vec<(&str, Colour)> = scene.regions.iter().map(|r| (r.name.as_str(), r.colour)).collect();
@@ -120,7 +120,7 @@ fn colours_are_regions_and_the_outer_one_wins() {
 }
 
 #[test]
-fn what_cannot_be_read_counts_as_not_there() {
+fn unreadable_items_count_as_absent() {
     let text = "cube(2);\ndifference() {\n cube(3);\n  riddle(x = 1);\n}\nintersection() { riddle(); cube(1); }\nunion() { difference() { riddle(); cube(1); } }";
     let (refused, messages) = losses(text, LossKind::Refused);
     assert!(refused == 3 && messages.contains("<text>:4:3") && messages.contains("3 times"), "{messages}");
@@ -131,7 +131,7 @@ fn what_cannot_be_read_counts_as_not_there() {
 
 #[test]
 fn rounding_in_matrices_is_none() {
-    // OpenSCAD's test issue13 has the first value, and every quarter turn the second
+    // the first value is that of OpenSCAD's test issue13, the second that of every quarter turn
     check_volume(
         "cube([10, 10, 5]); multmatrix([[1, 0, 0, 5], [0, 1, 0, 5], [0, 0, 1, -3.33067e-16], [0, 0, 0, 1]]) cube([5, 10, 10]);",
         false,
@@ -150,10 +150,10 @@ fn rounding_in_matrices_is_none() {
 fn a_region_of_the_plane_empties_an_intersection_of_solids() {
     let imported = read("intersection() { cube(5, center = true); circle(r = 2); }", true);
     assert!(imported.scene.regions.is_empty());
-    assert!(imported.report.warnings().to_string().contains("side by side"));
+    assert!(imported.report.warnings().to_string().contains("are mixed"));
 }
 
-/// Arguments that are not read are warnings with their position, and misspelt ones with a suggestion.
+/// Arguments that are not read cause warnings with their position, misspelt ones also with a suggestion.
 #[test]
 fn unknown_arguments_are_warnings() {
     let cases = [
@@ -166,7 +166,7 @@ fn unknown_arguments_are_warnings() {
         ),
         ("cube(size = 2, rotate = \"3\");", "`rotate` of cube() is ignored", None, 16),
         ("linear_extrude(heigth = 3) square(1);", "`heigth`", Some("Did you mean `height`?"), 16),
-        ("sphere(1, 2);", "takes 1 arguments without a name", None, 11),
+        ("sphere(1, 2);", "at most 1 of its arguments may be unnamed", None, 11),
         ("sphere(r = 1, r = 2);", "the second `r` of sphere()", None, 15),
         ("group(size = 2) cube(1);", "`size` of group()", None, 7),
     ];

@@ -46,7 +46,9 @@ const GRID: f64 = 2.0 * 10.0 / 2170.0;
 fn letters_stand_where_openscad_puts_them() {
     let folder = Path::new("/usr/share/fonts/truetype/dejavu");
     if let Some(missing) = FONTS.iter().find(|font| !folder.join(font).is_file()) {
-        skip::tell(&format!("{missing} is not among the fonts of the system: Debian: fonts-dejavu-core."));
+        skip::tell(&format!(
+            "{missing} is not among the fonts of the system. On Debian, install fonts-dejavu-core."
+        ));
         return;
     }
     let dumps = Folder::new("texts");

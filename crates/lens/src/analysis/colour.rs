@@ -10,7 +10,7 @@ impl<E: Evaluator> Study<'_, E> {
     /// to be the axis.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
+    /// As for [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
     pub fn axial_focus(&self, wavelength_nm: f64, height: f64) -> Result<f64, LensAnalysisError> {
         let arrival = self.axial(wavelength_nm, height)?;
         Ok(arrival.position.z - arrival.position.y * arrival.direction.z / arrival.direction.y)
@@ -20,7 +20,7 @@ impl<E: Evaluator> Study<'_, E> {
     /// wavelength.
     ///
     /// # Errors
-    /// As of [`Study::principal`].
+    /// As for [`Study::principal`].
     pub fn lateral_colour(&self, field: usize, wavelength_nm: f64) -> Result<f64, LensAnalysisError> {
         let height = |wavelength_nm: f64| {
             let position = self.principal(field, wavelength_nm)?.position;

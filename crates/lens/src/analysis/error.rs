@@ -20,7 +20,7 @@ pub enum LensAnalysisError {
     NoSheet(String),
     /// A required ray does not arrive.
     #[error(
-        "the {ray} ray of field {field} does not reach the image: it is vignetted, misses a surface or takes another path."
+        "the {ray} ray of field {field} does not reach the image: it is vignetted, misses a surface or takes a different path."
     )]
     Stopped {
         /// The name of the ray.
@@ -30,7 +30,7 @@ pub enum LensAnalysisError {
     },
     /// Rays through the paraxial entrance pupil of a field that miss the centre of the stop by far.
     #[error(
-        "field {field} has its real entrance pupil {} semi-diameters beside the paraxial one: rays through the latter pass only a part of the stop. Aim the rays at the stop.",
+        "the real entrance pupil of field {field} is {} semi-diameters away from the paraxial one: rays through the latter pass only a part of the stop. Aim the rays at the stop.",
         round_to_digits(*off, 3)
     )]
     Unaimed {

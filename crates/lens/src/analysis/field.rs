@@ -34,11 +34,11 @@ pub struct FieldFoci {
 }
 
 impl<E: Evaluator> Study<'_, E> {
-    /// The distortion of a field at a wavelength. The principal ray is aimed at the centre of the stop in any
-    /// study.
+    /// The distortion of a field at a wavelength. The principal ray is aimed at the centre of the stop in
+    /// every study.
     ///
     /// # Errors
-    /// As of [`Study::principal`].
+    /// As for [`Study::principal`].
     pub fn distortion(&self, field: usize, wavelength_nm: f64) -> Result<Distortion, LensAnalysisError> {
         let position = self.principal(field, wavelength_nm)?.position;
         let paraxial = self.paraxial_height(field, wavelength_nm)?;
@@ -62,7 +62,7 @@ impl<E: Evaluator> Study<'_, E> {
     /// thousandth of the pupil away from the principal ray.
     ///
     /// # Errors
-    /// As of [`Study::principal`].
+    /// As for [`Study::principal`].
     pub fn field_foci(&self, field: usize, wavelength_nm: f64) -> Result<FieldFoci, LensAnalysisError> {
         let [x, y] = self.lens.fields.get(field).copied().unwrap_or([0.0, 1.0]);
         let length = libm::hypot(x, y);

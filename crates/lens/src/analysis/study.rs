@@ -10,11 +10,11 @@ use rayweave_optics::{Beam, TraceSettings, Tracer};
 const FAR_PUPIL: f64 = 0.25;
 
 /// True if the rays of a field have to be aimed at the stop: the real entrance pupil lies more than a quarter
-/// of its semi-diameter beside the paraxial one, so that rays through the latter illuminate the wrong part of
-/// the stop. A [`Study`] refuses to trace such rays unaimed.
+/// of its semi-diameter away from the paraxial one, so that rays through the latter illuminate the wrong part
+/// of the stop. A [`Study`] refuses to trace such rays unaimed.
 ///
 /// # Errors
-/// As of [`Prescription::beam`].
+/// As for [`Prescription::beam`].
 pub fn needs_aiming(
     lens: &Prescription,
     field: usize,
@@ -51,7 +51,8 @@ pub struct Study<'a, E> {
 pub struct Fan {
     /// The points of the pupil, in units of its semi-diameter.
     pub pupil: Vec<[f64; 2]>,
-    /// The positions on the image, relative to the principal ray.
+    /// The positions on the image, relative to the ray through the centre of the pupil or, if rays
+    /// are aimed, of the stop.
     pub errors: Vec<[f64; 2]>,
 }
 
@@ -109,7 +110,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// power.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`].
+    /// As for [`Study::arrivals`].
     pub fn polychromatic(&self, field: usize, pupil: &[[f64; 2]]) -> Result<Vec<Arrival>, LensAnalysisError> {
         let mut all = Vec::new();
         for line in &self.lens.lines {
@@ -121,10 +122,10 @@ impl<'a, E: Evaluator> Study<'a, E> {
         Ok(all)
     }
 
-    /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in any study.
+    /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in every study.
     ///
     /// # Errors
-    /// As of [`Prescription::beam_at_stop`], and [`LensAnalysisError::Stopped`] if the ray does not arrive.
+    /// As for [`Prescription::beam_at_stop`], and [`LensAnalysisError::Stopped`] if the ray does not arrive.
     pub fn principal(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, LensAnalysisError> {
         self.beside_principal(field, wavelength_nm, [0.0; 2])
     }
@@ -149,7 +150,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
         self.one(&beam, LensAnalysisError::Stopped { ray: "principal", field })
     }
 
-    /// The ray of the axis through a height in the pupil.
+    /// The axial ray through a height in the pupil.
     pub(super) fn axial(&self, wavelength_nm: f64, height: f64) -> Result<Arrival, LensAnalysisError> {
         let beam = self.beam(0, wavelength_nm, &[[0.0, height]])?;
         self.one(&beam, LensAnalysisError::Stopped { ray: "axial", field: 0 })
@@ -174,7 +175,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// are aimed, of the stop.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
+    /// As for [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
     pub fn fan(
         &self,
         field: usize,
@@ -195,7 +196,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// paraxial exit pupil, on the axis, to that point.
     ///
     /// # Errors
-    /// As of [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
+    /// As for [`Study::arrivals`], and [`LensAnalysisError::Stopped`].
     pub fn wavefront(
         &self,
         field: usize,

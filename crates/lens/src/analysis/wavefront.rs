@@ -1,4 +1,4 @@
-//! Wavefronts: optical path differences against a reference sphere.
+//! Wavefronts: optical path differences relative to a reference sphere.
 
 use super::Arrival;
 use rayweave_math::Vec3;
@@ -18,9 +18,9 @@ pub struct Wavefront {
 }
 
 impl Wavefront {
-    /// Computes the path differences against a principal ray. The id of a ray is the index of its point in
-    /// `pupil`. `radius` is the distance from the exit pupil to the image, negative for a pupil behind it,
-    /// infinite for a telecentric system; `unit_nm` is the unit of lengths.
+    /// Computes the path differences relative to a principal ray. The id of a ray is the index of its
+    /// point in `pupil`. `radius` is the distance from the exit pupil to the image, negative for a pupil
+    /// behind it, infinite for a telecentric system; `unit_nm` is the unit of lengths.
     pub fn new(
         principal: &Arrival,
         arrivals: &[Arrival],

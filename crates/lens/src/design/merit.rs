@@ -17,7 +17,7 @@ pub enum Merit {
     FocalLength,
     /// The distance from the last vertex to the back focal point at the primary wavelength.
     BackFocalDistance,
-    /// The distance of the centroid of the first field's spot from its place without errors.
+    /// The distance of the centroid of the first field's spot from its position without errors.
     ImageShift,
 }
 

@@ -1,8 +1,8 @@
 //! Lens design: tolerance analysis and optimisation of prescriptions.
 //!
-//! A [`DesignParameter`] is a number of a prescription, named as in `radius 2` or `tilt x 3-4`. [`Tolerancing`]
-//! computes the effect of random errors of parameters on a [`Merit`]; [`Optimiser`] computes the parameter
-//! values that best satisfy a list of goals. Both follow rays from surface to surface
+//! A [`DesignParameter`] is a number of a prescription, with a name such as `radius 2` or `tilt x 3-4`.
+//! [`Tolerancing`] computes the effect of random errors of parameters on a [`Merit`]; [`Optimiser`] computes
+//! the parameter values that best satisfy a list of goals. Both follow rays from surface to surface
 //! ([`Prescription::follow`](crate::prescription::Prescription::follow)) through the paraxial entrance pupil,
 //! without regard to semi-diameters, and build no solids.
 //!

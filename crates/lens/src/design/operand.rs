@@ -103,27 +103,27 @@ pub struct Goal {
     pub operand: Operand,
     /// Its target.
     pub target: Target,
-    /// The factor of the residual; it enters the sum of squares as its square.
+    /// The factor of the residual; the sum of squares contains the square of their product.
     pub weight: f64,
 }
 
 impl Goal {
-    /// An operand with a target value, of weight 1.
+    /// An operand with a target value and weight 1.
     pub fn equal(operand: Operand, value: f64) -> Goal {
         Goal { operand, target: Target::Equal(value), weight: 1.0 }
     }
 
-    /// An operand with a lower bound, of weight 1.
+    /// An operand with a lower bound and weight 1.
     pub fn at_least(operand: Operand, value: f64) -> Goal {
         Goal { operand, target: Target::AtLeast(value), weight: 1.0 }
     }
 
-    /// An operand with an upper bound, of weight 1.
+    /// An operand with an upper bound and weight 1.
     pub fn at_most(operand: Operand, value: f64) -> Goal {
         Goal { operand, target: Target::AtMost(value), weight: 1.0 }
     }
 
-    /// The same with another weight.
+    /// The goal with a different weight.
     pub fn weight(self, weight: f64) -> Goal {
         Goal { weight, ..self }
     }

@@ -108,7 +108,7 @@ impl<'a> Optimiser<'a> {
             return Err(DesignError::None("goal"));
         }
         if let Some(&parameter) = self.parameters.iter().find(|parameter| parameter.quantity.is_pose()) {
-            return Err(DesignError::Absent { parameter, why: "a prescription is centred" });
+            return Err(DesignError::Absent { parameter, why: "decentres and tilts cannot be varied" });
         }
         let scale = |parameter: &DesignParameter| scale(*parameter, self.lens);
         let scales: Vec<f64> = self.parameters.iter().map(scale).collect::<Result<_, _>>()?;
@@ -122,8 +122,9 @@ impl<'a> Optimiser<'a> {
     }
 }
 
-/// The change of a parameter that affects a prescription about as much as that of any other: lengths and
-/// curvatures by the length of the system, aspheric terms by that and the pupil height.
+/// The scale of a parameter, such that changes by one scale affect a prescription about equally: derived
+/// from the length of the system for lengths and curvatures, and also from the pupil height for aspheric
+/// terms.
 fn scale(parameter: DesignParameter, lens: &Prescription) -> Result<f64, DesignError> {
     let value = parameter.value(lens)?;
     let length = lens.surfaces.iter().map(|surface| surface.thickness.abs()).sum::<f64>();

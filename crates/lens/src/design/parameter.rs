@@ -41,7 +41,7 @@ impl Quantity {
         ("tilt y", Quantity::TiltY),
     ];
 
-    /// A quantity by its name; `r^4` names a term.
+    /// The quantity with this name; `r^4` names a term.
     pub(super) fn named(name: &str) -> Option<Quantity> {
         let power = || name.strip_prefix("r^")?.parse().ok().filter(|power| POWERS.contains(power));
         let known = Quantity::NAMES.into_iter().find(|(known, _)| *known == name);

@@ -90,7 +90,7 @@ impl<'a> Tolerancing<'a> {
         Tolerancing { refocus: true, ..self }
     }
 
-    /// Vignettes: a ray ends where it meets a surface beyond its stated semi-diameter, or in its hole.
+    /// Enables vignetting: a ray ends where it hits a surface outside its stated semi-diameter, or in its hole.
     pub fn vignetted(self) -> Tolerancing<'a> {
         Tolerancing { vignettes: true, ..self }
     }
@@ -128,7 +128,7 @@ impl<'a> Tolerancing<'a> {
             parameter.value(self.lens)?;
             let scale = spread.scale();
             if !(scale >= 0.0 && scale.is_finite()) {
-                let (what, range) = (format!("the spread of {parameter}"), "at least 0, finite");
+                let (what, range) = (format!("the spread of {parameter}"), "at least 0 and finite");
                 return Err(DesignError::BadNumber { what, value: scale, range });
             }
         }
@@ -139,7 +139,7 @@ impl<'a> Tolerancing<'a> {
     /// range.
     ///
     /// # Errors
-    /// As of [`Tolerancing::nominal`], and [`DesignError::None`] without errors, and
+    /// As for [`Tolerancing::nominal`], and [`DesignError::None`] without errors, and
     /// [`DesignError::Memory`] for trials that do not fit into memory. A cancelled run returns
     /// fewer trials.
     pub fn trials(&self, count: u64) -> Result<Trials, DesignError> {
@@ -191,7 +191,7 @@ impl<'a> Tolerancing<'a> {
     /// The merit with each parameter changed alone, to both ends of its spread.
     ///
     /// # Errors
-    /// As of [`Tolerancing::nominal`].
+    /// As for [`Tolerancing::nominal`].
     pub fn sensitivities(&self) -> Result<Vec<Sensitivity>, DesignError> {
         let evaluator = self.evaluator()?;
         let at = |parameter: DesignParameter, change: f64| {
@@ -211,7 +211,7 @@ impl<'a> Tolerancing<'a> {
 pub struct Sensitivity {
     /// The parameter.
     pub parameter: DesignParameter,
-    /// The merit with the parameter reduced by its spread: the greatest deviation, or the standard one.
+    /// The merit with the parameter reduced by its spread, which is the greatest or the standard deviation.
     pub minus: f64,
     /// The merit with the parameter increased by its spread.
     pub plus: f64,

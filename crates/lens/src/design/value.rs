@@ -30,7 +30,7 @@ impl DesignParameter {
     }
 
     fn surface(self, lens: &Prescription) -> Result<&Surface, DesignError> {
-        let no_surface = || self.absent("the prescription has no such surface; they count from 1");
+        let no_surface = || self.absent("the prescription has no such surface; surfaces are counted from 1");
         lens.surfaces.get(self.last.wrapping_sub(1)).ok_or_else(no_surface)?;
         lens.surfaces.get(self.first.wrapping_sub(1)).ok_or_else(no_surface)
     }
@@ -63,7 +63,7 @@ impl DesignParameter {
             DesignError::Prescription(PrescriptionError::Glass { surface: self.first, problem })
         };
         let medium = surface.behind.medium().map_err(unknown)?;
-        medium.ok_or_else(|| self.absent("behind a mirror is the medium in front of it"))
+        medium.ok_or_else(|| self.absent("the medium behind a mirror is the one in front of it"))
     }
 
     /// Adds `change` to the value in a prescription; decentres and tilts leave it unchanged.
@@ -126,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_read_as_they_are_written() {
+    fn names_survive_the_round_trip() {
         for text in
             ["radius 2", "curvature 1", "decentre y 3-4", "tilt x 5", "index 12", "r^4 1", "r^16 3", "r^1 2"]
         {

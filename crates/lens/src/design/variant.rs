@@ -93,8 +93,8 @@ impl Variant {
         Ok(all)
     }
 
-    /// The wavefront of a field on the image plane moved along the axis; `None` if the principal ray does not
-    /// arrive.
+    /// The wavefront of a field on the image plane moved along the axis; `None` if the ray through the centre
+    /// of the pupil does not arrive.
     pub fn wavefront(
         &self,
         field: usize,

@@ -92,12 +92,12 @@ impl Prescription {
         self.first_order_along(Meridian::Y, wavelength_nm)
     }
 
-    /// First-order data in one meridian; [`Prescription::first_order`] returns those along y. Curvatures at
-    /// the vertices count; a term in x y, which turns the meridians, and terms in x or y alone, which tilt
-    /// the surface, do not.
+    /// First-order data in one meridian; [`Prescription::first_order`] returns those along y. They depend
+    /// on the curvatures at the vertices; a term in x y, which rotates the meridians, and linear terms in x
+    /// or y, which tilt the surface, are ignored.
     ///
     /// # Errors
-    /// As of [`Prescription::first_order`].
+    /// As for [`Prescription::first_order`].
     pub fn first_order_along(
         &self,
         meridian: Meridian,

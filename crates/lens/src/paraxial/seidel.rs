@@ -94,7 +94,7 @@ impl Prescription {
     /// The Seidel sums of every surface at the primary wavelength.
     ///
     /// # Errors
-    /// As of [`Prescription::first_order`]; also an infinitely distant pupil, a surface that is not of
+    /// As for [`Prescription::first_order`]; also an infinitely distant pupil, a surface that is not of
     /// revolution, and coordinate breaks.
     pub fn seidel(&self) -> Result<Vec<Seidel>, PrescriptionError> {
         let resolved = self.resolved()?;

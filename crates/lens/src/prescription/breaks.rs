@@ -6,7 +6,7 @@ use super::{CoordinateBreak, Prescription, PrescriptionError};
 use rayweave_math::{Affine, Vec3};
 
 impl Prescription {
-    /// Adds a coordinate break behind the existing ones.
+    /// Adds a coordinate break after the existing ones.
     pub fn broken(mut self, at: CoordinateBreak) -> Prescription {
         self.breaks.push(at);
         self

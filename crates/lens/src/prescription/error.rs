@@ -67,7 +67,7 @@ pub enum PrescriptionError {
         second: usize,
     },
     /// A semi-diameter larger than the surface.
-    #[error("surface {surface}: its semi-diameter is {reach}: the surface ends {limit} from the axis.")]
+    #[error("the semi-diameter of surface {surface} is {reach}: the surface ends {limit} from the axis.")]
     TooLarge {
         /// The surface.
         surface: usize,

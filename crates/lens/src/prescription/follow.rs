@@ -1,5 +1,5 @@
-//! Sequential ray tracing: one real ray from surface to surface, without solids. It also sizes the lenses of
-//! a layout.
+//! Sequential ray tracing: one real ray from surface to surface, without solids. Layouts use it to size
+//! their lenses.
 
 use super::{Behind, Prescription, PrescriptionError, Resolved};
 use rayweave_math::Vec3;
@@ -62,7 +62,7 @@ impl Prescription {
             if let Some(pose) = pose {
                 (pass.point, pass.direction) = pose.local(pass.point, pass.direction);
             }
-            let length = curved.reach(pass.point, pass.direction).ok_or(lost("it misses"))?;
+            let length = curved.reach(pass.point, pass.direction).ok_or(lost("no intersection"))?;
             pass.point += length * pass.direction;
             pass.path += indices[k].abs() * length;
             let normal = curved.normal(pass.point, pass.direction);

@@ -45,7 +45,7 @@ impl Launch {
 impl Prescription {
     /// Rays of a field (counted from 0) through points of the entrance pupil, in units of its semi-diameter.
     /// The pupil is the paraxial one at the primary wavelength for all fields and wavelengths: rays are not
-    /// aimed at the stop. [`Prescription::principal_point`] tells how far off the real pupil is.
+    /// aimed at the stop. [`Prescription::principal_point`] returns how far off the real pupil is.
     ///
     /// # Errors
     /// [`PrescriptionError`] for a field that does not exist, an object inside the system, or an infinitely
@@ -69,7 +69,7 @@ impl Prescription {
     /// from the paraxial one.
     ///
     /// # Errors
-    /// As of [`Prescription::beam`], and [`PrescriptionError::Lost`] if no ray to a point of the stop is
+    /// As for [`Prescription::beam`], and [`PrescriptionError::Lost`] if no ray to a point of the stop is
     /// found.
     pub fn beam_at_stop(
         &self,
@@ -91,7 +91,7 @@ impl Prescription {
     /// wide-angle lenses it can be outside the paraxial pupil.
     ///
     /// # Errors
-    /// As of [`Prescription::beam_at_stop`].
+    /// As for [`Prescription::beam_at_stop`].
     pub fn principal_point(&self, field: usize, wavelength_nm: f64) -> Result<[f64; 2], PrescriptionError> {
         self.aim(&self.resolved()?, field, wavelength_nm)?.pupil_of([0.0; 2])
     }
@@ -126,7 +126,7 @@ impl Prescription {
         let pupil = first_order.entrance_pupil.position;
         let semi_diameter = 0.5 * first_order.entrance_pupil.diameter;
         if !(pupil.is_finite() && semi_diameter.is_finite()) {
-            let why = "it is telecentric on the side of the object";
+            let why = "it is telecentric in object space";
             return Err(PrescriptionError::Undefined { what: "entrance pupil at a finite distance", why });
         }
         let slope = |component: f64| {
@@ -190,13 +190,13 @@ const MIN_STRIDE: f64 = 1.0 / 256.0;
 
 impl Aim<'_> {
     /// The pupil point whose ray goes through a point of the stop: by Newton's method from the paraxial pupil
-    /// or, where that leads nowhere, step by step from the axis to the field.
+    /// or, if that does not converge, step by step from the axis to the field.
     fn pupil_of(&self, target: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
         self.newton(target, target).or_else(|error| self.walk(target).ok_or(error))
     }
 
-    /// Newton's method with difference quotients. A step is shortened if its end is worse or leads to no
-    /// point of the stop.
+    /// Newton's method with difference quotients. A step is shortened if its end is worse or its ray
+    /// does not reach the stop.
     fn newton(&self, target: [f64; 2], start: [f64; 2]) -> Result<[f64; 2], PrescriptionError> {
         let miss = |[x, y]: [f64; 2]| {
             let [a, b] = self.stop_of([x, y])?;
@@ -242,7 +242,7 @@ impl Aim<'_> {
         Some(at)
     }
 
-    /// The same for a field nearer to the axis.
+    /// The same search for a field nearer to the axis.
     fn part_of_the_way(&self, part: f64) -> Option<Self> {
         let place = self.place.map(|coordinate| part * coordinate);
         let launch = self.lens.launch_from(self.resolved, place).ok()?;

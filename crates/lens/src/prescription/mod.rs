@@ -4,7 +4,7 @@
 //! on the side of +z, infinite for a plane), a conic constant (see [`sag`](rayweave_optics::component::sag)),
 //! aspheric terms, the distance to the next surface (negative where light travels back after a mirror) and
 //! the medium behind it. Surfaces are counted from 1; 0 is the object. The vertex of surface 1 is the origin.
-//! Lengths are in millimetres unless [`Prescription::unit_nm`] sets another unit.
+//! Lengths are in millimetres unless [`Prescription::unit_nm`] sets a different unit.
 //!
 //! | what | where |
 //! | --- | --- |
@@ -108,9 +108,9 @@ pub struct Surface {
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
-    /// The coefficients of r^2, r^4, ..., r^16, as of [`Asphere`].
+    /// The coefficients of r^2, r^4, ..., r^16, as in [`Asphere`].
     pub even: [f64; 8],
-    /// The coefficients of r, r^3, ..., r^15, as of [`Asphere`].
+    /// The coefficients of r, r^3, ..., r^15, as in [`Asphere`].
     pub odd: [f64; 8],
     /// The departure from a surface of revolution.
     pub figure: Figure,
@@ -230,7 +230,7 @@ pub struct ImageSurface {
     pub radius: f64,
     /// The conic constant.
     pub conic: f64,
-    /// The semi-diameter. By default twice that of the rays of all fields.
+    /// The semi-diameter; by default twice the extent of the rays of all fields.
     pub semi_diameter: Option<f64>,
 }
 

@@ -77,10 +77,10 @@ impl Prescription {
         }
         let is_near = self.object_distance.is_finite();
         if !(is_near || self.object_distance == f64::INFINITY) {
-            return Err(bad("the distance of the object", self.object_distance, "a number or infinite"));
+            return Err(bad("the distance of the object", self.object_distance, "a number or infinity"));
         }
         if self.field_kind == FieldKind::ObjectHeight && !is_near {
-            let why = "the object is infinitely far: give angles";
+            let why = "the object is infinitely far; give angles";
             return Err(PrescriptionError::Undefined { what: "height of the object", why });
         }
         positive("the unit in nm", self.unit_nm)?;
@@ -90,13 +90,13 @@ impl Prescription {
         | SystemAperture::StopSemiDiameter(size)) = self.aperture;
         positive("the aperture", size)?;
         if matches!(self.aperture, SystemAperture::ObjectNumericalAperture(_)) && !is_near {
-            let why = "the object is infinitely far: give the entrance pupil";
+            let why = "the object is infinitely far; give the entrance pupil";
             return Err(PrescriptionError::Undefined { what: "numerical aperture at the object", why });
         }
         for line in &self.lines {
             positive("a wavelength", line.wavelength_nm)?;
             if !(line.weight >= 0.0 && line.weight.is_finite()) {
-                return Err(bad("the weight of a wavelength", line.weight, "at least 0, finite"));
+                return Err(bad("the weight of a wavelength", line.weight, "at least 0 and finite"));
             }
         }
         if let Some(place) = self.fields.iter().flatten().find(|place| !place.is_finite()) {
@@ -132,7 +132,7 @@ impl Surface {
         }
         match self.hole >= 0.0 && self.hole.is_finite() {
             true => Ok(()),
-            false => Err(bad(named("the hole"), self.hole, "at least 0, finite")),
+            false => Err(bad(named("the hole"), self.hole, "at least 0 and finite")),
         }
     }
 }

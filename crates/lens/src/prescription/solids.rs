@@ -16,7 +16,7 @@ pub const IMAGE: &str = "image";
 /// The name of the stop element, if the stop is not the rim of a lens or mirror.
 pub const STOP: &str = "stop";
 
-/// Factor of computed semi-diameters over the extent of the rays.
+/// Ratio of computed semi-diameters to the extent of the rays.
 const SPARE: f64 = 1.02;
 
 /// The least thickness of a mirror substrate behind its rim, in units of its diameter.
@@ -25,8 +25,8 @@ const SUBSTRATE: f64 = 0.1;
 /// A prescription converted to parts of a system.
 #[derive(Clone, Debug)]
 pub struct PrescriptionLayout {
-    /// The parts: lenses are `lens 1-2` by their surfaces, mirrors `mirror 3`; then [`STOP`], unless the rim
-    /// of one of them is the stop, and [`IMAGE`], which transmits the light. Rims absorb.
+    /// The parts: lenses, named after their surfaces (`lens 1-2`), and mirrors (`mirror 3`); then [`STOP`],
+    /// unless the rim of one of them is the stop, and [`IMAGE`], which transmits the light. Rims absorb.
     pub assembly: Assembly,
     /// The numbers of the elements in the order in which light reaches them in the prescription; light on any
     /// other path is stray light.
@@ -36,8 +36,8 @@ pub struct PrescriptionLayout {
 }
 
 impl Prescription {
-    /// Converts the prescription to solids in air, with the unit of lengths; [`Prescription::beam`] makes its
-    /// rays.
+    /// Converts the prescription to solids in air, with the unit of lengths; [`Prescription::beam`] returns
+    /// its rays.
     ///
     /// A lens is as wide as the wider one of its two surfaces. If the other surface ends earlier, or if the
     /// two would intersect outside its semi-diameter, a flat rim joins it to the edge. Coincident faces of
@@ -76,28 +76,28 @@ impl Prescription {
             for line in &self.lines {
                 let rim: Vec<[f64; 2]> = rim().collect();
                 let mut beams = vec![self.beam(field, line.wavelength_nm, &rim)?];
-                // if aiming at the rim of the stop fails, the rays through the entrance pupil alone count
+                // if aiming at the rim of the stop fails, only the rays through the entrance pupil are used
                 beams.extend(self.beam_at_stop(field, line.wavelength_nm, &rim));
                 for ray in beams.iter().flat_map(|beam| (0..beam.len()).map(|k| beam.get(k).ray)) {
-                    // a lost ray does not count
+                    // lost rays are ignored
                     let followed = self.follow_resolved(resolved, &ray, line.wavelength_nm);
                     let passes = followed.unwrap_or_else(|error| {
                         lost = Some(error);
                         Vec::new()
                     });
-                    for (k, (room, pass)) in needed.iter_mut().zip(&passes).enumerate() {
+                    for (k, (radius, pass)) in needed.iter_mut().zip(&passes).enumerate() {
                         let at = resolved.local(k, pass.point);
-                        *room = room.max(libm::hypot(at.x, at.y));
+                        *radius = radius.max(libm::hypot(at.x, at.y));
                     }
                 }
             }
         }
         // no ray arrived anywhere: an error, not a semi-diameter of 0
-        if let Some(error) = lost.filter(|_| needed.iter().all(|&room| room == 0.0)) {
+        if let Some(error) = lost.filter(|_| needed.iter().all(|&radius| radius == 0.0)) {
             return Err(error);
         }
         let image = self.surfaces.len();
-        let widest = needed[..image].iter().fold(0.0_f64, |widest, &room| widest.max(room));
+        let widest = needed[..image].iter().fold(0.0_f64, |widest, &radius| widest.max(radius));
         let stated = |k: usize| match self.surfaces.get(k) {
             Some(surface) => surface.semi_diameter.unwrap_or(SPARE * needed[k]),
             None => self.image.semi_diameter.unwrap_or((2.0 * needed[k]).max(0.1 * widest)),
@@ -207,7 +207,7 @@ impl Builder<'_> {
         };
         let is_open =
             |height: &f64| gap(*height).is_some_and(|gap| gap < -1e-12 * (reach + low.vertex.abs()));
-        // a scan, then bisection; the height appears only in the message
+        // a scan, then bisection for the height at which the surfaces cross
         let wrong = (0..=64).map(|step| reach * f64::from(step) / 64.0).find(is_open);
         match wrong {
             None => Ok(()),
@@ -261,7 +261,7 @@ impl Builder<'_> {
         let [low, high] = self.ends(k);
         if low.vertex >= high.vertex {
             let name = format!("the thickness behind surface {}", k + 1);
-            let range = "greater than 0 in a lens, less where light travels back";
+            let range = "greater than 0 in a lens, or less than 0 where light travels back";
             return Err(bad(name, self.lens.surfaces[k].thickness, range));
         }
         let name = format!("lens {}-{}", k + 1, k + 2);

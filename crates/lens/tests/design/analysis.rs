@@ -73,7 +73,7 @@ fn spots_of_disks() {
 }
 
 #[test]
-fn weights_count() {
+fn rays_are_weighted_by_power() {
     let rays = disk(1.0, 10.0);
     let heavy: Vec<Arrival> = rays
         .iter()
@@ -187,7 +187,7 @@ fn nolls_table() {
 }
 
 #[test]
-fn fits_find_what_was_put_in() {
+fn fits_recover_the_coefficients() {
     let terms: Vec<ZernikePolynomial> = (1..=15).map(ZernikePolynomial::noll).collect();
     let points = square(31);
     let truth =
@@ -211,7 +211,7 @@ fn fits_find_what_was_put_in() {
 
 #[test]
 fn spherical_aberration_of_a_sphere() {
-    // W = S_I / 8 at the rim, and of W r^4 the Zernike coefficient is W / (6 sqrt 5) in Noll's norm
+    // W = S_I / 8 at the rim, and the Zernike coefficient of W r^4 is W / (6 sqrt 5) in Noll's normalisation
     let lens = sphere(1000.0, 50.0, 0.1);
     let expected = lens.seidel().unwrap()[0].spherical / 8.0 * 1e6 / D_NM;
     near(expected.abs(), 25f64.powi(4) / (4.0 * 1000f64.powi(3)) * 1e6 / D_NM, 1e-12);
@@ -237,7 +237,7 @@ fn spherical_aberration_of_a_sphere() {
 
 #[test]
 fn thin_pencils_at_a_sphere_obey_coddington() {
-    // 1/s + 1/s' = 2 cos i / R across the plane of incidence, 2 / (R cos i) in it; the stop at the mirror
+    // 1/s + 1/s' = 2 cos i / R perpendicular to the plane of incidence, 2 / (R cos i) in it; the stop at the mirror
     let (radius, angle) = (1000.0, 8.0_f64);
     let cosine = angle.to_radians().cos();
     let foci = study(&sphere(radius, 10.0, angle), |study| study.field_foci(1, D_NM).unwrap());
@@ -299,7 +299,7 @@ fn colour_follows_dispersion() {
     let image = |nm: f64| lens.first_order(nm).unwrap().image_distance;
     near(shift, image(486.1327) - image(656.2725), 1e-6);
     assert!(shift < -0.5);
-    // C_II / (n' u') is the lateral colour between the outer wavelengths in the paraxial focus, of a small
+    // C_II / (n' u') is the lateral colour between the outer wavelengths at the paraxial focus for a small
     // field: the principal rays of the colours go through different points of a lens that aberrates
     let focused = {
         let mut lens = lens.clone().field_angles(&[0.0, 0.1]);
@@ -340,8 +340,8 @@ fn rays_are_aimed_at_the_stop() {
     assert_eq!((count(0.9999), count(1.0001)), (60, 36));
 }
 
-/// A lens of 100 degrees: a negative meniscus far in front of a stop and a positive lens. The coefficient of
-/// its third-order pupil aberration is so large that the paraxial pupil is useless.
+/// A lens with a field of 100 degrees: a negative meniscus far in front of a stop and a positive lens. The
+/// coefficient of its third-order pupil aberration is so large that the paraxial pupil is useless.
 fn wide_angle() -> Prescription {
     Prescription::new(vec![
         Surface::new(45.0, 2.0, index(1.6)),
@@ -357,7 +357,7 @@ fn wide_angle() -> Prescription {
 
 #[test]
 fn the_principal_ray_goes_through_the_centre_of_the_stop() {
-    // behind a plane plate the ray has its direction again: a stop there has no distortion at any angle
+    // behind a plane plate the ray has its original direction: a stop there has no distortion at any angle
     let plate = Prescription::new(vec![Surface::new(f64::INFINITY, 10.0, index(1.5)), Surface::dummy(50.0)])
         .stop_at(2)
         .field_angles(&[0.0, 30.0, 50.0]);
@@ -365,7 +365,7 @@ fn the_principal_ray_goes_through_the_centre_of_the_stop() {
         let found = study(&plate, |study| study.distortion(field, D_NM).unwrap());
         near(found.real, 50.0 * plate.fields[field][1].to_radians().tan(), 1e-9);
         near(found.relative(), 0.0, 1e-11);
-        // the entrance pupil moves by T (tan a' - tan a / n) across the axis
+        // the entrance pupil moves by T (tan a' - tan a / n) perpendicular to the axis
         let angle = plate.fields[field][1].to_radians();
         let inside = (angle.sin() / 1.5).asin();
         let [x, y] = plate.principal_point(field, D_NM).unwrap();
@@ -401,7 +401,7 @@ fn rays_that_have_to_be_aimed_are_not_traced_unaimed() {
     let lens = wide_angle();
     let points = hexapolar(3);
     let refused = study(&lens, |study| study.arrivals(2, D_NM, &points).unwrap_err().to_string());
-    assert!(refused.starts_with("field 2 has its real entrance pupil "), "{refused}");
+    assert!(refused.starts_with("the real entrance pupil of field 2 is "), "{refused}");
     assert!(refused.ends_with(" of the stop. Aim the rays at the stop."), "{refused}");
     let refusals = study(&lens, |study| {
         [study.wavefront(2, D_NM, &points).is_err(), study.fan(2, D_NM, &fan_y(5)).is_err()]
@@ -424,7 +424,7 @@ fn rays_that_have_to_be_aimed_are_not_traced_unaimed() {
         assert_eq!(count, points.len());
         assert!(rms.is_finite());
     }
-    // the pupil of the triplet aberrates little
+    // the triplet has little pupil aberration
     assert!(study(&triplet(), |study| study.wavefront(1, D_NM, &points).is_ok()));
 }
 

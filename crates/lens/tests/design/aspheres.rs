@@ -106,7 +106,7 @@ fn a_makers_asphere_has_its_focal_length_and_a_point_as_its_focus() {
 }
 
 #[test]
-fn a_peer_agrees() {
+fn optiland_agrees() {
     for (lens, [focal_length, axis, field]) in [collimator(), wide_angle()].into_iter().zip(OPTILAND) {
         near(lens.first_order(D_NM).unwrap().focal_length, focal_length, 1e-11 * focal_length);
         near(spot(&lens, 0, 6), axis, 1e-12);
@@ -114,10 +114,10 @@ fn a_peer_agrees() {
     }
 }
 
-/// A paraboloid given by its term in r^2 alone: light along the axis converges in the focus, by solids and by
-/// surfaces.
+/// A paraboloid given by its term in r^2 alone: light along the axis converges at the focus, traced through
+/// solids and through surfaces.
 #[test]
-fn a_parabola_of_terms_has_a_perfect_focus() {
+fn a_paraboloid_given_by_terms_has_a_perfect_focus() {
     let f = 100.0;
     let mirror = Surface::new(f64::INFINITY, -f, Behind::Mirror).even(even(&[-0.25 / f]));
     let lens = Prescription::new(vec![mirror]).entrance_pupil_diameter(80.0);
@@ -134,7 +134,7 @@ fn a_parabola_of_terms_has_a_perfect_focus() {
 /// A Cartesian oval, the surface without spherical aberration for a distant point, is a conic: for light into
 /// glass an ellipsoid with k = -1/n^2. Its series to r^16 agrees up to the first omitted term.
 #[test]
-fn the_series_of_a_cartesian_oval_focuses_to_the_first_term_left_out() {
+fn the_series_of_a_cartesian_oval_focuses_up_to_the_first_omitted_term() {
     let (n, radius) = (1.5, 50.0);
     let conic = -1.0 / (n * n);
     // c r^2 / (1 + sqrt(1 - p)), p = (1 + k) c^2 r^2: the binomial series of sqrt
@@ -198,7 +198,7 @@ fn files_keep_the_terms() {
 /// The coefficients of an extended asphere are lengths: they multiply powers of r over a normalisation
 /// radius.
 #[test]
-fn extended_aspheres_have_a_radius_of_their_own() {
+fn extended_aspheres_have_a_normalisation_radius() {
     let file = |lines: &str| {
         format!(
             "ENPD 5\nYFLN 0\nWAVM 1 0.55 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n TYPE XASPHERE\n CURV 0.02\n{lines} DISZ 4\n\
@@ -223,7 +223,7 @@ fn extended_aspheres_have_a_radius_of_their_own() {
         refused(" XDAT 1 2\n XDAT 3 1\n").contains("the normalisation radius of the extended asphere is 0")
     );
     assert!(refused(" XDAT 1 9\n XDAT 2 1\n XDAT 11 1\n").contains("terms beyond r^16"));
-    assert!(refused(" PARM 1 1\n").contains("the extended asphere has a parameter 1"));
+    assert!(refused(" PARM 1 1\n").contains("the extended asphere has parameter 1"));
 }
 
 /// A conic with zero terms is the conic; terms have to count in the check for intersecting faces.

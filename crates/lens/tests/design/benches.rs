@@ -29,12 +29,12 @@ fn line(all: &[Arrival], wavelength_nm: f64) -> Vec<Arrival> {
 const MERCURY: [f64; 3] = [546.075, 576.961, 579.067];
 
 #[test]
-fn a_spectrometer_shows_lines_where_its_grating_sends_them() {
+fn a_spectrometer_obeys_the_grating_equation() {
     let (all, _) = screen("czerny-turner", &[]);
     assert_eq!(all.len(), 3000, "light is lost");
     let spots = MERCURY.map(|nm| Spot::of(&line(&all, nm)).unwrap());
-    // sin b = sin a - lines * wavelength, and a focal length of R cos(focusing) / 2; the screen is that of
-    // 550 nm
+    // sin b = sin a - lines * wavelength, and a focal length of R cos(focusing) / 2; the screen is placed
+    // for 550 nm
     let out = |nm: f64| (34.976_892_736_994_1_f64.to_radians().sin() - 1200.0 * nm * 1e-6).asin();
     let focal_length = 100.0 * 6.944_507_463_851_923_f64.to_radians().cos();
     for (spot, nm) in spots.iter().zip(MERCURY) {
@@ -56,7 +56,7 @@ fn skewness(rays: &[Arrival]) -> f64 {
 }
 
 #[test]
-fn the_condition_of_shafer_takes_coma_away() {
+fn shafers_condition_removes_coma() {
     let one = |focusing: &str| {
         let (all, _) = screen("czerny-turner", &[("focusing", focusing)]);
         let green = line(&all, MERCURY[0]);
@@ -71,7 +71,7 @@ fn the_condition_of_shafer_takes_coma_away() {
 }
 
 #[test]
-fn a_fibre_keeps_what_its_numerical_aperture_holds() {
+fn a_fibre_guides_light_within_its_numerical_aperture() {
     let (kept, trace) = screen("fibre-coupling", &[]);
     near(trace.balance.emitted, 1.0, 1e-12);
     assert_eq!(kept.len(), 2000);

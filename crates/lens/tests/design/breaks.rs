@@ -56,7 +56,7 @@ fn a_fold_changes_nothing() {
 }
 
 #[test]
-fn ways_there_and_back_cancel() {
+fn inverse_breaks_cancel() {
     let (decentre, tilts) = ([0.3, -1.2], [12.0, -7.0, 31.0]);
     let there = CoordinateBreak::new(1, decentre, tilts).map;
     let back = CoordinateBreak::tilts_first(1, decentre.map(|x| -x), tilts.map(|x| -x)).map;
@@ -70,7 +70,7 @@ fn ways_there_and_back_cancel() {
 }
 
 #[test]
-fn what_cannot_be_broken_is_named() {
+fn invalid_breaks_are_rejected() {
     let message = |lens: Prescription| lens.assembly().unwrap_err().to_string();
     let tilt = |before| CoordinateBreak::new(before, [0.0; 2], [1.0, 0.0, 0.0]);
     assert_eq!(
@@ -93,7 +93,7 @@ fn what_cannot_be_broken_is_named() {
     let file = "ENPD 1\nWAVM 1 0.5 1\nSURF 0\n DISZ INFINITY\nSURF 1\n STOP\n DISZ 1\nSURF 2\n TYPE COORDBRK\n PARM 9 1\n";
     let problems = read_zmx(file.as_bytes()).unwrap_err().to_string();
     assert!(
-        problems.contains("line 9: the coordinate break has a parameter 9: 1 to 6 are read"),
+        problems.contains("line 9: the coordinate break has parameter 9: only 1 to 6 are read"),
         "{problems}"
     );
 }
@@ -163,7 +163,7 @@ const OPTILAND: [End; 8] = [
 ];
 
 #[test]
-fn tilted_mirrors_send_light_where_a_peer_sends_it() {
+fn tilted_mirrors_agree_with_optiland() {
     let lens = read_zmx(CROOKED.as_bytes()).unwrap().prescription;
     let layout = lens.assembly().unwrap();
     for (field, point, place, direction) in OPTILAND {
@@ -178,7 +178,7 @@ fn tilted_mirrors_send_light_where_a_peer_sends_it() {
     }
 }
 
-/// Collimated light parallel to the axis of a paraboloid converges in its focus: an off-axis mirror as in
+/// Collimated light parallel to the axis of a paraboloid converges at its focus: an off-axis mirror as in
 /// catalogues, with its vertex decentred.
 #[test]
 fn an_off_axis_paraboloid_has_its_focus_on_its_axis() {

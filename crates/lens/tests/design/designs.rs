@@ -30,7 +30,7 @@ fn file(name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// A design by the name of its file.
+/// The design in the file with this name.
 fn design(name: &str) -> Prescription {
     read_zmx(file(name).as_bytes()).unwrap().prescription
 }
@@ -41,7 +41,7 @@ fn mm(lens: &Prescription) -> f64 {
 }
 
 #[test]
-fn files_are_as_they_are_written() {
+fn files_survive_the_round_trip() {
     let folder = format!("{}/../../models/optics", env!("CARGO_MANIFEST_DIR"));
     let mut names: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
@@ -94,7 +94,7 @@ fn published_first_order_data() {
     near(of("cassegrain").0.back_focal_distance, 300.0, 1e-9);
     // two plano-curved lenses: the ratio of their radii
     near(of("beam-expander").0.angular_magnification.recip(), 77.26 / 25.73, 1e-5);
-    // 20 x by its name, at the object distance that follows from the published thickness of the cover glass
+    // 20 x according to its name, at the object distance that follows from the published thickness of the cover glass
     let (objective, _, lens) = of("microscope-objective");
     near(objective.image_distance, lens.surfaces.last().unwrap().thickness, 1e-9);
     near(objective.magnification.recip().abs(), 21.0, 0.05);

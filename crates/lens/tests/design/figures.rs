@@ -178,7 +178,7 @@ fn figures_agree_where_they_are_the_same_surface() {
 }
 
 /// A paraboloid as a polynomial in x and y, and one with different foci along x and y: the rays of each
-/// meridian converge in its focus.
+/// meridian converge at its focus.
 #[test]
 fn mirrors_of_terms_in_x_and_y() {
     let mirror = |fx: f64, fy: f64| {
@@ -201,7 +201,7 @@ fn mirrors_of_terms_in_x_and_y() {
 }
 
 #[test]
-fn zemax_files_hold_them_all() {
+fn zemax_files_represent_all_figures() {
     for lens in one_of_each().iter().chain([&spectacle_lens()]) {
         let text = write_zmx(lens).unwrap();
         assert_eq!(&read_zmx(text.as_bytes()).unwrap().prescription, lens, "{text}");
@@ -255,20 +255,19 @@ fn refusals() {
         read_zmx(text.as_bytes()).unwrap_err().to_string()
     };
     assert!(
-        file("TOROIDAL", "XDAT 1 3\nXDAT 2 5\nXDAT 4 0.1")
-            .starts_with("line 7: the toroid has a parameter 13")
+        file("TOROIDAL", "XDAT 1 3\nXDAT 2 5\nXDAT 4 0.1").starts_with("line 7: the toroid has parameter 13")
     );
-    assert!(file("SZERNSAG", "PARM 9 0.5").contains("none are decentred"));
+    assert!(file("SZERNSAG", "PARM 9 0.5").contains("without decentres"));
     assert!(file("BICONICZ", "").contains("BICONICX"));
-    assert!(file("XPOLYNOM", "XDAT 700000 1").contains("500 at most"));
+    assert!(file("XPOLYNOM", "XDAT 700000 1").contains("numbers up to 500 are allowed"));
     let mut odd = spectacle_lens();
     odd.surfaces[1].even[7] = 1e-20;
     assert!(write_zmx(&odd).unwrap_err().to_string().contains("y^16"));
 }
 
-/// Image points (x, y) by Optiland 0.6.3 of three rays through some of these lenses with a sphere for their
-/// back (its biconic is the sum of two curves, another surface), with its intersection search continued to
-/// 1e-15.
+/// Image points (x, y) of three rays through some of these lenses with a sphere as their back, computed by
+/// Optiland 0.6.3 with its intersection search continued to 1e-15 (its biconic is the sum of two curves, a
+/// different surface).
 const OPTILAND: [(usize, [[f64; 2]; 3]); 4] = [
     (
         1,
@@ -305,7 +304,7 @@ const OPTILAND: [(usize, [[f64; 2]; 3]); 4] = [
 ];
 
 #[test]
-fn a_peer_agrees() {
+fn optiland_agrees() {
     let mut all = one_of_each();
     for (number, expected) in OPTILAND {
         // Optiland cannot combine these with Zernike polynomials

@@ -71,7 +71,7 @@ pub fn at_image(layout: &PrescriptionLayout, beam: &Beam) -> Vec<Segment> {
     let found = trace(layout, beam);
     let mut rows: Vec<Segment> = vec![];
     for row in found.segments.iter().filter(|row| row.element == image && row.event == Event::Passed) {
-        // the last one counts: on the way to a mirror, light may pass through the image
+        // keep the last one: on the way to a mirror, light may pass through the image
         match rows.iter_mut().find(|other| other.id == row.id) {
             Some(other) => *other = row,
             None => rows.push(row),

@@ -23,7 +23,7 @@ fn thick_lenses_obey_the_lensmakers_equation() {
 }
 
 #[test]
-fn what_has_no_power_has_an_infinite_focal_length() {
+fn systems_without_power_have_an_infinite_focal_length() {
     let plate = Prescription::new(vec![
         Surface::new(f64::INFINITY, 5.0, index(1.5)),
         Surface::new(f64::INFINITY, 5.0, Behind::Air),
@@ -56,7 +56,7 @@ fn pupils_are_images_of_the_stop() {
 }
 
 #[test]
-fn objects_are_imaged_where_the_lens_equation_says() {
+fn images_obey_the_lens_equation() {
     let f = 50.0;
     let thin = vec![Surface::new(0.5 * f, 0.0, index(1.5)), Surface::new(f64::INFINITY, 150.0, Behind::Air)];
     let lens = Prescription { object_distance: 75.0, ..Prescription::new(thin) };
@@ -98,7 +98,7 @@ fn real_rays_near_the_axis_have_these_focal_lengths() {
         let beam = lens.beam(0, D_NM, &[[0.0, height]]).unwrap();
         let last = at_image(&layout, &beam)[0];
         let y = 0.5 * found.entrance_pupil.diameter * height;
-        // aberrations are of the order of the square of the height
+        // aberrations are of second order in the height
         near(-y * last.direction.z / last.direction.y, found.focal_length, 1e-6);
         let vertex = last.end.z - lens.surfaces.last().unwrap().thickness;
         let crossing = last.end.z - last.end.y * last.direction.z / last.direction.y;
@@ -107,7 +107,7 @@ fn real_rays_near_the_axis_have_these_focal_lengths() {
 }
 
 #[test]
-fn a_thin_lens_in_the_stop_has_the_seidel_sums_of_books() {
+fn a_thin_lens_in_the_stop_has_the_textbook_seidel_sums() {
     // Welford, section 12.3: thin lens, stop at the lens, distant object, equi-convex, n = 1.5:
     // S_III = H^2 K, S_IV = H^2 K / n, S_V = 0
     let (n, f, h, slope) = (1.5, 100.0, 10.0, 0.1);

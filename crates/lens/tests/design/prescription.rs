@@ -26,7 +26,7 @@ fn solids_and_the_sequence_of_surfaces_agree() {
 }
 
 #[test]
-fn nothing_is_seen_between_cemented_elements() {
+fn cemented_elements_have_no_gap() {
     let lens = doublet();
     let layout = lens.assembly().unwrap();
     let beam = lens.beam(1, D_NM, &disk(20_000, 1.0)).unwrap();
@@ -68,7 +68,7 @@ fn lenses_have_flat_rims_where_one_surface_is_narrow() {
         let passes = lens.follow(&beam.get(k).ray, D_NM).unwrap();
         near((row.end - passes[2].point).length(), 0.0, 1e-11);
     }
-    // beside the narrow surface light hits the rim, which absorbs
+    // outside the narrow surface, light hits the rim, which absorbs
     let wide = Prescription { aperture: SystemAperture::EntrancePupilDiameter(22.0), ..lens };
     let outer: Vec<_> = disk(300, 0.99).into_iter().filter(|p| p[0].hypot(p[1]) > 0.7).collect();
     let found = trace(&layout, &wide.beam(0, D_NM, &outer).unwrap());
@@ -80,7 +80,7 @@ fn lenses_have_flat_rims_where_one_surface_is_narrow() {
 }
 
 #[test]
-fn stops_stop() {
+fn stops_block_light() {
     let mut lens = triplet();
     lens.surfaces[4].semi_diameter = Some(1.5);
     let layout = lens.assembly().unwrap();
@@ -114,7 +114,7 @@ fn double_passes_use_one_lens() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_name_the_problem() {
     let message = |lens: Prescription| lens.assembly().unwrap_err().to_string();
     let biconvex = |t: f64, semi_diameter: f64| {
         Prescription::new(vec![
@@ -129,7 +129,7 @@ fn what_is_wrong_is_named() {
     assert!(message(biconvex(-1.0, 5.0)).starts_with("surfaces 1 and 2 cross 0 from the axis"));
     assert_eq!(
         message(biconvex(5.0, 60.0)),
-        "surface 1: its semi-diameter is 60: the surface ends 50 from the axis."
+        "the semi-diameter of surface 1 is 60: the surface ends 50 from the axis."
     );
     // surfaces that intersect in the air between two lenses
     let close = Prescription::new(vec![
@@ -160,7 +160,7 @@ fn what_is_wrong_is_named() {
         wide.surfaces.iter().map(|s| Surface { semi_diameter: None, ..s.clone() }).collect();
     assert_eq!(
         message(Prescription { surfaces: unsized_surfaces, ..wide }),
-        "the ray does not reach the image: it misses at surface 1."
+        "the ray does not reach the image: no intersection at surface 1."
     );
     let sideways = Prescription { fields: vec![[0.0, 90.0]], ..biconvex(5.0, 5.0) };
     assert_eq!(message(sideways), "the angle of a field is 90: it has to be between -90 and 90 degrees.");

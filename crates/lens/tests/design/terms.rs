@@ -12,7 +12,7 @@ fn odd(terms: &[f64]) -> [f64; 8] {
     std::array::from_fn(|k| terms.get(k).copied().unwrap_or(0.0))
 }
 
-/// Light that leaves glass through a hyperboloid, k = -n^2: collimated inside, it converges in a point (R.
+/// Light that leaves glass through a hyperboloid, k = -n^2: collimated inside, it converges to a point (R.
 /// Descartes, 1637).
 fn plano_convex(radius: f64, conic: f64, even: [f64; 8]) -> Prescription {
     let focus = radius / (N - 1.0);
@@ -27,7 +27,7 @@ fn spot_goal() -> Goal {
     Goal::equal(Operand::Spot { field: 0, wavelength_nm: D_NM }, 0.0)
 }
 
-/// An axicon given by its term in r: light along the axis is refracted everywhere at the same slope.
+/// An axicon given by its term in r: light along the axis is refracted to the same slope everywhere.
 #[test]
 fn a_term_in_r_is_an_axicon() {
     let slope = 0.1;
@@ -79,8 +79,8 @@ fn odd_aspheres_are_read_and_written() {
     let error = write_zmx(&Prescription { surfaces: vec![beyond], ..lens }).unwrap_err();
     assert!(error.to_string().contains("beyond r^8"), "{error}");
     for (kind, why) in [
-        ("BICONICX", "biconic has a parameter 3"),
-        ("XPOLYNOM", "polynomial has a parameter 1"),
+        ("BICONICX", "biconic has parameter 3"),
+        ("XPOLYNOM", "polynomial has parameter 1"),
         ("TILTSURF", "TILTSURF: STANDARD"),
     ] {
         let error = read_zmx(file.replace("ODDASPHE", kind).as_bytes()).unwrap_err().to_string();

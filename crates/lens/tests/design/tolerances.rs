@@ -20,7 +20,7 @@ fn paraboloid() -> Prescription {
         .entrance_pupil_diameter(10.0)
 }
 
-/// 1 / f = (n - 1) (c1 - c2 + (n - 1) t c1 c2 / n), differentiated: by R1, R2, t and n.
+/// 1 / f = (n - 1) (c1 - c2 + (n - 1) t c1 c2 / n), differentiated with respect to R1, R2, t and n.
 fn slopes() -> [f64; 4] {
     let f = lensmaker(R1, R2, N, T).unwrap();
     let (c1, c2, m) = (1.0 / R1, 1.0 / R2, (N - 1.0) / N);
@@ -49,7 +49,7 @@ fn sensitivities_of_the_focal_length_are_those_of_the_lensmaker() {
 }
 
 #[test]
-fn the_variance_of_small_errors_is_the_sum_of_theirs() {
+fn variances_of_small_errors_add_up() {
     let lens = singlet();
     let spreads = [Spread::Uniform(0.02), Spread::Normal(0.01), Spread::Uniform(0.05), Spread::Normal(1e-4)];
     let variance = |spread: Spread| match spread {
@@ -92,8 +92,8 @@ fn a_tilted_mirror_turns_the_light_by_twice_its_angle() {
 }
 
 #[test]
-fn a_sphere_turns_about_its_centre_unseen() {
-    // a tilt about the vertex shifts the centre, by R sin a across the axis
+fn rotating_a_sphere_about_its_centre_has_no_effect() {
+    // a tilt about the vertex shifts the centre by R sin a perpendicular to the axis
     let mirror =
         Prescription::new(vec![Surface::new(-200.0, -100.0, Behind::Mirror)]).entrance_pupil_diameter(10.0);
     let shift = |name: &str, by: f64| {
@@ -148,7 +148,7 @@ fn spread_of_squares(rings: u32) -> f64 {
 }
 
 #[test]
-fn refocusing_takes_back_what_a_thickness_does() {
+fn refocusing_compensates_a_thickness_error() {
     let lens = paraboloid();
     let of = |merit: Merit| {
         Tolerancing::new(&lens, merit).add("thickness 1".parse().unwrap(), Spread::Normal(0.1))
@@ -228,5 +228,5 @@ fn refusals() {
     let mirror = paraboloid();
     let index =
         Tolerancing::new(&mirror, Merit::SpotRms).add("index 1".parse().unwrap(), Spread::Normal(0.1));
-    assert!(index.nominal().unwrap_err().to_string().contains("behind a mirror"));
+    assert!(index.nominal().unwrap_err().to_string().contains("the medium behind a mirror"));
 }

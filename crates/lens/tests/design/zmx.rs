@@ -50,7 +50,7 @@ fn files_are_read_in_any_encoding() {
 }
 
 #[test]
-fn what_is_written_is_read_again() {
+fn written_files_are_read_back() {
     let model = Prescription::new(vec![
         Surface::new(33.3, 2.0, Behind::Abbe { n_d: 1.62, v_d: 36.37 }),
         Surface::new(-1.0 / 3.0e-2, 0.0, Behind::Index(1.5)),
@@ -86,29 +86,28 @@ fn what_is_written_is_read_again() {
 }
 
 #[test]
-fn unknown_glasses_are_taken_from_their_indices() {
+fn unknown_glasses_become_model_glasses() {
     let file = SINGLET.replace("N-BK7 0 0 1.5168 64.17", "BK7 0 0 1.5168 64.17").replace("FTYP 0", "FTYP 3");
     let read = read_zmx(file.as_bytes()).unwrap();
     assert_eq!(read.prescription.surfaces[0].behind, Behind::Abbe { n_d: 1.5168, v_d: 64.17 });
     assert_eq!(read.prescription.field_kind, FieldKind::ImageHeight);
     let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
-    assert_eq!(notes[0], "line 8: real image heights of fields are taken for paraxial ones");
+    assert_eq!(notes[0], "line 8: real image heights of fields are taken as paraxial ones");
     assert!(notes[1].starts_with("line 31: no glass is named \"BK7\""), "{notes:?}");
-    assert!(notes[1].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is taken"));
-    // index and Abbe number that programs write as placeholders do not count
+    assert!(notes[1].ends_with("; a model glass of its index 1.5168 and Abbe number 64.17 is used"));
+    // the index and Abbe number that programs write as placeholders are ignored
     let dummy = |name: &str| SINGLET.replace("N-BK7 0 0 1.5168 64.17", &format!("{name} 0 0 1.5 40"));
     assert!(read_zmx(dummy("BK8").as_bytes()).unwrap_err().to_string().starts_with("line 31: no glass"));
     // an older Schott glass, replaced by its lead- and arsenic-free successor
     let read = read_zmx(dummy("BK7").as_bytes()).unwrap();
     assert_eq!(read.prescription.surfaces[0].behind, Behind::Glass("N-BK7".to_owned()));
-    let reported =
-        read.notes.iter().any(|note| note.to_string().ends_with("; N-BK7, which took its place, is taken"));
+    let reported = read.notes.iter().any(|note| note.to_string().ends_with("; its successor N-BK7 is used"));
     assert!(reported, "{:?}", read.notes);
 }
 
 /// Everything with an effect in Zemax that is not read is named with its line; neutral settings are not.
 #[test]
-fn what_is_ignored_is_reported() {
+fn ignored_keywords_are_reported() {
     let notes = |file: &str| -> Vec<String> {
         read_zmx(file.as_bytes()).unwrap().notes.iter().map(ToString::to_string).collect()
     };
@@ -205,15 +204,15 @@ fn all_problems_are_reported_with_their_lines() {
         "line 1: the mode is NSC: only sequential systems, SEQ, are read.",
         "line 2: the unit \"FURLONG\" is not known: MM, CM, IN and METER are.",
         "line 3: \"x\" is not a number",
-        "line 4: fields are of type 4: 0 to 3 are read: angle, object height, paraxial and real image height.",
+        "line 4: fields are of type 4: only 0 to 3 are read (angle, object height, paraxial and real image height).",
         "line 8: the surface is of type TILTSURF: STANDARD, EVENASPH,",
         "line 9: no glass is named \"BK8\"",
         "line 10: number 1 of the line is missing",
         "line 11: the distance to the next surface is infinite: only that of the object may be.",
-        "line 12: the asphere has a parameter 9: 1 to 8 are read, r^2 to r^16.",
+        "line 12: the asphere has parameter 9: only 1 to 8 are read, r^2 to r^16.",
         "line 15: no surface between object and image is the STOP",
-        "line 15: the file has no aperture: one of ENPD, FNUM, OBNA, FLOA.",
-        "line 15: the file has no wavelength: WAVM or WAVL.",
+        "line 15: the file has no aperture: it needs one of ENPD, FNUM, OBNA, FLOA.",
+        "line 15: the file has no wavelength: it needs WAVM or WAVL.",
     ];
     assert_eq!(problems.len(), expected.len(), "{problems:#?}");
     for (found, expected) in problems.iter().zip(expected) {
@@ -237,7 +236,7 @@ fn all_problems_are_reported_with_their_lines() {
 /// Files with words moved, doubled, dropped and replaced: the reader returns a prescription or problems and
 /// never panics, and what it returns can be analysed.
 #[test]
-fn damaged_files_do_no_harm() {
+fn damaged_files_never_panic() {
     let mut random = ChaCha8Rng::seed_from_u64(7);
     let words = [
         "SURF 9",

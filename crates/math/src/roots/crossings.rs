@@ -17,8 +17,8 @@ impl<const N: usize> Crossings<N> {
         Crossings { starts_negative: negative, count: 0, times: [0.0; N] }
     }
 
-    /// Builds the list from the sign at -inf and the times of the sign changes in increasing order; times after the first `N` are
-    /// ignored. Equal times cancel in pairs, -inf changes the sign at the start, +inf and NaN end the list.
+    /// Builds the list from the sign at -inf and the times of the sign changes in increasing order; times after the first `N`
+    /// are ignored. Equal times cancel in pairs, -inf changes the sign at the start, and +inf or NaN ends the list.
     #[inline]
     pub fn new(starts_negative: bool, times: &[f64]) -> Self {
         let mut answer = Self::constant(starts_negative);

@@ -14,8 +14,8 @@
 
 use super::{Crossings, two_product, two_sum};
 
-/// Sign changes of the polynomial `c[0] + c[1] t + ...` with the given extrema in increasing order. All coefficients are finite,
-/// the last one is not 0.
+/// Sign changes of the polynomial `c[0] + c[1] t + ...` with the given extrema in increasing order. All coefficients are
+/// finite, and the last one is not 0.
 pub(super) fn sign_changes<const M: usize, const N: usize>(c: &[f64; M], extrema: &[f64]) -> Crossings<N> {
     let starts_negative = (c[M - 1] < 0.0) ^ M.is_multiple_of(2);
     let bound = bound(c);

@@ -46,8 +46,8 @@ pub(crate) fn boundary_loops(mesh: &Mesh, half_edges: &[HalfEdge]) -> Vec<Vec<u3
     loops
 }
 
-/// Removes edges from a start on. Where a vertex repeats, they close a loop, and the walk goes on from the path before it; ends
-/// where the path is used up or leads nowhere.
+/// Follows edges from a start and removes them. Where a vertex repeats, the path since its first visit is a loop, and the walk
+/// continues from the rest of the path. It ends if no path is left, or if the path has no next edge.
 fn follow(start: u32, next: &mut BTreeMap<u32, Vec<u32>>, loops: &mut Vec<Vec<u32>>) {
     let mut path = vec![start];
     let mut positions: FxHashMap<u32, usize> = FxHashMap::from_iter([(start, 0)]);

@@ -24,12 +24,12 @@ pub struct PairBudget {
 }
 
 impl PairBudget {
-    /// Pairs of every file. Comparing takes up to two microseconds, for half of them: of each two triangles the first.
+    /// Pairs for every file. Of these, half are compared (each two triangles once), in up to two microseconds each.
     const BASE: usize = 2_000_000;
     /// Further pairs for each triangle. In meshes of real parts the boxes of about ten others overlap that of a triangle.
     const PER_TRIANGLE: usize = 64;
 
-    /// A budget of this many pairs, to which each mesh adds 64 for each triangle.
+    /// A budget of this many pairs; each mesh adds 64 for each of its triangles.
     pub fn of(pairs: usize) -> PairBudget {
         PairBudget { left: pairs }
     }
@@ -53,8 +53,8 @@ pub(super) struct Intersections {
     pub end: Option<u32>,
 }
 
-/// The intersections of all triangles but duplicates, for which the first triangle with these corners stands, as `duplicates`
-/// tells by number.
+/// The intersections of all triangles except duplicates (`is_duplicate`, by number), which the first triangle with the same
+/// corners represents.
 pub(super) fn intersections(
     mesh: &Mesh,
     is_duplicate: impl Fn(u32) -> bool,

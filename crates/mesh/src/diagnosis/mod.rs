@@ -237,7 +237,7 @@ impl fmt::Display for Diagnosis {
         if let Some(triangle) = self.uncompared {
             write!(
                 f,
-                "; too many triangles are close together to look for intersections from triangle {triangle} on"
+                "; too many triangles are close together: the search for intersections ended at triangle {triangle}"
             )?;
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Connected components (shells) of a mesh: closedness, orientability, volume and nesting depth.
 
 use super::Findings;
-use crate::polyhedron::MAX_CROSSINGS;
+use crate::polyhedron::MAX_COMPARISONS;
 use crate::topology::{HalfEdge, ParityUnionFind, by_edge};
 use crate::triangle;
 use crate::{Line, Mesh, Polyhedron};
@@ -162,13 +162,13 @@ impl Shells {
     }
 
     /// The nesting depth of each component, by the crossings of a line through one of its triangles with the other components. When
-    /// these lines have crossed [`MAX_CROSSINGS`] triangles, those of earlier components decide for the ones that they crossed.
+    /// these lines have been compared with [`MAX_COMPARISONS`] triangles, those of earlier components decide for the ones that they crossed.
     fn depths(&self, mesh: &Mesh, members: &[Vec<usize>], is_closed: &[bool]) -> Vec<usize> {
         let mut depths = vec![0; members.len()];
         let Some(solid) = (members.len() > 1).then(|| Polyhedron::new(mesh).ok()).flatten() else {
             return depths;
         };
-        let (mut left, mut found) = (MAX_CROSSINGS, Vec::new());
+        let (mut left, mut found) = (MAX_COMPARISONS, Vec::new());
         let mut crossed: Vec<Option<usize>> = vec![None; members.len()];
         let mut odd: FxHashSet<u32> = FxHashSet::default();
         for shell in (0..members.len()).filter(|&shell| is_closed[shell]) {
@@ -180,8 +180,8 @@ impl Shells {
                 members[shell].iter().copied().max_by(|&a, &b| area(mesh, a).total_cmp(&area(mesh, b)));
             let corners = mesh.corners(largest.unwrap_or(self.firsts[shell] as usize));
             let line = Line { origin: triangle::middle(corners), direction: GENERIC_DIRECTION };
-            solid.crossings(&line, &[GENERIC_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z], &mut found);
-            left = left.saturating_sub(found.len());
+            let ways = [GENERIC_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z];
+            left = left.saturating_sub(solid.crossings(&line, &ways, &mut found));
             odd.clear();
             // from the far end: the components that are crossed an odd number of times up to here are around this point
             for crossing in found.iter().rev().filter(|crossing| crossing.t > 0.0) {

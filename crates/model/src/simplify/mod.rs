@@ -82,8 +82,8 @@ pub(crate) trait Observer {
 /// No observer.
 impl Observer for () {}
 
-/// Runs all passes in order: De Morgan, chains, constants, sharing, bounds; then the first four again on the
-/// result. Where parts are repeated, constants come first too.
+/// Runs all passes in order: De Morgan, chains, constants, sharing, bounds; then the first four again on the result. If
+/// parts are repeated, constants are also folded first.
 ///
 /// `leaves` are the boxes that [`prune`](prune()) takes.
 pub fn prepare(formula: &Formula, leaves: &[Bounds]) -> Formula {
@@ -113,14 +113,14 @@ type Run = fn(&Formula) -> Formula;
 const TIDYING: [(Pass, Run); 4] =
     [(Pass::Positive, positive), (Pass::Flatten, flatten), (Pass::Fold, fold), (Pass::Share, share)];
 
-/// Maximum number of rounds of the passes that need no bounds: limits the time. A second round is needed only
-/// if one pass creates work for an earlier one, a third one if that does so again, and so on.
+/// Maximum number of rounds of the passes that need no bounds; limits the time. A second round is needed only if a pass
+/// creates work for an earlier one, a third only if that happens again, and so on.
 const ROUNDS: usize = 4;
 
 /// Repeats the passes that need no bounds until they change nothing, at most [`ROUNDS`] times.
 fn tidy(formula: &Formula, observer: &mut impl Observer) -> Formula {
     let mut formula = Cow::Borrowed(formula);
-    // De Morgan takes the complement of a part apart, which then no longer cancels the part: `s - s` for a union s
+    // De Morgan's laws split the complement of a part, which then no longer cancels the part: `s - s` for a union s
     let first = repeats_parts(&formula).then_some((Pass::Fold, fold as Run));
     for round in 0..ROUNDS {
         for (pass, run) in first.into_iter().filter(|_| round == 0).chain(TIDYING) {

@@ -22,8 +22,8 @@ pub enum Reason {
     /// It is constant everywhere: an intersection of parts with disjoint bounds, or the complement of one.
     /// Two disjoint parts are given if found.
     Constant(Option<(Edge, Edge)>),
-    /// Disjoint from the rest of an intersection or difference, as `b` in `a - b` with disjoint bounds. The
-    /// other operand is given.
+    /// Disjoint from the rest of an intersection or difference, like `b` in `a - b` with disjoint bounds. The other
+    /// operand is given.
     Apart(Edge),
     /// Absorbed in a union: the given operand, a complement, is inside wherever the part is.
     Absorbed(Edge),
@@ -65,7 +65,7 @@ pub fn prune(formula: &Formula, leaves: &[Bounds]) -> (Formula, Vec<PrunedPart>)
     (out, cuts)
 }
 
-/// Maximum number of operands that are searched for one to give in a reason: limits the time for wide nodes.
+/// Maximum number of operands searched for one that explains a cut; limits the time for wide nodes.
 const LOOKED_THROUGH: usize = 1000;
 
 /// The reason for a cut; `nodes` are the [`bounds()`] of the formula before pruning.

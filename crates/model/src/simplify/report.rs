@@ -78,7 +78,7 @@ impl Preparation {
     /// Compiles a model and reports the simplification of each of its groups, the model itself first.
     ///
     /// # Errors
-    /// As [`crate::Program::compile_regions`].
+    /// Those of [`crate::Program::compile_regions`].
     pub fn of_regions(regions: &[Region]) -> Result<Vec<Preparation>, CompileError> {
         let reports = RefCell::new(Vec::new());
         let program = compile_observed(regions, |id, group| Reporter::new(id, group, &reports))?;
@@ -109,7 +109,7 @@ impl Preparation {
         text += &sizes("balance", kept, self.balanced, "binary trees, for the single-hit evaluator alone");
         text += &format!("\nleaves  {} of {} are used\n", kept.leaves, kept.leaves + self.unused.len());
         text += &format!("bounds  {} of all leaves\n", bounds_text(&self.loose));
-        text += &format!("        {} of what they are joined to\n", bounds_text(&self.tight));
+        text += &format!("        {} of the solid they form\n", bounds_text(&self.tight));
         self.removed(most, &mut text);
         text
     }

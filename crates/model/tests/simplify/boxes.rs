@@ -81,18 +81,18 @@ fn check(formula: &Formula, sets: &Sets) {
     for point in points() {
         let plain = values(formula, |leaf| sets.holds(leaf, point));
         let expected = answers(formula, &plain);
-        let said = || format!("at {point} of {}", formula.text(formula.outputs()[0]));
+        let context = || format!("at {point} of {}", formula.text(formula.outputs()[0]));
         for (node, beyond) in nodes.iter().enumerate() {
-            assert!(beyond.within.contains(point) || plain[node] == beyond.inside, "{}", said());
+            assert!(beyond.within.contains(point) || plain[node] == beyond.inside, "{}", context());
         }
-        assert!(around.contains(point) || !expected.contains(&true), "{}", said());
+        assert!(around.contains(point) || !expected.contains(&true), "{}", context());
         for other in [&pruned, &prepared] {
             let found = answers(other, &values(other, |leaf| sets.holds(leaf, point)));
-            assert_eq!(found, expected, "{}, pruned to {}", said(), other.text(other.outputs()[0]));
+            assert_eq!(found, expected, "{}, pruned to {}", context(), other.text(other.outputs()[0]));
         }
         // leaves count as outside where they do not matter
         let contains = |leaf: LeafId| near[leaf.index()].contains(point) && sets.holds(leaf, point);
-        assert_eq!(answers(formula, &values(formula, contains)), expected, "{}", said());
+        assert_eq!(answers(formula, &values(formula, contains)), expected, "{}", context());
     }
     for cut in &cuts {
         let within = nodes[cut.part.node().index()].within;

@@ -27,9 +27,9 @@ impl LaneBounds {
         LaneBounds { lo, hi, size: bounds.size().length(), level: Level::new() }
     }
 
-    /// Bit mask of the rays `at..at + 8` that may hit the box between t = 0 and their ends: those
-    /// that do not stay on one side of it along any axis. `None` if there are fewer than eight
-    /// rays.
+    /// Bit mask of the rays `at..at + 8` that may hit the box between t = 0 and their ends: all
+    /// except those that stay on one side of the box along some axis. `None` if there are fewer
+    /// than eight rays.
     pub fn may_hit(&self, rays: Rays<'_>, at: usize, end: &[f64]) -> Option<u64> {
         dispatch!(self.level, simd => self.may_hit_at(simd, rays, at, end))
     }

@@ -1,8 +1,9 @@
 //! Refraction of a ray bundle at a face (Snell's law in SIMD lanes).
 //!
-//! An [`IncidentBundle`] is eight rays at their hits with a face, a [`TransmittedBundle`] the same
+//! An [`IncidentBundle`] is eight rays at their hits on a face, a [`TransmittedBundle`] the same
 //! rays behind the face. The operations and their order are those of
-//! [`refract`](crate::interface::refract) and of the scalar loop, so that results agree to the bit.
+//! [`refract`](crate::interface::refract) and of the scalar loop, so that results agree bit for
+//! bit.
 
 use crate::start_surfaces::StartSurfaces;
 use fearless_simd::prelude::*;
@@ -30,7 +31,7 @@ struct LaneSurface {
     magnitude: f64,
 }
 
-/// Eight rays at their hits with a face.
+/// Eight rays at their hits on a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct IncidentBundle<S: Simd> {
     pub origin: Vec3Lanes<S>,
@@ -44,12 +45,12 @@ pub(super) struct IncidentBundle<S: Simd> {
     pub slope: (Lanes<S>, Vec3Lanes<S>),
     pub path: Lanes<S>,
     pub surface: SurfaceId,
-    /// True if no other surface is within the tolerance of a hit. Conservative: false is not
-    /// definite.
+    /// True if no other surface is within the tolerance of a hit. Conservative: true is definite,
+    /// false is not.
     pub is_alone: bool,
 }
 
-/// Eight rays behind the face that they were refracted at.
+/// Eight rays behind the face that refracted them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TransmittedBundle<S: Simd> {
     /// The points of the hits, projected onto the face.
@@ -57,7 +58,7 @@ pub(super) struct TransmittedBundle<S: Simd> {
     pub direction: Vec3Lanes<S>,
     /// The optical paths up to the hits.
     pub path: Lanes<S>,
-    /// Bit mask of the rays that are where f < 0 behind the face.
+    /// Bit mask of the rays that are on the side f < 0 behind the face.
     pub inside: u64,
 }
 
@@ -190,7 +191,7 @@ impl LaneSurface {
     }
 }
 
-/// True if one of eight points is in a box, or no farther than a margin from it.
+/// True if one of eight points is in a box or within a margin of it.
 #[inline(always)]
 fn contains_any<S: Simd>(Bounds { lo, hi }: &Bounds, at: Vec3Lanes<S>, margin: Lanes<S>) -> bool {
     let x = (at.x + margin).simd_ge(lo.x) & (at.x - margin).simd_le(hi.x);

@@ -1,22 +1,22 @@
 //! Light in ray bundles: eight rays in SIMD lanes, with verified hit prediction and a fallback to
 //! the evaluator.
 //!
-//! A ray bundle holds eight rays, one in each SIMD lane, to which the same happens at every event.
-//! Rays that start on the same side of the same surface nearly always hit the same surface next, so
-//! the surface that earlier rays hit is the *predicted hit* of a bundle. [`predict`] verifies it
-//! for these eight rays without an intersection test against the rest of the system; a verified hit
-//! is the one that the evaluator would return, to the bit. The bundle is then refracted in lanes
-//! ([`incident`]) and traced to its next event.
+//! A ray bundle holds eight rays, one in each SIMD lane, that all undergo the same events. Rays
+//! that start on the same side of the same surface nearly always hit the same surface next, so the
+//! surface that earlier rays hit is the *predicted hit* of a bundle. [`predict`] verifies it for
+//! these eight rays without an intersection test against the rest of the system; a verified hit
+//! equals the one that the evaluator would return, bit for bit. The bundle is then refracted in
+//! lanes ([`incident`]) and traced to its next event.
 //!
 //! [`trace`] is the entry point. Bundles whose prediction cannot be verified, and the remainder of
 //! the last bundle, fall back to the evaluator: they become [`Pending`] rays of the generation that
-//! they have reached. A wrong prediction costs time, never an answer.
+//! they have reached. A wrong prediction costs time, but never changes a result.
 //!
 //! After the evaluator has computed the hits of a generation, eight neighbouring rays that cross
 //! the same face are refracted in lanes as well: [`Propagator::transmit_bundle`].
 //!
-//! All operations and their order are those of the scalar loop, so that every ray has the same
-//! result, to the bit, as if it were traced alone.
+//! All operations and their order are those of the scalar loop, so that every ray has bit for bit
+//! the same result as if it were traced alone.
 
 mod attenuation;
 mod bounds;
@@ -41,7 +41,7 @@ use predict::{BundleRays, PredictionTable};
 use rayweave_model::{Face, RegionId};
 use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
 
-/// The evaluator: the hit of the first rays of a generation, if it is the same for all rays of a bundle.
+/// The evaluator: returns the hit of the first rays of a generation, if it is the same for all rays of a bundle.
 pub(crate) type Evaluate<'a> = &'a mut dyn FnMut(&Generation) -> Option<PredictedHit>;
 
 /// Traces the rays of a beam in bundles of eight, with verified hit prediction.
@@ -66,7 +66,7 @@ pub(crate) fn trace(
     pending.at(0).append_beam(beam, traced..beam.len(), first, settings.polarised);
 }
 
-/// Eight rays on their way, one per SIMD lane.
+/// Eight rays in flight, one per SIMD lane.
 struct Bundle<S: Simd> {
     /// The number of the first ray in the beam.
     at: usize,
@@ -355,7 +355,7 @@ impl BundleTracer<'_, '_> {
 }
 
 /// The numbers of the element and of its face at a crossing whose two sides are polished: those of
-/// the entered element, or of the left one where the world is entered.
+/// the element that is entered, or of the one that is left if the ray enters the world.
 fn polished_face(system: &System, crossing: &FaceCrossing) -> Option<(usize, usize)> {
     let left = system.polished(crossing.before, crossing.left).ok()?;
     match system.polished(crossing.after, crossing.entered).ok()? {

@@ -1,4 +1,4 @@
-//! Apertures: the outline of a component across the optical axis.
+//! Apertures: the outline of a component perpendicular to the optical axis.
 
 use super::ComponentError;
 use super::error::{finite, positive};
@@ -6,7 +6,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, Primitive};
 
-/// The outline of a component across the optical axis, by its full sizes.
+/// The outline of a component perpendicular to the optical axis, by its full sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aperture {
     /// A circle about the axis.
@@ -31,17 +31,17 @@ pub enum Aperture {
 }
 
 impl Aperture {
-    /// A circle by its diameter.
+    /// A circle with the given diameter.
     pub fn circle(diameter: f64) -> Aperture {
         Aperture::Circle { diameter }
     }
 
-    /// A rectangle by its extents along x and y.
+    /// A rectangle with the given extents along x and y.
     pub fn rectangle(width: f64, height: f64) -> Aperture {
         Aperture::Rectangle { width, height }
     }
 
-    /// An ellipse by its extents along x and y.
+    /// An ellipse with the given extents along x and y.
     pub fn ellipse(width: f64, height: f64) -> Aperture {
         Aperture::Ellipse { width, height }
     }
@@ -63,8 +63,8 @@ impl Aperture {
         }
     }
 
-    /// The distance from the axis of the farthest point of the aperture with its centre at (x, y);
-    /// for an ellipse off the axis an upper bound of it.
+    /// The distance from the axis to the farthest point of the aperture centred at (x, y); for an
+    /// off-axis ellipse, an upper bound.
     pub fn reach(&self, [x, y]: [f64; 2]) -> f64 {
         let [width, height] = self.size();
         match self {

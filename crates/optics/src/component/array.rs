@@ -20,8 +20,8 @@ const MAX_LENSLETS: u64 = 1 << 22;
 /// back to the same base, so that its outer edge is `thickness` behind the front.
 ///
 /// The front is at z = -`thickness`/2. The rings are `back.side`, the steps between them
-/// `draft.side` and the rim `edge.side`. In the ring from the radius a to b the thickness at h is
-/// `thickness + sag(b) - sag(h)`.
+/// `draft.side` and the rim `edge.side`. In the ring between the radii a and b, the thickness at h
+/// is `thickness + sag(b) - sag(h)`.
 ///
 /// # Errors
 /// Sizes that are not positive, a radius that is 0 or NaN, a diameter larger than the surface, more
@@ -79,11 +79,11 @@ fn ring_back(profile: Profile, thickness: f64, outer: f64) -> Result<Solid, Comp
 /// outline `pitch` by `pitch`, the radius |`r`| and the thickness `thickness` on its own axis.
 ///
 /// The front (`front.plane`) is at z = -`thickness`/2, the vertices (`back.side`) are at z =
-/// `thickness`/2, the array is about the axis. The lenslets are placements of one solid, compiled
-/// once; they touch without a gap.
+/// `thickness`/2, and the array is centred on the axis. The lenslets are placements of one solid,
+/// compiled once; they touch without a gap.
 ///
 /// # Errors
-/// As of [`lens`](super::lens), and no columns or rows, more than 65536 of them, or more than 2^22 lenslets.
+/// As for [`lens`](super::lens), and no columns or rows, more than 65536 of them, or more than 2^22 lenslets.
 pub fn lenslet_array(
     r: f64,
     thickness: f64,

@@ -20,8 +20,8 @@ pub fn light_pipe(length: f64, aperture: Aperture) -> Result<Solid, ComponentErr
     super::window(length, aperture)
 }
 
-/// A pipe whose outline changes linearly from `front` to `back`: from circle to circle a frustum
-/// (`edge.side`), from rectangle to rectangle one with four plane sides (`left.plane`,
+/// A pipe whose outline changes linearly from `front` to `back`: between circles it is a frustum of
+/// a cone (`edge.side`), between rectangles a frustum with four plane sides (`left.plane`,
 /// `right.plane`, `bottom.plane`, `top.plane`).
 ///
 /// # Errors
@@ -51,7 +51,7 @@ fn caps(length: f64) -> Result<Solid, ComponentError> {
     Ok(front & solid(HalfSpace::new(Vec3::Z, half)?).named("back"))
 }
 
-/// A frustum of a pyramid by the sizes of its ends.
+/// A frustum of a pyramid with the given sizes of its ends.
 fn frustum(length: f64, front: [f64; 2], back: [f64; 2]) -> Result<Solid, ComponentError> {
     let side = |name: &str, axis: Vec3, k: usize| -> Result<Solid, ComponentError> {
         let (mean, slope) = (0.25 * (front[k] + back[k]), 0.5 * (back[k] - front[k]) / length);
@@ -82,7 +82,7 @@ pub struct Cpc {
     /// Radius and height (r, z) of the joints of the polyline, from the exit (z = 0) to the
     /// entrance (z = `length`). They lie on the true profile.
     pub joints: Vec<[f64; 2]>,
-    /// The greatest distance of the polyline from the true profile, inside which it lies.
+    /// An upper bound of the distance between the polyline and the true profile, inside which it lies.
     pub error: f64,
 }
 
@@ -101,8 +101,9 @@ impl Cpc {
     ///
     /// The surface of revolution has degree 4 and is not a primitive, so it is approximated by
     /// cones through joints on the profile. The joints are equally spaced along the directrix: a
-    /// chord of the parabola y = x^2 / (4 f) over d deviates from it by at most d^2 / (16 f), which
-    /// is at most `tolerance`. The direction of the surface deviates by at most d / (4 f).
+    /// chord of the parabola y = x^2 / (4 f) over a step d deviates from it by at most d^2 / (16
+    /// f), which is at most `tolerance`. The direction of the surface deviates by at most d / (4
+    /// f).
     ///
     /// # Errors
     /// A radius or tolerance that is not positive, an angle not between 0 and 90 degrees, a
@@ -114,7 +115,7 @@ impl Cpc {
         let acceptance = between(part, "acceptance_degrees", acceptance_degrees, (0.0, 90.0))?;
         let (sin, cos) = sin_cos_degrees(acceptance);
         let focal_length = exit_radius * (1.0 + sin);
-        // along the directrix x = 2 f cot(p / 2), and cot of half the end angles
+        // positions x = 2 f cot(p / 2) along the directrix, with the cotangents of half the end angles inserted
         let (from, to) = (2.0 * focal_length * cos / (1.0 + sin), 2.0 * focal_length * cos / sin);
         let cones = ((to - from) / (16.0 * focal_length * tolerance).sqrt()).ceil().max(1.0);
         consistent(cones <= MAX_CONES as f64, || {
@@ -142,7 +143,7 @@ impl Cpc {
         let cone = |(k, ends): (usize, &[[f64; 2]])| -> Result<Solid, ComponentError> {
             let ([r1, z1], [r2, z2]) = (ends[0], ends[1]);
             let slope = (r2 - r1) / (z2 - z1);
-            // the line through both joints, extended to the ends: above the profile, so positive
+            // the line through both joints, extended to the ends, is above the profile and therefore positive
             let (exit, entrance) = (r1 - slope * z1, r1 + slope * (self.length - z1));
             Ok(solid(Cone::new(entrance, exit.max(0.0), self.length)?).named(&format!("edge{k}")))
         };
@@ -162,7 +163,7 @@ struct Parabola {
 
 impl Parabola {
     /// Radius and height above the exit at a position along the directrix: with t = x / (2 f) =
-    /// cot(p / 2) it is sin p / (1 - cos p) = t and cos p / (1 - cos p) = (t^2 - 1) / 2.
+    /// cot(p / 2), sin p / (1 - cos p) = t and cos p / (1 - cos p) = (t^2 - 1) / 2.
     fn point(&self, x: f64) -> [f64; 2] {
         let size = 2.0 * self.focal_length;
         let t = x / size;

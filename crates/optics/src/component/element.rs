@@ -28,7 +28,7 @@ impl Element {
         Ok(Solid::intersection([front.beyond(ends[1])?, back.before(ends[0])?, edge]))
     }
 
-    /// The extent of the aperture, if both surfaces extend as far and do not cross inside it.
+    /// The extent of the aperture, if both surfaces extend that far and do not cross inside it.
     fn checked_reach(&self) -> Result<f64, ComponentError> {
         let reach = self.reach()?;
         for face in [&self.front, &self.back] {

@@ -6,7 +6,7 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{self, Cylinder, HalfSpace, Quadric, Sphere};
 
-/// The sag of a conic of revolution, its height over the vertex plane at a distance `height` from the axis:
+/// The sag of a conic of revolution, its height above the vertex plane at a distance `height` from the axis:
 ///
 /// `z = c h^2 / (1 + sqrt(1 - (1 + k) c^2 h^2))`, with the curvature c = 1 / `radius` and the conic
 /// constant k.
@@ -99,7 +99,7 @@ impl Profile {
         Profile { even: of.even, odd: of.odd, ..Profile::conic(of.radius, of.conic) }
     }
 
-    /// The profile, exact up to a distance from the axis and a little beyond, so that its end is outside.
+    /// The profile, exact up to a distance from the axis and a little beyond, so that its end lies outside.
     pub fn over(self, reach: f64) -> Profile {
         Profile { domain: (1.001 * reach).min(self.limit()), ..self }
     }

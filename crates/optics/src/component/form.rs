@@ -16,50 +16,50 @@ pub enum Figure {
     /// None: a surface of revolution about the axis.
     #[default]
     Round,
-    /// Another radius and conic constant along x; those of the surface are along y, and it has no terms:
-    /// `z = (cx x^2 + cy y^2) / (1 + sqrt(1 - (1 + kx) cx^2 x^2 - (1 + ky) cy^2 y^2))`.
+    /// A separate radius and conic constant along x; those of the surface apply along y, and it has no
+    /// terms: `z = (cx x^2 + cy y^2) / (1 + sqrt(1 - (1 + kx) cx^2 x^2 - (1 + ky) cy^2 y^2))`.
     Biconic {
         /// The radius of curvature along x; infinite for none.
         radius_x: f64,
         /// The conic constant along x.
         conic_x: f64,
     },
-    /// The surface gives a curve in the plane x = 0, with even terms in powers of y; it is rotated
+    /// A curve in the plane x = 0, given by the surface with its even terms as powers of y, rotated
     /// about a line parallel to y: with f the curve and R the radius of rotation,
-    /// `z = R - S sqrt((R - f(y))^2 - x^2)` with the sign S of R.
+    /// `z = R - S sqrt((R - f(y))^2 - x^2)` with S the sign of R.
     Toroidal {
         /// The radius of rotation, from the vertex along z to the axis of rotation; infinite for a cylinder.
         turn: f64,
     },
-    /// Terms in x and y beside even ones in r: coefficients, lengths, of `x/N`, `y/N`, `(x/N)^2`,
-    /// `(x/N) (y/N)`, `(y/N)^2`, `(x/N)^3`, ...: degree by degree, within each with falling powers
-    /// of x, up to degree 30.
+    /// Terms in x and y in addition to even terms in r: coefficients, as lengths, of `x/N`, `y/N`,
+    /// `(x/N)^2`, `(x/N) (y/N)`, `(y/N)^2`, `(x/N)^3`, ...: degree by degree, each with falling
+    /// powers of x, up to degree 30.
     Polynomial {
         /// The length N by which x and y are divided.
         norm_radius: f64,
         /// The coefficients.
         coefficients: Vec<f64>,
     },
-    /// Zernike polynomials of `(x/N, y/N)` beside even terms in r, up to degree 30. They continue
-    /// beyond the disc of radius N.
+    /// Zernike polynomials of `(x/N, y/N)` in addition to even terms in r, up to degree 30. They
+    /// continue beyond the disc of radius N.
     Zernike {
         /// The numbering and normalisation.
         order: Zernike,
         /// The length N by which x and y are divided.
         norm_radius: f64,
-        /// The coefficients, lengths, in that order.
+        /// The coefficients, as lengths, in that order.
         coefficients: Vec<f64>,
     },
 }
 
-/// An optical surface about its vertex.
+/// An optical surface with its vertex at the origin.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceForm {
     /// Radius, conic constant and terms.
     pub asphere: Asphere,
-    /// The part beyond these.
+    /// The deviation from that surface of revolution.
     pub figure: Figure,
-    /// Terms `c x^i y^j`, those of the figure and of even powers of r.
+    /// The terms `c x^i y^j` of the figure and of the even powers of r.
     terms: Vec<(u32, u32, f64)>,
 }
 
@@ -96,7 +96,7 @@ impl SurfaceForm {
         self.terms.is_empty() && !matches!(self.figure, Figure::Biconic { .. } | Figure::Toroidal { .. })
     }
 
-    /// The sag, the height over the vertex plane; `None` beyond the end of the surface.
+    /// The sag, the height above the vertex plane; `None` beyond the end of the surface.
     pub fn sag(&self, point: [f64; 2]) -> Option<f64> {
         match self.is_round() {
             true => self.asphere.sag(libm::hypot(point[0], point[1])),
@@ -137,8 +137,8 @@ impl SurfaceForm {
         }
     }
 
-    /// Unit vectors across the axis along which the surface is sampled where its extent is needed:
-    /// one for a surface of revolution, else 32.
+    /// Unit vectors perpendicular to the axis, along which the surface is sampled to find its
+    /// extent: one for a surface of revolution, otherwise 32.
     pub fn directions(&self) -> impl Iterator<Item = [f64; 2]> + use<> {
         let count = if self.is_round() { 1 } else { 32 };
         (0..count).map(move |k| {
@@ -196,10 +196,10 @@ impl SurfaceForm {
         SurfaceForm::new(Asphere { radius: -radius, conic, even, odd }, figure)
     }
 
-    /// The same form, if all its parameters are in range and go together.
+    /// The same form, if all its parameters are in range and consistent.
     ///
     /// # Errors
-    /// [`ComponentError`], which names the `part` and the surface by `name`.
+    /// [`ComponentError`], whose message contains `part` and the `name` of the surface.
     pub fn checked(self, part: &'static str, name: &str) -> Result<SurfaceForm, ComponentError> {
         Profile::asphere(&self.asphere).checked(part, name)?;
         let radius = |parameter: &str, value: f64| match value == 0.0 || value.is_nan() {

@@ -1,4 +1,4 @@
-//! Sides of lenses and mirrors by their form: of revolution, toric, or a sag surface.
+//! Sides of lenses and mirrors: surfaces of revolution, toric surfaces and sag surfaces.
 
 use super::aperture::solid;
 use super::face::{Face, Profile};
@@ -35,8 +35,8 @@ pub(super) fn form_side(
     Ok(Box::new(Above::new(part, name, (form, vertex), reach, (half, centre))?))
 }
 
-/// The radii along x and y of a toroid whose curve is a circle, or straight, and rotated about an
-/// axis that is not nearer than its centre.
+/// The radii along x and y of a toroid whose curve is a circle or a straight line, rotated about an
+/// axis that is not nearer than the centre of the circle.
 fn circles(form: &SurfaceForm) -> Option<[f64; 2]> {
     let Figure::Toroidal { turn } = form.figure else { return None };
     let along_y = form.asphere.radius;
@@ -83,7 +83,7 @@ impl Side for Round {
     }
 }
 
-/// A sag surface: one height over each point.
+/// A sag surface, with one height above each point.
 struct Above {
     name: &'static str,
     vertex: f64,

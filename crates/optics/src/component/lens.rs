@@ -41,34 +41,34 @@ pub fn lens(r1: f64, r2: f64, thickness: f64, aperture: Aperture) -> Result<Soli
     conic_lens(r1, 0.0, r2, 0.0, thickness, aperture)
 }
 
-/// A lens with two convex spherical surfaces of radii |`r1`| and |`r2`|; otherwise a [`lens`].
+/// A lens with two convex spherical surfaces of radii |`r1`| and |`r2`|; otherwise like [`lens`].
 ///
 /// # Errors
-/// As of [`lens`].
+/// As for [`lens`].
 pub fn biconvex(r1: f64, r2: f64, thickness: f64, aperture: Aperture) -> Result<Solid, ComponentError> {
     lens(r1.abs(), -r2.abs(), thickness, aperture)
 }
 
-/// A lens with two concave spherical surfaces of radii |`r1`| and |`r2`|; otherwise a [`lens`].
+/// A lens with two concave spherical surfaces of radii |`r1`| and |`r2`|; otherwise like [`lens`].
 ///
 /// # Errors
-/// As of [`lens`].
+/// As for [`lens`].
 pub fn biconcave(r1: f64, r2: f64, thickness: f64, aperture: Aperture) -> Result<Solid, ComponentError> {
     lens(-r1.abs(), r2.abs(), thickness, aperture)
 }
 
-/// A lens with a plane in front and a convex surface of radius |`r`| behind; otherwise a [`lens`].
+/// A lens with a plane in front and a convex surface of radius |`r`| behind; otherwise like [`lens`].
 ///
 /// # Errors
-/// As of [`lens`].
+/// As for [`lens`].
 pub fn plano_convex(r: f64, thickness: f64, aperture: Aperture) -> Result<Solid, ComponentError> {
     lens(f64::INFINITY, -r.abs(), thickness, aperture)
 }
 
-/// A lens with a plane in front and a concave surface of radius |`r`| behind; otherwise a [`lens`].
+/// A lens with a plane in front and a concave surface of radius |`r`| behind; otherwise like [`lens`].
 ///
 /// # Errors
-/// As of [`lens`].
+/// As for [`lens`].
 pub fn plano_concave(r: f64, thickness: f64, aperture: Aperture) -> Result<Solid, ComponentError> {
     lens(f64::INFINITY, r.abs(), thickness, aperture)
 }
@@ -82,11 +82,11 @@ pub fn window(thickness: f64, aperture: Aperture) -> Result<Solid, ComponentErro
 }
 
 /// A lens whose surfaces are conics of revolution: radii of curvature at the vertices, conic
-/// constants (see [`sag`](super::sag)). Otherwise a [`lens`]; faces that are no spheres are
+/// constants (see [`sag`](super::sag)). Otherwise like [`lens`]; faces that are not spherical are
 /// quadrics, `front.side` and `back.side`.
 ///
 /// # Errors
-/// As of [`lens`], and conic constants that are not finite.
+/// As for [`lens`], and conic constants that are not finite.
 pub fn conic_lens(
     r1: f64,
     k1: f64,
@@ -100,11 +100,11 @@ pub fn conic_lens(
     between_vertices("lens", profiles, positive("lens", "thickness", thickness)?, aperture)
 }
 
-/// A lens whose surfaces are aspheres of revolution. Otherwise a [`lens`]; faces with terms are
+/// A lens whose surfaces are aspheres of revolution. Otherwise like [`lens`]; faces with terms are
 /// `front.surface` and `back.surface`.
 ///
 /// # Errors
-/// As of [`lens`], and constants or coefficients that are not finite. Crossings of the surfaces are
+/// As for [`lens`], and constants or coefficients that are not finite. Crossings of the surfaces are
 /// searched for in 64 steps.
 ///
 /// ```
@@ -126,12 +126,12 @@ pub fn aspheric_lens(
     between_vertices("lens", profiles, positive("lens", "thickness", thickness)?, aperture)
 }
 
-/// A lens with surfaces of any form. Otherwise a [`lens`]; the faces of toroids are those of a
+/// A lens with surfaces of any form. Otherwise like [`lens`]; the faces of toroids are those of a
 /// [`toric_lens`](super::toric_lens), all others that are not conics of revolution are
 /// `front.surface` and `back.surface`.
 ///
 /// # Errors
-/// As of [`lens`], numbers out of range, and toroids without a solid: those whose curve is rotated
+/// As for [`lens`], numbers out of range, and toroids without a solid: those whose curve is rotated
 /// about an axis nearer than its own centre, or is not a circle. Crossings of the surfaces are
 /// searched for at 33 x 33 points.
 ///
@@ -160,10 +160,10 @@ pub fn freeform_lens(
 }
 
 /// A lens that is curved along x only, so that it focuses to a line along y; `width` along x,
-/// `height` along y. Otherwise a [`lens`].
+/// `height` along y. Otherwise like [`lens`].
 ///
 /// # Errors
-/// As of [`lens`].
+/// As for [`lens`].
 pub fn cylindrical_lens(
     r1: f64,
     r2: f64,
@@ -196,7 +196,7 @@ fn between_vertices(
 /// surface, so that a ray passes from glass to glass in one crossing.
 ///
 /// # Errors
-/// As of [`lens`], and lists of inconsistent lengths.
+/// As for [`lens`], and lists of inconsistent lengths.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, cemented};

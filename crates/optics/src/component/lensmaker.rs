@@ -9,9 +9,8 @@ use super::face::Profile;
 ///
 /// `1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2))`, with n the index of the lens divided by
 /// that of the medium, the thickness d on the axis and radii that are positive if the centre of
-/// curvature is on the side where light leaves (E. Hecht, *Optics*,
-/// section 6.1, thick lenses). With d = 0, which is allowed here, it is the equation of thin
-/// lenses.
+/// curvature is on the side where light leaves (E. Hecht, *Optics*, section 6.1, thick lenses).
+/// With d = 0, which is allowed here, it reduces to the equation of thin lenses.
 ///
 /// # Errors
 /// A radius that is 0 or NaN, an index that is not positive, a thickness that is negative or not finite.
@@ -41,7 +40,7 @@ pub fn lensmaker(r1: f64, r2: f64, n: f64, thickness: f64) -> Result<f64, Compon
 mod tests {
     use super::*;
 
-    /// In the limit of no thickness the powers of both surfaces add: 1/f = (n - 1) (1/r1 - 1/r2) (Newton).
+    /// In the limit of zero thickness the powers of both surfaces add: 1/f = (n - 1) (1/r1 - 1/r2) (Newton).
     #[test]
     fn thin_lenses() {
         for (r1, r2, n) in [(50.0, -80.0, 1.5168), (-20.0, 35.0, 1.7), (30.0, f64::INFINITY, 1.33)] {
@@ -61,8 +60,8 @@ mod tests {
         assert!((found - n * 2.0 * radius / (4.0 * (n - 1.0))).abs() < 1e-14);
     }
 
-    /// Plane surfaces have no power, and a telescope of one piece of glass has its foci in each other:
-    /// d = n (r1 - r2) / (n - 1).
+    /// Plane surfaces have no power, and in a telescope made of one piece of glass the foci of both
+    /// surfaces coincide: d = n (r1 - r2) / (n - 1).
     #[test]
     fn no_power() {
         assert_eq!(lensmaker(f64::INFINITY, f64::NEG_INFINITY, 1.5, 3.0).unwrap(), f64::INFINITY);

@@ -75,13 +75,13 @@ pub fn plane_mirror(blank: &Blank) -> Result<Solid, ComponentError> {
 }
 
 /// A spherical mirror, `front.side`, with its centre at (0, 0, `radius`) and its paraxial focus
-/// half-way there.
+/// halfway between vertex and centre.
 ///
 /// Facing the light (see [`Blank`]) it is concave if `radius` < 0 and convex if `radius` > 0;
 /// turned, the reverse. An infinite radius is a plane.
 ///
 /// # Errors
-/// As of [`lens`](super::lens): the back is the second surface.
+/// As for [`lens`](super::lens): the back is the second surface.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, Blank, spherical_mirror};
@@ -101,26 +101,26 @@ pub fn spherical_mirror(radius: f64, blank: &Blank) -> Result<Solid, ComponentEr
 /// [`spherical_mirror`].
 ///
 /// # Errors
-/// As of [`spherical_mirror`], and a conic constant that is not finite.
+/// As for [`spherical_mirror`], and a conic constant that is not finite.
 pub fn conic_mirror(radius: f64, conic: f64, blank: &Blank) -> Result<Solid, ComponentError> {
     let profile = Profile::conic(radius, conic).checked("mirror", "radius")?;
     blank.cut("mirror", profile)
 }
 
-/// A mirror whose face is an asphere of revolution; otherwise a [`conic_mirror`]. A face with terms
+/// A mirror whose face is an asphere of revolution; otherwise like [`conic_mirror`]. A face with terms
 /// is `front.surface`.
 ///
 /// # Errors
-/// As of [`conic_mirror`], and coefficients that are not finite.
+/// As for [`conic_mirror`], and coefficients that are not finite.
 pub fn aspheric_mirror(face: &Asphere, blank: &Blank) -> Result<Solid, ComponentError> {
     let profile = Profile::asphere(face).checked("mirror", "radius")?;
     blank.cut("mirror", profile)
 }
 
-/// A mirror with a face of any form; otherwise an [`aspheric_mirror`].
+/// A mirror with a face of any form; otherwise like [`aspheric_mirror`].
 ///
 /// # Errors
-/// As of [`freeform_lens`](super::freeform_lens).
+/// As for [`freeform_lens`](super::freeform_lens).
 pub fn freeform_mirror(face: &SurfaceForm, blank: &Blank) -> Result<Solid, ComponentError> {
     if face.is_round() {
         return aspheric_mirror(&face.asphere, blank);
@@ -143,13 +143,13 @@ pub fn freeform_mirror(face: &SurfaceForm, blank: &Blank) -> Result<Solid, Compo
 /// the focus to the origin: translate a turned one by -`focal_length`.)
 ///
 /// # Errors
-/// As of [`spherical_mirror`], and a focal length that is not positive.
+/// As for [`spherical_mirror`], and a focal length that is not positive.
 pub fn parabolic_mirror(focal_length: f64, blank: &Blank) -> Result<Solid, ComponentError> {
     let radius = 2.0 * positive("parabolic mirror", "focal_length", focal_length)?;
     blank.cut("parabolic mirror", Profile::conic(concave(radius, blank), -1.0))
 }
 
-/// A concave ellipsoid of revolution: it images one focus exactly to the other.
+/// A concave ellipsoid of revolution: it images one focus exactly onto the other.
 ///
 /// Both foci lie on the axis in front of the mirror, `near` and `far` from its vertex: facing the
 /// light at (0, 0, -`near`) and (0, 0, -`far`). With half axes a = (near + far)/2 and e = |far -
@@ -157,7 +157,7 @@ pub fn parabolic_mirror(focal_length: f64, blank: &Blank) -> Result<Solid, Compo
 /// conic constant -e^2.
 ///
 /// # Errors
-/// As of [`spherical_mirror`], and distances that are not positive.
+/// As for [`spherical_mirror`], and distances that are not positive.
 pub fn elliptic_mirror(near: f64, far: f64, blank: &Blank) -> Result<Solid, ComponentError> {
     let part = "elliptic mirror";
     let (near, far) = (positive(part, "near", near)?, positive(part, "far", far)?);
@@ -167,21 +167,21 @@ pub fn elliptic_mirror(near: f64, far: f64, blank: &Blank) -> Result<Solid, Comp
 }
 
 /// A convex hyperboloid of revolution, the secondary mirror of a Cassegrain telescope: it images
-/// the focus behind it exactly to the focus in front of it.
+/// the focus behind it exactly onto the focus in front of it.
 ///
 /// The foci lie on the axis, `behind` and `in_front` from the vertex: facing the light at (0, 0,
 /// `behind`) and (0, 0, -`in_front`). The radius at the vertex is 2 behind in_front / (in_front -
 /// behind), the eccentricity (in_front + behind) / (in_front - behind).
 ///
 /// # Errors
-/// As of [`spherical_mirror`], and distances that are not positive or not `behind` < `in_front`.
+/// As for [`spherical_mirror`], and distances that are not positive, or `behind` not less than `in_front`.
 pub fn hyperbolic_mirror(behind: f64, in_front: f64, blank: &Blank) -> Result<Solid, ComponentError> {
     let part = "hyperbolic mirror";
     let (behind, in_front) = (positive(part, "behind", behind)?, positive(part, "in_front", in_front)?);
     let difference = in_front - behind;
     consistent(difference > 0.0, || {
         let problem = format!("foci of the {part} are {behind} behind and {in_front} in front of the vertex");
-        Message::new(problem, "a convex mirror has the nearer focus behind").suggest("Are the two exchanged?")
+        Message::new(problem, "a convex mirror has the nearer focus behind").suggest("Are the two swapped?")
     })?;
     let eccentricity = (in_front + behind) / difference;
     let radius = -concave(2.0 * behind * in_front / difference, blank);

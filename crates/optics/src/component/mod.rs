@@ -2,8 +2,8 @@
 //!
 //! The optical axis is z and light travels towards +z. Lengths are in the unit of the document,
 //! angles in degrees. Radii of curvature are positive if the centre lies on the side of +z; an
-//! infinite radius is a plane. Components are built about the origin; rotate and translate them to
-//! their place.
+//! infinite radius is a plane. Components are built about the origin; rotate and translate them
+//! into place.
 //!
 //! | kind | functions |
 //! | --- | --- |
@@ -18,7 +18,7 @@
 //! | PyRayT | Rayweave |
 //! | --- | --- |
 //! | `thick_lens(r1, r2, thickness)` | [`lens`] |
-//! | `biconvex_lens(r1, r2, thickness)` | [`biconvex`]; that of PyRayT 0.3.1 is right for r1 = r2 only |
+//! | `biconvex_lens(r1, r2, thickness)` | [`biconvex`]; that of PyRayT 0.3.1 is correct only if r1 = r2 |
 //! | `plano_convex_lens(r, thickness)` | [`plano_convex`] |
 //! | `plane_mirror(thickness)` | [`plane_mirror`]; centred in PyRayT, with its face in the plane of the origin here |
 //! | `spherical_mirror(radius, thickness)` | [`spherical_mirror`]; for radius > 0 of a [`Blank::turned`] |
@@ -32,10 +32,10 @@
 //! # Names of faces
 //!
 //! Leaves are named by their function: `front` for the first surface that light hits, `back` for
-//! the last, `edge` for the rim. The name of a face is that of its leaf and its place there, given
-//! on each function's page: `front.side` if curved, `front.plane` if plane. A name given to the
-//! whole component does not change them, because a leaf keeps the innermost name; [`with_prefix`]
-//! adds it:
+//! the last, `edge` for the rim. The name of a face consists of the name of its leaf and the place
+//! on that leaf. Each function documents its faces: `front.side` if curved, `front.plane` if plane.
+//! A name given to the whole component does not change them, because a leaf keeps the innermost
+//! name; [`with_prefix`] adds it:
 //!
 //! ```
 //! use rayweave_model::Program;

@@ -61,7 +61,7 @@ pub fn dispersing_prism(apex_degrees: f64, side: f64, width: f64) -> Result<Soli
     extruded(&[("front", at(sin, -cos), top), ("back", at(sin, cos), top), ("base", -Vec3::Y, -top)], width)
 }
 
-/// The prism over an equilateral triangle, as [`dispersing_prism`] with 60 degrees.
+/// The prism over an equilateral triangle: a [`dispersing_prism`] with an apex angle of 60 degrees.
 ///
 /// # Errors
 /// Sizes that are not positive.
@@ -134,13 +134,13 @@ pub fn dove_prism(height: f64, length: f64, width: f64) -> Result<Solid, Compone
     extruded(&faces, positive(part, "width", width)?)
 }
 
-/// The length of the base of a [`dove_prism`] of this height and refractive index that transmits a
-/// beam of full height: `2 height q / (q - 1)` with q = sqrt(2 n^2 - 1).
+/// The base length with which a [`dove_prism`] of this height and refractive index transmits a beam
+/// of full height: `2 height q / (q - 1)` with q = sqrt(2 n^2 - 1).
 ///
 /// A ray travels down to the base at the angle d = 45 - asin(sin 45 / n) degrees. A ray that enters
 /// at the height y above the base hits it y (1 + cot d) behind its end and leaves at the height y',
-/// where y' (1 + cot d) is the rest of the length. All heights leave again, y' = `height` - y, if
-/// the length is `height` (1 + cot d).
+/// where y' (1 + cot d) is the rest of the length. Rays at all heights leave the prism, y' =
+/// `height` - y, if the length is `height` (1 + cot d).
 ///
 /// # Errors
 /// A height that is not positive, an index that is not greater than 1.
@@ -159,8 +159,8 @@ pub fn dove_length(height: f64, index: f64) -> Result<f64, ComponentError> {
 /// `diameter`.
 ///
 /// A ray at (x, y) hits one half of the roof at z = y - sqrt(2) |x| and the other at the height y +
-/// sqrt(2) |x|; over the circle that is at most sqrt(3)/2 `diameter`, the distance of front and
-/// exit.
+/// sqrt(2) |x|; over the circle that is at most sqrt(3)/2 `diameter`, the distance of the front and
+/// exit faces from the origin.
 ///
 /// # Errors
 /// A diameter that is not positive.
@@ -178,7 +178,7 @@ pub fn amici_prism(diameter: f64) -> Result<Solid, ComponentError> {
 }
 
 /// A corner cube: light along +z enters by the triangle `front.plane` in z = 0, is reflected by
-/// three faces at right angles, `mirror1.plane` to `mirror3.plane`, that meet in (0, 0, `depth`),
+/// three faces at right angles, `mirror1.plane` to `mirror3.plane`, that meet at (0, 0, `depth`),
 /// and is retroreflected. The path in the glass is 2 `depth` long at normal incidence. A circle of
 /// diameter sqrt(2) `depth` about the axis lies within the front.
 ///
@@ -224,10 +224,10 @@ pub fn wedge_prism(wedge_degrees: f64, thickness: f64, aperture: Aperture) -> Re
     Ok(Solid::intersection([front, back, edge]))
 }
 
-/// The two prisms of a beam-splitter cube about the origin, cemented at the face `split.plane`, z =
-/// y, one surface to the bit. Light along +z enters the first by `front.plane`; reflected light
-/// leaves it along +y by `exit.plane`, transmitted light leaves the second by `back.plane`. The
-/// fourth face is `bottom.plane` of the second.
+/// The two prisms of a beam-splitter cube about the origin, cemented at the face `split.plane` (z =
+/// y), which is bitwise the same surface in both. Light along +z enters the first by `front.plane`;
+/// reflected light leaves it along +y by `exit.plane`, transmitted light leaves the second by
+/// `back.plane`. The fourth face is `bottom.plane` of the second.
 ///
 /// # Errors
 /// A side that is not positive.

@@ -17,8 +17,8 @@ use rayweave_shape::primitive::HalfSpace;
 /// the origin and its normal along z; [`Sheet::apply`] moves it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sheet {
-    /// The solid whose boundary is the surface, in world coordinates; its leaf is named `sheet`. It
-    /// is the side of -z, so that light along +z leaves it.
+    /// The solid whose boundary is the surface, in world coordinates; its leaf is named `sheet`.
+    /// The solid lies on the side of -z, so that light along +z leaves it.
     pub surface: Solid,
     /// The solid that trims the surface, in world coordinates.
     pub trim: Solid,
@@ -66,7 +66,7 @@ impl Sheet {
         let ([w, h], [a, b]) = (outline.checked()?.size(), opening.checked()?.size());
         consistent(a <= w && b <= h, || {
             let problem = format!("opening of the stop is {a} x {b} and its outline {w} x {h}");
-            Message::new(problem, "the stop would have no rim").suggest("Are the two exchanged?")
+            Message::new(problem, "the stop would have no rim").suggest("Are the two swapped?")
         })?;
         let sheet = Sheet::plane(outline)?;
         let hole = opening.column([0.0; 2], [-2.0, 2.0].map(|side| side * thickness(&outline)))?;
@@ -76,7 +76,7 @@ impl Sheet {
     /// A round stop with a round opening.
     ///
     /// # Errors
-    /// As of [`Sheet::stop`].
+    /// As for [`Sheet::stop`].
     pub fn iris(diameter: f64, opening: f64) -> Result<Sheet, ComponentError> {
         Sheet::stop(Aperture::circle(diameter), Aperture::circle(opening))
     }
@@ -93,7 +93,7 @@ impl Sheet {
     /// A piece of a conic of revolution (see [`sag`](super::sag)) with its vertex at the origin.
     ///
     /// # Errors
-    /// As of [`Sheet::spherical`], and a conic constant that is not finite.
+    /// As for [`Sheet::spherical`], and a conic constant that is not finite.
     pub fn conic(radius: f64, conic: f64, aperture: Aperture) -> Result<Sheet, ComponentError> {
         let profile = Profile::conic(radius, conic).checked("sheet", "radius")?;
         curved(profile, aperture.checked()?, aperture.reach([0.0; 2]))
@@ -103,7 +103,7 @@ impl Sheet {
     /// origin and its axis through (0, 0, `radius`).
     ///
     /// # Errors
-    /// As of [`Sheet::spherical`].
+    /// As for [`Sheet::spherical`].
     pub fn cylindrical(radius: f64, width: f64, height: f64) -> Result<Sheet, ComponentError> {
         let profile = Profile::cylinder(radius).checked("sheet", "radius")?;
         let aperture = Aperture::rectangle(width, height).checked()?;

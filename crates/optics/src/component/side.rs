@@ -21,7 +21,7 @@ pub(super) trait Side {
     fn ceiling(&self, wanted: f64) -> f64;
 }
 
-/// The solid between two sides inside an aperture about a centre; leaves are named as the sides, and `edge`.
+/// The solid between two sides inside an aperture about a centre; its leaves have the names of the sides, and `edge`.
 pub(super) fn between_sides(
     part: &'static str,
     [front, back]: [&dyn Side; 2],

@@ -9,24 +9,23 @@ use rayweave_math::Vec3;
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{HalfSpace, Torus};
 
-/// A lens whose surfaces are tori: `[rx, ry]` are the radii of curvature along x and along y, of
-/// the usual sign, each with an infinite one for no curvature. Equal radii give a sphere, one
-/// infinite radius a cylinder.
+/// A lens whose surfaces are tori: `[rx, ry]` are the radii of curvature along x and along y, with
+/// the usual sign. Equal radii give a sphere, one infinite radius a cylinder.
 ///
-/// The meridian with the smaller of both radii, in magnitude, is a circle of that radius, and the
-/// surface is its surface of revolution with the other radius: with r along the coordinate p and R
-/// along q, `sag = R - S sqrt((R - s(p))^2 - q^2)` with `s(p) = r - sign(r) sqrt(r^2 - p^2)` and S
-/// the sign of R. (Radii of opposite sign give a saddle.) Vertices, thickness and faces are as
-/// those of [`lens`](super::lens).
+/// The meridian with the smaller radius, in magnitude, is a circle of that radius. The surface is
+/// this circle rotated with the other radius: with r along the coordinate p and R along q,
+/// `sag = R - S sqrt((R - s(p))^2 - q^2)` with `s(p) = r - sign(r) sqrt(r^2 - p^2)` and S the sign
+/// of R. (Radii of opposite sign give a saddle.) Vertices, thickness and faces are those of
+/// [`lens`](super::lens).
 ///
 /// # Errors
-/// As of [`lens`](super::lens). The rectangle about the aperture has to lie within the surfaces,
-/// and they are compared with each other at 33 x 33 points of it.
+/// As for [`lens`](super::lens). The rectangle about the aperture has to lie within the surfaces,
+/// which are compared with each other at 33 x 33 of its points.
 ///
 /// ```
 /// use rayweave_optics::component::{Aperture, toric_lens};
 ///
-/// // a spectacle lens; its edge along y would be cut off if it were 0.8 thick
+/// // a spectacle lens; with a thickness of 0.8 its surfaces would cross inside the aperture
 /// let lens = toric_lens([88.0, 88.0], [120.0, 150.0], 0.8, Aperture::circle(40.0));
 /// assert!(lens.unwrap_err().to_string().contains("cross"));
 /// let lens = toric_lens([88.0, 88.0], [120.0, 150.0], 3.0, Aperture::circle(40.0))?;
@@ -78,8 +77,8 @@ impl Toric {
         Ok(toric)
     }
 
-    /// Checks that the rectangle lies within the surface, and the surface over it in front of the
-    /// other side of the torus.
+    /// Checks that the rectangle lies within the surface, and that the surface over it lies in
+    /// front of the other side of the torus.
     fn check_limits(&self) -> Result<(), ComponentError> {
         let (part, surface) = (self.part, self.name);
         let too_large = |reach, limit| Err(ComponentError::ApertureTooLarge { part, surface, reach, limit });

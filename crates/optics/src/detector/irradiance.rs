@@ -195,7 +195,7 @@ impl Grid {
 
     fn map(&self, most: i64) -> IrradianceMap {
         let (from, to) = self.lit().unwrap_or(([CELLS / 2; 2], [CELLS / 2; 2]));
-        // the cells of the grid along a side of a cell of the map
+        // the number of grid cells along the side of a map cell
         let merged = (to[0] - from[0] + 1).max(to[1] - from[1] + 1).div_euclid(most).max(0) + 1;
         let count = [0, 1].map(|k| ((to[k] - from[k]) / merged + 1) as usize);
         let mut values = vec![0.0; count[0] * count[1]];

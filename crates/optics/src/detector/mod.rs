@@ -35,7 +35,7 @@ pub struct Detectors {
 }
 
 /// A sheet and the light that arrives at it. Points are in coordinates of the sheet: lengths along its x and y axes from its
-/// middle.
+/// centre.
 #[derive(Clone, Debug)]
 pub struct Detector {
     /// The number of the sheet among the elements of the system.

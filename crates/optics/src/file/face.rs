@@ -36,7 +36,7 @@ pub(super) fn read(reader: &mut Reader, scene: &Scene, media: &Media, keys: &mut
     elements
 }
 
-/// The element with a finish, on one face or on all faces without their own.
+/// The element with a finish, on one face or on all faces without one of their own.
 fn with_finish(element: Element, (face, finish): (Option<String>, Finish)) -> Element {
     match face {
         Some(face) => element.face(&face, finish),
@@ -125,7 +125,7 @@ fn read_finish(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Finish> {
 }
 
 fn films(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Vec<Film>> {
-    let films = list(reader, "coated", datum, "a list of films, as [[1.38, 0, 99.6]]")?;
+    let films = list(reader, "coated", datum, "a list of films, such as [[1.38, 0, 99.6]]")?;
     let films: Vec<_> = films.into_iter().map(|item| film(reader, item)).collect();
     films.into_iter().collect()
 }

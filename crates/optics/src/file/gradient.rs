@@ -5,7 +5,7 @@ use crate::gradient::Gradient;
 use rayweave_scene::foreign::{Keys, Reader};
 use rayweave_scene::{Datum, Spanned};
 
-/// `gradient = { selfoc = 0.25 }` and similar, with the `transform` beside it.
+/// `gradient = { selfoc = 0.25 }` and similar, with the `transform` next to it.
 pub(super) fn read(reader: &mut Reader, datum: Spanned<Datum>, around: &mut Keys) -> Option<Gradient> {
     let span = datum.span;
     let mut keys = reader.keys("gradient", datum)?;

@@ -16,8 +16,8 @@ pub(super) enum RegionMaterial {
     Material(Material),
 }
 
-/// The media of a scene by their numbers; `None` for an invalid medium, whose problem has been
-/// reported.
+/// The media of a scene, indexed by their numbers; `None` for an invalid medium, whose problem has
+/// been reported.
 pub(super) struct Media(Vec<Option<RegionMaterial>>);
 
 impl Media {

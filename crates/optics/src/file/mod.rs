@@ -40,22 +40,23 @@
 //!
 //! The gradients are those of [`Gradient`](crate::gradient::Gradient): `selfoc = g`,
 //! `squared = [a0, a1, ..]`, `radial = [r0, r1, ..]`, `axial = [c0, c1, ..]`, `fish_eye = radius`,
-//! `luneburg = radius`; a `transform` beside the gradient places it.
+//! `luneburg = radius`; a `transform` next to the gradient places it.
 //!
-//! A face has its name, the first words of it between dots, or any one of them as its key; of
-//! several entries for a face, the longest key has precedence. Angles are in degrees: that of a
-//! polariser and the second of a retarder (after its retardance) from x towards y; the lines of a
-//! grating are per unit of length, along x and y of the sheet.
+//! The key of a face is its name, the leading parts of that name (parts are separated by dots), or
+//! any single part; if several entries apply to a face, the longest key has precedence. Angles are
+//! in degrees; the angle of a polariser, and the second number of a retarder (after its
+//! retardance), are measured from x towards y. The lines of a grating are per unit of length, along
+//! x and y of the sheet.
 //!
 //! The other sources are `line = { length, rays }`, `circle = { diameter, rays }`,
 //! `cone = { angle, rays }`, `wedge = { angle, rays }`, `lamp = { width, height, angle, rays }` and
 //! `point = { angle, rays }`. The angle of a wedge is that between its outermost rays, all other
 //! angles are measured from the axis. A beam is Gaussian with a `waist`, the distance at which its
-//! irradiance has fallen to 1/e^2, and uniform without; `sampling` of beams and points is a
+//! irradiance has fallen to 1/e^2, and uniform without one; `sampling` of beams and points is a
 //! `"fibonacci"` spiral, `"random"`, a `"grid"` or `"hexapolar"` rings, the last two with about
-//! `rays` rays. A `disc = { circle, angle, rays }` emits from random points of an outline by
-//! Lambert's cosine law, or isotropically with `emission = "isotropic"`.
-//! `rays = { file = "light.csv" }` reads a file beside the model
+//! `rays` rays. A `disc = { circle, angle, rays }` emits from random points of an outline according
+//! to Lambert's cosine law, or isotropically with `emission = "isotropic"`.
+//! `rays = { file = "light.csv" }` reads a file next to the model
 //! ([`ListedRays::read`](crate::source::ListedRays::read)), optionally with wavelengths and powers.
 
 mod face;

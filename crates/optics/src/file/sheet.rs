@@ -67,8 +67,8 @@ fn curve(reader: &mut Reader, keys: &mut Keys) -> Option<Option<[f64; 2]>> {
     let (radius, conic) = (keys.take("radius"), keys.take("conic"));
     let Some(radius) = radius else {
         let Some(datum) = conic else { return Some(None) };
-        let problem = Diagnostic::error("a conic constant without a `radius`");
-        reader.report(problem.why("the sheet is plane"), datum.span);
+        let problem = Diagnostic::error("the sheet has a conic constant without a `radius`");
+        reader.report(problem.why("it is plane"), datum.span);
         return None;
     };
     let radius = reader.number("radius", radius);

@@ -103,7 +103,7 @@ fn pattern_source(
     Some((reader.accept(Source::new(pattern), span)?, listed))
 }
 
-/// The rays of a file beside the model.
+/// The rays of a file next to the model.
 fn listed(reader: &mut Reader, keys: &mut Keys, files: &AllowedFiles) -> Option<Pattern> {
     let datum = reader.need(keys, "file")?;
     let file = reader.text("file", datum)?;
@@ -140,7 +140,7 @@ fn pattern(reader: &mut Reader, kind: &str, keys: &mut Keys) -> Option<Pattern> 
     }
 }
 
-/// Rays from random points of an outline, by Lambert's cosine law or isotropic.
+/// Rays from random points of an outline, isotropic or according to Lambert's cosine law.
 fn disc(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<Pattern> {
     let aperture = aperture(reader, keys);
     let angle = reader.need(keys, "angle").and_then(|datum| reader.number("angle", datum));
@@ -169,7 +169,7 @@ fn sampling(reader: &mut Reader, keys: &mut Keys, rays: Option<u64>) -> Option<S
     let random = keys.take("random");
     let name = match (keys.take("sampling"), random) {
         (Some(_), Some(random)) => {
-            let problem = Diagnostic::error("`random` is one too many").why("`sampling` has precedence");
+            let problem = Diagnostic::error("`random` is superfluous").why("`sampling` has precedence");
             reader.report(problem, random.span);
             None
         }
@@ -210,7 +210,7 @@ fn distribution(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Spectrum> 
 
 /// Wavelengths with their weights.
 fn pairs(reader: &mut Reader, datum: Spanned<Datum>) -> Option<Vec<(f64, f64)>> {
-    let wanted = "a list of pairs of a wavelength and its weight, as [[486.1, 1], [656.3, 1]]";
+    let wanted = "a list of pairs of a wavelength and its weight, such as [[486.1, 1], [656.3, 1]]";
     let items = list(reader, "wavelength_nm", datum, wanted)?;
     let pairs: Vec<Option<(f64, f64)>> =
         items.into_iter().map(|item| reader.numbers("wavelength_nm", item).map(|[a, b]| (a, b))).collect();

@@ -20,7 +20,7 @@ pub(super) fn entries(
     }
 }
 
-/// A word, or a table of one key: `"absorb"`, `{ mirror = 0.9 }`.
+/// A word, or a table with one key: `"absorb"`, `{ mirror = 0.9 }`.
 pub(super) enum Choice {
     Word(Spanned<String>),
     Keyed(Spanned<String>, Spanned<Datum>),
@@ -41,7 +41,10 @@ pub(super) fn word_or_keyed(
             if keys.contains(&word.value.as_str()) {
                 let problem = Diagnostic::error(format!("{what} `{}` has no value", word.value));
                 let suggestion = format!("{{ {} = ... }}", word.value);
-                reader.report(problem.why("it is a table of one key").suggest(Some(suggestion)), datum.span);
+                reader.report(
+                    problem.why("it must be a table with one key").suggest(Some(suggestion)),
+                    datum.span,
+                );
             } else if !is_known {
                 reader.unknown(what, &word, &[words, keys].concat());
             }
@@ -53,7 +56,7 @@ pub(super) fn word_or_keyed(
             if words.contains(&key.value.as_str()) {
                 let problem = Diagnostic::error(format!("{what} `{}` takes no value", key.value));
                 let suggestion = format!("\"{}\"", key.value);
-                reader.report(problem.why("it is a word").suggest(Some(suggestion)), key.span);
+                reader.report(problem.why("it must be a word").suggest(Some(suggestion)), key.span);
             } else if !is_known {
                 reader.unknown(what, &key, &[words, keys].concat());
             }
@@ -61,7 +64,7 @@ pub(super) fn word_or_keyed(
         }
         _ => {
             let [words, keys] = [words, keys].map(|names| names.join(", "));
-            let wanted = format!("one of the words {words}, or a table of one of {keys}");
+            let wanted = format!("one of the words {words}, or a table with one of the keys {keys}");
             reader.wrong_type(what, &datum, &wanted);
             None
         }

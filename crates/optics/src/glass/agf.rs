@@ -1,4 +1,4 @@
-//! Reader of AGF files, the text format of glass catalogues of Zemax and of all glass makers.
+//! Reader of AGF files, the text format in which Zemax and all glass makers provide glass catalogues.
 //!
 //! A catalogue begins with `CC` and a comment; a glass begins with its `NM` line, and lines in any
 //! order follow:
@@ -6,7 +6,7 @@
 //! | line | holds | read |
 //! | --- | --- | --- |
 //! | `NM` | name, number of the formula (1 to 13), MIL number, n_d, V_d, exclude, status, melt frequency | the first five |
-//! | `GC` | a comment on the glass | as its source, with that of `CC` |
+//! | `GC` | a comment on the glass | as its source, with the comment of `CC` |
 //! | `CD` | up to ten coefficients of the formula | yes |
 //! | `LD` | shortest and longest wavelength in µm | yes |
 //! | `IT` | wavelength in µm, internal transmittance, thickness in mm | yes |
@@ -83,7 +83,7 @@ struct Record {
     coefficients: Option<(usize, Vec<f64>)>,
     range: Option<(usize, [f64; 2])>,
     transmittances: Vec<Transmittance>,
-    /// Whether a line of it is invalid.
+    /// True if one of its lines is invalid.
     is_invalid: bool,
 }
 

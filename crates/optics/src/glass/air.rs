@@ -1,5 +1,5 @@
-//! Refractive index of air by temperature, pressure, humidity and content of carbon dioxide (Ciddor
-//! equation).
+//! Refractive index of air as a function of temperature, pressure, humidity and carbon dioxide
+//! content (Ciddor equation).
 //!
 //! P. E. Ciddor, "Refractive index of air: new equations for the visible and near infrared", Appl.
 //! Opt. 35, 1566 (1996): the refractivities of dry air and of water vapour, each in proportion to
@@ -25,7 +25,7 @@ pub struct Air {
     pub temperature_celsius: f64,
     /// From 0 to 140 000 Pa; Ciddor examined 80 000 to 120 000.
     pub pressure_pa: f64,
-    /// From 0 to 1, of the vapour pressure over liquid water.
+    /// From 0 to 1, relative to the saturation vapour pressure over liquid water.
     pub relative_humidity: f64,
     /// Parts of CO₂ in a million, from 0 to 2000.
     pub co2_ppm: f64,
@@ -39,7 +39,7 @@ impl Default for Air {
 
 /// The molar mass of water vapour in kg/mol.
 const WATER_KG: f64 = 0.018015;
-/// The molar gas constant in J/(mol K), of the year of the paper.
+/// The molar gas constant in J/(mol K), as of the year of the paper.
 const GAS_CONSTANT: f64 = 8.314510;
 /// Ciddor's equations hold in this range of wavelengths.
 const RANGE_NM: [f64; 2] = [300.0, 1690.0];
@@ -59,7 +59,8 @@ impl Air {
     /// The air as a material with an absolute index and no absorption.
     ///
     /// # Errors
-    /// [`GlassError::Air`] for a number outside the range of its field, or for more vapour than pressure.
+    /// [`GlassError::Air`] for a number outside the range of its field, or a vapour pressure above the
+    /// total pressure.
     pub fn glass(&self) -> Result<Glass, GlassError> {
         let source = "P. E. Ciddor, Appl. Opt. 35, 1566-1573 (1996)";
         Glass::new("air", self.dispersion()?).with_source(source).with_range_nm(RANGE_NM)
@@ -68,7 +69,7 @@ impl Air {
     /// The formula of the index.
     ///
     /// # Errors
-    /// As [`glass`](Air::glass).
+    /// As for [`glass`](Air::glass).
     pub fn dispersion(&self) -> Result<Dispersion, GlassError> {
         self.check()?;
         let dry_kg = 1e-3 * (28.9635 + 12.011e-6 * (self.co2_ppm - 400.0));
@@ -133,7 +134,7 @@ impl Mixture {
         self.moles() * WATER_KG * self.vapour
     }
 
-    /// Moles in a cubic metre.
+    /// Moles per cubic metre.
     fn moles(&self) -> f64 {
         self.pascal / (self.compressibility() * GAS_CONSTANT * (self.celsius + 273.15))
     }

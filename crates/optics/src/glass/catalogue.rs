@@ -14,8 +14,8 @@ use super::{Glass, GlassError, read_agf, read_refractiveindex};
 /// A catalogue of materials by name.
 ///
 /// Names are compared by letters and digits only, without case: `N-BK7`, `n bk7` and `NBK7` are
-/// equal. For a name of several makers the glass added last has precedence; a name with its maker,
-/// as in `Hoya F2`, is unique.
+/// equal. If several makers use a name, the glass added last has precedence; a name with its maker,
+/// such as `Hoya F2`, is unique.
 ///
 /// ```
 /// use rayweave_optics::glass::{Catalogue, Dispersion, Glass};
@@ -84,7 +84,7 @@ impl Catalogue {
     /// The names most similar to a key, at most three.
     fn suggestions(&self, wanted: &str) -> Vec<String> {
         let length = wanted.chars().count();
-        // names are short codes: one letter more may differ than in words
+        // names are short codes: allow one more differing letter than in words
         let most_edits = (1 + length / 4).min(length.saturating_sub(1));
         let mut names: Vec<String> = Vec::new();
         for known in rayweave_error::closest(wanted, self.by_name.keys().map(String::as_str), |_| most_edits)
@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn no_two_names_of_a_maker_are_one() {
+    fn names_of_a_maker_are_distinct() {
         let mut names = HashMap::new();
         for glass in glasses() {
             for name in glass.aliases().iter().map(String::as_str).chain([glass.name()]) {

@@ -57,7 +57,7 @@ pub enum Dispersion {
     Constant(f64),
     /// n² = 1 + offset + Σ Bλ²/(λ² - C).
     Sellmeier {
-        /// The constant beside 1; mostly 0.
+        /// The constant added to 1; usually 0.
         offset: f64,
         /// The terms under the sum.
         terms: Vec<SellmeierTerm>,
@@ -75,7 +75,7 @@ pub enum Dispersion {
     Herzberger([f64; 6]),
     /// n = 1 + offset + Σ b/(c - λ⁻²), of pairs (b, c) in λ⁻²: the formula of gases.
     Gas {
-        /// The constant beside 1; mostly 0.
+        /// The constant added to 1; usually 0.
         offset: f64,
         /// Pairs (b, c), both in reciprocal square micrometres.
         terms: Vec<(f64, f64)>,
@@ -183,8 +183,8 @@ impl Dispersion {
         Dispersion::Square { poles: vec![pole(b, 2.0, c)], powers: vec![(a, 0.0), (-d, 2.0)] }
     }
 
-    /// Cauchy's formula of two terms, n = A + B/λ², that has this index at the d line (587.5618 nm)
-    /// and this Abbe number V_d = (n_d - 1)/(n_F - n_C).
+    /// Cauchy's formula with two terms, n = A + B/λ², and the given index at the d line (587.5618
+    /// nm) and Abbe number V_d = (n_d - 1)/(n_F - n_C).
     ///
     /// B = (n_d - 1)/(V_d (λ_F⁻² - λ_C⁻²)) and A = n_d - B λ_d⁻² (F. A. Jenkins and H. E. White,
     /// Fundamentals of Optics, ch. 23). Two numbers do not determine partial dispersions: for the
@@ -280,7 +280,7 @@ fn check_finite(coefficients: &[f64]) -> Result<(), DispersionError> {
 
 fn padded<const N: usize>(number: u32, coefficients: &[f64]) -> Result<[f64; N], DispersionError> {
     if coefficients.iter().skip(N).any(|&value| value != 0.0) {
-        return Err(wrong_count(AGF, number, coefficients, "fewer; the others are 0"));
+        return Err(wrong_count(AGF, number, coefficients, "fewer; surplus ones must be 0"));
     }
     Ok(std::array::from_fn(|place| coefficients.get(place).copied().unwrap_or(0.0)))
 }

@@ -37,12 +37,12 @@ pub struct Published {
     pub v_d: f64,
 }
 
-/// A material with its refractive index by wavelength: a glass, a crystal, a liquid, a metal.
+/// A material with its refractive index as a function of wavelength: a glass, a crystal, a liquid, a metal.
 ///
 /// It is cheap to clone. Glass makers state indices relative to air of about 1013 hPa at 20 to 25
-/// °C: use the index 1 around a lens of such glasses, and `air` only where all indices are
-/// absolute. Papers state either; the difference is the index of air, 1.00027, and
-/// [`source`](Glass::source) is the reference.
+/// °C: use the index 1 around a lens made of such glasses, and `air` only where all indices are
+/// absolute. Papers state either kind; the two differ by the factor 1.00027, the index of air, and
+/// [`source`](Glass::source) gives the reference.
 ///
 /// ```
 /// use rayweave_optics::glass::glass;
@@ -144,12 +144,12 @@ impl Glass {
         Ok(self.changed(|data| data.extinction = Some(extinction)))
     }
 
-    /// Sets extinction coefficients from internal transmittances: by the Beer-Lambert law k = -λ ln
-    /// τ/(4π d) through the thickness d.
+    /// Sets extinction coefficients from internal transmittances τ: k = -λ ln τ/(4π d) for the
+    /// thickness d (Beer-Lambert law).
     ///
-    /// Of several thicknesses at one wavelength, the transmittance nearest to 1/e counts, which is
-    /// the most accurate. A transmittance of 0, which makers print for values below their
-    /// resolution, counts as 1e-5.
+    /// If there are several thicknesses at one wavelength, the transmittance nearest to 1/e is
+    /// used, which is the most accurate. A transmittance of 0, which makers print for values below
+    /// their resolution, counts as 1e-5.
     ///
     /// # Errors
     /// [`GlassError`] for a transmittance out of range, a thickness or wavelength that is not
@@ -166,14 +166,14 @@ impl Glass {
         self.with_extinction(Table::new(pairs)?)
     }
 
-    /// The material with indices beyond its range: the formula where it has a value, and the value
-    /// at the nearest end of a table. Their accuracy is unknown.
+    /// The material extrapolated beyond its range: by its formula where that has a value, or by the
+    /// value at the nearest end of its table. The accuracy is unknown.
     pub fn extrapolated(&self) -> Glass {
         Glass { extrapolated: true, ..self.clone() }
     }
 }
 
-/// The transmittance that stands for a 0 in a table.
+/// The transmittance that replaces a 0 in a table.
 const OPAQUE: f64 = 1e-5;
 
 impl Transmittance {
@@ -273,7 +273,7 @@ impl Glass {
     /// The complex index n + i k at a wavelength in nanometres.
     ///
     /// # Errors
-    /// As [`index`](Glass::index) and [`extinction`](Glass::extinction).
+    /// As for [`index`](Glass::index) and [`extinction`](Glass::extinction).
     pub fn complex_index(&self, wavelength_nm: f64) -> Result<ComplexIndex, GlassError> {
         Ok(ComplexIndex { n: self.index(wavelength_nm)?, k: self.extinction(wavelength_nm)? })
     }
@@ -282,7 +282,7 @@ impl Glass {
     /// of d millimetres transmits the fraction exp(-α d) (Beer-Lambert law).
     ///
     /// # Errors
-    /// As [`extinction`](Glass::extinction).
+    /// As for [`extinction`](Glass::extinction).
     pub fn absorption_per_mm(&self, wavelength_nm: f64) -> Result<f64, GlassError> {
         Ok(4.0 * PI * self.extinction(wavelength_nm)? / (wavelength_nm * 1e-6))
     }
@@ -291,7 +291,7 @@ impl Glass {
     /// losses at faces.
     ///
     /// # Errors
-    /// The thickness is below 0 or NaN; and as [`extinction`](Glass::extinction).
+    /// A thickness that is negative or NaN; otherwise as for [`extinction`](Glass::extinction).
     pub fn internal_transmittance(&self, wavelength_nm: f64, thickness_mm: f64) -> Result<f64, GlassError> {
         if thickness_mm.is_nan() || thickness_mm < 0.0 {
             return Err(GlassError::Thickness(thickness_mm));
@@ -331,7 +331,7 @@ impl Glass {
     /// A material with the name `n_d/v_d`, such as `1.5168/64.17`.
     ///
     /// # Errors
-    /// As [`Dispersion::from_abbe`].
+    /// As for [`Dispersion::from_abbe`].
     pub fn from_abbe(n_d: f64, v_d: f64) -> Result<Glass, DispersionError> {
         let dispersion = Dispersion::from_abbe(n_d, v_d)?;
         Ok(Glass::new(format!("{n_d}/{v_d}"), dispersion).with_published(Published { n_d, v_d }))

@@ -1,12 +1,12 @@
-//! Glasses, crystals, liquids and metals: refractive index and absorption by wavelength.
+//! Glasses, crystals, liquids and metals: refractive index and absorption as functions of wavelength.
 //!
 //! - [`glass`](fn@glass) returns a material of the built-in [`Catalogue`] by name; [`glasses`]
 //!   returns all of them.
-//! - [`Glass`] has index, extinction coefficient, absorption and transmittance, and rejects
+//! - [`Glass`] provides index, extinction coefficient, absorption and transmittance, and rejects
 //!   wavelengths outside its data.
 //! - [`Air`] is air of any temperature, pressure and humidity.
-//! - [`Dispersion`] has the formulas of glass makers and papers: Sellmeier, Schott, Cauchy, Conrady
-//!   and others.
+//! - [`Dispersion`] provides the formulas of glass makers and papers: Sellmeier, Schott, Cauchy,
+//!   Conrady and others.
 //! - [`read_agf`] and [`read_refractiveindex`] read AGF catalogues and files of refractiveindex.info.
 //!
 //! Wavelengths are in nanometres in the interface and in micrometres inside the formulas, as in the

@@ -54,7 +54,7 @@ pub(super) fn finish(
     Err(GlassFileError { problems, readable })
 }
 
-/// Nanometres from micrometres, rounded to a millionth: 2.325 µm are exactly 2325 nm.
+/// Converts micrometres to nanometres, rounded to a millionth: 2.325 µm is exactly 2325 nm.
 pub(super) fn nm_from_um(um: f64) -> f64 {
     let nm = um * 1e3;
     let rounded = (um * 1e9).round() / 1e6;
@@ -69,7 +69,7 @@ pub(super) fn number(word: &str) -> Result<f64, String> {
     }
 }
 
-/// Numbers between blanks.
+/// Numbers separated by white space.
 pub(super) fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split_whitespace().map(number).collect()
 }

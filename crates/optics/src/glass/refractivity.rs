@@ -14,7 +14,7 @@ fn standard_vapour(square_um: f64) -> f64 {
     1.022e-8 * polynomial
 }
 
-/// n of air, by its densities relative to standard air and standard vapour (eq. 5).
+/// n of air with these densities relative to standard air and standard vapour (eq. 5).
 pub(super) fn air_index(dry: f64, vapour: f64, square_um: f64) -> f64 {
     1.0 + (dry * standard_air(square_um) + vapour * standard_vapour(square_um))
 }

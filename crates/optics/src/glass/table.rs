@@ -1,8 +1,8 @@
-//! Tables by wavelength with linear interpolation.
+//! Tables against wavelength, with linear interpolation.
 
 use super::DispersionError;
 
-/// A quantity by wavelength, with linear interpolation, like refractiveindex.info and most ray tracers.
+/// A quantity as a function of wavelength, interpolated linearly as refractiveindex.info and most ray tracers do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// Increasing.
@@ -51,7 +51,7 @@ impl Table {
         self.values[next - 1] * (1.0 - part) + self.values[next] * part
     }
 
-    /// The pairs (wavelength in nanometres, value), by increasing wavelength.
+    /// The pairs (wavelength in nanometres, value), in order of increasing wavelength.
     pub fn pairs(&self) -> impl Iterator<Item = (f64, f64)> {
         self.wavelengths_nm.iter().copied().zip(self.values.iter().copied())
     }

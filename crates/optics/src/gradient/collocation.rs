@@ -17,10 +17,10 @@ const GAUSS: [(f64, f64); POINTS / 2] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// The tolerance of the direction within a step. At its end the error is far smaller.
+/// The tolerance of the direction within a step. At the end of the step the error is far smaller.
 const TOLERANCE: f64 = 1e-13;
 
-/// The number of fixed-point iterations after which a step is too long.
+/// The number of fixed-point iterations after which a step counts as too long.
 const MAX_ITERATIONS: usize = 32;
 
 /// The coefficients of the method, computed once.
@@ -102,7 +102,7 @@ pub(super) struct Step {
     position: Vec<Vec3>,
     velocity: Vec<Vec3>,
     acceleration: Vec<Vec3>,
-    /// A bound of the acceleration and one of how it changes, in units of half the duration.
+    /// Bounds on the acceleration and on its rate of change, with half the duration as the unit of time.
     bounds: [f64; 2],
     size: f64,
 }
@@ -309,12 +309,12 @@ mod tests {
             (p, v) = (step.at(step.duration()), step.velocity_at(step.duration()));
             (t, wanted, steps) = (t + step.duration(), next, steps + 1);
         }
-        // some three steps in a radian
+        // about three steps per radian
         assert!(steps < 250, "{steps}");
     }
 
-    /// The order of the ends is twice the number of points, 16: steps far longer than the tolerance
-    /// allows show it.
+    /// At the ends of a step the order is twice the number of points, 16, as steps far longer than
+    /// the tolerance allows show.
     #[test]
     fn order_of_convergence() {
         let gradient = Gradient::selfoc(0.4).unwrap();
@@ -334,7 +334,7 @@ mod tests {
     }
 
     #[test]
-    fn there_and_back() {
+    fn steps_are_time_reversible() {
         let gradient = Gradient::polynomial(&[1.2, -0.1, 0.02], &[0.05]).unwrap();
         let field = rod(&gradient);
         let (p, v) = (Vec3::new(0.3, 0.4, 0.1), 1.7 * Vec3::new(0.48, 0.6, 0.64));
@@ -344,8 +344,8 @@ mod tests {
         assert!((back.at(0.8) - p).length() < 1e-15 && (back.velocity_at(0.8) + v).length() < 4e-15);
     }
 
-    /// Steps far too long keep the symplectic form all the same: `J^T W J = W` for the derivative J
-    /// of the map of position and velocity (Hairer, Lubich & Wanner, theorem VI.4.2).
+    /// Even steps that are far too long preserve the symplectic form: `J^T W J = W` for the
+    /// derivative J of the map of position and velocity (Hairer, Lubich & Wanner, theorem VI.4.2).
     #[test]
     fn steps_are_symplectic() {
         let gradient = Gradient::fish_eye(1.0).unwrap();
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_hold_the_acceleration() {
+    fn bounds_contain_the_acceleration() {
         let gradient = Gradient::luneburg(1.0).unwrap();
         let field = rod(&gradient);
         let step = Step::of(&field, Vec3::new(0.3, 0.2, -0.9), Vec3::Z, 0.7).unwrap();

@@ -14,7 +14,7 @@ pub(crate) struct LocalField<'a> {
 }
 
 impl LocalField<'_> {
-    /// The square of the index, and the acceleration of light in it: `n grad n`.
+    /// The square of the index at a point, and the acceleration of light there: `n grad n`.
     pub fn at(&self, point: Vec3) -> Local {
         let Local { squared, force } = self.gradient.at(point, self.wavelength_nm);
         let factor = self.index * self.index;

@@ -223,8 +223,8 @@ fn first(found: &CurveTrace) -> Option<Crossing> {
 }
 
 /// The Stokes parameters after parallel transport of their axis along a curve (Rytov's law: Born &
-/// Wolf, section 3.1.3, for the transport of the field vectors), by the double reflection of Wang,
-/// Jüttler, Zheng & Liu (ACM Trans. Graph. 27, 2, 2008).
+/// Wolf, section 3.1.3, for the transport of the field vectors), by the double reflection method of
+/// Wang, Jüttler, Zheng & Liu (ACM Trans. Graph. 27, 2, 2008).
 fn parallel_transported(stokes: Stokes, step: &Step, (from, to): (f64, f64)) -> Stokes {
     const PARTS: usize = 16;
     let time = |k: usize| from + (to - from) * (k as f64 / PARTS as f64);

@@ -17,7 +17,7 @@ pub struct IndexGrid {
     count: [usize; 3],
     origin: Vec3,
     spacing: Vec3,
-    /// Coefficients of B-splines, with one more on each side of each direction; x varies fastest.
+    /// Coefficients of B-splines, with one more at each end of each direction; x varies fastest.
     coefficients: Vec<f64>,
 }
 

@@ -5,13 +5,13 @@
 //! `Medium::glass("N-BK7")?.graded(Gradient::selfoc(0.3)?)`.
 //!
 //! Light follows `d/ds (n dr/ds) = grad n` (Born & Wolf, *Principles of Optics*, 7th edition,
-//! section 3.2.1, equation 2). In the parameter `tau` with `ds = n dtau` that is
-//! `d^2 r/dtau^2 = n grad n`, free of roots and turning points (Sharma, Kumar & Ghatak, Appl. Opt.
-//! 21, 984, 1982). It is integrated by Gauss collocation: symplectic, so that etendue is conserved,
-//! and time-reversible, like light (Hairer, Lubich & Wanner, *Geometric Numerical Integration*, 2nd
-//! edition, sections II.1.3, V.2.1 and VI.4.2). The polynomial of a step is a
-//! [curve](rayweave_space::Curve) with a bound on its acceleration, so that no crossing is missed
-//! within a step, however thin the solid.
+//! section 3.2.1, equation 2). With the parameter `tau`, `ds = n dtau`, this becomes
+//! `d^2 r/dtau^2 = n grad n`, which is free of square roots and turning points (Sharma, Kumar &
+//! Ghatak, Appl. Opt. 21, 984, 1982). It is integrated by Gauss collocation: symplectic, so that
+//! etendue is conserved, and time-reversible, like light (Hairer, Lubich & Wanner, *Geometric
+//! Numerical Integration*, 2nd edition, sections II.1.3, V.2.1 and VI.4.2). The polynomial of a
+//! step is a [curve](rayweave_space::Curve) with a bound on its acceleration, so that no crossing
+//! is missed within a step, however thin the solid.
 
 mod check;
 mod collocation;
@@ -30,7 +30,8 @@ use profile::{Local, Profile};
 use rayweave_math::{Affine, Vec3};
 use std::sync::Arc;
 
-/// The spatial variation of a refractive index: a factor of the index of a medium, as a function of position.
+/// The spatial variation of a refractive index: a factor that multiplies the index of a medium, as a function
+/// of position.
 ///
 /// Lengths are in the unit of the system. The formulas hold in the frame of the gradient, which is
 /// the world frame until it is [`placed`](Gradient::placed). Where a formula has no index (a square
@@ -41,7 +42,7 @@ use std::sync::Arc;
 /// use rayweave_optics::Medium;
 /// use rayweave_optics::gradient::Gradient;
 ///
-/// // a rod of 1.6 on the axis, of which a quarter pitch is pi / 2 / 0.25
+/// // a rod with the index 1.6 on the axis; its quarter pitch is pi / 2 / 0.25
 /// let rod = Medium::constant("rod", 1.6, 0.0)?.graded(Gradient::selfoc(0.25)?);
 /// assert_eq!(rod.index_at(587.6, Vec3::ZERO).re, 1.6);
 /// assert!((rod.index_at(587.6, Vec3::X).re - 1.6 * (1.0_f64 - 0.0625).sqrt()).abs() < 1e-15);
@@ -93,7 +94,7 @@ impl Gradient {
     }
 
     /// Maxwell's fish-eye: `n = 2 n0 / (1 + (r / a)^2)`, r the distance from the origin, a the
-    /// radius. All light from a point converges in its image point in the sphere (Born & Wolf,
+    /// radius. All light from a point converges at its image point in the sphere (Born & Wolf,
     /// section 4.2.2).
     ///
     /// # Errors
@@ -104,8 +105,8 @@ impl Gradient {
     }
 
     /// Luneburg's lens: `n = n0 sqrt(2 - (r / a)^2)`, r the distance from the origin, a the radius.
-    /// A ball of it with n0 of the medium around focuses parallel light on its far side (R. K.
-    /// Luneburg, *Mathematical Theory of Optics*, 1964, section 29).
+    /// In a medium of index n0, a ball with this gradient focuses parallel light on its far side
+    /// (R. K. Luneburg, *Mathematical Theory of Optics*, 1964, section 29).
     ///
     /// # Errors
     /// [`OpticsError::BadGradient`] unless the radius is positive and finite.

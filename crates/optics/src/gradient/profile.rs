@@ -25,9 +25,9 @@ pub(crate) struct Local {
 
 #[derive(Clone, Debug)]
 pub(super) enum Profile {
-    /// n^2 by powers of r^2 about z.
+    /// n^2 as a polynomial in r^2 about z.
     Squared(Vec<f64>),
-    /// n by powers of r^2 about z, and by powers of z from the first.
+    /// n as a polynomial in r^2 about z plus a polynomial in z without a constant term.
     Polynomial {
         radial: Vec<f64>,
         axial: Vec<f64>,
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn places_move_the_middle() {
+    fn placements_move_the_centre() {
         let map = Affine::translate(Vec3::new(1.0, 2.0, 3.0));
         let moved = Gradient::luneburg(2.0).unwrap().placed(&map).unwrap();
         assert_eq!(moved.at(Vec3::new(1.0, 2.0, 3.0), 500.0), Local { squared: 2.0, force: Vec3::ZERO });

@@ -1,4 +1,5 @@
-//! Fresnel equations: amplitudes of reflection and transmission of s and p light, of dielectrics and metals.
+//! Fresnel equations: amplitudes of reflection and transmission of s- and p-polarised light at dielectrics
+//! and metals.
 //!
 //! Waves go as `exp(i (k.r - w t))`, so that an absorbing medium has the index `n + i k` with
 //! `k >= 0`. The amplitudes follow from admittances y, `n cos(theta)` for s and `n / cos(theta)`
@@ -13,7 +14,7 @@ use num_complex::Complex64;
 /// The squares of the absolute values are fractions of *power*: the amplitudes of transmission
 /// contain the factor for the width and the speed of the transmitted beam. With s the same for all
 /// three beams and p = k x s for each of them, the signs are those of Born & Wolf: at normal
-/// incidence from air on glass, `reflected[0] < 0 < reflected[1]`.
+/// incidence from air onto glass, `reflected[0] < 0 < reflected[1]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Amplitudes {
     /// Amplitudes of reflection for s and p.
@@ -68,13 +69,14 @@ pub(super) fn amplitudes(
     for p in [0, 1] {
         let front = if p == 0 { n1 * cosine } else { n1 / cosine };
         if !front.is_finite() || front == 0.0 {
-            // grazing incidence: all is reflected
+            // grazing incidence: all light is reflected
             (reflected[p], transmitted[p]) = (Complex64::from(-1.0), Complex64::ZERO);
             continue;
         }
         let (b, c) = carry(p, (Complex64::ONE, behind.admittance(p)));
         let sum = front * b + c;
-        // Born & Wolf measure p by the magnetic field: the electric one, tangential here, has the other sign
+        // Born & Wolf define the sign of p by the magnetic field: the tangential electric field here has the
+        // opposite sign
         let sign = if p == 0 { 1.0 } else { -1.0 };
         reflected[p] = sign * (front * b - c) / sum;
         let through = (behind.admittance(p).re / front).max(0.0).sqrt();
@@ -99,7 +101,7 @@ impl PlaneWave {
     /// The wave with a tangential component n sin(theta).
     pub fn new(index: Complex64, tangential: f64) -> PlaneWave {
         let cosine = square_root(Complex64::ONE - (tangential / index) * (tangential / index));
-        // of the two roots the wave that decays, or that propagates forward
+        // of the two roots, take the wave that decays or propagates forward
         let normal = index * cosine;
         let forward = normal.im > 0.0 || (normal.im == 0.0 && normal.re >= 0.0);
         PlaneWave { index, cosine: if forward { cosine } else { -cosine } }

@@ -6,12 +6,12 @@ use rayweave_math::Vec3;
 /// The direction of an order of a plane diffraction grating, `None` if the order is evanescent.
 ///
 /// The component of the wave vector along the plane grows by `order` times `lines` (a vector across
-/// the grooves, in the plane, as long as their number per unit of length); the component across the
-/// plane follows from its length. For angles in the plane across the grooves this is the grating
-/// equation `n2 sin(b) = n1 sin(a) + m wavelength / d` (Born & Wolf, *Principles of Optics*, 7th
-/// edition, section 8.6.1; Spencer & Murty, J. Opt. Soc. Am. 52, 672, 1962). `wavelength` is the
-/// vacuum wavelength in the unit of length; the light leaves to the side of `side`, a normal of the
-/// plane.
+/// the grooves, in the plane, as long as their number per unit of length); the component
+/// perpendicular to the plane follows from its length. For angles in the plane across the grooves
+/// this is the grating equation `n2 sin(b) = n1 sin(a) + m wavelength / d` (Born & Wolf,
+/// *Principles of Optics*, 7th edition, section 8.6.1; Spencer & Murty, J. Opt. Soc. Am. 52, 672,
+/// 1962). `wavelength` is the vacuum wavelength in the unit of length; the light leaves to the side
+/// of `side`, a normal of the plane.
 pub fn diffract(
     d: Vec3,
     side: Vec3,
@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn gratings() {
-        // 600 lines a millimetre, 500 nm, normal incidence: sin = 0.3 m
+        // 600 lines per millimetre, 500 nm, normal incidence: sin = 0.3 m
         let lines = 600.0 * Vec3::X;
         for m in -3..=3 {
             let found = diffract(Vec3::Z, Vec3::Z, [1.0, 1.0], lines, m, 500e-6).unwrap();

@@ -1,9 +1,9 @@
 //! Physics of one interface: Snell's law, Fresnel equations, thin films, gratings and Stokes parameters.
 //!
-//! - [`reflect`] and [`refract`]: directions, by the law of reflection and Snell's law, with total
-//!   internal reflection.
+//! - [`reflect`] and [`refract`]: directions according to the law of reflection and Snell's law,
+//!   with total internal reflection.
 //! - [`diffract`]: the direction of an order of a diffraction grating.
-//! - [`fresnel`]: amplitudes of reflection and transmission at a bare interface, also of metals.
+//! - [`fresnel`]: amplitudes of reflection and transmission at a bare interface, including metals.
 //! - [`transfer_matrix`]: the same with thin films (coatings) between the media.
 //! - [`Stokes`]: the polarisation of a ray, and its change by diagonal Jones matrices.
 

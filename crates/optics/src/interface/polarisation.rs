@@ -1,10 +1,10 @@
 //! Polarisation: Stokes parameters, and Mueller matrices of diagonal Jones matrices.
 //!
-//! The Stokes parameters refer to an axis across the ray. `i` is the power; `q > 0` is light
-//! polarised along the axis, `q < 0` across it; `u > 0` at +45 degrees, from the axis towards
-//! `direction x axis`; `v` is circular. |(q, u, v)| <= i (Born & Wolf, *Principles of Optics*, 7th
-//! edition, section 1.4.2; Chipman, Lam, Young, *Polarized Light and Optical Systems*, chapters 3
-//! and 6).
+//! The Stokes parameters refer to an axis perpendicular to the ray. `i` is the power; `q > 0` is
+//! light polarised along the axis, `q < 0` perpendicular to it; `u > 0` at +45 degrees, from the
+//! axis towards `direction x axis`; `v` is circular. |(q, u, v)| <= i (Born & Wolf, *Principles of
+//! Optics*, 7th edition, section 1.4.2; Chipman, Lam, Young, *Polarized Light and Optical Systems*,
+//! chapters 3 and 6).
 
 use num_complex::Complex64;
 use rayweave_math::Vec3;
@@ -14,7 +14,7 @@ use rayweave_math::Vec3;
 pub struct Stokes {
     /// The Stokes parameters: the power and its polarised parts i, q, u, v.
     pub parameters: [f64; 4],
-    /// The axis of q > 0: a unit vector across the ray.
+    /// The axis of q > 0: a unit vector perpendicular to the ray.
     pub axis: Vec3,
 }
 
@@ -41,8 +41,8 @@ impl Stokes {
         if i > 0.0 { (q * q + u * u + v * v).sqrt() / i } else { 0.0 }
     }
 
-    /// The same state with reference to another axis across the ray: a rotation of the parameters
-    /// by twice the angle.
+    /// The same state relative to a different axis perpendicular to the ray: a rotation of the
+    /// parameters by twice the angle.
     pub fn rotated_to(&self, axis: Vec3, direction: Vec3) -> Stokes {
         let (cosine, sine) = (self.axis.dot(axis), self.axis.cross(axis).dot(direction));
         let (c, s) = (cosine * cosine - sine * sine, 2.0 * cosine * sine);
@@ -51,7 +51,7 @@ impl Stokes {
     }
 
     /// The state behind an element with a diagonal Jones matrix: amplitudes along the axis and
-    /// across it. This is the Mueller matrix of a diattenuating retarder.
+    /// perpendicular to it. This is the Mueller matrix of a diattenuating retarder.
     pub fn through_jones(&self, [along, across]: [Complex64; 2]) -> Stokes {
         let [i, q, u, v] = self.parameters;
         let (a, b) = (along.norm_sqr(), across.norm_sqr());
@@ -66,7 +66,7 @@ impl Stokes {
         Stokes { parameters, axis: self.axis }
     }
 
-    /// The same state with another power.
+    /// The same state with a different power.
     pub fn with_power(&self, power: f64) -> Stokes {
         let factor = if self.power() > 0.0 { power / self.power() } else { 0.0 };
         Stokes { parameters: self.parameters.map(|x| x * factor), axis: self.axis }
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn unpolarised_light_stays_so_through_equal_amplitudes() {
+    fn equal_amplitudes_keep_light_unpolarised() {
         let light = Stokes::unpolarised(3.0, Vec3::new(0.6, 0.0, 0.8));
         assert!(light.axis.dot(Vec3::new(0.6, 0.0, 0.8)).abs() < 1e-15);
         near(light.through_jones([Complex64::from(0.5); 2]).parameters, [0.75, 0.0, 0.0, 0.0]);

@@ -9,8 +9,8 @@ pub fn reflect(d: Vec3, n: Vec3) -> Vec3 {
 
 /// The direction after refraction, `None` for total internal reflection.
 ///
-/// `d` and `n` are unit vectors, `n` against the light; `ratio` is the index before over that
-/// behind. Snell's law in vectors: `ratio d + (ratio c - sqrt(1 - ratio^2 (1 - c^2))) n` with
+/// `d` and `n` are unit vectors, `n` against the light; `ratio` is the index before divided by the
+/// index behind. Snell's law in vectors: `ratio d + (ratio c - sqrt(1 - ratio^2 (1 - c^2))) n` with
 /// `c = -d.n` (Born & Wolf, *Principles of Optics*, 7th edition, section 3.2.2).
 pub fn refract(d: Vec3, n: Vec3, ratio: f64) -> Option<Vec3> {
     let c = -d.dot(n);
@@ -18,7 +18,7 @@ pub fn refract(d: Vec3, n: Vec3, ratio: f64) -> Option<Vec3> {
     (squared > 0.0).then(|| unit(ratio * d + (ratio * c - squared.sqrt()) * n))
 }
 
-/// A direction at unit length, so that rounding does not add up over many interfaces.
+/// A direction normalised to unit length, so that rounding does not add up over many interfaces.
 pub(super) fn unit(d: Vec3) -> Vec3 {
     d / d.length()
 }

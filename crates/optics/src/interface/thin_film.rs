@@ -1,8 +1,8 @@
 //! Thin films (coatings) by the transfer matrix method.
 //!
 //! Each film has a transfer (characteristic) matrix (Born & Wolf, *Principles of Optics*, 7th
-//! edition, section 1.6; Macleod, *Thin-Film Optical Filters*, chapter 2): for each polarisation a
-//! film of index n, thickness d at the angle theta inside it has
+//! edition, section 1.6; Macleod, *Thin-Film Optical Filters*, chapter 2): for each polarisation, a
+//! film of index n and thickness d, with light at the angle theta inside it, has
 //!
 //! ```text
 //! M = |      cos D       -i sin D / y |     D = 2 pi n d cos(theta) / wavelength
@@ -55,7 +55,7 @@ pub fn transfer_matrix(
     wavelength_nm: f64,
 ) -> Amplitudes {
     let tangential = tangential(n1, cosine);
-    // the waves in the films are computed for each polarisation again: a list of them would cost an allocation per photon
+    // the waves in the films are recomputed for each polarisation: a list of them would cost an allocation per photon
     amplitudes(n1, n2, cosine, |p, behind| {
         let carried = |fields, film: &Film| {
             carry(&PlaneWave::new(film.index, tangential), p, fields, film.thickness_nm, wavelength_nm)
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn half_waves_are_absent() {
+    fn half_wave_films_have_no_effect() {
         let half = Film { index: Complex64::from(2.1), thickness_nm: 600.0 / 2.0 / 2.1 };
         let with = transfer_matrix(1.0, &[half], Complex64::from(1.5), 1.0, 600.0);
         close(with.reflectance(), 0.04, 1e-14);

@@ -30,7 +30,7 @@ pub enum SourceError {
         /// The greatest angle allowed, in degrees.
         most: f64,
     },
-    /// A source of no rays, or of more than can be numbered.
+    /// A source without rays, or with more than can be numbered.
     #[error("{part} has {count} rays: a source needs from 1 to 2^53 rays.")]
     Count {
         /// The source.
@@ -66,7 +66,7 @@ pub enum SourceError {
     /// A ray file that is invalid, or cannot be read.
     #[error("{problem}")]
     File {
-        /// The problems, a line for each.
+        /// The problems, one per line.
         problem: String,
     },
     /// Invalid Stokes parameters.
@@ -93,7 +93,7 @@ pub enum SourceError {
     },
     /// A band, or a table, whose wavelengths do not increase.
     #[error(
-        "wavelength {after} nm of the spectrum follows {before} nm: wavelengths must increase. Are they exchanged?"
+        "wavelength {after} nm of the spectrum follows {before} nm: wavelengths must increase. Are they swapped?"
     )]
     NotIncreasing {
         /// A wavelength.

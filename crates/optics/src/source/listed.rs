@@ -28,8 +28,8 @@ struct Columns {
 impl ListedRays {
     /// Rays from origins and directions, which need not be of unit length.
     ///
-    /// Wavelengths, in nanometres, replace the spectrum of the source. Powers are factors to the
-    /// power of a ray, which is then 1 unless the source sets it.
+    /// Wavelengths, in nanometres, replace the spectrum of the source. Powers multiply the power of
+    /// a ray, which is then 1 unless the source sets it.
     ///
     /// # Errors
     /// Columns of different lengths, numbers that are not finite, directions of length zero,
@@ -86,7 +86,7 @@ impl ListedRays {
     /// The rays of a file that a model names, if it is among the given files; see [`read`](Self::read).
     ///
     /// # Errors
-    /// As [`read`](Self::read), and [`SourceError::File`] for a file that is not allowed.
+    /// As for [`read`](Self::read), and [`SourceError::File`] for a file that is not allowed.
     pub fn read_allowed(path: impl AsRef<Path>, files: &AllowedFiles) -> Result<ListedRays, SourceError> {
         ListedRays::from_reader(RayReader::open_allowed_light(path, files).map_err(unreadable)?)
     }

@@ -3,7 +3,7 @@
 //! A [`Source`] is a [`Pattern`] of rays with a [`Spectrum`], a [`Power`], a seed and a placement.
 //! In its own frame it emits along +z. Ray k is a function of the source and of k alone, so that
 //! any range of rays can be generated in any order, on any thread, with the same bits. (Every lamp
-//! is a static lamp of PyRayT; another seed gives another lamp.)
+//! behaves like a static lamp of PyRayT; a different seed gives a different lamp.)
 //!
 //! ```
 //! use rayweave_optics::component::Aperture;
@@ -83,7 +83,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// A source at the origin, with 633 nm and a power of 100 for each ray (1 for listed rays with powers).
+    /// A source at the origin, with a wavelength of 633 nm and a power of 100 for each ray (1 for listed
+    /// rays with powers).
     ///
     /// # Errors
     /// [`SourceError`] for settings that are out of range or inconsistent.
@@ -103,7 +104,7 @@ impl Source {
     /// Sets the spectrum.
     ///
     /// # Errors
-    /// As of [`Spectrum::wavelengths`].
+    /// As for [`Spectrum::wavelengths`].
     pub fn spectrum(self, spectrum: &Spectrum) -> Result<Source, SourceError> {
         Ok(Source { wavelengths: spectrum.wavelengths()?, ..self })
     }
@@ -123,9 +124,10 @@ impl Source {
         Ok(Source { unit_power, ..self })
     }
 
-    /// Sets the polarisation by the Stokes parameters i, q, u, v, of which only the ratios count.
-    /// Light with q > 0 is polarised along the x axis of the source, projected across each ray; u >
-    /// 0 leans from x towards y. A mirrored source emits mirrored light.
+    /// Sets the polarisation by the Stokes parameters i, q, u, v, of which only the ratios matter.
+    /// Light with q > 0 is polarised along the x axis of the source, projected onto the plane
+    /// perpendicular to each ray; with u > 0, between x and y. A mirrored source emits mirrored
+    /// light.
     ///
     /// # Errors
     /// [`SourceError::Stokes`] for parameters with more polarised than total power.
@@ -200,7 +202,7 @@ impl Source {
         }
     }
 
-    /// The Stokes parameters relative to the axis across a ray that is nearest to x.
+    /// The Stokes parameters relative to the axis that is perpendicular to a ray and nearest to x.
     fn polarisation(&self, parameters: [f64; 4], direction: Vec3) -> Stokes {
         let x = self.turn * Vec3::X;
         // the parameters hold in the frame of the source: a mirror reverses u and v

@@ -67,7 +67,7 @@ pub enum Pattern {
         /// The sampling of the aperture.
         sampling: Sampling,
     },
-    /// Rays from the origin into a cone, evenly in solid angle.
+    /// Rays from the origin into a cone, uniform in solid angle.
     Point {
         /// The greatest angle to the axis, in degrees; 180 for all directions.
         half_angle_degrees: f64,
@@ -152,8 +152,8 @@ impl Pattern {
         }
     }
 
-    /// The mean weight of the rays: for a lamp the mean of cosines that are uniform between that of
-    /// its angle and 1.
+    /// The mean weight of the rays: for a lamp, the mean of cosines distributed uniformly between
+    /// the cosine of its angle and 1.
     pub(super) fn mean_weight(&self) -> f64 {
         match self {
             Pattern::Lamp { half_angle_degrees, .. } => 0.5 + 0.5 * sin_cos_degrees(*half_angle_degrees).1,
@@ -282,7 +282,7 @@ impl Prepared {
 }
 
 impl Angle {
-    /// Uniform in solid angle: cosines uniform between that of the greatest angle and 1
+    /// Uniform in solid angle: cosines uniform between the cosine of the greatest angle and 1
     /// (Archimedes: a zone's area is proportional to its height).
     fn isotropic(&self, part: f64, turn: f64) -> Vec3 {
         let drop = self.drop * part;
@@ -347,7 +347,7 @@ fn around(turn: f64) -> Vec3 {
     Vec3::new(x, y, 0.0)
 }
 
-/// The direction at an angle to the axis, by its sine and cosine.
+/// The direction at an angle to the axis, given by its sine and cosine.
 fn tilted(sin: f64, cos: f64, turn: f64) -> Vec3 {
     (sin * around(turn)).with_z(cos)
 }

@@ -1,4 +1,4 @@
-//! Random streams: counter-based random numbers of rays, independent of the range of a source that is generated.
+//! Random streams: counter-based random numbers of rays, independent of which range of a source is generated.
 //!
 //! ChaCha is a counter-based generator: block number k of a stream, 64 bytes, is computed from key
 //! and counter alone. Ray k gets block k, eight numbers with 53 bits each. This is faster than a
@@ -24,7 +24,7 @@ pub(super) type Numbers = [f64; NUMBERS];
 pub(super) struct RayNumbers(ChaCha8Rng);
 
 impl RayNumbers {
-    /// The random numbers from a ray on.
+    /// The random numbers of a ray and of those after it.
     pub fn from(seed: u64, stream: u64, ray: u64) -> RayNumbers {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(SOURCES ^ stream);
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_has_its_numbers_wherever_the_piece_begins() {
+    fn numbers_of_a_ray_do_not_depend_on_the_range() {
         let mut all = RayNumbers::from(7, 3, 0);
         let all: Vec<Numbers> = (0..100).map(|_| all.ray()).collect();
         for first in [0, 1, 5, 63, 99] {

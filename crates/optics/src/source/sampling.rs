@@ -5,7 +5,7 @@ use super::random::Numbers;
 use rayweave_error::Message;
 use rayweave_math::unit_fraction;
 
-/// Sampling of an area or of directions. Each ray stands for an equal part, except for the weights
+/// Sampling of an area or of directions. Each ray represents an equal part, except for the weights
 /// of hexapolar sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sampling {
@@ -18,7 +18,7 @@ pub enum Sampling {
         rows: u32,
     },
     /// The centre and rings of 6, 12, 18, ... rays, the last on the rim: `3 rings (rings + 1) + 1`
-    /// rays. The area nearer to a ring than to others is the weight of the rays of the ring. Only
+    /// rays. The weight of the rays of a ring is the area nearer to it than to other rings. Only
     /// for discs and cones.
     Hexapolar {
         /// The number of rings.
@@ -44,7 +44,7 @@ pub(super) struct Place {
     pub area: f64,
     /// The azimuth in turns, from +x towards +y.
     pub turn: f64,
-    /// The weight of the ray; 1 in the mean.
+    /// The weight of the ray; 1 on average.
     pub weight: f64,
 }
 
@@ -52,8 +52,8 @@ impl Sampling {
     /// The names of the kinds of sampling.
     pub const NAMES: [&str; 4] = ["fibonacci", "random", "grid", "hexapolar"];
 
-    /// The sampling of this name with about a number of rays: those of the nearest square grid, or
-    /// of the nearest number of rings. `None` for an unknown name.
+    /// The sampling of this name with roughly `about` rays: those of the nearest square grid, or of
+    /// the nearest number of rings. `None` for an unknown name.
     pub fn named(name: &str, about: u64) -> Option<Sampling> {
         let root = (about as f64).sqrt();
         match name {
@@ -85,7 +85,7 @@ impl Sampling {
         matches!(self, Sampling::Random { .. })
     }
 
-    /// An error for hexapolar sampling, which has no rectangle.
+    /// Rejects hexapolar sampling, which cannot cover a rectangle.
     pub(super) fn checked_for_rectangle(&self, part: &'static str) -> Result<(), SourceError> {
         match self {
             Sampling::Hexapolar { .. } => {
@@ -128,7 +128,7 @@ impl Sampling {
     }
 }
 
-/// 2^64 times the golden ratio minus 1, so that multiples wrap around exactly.
+/// 2^64 times the fractional part of the golden ratio, so that multiples wrap around exactly.
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// The concentric map from the unit square to the disc: squares about the centre become circles.
@@ -181,7 +181,7 @@ mod tests {
         }
         let weight: f64 = places.iter().map(|place| place.weight).sum();
         assert!((weight / places.len() as f64 - 1.0).abs() < 1e-12);
-        // far along the numbering, where a square root has lost digits
+        // at high ray numbers, where a square root has lost digits
         let far = Sampling::Hexapolar { rings: 4_000_000 };
         let first = 3 * 3_999_999 * 3_999_998 + 1;
         assert_eq!(far.in_disc(first, &[0.0; 8]).turn, 0.0);

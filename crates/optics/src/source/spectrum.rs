@@ -11,7 +11,7 @@ pub enum Spectrum {
     Line(f64),
     /// Several wavelengths, in nanometres, each with its relative power.
     Lines(Vec<(f64, f64)>),
-    /// The same power per nanometre from one wavelength to another, in nanometres.
+    /// Constant power per nanometre between two wavelengths.
     Band {
         /// The shortest wavelength.
         from_nm: f64,
@@ -54,7 +54,7 @@ pub fn planck(wavelength_nm: f64, kelvin: f64) -> f64 {
     if per_metre.is_finite() { 1e-9 * per_metre } else { 0.0 }
 }
 
-/// The number of pieces of the curve of a black body.
+/// The number of pieces of a black-body curve.
 const PIECES: u32 = 2048;
 
 impl Spectrum {

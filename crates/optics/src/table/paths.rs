@@ -4,7 +4,7 @@ use crate::{Path, Paths};
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
 use std::sync::Arc;
 
-/// Writes the ray paths in the order of falling power.
+/// Writes the ray paths in order of decreasing power.
 ///
 /// The columns: `path`, its elements, with a `*` for a reflection and a `-` for no element;
 /// `reflections`, their number; `end`, the element at its end, empty for none; `rays`; `power`, at

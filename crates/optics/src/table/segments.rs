@@ -103,12 +103,12 @@ pub struct SegmentFile<'a> {
     pub path: &'a Path,
     /// The unit of lengths.
     pub unit: &'a str,
-    /// Whether the table has the columns of phases. They take a second evaluation of each event, on
-    /// one thread.
+    /// Whether the table has the columns of phases. They require a second evaluation of each event,
+    /// on one thread.
     pub phases: bool,
 }
 
-/// Indices into a list of names; negative ones stand for no name.
+/// Indices into a list of names; negative ones mean no name.
 fn names(numbers: Vec<i32>) -> Values {
     let name = |number: i32| u32::try_from(number).unwrap_or(NO_NAME);
     numbers.into_iter().map(name).collect::<Vec<u32>>().into()
@@ -129,9 +129,9 @@ pub struct LightSummary {
 ///
 /// The columns are those of [`SegmentTable`]; the extension of `out` determines the format, `.csv`,
 /// `.npy` or (with the feature `parquet`) `.parquet`, and `-` is CSV on standard output. The file
-/// appears when it is complete; after an error or a cancelled run there is none. Memory does not
-/// grow with the number of rays, and the bytes do not depend on the number of threads. `look`
-/// receives the segments chunk by chunk, in the order of the rays.
+/// appears when it is complete; an error or a cancelled run leaves no file. Memory does not grow
+/// with the number of rays, and the bytes do not depend on the number of threads. `look` receives
+/// the segments chunk by chunk, in the order of the rays.
 ///
 /// # Errors
 ///

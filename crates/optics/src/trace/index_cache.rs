@@ -25,7 +25,7 @@ pub(crate) struct OpticalConstants {
 }
 
 impl OpticalConstants {
-    /// The power absorbed over a length, by the Beer-Lambert law.
+    /// The power absorbed over a length, according to the Beer-Lambert law.
     pub fn absorbed_power(self, power: f64, length: f64) -> f64 {
         match self.absorption != 0.0 && length > 0.0 {
             true => -libm::expm1(-self.absorption * length) * power,
@@ -48,7 +48,7 @@ impl Default for IndexCache {
 }
 
 impl IndexCache {
-    /// The optical constants of a medium, by its number, at a wavelength.
+    /// The optical constants of a medium, given by its number, at a wavelength.
     pub fn get(&mut self, system: &System, medium: u32, wavelength_nm: f64) -> OpticalConstants {
         let wavelength_bits = wavelength_nm.to_bits();
         // multiplicative hashing (Knuth, The Art of Computer Programming 3, section 6.4)

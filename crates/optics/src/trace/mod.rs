@@ -1,9 +1,9 @@
 //! Non-sequential ray tracing: light through a system, event by event.
 //!
-//! Rays are traced in chunks. Each chunk goes first through the system in bundles of eight with hit
-//! prediction ([`crate::bundle`]); the rays that are left are traced generation by generation: an
-//! evaluator computes the next hits of all of them ([`finder`]), and the [`Propagator`] applies one
-//! event to each ray.
+//! Rays are traced in chunks. Each chunk is first traced in bundles of eight with hit prediction
+//! ([`crate::bundle`]); the remaining rays are traced generation by generation: an evaluator
+//! computes the next hits of all of them ([`finder`]), and the [`Propagator`] applies one event to
+//! each ray.
 //!
 //! A ray that leaves an interface starts on its surface, without any offset (see
 //! [`rayweave_model::Start`]); one that passes straight through a sheet remains the same ray.
@@ -52,7 +52,7 @@ pub struct Tracer<'a, E> {
 /// The result of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
-    /// The segments of all rays: chunk by chunk of the source, in each chunk generation by generation.
+    /// The segments of all rays, chunk by chunk, and within each chunk generation by generation.
     pub segments: Segments,
     /// The power balance.
     pub balance: Balance,
@@ -85,7 +85,8 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
     }
 
     /// Like [`Tracer::trace`], but reuses the buffers of an existing [`Trace`], so that repeated
-    /// traces allocate nothing. After an error the trace holds some of the segments.
+    /// traces do not allocate memory for segments again. After an error the trace holds some of the
+    /// segments.
     ///
     /// # Errors
     /// Those of [`Tracer::trace`].
@@ -100,7 +101,7 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         let mut limit = RowLimit::new(light, settings)?;
         trace.balance = self.run_with(light, settings, |rows| {
             if segments.is_empty() {
-                // assumes about as many rows in every chunk
+                // assumes about the same number of rows in every chunk
                 let expected = rows.len().saturating_mul(light.count().div_ceil(CHUNK));
                 if memory::check(expected as u64, Segments::ROW).is_ok() {
                     segments.reserve(expected);
@@ -203,7 +204,7 @@ impl<'t, E: Evaluator> Worker<'t, E> {
     }
 
     /// Traces the pending rays generation by generation until none is left. Where light is divided again and again, their number
-    /// grows as a power of the number of generations.
+    /// grows exponentially with the number of generations.
     fn trace_generations(&mut self) -> Result<(), Shortage> {
         self.now.clear();
         let mut number = 0;
@@ -219,8 +220,8 @@ impl<'t, E: Evaluator> Worker<'t, E> {
             std::mem::swap(&mut self.now, &mut self.light.next);
             self.light.next.clear();
             number += 1;
-            // with its hit and its start list a ray takes about as much memory as two rows, and both rays into which it
-            // is divided as much again each
+            // with its hit and its start list, a ray takes about as much memory as two rows; so does each of the two
+            // rays into which it may be divided
             let rows = 6 * self.now.len() + self.light.rows.len();
             self.growth.check(rows as u64 * Segments::ROW)?;
         }

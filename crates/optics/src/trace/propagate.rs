@@ -150,7 +150,7 @@ impl<'t> Propagator<'t> {
     }
 
     /// Applies a sheet to a ray that has travelled to it, at time `t`; false unless the ray
-    /// continues straight. `known` is the start list of the ray, as of [`StartSurfaces::append`](
+    /// continues straight. `known` is the start list of the ray, as for [`StartSurfaces::append`](
     /// crate::start_surfaces::StartSurfaces::append).
     pub(crate) fn hit_sheet(
         &mut self,
@@ -161,7 +161,7 @@ impl<'t> Propagator<'t> {
         known: &[Start],
     ) -> bool {
         let compiled = &self.system.sheets[sheet];
-        let normal = match compiled.action.has_sides() {
+        let normal = match compiled.action.needs_normal() {
             true => oriented_against(
                 attributes::normal(&compiled.program, &light.ray, crossing),
                 light.ray.direction,
@@ -212,7 +212,7 @@ impl<'t> Propagator<'t> {
         });
     }
 
-    /// The ray that leaves a sheet in another direction, and its start on the sheet.
+    /// The ray that leaves a sheet in a new direction, and its start on the sheet.
     fn ray_from_sheet(
         &mut self,
         ray: &Ray,

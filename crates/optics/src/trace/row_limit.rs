@@ -20,7 +20,7 @@ impl RowLimit {
     /// [`OpticsError::Memory`] if not even one row for each ray fits into memory.
     pub fn new(light: &impl Emitter, settings: &TraceSettings) -> Result<RowLimit, OpticsError> {
         let limit = RowLimit { rays: light.count(), growth: Growth::default() };
-        // without rows for escaped light there may be any number of them, even none
+        // without rows for escaped light there may be any number of rows, even none
         match settings.keep_escaped {
             true => memory::check(limit.rays as u64, Segments::ROW)
                 .map(|()| limit.clone())

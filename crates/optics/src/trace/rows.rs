@@ -54,7 +54,7 @@ impl RowNumbers {
         self.bundles.push(BundleNumbers::From(next));
     }
 
-    /// Adds the rows of a generation in another order, given by their old numbers.
+    /// Adds the rows of a generation in a different order, given by their old numbers.
     fn add(&mut self, first: usize, singles: usize, order: &[usize]) {
         let mut numbers = vec![0; order.len()];
         for (row, &old) in (first as i64..).zip(order) {

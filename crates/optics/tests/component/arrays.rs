@@ -45,7 +45,7 @@ fn lenslets() {
     for k in 0..500 {
         let [u, v, w, s] = numbers(k);
         let (x, y) = (9.9 * (u - 0.5), 7.9 * (v - 0.5));
-        // lenslet middles are even along x, odd along y
+        // lenslet centres lie at even x and odd y
         let (a, b) = (x - 2.0 * (x / 2.0).round(), y - 2.0 * ((y - 1.0) / 2.0).round() - 1.0);
         let thickness = 1.5 - 4.0 + (16.0 - a * a - b * b).sqrt();
         assert_close(probe.chord(x, y), thickness, 1e-13);

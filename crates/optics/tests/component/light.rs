@@ -32,7 +32,8 @@ fn last(system: &System, x: f64, y: f64) -> (Vec3, Vec3) {
     (row.start, row.direction)
 }
 
-/// The focal length by a ray near the axis is that of the lensmaker's equation, to the order of the height squared.
+/// The focal length found from a ray near the axis is that of the lensmaker's equation, up to the square of the
+/// height.
 #[test]
 fn lensmakers() {
     let (index, height) = (1.5168, 1e-3);
@@ -103,7 +104,7 @@ fn axicons_and_wedges_bend_by_one_angle() {
 /// Each lenslet, a placement of one solid, has its focus r / (n - 1) behind its vertex; a ring of a
 /// Fresnel lens deviates light like the whole surface at that height.
 #[test]
-fn lenses_made_of_many() {
+fn fresnel_lenses_and_lenslets() {
     let (index, radius) = (1.5, 20.0);
     let array = of_glass(&[lenslet_array(radius, 2.0, 3.0, 4, 3).unwrap()], index);
     for (column, row) in (0..4).flat_map(|column| (0..3).map(move |row| (column, row))) {

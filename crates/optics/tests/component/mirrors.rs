@@ -1,4 +1,4 @@
-//! Mirrors: foci, places, off-axis pieces.
+//! Mirrors: foci, positions, off-axis pieces.
 
 use crate::probe::{Probe, assert_close, numbers, reflected};
 use rayweave_math::Vec3;
@@ -112,5 +112,5 @@ fn refusals() {
     assert!(message(-30.0, blank.off_axis(f64::NAN, 0.0)).starts_with("off_axis x of the mirror is NaN:"));
     assert!(parabolic_mirror(-3.0, &blank).unwrap_err().to_string().contains("Did you mean 3?"));
     let exchanged = hyperbolic_mirror(5.0, 4.0, &blank).unwrap_err().to_string();
-    assert!(exchanged.ends_with("Are the two exchanged?"), "{exchanged}");
+    assert!(exchanged.ends_with("Are the two swapped?"), "{exchanged}");
 }

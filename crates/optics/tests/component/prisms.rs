@@ -60,7 +60,7 @@ fn amici_prisms() {
     }
 }
 
-/// Every ray into the inscribed circle leaves antiparallel, whatever its direction.
+/// Every ray that enters the inscribed circle leaves antiparallel, for any direction.
 #[test]
 fn corner_cubes() {
     let depth = 3.0;

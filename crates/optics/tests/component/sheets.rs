@@ -31,7 +31,7 @@ fn stops_have_openings() {
     }
     assert!(counts.iter().all(|&count| count > 100));
     let error = Sheet::iris(4.0, 8.0).unwrap_err().to_string();
-    assert!(error.ends_with("Are the two exchanged?"), "{error}");
+    assert!(error.ends_with("Are the two swapped?"), "{error}");
 }
 
 /// Only the near half of the sphere, for all four directions of curvature.

@@ -44,7 +44,7 @@ fn bk7() -> Glass {
 }
 
 #[test]
-fn a_prism_spreads_colours_as_raysect_and_snell_say() {
+fn prism_dispersion_agrees_with_raysect_and_snell() {
     let prism = Solid::from(Primitive::from(Prism::new(3, 2.0 * INNER, 40.0).unwrap())).rotate_z(60.0);
     let element = Element::transparent("prism", prism, &Medium::from(bk7()));
     let system = Assembly::new().add(element).compile().unwrap();

@@ -34,7 +34,7 @@ fn finishes() {
 }
 
 #[test]
-fn longer_names_of_faces_say_more() {
+fn longer_face_keys_have_precedence() {
     let faces = "[optics.face]\n'plate.plate.z-' = { mirror = 0.5 }\nplate = 'absorber'\n'plate.plate' = { mirror = 0.9 }\n";
     let run = Run::new(&read(&format!("{}{faces}{BENCH}", plate(1.5))));
     close(run.absorbed("reflected"), 0.5);
@@ -102,7 +102,7 @@ fn polarising_sheets() {
     let passed = |sheets: &str| {
         let said =
             Run::new(&read(&format!("[optics]\npolarised = true\n{sheets}{BENCH}"))).absorbed("transmitted");
-        // polarisation is traced by default if a sheet polarises
+        // polarisation is traced by default if a sheet affects it
         close(Run::new(&read(&format!("{sheets}{BENCH}"))).absorbed("transmitted"), said);
         said
     };
@@ -150,8 +150,8 @@ fn a_parabola_has_its_focus_where_the_file_says() {
         let hits = run.at("focus");
         let focus = Vec3::new(0.0, 0.0, f.parse().unwrap());
         let reflected: Vec<_> = hits.iter().filter(|segment| segment.generation == 1).collect();
-        // the fractions of the area of a circle of 20: of the circle of 16, and of the small sheet
-        // in the way
+        // fractions of the area of a circle of diameter 20: the circle of diameter 16, and the
+        // small sheet in the way
         assert!((reflected.len() as f64 / 4000.0 - 0.64).abs() < 2e-3, "{}", reflected.len());
         assert!((run.absorbed("stop") - 0.36).abs() < 1e-3);
         reflected
@@ -178,7 +178,7 @@ fn curved_sheets() {
     let bad = |keys: &str| {
         problems(&format!("[optics]\n[[optics.sheet]]\nname = 'a'\ncircle = 30\naction = 'absorb'\n{keys}"))
     };
-    assert_eq!(bad("conic = -1"), "7:9 a conic constant without a `radius`: the sheet is plane.\n");
+    assert_eq!(bad("conic = -1"), "7:9 the sheet has a conic constant without a `radius`: it is plane.\n");
     assert_eq!(
         bad("radius = 40\nopening = { circle = 2 }"),
         "8:11 a curved sheet has no opening: only plane stops are supported.\n"

@@ -75,7 +75,7 @@ fn problems_of_files_of_rays() {
     assert!(slip.contains("Did you mean power?"), "{slip}");
 }
 
-/// A file elsewhere is refused, also behind a symbolic link, until it is allowed.
+/// A file elsewhere is rejected, even behind a symbolic link, until it is allowed.
 #[test]
 #[cfg(unix)]
 fn files_of_rays_outside_the_folder() {

@@ -56,8 +56,8 @@ fn close(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-12, "{found} is not {expected}");
 }
 
-/// Light along z from z = -10, with two screens: `reflected` behind the source at z = -20, and `transmitted`
-/// before it at z = 20, for reflected and transmitted light. Each case adds its element at the origin.
+/// Light along z from z = -10, with two screens: `reflected` at z = -20, behind the source, and
+/// `transmitted` at z = 20, for reflected and transmitted light. Each case adds its element at the origin.
 const BENCH: &str = r#"
 [[optics.source]]
 beam = { circle = 2, rays = 50 }

@@ -34,8 +34,8 @@ fn media() {
     close(with("plate = 'mirror'")[0], 1.0);
     // a metal reflects |(n - 1) / (n + 1)|^2 with n = 0.2 + 3 i
     close(with("plate = { n = 0.2, k = 3 }")[0], (0.64 + 9.0) / (1.44 + 9.0));
-    // and a faint dye absorbs by the Beer-Lambert law: 2 mm of it transmit exp(-4 pi k d /
-    // wavelength)
+    // and a faint dye absorbs according to the Beer-Lambert law: 2 mm of it transmit exp(-4 pi k d
+    // / wavelength)
     let [_, transmitted, _] = with("plate = { n = 1.7, k = 1e-5 }\nworld = 1.7");
     let through = (-4.0 * std::f64::consts::PI * 1e-5 * 2e6 / 550.0_f64).exp();
     assert!((transmitted - through).abs() < 1e-4, "{transmitted} {through}");

@@ -77,7 +77,7 @@ fn ways_of_sampling() {
         let optics = read(&text);
         let rays = optics.sources.rays(0..u64::MAX);
         let squares = rays.origins[0].iter().zip(&rays.origins[1]).map(|(x, y)| x * x + y * y);
-        // the mean square distance from the middle of an even disc
+        // the mean square distance from the centre of a uniform disc
         let mean = squares.zip(&rays.power).map(|(square, power)| square * power).sum::<f64>();
         assert!((mean - 0.5).abs() < if way == "random" { 0.12 } else { 0.03 }, "{way} {mean}");
         rays.len()
@@ -85,7 +85,7 @@ fn ways_of_sampling() {
     assert_eq!(["fibonacci", "random", "grid", "hexapolar"].map(count), [100, 100, 100, 127]);
     let twice =
         "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, random = true, sampling = 'grid' }";
-    assert_eq!(problems(twice), "4:41 `random` is one too many: `sampling` has precedence.\n");
+    assert_eq!(problems(twice), "4:41 `random` is superfluous: `sampling` has precedence.\n");
     let unknown = "[optics]\n[[optics.source]]\npoint = { angle = 2, rays = 5, sampling = 'gird' }";
     assert!(problems(unknown).contains("Did you mean `grid`?"), "{}", problems(unknown));
 }

@@ -40,7 +40,7 @@ fn a_file_is_read_in_every_encoding() {
 }
 
 #[test]
-fn what_a_file_says_is_what_a_glass_has() {
+fn glasses_have_the_data_of_the_file() {
     let glasses = read_agf(FILE.as_bytes(), "Me").unwrap();
     let bk7 = &glasses[0];
     assert_eq!([bk7.name(), bk7.maker()], ["N-BK7", "Me"]);
@@ -97,7 +97,7 @@ fn any_bytes_are_read_or_refused() {
 }
 
 #[test]
-fn mutated_files_are_read_or_refused_with_lines_of_theirs() {
+fn mutated_files_are_read_or_rejected_with_line_numbers() {
     let mut refused = 0;
     for file in mutations(FILE, 3000) {
         if let Err(error) = read_agf(&file, "") {

@@ -14,7 +14,7 @@ fn index(air: Air, wavelength_nm: f64) -> f64 {
 /// entry for 40 °C, 80 kPa, 75 % is printed as 19 996.5, but the printed difference makes it 19
 /// 896.5.
 #[test]
-fn ciddors_tables_are_met() {
+fn ciddors_tables_are_reproduced() {
     let table = [
         (20.0, 80e3, 0.0, 21458.0),
         (20.0, 100e3, 0.0, 26824.4),
@@ -38,10 +38,10 @@ fn ciddors_tables_are_met() {
 }
 
 /// J. A. Stone and J. H. Zimmerman, Engineering Metrology Toolbox (NIST), "Documentation", table of
-/// test values; its formula for the vapour pressure is another, with an effect in the eighth
+/// test values; its formula for the vapour pressure is different, with an effect in the eighth
 /// decimal.
 #[test]
-fn nists_test_values_are_met() {
+fn nists_test_values_are_reproduced() {
     let table = [
         (20.0, 101_325.0, 0.0, 633.0, 1.000271800),
         (20.0, 60_000.0, 0.0, 633.0, 1.000160924),

@@ -30,9 +30,9 @@ fn glasses_have_the_indices_and_abbe_numbers_of_their_makers_sheets() {
     assert!(glasses > 600 && indices > 4000, "{glasses} glasses, {indices} indices");
 }
 
-/// n_d and V_d of the `NM` lines and of `PROPERTIES`, which their makers publish beside the coefficients.
+/// n_d and V_d of the `NM` lines and of `PROPERTIES`, which their makers publish along with the coefficients.
 #[test]
-fn every_glass_meets_what_its_maker_publishes_with_its_coefficients() {
+fn published_indices_and_abbe_numbers_are_reproduced() {
     let mut count = 0;
     for glass in glasses() {
         let Some(published) = glass.published() else { continue };
@@ -77,7 +77,7 @@ fn crystals_liquids_and_gases_have_the_indices_of_the_literature() {
         ("MgF2", 587.5618, 1.37774, 2e-5),
         ("MgF2 e", 587.5618, 1.38956, 2e-5),
         ("BaF2", 587.5618, 1.47448, 2e-5),
-        // 1.33299 relative to air at 20 °C is 1.33335 absolutely, as Daimon and Masumura state it
+        // 1.33299 relative to air at 20 °C is 1.33335 relative to vacuum, as Daimon and Masumura state it
         ("water", 589.2938, 1.33335, 2e-5),
         // Ciddor 1996: standard air
         ("air", 633.0, 1.000_276_53, 1e-8),
@@ -103,7 +103,7 @@ fn crystals_liquids_and_gases_have_the_indices_of_the_literature() {
 
 /// Normal reflectance ((n-1)² + k²)/((n+1)² + k²) as handbooks give it, in per cent, at 650 nm or near it.
 #[test]
-fn metals_reflect_as_metals_do() {
+fn metals_have_the_reflectances_of_handbooks() {
     let reflectances =
         [("Al", 90.5, 1.5), ("Ag", 98.5, 1.0), ("Au", 96.5, 1.5), ("Cu", 95.0, 2.5), ("W", 51.0, 3.0)];
     for (name, expected, slack) in reflectances {
@@ -184,7 +184,7 @@ fn unknown_names_get_suggestions() {
 }
 
 #[test]
-fn what_is_added_last_is_found_first() {
+fn later_materials_have_precedence() {
     let mut catalogue = Catalogue::built_in().clone();
     let count = catalogue.glasses().len();
     catalogue.add([Glass::new("n-bk7", Dispersion::Constant(1.5)).with_maker("Me")]);

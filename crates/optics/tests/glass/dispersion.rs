@@ -134,7 +134,7 @@ fn malitsons_fused_silica_has_the_indices_of_his_table() {
 }
 
 #[test]
-fn an_abbe_number_is_met_exactly() {
+fn an_abbe_number_is_reproduced_exactly() {
     for (n_d, v_d) in [(1.5168, 64.17), (1.80518, 25.43)] {
         let glass = Dispersion::from_abbe(n_d, v_d).unwrap();
         let at = |line: &str| glass.index(line_nm(line).unwrap()).unwrap();
@@ -172,7 +172,7 @@ fn wrong_numbers_are_refused_with_their_reason() {
     );
     assert_eq!(
         text(Dispersion::agf(5, &[1.5, 0.0, 0.0, 1.0])),
-        "formula 5 of an AGF catalogue has 4 coefficients: it takes fewer; the others are 0."
+        "formula 5 of an AGF catalogue has 4 coefficients: it takes fewer; surplus ones must be 0."
     );
     assert_eq!(
         text(Dispersion::agf(1, &[1.5, f64::NAN])),

@@ -9,7 +9,7 @@ fn plain() -> Glass {
 }
 
 #[test]
-fn a_range_holds_with_its_ends() {
+fn ranges_include_their_ends() {
     let glass = plain();
     assert_eq!(glass.index(400.0), Ok(1.5));
     assert_eq!(glass.index(700.0), Ok(1.5));
@@ -23,7 +23,7 @@ fn a_range_holds_with_its_ends() {
 }
 
 #[test]
-fn no_wavelength_is_no_wavelength_even_when_extrapolating() {
+fn invalid_wavelengths_are_rejected_even_when_extrapolating() {
     for wavelength_nm in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         for glass in [plain(), plain().extrapolated()] {
             assert!(matches!(glass.index(wavelength_nm), Err(GlassError::Wavelength(_))));
@@ -63,7 +63,7 @@ fn transmittance_and_absorption_follow_beer_and_lambert() {
 }
 
 #[test]
-fn what_has_no_absorption_is_transparent() {
+fn materials_without_absorption_are_transparent() {
     let glass = plain();
     assert_eq!(glass.extinction_range_nm(), None);
     assert_eq!(glass.extinction(1e5), Ok(0.0));
@@ -83,7 +83,7 @@ fn transmittances_come_back_at_their_thickness() {
         assert!((back - row.transmittance).abs() < 1e-14);
     }
     assert_eq!(glass.extinction(450.0), Ok(0.0));
-    // of 25 mm and 1 mm, the transmittance nearest to 1/e counts; 0 counts as 1e-5
+    // of 25 mm and 1 mm, the transmittance nearest to 1/e is used; 0 counts as 1e-5
     let thick_and_thin = [measured(500.0, 0.0, 25.0), measured(500.0, 0.4, 1.0), measured(600.0, 0.0, 25.0)];
     let glass = plain().with_transmittances(&thick_and_thin).unwrap();
     assert!((glass.internal_transmittance(500.0, 1.0).unwrap() - 0.4).abs() < 1e-14);
@@ -108,7 +108,7 @@ fn impossible_materials_are_refused() {
 }
 
 #[test]
-fn a_table_of_indices_holds_from_its_first_to_its_last() {
+fn tables_are_valid_from_end_to_end() {
     let table = Table::new(vec![(400.0, 1.6), (800.0, 1.4)]).unwrap();
     let glass = Glass::new("measured", Dispersion::Tabulated(table));
     assert_eq!(glass.range_nm(), [400.0, 800.0]);

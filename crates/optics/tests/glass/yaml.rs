@@ -3,7 +3,7 @@
 use super::mutations;
 use rayweave_optics::glass::{Published, read_refractiveindex};
 
-/// A file in the form that the database uses since 2024.
+/// A file in the form that the database has used since 2024.
 const GLASS: &str = "\
 # this file is part of refractiveindex.info database
 
@@ -56,7 +56,7 @@ fn tables_and_older_keys_are_read() {
     let old = &read_refractiveindex(old, "old").unwrap()[0];
     assert_eq!(old.range_nm(), [200.0, 4000.0]);
     assert_eq!(old.published(), Some(Published { n_d: 1.4, v_d: 60.0 }));
-    // the first index counts
+    // the first index is used
     let two =
         "DATA:\n- {type: tabulated n, data: 0.5 1.5}\n- {type: formula 5, range: 0.1 9, coefficients: 2}\n";
     assert_eq!(read_refractiveindex(two, "two").unwrap()[0].index(500.0), Ok(1.5));
@@ -127,7 +127,7 @@ fn any_text_is_read_or_refused() {
 }
 
 #[test]
-fn mutated_files_are_read_or_refused_with_lines_of_theirs() {
+fn mutated_files_are_read_or_rejected_with_line_numbers() {
     let mut refused = 0;
     for file in mutations(GLASS, 3000) {
         if let Err(error) = read_refractiveindex(&String::from_utf8_lossy(&file), "") {

@@ -23,7 +23,7 @@ fn cemented() -> System {
 }
 
 #[test]
-fn light_finds_its_way_back() {
+fn light_paths_are_reversible() {
     let system = cemented();
     for (x, y) in [(0.1, 0.2), (-1.5, 0.4), (2.0, -2.0), (0.0, 2.7)] {
         let d = Vec3::new(0.03, -0.05, 1.0).normalize();
@@ -43,7 +43,7 @@ fn light_finds_its_way_back() {
 
 /// A step along a curve does not count as an element of a path.
 #[test]
-fn paths_name_what_light_meets() {
+fn paths_list_the_elements_hit() {
     let rod = Element::transparent("rod", rod(2.0, 30.0), &graded(1.6, Gradient::selfoc(0.1).unwrap()));
     let screen = Element::absorber("screen", block(20.0, 20.0, 1.0).translate(Vec3::Z * 40.0));
     let system = Assembly::new().add(rod).add(screen).compile().unwrap();
@@ -62,7 +62,7 @@ fn paths_name_what_light_meets() {
 /// Liouville's theorem: the determinant of the map of position and n times direction is 1 for every
 /// path.
 #[test]
-fn etendue_is_kept() {
+fn etendue_is_conserved() {
     // the same law without gradients
     let lens = ball(20.0).translate(Vec3::Z * 18.0) & ball(15.0).translate(Vec3::Z * -12.0);
     let glass = Medium::glass("N-SF11").unwrap();
@@ -113,8 +113,8 @@ fn determinant(mut m: [[f64; 4]; 4]) -> f64 {
 }
 
 /// Random rays through balls whose index falls or rises towards the rim: no ray is lost, and each
-/// leaves with the invariant of Bouguer with which it entered, whatever total reflections it has
-/// undergone.
+/// leaves with the invariant of Bouguer with which it entered, after any number of total
+/// reflections.
 #[test]
 fn no_ray_is_lost() {
     none_is_lost(5000);
@@ -129,7 +129,7 @@ fn long_no_ray_of_many_is_lost() {
 fn none_is_lost(count: usize) {
     for gradient in [Gradient::luneburg(3.0).unwrap(), Gradient::squared(&[1.0, 0.05]).unwrap()] {
         let medium = graded(1.6, gradient);
-        // the rod is about the axis; a ball of it conserves the moment about that axis only
+        // the gradient is about the axis; a ball with it conserves the moment about that axis only
         let system = Assembly::new().add(Element::transparent("ball", ball(2.0), &medium)).compile().unwrap();
         let all: Vec<Vec3> = directions(count).collect();
         let lights = all.iter().enumerate().map(|(k, &d)| {
@@ -166,7 +166,7 @@ fn no_wall_is_missed() {
 }
 
 #[test]
-fn power_is_neither_made_nor_lost() {
+fn power_is_conserved() {
     let medium = Medium::constant("dim", 1.6, 1e-8).unwrap().graded(Gradient::selfoc(0.25).unwrap());
     let inner = Element::transparent(
         "inner",
@@ -207,7 +207,7 @@ fn absorption_counts_the_length_of_the_path() {
 /// Polarisation undergoes parallel transport (Rytov): after one period of a helix the plane has
 /// rotated by the solid angle that the tangent encloses, 2 pi (1 - cos).
 #[test]
-fn polarisation_turns_on_helices() {
+fn polarisation_rotates_along_helices() {
     let (n0, g, r) = (1.6, 0.25, 1.0);
     let medium = graded(n0, Gradient::selfoc(g).unwrap());
     // on a circle the transverse speed is n0 g r; the rest is along the axis
@@ -235,7 +235,7 @@ fn polarisation_turns_on_helices() {
 
 /// Light that a sheet splits, or a thin lens deflects, inside a gradient continues in the gradient.
 #[test]
-fn sheets_work_inside_of_gradients() {
+fn sheets_work_inside_gradients() {
     let (n0, g) = (1.5, 0.2);
     let medium = graded(n0, Gradient::selfoc(g).unwrap());
     let lens = Element::sheet("lens", plane(4.0, 9.0), Action::ThinLens { focal_length: 10.0 });
@@ -267,7 +267,7 @@ fn sheets_work_inside_of_gradients() {
 /// reaches the ground.
 #[test]
 fn the_world_may_have_a_gradient() {
-    // n = 1 + 1e-3 z: z as x turns by cosh; u = n cos at the start is kept
+    // n = 1 + 1e-3 z: the path is a cosh; u = n cos at the start is conserved
     let air = graded(1.0, Gradient::axial(&[1.0, 1e-3]).unwrap());
     let screen = Element::absorber("screen", block(1.0, 20.0, 20.0).translate(Vec3::X * 60.5));
     let road = Element::absorber("road", block(200.0, 20.0, 1.0).translate(Vec3::Z * -5.5));
@@ -280,7 +280,7 @@ fn the_world_may_have_a_gradient() {
     let n = u * (1e-3 * (60.0 - x0) / u).cosh();
     assert_eq!(last.event, Event::Absorbed);
     close(last.end, Vec3::new(60.0, 0.0, (n - 1.0) / 1e-3), 1e-9);
-    // upwards it never returns
+    // a ray that starts upwards never returns
     let rows = one(&system, Light::new(Vec3::ZERO, Vec3::new(-1.0, 0.0, 1.0), D_NM));
     assert_eq!(rows[rows.len() - 1].event, Event::Escaped);
 }

@@ -16,7 +16,8 @@ const ACCEPT: &str = "RAYWEAVE_ACCEPT_GOLDEN";
 const STYLE: &str = "text{font:14px sans-serif;fill:#333}.ray{fill:none;stroke:#c0392b;stroke-width:1.2}\
 .edge{stroke:#345;stroke-width:1.5}.page{fill:#fff}";
 
-/// A part of the picture: where the point (y, z) = 0 stands, and pixels per unit of length; z goes to the right, y up.
+/// A part of the picture: the position of the point (y, z) = 0, and the pixels per unit of length; z goes to the
+/// right, y up.
 struct Panel {
     centre: [f64; 2],
     scale: f64,

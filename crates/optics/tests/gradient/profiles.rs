@@ -26,8 +26,8 @@ fn oscillation(x0: f64, u0: f64, w: f64, t: f64) -> [f64; 3] {
     [x0 * c + u0 / w * s, u0 * c - w * x0 * s, square]
 }
 
-/// Light through the flat ends of a rod: `x'' = -(n0 g)^2 x` in tau, and z moves evenly. Refraction
-/// conserves the component of n times the direction along a flat face.
+/// Light through the flat ends of a rod: `x'' = -(n0 g)^2 x` in tau, and z grows linearly.
+/// Refraction conserves the component of n times the direction along a flat face.
 #[test]
 fn selfoc_rods_follow_sines() {
     let length = 17.0;
@@ -48,7 +48,7 @@ fn selfoc_rods_follow_sines() {
     }
 }
 
-/// Rays near the axis cross it a quarter of a pitch, pi / 2 g, from the flat end.
+/// Rays near the axis cross it a quarter of a pitch, pi / (2 g), from the flat end.
 #[test]
 fn a_quarter_pitch_focuses() {
     let quarter = std::f64::consts::FRAC_PI_2 / G;
@@ -98,8 +98,8 @@ fn fish_eyes_image_every_point() {
     assert!(count > 150);
 }
 
-/// Luneburg, section 29: parallel light converges on the far side; from the plane before the lens
-/// all paths are a (1 + pi / 2).
+/// Luneburg, section 29: parallel light converges on the far side; all paths from the plane in
+/// front of the lens have the length a (1 + pi / 2).
 #[test]
 fn luneburg_lenses_focus_parallel_light() {
     let a = 4.0;
@@ -114,8 +114,8 @@ fn luneburg_lenses_focus_parallel_light() {
     }
 }
 
-/// In n = c0 + c1 z the component u of n times the direction across z is conserved, and x grows by
-/// the integral of u / sqrt(n^2 - u^2), which is u / c1 arcosh(n / u).
+/// In n = c0 + c1 z, the component u of n times the direction perpendicular to z is conserved, and
+/// x grows by the integral of u / sqrt(n^2 - u^2), which is u / c1 arcosh(n / u).
 #[test]
 fn axial_gradients_keep_the_invariant_of_snell() {
     let (c0, c1, thickness) = (1.5, 0.04, 6.0);
@@ -137,7 +137,7 @@ fn axial_gradients_keep_the_invariant_of_snell() {
     }
 }
 
-/// Bouguer's theorem: n r sin(phi) is conserved in every field of spherical symmetry (Born & Wolf,
+/// Bouguer's theorem: n r sin(phi) is conserved in every spherically symmetric field (Born & Wolf,
 /// section 3.2.1, equation 7).
 #[test]
 fn spherical_gradients_keep_the_invariant_of_bouguer() {
@@ -165,10 +165,10 @@ fn spherical_gradients_keep_the_invariant_of_bouguer() {
     }
 }
 
-/// The same fish-eye by its formula and by values on finer and finer grids: the error of a
+/// The same fish-eye from its formula and from values on finer and finer grids: the error of a
 /// direction falls like that of the slopes, with the third power of the spacing.
 #[test]
-fn grids_come_near_what_they_sample() {
+fn grids_converge_to_the_sampled_profile() {
     let formula = Gradient::fish_eye(3.0).unwrap();
     let index = |p: Vec3| 2.0 / (1.0 + p.length_squared() / 9.0);
     let grid = |count: usize| {
@@ -194,7 +194,7 @@ fn grids_come_near_what_they_sample() {
     assert!(off[0] < 1e-5 && off[1] < off[0] / 6.0, "{off:?}");
 }
 
-/// The index of the medium multiplies the gradient, so that each colour has a pitch of its own.
+/// The index of the medium multiplies the gradient, so that each colour follows its own path.
 #[test]
 fn gradients_have_the_dispersion_of_their_medium() {
     let glass = Medium::glass("N-BK7").unwrap();

@@ -58,7 +58,7 @@ fn lamps() {
         let plain = |value: &dyn Fn(Vec3, Vec3) -> f64| {
             (0..rays.len()).map(|k| value(ray(&rays, k).0, ray(&rays, k).1)).sum::<f64>() / count as f64
         };
-        // an upper bound of five standard deviations of a mean of numbers within 1
+        // an upper bound of five standard deviations of the mean of numbers in a range of 1
         let error = 5.0 * 0.5 / (count as f64).sqrt();
         assert_close(plain(&|_, d| d.z), 0.5 * (1.0 + edge), error);
         assert_close(plain(&|_, d| d.z * d.z), (1.0 + edge + edge * edge) / 3.0, error);

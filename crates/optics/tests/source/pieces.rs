@@ -1,4 +1,4 @@
-//! Any range of a source, generated alone, equals that range of the whole, to the bit.
+//! Any range of a source, generated alone, equals that range of the whole, bit for bit.
 
 use rayweave_math::{Affine, Vec3};
 use rayweave_optics::component::Aperture;

@@ -116,7 +116,7 @@ fn refusals() {
     assert!(message(Spectrum::Lines(vec![(500.0, 0.0)])).starts_with("spectrum has no power:"));
     assert_eq!(
         message(Spectrum::Band { from_nm: 700.0, to_nm: 400.0 }),
-        "wavelength 400 nm of the spectrum follows 700 nm: wavelengths must increase. Are they exchanged?"
+        "wavelength 400 nm of the spectrum follows 700 nm: wavelengths must increase. Are they swapped?"
     );
     assert!(message(Spectrum::Table(vec![(500.0, 1.0)])).starts_with("spectrum has no power:"));
     let body = |kelvin, from_nm, to_nm| Spectrum::BlackBody { kelvin, from_nm, to_nm };

@@ -111,7 +111,7 @@ fn extended_sources() {
     assert_close(mean(&lambert, |o, _| o.length_squared()), 2.0, 4.0 * error);
     assert_close(mean(&lambert, |o, d| o.x * d.x), 0.0, 2.0 * error);
     assert!(lambert.power.iter().all(|&power| power == 100.0));
-    // power per solid angle in zones of equal height goes with the cosine in their middle
+    // power per solid angle in zones of equal height is proportional to the cosine in their middle
     for zone in 0..10 {
         let (low, high) = (f64::from(zone) / 10.0, f64::from(zone + 1) / 10.0);
         let part = mean(&lambert, |_, d| f64::from(u8::from(d.z >= low && d.z < high)));

@@ -31,7 +31,15 @@ fn incident(degrees: f64, is_s: bool) -> (Vec3, Vec3) {
 
 /// Photons of one direction and polarisation between two indices.
 fn outcomes(surface: &OpticalSurface, indices: [f64; 2], degrees: f64, is_s: bool) -> Vec<Outcome> {
-    let (direction, polarisation) = incident(degrees, is_s);
+    scattered(surface, indices, incident(degrees, is_s))
+}
+
+/// Photons of a direction and a polarisation between two indices.
+fn scattered(
+    surface: &OpticalSurface,
+    indices: [f64; 2],
+    (direction, polarisation): (Vec3, Vec3),
+) -> Vec<Outcome> {
     let one = |number: u64| {
         let mut photon = Boundary {
             direction,
@@ -145,6 +153,72 @@ fn facets_of_glisur_point_into_a_ball() {
     };
     let density = |angle: f64| within(angle + 5e-4) - within((angle - 5e-4).max(0.0));
     assert_density(&facet_angles(&found), RADIUS.asin() + 1e-9, density);
+}
+
+/// Light at an interface with equal amplitudes across the plane of incidence and in it: the polarisation of refracted and of
+/// reflected photons by the amplitudes of Fresnel's equations (Jackson, 7.39 and 7.41).
+#[test]
+fn interfaces_polarise_by_fresnels_amplitudes() {
+    let bare = OpticalSurface { value: 1.0, ..OpticalSurface::default() };
+    for ([n1, n2], degrees) in [
+        ([1.0, 1.5], 40.0),
+        ([1.0, 1.5], 75.0),
+        ([1.5, 1.0], 30.0),
+        ([1.5, 1.0], 41.3),
+        ([1.0, 1.5], 0.0),
+        ([1.5, 1.0], 0.0),
+    ] {
+        let (direction, _) = incident(degrees, true);
+        let across = -Vec3::Y;
+        let polarisation = 0.5f64.sqrt() * (across + direction.cross(across));
+        let (sin1, c1) = f64::to_radians(degrees).sin_cos();
+        let sin2 = sin1 * n1 / n2;
+        let c2 = (1.0 - sin2 * sin2).sqrt();
+        let wave = |k: Vec3, [s, p]: [f64; 2]| (s * across + p * k.cross(across)).normalize();
+        let refracted = Vec3::new(sin2, 0.0, -c2);
+        let transmitted = [2.0 * n1 * c1 / (n1 * c1 + n2 * c2), 2.0 * n1 * c1 / (n2 * c1 + n1 * c2)];
+        let reflected =
+            [(n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2), (n2 * c1 - n1 * c2) / (n2 * c1 + n1 * c2)];
+        let back = Vec3::new(sin1, 0.0, c1);
+        let found = scattered(&bare, [n1, n2], (direction, polarisation));
+        let power = 0.5 * (reflected[0].powi(2) + reflected[1].powi(2));
+        assert_share(&found, BoundaryEvent::FresnelReflection, power);
+        for outcome in &found {
+            let (k, expected) = match outcome.is_behind {
+                true => (refracted, wave(refracted, transmitted)),
+                false => (back, wave(back, reflected)),
+            };
+            assert!((outcome.direction - k).length() < 1e-9, "{n1} {n2} {degrees}: {outcome:?}");
+            assert!((outcome.polarisation - expected).length() < 1e-9, "{n1} {n2} {degrees}: {outcome:?}");
+        }
+    }
+}
+
+/// A spike of a metal with a complex index: of the parts a and b of the reflected power across the plane of incidence and in it,
+/// each photon keeps both with the weight a b, the first one with a^2 and the second one with b^2, as in Geant4.
+#[test]
+fn metals_select_a_polarisation() {
+    let mirror = surface(SurfaceType::DielectricMetal, SurfaceModel::Unified, SurfaceFinish::Ground, 0.0);
+    let index = Some((PropertyTable::constant(0.4), PropertyTable::constant(2.0)));
+    let mirror = OpticalSurface { metal_index: index, spike: constant(1.0), ..mirror };
+    let (direction, _) = incident(60.0, true);
+    // a quarter of the power across the plane of incidence
+    let polarisation = 0.5 * Vec3::Y + 0.75f64.sqrt() * direction.cross(Vec3::Y);
+    let [s, p] = fresnel(1.0, Complex64::new(0.4, 2.0), 0.5).reflected.map(|r| r.norm_sqr());
+    let (s, p) = (0.25 * s, 0.75 * p);
+    let found = scattered(&mirror, [1.0, 1.0], (direction, polarisation));
+    assert_share(&found, BoundaryEvent::SpikeReflection, s + p);
+    let reflected: Vec<&Outcome> =
+        found.iter().filter(|outcome| outcome.event == BoundaryEvent::SpikeReflection).collect();
+    let [a, b] = [s / (s + p), p / (s + p)];
+    let total = a * a + a * b + b * b;
+    for (lowest, highest, part) in [(0.999, 1.1, a * a / total), (-0.1, 0.001, b * b / total)] {
+        let is_within = |outcome: &&&Outcome| (lowest..highest).contains(&outcome.polarisation.y.abs());
+        let count = reflected.iter().filter(is_within).count() as f64;
+        let expected = part * reflected.len() as f64;
+        let z = (count - expected) / (expected * (1.0 - part)).sqrt();
+        assert!(z.abs() < 5.0, "{lowest}: {count}, expected {expected:.0}");
+    }
 }
 
 /// Of a rough metal with a complex index the mean of Fresnel's reflectance over the facets.

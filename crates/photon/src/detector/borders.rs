@@ -41,6 +41,8 @@ struct Border {
     surface: usize,
     /// Volume name and copy numbers that the path of the crossed faces must contain, for volumes with several copies.
     required: Vec<Placement>,
+    /// True for a border between two copies of one volume: the first of `required` is in front, the second one behind.
+    is_between_copies: bool,
 }
 
 impl SurfaceTable {
@@ -114,12 +116,13 @@ impl SurfaceTable {
                     |placement: &&Placement| volumes.copies.get(&placement.volume).is_some_and(|&n| n > 1);
                 let required: Vec<Placement> =
                     [before, after].into_iter().filter(is_one_of_several).cloned().collect();
+                let is_between_copies = before.volume == after.volume && required.len() == 2;
                 let regions = |placement: &Placement| {
                     volumes.regions.get(&placement.volume).cloned().unwrap_or_default()
                 };
                 for from in regions(before) {
                     for to in regions(after) {
-                        let border = Border { surface, required: required.clone() };
+                        let border = Border { surface, required: required.clone(), is_between_copies };
                         self.borders.entry((from, to)).or_default().push(border);
                     }
                 }
@@ -183,13 +186,16 @@ impl Border {
             return true;
         }
         let paths = [crossing.left, crossing.entered].map(|face| program.occurrence_path(face.occurrence()));
-        let has = |placement: &Placement| {
-            let mut steps = paths.iter().flat_map(|path| path.steps());
-            steps.any(|step| {
+        let is_on = |placement: &Placement, face: usize| {
+            paths[face].steps().iter().any(|step| {
                 step.name == bare_name(&placement.volume)
                     && step.copy.is_some_and(|copy| placement.copies.contains(&copy))
             })
         };
-        self.required.iter().all(has)
+        match self.required.as_slice() {
+            [front, behind] if self.is_between_copies => is_on(front, 0) && is_on(behind, 1),
+            // a mother has no face of its own where its daughter begins
+            all => all.iter().all(|placement| is_on(placement, 0) || is_on(placement, 1)),
+        }
     }
 }

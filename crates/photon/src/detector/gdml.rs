@@ -136,7 +136,8 @@ fn scintillation(properties: &mut Properties<'_>) -> Vec<ScintillationComponent>
 /// The logical volumes: their regions and what is placed in them.
 #[derive(Debug, Default)]
 pub(crate) struct Volumes {
-    /// The regions (1 for the first) of each volume; several where a parameterised volume has several sizes.
+    /// The regions (1 for the first) of each volume; several where a parameterised volume has several sizes, and
+    /// where copies touch.
     pub regions: HashMap<String, Vec<u32>>,
     /// Pairs of regions: a mother and its daughter. Assemblies have no region; their daughters are those of the mother.
     pub nested: HashSet<(u32, u32)>,
@@ -155,9 +156,13 @@ pub(crate) struct Placement {
     pub copies: std::ops::Range<i64>,
 }
 
-/// The number of each region by its name; the world outside has none.
-pub(super) fn region_numbers(scene: &Scene) -> HashMap<&str, u32> {
-    scene.regions.iter().zip(1..).map(|(region, number)| (region.name.as_str(), number)).collect()
+/// The numbers of the regions by their names; the world outside has none. Copies that touch are regions with one name.
+pub(super) fn region_numbers(scene: &Scene) -> HashMap<&str, Vec<u32>> {
+    let mut numbers: HashMap<&str, Vec<u32>> = HashMap::new();
+    for (region, number) in scene.regions.iter().zip(1..) {
+        numbers.entry(&region.name).or_default().push(number);
+    }
+    numbers
 }
 
 /// Reads the volume graph.
@@ -167,8 +172,8 @@ pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
     let mut volumes = Volumes::default();
     let by_name: HashMap<&str, &Datum> = rows.iter().map(|row| (row.text("name"), *row)).collect();
     for row in &rows {
-        let region = numbers.get(row.text("region"));
-        volumes.regions.entry(row.text("name").to_owned()).or_default().extend(region);
+        let regions = numbers.get(row.text("region")).into_iter().flatten();
+        volumes.regions.entry(row.text("name").to_owned()).or_default().extend(regions);
         // positions among the copies of the same volume number those without a copy number
         let mut counted: HashMap<String, i64> = HashMap::new();
         for daughter in row.list("daughters") {
@@ -183,14 +188,18 @@ pub(super) fn volumes(table: &Datum, scene: &Scene) -> Volumes {
         }
     }
     for row in &rows {
-        let Some(&mother) = numbers.get(row.text("region")) else { continue };
+        let Some(mothers) = numbers.get(row.text("region")) else { continue };
         // volumes without a region are transparent for the nesting
         let (mut waiting, mut seen) = (vec![*row], HashSet::new());
         while let Some(row) = waiting.pop() {
             for daughter in row.list("daughters") {
                 let Some(inner) = by_name.get(daughter.text("volume")) else { continue };
                 match numbers.get(inner.text("region")) {
-                    Some(&region) => drop(volumes.nested.insert((mother, region))),
+                    Some(regions) => {
+                        let pairs =
+                            mothers.iter().flat_map(|&mother| regions.iter().map(move |&own| (mother, own)));
+                        volumes.nested.extend(pairs);
+                    }
                     None if seen.insert(inner.text("name")) => waiting.push(inner),
                     None => {}
                 }

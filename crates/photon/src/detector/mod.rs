@@ -1,6 +1,7 @@
 //! Detectors: compiled geometry with optical materials, surfaces and sensors.
 
 mod borders;
+mod copies;
 mod gdml;
 mod native;
 pub(crate) mod properties;
@@ -12,6 +13,7 @@ use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
 use crate::tables::SurfaceTables;
 use borders::SurfaceTable;
+use copies::divide_touching_copies;
 use gdml::Volumes;
 use properties::PropertyReader;
 use rayweave_error::Message;
@@ -74,6 +76,7 @@ impl Detector {
         tables: &SurfaceTables,
     ) -> Result<Detector, PhotonError> {
         let table = OpticalTable::of(scene, document)?;
+        let scene = &*divide_touching_copies(&table.table, scene);
         let program = Arc::new(Program::compile_regions(&regions(scene))?);
         let Optics { properties, materials, surfaces, boundaries, sensors, .. } =
             Optics::read(&table, scene, tables);
@@ -125,14 +128,18 @@ impl Detector {
 
     /// The names of the regions and of their sensors, for sensitive volumes (auxiliary tag `SensDet`).
     pub fn sensors(&self) -> impl Iterator<Item = (&str, &str)> {
-        let regions = self.region_names.iter().zip(&self.sensors);
-        regions.filter_map(|(region, sensor)| Some((region.as_str(), sensor.as_deref()?)))
+        let regions = self.region_names.iter().zip(&self.sensors).enumerate();
+        // the regions of a volume whose copies touch follow each other
+        let is_first = |k: usize| k == 0 || self.region_names[k - 1] != self.region_names[k];
+        regions.filter_map(move |(k, (region, sensor))| {
+            Some((region.as_str(), sensor.as_deref()?)).filter(|_| is_first(k))
+        })
     }
 
     /// The number of sensitive volumes.
     #[must_use]
     pub fn sensor_count(&self) -> usize {
-        self.sensors.iter().flatten().count()
+        self.sensors().count()
     }
 
     /// The material of a region.
@@ -224,7 +231,7 @@ fn no_properties(has_both: bool) -> PhotonError {
 
 /// The regions of a scene, each with a medium of its own: a photon stops at every boundary between two volumes, even of
 /// equal material, since it may have an optical surface or a sensor behind it.
-fn regions(scene: &Scene) -> Vec<Region> {
+pub(crate) fn regions(scene: &Scene) -> Vec<Region> {
     let own = scene.model_regions().into_iter().zip(1..);
     own.map(|(region, medium)| Region { medium, ..region }).collect()
 }

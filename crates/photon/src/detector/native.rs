@@ -54,7 +54,7 @@ fn photons(reader: &mut Reader, scene: &Scene, mut keys: Keys) -> Datum {
     let surfaces = keys.take("surface").map(|datum| match datum.value {
         Datum::List(list) => list,
         _ => {
-            reader.wrong_type("photons.surface", &datum, "a list of tables, as [[photons.surface]]");
+            reader.wrong_type("photons.surface", &datum, "a list of tables, such as [[photons.surface]]");
             Vec::new()
         }
     });

@@ -98,6 +98,11 @@ impl Gensteps {
         self.first.partition_point(|&first| first <= photon).saturating_sub(1)
     }
 
+    /// True if a photon is a Cerenkov photon, and false if it is of scintillation.
+    pub(crate) fn is_cerenkov(&self, photon: u64) -> bool {
+        self.steps.get(self.parent(photon)).is_some_and(|step| matches!(step.light, Light::Cerenkov { .. }))
+    }
+
     /// Sentences about numbers of Cerenkov photons that the index of their material does not explain: a sign that another
     /// material was meant.
     #[must_use]

@@ -1,8 +1,9 @@
 //! Lint of optical properties: probable mistakes in the GDML file of a detector.
 //!
 //! The rules compare the input with the magnitudes that light has, with the names and conventions of Geant4 11.4, and
-//! volumes, surfaces and sensors with each other. A finding is no proof of a mistake; each has its reason.
+//! volumes, surfaces and sensors with each other. A finding does not prove a mistake; each has its reason.
 
+mod contacts;
 mod finding;
 mod properties;
 mod state;
@@ -12,21 +13,28 @@ mod volumes;
 
 pub use finding::LintFinding;
 
-use crate::detector::{OpticalTable, Optics};
+use crate::detector::{OpticalTable, Optics, regions};
 use crate::tables::SurfaceTables;
-use rayweave_model::Program;
+use contacts::contacts;
+use rayweave_model::{Evaluator, Program};
 use rayweave_scene::{Document, Scene};
 use state::Lint;
+use std::sync::Arc;
 
 /// Checks the optical properties in the `[gdml]` or `[photons]` table of a document. `places` returns the place of an element (`material`,
 /// `surface`, `skin` or `border`) by name, or of one of its properties; an empty property means the element.
 ///
+/// `evaluator` makes an evaluator of a program, which finds volumes that touch: random lines through the boxes of the volumes, 65,536
+/// in all or at least 64 for each of the first 4,096 volumes. A contact that is a small part of the box of both volumes may be
+/// missed; a daughter counts as touching its mother in any case.
+///
 /// The findings are in the order of the rules; none if the model has no such table, or no optical property.
 #[must_use]
-pub fn lint(
+pub fn lint<E: Evaluator>(
     scene: &Scene,
     document: &Document,
     tables: &SurfaceTables,
+    evaluator: impl FnOnce(Arc<Program>) -> E,
     places: &dyn Fn(&'static str, &str, &str) -> Option<String>,
 ) -> Vec<LintFinding> {
     let Ok(own) = OpticalTable::of(scene, document) else { return Vec::new() };
@@ -36,10 +44,11 @@ pub fn lint(
         return Vec::new();
     }
     let optics = Optics::read(&own, scene, tables);
-    let boxes = Program::compile_regions(&scene.model_regions()).map(|program| program.region_bounds());
-    // a scene that does not compile has no sizes to compare with
-    let boxes = boxes.unwrap_or_default();
-    let mut lint = Lint { scene, table, optics: &optics, boxes, places, findings: Vec::new() };
+    // a scene that does not compile has neither sizes nor contacts
+    let program = Program::compile_regions(&regions(scene)).map(Arc::new).ok();
+    let boxes = program.as_ref().map(|program| program.region_bounds()).unwrap_or_default();
+    let contacts = program.map(|program| contacts(&evaluator(program), &boxes)).unwrap_or_default();
+    let mut lint = Lint { scene, table, optics: &optics, boxes, contacts, places, findings: Vec::new() };
     for problem in &optics.properties.problems {
         lint.find(&problem.owner, &problem.property, problem.message.clone());
     }

@@ -6,6 +6,7 @@ use crate::detector::properties::Owner;
 use rayweave_error::Message;
 use rayweave_math::Bounds;
 use rayweave_scene::{Datum, Scene};
+use std::collections::BTreeSet;
 
 /// The lint in progress.
 pub(super) struct Lint<'a> {
@@ -14,6 +15,8 @@ pub(super) struct Lint<'a> {
     pub optics: &'a Optics,
     /// The box of each region.
     pub boxes: Vec<Bounds>,
+    /// The pairs of regions that touch, as far as lines have found them, in the order of the light.
+    pub contacts: BTreeSet<(u32, u32)>,
     pub places: &'a dyn Fn(&'static str, &str, &str) -> Option<String>,
     pub findings: Vec<LintFinding>,
 }

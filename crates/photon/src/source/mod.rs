@@ -37,6 +37,12 @@ impl Source {
         }
     }
 
+    /// The genstep of each of some photons; `None` for other sources.
+    pub(crate) fn parents(&self, photons: &[i64]) -> Option<Vec<i64>> {
+        let Source::Gensteps(gensteps) = self else { return None };
+        Some(photons.iter().map(|&photon| gensteps.parent(photon as u64) as i64).collect())
+    }
+
     /// Appends the photons of a range of numbers.
     pub(crate) fn emit<E: Evaluator>(
         &self,

@@ -2,12 +2,12 @@
 
 use crate::detector::Detector;
 use crate::error::PhotonError;
-use crate::philox::{Purpose, Stream, perpendicular};
+use crate::lines::random_line;
+use crate::philox::{Purpose, Stream};
 use crate::photon::{EventKey, Photon};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};
-use rayweave_shape::Ray;
 use std::collections::BTreeSet;
 
 /// The inside of a volume, without its daughters, or the boundary of it; all copies of the volume together.
@@ -72,7 +72,7 @@ impl SourceVolume {
         let volume = SourceVolume::named(detector, name)?;
         let mut rays = RayBatch::default();
         for number in 0..LINES {
-            rays.push(volume.line(&mut Stream::new(0, number, 0, Purpose::Position)));
+            rays.push(random_line(&volume.bounds, &mut Stream::new(0, number, 0, Purpose::Position)));
         }
         let mut most = 0;
         let mut sink = |answer: RayAnswer<'_>| most = most.max(volume.ends(&answer).count());
@@ -103,17 +103,6 @@ impl SourceVolume {
     fn point(&self, stream: &mut Stream) -> Vec3 {
         let [x, y, z] = [(); 3].map(|()| stream.uniform());
         self.bounds.lo + self.bounds.size() * Vec3::new(x, y, z)
-    }
-
-    /// A line through the ball around the box: a uniform direction, and a uniform point of the disc perpendicular to it.
-    fn line(&self, stream: &mut Stream) -> Ray {
-        let radius = 0.5 * self.bounds.size().length();
-        let direction = stream.direction();
-        let distance = radius * stream.uniform().sqrt();
-        let azimuth = std::f64::consts::TAU * stream.uniform();
-        let (x, y) = perpendicular(direction);
-        let across = distance * (libm::cos(azimuth) * x + libm::sin(azimuth) * y);
-        Ray::new(self.bounds.centre() + across - 2.0 * radius * direction, direction)
     }
 
     /// The times at which a line enters or leaves the volume, just inside.
@@ -186,7 +175,7 @@ impl SourceVolume {
         let mut rays = RayBatch::default();
         let mut chosen = Vec::new();
         for mut stream in streams {
-            rays.push(self.line(&mut stream));
+            rays.push(random_line(&self.bounds, &mut stream));
             chosen.push((stream.uniform() * most as f64) as usize);
         }
         let mut found = vec![None; chosen.len()];

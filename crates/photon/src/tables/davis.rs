@@ -83,8 +83,8 @@ impl DavisTable {
         Ok(DavisTable { reflectance, samples, counts, blocks })
     }
 
-    /// Reads the two files of a finish, decompressed: the reflectances (such as `Rough_LUTR.dat`) and the directions
-    /// (`Rough_LUT.dat`).
+    /// Reads the two files of a finish: the reflectances (such as `Rough_LUTR.dat`) and the directions (`Rough_LUT.dat`). Files
+    /// with the extension `.z` are decompressed, and read in place of absent ones.
     ///
     /// # Errors
     ///

@@ -61,7 +61,8 @@ impl LutTable {
         Ok(LutTable { cumulative, rows })
     }
 
-    /// Reads a file of the data set, decompressed: 151,515 numbers, of which the angle of incidence varies fastest.
+    /// Reads a file of the data set: 151,515 numbers, of which the angle of incidence varies fastest. A file with the
+    /// extension `.z` is decompressed, and read in place of an absent one.
     ///
     /// # Errors
     ///

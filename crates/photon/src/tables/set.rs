@@ -19,8 +19,8 @@ pub struct SurfaceTables {
 }
 
 impl SurfaceTables {
-    /// Adds a folder with the files of Geant4's data set RealSurface, decompressed, with the extension `.dat`. Only the files
-    /// of finishes that a detector has are read.
+    /// Adds a folder with the files of Geant4's data set RealSurface, as they are (`.z`, compressed by zlib) or decompressed
+    /// (`.dat`). Only the files of finishes that a detector has are read.
     #[must_use]
     pub fn folder(self, path: impl Into<PathBuf>) -> SurfaceTables {
         SurfaceTables { folder: Some(path.into()), ..self }
@@ -92,7 +92,7 @@ impl SurfaceTables {
         };
         let Some(folder) = &self.folder else {
             let reason = format!("its type needs {needed}, which is not part of a GDML file");
-            let suggestion = format!("Give the folder of Geant4's data set RealSurface with {file}.dat.");
+            let suggestion = format!("Give the folder of Geant4's data set RealSurface with {file}.z.");
             return Err(Message::new(problem(), reason).suggest(suggestion));
         };
         let read = |suffix: &str| folder.join(format!("{file}{suffix}.dat"));

@@ -1,11 +1,14 @@
-//! Reader of whitespace-separated numbers.
+//! Reader of whitespace-separated numbers, from files that may be compressed.
 
 use crate::error::PhotonError;
+use flate2::read::ZlibDecoder;
 use rayweave_error::Message;
-use std::path::Path;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// The largest file, in bytes: several times the largest table of Geant4's data sets.
+/// The largest file, in bytes after decompression: several times the largest table of Geant4's data sets.
 const MAX_BYTES: u64 = 1 << 29;
 
 /// A number of a table.
@@ -25,27 +28,43 @@ impl Number for f64 {
     }
 }
 
-/// The numbers of a file, at most `limit`; further ones are left out, as in Geant4.
+/// The extension of the files of Geant4's data set RealSurface, which zlib compresses (RFC 1950).
+const COMPRESSED: &str = "z";
+
+/// The file of a table: the path itself, or if there is no such file, the compressed one beside it.
+fn existing(path: &Path) -> PathBuf {
+    let compressed = path.with_extension(COMPRESSED);
+    if !path.exists() && compressed.is_file() { compressed } else { path.to_owned() }
+}
+
+/// The contents of a file, decompressed.
+fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    let file = File::open(path)?;
+    let mut bytes = Vec::new();
+    if path.extension().is_some_and(|extension| extension == COMPRESSED) {
+        ZlibDecoder::new(file).take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    } else {
+        file.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    }
+    Ok(bytes)
+}
+
+/// The numbers of a file, at most `limit`; further ones are left out, as in Geant4. If the file is absent, that with the
+/// extension `.z` is read.
 ///
 /// # Errors
 ///
-/// A file that cannot be read, is too large, is compressed, or holds other text than finite numbers.
+/// A file that cannot be read or decompressed, is too large, or holds other text than finite numbers.
 fn read<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, Message> {
+    let path = &existing(path);
     let problem = || format!("cannot read the table {}", path.display());
-    let cannot = |error: std::io::Error| {
-        let compressed = path.with_extension("z");
-        let message = Message::new(problem(), error.to_string());
-        let advice = format!("Decompress {} first, as with `zlib-flate -uncompress`.", compressed.display());
-        if compressed.is_file() { message.suggest(advice) } else { message }
-    };
-    let bytes = std::fs::metadata(path).map_err(cannot)?.len();
-    if bytes > MAX_BYTES {
-        return Err(Message::new(problem(), format!("it has {bytes} bytes, at most {MAX_BYTES} are read")));
+    let bytes = bytes(path).map_err(|error| Message::new(problem(), error.to_string()))?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(Message::new(problem(), format!("it has more than {MAX_BYTES} bytes")));
     }
-    let bytes = std::fs::read(path).map_err(cannot)?;
     let text = str::from_utf8(&bytes).map_err(|_| {
         let message = Message::new(problem(), "it is not text");
-        message.suggest("Compressed tables must be decompressed first, as with `zlib-flate -uncompress`.")
+        message.suggest("Give a table that zlib has compressed the extension `.z`.")
     })?;
     parse(text, &path.display().to_string(), limit)
 }
@@ -54,7 +73,7 @@ fn read<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, Message> {
 ///
 /// # Errors
 ///
-/// [`PhotonError::Setting`] for files that cannot be read, are compressed, or hold other text.
+/// [`PhotonError::Setting`] for files that cannot be read or decompressed, or hold other text.
 pub(super) fn read_numbers<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, PhotonError> {
     read(path, limit).map_err(PhotonError::Setting)
 }

@@ -1,8 +1,11 @@
 //! Absorption, scattering and wavelength shifting in a material.
 
-use crate::{CLEAR, SlabDetector, assert_binomial, beam, count, run, settings};
-use rayweave_photon::End;
+use crate::history::record;
+use crate::{CLEAR, SlabDetector, assert_binomial, assert_distribution, beam, count, run, settings, uniform};
+use rayweave_math::Vec3;
 use rayweave_photon::property::LIGHT_SPEED;
+use rayweave_photon::{End, Process, RunSettings, StepRow};
+use std::f64::consts::PI;
 
 const COUNT: usize = 20_000;
 
@@ -90,4 +93,125 @@ fn shifted_photons_have_the_emission_spectrum() {
 
 fn property_energy(wavelength_nm: f64) -> f64 {
     1e6 * rayweave_photon::property::HC_MEV_NM / wavelength_nm
+}
+
+/// The first process of each photon that starts at the lower face of a slab, along z with the polarisation along x.
+fn first_rows(slab: &SlabDetector<'_>) -> Vec<StepRow> {
+    let mut light = beam(COUNT, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+    if let rayweave_photon::Source::Photons(photons) = &mut light {
+        photons.iter_mut().for_each(|photon| photon.position.z = 1e-9);
+    }
+    let settings = RunSettings { max_steps: 1, ..settings(COUNT) };
+    let (_, histories) = record(&slab.build(), &light, &settings);
+    let is_first = |row: &&StepRow| row.step == 1 && !matches!(row.process, Process::End(End::StepLimit));
+    histories.steps.iter().filter(is_first).copied().collect()
+}
+
+/// A slab of one material property with a length, an index of 1, and constants of Mie scattering.
+fn process(name: &str, length: f64, constants: [f64; 3]) -> Vec<StepRow> {
+    let [forward, backward, ratio] = constants;
+    let matrices = format!(
+        r#"<matrix name="LENGTH" coldim="2" values="1*eV {length} 10*eV {length}"/>
+<matrix name="BAND" coldim="2" values="2.0*eV 1 2.5*eV 1"/>
+<matrix name="F" coldim="1" values="{forward}"/><matrix name="B" coldim="1" values="{backward}"/>
+<matrix name="R" coldim="1" values="{ratio}"/>"#
+    );
+    let inner = format!(
+        r#"<property name="RINDEX" ref="ONE"/><property name="{name}" ref="LENGTH"/>
+<property name="WLSCOMPONENT" ref="BAND"/><property name="MIEHG_FORWARD" ref="F"/>
+<property name="MIEHG_BACKWARD" ref="B"/><property name="MIEHG_FORWARD_RATIO" ref="R"/>"#
+    );
+    first_rows(&SlabDetector { matrices: &matrices, inner: &inner, ..CLEAR })
+}
+
+/// Each process acts after an exponential path: on 1 - exp(-100 / 80) of the photons in the slab, and at the depth of that
+/// distribution.
+#[test]
+fn free_paths_are_exponential() {
+    for (name, expected) in [
+        ("ABSLENGTH", Process::End(End::Absorbed)),
+        ("RAYLEIGH", Process::Rayleigh),
+        ("MIEHG", Process::Mie),
+        ("WLSABSLENGTH", Process::Reemission),
+    ] {
+        let rows = process(name, 80.0, [0.5, 0.0, 1.0]);
+        let inside: Vec<f64> =
+            rows.iter().filter(|row| row.process == expected).map(|row| row.position.z).collect();
+        let part = 1.0 - (-100f64 / 80.0).exp();
+        assert_binomial(inside.len() as u64, COUNT as u64, part, name);
+        assert_distribution(inside, |z| (1.0 - (-z / 80.0).exp()) / part, name);
+    }
+}
+
+/// Rayleigh scattering of polarised light is the radiation of a dipole: the density 3/8 (1 + c^2) of the cosine to the direction,
+/// 3/4 (1 - x^2) of the cosine to the polarisation. The new polarisation is in the plane of the old one and the new direction.
+#[test]
+fn rayleigh_scattering_is_the_radiation_of_a_dipole() {
+    let rows = process("RAYLEIGH", 1e-3, [0.0; 3]);
+    let component = |axis: usize| rows.iter().map(|row| row.direction[axis]).collect::<Vec<f64>>();
+    assert_distribution(component(2), |c| 0.375 * (c + c.powi(3) / 3.0) + 0.5, "cosine to the direction");
+    assert_distribution(component(0), |x| 0.75 * (x - x.powi(3) / 3.0) + 0.5, "cosine to the polarisation");
+    for row in &rows {
+        assert!(row.polarisation.dot(row.direction).abs() < 1e-12);
+        assert!(row.polarisation.dot(row.direction.cross(Vec3::X)).abs() < 1e-9, "{row:?}");
+    }
+    let same = rows.iter().filter(|row| row.polarisation.x > 0.0).count() as u64;
+    assert_binomial(same, COUNT as u64, 0.5, "sign of the polarisation");
+}
+
+/// The phase function of Henyey and Greenstein: the part (1 - g^2) / (2 g) (1 / sqrt(1 + g^2 - 2 g c) - 1 / (1 + g)) below a cosine c,
+/// and its mirror image for the backward lobe.
+#[test]
+fn mie_scattering_has_its_phase_function() {
+    let below = |g: f64, c: f64| {
+        (1.0 - g * g) / (2.0 * g) * (1.0 / (1.0 + g * g - 2.0 * g * c).sqrt() - 1.0 / (1.0 + g))
+    };
+    for [forward, backward, ratio] in [[0.9, 0.2, 1.0], [0.6, 0.3, 0.8], [0.6, 0.9, 0.0]] {
+        let rows = process("MIEHG", 1e-3, [forward, backward, ratio]);
+        let distribution = |c: f64| ratio * below(forward, c) + (1.0 - ratio) * (1.0 - below(backward, -c));
+        let what = format!("{forward}, {backward}, {ratio}");
+        assert_distribution(rows.iter().map(|row| row.direction.z).collect(), distribution, &what);
+        let azimuth = rows.iter().map(|row| row.direction.y.atan2(row.direction.x)).collect();
+        assert_distribution(azimuth, uniform(-PI, PI), "azimuth");
+        for row in &rows {
+            assert!(row.polarisation.dot(row.direction).abs() < 1e-12);
+            assert!(row.polarisation.dot(row.direction.cross(Vec3::X)).abs() < 1e-9, "{row:?}");
+        }
+    }
+}
+
+/// Emission by a wavelength shifter: the spectrum up to the energy of the absorbed photon, random directions and polarisations, the
+/// delay, and a number of photons of the Poisson distribution.
+#[test]
+fn shifters_emit_by_their_properties() {
+    let matrices = r#"<matrix name="SHORT" coldim="2" values="1*eV 1e12 2.9*eV 1e12 2.95*eV 1e-6 10*eV 1e-6"/>
+<matrix name="BAND" coldim="2" values="2.0*eV 0 4.0*eV 2"/><matrix name="TIME" coldim="1" values="2.5"/>
+<matrix name="MEAN" coldim="1" values="1.5"/>"#;
+    let inner = r#"<property name="RINDEX" ref="ONE"/><property name="WLSABSLENGTH" ref="SHORT"/>
+<property name="WLSCOMPONENT" ref="BAND"/><property name="WLSTIMECONSTANT" ref="TIME"/>"#;
+    let one = first_rows(&SlabDetector { matrices, inner, ..CLEAR });
+    assert_eq!(one.len(), COUNT);
+    // Geant4 is linear in the integral between the points: uniform from 2 to 4 eV, cut at 3 eV
+    let energies = one.iter().map(|row| property_energy(row.wavelength_nm)).collect();
+    assert_distribution(energies, uniform(2.0, 3.0), "energy");
+    for (axis, what) in (0..3).zip(["x", "y", "z"]) {
+        assert_distribution(one.iter().map(|row| row.direction[axis]).collect(), uniform(-1.0, 1.0), what);
+        let across = one.iter().map(|row| row.polarisation[axis]).collect();
+        assert_distribution(across, uniform(-1.0, 1.0), "polarisation");
+    }
+    assert!(
+        one.iter()
+            .all(|row| (row.time - 2.5).abs() < 1e-6 && row.polarisation.dot(row.direction).abs() < 1e-12)
+    );
+    let inner = format!(r#"{inner}<property name="WLSMEANNUMBERPHOTONS" ref="MEAN"/>"#);
+    let several = first_rows(&SlabDetector { matrices, inner: &inner, ..CLEAR });
+    let mut counts = vec![0u64; COUNT];
+    let emitted = several.iter().filter(|row| row.process == Process::Reemission);
+    emitted.for_each(|row| counts[row.photon as usize] += 1);
+    let mut probability = (-1.5f64).exp();
+    for number in 0..5 {
+        let photons = counts.iter().filter(|count| **count == number).count() as u64;
+        assert_binomial(photons, COUNT as u64, probability, &format!("{number} photons"));
+        probability *= 1.5 / (number + 1) as f64;
+    }
 }

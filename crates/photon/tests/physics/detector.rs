@@ -103,3 +103,74 @@ fn a_model_without_optical_properties_is_refused() {
     let message = rayweave_photon::Detector::new(&scene, &document).unwrap_err().to_string();
     assert!(message.contains("neither a table [photons] nor a table [gdml]. Use a GDML file"), "{message}");
 }
+
+/// A row of three slabs of 100 mm that touch, with a surface: photons start in the middle one, along z.
+fn touching_slabs(links: &str) -> rayweave_photon::Detector {
+    let copy = |number: i32, z: i32| {
+        format!(
+            r#"<physvol name="copy{number}" copynumber="{number}"><volumeref ref="Slab"/><position name="p{number}" z="{z}" unit="mm"/></physvol>"#
+        )
+    };
+    let copies = format!("{}{}</volume>", copy(4, -50), copy(6, 150));
+    let surfaces =
+        r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_metal" value="1"/>"#;
+    let text = SlabDetector { surfaces, links, ..CLEAR }.text();
+    let text = text.replace(r#"<physvol name="slab">"#, r#"<physvol name="copy5" copynumber="5">"#);
+    detector(&text.replace(r#"unit="mm"/></physvol></volume>"#, &format!(r#"unit="mm"/></physvol>{copies}"#)))
+        .unwrap()
+}
+
+/// The numbers of reflections and of passages at the inner faces of photons that start in the middle slab.
+fn at_inner_faces(detector: &rayweave_photon::Detector) -> [u64; 2] {
+    let mut light = beam(100, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+    if let rayweave_photon::Source::Photons(photons) = &mut light {
+        photons.iter_mut().for_each(|photon| photon.position.z = 50.0);
+    }
+    let run = run(detector, &light, &rayweave_photon::RunSettings { max_steps: 1, ..settings(100) });
+    [BoundaryEvent::SpikeReflection, BoundaryEvent::SameMaterial]
+        .map(|event| run.boundary_events.get(&event).copied().unwrap_or(0))
+}
+
+/// The skin of a volume acts where two of its copies touch, as in Geant4, and a border in its direction.
+#[test]
+fn surfaces_between_touching_copies_act() {
+    let skin = r#"<skinsurface name="skin" surfaceproperty="S"><volumeref ref="Slab"/></skinsurface>"#;
+    assert_eq!(at_inner_faces(&touching_slabs(skin)), [100, 0]);
+    let border = |first: &str, second: &str| {
+        format!(
+            r#"<bordersurface name="b" surfaceproperty="S"><physvolref ref="{first}"/><physvolref ref="{second}"/></bordersurface>"#
+        )
+    };
+    assert_eq!(at_inner_faces(&touching_slabs(&border("copy5", "copy6"))), [100, 0]);
+    // the way back, and the other neighbour: the photons pass
+    assert_eq!(at_inner_faces(&touching_slabs(&border("copy6", "copy5"))), [0, 100]);
+    assert_eq!(at_inner_faces(&touching_slabs(&border("copy5", "copy4"))), [0, 100]);
+    // without a surface copies of one volume count as one: no boundary between them
+    assert_eq!(at_inner_faces(&touching_slabs("")), [0, 0]);
+}
+
+/// Hits in touching sensors have the path of their copy, and the volume is listed once.
+#[test]
+fn touching_sensors_keep_their_copies() {
+    let links = r#"<skinsurface name="skin" surfaceproperty="S"><volumeref ref="Slab"/></skinsurface>"#;
+    let copy = r#"<physvol name="next" copynumber="6"><volumeref ref="Slab"/><position name="q" z="150" unit="mm"/></physvol></volume>"#;
+    let text = SlabDetector {
+        surfaces: r#"<opticalsurface name="S" model="unified" finish="polished" type="dielectric_metal" value="0">
+<property name="REFLECTIVITY" ref="ZERO"/><property name="EFFICIENCY" ref="ONE"/></opticalsurface>"#,
+        links,
+        auxiliary: r#"<auxiliary auxtype="SensDet" auxvalue="Counter"/>"#,
+        ..CLEAR
+    };
+    let text = text.text().replace(r#"<physvol name="slab">"#, r#"<physvol name="slab" copynumber="5">"#);
+    let text = text.replace(r#"unit="mm"/></physvol></volume>"#, &format!(r#"unit="mm"/></physvol>{copy}"#));
+    let detector = detector(&text).unwrap();
+    assert_eq!(detector.sensors().collect::<Vec<_>>(), [("Slab", "Counter")]);
+    assert_eq!(detector.sensor_count(), 1);
+    let mut light = beam(100, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]);
+    if let rayweave_photon::Source::Photons(photons) = &mut light {
+        photons.iter_mut().for_each(|photon| photon.position.z = 50.0);
+    }
+    let hits = run(&detector, &light, &settings(100)).hits;
+    assert_eq!((hits.len(), hits.paths(), hits.copies()), (100, &["Slab[6]".to_owned()][..], &[6][..]));
+    assert!(hits.position[2].iter().all(|z| (z - 100.0).abs() < 1e-12));
+}

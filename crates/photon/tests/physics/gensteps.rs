@@ -5,8 +5,8 @@ use crate::{CLEAR, SlabDetector, assert_binomial, assert_distribution, photons_o
 use rayweave_math::Vec3;
 use rayweave_photon::property::{HC_MEV_NM, LIGHT_SPEED};
 use rayweave_photon::{
-    Detector, EmissionProcess, Genstep, Gensteps, Photon, PhotonError, RunSettings, Source, cerenkov_yield,
-    from_geant4, from_opticks, photons_from_opticks,
+    Detector, EmissionProcess, Genstep, Gensteps, Hits, Photon, PhotonError, Process, RunSettings, Source,
+    Torch, cerenkov_yield, from_geant4, from_opticks, hit_schema, photons_from_opticks, sequence_text,
 };
 use rayweave_trace::Packets;
 use std::collections::BTreeMap;
@@ -284,6 +284,7 @@ fn gensteps_are_reproducible() {
     let other = photons_of(&detector, &source, &RunSettings { event: 1, ..settings(10_000) });
     assert!(whole.iter().zip(&other).all(|(a, b)| a.direction != b.direction));
     let one = run(&detector, &source, &RunSettings { threads: NonZeroUsize::new(1), ..settings(10_000) });
+    assert_eq!(one.hits.genstep, Some(Vec::new()), "no hits, of gensteps");
     let three = run(&detector, &source, &RunSettings { threads: NonZeroUsize::new(3), ..settings(10_000) });
     assert_eq!(one, three);
     let beyond = rayweave_photon::simulate(
@@ -293,6 +294,48 @@ fn gensteps_are_reproducible() {
         &RunSettings::new(0..10_001),
     );
     assert!(beyond.unwrap_err().to_string().contains("the source has 10000 photons"));
+}
+
+/// Histories of gensteps begin with Opticks' flags CK and SI, and hits have the numbers of their gensteps.
+#[test]
+fn photons_know_their_gensteps() {
+    let text = SlabDetector {
+        auxiliary: r#"<auxiliary auxtype="SensDet" auxvalue="Counter"/>"#,
+        inner: r#"<property name="RINDEX" ref="GLASS"/>"#,
+        outer: r#"<property name="RINDEX" ref="GLASS"/><property name="SCINTILLATIONCOMPONENT1" ref="HALF"/>
+<property name="SCINTILLATIONTIMECONSTANT1" ref="TAU"/>"#,
+        matrices: r#"<matrix name="TAU" coldim="1" values="5"/>"#,
+        ..CLEAR
+    };
+    let detector = text.build();
+    let below = Vec3::new(0.0, 0.0, -40.0);
+    let steps = [
+        Genstep { position: below, photons: 300, ..scintillation(Some(1), 0.0, None) },
+        Genstep { position: below, photons: 200, ..cerenkov(1.2, [1.0, 1.0]) },
+    ];
+    let source = Source::Gensteps(resolved(&detector, &steps).unwrap());
+    let (run, histories) = crate::history::record(&detector, &source, &settings(500));
+    assert_eq!(histories.processes[&Process::Scintillation], 300);
+    assert_eq!(histories.processes[&Process::Cerenkov], 200);
+    assert!(!histories.processes.contains_key(&Process::Emission));
+    for sequence in &histories.sequences {
+        let flag = if sequence.photon < 300 { "SI" } else { "CK" };
+        assert!(sequence_text(sequence.words).starts_with(flag), "{sequence:?}");
+    }
+    let parents = run.hits.genstep.as_ref().unwrap();
+    let expected: Vec<i64> = run.hits.photon.iter().map(|&photon| i64::from(photon >= 300)).collect();
+    assert_eq!(parents, &expected);
+    assert!(parents.contains(&0) && parents.contains(&1), "{parents:?}");
+    let columns = |hits: &Hits| hit_schema(hits).unwrap().columns().len();
+    assert_eq!(columns(&run.hits), columns(&Hits::default()) + 1);
+    assert_eq!(run.hits.to_rows().unwrap().columns().len(), columns(&run.hits));
+    // beside hits of another source
+    let torch = Source::Torch(Torch::point(below, 500.0).unwrap());
+    let mut mixed = crate::run(&detector, &torch, &settings(100)).hits;
+    let others = mixed.len();
+    assert!(others > 0 && mixed.genstep.is_none());
+    mixed.append(run.hits.clone());
+    assert_eq!(mixed.genstep.unwrap(), [vec![-1; others], expected].concat());
 }
 
 /// Materials by name, by the middle of the steps, and the messages about those that do not fit.

@@ -11,7 +11,7 @@ use std::num::NonZeroUsize;
 
 const ALL: HistoryOptions = HistoryOptions { steps: true, sequences: true };
 
-fn record(detector: &Detector, source: &Source, settings: &RunSettings) -> (PhotonRun, Histories) {
+pub(crate) fn record(detector: &Detector, source: &Source, settings: &RunSettings) -> (PhotonRun, Histories) {
     let evaluator = Packets::new(detector.program().clone());
     let (mut total, mut histories) = (PhotonRun::default(), Histories::default());
     simulate_parts(detector, &evaluator, source, settings, Some(ALL), |part| {

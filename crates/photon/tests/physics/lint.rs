@@ -3,13 +3,14 @@
 use crate::{CLEAR, SlabDetector};
 use rayweave_formats::{Format, Options};
 use rayweave_photon::{LintFinding, SurfaceTables, lint};
+use rayweave_trace::Packets;
 
 fn findings(text: &str) -> Vec<LintFinding> {
     let imported = rayweave_formats::parse(text, Format::Gdml, &[], &Options::default()).unwrap();
     let places = |element, name: &str, property: &str| {
         imported.places.find(element, name, property).map(str::to_owned)
     };
-    lint(&imported.scene, &imported.document(), &SurfaceTables::default(), &places)
+    lint(&imported.scene, &imported.document(), &SurfaceTables::default(), Packets::new, &places)
 }
 
 /// The only finding that contains a text.
@@ -207,6 +208,36 @@ fn volumes_that_light_cannot_pass_are_named() {
     assert!(blind.to_string().contains("--detect efficiency"), "{blind}");
 }
 
+/// Siblings that touch, in a mother that is opaque like one of them: a clear slab and an opaque plate on it.
+#[test]
+fn touching_siblings_without_an_index_are_named() {
+    let text = |gap: f64, links: &str| {
+        let plate = format!(
+            r#"<physvol name="plate"><volumeref ref="Plate"/><position name="q" z="{}" unit="mm"/></physvol></volume>"#,
+            150.0 + gap
+        );
+        let slab = SlabDetector { surfaces: MIRROR, links, ..CLEAR };
+        slab.text()
+            .replace(r#"<volume name="World">"#, r#"<volume name="Plate"><materialref ref="Lead"/><solidref ref="SlabBox"/></volume><volume name="World">"#)
+            .replace("</materials>", r#"<material name="Lead"><D value="11"/><fraction n="1" ref="H"/></material></materials>"#)
+            .replace(r#"unit="mm"/></physvol></volume>"#, &format!(r#"unit="mm"/></physvol>{plate}"#))
+    };
+    let about = |text: &str| {
+        let all = findings(text);
+        all.iter()
+            .map(ToString::to_string)
+            .filter(|found| found.contains("`Lead` has no"))
+            .collect::<Vec<_>>()
+    };
+    // the mother is clear: named in any case, and the slab only if it touches
+    let [apart, touching] = [1.0, 0.0].map(|gap| about(&text(gap, "")));
+    assert!(apart.len() == 1 && apart[0].contains("photons from `World` end"), "{apart:?}");
+    assert!(touching.len() == 1 && touching[0].contains("photons from `Slab`, `World` end"), "{touching:?}");
+    // a skin of the plate is a surface between all of them
+    let skin = r#"<skinsurface name="skin" surfaceproperty="S"><volumeref ref="Plate"/></skinsurface>"#;
+    assert_eq!(about(&text(0.0, skin)), Vec::<String>::new());
+}
+
 const MIRROR: &str = r#"<opticalsurface name="S" model="glisur" finish="polished" type="dielectric_metal" value="1"/>
 <opticalsurface name="T" model="glisur" finish="polished" type="dielectric_metal" value="1"/>"#;
 
@@ -240,21 +271,4 @@ fn surfaces_that_compete_are_named() {
     let twice = found(&SlabDetector { surfaces: MIRROR, links: &twice, ..CLEAR }, "has no effect");
     assert!(twice.to_string().contains("the volume has the skin `skin` already"), "{twice}");
     assert!(twice.is_unused);
-}
-
-#[test]
-fn touching_copies_with_a_skin_are_named() {
-    let text = |distance: f64| {
-        let position = format!(
-            r#"<physvol name="next" copynumber="1"><volumeref ref="Slab"/><position name="q" z="{}" unit="mm"/></physvol></volume>"#,
-            50.0 + distance
-        );
-        let slab = SlabDetector { surfaces: MIRROR, links: SKIN, ..CLEAR };
-        slab.text()
-            .replace(r#"unit="mm"/></physvol></volume>"#, &format!(r#"unit="mm"/></physvol>{position}"#))
-    };
-    let touching = |distance: f64| {
-        findings(&text(distance)).iter().filter(|finding| finding.to_string().contains("touch")).count()
-    };
-    assert_eq!([100.0, 100.5, 300.0].map(touching), [1, 0, 0]);
 }

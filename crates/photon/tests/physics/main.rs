@@ -2,6 +2,7 @@
 
 mod boundary;
 mod bulk;
+mod cavities;
 mod detector;
 mod gensteps;
 mod history;
@@ -125,20 +126,27 @@ fn assert_binomial(count: u64, total: u64, probability: f64, what: &str) {
     assert!(z.abs() < 5.0, "{what}: {count} of {total}, expected {expected:.1} (z = {z:.1})");
 }
 
-/// Asserts that a sample has a distribution, by the test of Kolmogorov and Smirnov at the significance 1e-4: the largest
-/// difference of the distributions times the root of the size is at most 2.225.
+/// Asserts that a sample has a distribution, by the test of Kolmogorov and Smirnov at the significance 1e-4.
 fn assert_distribution(mut sample: Vec<f64>, distribution: impl Fn(f64) -> f64, what: &str) {
+    let statistic = kolmogorov(&mut sample, distribution, what);
+    assert!(statistic < CRITICAL, "{what}: the Kolmogorov statistic is {statistic:.2}");
+}
+
+/// The Kolmogorov statistic that samples of a distribution exceed with the probability 1e-4: 2 exp(-2 x^2).
+const CRITICAL: f64 = 2.225;
+
+/// The largest difference between the distribution of a sample and another one, times the root of the size of the sample.
+fn kolmogorov(sample: &mut [f64], distribution: impl Fn(f64) -> f64, what: &str) -> f64 {
     let count = sample.len() as f64;
     assert!(count >= 1000.0, "{what}: {count} values");
     sample.sort_by(f64::total_cmp);
     let mut largest = 0f64;
-    for (rank, value) in (0..).map(f64::from).zip(sample) {
-        let expected = distribution(value);
+    for (rank, value) in (0..).map(f64::from).zip(sample.iter()) {
+        let expected = distribution(*value);
         assert!((-1e-9..=1.0 + 1e-9).contains(&expected), "{what}: {expected} at {value}");
         largest = largest.max(expected - rank / count).max((rank + 1.0) / count - expected);
     }
-    let statistic = largest * count.sqrt();
-    assert!(statistic < 2.225, "{what}: the Kolmogorov statistic is {statistic:.2}");
+    largest * count.sqrt()
 }
 
 /// The photons of a source as they start.

@@ -1,7 +1,8 @@
 //! Torches against the distributions that they are defined by.
 
 use crate::{
-    CLEAR, SlabDetector, assert_binomial, assert_distribution, detector, photons_of, settings, uniform,
+    CLEAR, CRITICAL, SlabDetector, assert_binomial, assert_distribution, detector, kolmogorov, photons_of,
+    settings, uniform,
 };
 use rayweave_math::Vec3;
 use rayweave_photon::property::wavelength_nm;
@@ -10,7 +11,7 @@ use rayweave_photon::{
     WavelengthDistribution, check_start,
 };
 use rayweave_trace::Packets;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 const COUNT: usize = 20_000;
 
@@ -196,15 +197,34 @@ pub(crate) fn simpson(f: impl Fn(f64) -> f64, from: f64, to: f64, intervals: usi
 
 #[test]
 fn times_have_their_distributions() {
+    const MANY: usize = 1_000_000;
+    let detector = CLEAR.build();
     let times = |interval, deviation, decay| -> Vec<f64> {
-        let photons = emitted(point().pulsed(Pulse { interval, deviation, decay }).unwrap());
+        let torch = point().pulsed(Pulse { interval, deviation, decay }).unwrap();
+        let photons = photons_of(&detector, &Source::Torch(torch), &settings(MANY));
         photons.iter().map(|photon| photon.time).collect()
     };
     assert!(times([3.0, 3.0], 0.0, 0.0).iter().all(|time| *time == 3.0));
     assert_distribution(times([3.0, 8.0], 0.0, 0.0), uniform(3.0, 8.0), "interval");
-    assert_distribution(times([2.0, 2.0], 0.0, 5.0), |t| 1.0 - (-(t - 2.0) / 5.0).exp(), "decay");
-    let normal = |t: f64| simpson(|x| (-0.5 * x * x).exp() / TAU.sqrt(), -10.0, t.clamp(-10.0, 10.0), 400);
-    assert_distribution(times([0.0, 0.0], 1.0, 0.0), normal, "normal");
+    let decay = |mean: f64| move |t: f64| 1.0 - (-(t - 2.0) / mean).exp();
+    let normal = |deviation: f64| move |t: f64| 0.5 * libm::erfc(-t / (deviation * 2f64.sqrt()));
+    let (mut late, mut spread) = (times([2.0, 2.0], 0.0, 5.0), times([0.0, 0.0], 1.5, 0.0));
+    assert_distribution(late.clone(), decay(5.0), "decay");
+    assert_distribution(spread.clone(), normal(1.5), "normal");
+    // the same tests reject a decay time and a deviation that are off by 2 %
+    for error in [0.98, 1.02] {
+        assert!(kolmogorov(&mut late, decay(5.0 * error), "decay") > CRITICAL, "{error}");
+        assert!(kolmogorov(&mut spread, normal(1.5 * error), "normal") > CRITICAL, "{error}");
+    }
+    // the parts add: mean 5.5 + 2, variance 25 / 12 + 1 + 4
+    let all = times([3.0, 8.0], 1.0, 2.0);
+    let mean = all.iter().sum::<f64>() / MANY as f64;
+    let variance = all.iter().map(|t| (t - mean) * (t - mean)).sum::<f64>() / MANY as f64;
+    let expected = 25.0 / 12.0 + 5.0;
+    assert!((mean - 7.5).abs() < 5.0 * (expected / MANY as f64).sqrt(), "{mean}");
+    // the fourth central moment of the sum is 241.3
+    let error = ((241.3 - expected * expected) / MANY as f64).sqrt();
+    assert!((variance - expected).abs() < 5.0 * error, "{variance}, expected {expected}");
     let bad = Pulse { interval: [1.0, 0.0], ..Pulse::default() };
     assert!(point().pulsed(bad).unwrap_err().to_string().contains("must not end before it starts"));
 }

@@ -4,6 +4,7 @@ use crate::{CLEAR, SlabDetector, assert_binomial, beam, imported, run, settings}
 use rayweave_photon::{
     BoundaryEvent, Detector, DichroicTable, MeasuredTable, PhotonRun, RunSettings, SurfaceTables, property,
 };
+use std::io::Write;
 use std::sync::Arc;
 
 const COUNT: usize = 20_000;
@@ -80,8 +81,8 @@ fn measured_finishes_need_their_files() {
     };
     let none = SurfaceTables::default();
     let refused = |finish: &str, kind: &str, tables: &SurfaceTables| build(finish, kind, tables).unwrap_err();
-    assert!(refused("11", "2", &none).contains("data set RealSurface with PolishedTyvek.dat"));
-    assert!(refused("36", "3", &none).contains("PolishedESR_LUT.dat"));
+    assert!(refused("11", "2", &none).contains("data set RealSurface with PolishedTyvek.z"));
+    assert!(refused("36", "3", &none).contains("PolishedESR_LUT.z"));
     assert!(refused("polishedair", "dielectric_LUT", &none).contains("Geant4 has none for its finish"));
     assert!(refused("polishedtyvekair", "dielectric_metal", &none).contains("has no meaning for its type"));
     let tables = none.folder(&folder);
@@ -92,8 +93,22 @@ fn measured_finishes_need_their_files() {
     let short = refused("polishedtyvekair", "dielectric_LUT", &tables);
     assert!(short.contains("the LUT table has 3 values: 151515 are needed"), "{short}");
     std::fs::write(&path, "0.5 ".repeat(151_515)).unwrap();
-    let run = first_events(&build("polishedtyvekair", "dielectric_LUT", &tables).unwrap());
+    let built = |tables: &SurfaceTables| build("polishedtyvekair", "dielectric_LUT", tables);
+    let run = first_events(&built(&tables).unwrap());
     share(&run, BoundaryEvent::LutReflection, 1.0);
+    // as Geant4 ships it: compressed by zlib
+    std::fs::remove_file(&path).unwrap();
+    let compressed = folder.join("PolishedTyvek.z");
+    let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    zlib.write_all("0.5 ".repeat(151_515).as_bytes()).unwrap();
+    let bytes = zlib.finish().unwrap();
+    std::fs::write(&compressed, &bytes).unwrap();
+    assert_eq!(first_events(&built(&tables).unwrap()), run);
+    for damaged in [&bytes[..bytes.len() / 2], b"0.5 0.5"] {
+        std::fs::write(&compressed, damaged).unwrap();
+        let message = built(&tables).unwrap_err();
+        assert!(message.contains("cannot read the table") && message.contains("Tyvek.z"), "{message}");
+    }
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

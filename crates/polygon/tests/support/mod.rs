@@ -52,7 +52,7 @@ pub fn intersect((a, b): (Lattice, Lattice), (c, d): (Lattice, Lattice)) -> bool
     s1 * s2 <= 0 && s3 * s4 <= 0 && overlap(0) && overlap(1)
 }
 
-/// True if no two edges touch, except neighbours, by a test of all pairs.
+/// True if no two edges except neighbours touch; tests all pairs.
 pub fn is_clear(contours: &[Vec<Lattice>]) -> bool {
     let all: Vec<_> = contours
         .iter()

@@ -36,7 +36,7 @@ impl Answers {
     pub fn add(&mut self, name: &str, hash: Hash) {
         let name = name.replace(char::is_whitespace, "_");
         let before = self.0.insert(name.clone(), hash.text());
-        assert!(before.is_none(), "two cases are called {name}");
+        assert!(before.is_none(), "two cases have the name {name}");
     }
 }
 
@@ -75,7 +75,7 @@ fn differences(
     lines
 }
 
-/// Replaces the recorded hashes of a group; the lines of other groups stay.
+/// Replaces the recorded hashes of a group; the lines of other groups remain.
 fn write(group: &str, answers: &Answers, is_present: impl Fn(&str) -> bool) {
     let mut all = recorded();
     all.retain(|name, _| name.split('/').next() != Some(group) || !is_present(name));
@@ -123,7 +123,7 @@ fn model_files() {
     let mut answers = Answers::default();
     let shared = files::shared();
     if shared.is_none() {
-        println!("\nSKIPPED: answers of ../shared/data, which is not there");
+        println!("\nSKIPPED: answers of ../shared/data, which is missing");
     }
     files::record(&mut answers, shared.as_deref());
     examine_present("file", &answers, |name| shared.is_some() || !name.starts_with("file/shared/"));

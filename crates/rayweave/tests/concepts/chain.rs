@@ -33,7 +33,7 @@ pub fn picture() -> String {
     let program = compiled.program.clone();
     let explanation = SingleHit::new(program.clone()).unwrap().explain(ray(), &Query::default());
     let mut sheet = Sheet::default();
-    sheet.left("title", 20.0, 28.0, "What is next on the chain of eight balls, after it was entered?");
+    sheet.left("title", 20.0, 28.0, "The next crossing of the chain of eight balls, after its entry");
     balls(&mut sheet, &program);
     // the first query finds the entry into the chain, the second one the next crossing
     let question = &explanation.questions[1];

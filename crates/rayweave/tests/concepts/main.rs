@@ -66,8 +66,8 @@ fn pictures_are_those_of_the_page() {
             }
         }
     }
-    let advice = "if that is what was meant, accept it with 'cargo xtask golden --accept'";
-    assert!(stale.is_empty(), "not as drawn now: {stale:?}\n{advice}");
+    let advice = "if the change is intended, accept it with 'cargo xtask golden --accept'";
+    assert!(stale.is_empty(), "the files differ from the current drawings: {stale:?}\n{advice}");
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn every_picture_is_drawn_and_shown() {
     let files = fs::read_dir(docs().join("pictures")).unwrap();
     for file in files {
         let file = file.unwrap().file_name().to_string_lossy().into_owned();
-        assert!(names.contains(&file), "{file} is drawn by nothing");
+        assert!(names.contains(&file), "{file} is not drawn by any test");
     }
     let page = read(&docs().join("algebra.md"));
     for name in names {
@@ -86,7 +86,7 @@ fn every_picture_is_drawn_and_shown() {
         });
         assert!(
             shown.is_some_and(|words| words.len() > 40),
-            "{name} is not shown, or not told to who cannot see it"
+            "{name} is not shown on the page, or has no alternative text"
         );
     }
 }

@@ -71,7 +71,12 @@ fn words(verdict: Verdict) -> (&'static str, &'static str) {
 
 pub fn picture() -> String {
     let mut sheet = Sheet::default();
-    sheet.left("title", LEFT, 28.0, "What is next of two solids, from what is next of each");
+    sheet.left(
+        "title",
+        LEFT,
+        28.0,
+        "The next crossing of a combination, from the next crossings of its operands",
+    );
     let block = 22.0 + 8.0 * LINE + 28.0;
     for (k, operation) in operations().iter().enumerate() {
         let place = [LEFT + 474.0 * (k % 2) as f64, 52.0 + block * (k / 2) as f64];
@@ -80,7 +85,7 @@ pub fn picture() -> String {
     let y = 52.0 + 2.0 * block;
     sheet.left("tick", LEFT, y, "Rows: A's answer. Columns: B's answer. Where both have a time there is one line for each order of the times.");
     sheet.svg.rectangle("wrong", [LEFT + 1.0, y + 10.0, 22.0, 13.0], r#" rx="3""#);
-    let note = "Where the tables of nine entries, as they are handed down, answer the farther exit instead.";
+    let note = "Here the published nine-entry tables return the farther exit instead.";
     sheet.left("tick", LEFT + 32.0, y + 21.0, note);
     let description = "Four tables, for union, intersection, difference and symmetric difference: from the answers Enter, \
                        Exit, Outside and Exit at infinity of A and of B, the answer of the rule or the operand that it queries again.";

@@ -9,7 +9,7 @@ use rayweave::{Compiled, Ray, Vec3, Weave};
 pub fn operations() -> String {
     let [a, b] = operands();
     let mut picture = Timeline::new();
-    picture.title("Two solids along a ray, their count, and what the operations make of them");
+    picture.title("Two solids along a ray, their count, and the results of the operations");
     picture.operand("A", &a).operand("B", &b);
     picture.result("A | B: count \u{2265} 1", &(&a | &b));
     picture.result("A & B: count = 2", &(&a & &b));
@@ -23,7 +23,7 @@ pub fn inverted() -> String {
     let [a, b] = operands();
     let inverted = !&b;
     let mut picture = Timeline::new();
-    picture.title("A \u{2212} B: the same count, taken of A and the complement of B");
+    picture.title("A \u{2212} B: the same count, of A and the complement of B");
     picture.operand("A", &a).operand("~B", &inverted);
     picture.result("A & ~B: count = 2", &(&a & &inverted));
     assert_eq!(&a & &inverted, &a - &b);

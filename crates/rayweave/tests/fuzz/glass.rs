@@ -2,8 +2,8 @@
 
 use rayweave::optics::glass::{Glass, GlassFileError, read_agf, read_refractiveindex};
 
-/// The property: a file is rejected with reasons, and each glass of it has an index within its range that is a number, or a
-/// reason why not.
+/// The property: a rejected file has reasons, and each readable glass has, within its range, a positive finite index or
+/// an error with a reason.
 pub fn run(data: &[u8]) {
     let Some((&first, rest)) = data.split_first() else { return };
     match first % 2 {

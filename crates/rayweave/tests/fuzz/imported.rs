@@ -66,7 +66,7 @@ pub fn mesh(data: &[u8]) {
 
 /// Lens files of Zemax.
 ///
-/// The property: a file is rejected with reasons at lines of it, or it is written and read again, if it can be written.
+/// The property: a file is rejected with a message, or, if it can be written, it can be read again.
 pub fn zmx(data: &[u8]) {
     match read_zmx(data) {
         Ok(read) => {

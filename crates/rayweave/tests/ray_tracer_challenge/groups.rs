@@ -46,7 +46,7 @@ fn a_point_of_the_world_as_a_nested_object_sees_it() {
     assert!(found.iter().any(|t| t.abs() < 1e-14), "{found:?}");
 }
 
-/// The point of the sphere in the middle between its axes, and its normal in the world.
+/// The point of the sphere on the diagonal between its axes, and its normal in the world.
 const POINT: [f64; 3] = [1.7321, 1.1547, -5.5774];
 const NORMAL: [f64; 3] = [0.2857, 0.4286, -0.8571];
 

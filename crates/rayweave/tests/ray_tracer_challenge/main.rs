@@ -15,11 +15,11 @@
 //!   one.
 //! - **Normals** are oriented by the crossing: outward of the solid, on entry and on exit. The book turns
 //!   them towards the eye, and reports `inside` where the ray leaves.
-//! - **Groups** of the book list all intersections of their children; a union lists those of its boundary.
+//! - **Groups** of the book list all intersections of their children; a union lists only those with its boundary.
 //!   The children in the scenarios do not overlap.
-//! - **A crossing between equal media** is none: inside two transparent spheres, leaving the one without
-//!   effect is an intersection only in the book.
-//! - **Bounds** of a difference contain both operands in the book, the first one here.
+//! - **Equal media.** Inside two transparent spheres, leaving the sphere that does not determine the
+//!   medium is an intersection in the book, but no crossing here.
+//! - **Bounds** of a difference contain both operands in the book, but only the first one here.
 //!
 //! # An incorrect number of the book
 //!
@@ -35,7 +35,7 @@
 //! - Defaults and parents of shapes, and empty groups: nothing to compare.
 //! - The book's `hit`, the first non-negative intersection of a given list: our lists come from solids;
 //!   `shapes.rs` has the corresponding test for spheres.
-//! - Normals at corners of a cube and at the apex of a cone: each of the adjacent faces would be right.
+//! - Normals at corners of a cube and at the apex of a cone: that of each adjacent face would be correct.
 //! - Triangles, meshes and OBJ files (chapter 15): meshes are closed solids here, without smooth normals.
 //! - Splitting of boxes and dividing of groups (bonus chapter): our BVH is built differently.
 

@@ -8,8 +8,8 @@
 //! to the light; both use one thread. Every pixel counts as a ray, background included. The time is that of
 //! tracing and shading alone, without starting, reading, compiling and writing, in processor seconds:
 //! POV-Ray's own figure, and here the CPU time of the thread during the rendering call (wall-clock time where
-//! the system does not report it). The two run alternately, and the shortest run counts. POV-Ray runs with
-//! its hierarchy of slabs and with its binary space partition, and the faster one counts.
+//! the system does not report it). The two run alternately, and the shortest run is reported. POV-Ray runs
+//! with its hierarchy of slabs and with its binary space partition, and the faster one is reported.
 
 mod peer;
 mod scenes;

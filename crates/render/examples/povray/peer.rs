@@ -55,6 +55,6 @@ impl Peer {
         let channels = info.color_type.samples();
         let pixel = |own: &[u8]| [own[0], own[1 % channels], own[2 % channels], 255];
         let values = bytes[..info.buffer_size()].chunks(channels).map(pixel).collect();
-        Image::from_values(self.size, values).ok_or_else(|| "the picture has another size".into())
+        Image::from_values(self.size, values).ok_or_else(|| "the picture has a different size".into())
     }
 }

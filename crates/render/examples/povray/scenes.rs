@@ -127,8 +127,8 @@ fn lattice(rows: usize) -> Solid {
     joint.place((0..rows * rows * rows).map(place).collect::<Vec<_>>())
 }
 
-/// `count` small solids of a few shapes each at random places in a cube; their total volume is independent of
-/// the count.
+/// `count` small solids of five kinds at random places in a cube; their sizes shrink so that the total volume
+/// is about independent of the count.
 fn objects(count: usize) -> Solid {
     let mut random = Random(7);
     let size = 0.9 / (count as f64).cbrt();

@@ -6,9 +6,9 @@ use rayweave::render::Image;
 const REACH: usize = 5;
 const DEVIATION: f64 = 1.5;
 
-/// The mean structural similarity of the luma of two pictures of one size; 1 for equal ones. (Wang, Bovik,
-/// Sheikh, Simoncelli: "Image quality assessment: from error visibility to structural similarity", IEEE TIP
-/// 13(4), 2004: Gaussian window of 11 x 11 pixels, K1 = 0.01, K2 = 0.03.)
+/// The mean structural similarity of the luma of two pictures of the same size; 1 if they are equal. (Wang,
+/// Bovik, Sheikh, Simoncelli: "Image quality assessment: from error visibility to structural similarity",
+/// IEEE TIP 13(4), 2004: Gaussian window of 11 x 11 pixels, K1 = 0.01, K2 = 0.03.)
 pub fn structural(a: &Image, b: &Image) -> f64 {
     let (width, height) = (a.width(), a.height());
     let (x, y) = (luma(a), luma(b));

@@ -59,7 +59,7 @@ pub fn write_column<'a, S>(
     Ok(())
 }
 
-/// Entries below +inf that stand for the root-ray.
+/// The number of entries below +inf in the column of a root-ray.
 fn entries<S>(ray: &RootRay<S>) -> usize {
     ray.roots().len() + usize::from(ray.start().is_inside())
 }

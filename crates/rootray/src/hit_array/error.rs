@@ -8,7 +8,7 @@
 pub enum HitArrayError {
     /// The data do not fill the shape.
     #[error(
-        "{len} numbers do not fill {rows} rows of {columns} columns: rows times columns must be the length."
+        "{len} numbers do not fill {rows} rows of {columns} columns: rows times columns must equal the length."
     )]
     Shape {
         /// Numbers given.
@@ -28,7 +28,7 @@ pub enum HitArrayError {
     },
     /// Different numbers of rays.
     #[error(
-        "array1 has {columns1} columns and array2 has {columns2}: columns are rays, both must have the same."
+        "array1 has {columns1} columns and array2 has {columns2}: each column is a ray, so both need the same number."
     )]
     Columns {
         /// Columns of `array1`.
@@ -64,7 +64,7 @@ pub enum HitArrayError {
     },
     /// `out` is not as long as the result.
     #[error(
-        "out holds {found} numbers, the result has {expected}: rows of both arrays together, times columns."
+        "out holds {found} numbers, but the result has {expected}: the rows of both arrays together, times the columns."
     )]
     OutputLength {
         /// Length of the result.

@@ -13,7 +13,7 @@ pub enum Instructions {
     Scalar,
     /// x86: two f64 or four f32 at a time.
     Sse2,
-    /// x86: the same numbers as `Sse2`.
+    /// x86: as many numbers at a time as with `Sse2`.
     Sse42,
     /// x86: four f64 or eight f32 at a time.
     Avx2,

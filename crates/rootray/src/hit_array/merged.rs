@@ -23,7 +23,7 @@ pub struct MergedHits {
 
 impl MergedHits {
     /// Merges arrays of `columns` columns; a tag identifies the entries of each array. Entries of equal times are in no
-    /// particular order. Skips arrays with other numbers of columns.
+    /// particular order. Skips arrays with a different number of columns.
     ///
     /// O(H N) for H rows in all, and O(n log n) for the n entries of each column.
     pub fn merge<'a>(

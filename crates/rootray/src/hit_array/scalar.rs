@@ -11,8 +11,8 @@ const BLOCK: usize = 16;
 
 /// Calls `kernel` with the two columns and the output column of every ray of a range.
 ///
-/// Blocks of columns are transposed into contiguous scratch and back, so that a kernel works on slices and rows a power of two
-/// apart do not compete for one cache set. The scratch is allocated once.
+/// Blocks of columns are transposed into contiguous scratch and back, so that a kernel works on slices, and rows a power of
+/// two apart do not compete for one cache set. The scratch is allocated once.
 pub(super) fn walk<T: Float, O: Copy + Default>(
     part: &mut Part<'_, T, O>,
     columns: Range<usize>,

@@ -14,7 +14,7 @@ pub(crate) struct Context<'d> {
 }
 
 impl Context<'_> {
-    /// Reports a problem at a place of the document.
+    /// Reports a problem at a position in the document.
     pub fn push(&mut self, problem: Diagnostic, span: Span) {
         self.problems.push(problem.at(&self.document.source, span));
     }

@@ -15,7 +15,7 @@ use std::path::Path;
 /// The maximum number of values in a file of placements.
 const MAX_NUMBERS: u64 = 1 << 26;
 
-/// Reads the maps of a file beside the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
+/// Reads the maps of a file in the folder of the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
 pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Option<Vec<Affine>> {
     let files = context.document.files();
     match read(&files, &files.folder().join(&file.value))
@@ -42,8 +42,8 @@ fn read(files: &AllowedFiles, path: &Path) -> Result<(Vec<f64>, Vec<u64>), Strin
     Ok((array.numbers, array.shape))
 }
 
-/// The solid of a mesh in a file beside the model file. Defects of the mesh are reported as
-/// warnings.
+/// The solid of a mesh in a file in the folder of the model file. Defects of the mesh are reported
+/// as warnings.
 pub(super) fn mesh(context: &mut Context, file: &Spanned<String>, repair: bool) -> Option<Mesh> {
     let files = context.document.files();
     let limits = memory::available().map_or_else(ReadOptions::default, ReadOptions::for_memory);
@@ -82,15 +82,16 @@ fn diagnosed(
     match Polyhedron::closed(mesh, &diagnosis) {
         Ok(solid) => {
             if !diagnosis.is_sound() {
-                let problem = format!("the mesh in `{}` may not be what was meant: {diagnosis}", file.value);
-                let why = "inside is where a line from infinity has crossed it an odd number of times";
+                let problem = format!("the mesh in `{}` may not be as intended: {diagnosis}", file.value);
+                let why =
+                    "a point is inside if a line to it from infinity crosses the mesh an odd number of times";
                 context.push(Diagnostic::warning(problem).why(why), file.span);
             }
             Some(solid.into())
         }
         Err(error) => {
             let problem = Diagnostic::error(format!("the mesh in `{}` is not a solid: {error}", file.value));
-            let advice = "does `repair = true` beside `file` help?".to_owned();
+            let advice = "try `repair = true` in addition to `file`".to_owned();
             let advice = (!repair && error != MeshError::Flat).then_some(advice);
             context.push(problem.why(diagnosis.to_string()).suggest(advice), file.span);
             None
@@ -98,7 +99,7 @@ fn diagnosed(
     }
 }
 
-/// An error of the operating system in words that are the same on all systems.
+/// Describes an error of the operating system in words that are the same on all systems.
 pub fn reason(error: &std::io::Error) -> String {
     match error.kind() {
         std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
@@ -116,7 +117,7 @@ fn to_maps(numbers: &[f64], shape: &[u64]) -> Result<Vec<Affine>, String> {
             let maps = numbers.chunks_exact(16).enumerate().map(|(index, entries)| matrix(index, entries));
             maps.collect::<Result<_, _>>()?
         }
-        _ => return Err(format!("its shape is {shape:?}, it must be (N, 3) or (N, 4, 4)")),
+        _ => return Err(format!("its shape is {shape:?}, but it must be (N, 3) or (N, 4, 4)")),
     };
     for (index, map) in maps.iter().enumerate() {
         map.inverse().map_err(|error| format!("transform {index} of the file: {error}"))?;

@@ -32,7 +32,7 @@ pub(crate) fn resolve(
     evaluate(document, names, definitions, overrides, unreadable, problems)
 }
 
-/// Evaluates a document that is not needed any more. The definition of each solid is dropped once the solid is
+/// Evaluates a document that is no longer needed. The definition of each solid is dropped once the solid is
 /// built, so that a large model takes less memory.
 pub(crate) fn resolve_last(
     mut document: Document,
@@ -62,11 +62,11 @@ fn evaluate(
     }
     // only after all expressions have been evaluated
     numbers.warn_unused(&mut context);
-    // a model of light may consist of sheets alone
+    // an optical model may consist of sheets alone
     if names.is_empty() && document.foreign("optics").is_none() {
         let problem = Diagnostic::warning("the model is empty")
             .why("it has no solid")
-            .suggest(Some("define one, as `[solid.ball]` with `sphere = { radius = 1 }`".to_owned()));
+            .suggest(Some("define one, such as `[solid.ball]` with `sphere = { radius = 1 }`".to_owned()));
         context.problems.push(problem.in_file(&document.source));
     }
     let built = solids.built;

@@ -20,7 +20,7 @@ pub(crate) struct Numbers {
     used: RefCell<HashSet<String>>,
 }
 
-/// The value of a parameter, as given.
+/// The definition of a parameter, as given.
 struct Given {
     source: Arc<Source>,
     span: Span,
@@ -91,7 +91,7 @@ impl Numbers {
         let constant = CONSTANTS.iter().any(|(constant, _)| *constant == name.value);
         if constant {
             let problem = Diagnostic::error(format!("no parameter can be called `{}`", name.value));
-            context.push(problem.why("it is a constant in arithmetic text"), name.span);
+            context.push(problem.why("it is a constant of arithmetic expressions"), name.span);
         }
     }
 
@@ -105,7 +105,7 @@ impl Numbers {
         };
         while let Some(&name) = waiting.last() {
             if path.last() == Some(&name) {
-                // all of its dependencies are resolved at this point
+                // its dependencies have now been evaluated
                 path.pop();
                 on_path.remove(name);
                 waiting.pop();
@@ -186,7 +186,7 @@ impl Numbers {
             Some(function) => Some(format!("Did you mean `{}(..)`?", function.name)),
             None => did_you_mean(name, parameters.chain(constants)),
         };
-        let reason = "it does not stand in [parameters]";
+        let reason = "it is not defined in [parameters]";
         Fault::new(span, format!("unknown parameter `{name}`"), reason).suggest(suggestion)
     }
 
@@ -306,7 +306,7 @@ fn parsed(context: &mut Context, source: &Arc<Source>, text: &str, span: Span) -
     }
 }
 
-/// A cycle as `a -> b -> a`; of a long one only the beginning and the end.
+/// A cycle as `a -> b -> a`; a long one is shortened to its beginning and its end.
 pub(super) fn cycle_text(names: &[&str]) -> String {
     const MAX_LISTED: usize = 10;
     let mut shown: Vec<&str> = match names.len() {

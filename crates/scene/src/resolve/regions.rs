@@ -16,7 +16,7 @@ use std::collections::HashMap;
 /// The name of the medium around everything.
 pub(crate) const WORLD: &str = "world";
 
-/// The media, that of the world first, and the regions.
+/// Builds the media, that of the world first, and the regions.
 pub(super) fn build(
     context: &mut Context<'_>,
     numbers: &mut Numbers,
@@ -34,8 +34,8 @@ pub(super) fn build(
         let stated = entry.name.as_ref().unwrap_or(&entry.solid);
         if let Some(first) = seen.insert(stated.value.as_str(), stated.span) {
             let problem = Diagnostic::error(format!("there are two regions called `{}`", stated.value))
-                .why("answers call regions by their names")
-                .suggest(Some("give one of them another `name`".to_owned()))
+                .why("results refer to regions by name")
+                .suggest(Some("give one of them a different `name`".to_owned()))
                 .note(first, "the first one");
             context.push(problem, stated.span);
         }
@@ -76,8 +76,8 @@ fn region(
     })
 }
 
-/// The regions of a document without `[[region]]`: each solid that no other solid uses, with a
-/// medium of its own.
+/// The regions of a document without `[[region]]`: each solid that no other solid uses, with its
+/// own medium.
 fn implied(solids: &Solids<'_>, media: &mut Media) -> Vec<SceneRegion> {
     let unused = solids.names.iter().zip(&solids.built).zip(&solids.used).filter(|(_, used)| !**used);
     let mut regions = Vec::new();
@@ -93,17 +93,17 @@ fn implied(solids: &Solids<'_>, media: &mut Media) -> Vec<SceneRegion> {
     regions
 }
 
-/// Keys of media that are numbers: density in g/cm3, temperature in K and pressure in Pa. Other keys may be anything.
+/// Keys of media with numeric values: density in g/cm3, temperature in K and pressure in Pa. Other keys may have any value.
 const PHYSICAL: [&str; 3] = ["density", "temperature", "pressure"];
 
-/// The value of a physical quantity, a number or arithmetic text.
+/// The value of a physical quantity, a number or an arithmetic expression.
 fn physical(context: &mut Context, numbers: &Numbers, key: &str, value: &Spanned<Datum>) -> Option<f64> {
     let number = match &value.value {
         Datum::Number(number) => Number::Value(*number),
         Datum::Text(text) => Number::Text(text.clone()),
         other => {
             let problem = Diagnostic::error(format!("`{key}` is {}", other.description()));
-            context.push(problem.why("it must be a number or arithmetic text"), value.span);
+            context.push(problem.why("it must be a number or an arithmetic expression"), value.span);
             return None;
         }
     };

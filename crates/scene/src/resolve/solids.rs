@@ -22,7 +22,7 @@ const MAX_COPIES: u32 = 1 << 22;
 
 /// The definitions of all solids.
 pub(super) enum Definitions<'d> {
-    /// Those of a document.
+    /// The definitions of a document.
     Kept(&'d [SolidEntry]),
     /// Definitions without their names, each dropped once its solid is built.
     Dropped(Vec<Definition>),
@@ -53,7 +53,7 @@ impl Definitions<'_> {
         }
     }
 
-    /// The definition of a solid; none after it was dropped.
+    /// The definition of a solid; `None` after it was dropped.
     fn body(&self, index: usize) -> Option<&Body> {
         match self {
             Definitions::Kept(entries) => Some(&entries[index].body),
@@ -89,9 +89,9 @@ pub(super) struct Solids<'n> {
     pub names: &'n [String],
     /// The number of each name.
     pub index: HashMap<&'n str, usize>,
-    /// In the order of the document; `None` for an invalid solid, whose problem has been reported.
+    /// The solids in the order of the document; `None` for an invalid solid, whose problem has been reported.
     pub built: Vec<Option<Solid>>,
-    /// Whether another solid is made from it.
+    /// Whether another solid uses it.
     pub used: Vec<bool>,
 }
 
@@ -132,7 +132,7 @@ pub(super) fn build<'n>(
     builder.solids
 }
 
-/// The parts of a solid that is made from others.
+/// The parts of a solid that is defined by others.
 struct Joined {
     expression: Option<Expression>,
     /// The numbers of the solids with the places of their names; `None` for unknown ones.
@@ -144,7 +144,7 @@ struct Builder<'n, 'd> {
     definitions: Definitions<'d>,
     /// `None` for shapes and for expressions with errors.
     parts: Vec<Option<Box<Joined>>>,
-    /// Solids with a problem of their own, which has been reported.
+    /// Solids that are themselves invalid; the problem has been reported.
     failed: HashSet<usize>,
 }
 
@@ -177,7 +177,7 @@ impl Builder<'_, '_> {
     fn settle_all(&mut self, context: &mut Context<'_>, numbers: &mut Numbers) {
         let mut states = vec![State::New; self.parts.len()];
         for root in 0..self.parts.len() {
-            // each open solid with the number of its parts that have been visited
+            // the solids on the current path, each with the number of its parts already visited
             let mut path = vec![(root, 0)];
             while let Some((index, next)) = path.pop() {
                 if states[index] == State::Done {
@@ -208,7 +208,7 @@ impl Builder<'_, '_> {
     fn report_cycle(&mut self, context: &mut Context<'_>, path: &[(usize, usize)], index: usize, span: Span) {
         let start = path.iter().position(|(other, _)| *other == index).unwrap_or(0);
         let names: Vec<&str> = path[start..].iter().map(|(i, _)| self.solids.names[*i].as_str()).collect();
-        let problem = Diagnostic::error(format!("the solid `{}` is made from itself", names[0]));
+        let problem = Diagnostic::error(format!("the solid `{}` is defined by itself", names[0]));
         context.push(problem.why(cycle_text(&names)), span);
         self.failed.extend(path[start..].iter().map(|(index, _)| *index));
     }
@@ -282,7 +282,7 @@ fn parts_of_expression(solids: &mut Solids, context: &mut Context, text: &Spanne
     Some(Joined { expression: Some(expression), needs })
 }
 
-/// The number of a solid that another one is made from.
+/// The number of a solid that another one uses.
 fn need(solids: &mut Solids, context: &mut Context, name: &str, span: Span) -> Option<u32> {
     let found = solids.find(context, name, span)?;
     solids.used[found] = true;
@@ -356,8 +356,9 @@ fn mesh(
             ("repair", Datum::Boolean(given)) => repair = *given,
             ("repair", other) => return wrong_type(context, "repair", other, "true or false", value.span),
             _ => {
-                let problem = Diagnostic::error("the mesh has a file and something else");
-                context.push(problem.why("its points and faces stand in the file, or here"), keyword.span);
+                let problem = Diagnostic::error("the mesh has both a file and other parameters");
+                context
+                    .push(problem.why("the points and faces are either in the file or here"), keyword.span);
                 return None;
             }
         }
@@ -415,7 +416,7 @@ fn scalar(context: &mut Context, numbers: &Numbers, name: &str, datum: &Spanned<
     match &datum.value {
         Datum::Number(value) => Some(*value),
         Datum::Text(text) => numbers.text(context, text, datum.span),
-        other => wrong_type(context, name, other, "a number or arithmetic text", datum.span),
+        other => wrong_type(context, name, other, "a number or an arithmetic expression", datum.span),
     }
 }
 
@@ -438,7 +439,10 @@ fn steps(context: &mut Context, numbers: &Numbers, steps: &[Spanned<Step>]) -> O
             maps.push(map);
         }
     }
-    if complete && let Err(error) = product.inverse() {
+    if complete
+        && maps.len() > 1
+        && let Err(error) = product.inverse()
+    {
         let span = steps[0].span.to(steps[steps.len() - 1].span);
         context.push(Diagnostic::error(error.to_string()), span);
         return None;
@@ -563,7 +567,7 @@ fn grid(context: &mut Context, numbers: &Numbers, entry: &Grid) -> Option<Vec<Af
     let copies = u128::from(nx) * u128::from(ny) * u128::from(nz);
     if copies > u128::from(MAX_COPIES) {
         let problem = Diagnostic::error(format!("the grid has {copies} copies"));
-        let reason = format!("the most is {MAX_COPIES}");
+        let reason = format!("the maximum is {MAX_COPIES}");
         context.push(problem.why(reason), count[0].span.to(count[2].span));
         return None;
     }

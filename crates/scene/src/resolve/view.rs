@@ -48,15 +48,15 @@ fn camera(context: &mut Context, numbers: &Numbers, entry: &Spanned<CameraEntry>
 /// If the default +z is parallel, +y replaces it.
 fn sensible_up(context: &mut Context, view: Vec3, up: Vec3, stated: bool, span: Span) -> Option<Vec3> {
     if view == Vec3::ZERO {
-        let problem = Diagnostic::error("the camera looks nowhere");
-        context.push(problem.why("its position is its target"), span);
+        let problem = Diagnostic::error("the camera has no direction of view");
+        context.push(problem.why("its position equals its target"), span);
         return None;
     }
-    // 1e-9 rad: below that the direction to the side has no significant digits
+    // below 1e-9 rad, the direction to the side has no significant digits
     let parallel = view.normalize().cross(up.normalize()).length() < 1e-9;
     if parallel && stated {
         let problem = Diagnostic::error("the camera looks along `up`");
-        context.push(problem.why("the upward direction of the picture is then undefined"), span);
+        context.push(problem.why("the upward direction of the picture is undefined"), span);
         return None;
     }
     Some(if parallel { Vec3::Y } else { up })

@@ -32,12 +32,12 @@ pub fn schema() -> Value {
                 "additionalProperties": solid(),
             },
             "region": {
-                "description": "Solids made of media; later ones win where they overlap.",
+                "description": "Solids made of media; where they overlap, the last one has priority.",
                 "type": "array",
                 "items": region(),
             },
             "medium": {
-                "description": "Media; `world` is the one around everything.",
+                "description": "Media; `world` is the medium around everything.",
                 "type": "object",
                 "additionalProperties": medium(),
             },
@@ -47,7 +47,7 @@ pub fn schema() -> Value {
             "optics": optics::optics(),
             "photons": photons::photons(),
         },
-        // tables of other names belong to other programs
+        // tables with other names belong to other programs
         "additionalProperties": { "type": ["object", "array"] },
         "$defs": definitions(),
     })
@@ -56,7 +56,7 @@ pub fn schema() -> Value {
 fn definitions() -> Value {
     json!({
         "number": {
-            "description": "A number, or arithmetic text over parameters.",
+            "description": "A number, or an arithmetic expression in parameters.",
             "type": ["number", "string"],
         },
         "vector": list("number", 3),
@@ -84,7 +84,7 @@ fn solid() -> Value {
     properties.extend(shapes);
     let bodies: Vec<Value> = properties.keys().map(|key| json!({ "required": [key] })).collect();
     properties.insert("transform".into(), reference("transform"));
-    properties.insert("name".into(), text("What its faces are called by, if not by its own name."));
+    properties.insert("name".into(), text("The name used within its face names; by default its own name."));
     json!({
         "type": "object",
         "properties": properties,
@@ -107,10 +107,11 @@ fn shape(manual: &Manual) -> Value {
     }
 }
 
-/// A mesh, given in the model file or as a file beside it.
+/// A mesh, given in the model file or as a separate file in its folder.
 fn mesh(summary: &str, mut properties: Map<String, Value>, needed: &[&str]) -> Value {
-    properties.insert("file".into(), text("A file beside the model: STL, OBJ, PLY, OFF, 3MF or glTF."));
-    let repair = "Whether a mesh in a file is mended as far as that is safe.";
+    properties
+        .insert("file".into(), text("A file in the folder of the model: STL, OBJ, PLY, OFF, 3MF or glTF."));
+    let repair = "Whether a mesh in a file is repaired as far as that is safe.";
     properties.insert("repair".into(), json!({ "type": "boolean", "description": repair }));
     let mut schema = table(summary, properties.into(), &[]);
     schema["oneOf"] = json!([{ "required": needed }, { "required": ["file"] }]);
@@ -135,7 +136,7 @@ fn place() -> Value {
     let mut place = table(
         "A solid, placed many times.",
         json!({
-            "solid": text("Which solid."),
+            "solid": text("The name of the solid."),
             "grid": list("number", 3),
             "step": reference("vector"),
             "origin": reference("vector"),
@@ -144,7 +145,7 @@ fn place() -> Value {
             "start": reference("number"),
             "at": { "type": "array", "items": reference("vector") },
             "matrices": { "type": "array", "items": reference("matrix") },
-            "file": text("An NPY file beside the model: float64, (N, 3) or (N, 4, 4)."),
+            "file": text("An NPY file in the folder of the model: float64, (N, 3) or (N, 4, 4)."),
             "name": text("The name of the copies in occurrence paths; that of the solid by default."),
             "numbers": { "type": "array", "items": reference("number") },
         }),
@@ -190,10 +191,10 @@ fn region() -> Value {
     table(
         "A solid made of a medium.",
         json!({
-            "solid": text("Which solid."),
-            "medium": text("Which medium; one of its own, if it is not given."),
+            "solid": text("The name of the solid."),
+            "medium": text("The name of the medium; by default, the region has its own medium."),
             "colour": reference("colour"),
-            "name": text("What it is called; like its solid, if it is not given."),
+            "name": text("The name of the region; by default that of its solid."),
         }),
         &["solid"],
     )
@@ -211,7 +212,7 @@ fn medium() -> Value {
 
 fn camera() -> Value {
     table(
-        "From where the picture is taken.",
+        "The camera of pictures.",
         json!({
             "projection": { "enum": ["perspective", "orthographic"] },
             "fov": reference("number"),
@@ -242,7 +243,7 @@ fn light() -> Value {
 
 fn render() -> Value {
     table(
-        "How the picture is drawn.",
+        "Options of pictures.",
         json!({
             "background": reference("colour"),
             "shading": { "enum": Shading::ALL.map(|(_, name)| name) },

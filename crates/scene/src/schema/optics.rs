@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 pub(super) fn optics() -> Value {
     table(
-        "Light: what media are made of, finishes of faces, sheets, sources, settings.",
+        "Light: materials of media, finishes of faces, sheets, sources, settings.",
         json!({
             "branches": { "enum": ["ideal", "both", "random"] },
             "polarised": { "type": "boolean" },
@@ -13,7 +13,7 @@ pub(super) fn optics() -> Value {
             "threshold": reference("number"),
             "seed": reference("number"),
             "medium": {
-                "description": "What the media of the model are made of, by their names.",
+                "description": "Materials by name of the medium.",
                 "type": "object",
                 "additionalProperties": material(),
             },
@@ -23,7 +23,7 @@ pub(super) fn optics() -> Value {
                 "additionalProperties": finish(),
             },
             "sheet": { "description": "Surfaces without thickness.", "type": "array", "items": sheet() },
-            "source": { "description": "What shines.", "type": "array", "items": source() },
+            "source": { "description": "Sources of light.", "type": "array", "items": source() },
         }),
         &[],
     )
@@ -43,7 +43,7 @@ fn material() -> Value {
     let graded = |mut keys: Value, needed: &'static str| {
         keys["gradient"] = place["gradient"].clone();
         keys["transform"] = place["transform"].clone();
-        table("An index that may change from place to place.", keys, &[needed])
+        table("An index that may vary with position.", keys, &[needed])
     };
     json!({
         "description": "A material of the catalogue, an index, `mirror` or `absorber`.",
@@ -65,7 +65,7 @@ fn gradient() -> Value {
         "fish_eye": reference("number"),
         "luneburg": reference("number"),
     });
-    with_one_of("By what the index is multiplied.", json!({}), &laws, &[])
+    with_one_of("The factor of the index as a function of position.", json!({}), &laws, &[])
 }
 
 fn finish() -> Value {
@@ -117,7 +117,7 @@ fn with_one_of(description: &str, mut own: Value, others: &Value, required: &[&s
 
 fn sheet() -> Value {
     let own = json!({
-        "name": text("What it is called."),
+        "name": text("The name of the sheet."),
         "opening": with_one_of("A hole in the middle.", json!({}), &outline(), &[]),
         "radius": reference("number"),
         "conic": reference("number"),
@@ -173,7 +173,7 @@ fn patterns() -> Value {
         "lamp": rays("A Lambertian rectangle.", &["width", "height", "angle"]),
         "point": point,
         "disc": with_one_of("Light from an outline.", disc, &outline(), &["angle", "rays"]),
-        "rays": table("The rays of a file.", json!({ "file": text("Its name, beside the model.") }), &["file"]),
+        "rays": table("Rays from a file.", json!({ "file": text("The name of the file, in the folder of the model.") }), &["file"]),
     })
 }
 

@@ -18,7 +18,7 @@ pub fn table(description: &str, properties: Value, required: &[&str]) -> Value {
     })
 }
 
-/// A text.
+/// A string.
 pub fn text(description: &str) -> Value {
     json!({ "type": "string", "description": description })
 }

@@ -20,17 +20,17 @@ pub(super) fn photons() -> Value {
         "Optical photons in detectors: properties of media, surfaces, sensors.",
         json!({
             "medium": {
-                "description": "Properties of media by their names, with those of Geant4.",
+                "description": "Properties by medium name; the properties have Geant4's names.",
                 "type": "object",
                 "additionalProperties": with_properties("The properties of a medium.", medium, &[]),
             },
             "surface": {
-                "description": "Optical surfaces, with properties by the names of Geant4.",
+                "description": "Optical surfaces; the properties have Geant4's names.",
                 "type": "array",
                 "items": with_properties("An optical surface.", surface, &["name"]),
             },
             "sensor": {
-                "description": "Sensitive regions with the names of their sensors.",
+                "description": "Names of sensors by sensitive region.",
                 "type": "object",
                 "additionalProperties": { "type": "string" },
             },

@@ -1,5 +1,5 @@
-//! Axis-parallel slabs and cylinders in SIMD lanes, as in most machine parts: the operations of the general kernels without
-//! those that add zero or multiply by one.
+//! Axis-parallel slabs and cylinders, the most frequent ones in machine parts, in SIMD lanes: the general kernels without
+//! the operations that add zero or multiply by one.
 
 use super::ray::LaneRay;
 use super::vector::Lanes;
@@ -75,7 +75,8 @@ impl AxisCylinder {
         ([ox - self.point[0], oy - self.point[1]], along)
     }
 
-    /// [`Cylinder::approach`] in the two coordinates perpendicular to the axis, where no speed is a rounding error.
+    /// [`Cylinder::approach`] in the two coordinates perpendicular to the axis, where even the smallest speed is not a
+    /// rounding error.
     #[inline(always)]
     pub(super) fn approach<S: Simd>(&self, ray: &LaneRay<S>) -> Approach<Lanes<S>> {
         let ([x, y], [u, v]) = self.across(ray);

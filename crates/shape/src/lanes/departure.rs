@@ -16,10 +16,10 @@ use rayweave_math::Vec3;
 struct Again<S: Simd> {
     /// Time of the crossing; +inf for none.
     t: Lanes<S>,
-    /// Uncertain lanes: the ray leaves the surface to the other side than listed, or it is tangent, or this
-    /// kernel cannot compute its return.
+    /// Uncertain lanes: the ray does not leave the surface to the listed side, or it is tangent, or this kernel cannot
+    /// compute its return.
     unsure: Mask<S>,
-    /// The square term is small: the ray may stay close to the surface for long.
+    /// True if the square term is small: the ray may stay close to the surface over a long distance.
     slow: Mask<S>,
 }
 
@@ -113,7 +113,7 @@ impl LaneFacet {
         let is_met = t.simd_lt(plus);
         uncertain.always |= unsure;
         if self.is_one_piece {
-            // at equal times the first face is reported, but the other face comes before this one
+            // at equal times the face declared first is reported, but this facet is tested last, whatever its position
             uncertain.always |= is_met & (t.simd_eq(span.from) | t.simd_eq(span.to));
         }
         let face = splat(simd, self.face);

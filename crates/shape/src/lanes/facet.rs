@@ -77,8 +77,8 @@ impl Kernel {
         }
     }
 
-    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets; planes through it separate
-    /// them.
+    /// The point between the two pieces of the inside of a cone or a hyperboloid of two sheets; some planes through it
+    /// separate the pieces.
     pub fn waist(&self) -> Option<Vec3> {
         match self {
             Kernel::Cone(cone) => Some(cone.apex),
@@ -106,8 +106,8 @@ pub struct LaneFacet {
     pub surfaces: [f64; 2],
     /// Number of the gap that the facet may cut out of the span of its leaf, from 1: see [`LaneFacet::can_gap`].
     pub gap: u32,
-    /// True if the other facets leave at most one piece of the span of this one, whatever gap it has. Rays for which this
-    /// fails are uncertain; such a facet must be the last.
+    /// True if the other facets of the leaf are expected to cut off one of the two pieces that the gap of this facet
+    /// leaves. Rays for which both pieces remain are uncertain; such a facet must be the last.
     pub is_one_piece: bool,
 }
 
@@ -347,7 +347,7 @@ impl LaneFacet {
         let mut gap = Gap { from: narrows.select(plus, roots.from), to: narrows.select(minus, roots.to) };
         if self.is_one_piece {
             let [before, after] = gap.pieces(span);
-            // at equal times the first face is reported, but the other face comes before this one
+            // at equal times the face declared first is reported, but this facet is tested last, whatever its position
             uncertain.always |= (before & after) | Self::meets_ends(roots, span);
             let cuts = gap.from.simd_lt(gap.to);
             to = (cuts & before).select(gap.from, to);

@@ -1,10 +1,11 @@
 //! The kernels of [`surface`](crate::surface) for eight rays at a time, in SIMD lanes.
 //!
 //! Each lane performs the operations of the scalar kernel in the same order, and so computes the same bits: the scalar
-//! kernel is the specification. Most arithmetic is the same source, generic over [`Real`](crate::real::Real). The lane forms
-//! of planes (in `facet`), of tori (in `torus`, `torus_line`) and of quadratic equations (in `quadratic`) are written
-//! separately; `tests/lanes.rs` compares all kernels with the scalar ones. If a lane cannot do that (the ray may lie in a surface, numbers are near the ends of the
-//! range), it raises a [`Uncertain`], and the ray falls back to the scalar kernel.
+//! kernel is the specification. Most arithmetic is the same source, generic over [`Real`](crate::real::Real). The lane
+//! forms of planes (in `facet`), of tori (in `torus`, `torus_line`) and of quadratic equations (in `quadratic`) are
+//! written separately; `tests/lanes.rs` compares all kernels with the scalar ones. A lane that cannot do that (the ray
+//! may lie in a surface, or numbers are near the ends of the range) is marked as [`Uncertain`], and its ray falls back
+//! to the scalar kernel.
 //!
 //! All functions are generic over the instruction set and must be inlined into a caller that is compiled for it
 //! ([`fearless_simd::dispatch`]).

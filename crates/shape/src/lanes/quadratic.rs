@@ -10,7 +10,7 @@ use fearless_simd::prelude::*;
 use rayweave_math::UNIT_ROUNDOFF;
 
 /// f along the rays: `square s^2 + 2 b s + c` about the time `shift + s`. (A trait, because a closure in place of
-/// [`Form::at`] might not be inlined and then be compiled for another instruction set.)
+/// [`Form::at`] might not be inlined, and would then be compiled for a different instruction set.)
 pub(super) trait Form<S: Simd> {
     /// Time of closest approach to the centre of the surface.
     fn shift(&self) -> Lanes<S>;
@@ -58,8 +58,8 @@ pub(super) trait Form<S: Simd> {
     }
 }
 
-/// The interval in which f has the opposite sign of its sign far away; empty, from +inf to -inf, if there is none. If the
-/// square term is 0, the interval in which f < 0.
+/// The interval in which the sign of f is opposite to its sign far away; empty, from +inf to -inf, if there is none. If
+/// the square term is 0, the interval in which f < 0.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Roots<S: Simd> {
     /// Start of the interval.
@@ -159,8 +159,8 @@ fn split<S: Simd>(a: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
     (high, a - high)
 }
 
-/// True if the ray may lie in the surface, by a single value of f in the middle of the chord, at the time `late` after the
-/// closest approach to the centre.
+/// True if the ray may lie in the surface, judged by a single value of f in the middle of the chord, at the time `late`
+/// after the closest approach to the centre.
 ///
 /// Within a distance M of the centre the gradient is at most `2 bend M + linear`, so a ray in the surface has
 /// `|f| <= delta (2 bend M + linear)` there, and `near` is at least twice that delta. Both this value and the one of
@@ -188,9 +188,9 @@ impl<S: Simd> Roots<S> {
     /// it is short: f is a quadratic, so `|slope| h = |4 f(middle) - f(end) - 3 f(root)| <= 8 max |f|`, where `|f|` is at
     /// most `delta (G + bend delta)`. `G = 2 bend L` bounds the gradient including its linear part, with L the lengths in
     /// `delta = 64 u L` at the later end. `|slope| > 1e-4 |d| G` at the root implies `|d| h <= 8e4 delta L / L(root)`,
-    /// where |d| is the taxicab length, as in [`LaneRay::may_coincide`], which is uncertain up to `8e5 delta`: enough for L
-    /// below 10 L(root). Farther away |d| h is at least 0.9 L, so L would have to be 1e9 L(root); such times are uncertain,
-    /// too.
+    /// where |d| is the taxicab length, as in [`LaneRay::may_coincide`], which reports pieces up to `8e5 delta` as
+    /// uncertain: enough for L below 10 L(root). Farther away |d| h is at least 0.9 L, so L would have to be 1e9 L(root);
+    /// such times are uncertain, too.
     #[inline(always)]
     pub fn is_gentle(&self, ray: &LaneRay<S>, t: Lanes<S>, bend: f64) -> Mask<S> {
         let slope = ray.lengths_at(t) * ray.speed * bend;

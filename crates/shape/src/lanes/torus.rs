@@ -45,7 +45,7 @@ pub(super) struct TorusInterval<S: Simd> {
     pub gap: Gap<S>,
 }
 
-/// Largest compression of an image; rays with stronger ones fall back to the scalar kernel.
+/// Largest compression of an image; more strongly compressed images are left to the scalar kernel.
 const MAX_SQUEEZED: f64 = 1e6;
 /// Margin around the torus, relative to its size.
 const ROOM: f64 = 1e-3;
@@ -135,8 +135,8 @@ impl LaneTorus {
         v.dots([map.row(0), map.row(1), map.row(2)])
     }
 
-    /// True if the ray may cross the torus at a grazing angle at a time, so that there is no bound for how long it stays
-    /// close to the torus.
+    /// True if the ray may cross the torus at a grazing angle at the given time, so that the time it stays close to the
+    /// torus has no bound.
     ///
     /// The derivation uses the torus's own frame and arc length. `delta` is the tolerance at the later end of a piece [0,
     /// h] that begins (or ends) at a root, times `norm`. For a ray within it, the distance D from the centre circle of
@@ -150,10 +150,10 @@ impl LaneTorus {
     ///    `bend h / 4` for all such h, then `|g(h / 4) - g(0)| >= slope h / 8`, which is at most `4 delta c`:
     ///    `h <= 32 delta c / slope`.
     ///
-    /// [`LaneRay::may_coincide`] is uncertain up to `8e5 delta / norm` in the world, measured in the taxicab length of the
-    /// direction. That is more if `slope |d| > 1.2e-4 minor norm |d world|` (and delta <= minor). It remains that delta
-    /// belongs to the later end. Up to a time as far from the root as the root is from all the origins of lengths, it is at
-    /// most twice the delta at the root, which is used here; 1. excludes longer pieces.
+    /// [`LaneRay::may_coincide`] reports pieces up to `8e5 delta / norm` in the world, in the taxicab length of the
+    /// direction, as uncertain. That is more if `slope |d| > 1.2e-4 minor norm |d world|` (and delta <= minor). It remains
+    /// that delta belongs to the later end. Up to a time as far from the root as the root is from all the origins of
+    /// lengths, it is at most twice the delta at the root, which is used here; 1. excludes longer pieces.
     ///
     /// The slope is that of the last evaluation of g, one step from the root, at most an eighth of rho; so `1 / rho` is
     /// larger by at most 8/7, and the slope smaller by `bend step`. All lengths are in units in which major + minor is

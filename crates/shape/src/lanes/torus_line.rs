@@ -119,7 +119,7 @@ struct Points<S: Simd> {
     below: [Mask<S>; 2],
 }
 
-/// Most steps of a search; longer ones are left to the scalar kernel.
+/// The largest number of steps of a search; longer ones are left to the scalar kernel.
 const STEPS: usize = 24;
 
 /// Margin of the hole, relative to its size.
@@ -176,8 +176,8 @@ fn cube_root<S: Simd>(simd: S, x: Lanes<S>) -> Lanes<S> {
 }
 
 impl<'r, S: Simd> Lines<'r, S> {
-    /// The lines through the points q relative to the torus's centre along d of the given lengths, and the factors from
-    /// times to arc lengths.
+    /// The lines through the points q (relative to the torus's centre) along the directions d, which have the given
+    /// lengths, and the factors from times to arc lengths.
     #[inline(always)]
     pub fn new(ring: &'r Ring, q: Vec3Lanes<S>, d: Vec3Lanes<S>, length: Lanes<S>) -> (Self, Lanes<S>) {
         let q = Vec3Lanes { x: q.x * ring.scale, y: q.y * ring.scale, z: q.z * ring.scale };

@@ -17,7 +17,7 @@ impl Arguments {
         parameters: &'static [Parameter],
         given: &[(&str, Value)],
     ) -> Result<Arguments, ShapeError> {
-        refuse_unknown(shape, parameters, given)?;
+        reject_unknown(shape, parameters, given)?;
         let values = parameters
             .iter()
             .map(|parameter| Ok((parameter.name, read_one(shape, parameter, given)?)))
@@ -30,8 +30,7 @@ impl Arguments {
         all.find(|(known, _)| *known == name).map(|(_, value)| value)
     }
 
-    /// A number. NaN, which no primitive accepts, if there is no number with this name; the same holds for the other
-    /// getters.
+    /// The number with this name; NaN, which no primitive accepts, if there is none.
     pub fn number(&self, name: &str) -> f64 {
         match self.value(name) {
             Some(Value::Number(number)) => *number,
@@ -85,7 +84,7 @@ impl Arguments {
     }
 }
 
-fn refuse_unknown(
+fn reject_unknown(
     shape: &'static str,
     parameters: &'static [Parameter],
     given: &[(&str, Value)],

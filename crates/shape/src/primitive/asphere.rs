@@ -234,10 +234,10 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Asphere::new(2.0, [0.8, 0.0], [&[], &[]], 1.0)),
-            "asphere: the aperture's radius is 2: the conic ends at 1.25, where the root in it becomes imaginary. Is the curvature too large?"
+            "asphere: the aperture's radius is 2: the conic ends at 1.25, where its square root becomes imaginary. Is the curvature too large?"
         );
         assert_eq!(
             message(Asphere::new(1.0, [0.8, 0.0], [&[0.0, f64::INFINITY], &[]], 1.0)),

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert!(message(Biconic::new(1.0, [0.1, 2.0], [0.0, 0.0], 1.0)).contains("the conic ends at 0.5"));
         assert!(message(Biconic::new(1.0, [0.1, f64::NAN], [0.0, 0.0], 1.0)).contains("curvature_y is nan"));
     }

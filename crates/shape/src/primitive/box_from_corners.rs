@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(BoxFromCorners::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0))),
             "box_from_corners: lo[1] is 0 and hi[1] is 0: lo must be less than hi. Are they the wrong way round?"

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(CentredBox::new(Vec3::new(1.0, 1.0, -2.0))),
             "box: size[2] is -2: size must be finite and greater than 0. Did you mean 2?"

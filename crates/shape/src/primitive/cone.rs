@@ -189,10 +189,10 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Cone::new(0.0, 0.0, 1.0)),
-            "cone: radius1 and radius2 are both 0: then nothing is left. Did you mean one of them?"
+            "cone: radius1 and radius2 are both 0: the solid would be empty. Should one of them be positive?"
         );
         assert_eq!(
             message(Cone::new(1.0, 0.5, f64::INFINITY)),

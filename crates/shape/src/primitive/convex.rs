@@ -11,8 +11,8 @@
 //! The planes need not enclose a bounded solid: it may be unbounded, and it is empty if no point is behind all
 //! planes. The first three numbers of a row must not all be 0. The bounds are the smallest ones for up to 64 planes
 //! (they may be larger beyond that), and infinite where the solid is unbounded. An empty solid has empty bounds if
-//! there are at most 64 planes, if they surround it on all sides, and if they miss a common point by more than one
-//! part in 1e9.
+//! there are at most 64 planes, if they bound it in every direction, and if they miss a common point by more than
+//! one part in 1e9.
 
 use super::half_space::{check_plane, random_normal};
 use super::shape::between;
@@ -33,6 +33,11 @@ impl Convex {
     /// The points with a x + b y + c z < d for all rows (a, b, c, d).
     pub fn new(planes: Vec<[f64; 4]>) -> Result<Convex, ShapeError> {
         Convex { planes }.validated()
+    }
+
+    /// The rows (a, b, c, d), one for each face.
+    pub fn planes(&self) -> &[[f64; 4]] {
+        &self.planes
     }
 }
 
@@ -302,14 +307,14 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Convex::new(vec![])),
             "convex: planes is an empty list: planes must be 1 row or more of 4 numbers. Are there too few or too many numbers?"
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]])),
-            "convex: planes[1] is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?"
+            "convex: planes[1] is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?"
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, f64::INFINITY, 1.0]])),
@@ -317,7 +322,7 @@ mod tests {
         );
         assert_eq!(
             message(Convex::new(vec![[1e-100, 0.0, 0.0, 1.0]])),
-            "convex: planes[0][3] is 1e100: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?"
+            "convex: planes[0][3] is 1e100: only lengths from 1e-60 to 1e60 are supported. Is the unit right?"
         );
     }
 }

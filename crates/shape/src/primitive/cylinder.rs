@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Cylinder::new(1.0, -2.0)),
             "cylinder: height is -2: height must be greater than 0, or inf. Did you mean 2?"

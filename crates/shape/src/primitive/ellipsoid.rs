@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Ellipsoid::new(Vec3::new(1.0, 0.0, 1.0))),
             "ellipsoid: radii[1] is 0: radii must be finite and greater than 0."

@@ -39,9 +39,7 @@ pub enum ShapeError {
         kind: ParameterKind,
     },
     /// A parameter was given more than once.
-    #[error(
-        "{shape}: {parameter} is given more than once: each parameter has one value. Which one is meant?"
-    )]
+    #[error("{shape}: {parameter} is given more than once: each parameter has one value. Keep one of them.")]
     RepeatedParameter {
         /// The primitive.
         shape: &'static str,
@@ -79,7 +77,7 @@ pub enum ShapeError {
         suggestion: Option<f64>,
     },
     /// A length beyond the range of computation.
-    #[error("{shape}: {parameter}{} is {}: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?", at(.index), short(*.value))]
+    #[error("{shape}: {parameter}{} is {}: only lengths from 1e-60 to 1e60 are supported. Is the unit right?", at(.index), short(*.value))]
     Extreme {
         /// The primitive.
         shape: &'static str,
@@ -91,7 +89,7 @@ pub enum ShapeError {
         value: f64,
     },
     /// A normal of length zero.
-    #[error("{shape}: {parameter}{} is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?", at(.index))]
+    #[error("{shape}: {parameter}{} is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?", at(.index))]
     ZeroNormal {
         /// The primitive.
         shape: &'static str,
@@ -117,7 +115,9 @@ pub enum ShapeError {
         hi: f64,
     },
     /// Two parameters that are both zero; at most one may be.
-    #[error("{shape}: {first} and {second} are both 0: then nothing is left. Did you mean one of them?")]
+    #[error(
+        "{shape}: {first} and {second} are both 0: the solid would be empty. Should one of them be positive?"
+    )]
     BothZero {
         /// The primitive.
         shape: &'static str,

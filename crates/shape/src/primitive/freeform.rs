@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         let many = vec![1e-3; 500];
         assert!(message(Freeform::new(1.0, [0.0, 0.0], [&many, &[]], 0.0, 1.0)).contains("of degree 31"));
         assert!(message(Freeform::new(1.0, [0.0, 0.0], [&[], &many], 0.0, 1.0)).contains("of degree 31"));

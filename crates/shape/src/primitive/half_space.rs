@@ -157,10 +157,10 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(HalfSpace::new(Vec3::ZERO, 1.0)),
-            "half_space: normal is a normal of length zero: it must say which way the plane faces. Did you mean [0, 0, 1]?"
+            "half_space: normal is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?"
         );
         assert_eq!(
             message(HalfSpace::new(Vec3::new(0.0, f64::NAN, 1.0), 1.0)),
@@ -168,7 +168,7 @@ mod tests {
         );
         assert_eq!(
             message(HalfSpace::new(Vec3::new(0.0, 1e-200, 0.0), 1.0)),
-            "half_space: offset is 1e200: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?"
+            "half_space: offset is 1e200: only lengths from 1e-60 to 1e60 are supported. Is the unit right?"
         );
         assert!(message(HalfSpace::new(Vec3::Z * 1e-310, 1.0)).contains("offset is inf: only lengths"));
         assert_eq!(HalfSpace::new(Vec3::Z * 1e-310, 0.0).unwrap().lower().bounds.hi.z, 0.0);

@@ -117,7 +117,7 @@ impl Shape for Mesh {
         let hollows =
             (0..6).map(|k| std::array::from_fn(|axis| if k / 2 == axis { sign(k, 0) } else { 0.0 }));
         let faces: Vec<[f64; 3]> = (0..8).flat_map(spike).map(|face| face.map(f64::from)).collect();
-        // closed, by a count of the faces by hand
+        // a count of the faces by hand shows that it is closed
         Mesh::from_rows(tips.chain(hollows).collect(), &faces).unwrap_or_else(|_| tetrahedron([[0.0; 3]; 5]))
     }
 
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         let rows = |rows: &[[f64; 3]]| Value::Rows(rows.iter().map(|row| row.to_vec()).collect());
         let build = |vertices: &[[f64; 3]], faces: &[[f64; 3]]| {
             message(super::super::build("mesh", &[("vertices", rows(vertices)), ("faces", rows(faces))]))

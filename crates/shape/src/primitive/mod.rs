@@ -1,4 +1,4 @@
-//! Primitive solids: an open set, one file per primitive, which begins with its manual page.
+//! Primitive solids: an open set. Each has its own file, which begins with its manual page.
 //!
 //! To add one, write its file (copy a similar one) and add two lines below: the module, and the entry in the list. The list
 //! generates the enum [`Primitive`], the names in all interfaces, the [`MANUALS`], [`build`], and the examples and random

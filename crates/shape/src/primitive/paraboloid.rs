@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Paraboloid::new(0.0, 1.0)),
             "paraboloid: focal_length is 0: focal_length must be finite and greater than 0."

@@ -15,7 +15,7 @@ pub struct Parameter {
     pub unit: ParameterUnit,
     /// Range of each of its numbers.
     pub range: Range,
-    /// Default value; `None` if the parameter is required, or is a list, which is then empty by default.
+    /// Default value; `None` if the parameter is required or is an optional list, whose default is empty.
     pub default: Option<f64>,
     /// Meaning, in a few words.
     pub summary: &'static str,

@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         let with = |sides: f64| {
             let arguments = [("sides", sides.into()), ("radius", 1.0.into()), ("height", 1.0.into())];
             message(build("prism", &arguments))

@@ -9,7 +9,7 @@
 //! Face: `side`.
 //!
 //! With A the upper left 3 x 3 block, b the first three entries of the last column and c the last entry, a point p is
-//! inside if p^T A p + 2 b . p + c < 0. A positive factor has no effect, a negative one exchanges inside and outside.
+//! inside if p^T A p + 2 b . p + c < 0. A positive factor of Q has no effect; a negative one swaps inside and outside.
 //! Q must be symmetric; asymmetry within rounding (64 units in the last place of its largest entry) is averaged.
 //!
 //! Degenerate matrices are allowed: pairs of planes (a slab or two wedges), cylinders over any conic, cones. If A is
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         let mut q = *Quadric::example().matrix;
         q[1][2] = 0.5;
         assert_eq!(

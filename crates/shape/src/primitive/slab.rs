@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Slab::new(Vec3::X, 1.0, 1.0)),
             "slab: lo is 1 and hi is 1: lo must be less than hi. Are they the wrong way round?"

@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Sphere::new(-1.0)),
             "sphere: radius is -1: radius must be finite and greater than 0. Did you mean 1?"

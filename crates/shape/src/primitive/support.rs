@@ -2,8 +2,8 @@
 //!
 //! By duality the maximum of `c . p` subject to `n_i . p <= d_i` for all i is the minimum of `sum l_i d_i` over all
 //! `l_i >= 0` with `sum l_i n_i = c`, and at most three planes attain it (Dantzig, *Linear Programming and Extensions*,
-//! 1963, chapters 6 and 7). Every such combination is an upper bound of `c . p`, so that omissions can only make the
-//! result too large, never too small.
+//! 1963, chapters 6 and 7). Every such combination is an upper bound of `c . p`, so omitting combinations can make the
+//! result too large but never too small.
 
 use crate::surface::Plane;
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3, unit};
@@ -124,7 +124,7 @@ fn meeting(planes: [&Plane; 3], dual: [Vec3; 3], determinant: f64) -> Vec3 {
     parts.fold(Vec3::ZERO, |sum, part| sum + part) / determinant
 }
 
-/// True if every intersection of three planes violates another plane by far: a polyhedron with finite extents is then
+/// True if every intersection of three planes clearly violates another plane: a polyhedron with finite extents is then
 /// empty.
 fn has_no_vertex(planes: &[Plane]) -> bool {
     let n = planes.len();

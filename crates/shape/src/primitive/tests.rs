@@ -124,7 +124,7 @@ fn bounds_hold_what_is_inside() {
     }
 }
 
-/// Along random rays the crossings of the kernels agree with the signs of the functions at points.
+/// Along random rays the crossings that the kernels report agree with the signs of f at points between them.
 #[test]
 fn crossings_agree_with_the_signs_at_points() {
     let mut rng = uniform(10);
@@ -150,7 +150,7 @@ fn crossings_agree_with_the_signs_at_points() {
 }
 
 #[test]
-fn pages_tell_what_the_code_does() {
+fn pages_agree_with_the_code() {
     for manual in MANUALS {
         let page = manual.text;
         assert!(page.contains(&parameter_table(manual.parameters)), "{page}");
@@ -184,7 +184,7 @@ fn faces_have_the_names_of_the_page_each_once() {
 }
 
 #[test]
-fn refusals_of_names() {
+fn unknown_names_are_rejected() {
     let number = |x: f64| Value::Number(x);
     assert_eq!(
         message(build("spehre", &[])),
@@ -201,12 +201,12 @@ fn refusals_of_names() {
     );
     assert_eq!(
         message(build("sphere", &[("radius", number(1.0)), ("radius", number(1.0))])),
-        "sphere: radius is given more than once: each parameter has one value. Which one is meant?"
+        "sphere: radius is given more than once: each parameter has one value. Keep one of them."
     );
 }
 
 #[test]
-fn refusals_of_values() {
+fn invalid_values_are_rejected() {
     let refuse = |name: &str, parameter: &str, value: Value| message(build(name, &[(parameter, value)]));
     assert_eq!(
         refuse("sphere", "radius", Value::Vector(vec![1.0, 2.0])),
@@ -226,15 +226,15 @@ fn refusals_of_values() {
     );
     assert_eq!(
         refuse("sphere", "radius", Value::Number(1e200)),
-        "sphere: radius is 1e200: only lengths from 1e-60 to 1e60 can be computed with. Is the unit right?"
+        "sphere: radius is 1e200: only lengths from 1e-60 to 1e60 are supported. Is the unit right?"
     );
     let error = build("box", &[("size", Value::Vector(vec![1.0, 2.0, -3.0]))]).unwrap_err();
     assert_eq!((error.parameter(), error.index()), (Some("size"), vec![2]));
 }
 
-/// Every parameter of every primitive refuses NaN at every position, and every default is in range.
+/// Every parameter of every primitive rejects NaN at every position, and every default is in range.
 #[test]
-fn nan_is_refused_everywhere() {
+fn nan_is_rejected_everywhere() {
     for example in Primitive::examples() {
         for (k, parameter) in example.manual().parameters.iter().enumerate() {
             let default = parameter.default_value();

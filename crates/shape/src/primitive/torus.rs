@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Torus::new(1.0, 0.0)),
             "torus: minor is 0: minor must be finite and greater than 0."

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Tube::new(1.0, 2.0, 1.0)),
             "tube: inner_radius is 2 and outer_radius is 1: inner_radius must be less than outer_radius. Are they the wrong way round?"

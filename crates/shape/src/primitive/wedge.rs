@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals() {
+    fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(Wedge::new(0.0, 360.0)),
             "wedge: sweep_degrees is 360: sweep_degrees must be greater than 0 and less than 360."

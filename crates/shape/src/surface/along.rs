@@ -11,14 +11,14 @@
 //! The leading coefficient `a` (for a plane, `n . d`) carries the rounding of the direction's components along the
 //! surface's axes: those axes are rounded to 2 u per component, a dot product of three terms to 3 u, so that `e . d` is
 //! uncertain by 5 u times the sum of the absolute values of its terms. Where `a` is smaller than that, even its sign is
-//! unknown: the ray may as well be parallel to the plane, or asymptotic to the quadric, and a crossing that exists only
-//! because of `a` would be reported at times of 1e8 (quadrics) or 1e15 (planes). Such a crossing is dropped; others keep
-//! their bits.
+//! unknown: the ray may just as well be parallel to the plane, or asymptotic to the quadric, and a crossing that exists
+//! only because of `a` would be reported at times of 1e8 (quadrics) or 1e15 (planes). Such a crossing is dropped; others
+//! keep their bits.
 //!
 //! This stays within the tolerance of surfaces, `delta(t) = 64 u (|o| + |t| |d| + ...)`: a plane is off the ray by less
 //! than `8 sqrt(3) u |t| |d|` where the side is wrong, and f of a quadric changes by `noise t^2` where its gradient is of
-//! the order of `|t| |d|`. With a coordinate axis as normal or axis each sum has one term, which exceeds its own bound: a
-//! plane across a coordinate axis, or a cylinder along one, loses no crossing.
+//! the order of `|t| |d|`. If the normal or axis is a coordinate axis, each sum has a single term, which exceeds its own
+//! error bound: a plane across a coordinate axis, or a cylinder along one, loses no crossing.
 
 use super::SurfaceCrossings;
 use crate::Ray;
@@ -37,7 +37,7 @@ pub fn taxicab(v: Vec3) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
 
-/// `n . d`, or 0 if rounding may have made its sign.
+/// `n . d`, or 0 if its sign may be due to rounding.
 pub fn certain_dot(n: Vec3, d: Vec3) -> f64 {
     let dot = n.dot(d);
     if dot.abs() <= DOT_NOISE * n.abs().dot(d.abs()) { 0.0 } else { dot }
@@ -114,8 +114,8 @@ pub fn quadratic_crossings(shift: f64, noise: f64, at: impl Fn(f64) -> Coefficie
     quadratic(a, b, c).shifted(shift)
 }
 
-/// The crossings without those that an error of `noise` in the square term may have made: f(0) = c changes its sign only where
-/// `noise t^2` is smaller.
+/// The crossings without those that may be due to an error of `noise` in the square term: those at which `noise t^2` is at
+/// least |c|, with f(0) = c.
 fn without_far_roots(crossings: Crossings<2>, noise: f64, c: f64) -> Crossings<2> {
     let times = crossings.times();
     let is_far = |t: f64| t != 0.0 && noise * t * t >= c.abs();
@@ -155,8 +155,8 @@ impl Departure {
     }
 
     /// Refines the remaining root of a quadric by one Newton step. The start lies on the surface only up to rounding, and
-    /// far away, e.g. near the apex of a cone, this f(0) may exceed f itself. A large step is rejected, since it would
-    /// reach the root at the start.
+    /// its residual f(0) may exceed f itself far from the start, e.g. near the apex of a cone. A large step is rejected,
+    /// since it could lead back to the root at the start.
     pub fn polished(self, step: impl FnOnce(f64) -> f64) -> Departure {
         let &[t] = self.times.times() else {
             return self;
@@ -171,12 +171,12 @@ impl Departure {
     /// Crossings of a ray that is on the side `inside` just after its start according to the start list. `along_w` is the
     /// side of a ray that lies in the surface. If list and direction disagree, the first time is 0.
     pub fn crossings(&self, inside: bool, along_w: impl FnOnce() -> bool) -> SurfaceCrossings {
-        let led = self.negative_after.unwrap_or_else(along_w);
+        let is_inside_after = self.negative_after.unwrap_or_else(along_w);
         let mut times = [0.0; 4];
         let rest = self.times.times();
         let count = rest.len().min(3);
         times[1..=count].copy_from_slice(&rest[..count]);
-        let first = usize::from(led == inside);
+        let first = usize::from(is_inside_after == inside);
         Crossings::new(inside, &times[first..=count])
     }
 }

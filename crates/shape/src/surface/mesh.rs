@@ -57,8 +57,8 @@ impl MeshForm {
         });
     }
 
-    /// True if a piece of a ray lies in the plane of a triangle at the given end; `None` if each such triangle contains the
-    /// whole chord of the ray through the ball around the mesh, and so is not crossed.
+    /// True if a piece of a ray lies in the plane of a triangle at the given end; `None` if the plane of each such triangle
+    /// contains the whole chord of the ray through the ball around the mesh, so that none is crossed.
     fn faces_coincident_from(
         &self,
         end: f64,

@@ -41,7 +41,7 @@ impl Plane {
         (point.dot_all(self.normal) - self.offset, point.same(self.normal))
     }
 
-    /// `[a, b]` of f along a ray that starts on the plane, up to a factor: `a` is 0, no root remains.
+    /// `[a, b]` of f along a ray that starts on the plane, up to a factor: `a` is 0, so no root remains.
     #[inline(always)]
     pub(crate) fn departure<R: Real>(&self, direction: Vector<R>) -> [R; 2] {
         let speed = direction.dot_all(self.normal);

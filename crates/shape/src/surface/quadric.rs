@@ -3,8 +3,8 @@
 //!
 //! The matrix `sum w_k e_k e_k^T` is not stored: for a thin ellipsoid with half axes 1 and h, rounding its entries to u
 //! would move the far ends by u / h^2. A rounding of e_k . q, at most 3 u |q|, moves the surface by at most
-//! `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3) u |q|` for perpendicular axes,
-//! whatever the weights.
+//! `sum |w_k (e_k . q)| 3 u |q| / |sum w_k (e_k . q) e_k|`, which is below `3 sqrt(3) u |q|` for perpendicular axes and
+//! any weights.
 
 use super::Surface;
 use super::along::{SQUARE_NOISE, quadratic_crossings, recentred};
@@ -135,6 +135,15 @@ impl Quadric {
     /// True unless all weights have the same sign (an ellipsoid, a point or nothing).
     pub fn is_ruled(&self) -> bool {
         !(self.weights.cmpgt(Vec3::ZERO).all() || self.weights.cmplt(Vec3::ZERO).all())
+    }
+
+    /// True for a cylinder over a conic: f does not change along one of the principal axes.
+    pub fn is_cylinder(&self) -> bool {
+        (0..3).any(|k| {
+            // the rounding of a dot product with an axis
+            let noise = 8.0 * UNIT_ROUNDOFF * self.axes[k].abs().dot(self.linear.abs());
+            self.weights[k] == 0.0 && self.axes[k].dot(self.linear).abs() <= noise
+        })
     }
 
     /// Distance of the centre from the origin plus the size: the *shortest* half axis `sqrt(|constant|)` and the length

@@ -1,13 +1,13 @@
 //! Surface sharing: finds equal surfaces of a group and replaces them by one canonical representative.
 //!
-//! Touching solids each bring a copy of their common face, and the copies differ by the rounding of their placement maps.
+//! Two touching solids have two copies of their common face, which differ by the rounding of the placement maps.
 //! Compilation identifies equal surfaces, so that their roots are bit-identical. Copies that are not identified here are
 //! still welded along each ray: sharing is an improvement, not a requirement.
 //!
-//! Two surfaces of the same kind are equal if all their parameters are: components of unit vectors within 64
-//! u, lengths within 64 u times the larger magnitude of the two, factors within 64 u relative; axes and
-//! planes in either sense. Objects are equal if their forms are bit-identical and their placements equal in
-//! this sense.
+//! Two surfaces of the same kind are equal if all their parameters are: components of unit vectors within 64 u, lengths
+//! within 64 u times the larger magnitude of the two, factors within 64 u relative; axes and planes in either sense.
+//! Affine images of tori must have equal parameters. Objects are equal if their forms are bit-identical and their
+//! placements equal within these tolerances.
 //!
 //! *Method*: a sorted sweep. The surfaces of one kind are sorted by one parameter and cut wherever neighbours differ by
 //! more than the tolerance; each part is sorted by the next parameter, until no parameter cuts it. (Hashing of rounded
@@ -44,7 +44,7 @@ impl std::fmt::Display for WideClass {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(
             f,
-            "surfaces {} and {} are too far apart to be one and too well joined by others to be two: a chain of nearly equal faces. Round their coordinates to fewer digits.",
+            "surfaces {} and {} are neither equal nor distinct: they differ by more than the tolerance, but a chain of nearly equal surfaces connects them. Round their coordinates to fewer digits.",
             self.first, self.second
         )
     }
@@ -211,7 +211,7 @@ fn number(surface: &Surface, magnitude: f64, reversed: bool, k: usize) -> (f64, 
             6 => length(s.major),
             _ => length(s.minor),
         },
-        // only under an equal map
+        // equal only under equal maps
         Surface::AffineTorus(s) => match k {
             0..3 => (s.centre[k], 0.0),
             3..12 => (s.local_from_world.to_cols_array()[k - 3], 0.0),

@@ -5,12 +5,12 @@ use super::{Surface, SurfaceCrossings};
 use crate::Ray;
 use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 
-/// Perturbation directions for rays that lie in a surface: [`PERTURBATION_DIRECTION`] of the world and, for a surface that
-/// contains it, x, y or z. In the frame of a placed solid these world directions differ: each frame has its own `Perturbation`, so
-/// that two solids with a common face agree on the side of a ray in it, however they are placed.
+/// Perturbation directions for rays that lie in a surface: [`PERTURBATION_DIRECTION`] of the world and, for a surface
+/// that contains it, x, y or z. Each frame of a placed solid has its own `Perturbation`, with these world directions in
+/// its coordinates, so that two solids with a common face agree on the side of a ray in it, however they are placed.
 ///
-/// A ray was rounded on its way into the frame, so the perturbation also carries the lengths of the maps that lead there, which
-/// surfaces that detect rays in their own faces add to their magnitude.
+/// The maps into the frame round the ray, in proportion to the lengths in them. Surfaces that detect rays in their own faces
+/// add these `lengths` to their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Perturbation {
     directions: [Vec3; 4],
@@ -37,8 +37,9 @@ impl Perturbation {
         self.lengths
     }
 
-    /// The same directions in the frame of a form at `centre`. The difference of a point and the centre is rounded in proportion to
-    /// both; the length of the point is that of the difference and the centre.
+    /// The same directions in the frame of a form at `centre`. The difference of a point and the centre is rounded in
+    /// proportion to the lengths of both; the length of the point is at most that of the difference plus that of the
+    /// centre.
     pub(super) fn mapped(&self, map: &Mat3, centre: Vec3) -> Perturbation {
         let norm =
             [map.x_axis, map.y_axis, map.z_axis].iter().map(|v| v.length_squared()).sum::<f64>().sqrt();
@@ -224,9 +225,10 @@ pub(super) fn perturbed_crossings(
     let (first, last) = (gradient(a), gradient(b));
     let noise = gradient_noise(surface, magnitude, ray, (a, b));
     for w in perturbation.directions() {
-        let (start, rise) = (w.dot(first), w.dot(last) - w.dot(first));
+        let rise = w.dot(last) - w.dot(first);
         if rise.abs() > 2.0 * noise * w.length() {
-            return SurfaceCrossings::new(rise > 0.0, &[a - start / rise * (b - a)]);
+            // extrapolated from t = 0, whose error does not depend on the ends: exact for a change at the origin of the ray
+            return SurfaceCrossings::new(rise > 0.0, &[-w.dot(gradient(0.0)) / rise * (b - a)]);
         }
         let slope = w.dot(middle);
         if slope != 0.0 {

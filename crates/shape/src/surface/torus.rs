@@ -2,8 +2,8 @@
 //!
 //! `g = (rho - major)^2 + z^2 - minor^2` with rho the distance from the axis and z the height. For `major < minor` (a
 //! spindle torus) the balls about the circle overlap and fill the lemon in the middle, so it is solid. The quartic
-//! `g (g + 4 major rho)` also vanishes on the lemon's skin, and in a thin torus it loses the digits of
-//! `(major / minor)^2`. Neither is true of g, so roots are found from g.
+//! `g (g + 4 major rho)` also vanishes on the lemon's skin, and in a thin torus it loses as many digits as
+//! `(major / minor)^2` has. Neither is true of g, so roots are found from g.
 
 use super::Surface;
 use super::affine_torus::AffineTorus;

@@ -142,7 +142,7 @@ fn ray(scale: f64, round: usize, rng: &mut ChaCha8Rng) -> Ray {
 /// The number of crossings in the aperture is that of Sturm's theorem, if that is the same for the surface raised and
 /// lowered by delta; and each time is that of an exact sign change within delta.
 #[test]
-fn polynomials_are_crossed_as_often_as_sturms_theorem_says() {
+fn polynomials_have_the_number_of_crossings_of_sturms_theorem() {
     let mut rng = rng(1);
     let (mut clear, mut many, mut unclear) = (0, 0, 0);
     for round in 0..10 * effort() {
@@ -331,10 +331,11 @@ fn rays_from_the_surface_meet_it_where_the_line_does() {
             let slope = gradient.dot(direction);
             let mut ahead = Vec::new();
             surface.all_crossings_from(&ray, slope < 0.0, &Perturbation::WORLD, |t| ahead.push(t));
-            let mut refused = Vec::new();
-            surface.all_crossings_from(&ray, slope > 0.0, &Perturbation::WORLD, |t| refused.push(t));
-            assert_eq!(refused.first(), Some(&0.0), "{of:?} {ray:?}");
-            assert_eq!(refused[1..], ahead);
+            let mut from_the_wrong_side = Vec::new();
+            surface
+                .all_crossings_from(&ray, slope > 0.0, &Perturbation::WORLD, |t| from_the_wrong_side.push(t));
+            assert_eq!(from_the_wrong_side.first(), Some(&0.0), "{of:?} {ray:?}");
+            assert_eq!(from_the_wrong_side[1..], ahead);
             // the crossings of the whole line, except the root at the start
             let near = 1e-12 * (1e3 * scale + surface.magnitude()) / tilt;
             let line: Vec<f64> = all(&surface, &ray).1.into_iter().filter(|&t| t > near).collect();
@@ -387,11 +388,11 @@ fn placed_sags_are_evaluated_in_their_own_frame() {
 }
 
 #[test]
-fn refusals() {
+fn invalid_descriptions_are_rejected() {
     let message = |of: &Description| Sag::new(of).unwrap_err().to_string();
     assert_eq!(
         message(&conic(2.0, 0.8, 0.0)),
-        "the aperture's radius is 2: the conic ends at 1.25, where the root in it becomes imaginary. Is the curvature too large?"
+        "the aperture's radius is 2: the conic ends at 1.25, where its square root becomes imaginary. Is the curvature too large?"
     );
     assert!(Sag::new(&conic(1.25, 0.8, 0.0)).is_ok());
     assert!(Sag::new(&conic(2.0, 0.8, -1.0)).is_ok());

@@ -138,7 +138,7 @@ fn crossings_by_algebra(of: &Description, ray: &Ray, raise: f64, window: (f64, f
 /// Lines past the axis and along the rim of hemispheres with odd terms have the number of crossings of the algebraic
 /// solution, if that is the same for the surface raised and lowered slightly.
 #[test]
-fn steep_surfaces_are_crossed_as_often_as_algebra_says() {
+fn steep_surfaces_have_the_number_of_crossings_of_algebra() {
     let mut rng = rng(21);
     let (mut clear, mut many, mut unclear) = (0, 0, 0);
     for round in 0..5 * effort() {

@@ -1,5 +1,5 @@
-//! Circles and ellipses, `r(t) = centre + cos(w t) a + sin(w t) b`; the time window selects an arc. An ellipse if the axes are not
-//! perpendicular or of different lengths.
+//! Circles and ellipses, `r(t) = centre + cos(w t) a + sin(w t) b`; the time window selects an arc. The curve is an ellipse if the
+//! axes are not perpendicular or have different lengths.
 
 use crate::curve::vector::{self, Direction};
 use crate::point::{add_scaled, dot, is_finite, length, minus};
@@ -14,8 +14,8 @@ pub struct Arc<const D: usize> {
 }
 
 impl<const D: usize> Arc<D> {
-    /// The curve `centre + cos(w t) axes[0] + sin(w t) axes[1]` with the angular speed w in radians per unit of t; for 1, t is the
-    /// angle.
+    /// The curve `centre + cos(w t) axes[0] + sin(w t) axes[1]` with the angular speed w in radians per unit of t; if it is 1, t
+    /// is the angle.
     ///
     /// The curve is at `centre + axes[0]` at t = 0. Two perpendicular axes of equal length give a circle, others an ellipse (conjugate
     /// semi-diameters).

@@ -1,14 +1,14 @@
 //! Helix, the path of a charged particle in a uniform magnetic field.
 //!
 //! The equation of motion is `r'' = w r' x b` with b the unit vector of the field and w = q B / m the signed gyrofrequency
-//!  (J. D. Jackson, *Classical Electrodynamics*, 3rd ed. (1999), section 12.2; in the relativistic case m is
-//! the relativistic mass, which a magnetic field does not change). With v0 split into `v_b` along and `v_p` across
-//! the field and `n = v_p x b` it is solved by
+//! (J. D. Jackson, *Classical Electrodynamics*, 3rd ed. (1999), section 12.2; in the relativistic case m is the
+//! relativistic mass, which a magnetic field does not change). With v0 split into `v_b` along and `v_p` perpendicular to
+//! the field and `n = v_p x b`, the solution is
 //!
 //! `r(t) = r0 + t v_b + (sin(w t) / w) v_p + ((1 - cos(w t)) / w) n`.
 //!
 //! Both factors are computed as `t sinc(w t)` and `t sin(w t / 2) sinc(w t / 2)` with `sinc x = sin(x) / x`, which are accurate
-//! for any w: 0 gives a straight line, a velocity across the field a circle.
+//! for any w: w = 0 gives a straight line, a velocity perpendicular to the field a circle.
 
 use crate::curve::vector::{self, Direction};
 use crate::point::{add_scaled, length};
@@ -50,7 +50,7 @@ impl Helix {
     /// Like [`Helix::new`], with the signed gyroradius `|v_p| / w` instead of the frequency. Infinity is a straight line.
     ///
     /// # Errors
-    /// As [`Helix::new`]; the radius is NaN or 0.
+    /// As for [`Helix::new`]; the radius is NaN or 0.
     pub fn with_radius(
         position: Point<3>,
         velocity: Point<3>,
@@ -58,7 +58,7 @@ impl Helix {
         radius: f64,
     ) -> Result<Helix, CurveError> {
         if radius.is_nan() || radius == 0.0 {
-            let why = "it must not be 0, and infinity is a straight line";
+            let why = "it must not be 0; use infinity for a straight line";
             return Err(CurveError::InvalidArgument { what: "radius", why });
         }
         let straight = Helix::new(position, velocity, axis, 0.0)?;
@@ -67,8 +67,8 @@ impl Helix {
         Ok(Helix { frequency, ..straight })
     }
 
-    /// The right-handed helix from `start` around the line through `centre` along `axis`, with a rise of `pitch` per turn of 2 pi of t.
-    /// A pitch of 0 gives a circle, a negative one a left-handed helix.
+    /// The right-handed helix from `start` around the line through `centre` along `axis`, with a rise of `pitch` per turn, which takes
+    /// 2 pi in t. A pitch of 0 gives a circle, a negative one a left-handed helix.
     ///
     /// # Errors
     /// A number is NaN or infinite, or the axis is zero.

@@ -3,8 +3,8 @@
 use crate::point::{add_scaled, length};
 use crate::{Curve, Point};
 
-/// A parabola in R^d as a motion with position and velocity at t = 0 and constant acceleration. A straight line if the acceleration
-/// is 0 or parallel to the velocity.
+/// A parabola in R^d as a motion with position and velocity at t = 0 and constant acceleration. It is a straight line if the
+/// acceleration is 0 or parallel to the velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parabola<const D: usize> {
     /// r(0).

@@ -363,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_refused() {
+    fn invalid_arguments_are_rejected() {
         let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let of = |knots: &[f64]| Spline::new(knots, &points, SplineEnds::Natural).unwrap_err();
         assert!(matches!(of(&[0.0, 1.0]), CurveError::InvalidArgument { what: "knots", .. }));

@@ -73,7 +73,7 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Collector<'
     /// The time at which the computed side changes between two samples, the first of which is on the side `inside`.
     ///
     /// Newton's method safeguarded by bisection: a step that leaves the bracket or hardly shortens it, and every eighth step, is
-    /// replaced by the middle. Ends when a step is below the rounding of t, or no number is left between the ends.
+    /// replaced by the middle. The search ends when a step is below the rounding of t, or no number is left between the ends.
     fn crossing(&self, a: Sample<D>, b: Sample<D>, inside: bool) -> Result<f64, CurveError> {
         let (mut lo, mut hi) = (a.t, b.t);
         let mut t = secant(&a, &b).unwrap_or(0.5 * lo + 0.5 * hi);

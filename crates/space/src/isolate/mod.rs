@@ -32,9 +32,9 @@
 //! indistinguishable.
 //!
 //! *Cost*: a transversal crossing takes about ten evaluations of the curve, for the pieces down to the size at which the curve is
-//! straight relative to the surface and for the steps to the root. A tangency takes some twenty halvings of one or two pieces each. A
-//! curve in the surface takes 2^9 pieces per unit of `t sqrt(A / size)`, with nine evaluations each; one that runs beside it
-//! at a small distance d up to `sqrt(size / d)` times as many, at most 2^14. A curve of many turns has this cost per turn. At most
+//! straight relative to the surface and for the steps to the root. A tangency takes about twenty halvings of one or two pieces each.
+//! A curve in the surface takes 2^9 pieces per unit of `t sqrt(A / size)`, with nine evaluations each; one that runs beside it at a
+//! small distance d up to `sqrt(size / d)` times as many, at most 2^14. A curve of many turns has this cost per turn. At most
 //! [`MAX_PIECES`] pieces are examined, and none is halved more than [`MAX_HALVINGS`] times.
 
 mod collector;

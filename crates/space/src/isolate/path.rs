@@ -168,8 +168,8 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Composition
         Ok(true)
     }
 
-    /// True if the curve is off the surface at a sample, and so parallel to it that the distance changes by less than half over a piece
-    /// of half length h.
+    /// True if the curve is off the surface at a sample, and so nearly parallel to it that the distance changes by less than half over
+    /// a piece of half length h.
     ///
     /// False at one end at least if g is a parabola with a root or its vertex in the piece: at distance x from the vertex
     /// `|g' / g| >= 2 / x`, and x is at most 2 h.
@@ -203,7 +203,7 @@ impl<'a, const D: usize, F: Field<D> + ?Sized, C: Curve<D> + ?Sized> Composition
 /// classified as in isolation.
 ///
 /// # Errors
-/// As [`isolate`](crate::isolate::isolate), for the curve.
+/// As for [`isolate`](crate::isolate::isolate), for the curve.
 pub fn coincides_along<const D: usize, F, C>(field: &F, curve: &C, a: f64, b: f64) -> Result<bool, CurveError>
 where
     F: Field<D> + ?Sized,

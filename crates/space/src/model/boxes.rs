@@ -51,7 +51,7 @@ impl Boxes {
     }
 }
 
-/// A piece, by its tangent in the middle and the maximal deviation from it.
+/// A piece, given by its tangent in the middle and the maximal deviation from it.
 struct TangentPiece {
     middle: Motion<3>,
     along: Vec3,

@@ -173,7 +173,7 @@ mod tests {
         }
     }
 
-    /// Lines parallel to a plane, or asymptotic to a hyperboloid, but for rounding.
+    /// Lines that are parallel to a plane, or asymptotic to a hyperboloid, except for rounding.
     #[test]
     fn rounding_makes_no_distant_crossings() {
         let plane = Surface::Plane(Plane::new(&[1.0; 3], 1.0));

@@ -13,7 +13,7 @@ use crate::{AtomicFile, Chunk, DType, Schema, TableError};
 /// Number of rows that are interleaved at once, which bounds the scratch memory.
 const ROWS_PER_BLOCK: usize = 1024;
 
-/// Output to an NPY file and the file of name tables beside it.
+/// Output to an NPY file and its file of name tables.
 pub(super) struct NpySink {
     file: AtomicFile,
     /// Created at the start and renamed before the array, so that a complete array always has its names.

@@ -191,7 +191,7 @@ fn read_header(fields: &Fields, line: u64, content: Content, problems: &mut Prob
     let (missing, absent) = (absent(&RAY_COLUMNS), absent(known));
 
     if positions.iter().all(Option::is_none) && names.iter().all(|name| meant(name, &absent).is_none()) {
-        // a file of another format may be secret, so that nothing of it is quoted
+        // a file of a different format may be confidential, so nothing of it is quoted
         let message =
             "the file is not a table of rays: the first line has none of the names ox,oy,oz,dx,dy,dz.";
         problems.add(header_problem(line, message.to_owned()));

@@ -65,8 +65,8 @@ impl RayReader {
     ///
     /// # Errors
     ///
-    /// [`TableError::Format`] for another extension, [`TableError::Io`] if the file cannot be read, and [`TableError::Rays`] for an
-    /// empty file, an invalid header, a wrong shape or type, or a truncated array.
+    /// [`TableError::Format`] for any other extension, [`TableError::Io`] if the file cannot be read, and
+    /// [`TableError::Rays`] for an empty file, an invalid header, a wrong shape or type, or a truncated array.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, TableError> {
         Self::open_as(path.as_ref(), Content::Rays)
     }

@@ -45,8 +45,8 @@ struct Builder<'p> {
 }
 
 impl Carved {
-    /// Decomposes a part of a group; `matters` holds the boxes in which its leaves matter. Returns `None` if
-    /// the part has another form, or leaves without a kernel or a finite box.
+    /// Decomposes a part of a group; `matters` holds the boxes in which its leaves matter. Returns `None` if the part
+    /// has a different form, or leaves without a kernel or a finite box.
     pub fn new(program: &Program, group: &Prototype, edge: Edge, matters: &[Bounds]) -> Option<Carved> {
         let mut builder = Builder { program, group, matters, carved: Carved::default(), bounds: Vec::new() };
         let mut waiting = vec![edge];
@@ -72,8 +72,8 @@ impl Carved {
 }
 
 impl Builder<'_> {
-    /// Adds an operand of an intersection. Returns the operands that are left, if it is itself an
-    /// intersection.
+    /// Adds an operand of an intersection. Returns the operands that remain to be added, if it is
+    /// itself an intersection.
     fn take(&mut self, edge: Edge) -> Option<Vec<Edge>> {
         let upright = !edge.is_complemented();
         match self.group.expression.node(edge.node()) {

@@ -228,7 +228,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         true
     }
 
-    /// Sets the keys to: no change on any ray.
+    /// Sets the keys so that no ray has a change.
     #[inline(always)]
     pub fn no_changes(&mut self) {
         let never = splat(self.simd, f64::INFINITY);

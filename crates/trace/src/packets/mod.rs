@@ -293,7 +293,7 @@ struct Firsts<'a, 'c> {
     query: Query<'a>,
     scratch: &'a mut PacketsScratch,
     hits: &'a mut FirstHits<'c>,
-    /// Crossings whose two sides belong to other faces.
+    /// Crossings whose two sides belong to different faces.
     between: &'a mut Vec<(usize, Crossing)>,
 }
 
@@ -434,7 +434,7 @@ impl Firsts<'_, '_> {
         z[at..at + count].copy_from_slice(&normals.z.as_slice()[..count]);
     }
 
-    /// Computes the normals of some lanes one by one, from what has been written about them.
+    /// Computes the normals of some lanes one by one, from their hits, which have already been written.
     fn write_attributes(&mut self, mut lanes: u64, at: usize, face: impl Fn(usize) -> Face) {
         let Some([x, y, z]) = &mut self.hits.normal else { return };
         while lanes != 0 {

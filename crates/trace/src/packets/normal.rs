@@ -49,7 +49,7 @@ pub(super) struct Hits<S: Simd> {
     pub t: Lanes<S>,
     /// The numbers of the faces.
     pub face: Row,
-    /// Lanes that leave a region for the world.
+    /// Lanes that leave a region into the world.
     pub leaves: Mask<S>,
     /// Bit mask of the lanes that have a hit.
     pub hit: u64,

@@ -368,8 +368,8 @@ pub(super) struct First {
     pub uncertain: u64,
 }
 
-/// Length behind a hit, in radii of the model, in which solids are still searched. A separate check proves
-/// that no weld reaches farther.
+/// Distance behind a hit, in radii of the model, up to which solids are still searched. A separate check proves that no
+/// weld reaches farther.
 const BEHIND: f64 = 0.01;
 
 /// State of a search.

@@ -130,7 +130,7 @@ pub(super) struct LeafPlan {
     pub facets: std::ops::Range<usize>,
     /// The index of its span.
     pub span: usize,
-    /// True if everything inside lies in this leaf.
+    /// True if the inside of the solid lies within this leaf.
     pub is_needed: bool,
 }
 

@@ -229,7 +229,7 @@ impl Explanation {
             found: Vec::new(),
             t_max: query.window.t_max(),
             resolved: Resolved::default(),
-            room: MAX_ENTRIES,
+            remaining: MAX_ENTRIES,
         };
         let start = evaluator.walk(ray, query, !starts.is_empty(), &mut level, &mut scratch, &mut recorder);
         let (questions, crossings) = (recorder.questions, recorder.found);
@@ -259,7 +259,7 @@ struct Recorder<'a, F> {
     t_max: f64,
     resolved: Resolved,
     /// Number of entries that are still accepted.
-    room: usize,
+    remaining: usize,
 }
 
 impl<F> Recorder<'_, F> {
@@ -268,9 +268,9 @@ impl<F> Recorder<'_, F> {
         let is_known = self.resolved.contains(node);
         match self.questions.last_mut() {
             Some(question) if is_known => question.repeated += 1,
-            Some(question) if self.room == 0 => question.left_out += 1,
+            Some(question) if self.remaining == 0 => question.left_out += 1,
             Some(_) => {
-                self.room -= 1;
+                self.remaining -= 1;
                 return true;
             }
             None => {}

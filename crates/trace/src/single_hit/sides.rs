@@ -1,4 +1,4 @@
-//! The sides of all leaves at a time, some of them inverted to find which faces matter.
+//! For a time t, the side of each leaf on which the ray is; sides can be inverted to find which faces matter.
 
 use super::Tree;
 use super::roots::Roots;
@@ -19,7 +19,7 @@ impl Turned {
     }
 }
 
-/// The leaves just after a time, for the rule of attribution. Every query evaluates the tree.
+/// The sides of the leaves just after `t`, for the rule of attribution. Every query evaluates the tree.
 pub(super) struct Sides<'a> {
     pub tree: &'a Tree,
     pub roots: &'a Roots,

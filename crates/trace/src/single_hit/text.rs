@@ -18,12 +18,12 @@ const MAX_CROSSINGS: usize = 100;
 const DEEPEST: u32 = 12;
 
 const LEGEND: &str = "\
-Shapes say what is next of them. A node of the tree, on a line below those of its two operands and less far to the right,
-decides from their answers:
-  rule 1: operands that never change again settle it, if they can;
-  rule 2: else the earlier change counts, or both if they come together;
-  rule 3: if that changes the node, it is the node's answer;
-  rule 4: if not, the operands that have changed are queried again, from there on.
+Each leaf reports its next change. A node of the tree, printed below its two operands and with less indentation, decides
+from their next changes:
+  rule 1: if operands that never change again determine the node, it is constant from here on;
+  rule 2: otherwise the earlier change is taken, or both changes if they are at the same time;
+  rule 3: if that changes the node, it is the node's next change;
+  rule 4: if not, the operands that have changed are queried again, after that time.
 ";
 
 /// The text of an explanation, of bounded length: see [`Explanation::text`].
@@ -54,14 +54,14 @@ impl fmt::Display for ExplanationText<'_> {
         let (o, d) = (self.explanation.ray.origin, self.explanation.ray.direction);
         let [ox, oy, oz, dx, dy, dz] = [o.x, o.y, o.z, d.x, d.y, d.z].map(|x| Figures::PEOPLE.text(x));
         writeln!(f, "The ray ({ox}, {oy}, {oz}) + t ({dx}, {dy}, {dz}).\n\n{LEGEND}")?;
-        let (mut room, mut left_out) = (self.most_lines, 0);
+        let (mut remaining, mut left_out) = (self.most_lines, 0);
         for question in &self.explanation.questions {
-            if room == 0 {
+            if remaining == 0 {
                 left_out += 1;
                 continue;
             }
             let shown = shown(&question.entries);
-            room = room.saturating_sub(self.question(f, question, &shown, room)?);
+            remaining = remaining.saturating_sub(self.question(f, question, &shown, remaining)?);
         }
         if left_out > 0 {
             writeln!(f, "... {left_out} more questions are left out.\n")?;
@@ -77,10 +77,10 @@ impl ExplanationText<'_> {
         f: &mut fmt::Formatter<'_>,
         question: &Question,
         shown: &[&Entry],
-        room: usize,
+        remaining: usize,
     ) -> Result<usize, fmt::Error> {
-        writeln!(f, "What is next after t = {}?", self.figures.text(question.t_min))?;
-        let most = (self.most_lines / SHARE).max(2).min(room);
+        writeln!(f, "The next change after t = {}:", self.figures.text(question.t_min))?;
+        let most = (self.most_lines / SHARE).max(2).min(remaining);
         let (head, tail) = match shown.len() > most {
             true => (most - most / 2, most / 2),
             false => (shown.len(), 0),
@@ -91,7 +91,7 @@ impl ExplanationText<'_> {
         }
         shown[shown.len() - tail..].iter().try_for_each(|entry| self.line(f, entry))?;
         if question.left_out > 0 {
-            writeln!(f, "  ... {} steps are not kept.", question.left_out)?;
+            writeln!(f, "  ... {} steps are not recorded.", question.left_out)?;
         }
         writeln!(f, "  So the ray is {}.\n", self.answer(question.answer))?;
         Ok(head + tail)
@@ -134,7 +134,7 @@ impl ExplanationText<'_> {
         }
         if self.explanation.welded > 0 {
             let n = self.explanation.welded;
-            writeln!(f, "Changes welded because the ray keeps to both surfaces between them: {n}.")?;
+            writeln!(f, "Changes welded because the ray stays in both surfaces between them: {n}.")?;
         }
         let questions = match self.explanation.questions.len() {
             1 => "1 question".to_owned(),
@@ -252,8 +252,8 @@ impl ExplanationText<'_> {
                 false => format!("the ray is {} {} and {} {} for good", side(x), a.name, side(y), b.name),
             },
             [Some(_), Some(_)] => format!("{}, and {}", self.state(a), self.state(b)),
-            [Some(_), None] => format!("{}, whatever comes of {}", self.state(a), subject(b)),
-            _ => format!("{}, whatever comes of {}", self.state(b), subject(a)),
+            [Some(_), None] => format!("{}, regardless of {}", self.state(a), subject(b)),
+            _ => format!("{}, regardless of {}", self.state(b), subject(a)),
         }
     }
 }
@@ -292,7 +292,7 @@ fn forget_resolved(shown: &mut Vec<&Entry>, node: &Entry) {
     }
 }
 
-/// Number of digits of printed times: the least, from six, with which all times differ.
+/// Number of digits of printed times: at least six, and enough to distinguish all times.
 #[derive(Clone, Copy, Debug)]
 struct Figures {
     digits: usize,

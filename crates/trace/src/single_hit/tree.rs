@@ -31,8 +31,8 @@ impl fmt::Display for TooLarge {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "the tree of the single-hit evaluator has {} nodes, more than {}: shared parts are written out \
-             wherever they are used. Use another evaluator.",
+            "the tree of the single-hit evaluator has {} nodes, more than {}: shared parts are duplicated \
+             at each use. Use a different evaluator.",
             match self.nodes {
                 u64::MAX => "at least 2^64".to_owned(),
                 nodes => nodes.to_string(),

@@ -5,8 +5,8 @@ use super::changes::Changes;
 use super::column_query::ColumnRay;
 use super::group::At;
 use super::level::Level;
-use super::room::{InitialState, Room};
 use super::schedule::Schedule;
+use super::scratch::{ColumnScratch, InitialState};
 use super::sides::Sweep;
 use crate::accel::Accel;
 use rayweave_math::Vec3;
@@ -43,8 +43,8 @@ pub struct Spans {
 /// Scratch memory of a thread for [`Spans`].
 #[derive(Clone, Debug, Default)]
 pub struct SpansScratch {
-    rays: Room<ColumnRay>,
-    points: Room<GroupPoint>,
+    rays: ColumnScratch<ColumnRay>,
+    points: ColumnScratch<GroupPoint>,
     crossings: Vec<Crossing>,
 }
 
@@ -125,9 +125,9 @@ impl Evaluator for Spans {
     }
 
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut SpansScratch, sink: &mut dyn Sink) {
-        let SpansScratch { rays: room, crossings, .. } = scratch;
-        let mut level = room.take_level(0);
-        let mut initial_state = room.take_initial_state(self.program.prototypes(), PrototypeId(0));
+        let SpansScratch { rays: column_scratch, crossings, .. } = scratch;
+        let mut level = column_scratch.take_level(0);
+        let mut initial_state = column_scratch.take_initial_state(self.program.prototypes(), PrototypeId(0));
         let mut begin = 0;
         while begin < rays.len() {
             level.queries.clear();
@@ -135,7 +135,7 @@ impl Evaluator for Spans {
                 ray: GroupRay::world(&self.program, rays.get(number), &[]),
                 number,
             }));
-            let columns = self.chunk(At::model(query), &mut level, room);
+            let columns = self.chunk(At::model(query), &mut level, column_scratch);
             for column in 0..columns {
                 let i = begin + column;
                 let has_starts = query.starts.is_some_and(|lists| !lists.of(i).is_empty());
@@ -146,28 +146,28 @@ impl Evaluator for Spans {
             }
             begin += columns;
         }
-        room.levels[0] = Some(level);
-        room.initial_states[0] = Some(initial_state);
+        column_scratch.levels[0] = Some(level);
+        column_scratch.initial_states[0] = Some(initial_state);
     }
 
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut SpansScratch, out: &mut [RegionId]) {
-        let room = &mut scratch.points;
-        let mut level = room.take_level(0);
-        let mut initial_state = room.take_initial_state(self.program.prototypes(), PrototypeId(0));
+        let column_scratch = &mut scratch.points;
+        let mut level = column_scratch.take_level(0);
+        let mut initial_state = column_scratch.take_initial_state(self.program.prototypes(), PrototypeId(0));
         let mut begin = 0;
         while begin < out.len() {
             let ahead = (begin..out.len()).take(WIDTH);
             let point = |i: usize| GroupPoint::world(Vec3::new(points[0][i], points[1][i], points[2][i]));
             level.queries.clear();
             level.queries.extend(ahead.map(point));
-            let columns = self.chunk(At::model(&Query::default()), &mut level, room);
+            let columns = self.chunk(At::model(&Query::default()), &mut level, column_scratch);
             for column in 0..columns {
                 let changes = Changes::new(level.merged.column(column), &mut initial_state.outputs);
                 out[begin + column] = RegionId(changes.now());
             }
             begin += columns;
         }
-        room.levels[0] = Some(level);
-        room.initial_states[0] = Some(initial_state);
+        column_scratch.levels[0] = Some(level);
+        column_scratch.initial_states[0] = Some(initial_state);
     }
 }

@@ -4,8 +4,8 @@ use super::Spans;
 use super::changes::Changes;
 use super::column_query::ColumnQuery;
 use super::level::Level;
-use super::room::{InitialState, Room};
 use super::schedule::What;
+use super::scratch::{ColumnScratch, InitialState};
 use super::sides::Sweep;
 use rayweave_model::weld::{LeafStates, attribute};
 use rayweave_model::{Event, Face, LeafId, LeafKind, PlacementId, PrototypeId, Query, SurfaceId, Window};
@@ -46,7 +46,7 @@ impl Spans {
         &self,
         at: At<'_>,
         level: &mut Level<P>,
-        room: &mut Room<P>,
+        scratch: &mut ColumnScratch<P>,
     ) -> usize {
         let (accel, schedule) = &self.groups[at.group.index()];
         let leaves = self.program.prototype(at.group).leaves.len();
@@ -60,7 +60,7 @@ impl Spans {
             out.reset(columns);
             match &step.what {
                 What::Constant(inside) => constant(*inside, &mut out),
-                What::Leaf(leaf) => self.leaf(at, *leaf, level, room, &mut out),
+                What::Leaf(leaf) => self.leaf(at, *leaf, level, scratch, &mut out),
                 What::Join(rule, range) => {
                     let operands = schedule.operands(range).iter();
                     let arrays = operands.map(|o| (&level.arrays[o.slot as usize], o.complemented));
@@ -81,7 +81,7 @@ impl Spans {
         at: At<'_>,
         leaf: u32,
         level: &mut Level<P>,
-        room: &mut Room<P>,
+        scratch: &mut ColumnScratch<P>,
         out: &mut HitArrayBuf,
     ) {
         if level.touched.columns(leaf).is_empty() {
@@ -91,15 +91,15 @@ impl Spans {
         match &self.program.leaf(id).kind() {
             LeafKind::Shape { facets, .. } => self.shape(at, leaf, id, facets, level, out),
             LeafKind::Instance { prototype, placement } => {
-                let mut inner = room.take_level(at.depth + 1);
+                let mut inner = scratch.take_level(at.depth + 1);
                 let place = &self.program.leaf(id).place();
                 inner.queries.clear();
                 inner.queries.extend(level.touched.columns(leaf).iter().map(|&column| {
                     let query = &level.queries[at.begin + column as usize];
                     query.placed(place, self.program.prototype(*prototype), *placement)
                 }));
-                self.instance(at.inside(*prototype), leaf, &mut inner, level, room, out);
-                room.levels[at.depth + 1] = Some(inner);
+                self.instance(at.inside(*prototype), leaf, &mut inner, level, scratch, out);
+                scratch.levels[at.depth + 1] = Some(inner);
             }
         }
     }
@@ -138,13 +138,13 @@ impl Spans {
         leaf: u32,
         inner: &mut Level<P>,
         level: &mut Level<P>,
-        room: &mut Room<P>,
+        scratch: &mut ColumnScratch<P>,
         out: &mut HitArrayBuf,
     ) {
-        let mut initial_state = room.take_initial_state(self.program.prototypes(), at.group);
+        let mut initial_state = scratch.take_initial_state(self.program.prototypes(), at.group);
         let mut begin = 0;
         while begin < inner.queries.len() {
-            let columns = self.chunk(At { begin, ..at }, inner, room);
+            let columns = self.chunk(At { begin, ..at }, inner, scratch);
             for column in 0..columns {
                 let outer = level.touched.columns(leaf)[begin + column];
                 let mark = level.events.len();
@@ -155,7 +155,7 @@ impl Spans {
             }
             begin += columns;
         }
-        room.initial_states[at.group.index()] = Some(initial_state);
+        scratch.initial_states[at.group.index()] = Some(initial_state);
     }
 
     /// Calls `each` for the changes, along one column, of a solid that is a group's only output, with their

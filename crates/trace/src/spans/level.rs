@@ -47,7 +47,7 @@ pub(super) struct Touched {
 }
 
 impl Touched {
-    /// Takes as many columns as fit a chunk. Returns their number.
+    /// Takes as many columns as fit into a chunk. Returns their number.
     pub fn fill(
         &mut self,
         queries: &[impl ColumnQuery],

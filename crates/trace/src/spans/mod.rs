@@ -3,7 +3,7 @@
 //! - [`Spans`]: the evaluator of compiled models;
 //! - `group`: the arrays of a group, leaf by leaf and gate by gate;
 //! - `schedule`: the order of the gates and the slots of their results;
-//! - `room`, `level`: the memory of a thread, and of a chunk of columns;
+//! - `scratch`, `level`: the memory of a thread, and of a chunk of columns;
 //! - `column_query`: the columns, which are rays or points;
 //! - `changes`: the changes of region, from the arrays of the outputs;
 //! - `sides`: the sides of leaves, for the rule of attribution.
@@ -13,8 +13,8 @@ mod column_query;
 mod evaluator;
 mod group;
 mod level;
-mod room;
 mod schedule;
+mod scratch;
 mod sides;
 
 pub use evaluator::{Spans, SpansScratch};

@@ -7,10 +7,10 @@ use std::ops::Range;
 /// A sequence of steps, each of which writes its result to a numbered slot; a slot is reused after the last
 /// use of its result.
 ///
-/// The operand of a gate that needs most slots is computed first (R. Sethi, J. D. Ullman, "The generation of
-/// optimal code for arithmetic expressions", J. ACM 17, 1970). So a tree of n nodes needs O(log n) slots plus
-/// the number of operands of its widest gate, and a chain of any depth needs three. Nodes with several users
-/// keep their slot up to the last use.
+/// Of a gate's operands, the one that needs the most slots is computed first (R. Sethi, J. D. Ullman, "The generation
+/// of optimal code for arithmetic expressions", J. ACM 17, 1970). So a tree of n nodes whose gates have at most k
+/// operands needs O(k log n) slots, and a chain of any depth needs three. Nodes with several users keep their slot up
+/// to the last use.
 #[derive(Clone, Debug)]
 pub(super) struct Schedule {
     pub steps: Vec<Step>,

@@ -49,11 +49,11 @@ impl Weave {
 }
 
 /// Largest number of leaves for which all touched leaves are intersected even for a first crossing:
-/// front-to-back traversal costs more than it saves.
+/// for so few, front-to-back traversal costs more than it saves.
 const FEW: usize = 12;
 
-/// The query for a ray that starts on surfaces, limited to t >= 0. Before t = 0 such a leaf may have any
-/// side, whatever its box.
+/// The query for a ray that starts on surfaces, limited to t >= 0. Before t = 0 a leaf with a start surface may have
+/// either side, even outside of its box.
 fn from_zero<'a>(query: &Query<'a>) -> Query<'a> {
     match Window::new(query.window.t_min().max(0.0), query.window.t_max()) {
         Ok(window) => Query { window, ..*query },

@@ -20,7 +20,7 @@ pub fn regions(rng: &mut Random, parts: &[Solid], frame: &Affine) -> Vec<Region>
     };
     let plain = solids.len() == 1 && rng.chance(0.9);
     let region = |(k, solid): (usize, Solid)| {
-        // equal media, and the medium of the world, are as likely as others
+        // three media, one of them that of the world, so that regions often have equal media
         let medium = if plain { 1 } else { rng.below(3) as u32 };
         Region { name: format!("r{k}"), solid: solid.apply(*frame), medium }
     };

@@ -33,7 +33,7 @@ fn arranged(seed: u64, arrangement: Arrangement, count: usize) -> (Vec<Region>, 
     (regions, rays)
 }
 
-/// Half of the frames have at most a rotation by multiples of 90 degrees; some are large, small or far away.
+/// Half of the frames are rotated only by multiples of 90 degrees, if at all; some are large, small or far away.
 fn frame(rng: &mut Random) -> Affine {
     let turn = match rng.below(4) {
         0 => Affine::IDENTITY,

@@ -120,9 +120,9 @@ impl Oracle {
             let starts = all.starts[i] == found.starts[i] && all.starts[i] == first.starts[i];
             let equal = starts && bits(found.of(i)) == bits(expected) && bits(first.of(i)) == bits(head);
             self.tally.check(equal, || {
-                let said = setting.describe(i);
+                let context = setting.describe(i);
                 format!(
-                    "{said}\n{level:?}, {window:?}\nfound {:?}\n{:?}\nnot {expected:?}",
+                    "{context}\n{level:?}, {window:?}\nfound {:?}\n{:?}\nnot {expected:?}",
                     found.of(i),
                     first.of(i)
                 )
@@ -135,13 +135,13 @@ impl Oracle {
         for &level in levels {
             let packets = Packets::with_level(setting.program.clone(), level);
             let found = answers(&packets, &setting.rays, questions);
-            let said = || format!("{level:?}, {questions:?}, a batch from {}", setting.describe(0));
-            self.tally.check(found.most == truth.most, said);
+            let context = || format!("{level:?}, {questions:?}, a batch from {}", setting.describe(0));
+            self.tally.check(found.most == truth.most, context);
             for (i, (found, expected)) in found.rays.iter().zip(&truth.rays).enumerate() {
                 self.crossings += expected.all.len();
                 self.tally.check(found == expected, || {
-                    let said = setting.describe(i);
-                    format!("{said}\n{level:?}, {questions:?}\nfound {found:?}\nnot {expected:?}")
+                    let context = setting.describe(i);
+                    format!("{context}\n{level:?}, {questions:?}\nfound {found:?}\nnot {expected:?}")
                 });
             }
         }

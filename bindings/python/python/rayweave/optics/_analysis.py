@@ -1,4 +1,4 @@
-"""What traces tell: spots, irradiance, the ways of light."""
+"""Analysis of traces: spots, irradiance, paths of light."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rayweave.optics._given import real, whole
 
 @dataclass(frozen=True)
 class Spot:
-    """Light on a sheet: points (N, 2) with their powers (N,), and what follows from them."""
+    """Light on a sheet: points (N, 2) with their powers (N,), and quantities derived from them."""
 
     points: NDArray[np.float64]
     power: NDArray[np.float64]
@@ -42,14 +42,14 @@ class Spot:
         return float(np.sqrt(((self.points - self.centroid) ** 2).sum(axis=1).max()))
 
     def encircled(self, radius: float) -> float:
-        """The part of the power within a distance of the centroid."""
+        """The fraction of the power within a distance of the centroid."""
         inside = ((self.points - self.centroid) ** 2).sum(axis=1) <= real(radius, "radius") ** 2
         return float(self.power[inside].sum() / self.power.sum())
 
 
 def spot_of(points: NDArray[np.float64], power: NDArray[np.float64]) -> Spot:
     if not power.sum() > 0.0:
-        raise RayweaveError("no light arrives there: a spot needs some.")
+        raise RayweaveError("no light arrives there: a spot needs at least one ray.")
     return Spot(points[:, :2], power)
 
 
@@ -64,7 +64,7 @@ def irradiance_of(
     if size is not None:
         limits = [(-0.5 * length, 0.5 * length) for length in _lengths(size)]
     elif len(across) == 0:
-        raise RayweaveError("no light arrives there: say the size of the map.")
+        raise RayweaveError("no light arrives there: the map has no size. Pass size.")
     else:
         limits = [(float(values.min()), float(values.max())) for values in (across, up)]
     counts, x, y = np.histogram2d(across, up, bins=cells, range=limits, weights=power)
@@ -77,13 +77,13 @@ def _lengths(size: Any) -> list[float]:
         raise TypeError(f"size is {size!r}: it must be a width and a height.")
     lengths = [real(length, "size") for length in size]
     if not all(0.0 < length < np.inf for length in lengths):
-        raise RayweaveError(f"size is {size!r}: both have to be greater than 0 and finite.")
+        raise RayweaveError(f"size is {size!r}: both must be positive and finite.")
     return lengths
 
 
 @dataclass(frozen=True)
 class Path:
-    """A way that light took."""
+    """A path of light through the system."""
 
     text: str
     rays: int
@@ -96,7 +96,7 @@ _BACK = ("reflected", "totally reflected", "scattered")
 def paths_of(trace: Mapping[str, NDArray[Any]], elements: list[str], events: list[str]) -> list[Path]:
     parent = trace["parent"]
     if len(parent) and (parent.max() >= len(parent) or np.any(trace["generation"][parent < 0] > 0)):
-        raise RayweaveError("some segments are left out: paths are those of a whole trace.")
+        raise RayweaveError("some segments are missing: paths need a whole trace.")
     came_back = _came_back(trace, events)
     names: list[str] = []
     numbers: dict[tuple[int, bool, int], int] = {}
@@ -118,7 +118,8 @@ def paths_of(trace: Mapping[str, NDArray[Any]], elements: list[str], events: lis
 
 
 def _came_back(trace: Mapping[str, NDArray[Any]], events: list[str]) -> NDArray[np.bool_]:
-    """Which segments begin with a reflection. Of the two rays after a split it is the one that stays in its medium and turns."""
+    """The segments that begin with a reflection. Of the two rays after a split, the reflected one stays in its medium
+    and changes direction."""
     parent = trace["parent"]
     before = np.where(parent < 0, 0, parent)
     event = trace["event"][before] if len(parent) else trace["event"]

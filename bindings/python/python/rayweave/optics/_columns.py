@@ -12,7 +12,8 @@ from rayweave.optics._given import package
 
 
 class Columns(Mapping[str, NDArray[Any]]):
-    """Columns of equal length: a mapping from names to arrays. `units` has the unit of every column, "" for pure numbers."""
+    """Columns of equal length: a mapping from names to arrays. `units` has the unit of every column, "" for pure
+    numbers."""
 
     def __init__(self, columns: Mapping[str, ArrayLike], units: Mapping[str, str] | None = None) -> None:
         self.columns = {name: np.asarray(column) for name, column in columns.items()}
@@ -20,7 +21,7 @@ class Columns(Mapping[str, NDArray[Any]]):
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.columns:
-            raise KeyError(f"there is no column {name!r}: there are {', '.join(self.columns)}.")
+            raise KeyError(f"there is no column {name!r}: the columns are {', '.join(self.columns)}.")
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:

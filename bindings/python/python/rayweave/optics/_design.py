@@ -1,4 +1,4 @@
-"""Prescriptions with parameters that err, and searches for better ones."""
+"""Tolerances of prescriptions, and their optimisation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rayweave.optics._prescription import Prescription
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: The greatest deviation of a uniform distribution, or a kind with the greatest or the standard deviation: ("uniform", 0.1),
+#: The maximum deviation of a uniform distribution, or a kind with its maximum or standard deviation: ("uniform", 0.1),
 #: ("normal", 0.05).
 Spread = float | tuple[Literal["uniform", "normal"], float]
 
@@ -26,11 +26,12 @@ Merit = Literal["spot", "wavefront", "focal length", "back focal distance", "ima
 
 
 class Sensitivities(Columns):
-    """What each `parameter` does to the merit alone: `minus` and `plus`, the merits where it is too small and too large by its
-    greatest or standard deviation `spread`, and `slope`, their difference over that of the parameter."""
+    """The effect of each `parameter` alone on the merit: `minus` and `plus`, the merits with the parameter too small
+    and too large by its maximum or standard deviation `spread`, and `slope`, their difference divided by that of the
+    parameter."""
 
     def show(self, *, axis: Axes | None = None) -> Axes:
-        """Draws the changes of the merit as bars, the greatest on top."""
+        """Draws the changes of the merit as bars, the largest on top."""
         axis = _axis(axis)
         middle = 0.5 * (self["minus"] + self["plus"])
         order = np.argsort(np.abs(self["plus"] - self["minus"]) + np.abs(middle - middle.min()))
@@ -40,14 +41,16 @@ class Sensitivities(Columns):
 
 
 class Trials(Columns):
-    """Trials with errors: the deviation of every parameter under its name, the `merit` (NaN where no light arrives), `shift`, by
-    how much the image was moved to refocus it, and `lost`, how many rays of all fields and wavelengths did not arrive. `nominal` is the merit without errors, `sensitivities` what each parameter does."""
+    """Trials with errors: the deviation of every parameter under its name, the `merit` (NaN where no light arrives),
+    `shift`, the distance by which the image was moved to refocus it, and `lost`, the number of rays of all fields and
+    wavelengths that did not arrive. `nominal` is the merit without errors, `sensitivities` the effect of each
+    parameter."""
 
     nominal: float
     sensitivities: Sensitivities
 
     def quantile(self, fraction: float) -> float:
-        """The merit below which a fraction of the trials are."""
+        """The merit that a fraction of the trials do not exceed."""
         return float(np.nanquantile(self["merit"], fraction))
 
     @property
@@ -56,7 +59,7 @@ class Trials(Columns):
         return int(np.isnan(self["merit"]).sum())
 
     def show(self, *, axis: Axes | None = None, bins: int = 40) -> Axes:
-        """Draws how often merits are found, with the merit without errors and the quantiles of 10, 50 and 90 percent."""
+        """Draws a histogram of the merits, with the merit without errors and the quantiles of 10, 50 and 90 percent."""
         axis = _axis(axis)
         merits = self["merit"][np.isfinite(self["merit"])]
         axis.hist(merits, bins=bins, color="#a8d1f0")
@@ -80,19 +83,21 @@ def tolerance(
     seed: int = 0,
     threads: int | None = None,
 ) -> Trials:
-    """Draws errors of parameters at random and tells what they do to a merit.
+    """Draws random errors of parameters and computes their effect on a merit.
 
-    Parameters are called by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic 1", "index 1", "r^4 1" (the
-    coefficient of a power of the distance from the axis, 1 to 16); and for surfaces that are moved as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
-    (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"),
-    the "focal length", the "back focal distance", or the way of the first field's centroid ("image shift"). A spot is that of all
-    wavelengths about their common centroid, each ray with the weight of its wavelength and all points of the pupil alike; a wavefront
-    is that at the primary wavelength; and both are the root of the mean square over all fields, which count alike. Rays go from surface to
-    surface through the paraxial entrance pupil in so many `rings`, whatever the semi-diameters; with `vignette` those
-    end that meet a surface beyond the semi-diameter stated for it, or in its hole.
+    A parameter is named by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic
+    1", "index 1", "r^4 1" (the coefficient of a power of the distance from the axis, 1 to 16); and, for surfaces that
+    move as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
+    (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), the
+    "focal length", the "back focal distance", or the displacement of the first field's centroid ("image shift"). A spot
+    contains all wavelengths about their common centroid; rays have the weight of their wavelength, and all points of
+    the pupil count equally. A wavefront is that at the primary wavelength. Both are root mean squares over all fields,
+    with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings` rings,
+    regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
+    semi-diameter, or in its hole.
 
-    With `refocus` the image of every trial is moved to where the mean square radius of all spots is least. Trial k is the same whatever
-    the number of trials and of `threads`, and the errors of a parameter do not depend on the others.
+    With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
+    does not depend on the number of trials or of `threads`, and the errors of a parameter do not depend on the others.
     """
     if not isinstance(errors, Mapping):
         raise TypeError(f"errors is {errors!r}: it must be a dict of parameters with their deviations.")
@@ -156,7 +161,7 @@ def _unit(name: str, unit: str) -> str:
 
 @dataclass(frozen=True)
 class Goal:
-    """An operand, where it should be, and the weight of what it misses: made by `goal`."""
+    """An operand, its target, and the weight of its deviation; created by `goal`."""
 
     operand: str
     numbers: tuple[float, ...]
@@ -180,12 +185,13 @@ def goal(
     surface: int | None = None,
     height: float | None = None,
 ) -> Goal:
-    """A goal of a search; without a value it is 0.
+    """A goal of an optimisation; the default target is 0.
 
-    Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image), "magnification"; the
-    Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour", "lateral colour"; a parameter by its name, as
-    "thickness 1"; "edge", the distance from a `surface` to the next one at a `height` from the axis. Operands of all rays of a `field` at a
-    wavelength: "spot", whose sum of squares is the square of the RMS radius, and "wavefront", that of the RMS in waves.
+    Operands of one number: "focal length", "back focal distance", "defocus" (from the image to the paraxial image),
+    "magnification"; the Seidel sums "spherical", "coma", "astigmatism", "petzval", "distortion", "axial colour",
+    "lateral colour"; a parameter by its name, such as "thickness 1"; "edge", the distance from a `surface` to the next
+    one at a `height` from the axis. Operands of all rays of a `field` at a wavelength: "spot", whose sum of squares is
+    the square of the RMS radius, and "wavefront", whose sum of squares is the square of the RMS in waves.
     """
     text(operand, "operand")
     given = {"equal": equal, "least": at_least, "most": at_most}
@@ -193,7 +199,7 @@ def goal(
     if any(np.isnan(value) for _, value in stated):
         raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: it must be a number.")
     if len(stated) > 1:
-        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: one of equal, at_least, at_most.")
+        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have one of equal, at_least and at_most.")
     names = ("field", "wavelength_nm") if operand in ("spot", "wavefront") else ("surface", "height")
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
     wanted = [places.pop(name) for name in names] if operand in ("spot", "wavefront", "edge") else []
@@ -206,8 +212,9 @@ def goal(
 
 @dataclass(frozen=True)
 class Optimum:
-    """What a search has found: the prescription `lens`, the `values` of its parameters, the root of the sum of squares of all weighted
-    misses `before` and `after`; `has_converged` is true if no step made it better, and `reason` says why it ended."""
+    """The result of an optimisation: the prescription `lens`, the `values` of its parameters, and the root of the sum
+    of squares of all weighted deviations `before` and `after`. `has_converged` is true if no step improves it further,
+    and `reason` states why it ended."""
 
     lens: Prescription
     values: dict[str, float]
@@ -222,19 +229,19 @@ class Optimum:
         return cls(Prescription._of(compiled), **(table | {"reason": _reason(table["reason"])}))
 
 
-#: Why the algorithm ends, by the name that it has for it.
+#: The reason why the algorithm ends, by its name for it.
 _REASONS = {
     "ResidualsZero": "all goals are met exactly",
-    "Orthogonal": "no small change of the parameters makes it better",
-    "NoImprovementPossible": "rounding allows no better step",
-    "LostPatience": "patience is used up, and it may still get better",
+    "Orthogonal": "no small change of the parameters is an improvement",
+    "NoImprovementPossible": "rounding permits no better step",
+    "LostPatience": "patience is exhausted, and further improvement is possible",
     "Numerical": "a number was not finite",
     "User": "a ray did not arrive, or a parameter left its range",
 }
 
 
 def _reason(termination: str) -> str:
-    """Why a search ended, in words."""
+    """The reason why an optimisation ended, in words."""
     if termination.startswith("Converged"):
         which = (("ftol: true", "the sum of squares"), ("xtol: true", "the parameters"))
         still = " and ".join(what for flag, what in which if flag in termination)
@@ -250,11 +257,11 @@ def optimise(
     rings: int = 4,
     patience: int = 100,
 ) -> Optimum:
-    """Looks for the values of parameters at which the sum of squares of what goals miss is least, from a prescription on.
+    """Minimises the sum of squares of the weighted deviations from goals, starting from a prescription.
 
-    Parameters are called as for `tolerance`, but for those that move surfaces off the axis; goals are made by `goal`. The algorithm is
-    Levenberg and Marquardt's in the form of J. J. More (MINPACK, 1978); it finds the nearest minimum, not the best one, and gives up
-    after `patience` prescriptions for each parameter.
+    Parameters have the names of `tolerance`, except those that move surfaces off the axis; `goal` creates goals. The
+    algorithm is that of Levenberg and Marquardt in the form of J. J. More (MINPACK, 1978). It finds a local minimum
+    near the start, not the global one, and ends after `patience` prescriptions for each parameter.
     """
     rows = [goal._row() for goal in all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]

@@ -1,4 +1,4 @@
-"""Layout drawings: a section of the solids and the rays, by matplotlib."""
+"""Layout drawings: a section of the solids with the rays, drawn with matplotlib."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ def _pieces(trace: Trace, rays: int) -> tuple[NDArray[Any], NDArray[Any], NDArra
 def _lines(
     trace: Trace, starts: NDArray[Any], ends: NDArray[Any], tilts: NDArray[Any], chosen: NDArray[Any]
 ) -> list[NDArray[np.float64]]:
-    """Points (M, 3) of every piece of a ray: its ends, or of a piece of a curve, whose direction is that at its end, points of the
-    cubic with its ends and directions."""
+    """Points (M, 3) of every piece of a ray: its ends or, for a piece of a curve, points of the cubic through its ends
+    with its directions there. The direction of such a piece is that at its end."""
     lines = list(np.stack([starts, ends], axis=1))
     chords = ends - starts
     lengths = np.linalg.norm(chords, axis=1)
@@ -90,7 +90,7 @@ def _lines(
 
 
 def _bodies(system: System) -> list[tuple[Solid, bool]]:
-    """Solids, and the trims of sheets with their surface: what can be cut."""
+    """The bodies to cut: solids, and the surfaces of sheets with their trims."""
     found = []
     for part in system.elements:
         if isinstance(part.body, Sheet):
@@ -121,7 +121,7 @@ def _limits(
 def _sections(
     system: System, axis: Axes, across: int, up: int, limits: list[tuple[float, float]]
 ) -> None:
-    """Every solid along lines through the plane of the section: filled between where they enter and leave."""
+    """Draws every solid along lines in the plane of the section, filled between entry and exit."""
     from matplotlib.collections import LineCollection
 
     (left, right), (low, high) = limits
@@ -162,7 +162,7 @@ def _cuts(
 
 
 def _points(axis: Axes, spacing: float, extent: float) -> float:
-    """The width of a line, in points, that is as wide as the spacing of the cuts in the picture, and a little more."""
+    """The width of a line, in points: slightly more than the spacing of the cuts in the picture."""
     figure = axis.get_figure(root=True)
     inches = 10.0 if figure is None else float(figure.get_size_inches()[0])
     return 1.3 * spacing / extent * inches * 72.0
@@ -171,7 +171,7 @@ def _points(axis: Axes, spacing: float, extent: float) -> float:
 def _outline(
     axis: Axes, inner: Solid, outer: Solid, across: int, up: int, limits: list[tuple[float, float]]
 ) -> None:
-    """A sheet: where lines across the picture pass from one of its sides to the other."""
+    """Draws a sheet: the points where lines across the picture pass from one of its sides to the other."""
     (left, right), (low, high) = limits
     at = np.linspace(low, high, _LINES)
     ends = []
@@ -199,8 +199,8 @@ def _colours(trace: Trace, color: str, chosen: NDArray[Any]) -> Any:
 
 
 def wavelength_rgb(wavelength_nm: NDArray[Any]) -> NDArray[np.float64]:
-    """Colours (N, 3) of wavelengths in nanometres: the colour matching functions of CIE 1931 by the fit of Wyman, Sloan & Shirley
-    (JCGT 2, 1, 2013), in sRGB, as bright as the channel allows; grey where nothing is visible."""
+    """Colours (N, 3) of wavelengths in nanometres: the colour matching functions of CIE 1931 by the fit of Wyman, Sloan
+    & Shirley (JCGT 2, 1, 2013), in sRGB, as bright as the channels allow; grey for invisible light."""
 
     def lobe(wavelength: NDArray[Any], mean: float, left: float, right: float) -> NDArray[np.float64]:
         width = np.where(wavelength < mean, left, right)

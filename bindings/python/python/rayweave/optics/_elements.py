@@ -1,4 +1,4 @@
-"""What optical systems are made of: solids of a material, and sheets."""
+"""Elements of optical systems: solids of a material, and sheets."""
 
 from __future__ import annotations
 
@@ -31,10 +31,11 @@ _Numbers = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Finish:
-    """What a face does to light: made by `polished`, `coated`, `reflecting`, `splitting`, `diffuse`, `rough`, `black`.
+    """The effect of a face on light; created by `polished`, `coated`, `reflecting`, `splitting`, `diffuse`, `rough`,
+    `black`.
 
-    Where faces of two elements touch, the finish of the element that light enters counts or, if that is polished, that of the one
-    that it leaves.
+    Where faces of two elements touch, the finish of the element that light enters applies or, if that is polished, the
+    finish of the element that it leaves.
     """
 
     kind: str
@@ -45,7 +46,7 @@ class Finish:
 
 
 def polished() -> Finish:
-    """What the two media make of it, by Fresnel's formulas."""
+    """Refraction and reflection as the two media require, by the Fresnel equations."""
     return Finish("polished")
 
 
@@ -89,12 +90,12 @@ def _film(film: tuple[complex, float]) -> _Numbers:
 
 @dataclass(frozen=True, eq=False)
 class Element(Placed):
-    """A part of an optical system: made by `element`, `lens`, `spherical_mirror`, `detector`, ... It never changes.
+    """A part of an optical system; created by `element`, `lens`, `spherical_mirror`, `detector`, ... Immutable.
 
-    `place` is the map from the coordinates in which it was made to those of the world.
+    `place` maps the coordinates in which the element was created to those of the world.
 
-    Maps are about the origin and give a new element: `e.rotate_x(90).translate(v)` rotates first. To try an element in another
-    place, use what a map gives; nothing has to be put back.
+    Maps are about the origin and return a new element: `e.rotate_x(90).translate(v)` rotates first. The original
+    element stays where it is.
     """
 
     name: str
@@ -104,11 +105,11 @@ class Element(Placed):
     faces: tuple[tuple[str, Finish], ...] = ()
     action: Finish | None = None
     place: NDArray[np.float64] = field(default_factory=lambda: np.eye(4))
-    #: The element as a model file says it, which holds more than the fields above.
+    #: The element as read from a model file, which contains more than the fields above.
     read: _core.ReadElement | None = None
 
     def __post_init__(self) -> None:
-        # report invalid arguments here, where they are given
+        # report invalid arguments here, where the caller passes them
         text(self.name, "name")
         if not isinstance(self.body, Solid | Sheet):
             kind = type(self.body).__name__
@@ -117,14 +118,15 @@ class Element(Placed):
             _substance(self.material, self.finish)
 
     def named(self, name: str) -> Self:
-        """The same under another name, by which it is called in results."""
+        """The same element with a different name, which results use."""
         return replace(self, name=name)
 
     def with_finish(self, finish: Finish, face: str | None = None) -> Self:
-        """The same with a finish on the faces of this name ("front", "front.side", ...), or on all that have none of their own.
+        """The same element with a finish on the faces of this name ("front", "front.side", ...), or on all faces
+        without their own finish.
 
-        Faces have the names that the function says which made the element: those of a lens are `front`, `back` and the rim `edge`.
-        `System.surface_names` lists them with those of their parts. Where two elements touch, see `Finish`.
+        The function that creates an element states the names of its faces: those of a lens are `front`, `back` and the
+        rim `edge`. `System.surface_names` lists them with their parts. For elements that touch, see `Finish`.
         """
         if self.action is not None:
             raise _core.RayweaveError(f"{self.name} is a sheet: it has an action, not a finish.")
@@ -170,7 +172,7 @@ def _index(index: Any, name: str) -> complex:
         needed = "a number, complex if it absorbs, or a material"
         raise TypeError(f"{name} is {index!r}: it must be {needed}.") from None
     if not (0.0 < n.real < np.inf and 0.0 <= n.imag < np.inf):
-        raise _core.RayweaveError(f"{name} is {index}: n has to be greater than 0, k at least 0, both finite.")
+        raise _core.RayweaveError(f"{name} is {index}: n must be greater than 0, k at least 0, and both finite.")
     return n
 
 
@@ -179,7 +181,7 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
         shiny = material == "mirror" and finish == polished()
         return "opaque", None, reflecting() if shiny else finish
     if isinstance(material, str) and (close := get_close_matches(material, ("mirror", "absorber"), 1, 0.8)):
-        raise _core.RayweaveError(f"no material is named {material!r}: it is no glass. Did you mean {close[0]!r}?")
+        raise _core.RayweaveError(f"no material is named {material!r}: it is not a glass. Did you mean {close[0]!r}?")
     medium = _medium(material)
     if isinstance(medium, GradedMedium):
         return "transparent", medium, finish
@@ -189,7 +191,8 @@ def _substance(material: Material, finish: Finish) -> tuple[str, Any, Finish]:
 
 
 def _yellow(glass: Glass) -> tuple[float, float]:
-    """The index and the extinction coefficient in yellow light, or in the middle of what is known of them: as in model files."""
+    """The index and the extinction coefficient in yellow light, or in the middle of their known range, as in model
+    files."""
     low, high = glass.range_nm
     wavelength = _D_NM if low <= _D_NM <= high else 0.5 * (low + high)
     return float(glass.index(wavelength)), float(glass.extinction(wavelength))
@@ -239,20 +242,20 @@ def _sizes(numbers: _Numbers) -> list[float]:
 
 
 def _convex(r: float, name: str, hint: str = "") -> float:
-    """A radius that is stated without its sign."""
+    """A radius that is given without its sign."""
     radius = real(r, name)
     if radius < 0.0:
-        raise _core.RayweaveError(f"{name} is {radius:g}: the face is convex, so its radius has to be positive.{hint}")
+        raise _core.RayweaveError(f"{name} is {radius:g}: the face is convex, so its radius must be positive.{hint}")
     return radius
 
 
 def element(solid: Solid, material: Material, *, name: str = "element") -> Element:
-    """Any solid as a part of an optical system. Its faces have the names of those of its shapes: "side", "top", "x+", ..., behind the
-    names given by `Solid.named`.
+    """Any solid as a part of an optical system. Its faces have the names of the faces of its shapes, "side", "top",
+    "x+", ..., after the names given by `Solid.named`.
 
-    A material with an extinction coefficient k above a tenth of its index n is a metal, which reflects by Fresnel's formulas and absorbs
-    the rest; others are transparent, and absorb along the way. It is decided once, at 587.5618 nm or, for a glass that has no index
-    there, in the middle of its `range_nm`.
+    A material with an extinction coefficient k above a tenth of its index n is a metal, which reflects according to the
+    Fresnel equations and absorbs the rest; others are transparent, and absorb along the path. This is decided once, at
+    587.5618 nm or, for a glass that has no index there, in the middle of its `range_nm`.
     """
     return Element(name, solid, material)
 
@@ -260,8 +263,8 @@ def element(solid: Solid, material: Material, *, name: str = "element") -> Eleme
 def lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
-    """A lens about the origin with its axis along z: radii of curvature are positive if the centre is on the side of +z, inf for
-    a plane; the thickness is that on the axis. Faces: `front`, `back` and the rim `edge`."""
+    """A lens about the origin with its axis along z: radii of curvature are positive if the centre is on the side of
+    +z, inf for a plane; the thickness is that on the axis. Faces: `front`, `back` and the rim `edge`."""
     return _component("lens", (r1, r2, thickness), name, material, aperture)
 
 
@@ -290,18 +293,19 @@ def conic_lens(
     material: Material = "N-BK7",
     name: str = "lens",
 ) -> Element:
-    """A lens whose faces are conics of revolution with the conic constants k (0 a sphere, -1 a paraboloid). Faces: `front`, `back`,
-    `edge`."""
+    """A lens whose faces are conics of revolution with the conic constants k (0 a sphere, -1 a paraboloid). Faces:
+    `front`, `back`, `edge`."""
     return _component("conic_lens", (r1, k1, r2, k2, thickness), name, material, aperture)
 
 
 @dataclass(frozen=True)
 class Asphere:
-    """A surface of revolution: a conic with terms in powers of the distance r from the axis.
+    """A surface of revolution: a conic plus powers of the distance r from the axis.
 
-    `radius` is the radius of curvature at the vertex, inf for none, and `conic` the conic constant; `even` are the coefficients of
-    r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed: in the unit of lengths to the power 1 less that
-    of r. The sag is `c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2))` and the sum of the terms (ISO 10110-12).
+    `radius` is the radius of curvature at the vertex, inf for none, and `conic` the conic constant; `even` are the
+    coefficients of r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed; the coefficient of
+    r^n has the unit of lengths to the power 1 - n. The sag is `c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2))` plus the sum of
+    the terms (ISO 10110-12).
     """
 
     radius: float = float("inf")
@@ -322,7 +326,8 @@ def aspheric_lens(
     material: Material = "N-BK7",
     name: str = "lens",
 ) -> Element:
-    """A lens whose faces are aspheres, or spheres by their radii; otherwise a `lens`, with faces of the same names."""
+    """A lens whose faces are aspheres, or spheres given by their radii; otherwise like `lens`, with the same names of
+    faces."""
     faces = [_asphere(front), _asphere(back)]
     sizes = (faces[0].radius, faces[0].conic, faces[1].radius, faces[1].conic, thickness)
     terms = [face._terms() for face in faces]
@@ -337,7 +342,7 @@ def aspheric_mirror(
     off_axis: tuple[float, float] = (0.0, 0.0),
     name: str = "mirror",
 ) -> Element:
-    """A mirror whose face is an asphere with its vertex at the origin, and faces -z: concave if the radius is negative. The rim and
+    """An aspheric mirror with its vertex at the origin that faces -z; concave if the radius is negative. The rim and
     the back absorb. Faces: `front`, `back`, `edge`."""
     face = _asphere(face)
     sizes = (face.radius, face.conic, thickness)
@@ -351,8 +356,9 @@ def _asphere(face: Asphere | float) -> Asphere:
 def cemented(
     radii: ArrayLike, thicknesses: ArrayLike, materials: list[Material], *, aperture: Aperture, name: str = "cemented"
 ) -> list[Element]:
-    """Lenses that share their inner faces: one radius more than thicknesses and materials. Faces of each: `front`, `back`, `edge`; what
-    is cemented is the back of one and the front of the next, either of which can have a finish (see `Finish`)."""
+    """Lenses that share their inner faces: n thicknesses and n materials need n + 1 radii. Faces of each: `front`,
+    `back`, `edge`. A cemented face is the back of one lens and the front of the next, either of which can have a finish
+    (see `Finish`)."""
     radii, thicknesses = numbers(radii, "radii"), numbers(thicknesses, "thicknesses")
     materials = each(materials, "materials", "materials")
     if not len(radii) - 1 == len(thicknesses) == len(materials):
@@ -372,14 +378,15 @@ def ball_lens(diameter: float, *, material: Material = "N-BK7", name: str = "bal
 def axicon(
     cone_degrees: float, thickness: float, diameter: float, *, material: Material = "N-BK7", name: str = "axicon"
 ) -> Element:
-    """A plane front and a cone whose surface is inclined by an angle against the plane. Faces: `front`, the cone `back`, `edge`."""
+    """A plane front and a conical back, inclined by an angle against the plane. Faces: `front`, `back`, `edge`."""
     return _component("axicon", (cone_degrees, thickness, diameter), name, material)
 
 
 def plane_mirror(
     thickness: float, *, aperture: Aperture, off_axis: tuple[float, float] = (0.0, 0.0), name: str = "mirror"
 ) -> Element:
-    """A plane mirror in z = 0 that faces -z, its back at z = thickness. Faces: `front`, `back`, `edge`, of which all reflect."""
+    """A plane mirror in z = 0 that faces -z, its back at z = thickness. Faces: `front`, `back`, `edge`; all of them
+    reflect."""
     return _component("plane_mirror", (thickness,), name, "mirror", aperture, off_axis)
 
 
@@ -391,7 +398,7 @@ def spherical_mirror(
     off_axis: tuple[float, float] = (0.0, 0.0),
     name: str = "mirror",
 ) -> Element:
-    """A mirror with its vertex at the origin that faces -z; a negative radius is concave towards the light. The rim and the
+    """A mirror with its vertex at the origin that faces -z; with a negative radius it is concave. The rim and the
     back absorb. Faces: `front`, `back`, `edge`."""
     return _faced("spherical_mirror", (radius, thickness), name, aperture, off_axis)
 
@@ -404,8 +411,8 @@ def parabolic_mirror(
     off_axis: tuple[float, float] = (0.0, 0.0),
     name: str = "mirror",
 ) -> Element:
-    """A mirror with its vertex at the origin that faces -z and has its focus at z = -focal_length. The rim and the back absorb.
-    Faces: `front`, `back`, `edge`."""
+    """A mirror with its vertex at the origin that faces -z and has its focus at z = -focal_length. The rim and the back
+    absorb. Faces: `front`, `back`, `edge`."""
     return _faced("parabolic_mirror", (focal_length, thickness), name, aperture, off_axis)
 
 
@@ -418,8 +425,8 @@ def elliptic_mirror(
     off_axis: tuple[float, float] = (0.0, 0.0),
     name: str = "mirror",
 ) -> Element:
-    """A concave mirror with its vertex at the origin that faces -z; light from one focus, at z = -near, meets in the other, at
-    z = -far. The rim and the back absorb. Faces: `front`, `back`, `edge`."""
+    """A concave mirror with its vertex at the origin that faces -z; light from one focus, at z = -near, converges at
+    the other, at z = -far. The rim and the back absorb. Faces: `front`, `back`, `edge`."""
     return _faced("elliptic_mirror", (near, far, thickness), name, aperture, off_axis)
 
 
@@ -432,8 +439,9 @@ def hyperbolic_mirror(
     off_axis: tuple[float, float] = (0.0, 0.0),
     name: str = "mirror",
 ) -> Element:
-    """A convex mirror with its vertex at the origin that faces -z, the secondary of a Cassegrain: light on its way to the focus at
-    z = behind meets at z = -in_front. The rim and the back absorb. Faces: `front`, `back`, `edge`."""
+    """A convex mirror with its vertex at the origin that faces -z, such as the secondary of a Cassegrain telescope:
+    light that converges to z = behind is focused at z = -in_front. The rim and the back absorb. Faces: `front`, `back`,
+    `edge`."""
     return _faced("hyperbolic_mirror", (behind, in_front, thickness), name, aperture, off_axis)
 
 
@@ -446,7 +454,7 @@ def toric_lens(
     material: Material = "N-BK7",
     name: str = "lens",
 ) -> Element:
-    """A lens whose faces have one radius of curvature along x and another along y. Faces: `front`, `back`, `edge`."""
+    """A lens whose faces have different radii of curvature along x and y. Faces: `front`, `back`, `edge`."""
     needed = "a pair of radii, along x and along y"
     faces = (*pair(front, "front", needed), *pair(back, "back", needed))
     return _component("toric_lens", (*faces, thickness), name, material, aperture)
@@ -462,8 +470,8 @@ def fresnel_lens(
     material: Material = "PMMA",
     name: str = "lens",
 ) -> Element:
-    """A plane front, and behind it the rings of a convex surface of radius r > 0, each `pitch` wide. Faces: `front`, the rings
-    `back`, the steps between them `draft`, the rim `edge`."""
+    """A Fresnel lens: a plane front, and behind it the rings of a convex surface of radius r > 0, each `pitch` wide.
+    Faces: `front`, the rings `back`, the steps between them `draft`, the rim `edge`."""
     return _component("fresnel_lens", (_convex(r, "r"), conic, pitch, thickness, diameter), name, material)
 
 
@@ -477,8 +485,8 @@ def lenslet_array(
     material: Material = "N-BK7",
     name: str = "array",
 ) -> Element:
-    """A plate of plano-convex lenses, columns along x and rows along y, each `pitch` wide and high. Faces: `front`, the lenses
-    `back`, `edge`."""
+    """A plate of plano-convex lenses, columns along x and rows along y, each `pitch` wide and high. Faces: `front`, the
+    lenses `back`, `edge`."""
     counts = whole(columns, "columns", least=1), whole(rows, "rows", least=1)
     return _component("lenslet_array", (_convex(r, "r"), thickness, pitch, *counts), name, material)
 
@@ -498,7 +506,7 @@ def _faced(
 def equilateral_prism(
     side_length: float, width: float, *, material: Material = "N-BK7", name: str = "prism"
 ) -> Element:
-    """A prism of three equal faces: a "dispersing" `prism` of 60 degrees, with the same names."""
+    """A prism of three equal faces: a "dispersing" `prism` of 60 degrees, with the same names of faces."""
     return _component("equilateral_prism", (side_length, width), name, material)
 
 
@@ -513,17 +521,18 @@ _PRISMS = {
 
 
 def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = "prism") -> Element:
-    """A prism: "dispersing" (apex angle, side, width), "right_angle" (leg, width), "penta" (side, width), "dove" (height,
-    length, width), "amici" (diameter).
+    """A prism: "dispersing" (apex angle, side, width), "right_angle" (leg, width), "penta" (side, width), "dove"
+    (height, length, width), "amici" (diameter).
 
-    Light along +z enters by the face `front`, and leaves
+    Light along +z enters through the face `front`, and leaves
 
-    - "dispersing": by `back`; `base` is below, the apex above;
-    - "right_angle": along +y by `exit`, after `hypotenuse`;
-    - "penta": along -y by `exit`, after `mirror1` and `mirror2`, on which it falls too steeply for total reflection: they have to be
-      made mirrors, `p.with_finish(reflecting(), "mirror1").with_finish(reflecting(), "mirror2")`; the fifth face is `roof`;
-    - "dove": along +z by `back`, after `base`; the other side is `top`;
-    - "amici": along +y by `exit`, after the roof `roof1` and `roof2`.
+    - "dispersing": through `back`; `base` is below, the apex above;
+    - "right_angle": along +y through `exit`, after `hypotenuse`;
+    - "penta": along -y through `exit`, after `mirror1` and `mirror2`, where the incidence is too steep for total
+      reflection: they need a mirror finish, `p.with_finish(reflecting(), "mirror1").with_finish(reflecting(),
+      "mirror2")`; the fifth face is `roof`;
+    - "dove": along +z through `back`, after `base`; the opposite side is `top`;
+    - "amici": along +y through `exit`, after the roof `roof1` and `roof2`.
 
     The sides across x are `left` and `right`.
     """
@@ -536,17 +545,17 @@ def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = 
 
 
 def corner_cube(depth: float, *, material: Material = "N-BK7", name: str = "corner") -> Element:
-    """A corner of a cube that sends light back where it came from. Light along +z enters by `front` in z = 0; the faces that meet at
-    z = depth are `mirror1`, `mirror2` and `mirror3`, which reflect totally where the index allows, and otherwise as mirrors if they are
-    finished so."""
+    """A corner of a cube that reflects light back in the direction it came from. Light along +z enters through `front`
+    in z = 0. The faces that meet at z = depth are `mirror1`, `mirror2` and `mirror3`; they reflect totally if the index
+    is large enough, and otherwise need a mirror finish."""
     return _component("corner_cube", (depth,), name, material)
 
 
 def beam_splitter_cube(
     side: float, *, reflectance: float = 0.5, material: Material = "N-BK7", name: str = "cube"
 ) -> list[Element]:
-    """Two prisms that share a face, z = y, which reflects a fraction of the power of light along +z towards +y. Faces: `front`,
-    `exit` and `split` of the first, `back`, `bottom` and `split` of the second."""
+    """Two prisms that share a face, z = y, which reflects a fraction of the power of light along +z towards +y. Faces:
+    `front`, `exit` and `split` of the first, `back`, `bottom` and `split` of the second."""
     first, second = _core.optical_component("beam_splitter_cube", [real(side, "side")])
     shared = splitting(reflectance)
     return [
@@ -571,7 +580,7 @@ def aperture_stop(size: Aperture, opening: Aperture, *, name: str = "stop") -> E
 
 
 def detector(aperture: Aperture, *, absorbs: bool = True, name: str = "detector") -> Element:
-    """A sheet in the plane z = 0 that records what crosses it and ends it, or lets it pass."""
+    """A sheet in the plane z = 0 that records the light that hits it, and absorbs or transmits it."""
     return _sheet(name, Finish("absorb" if flag(absorbs, "absorbs") else "record"), aperture)
 
 
@@ -583,8 +592,8 @@ def thin_lens(focal_length: float, *, aperture: Aperture, name: str = "thin lens
 def grating(
     lines: tuple[float, float], order: int, *, aperture: Aperture, reflects: bool = False, name: str = "grating"
 ) -> Element:
-    """A plane grating in z = 0 that sends all light into one order: `lines` is a vector across the grooves, as long as their
-    number per unit of length."""
+    """A plane grating in z = 0 that diffracts all light into one order. `lines` is a vector across the grooves; its
+    length is their number per unit of length."""
     needed = "a vector across the grooves, a pair of numbers along x and y"
     number = whole(order, "order", least=-(2**31), bits=31)
     action = Finish("grating", (*pair(lines, "lines", needed), number, flag(reflects, "reflects")))
@@ -592,19 +601,20 @@ def grating(
 
 
 def polariser(degrees: float, *, aperture: Aperture, name: str = "polariser") -> Element:
-    """Lets light pass that swings along an axis in the plane z = 0, at an angle from +x towards +y."""
+    """Transmits light polarised along an axis in the plane z = 0, at an angle from +x towards +y."""
     angle = np.deg2rad(finite(degrees, "degrees"))
     return _sheet(name, Finish("polariser", (np.cos(angle), np.sin(angle))), aperture)
 
 
 def wave_plate(retardance_degrees: float, degrees: float, *, aperture: Aperture, name: str = "plate") -> Element:
-    """Retards light across its fast axis, which lies at an angle from +x towards +y: by 90 degrees for a quarter wave."""
+    """Retards light polarised across the fast axis, which is at an angle from +x towards +y: by 90 degrees for a
+    quarter-wave plate."""
     angle = np.deg2rad(finite(degrees, "degrees"))
     retardance = finite(retardance_degrees, "retardance_degrees")
     return _sheet(name, Finish("retarder", (np.cos(angle), np.sin(angle), retardance)), aperture)
 
 
 def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
-    """The focal length of a thick lens of index n in air: 1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2)) (Hecht, *Optics*,
-    5th edition, section 6.1)."""
+    """The focal length of a thick lens of index n in air: 1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2)) (Hecht,
+    *Optics*, 5th edition, section 6.1)."""
     return _core.lensmaker(real(r1, "r1"), real(r2, "r2"), real(n, "n"), real(thickness, "thickness"))

@@ -16,9 +16,10 @@ from rayweave.optics._system import Balance, System, Trace
 
 @dataclass(frozen=True, eq=False)
 class OpticalModel:
-    """What the `[optics]` tables of a model file say: a system, its sources, and how light is followed.
+    """The contents of the `[optics]` tables of a model file: a system, its sources, and the settings of traces.
 
-    `settings` are arguments of `System.trace`; `trace`, `stream` and `trace_to` use them, and others where they are given.
+    `settings` are arguments of `System.trace`. `trace`, `stream` and `trace_to` use them; keyword arguments override
+    them.
     """
 
     system: System
@@ -27,17 +28,17 @@ class OpticalModel:
     warnings: tuple[str, ...] = ()
 
     def trace(self, **changes: Any) -> Trace:
-        """Follows the light of all sources: see `System.trace`."""
+        """Traces the light of all sources: see `System.trace`."""
         return self.system.trace(self.sources, **(self.settings | changes))
 
     def stream(self, *, rows: int = 1 << 17, progress: Progress = None, **changes: Any) -> Stream:
-        """Follows the light batch by batch: see `System.stream`."""
+        """Traces the light batch by batch: see `System.stream`."""
         return self.system.stream(self.sources, rows=rows, progress=progress, **(self.settings | changes))
 
     def trace_to(
         self, path: str | PathLike[str], *, rows: int = 1 << 17, progress: Progress = None, **changes: Any
     ) -> Balance:
-        """Follows the light into a file: see `System.trace_to`."""
+        """Traces the light into a file: see `System.trace_to`."""
         wishes = self.settings | changes
         return self.system.trace_to(path, self.sources, rows=rows, progress=progress, **wishes)
 
@@ -49,9 +50,9 @@ def load(
     allow: Sequence[str | PathLike[str]] = (),
     strict: bool = False,
 ) -> OpticalModel:
-    """The `[optics]` tables of a model file. `parameters` gives other values to some of its parameters: numbers, or arithmetic
-    text. The model may read files in its folder and below, and the files and folders in `allow`. With `strict`, warnings are
-    errors. All problems are told at once, each with its file, line and column."""
+    """The `[optics]` tables of a model file. `parameters` overrides parameters of the file with numbers or arithmetic
+    expressions. The model may read files in its folder and below, and the files and folders in `allow`. With `strict`,
+    warnings are errors. All problems are reported at once, each with file, line and column."""
     values = None if parameters is None else dict(parameters)
     return _model(_core.load_optics(path, values, allow=list(allow), strict=strict))
 
@@ -63,8 +64,8 @@ def loads(
     allow: Sequence[str | PathLike[str]] = (),
     strict: bool = False,
 ) -> OpticalModel:
-    """As `load`, from the text of a model file. The names of files are relative to the current folder; the model may read files
-    there and below."""
+    """As `load`, from the text of a model file. The names of files are relative to the current folder; the model may
+    read files there and below."""
     values = None if parameters is None else dict(parameters)
     return _model(_core.loads_optics(text, values, allow=list(allow), strict=strict))
 

@@ -1,4 +1,4 @@
-"""What callers give, checked where it comes in: an error names it, and what it should be."""
+"""Checks of arguments: errors name the argument and the expected kind of value."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 def package(name: str, what_for: str) -> Any:
-    """A module of a package that Rayweave can do without but for this."""
+    """A module of an optional package."""
     try:
         return import_module(name)
     except ModuleNotFoundError as error:
@@ -44,18 +44,18 @@ def finite(value: Any, name: str, needed: str = "a number") -> float:
     """A number, neither infinite nor NaN."""
     number = real(value, name, needed)
     if not isfinite(number):
-        raise _core.RayweaveError(f"{name} is {number}: it has to be finite.")
+        raise _core.RayweaveError(f"{name} is {number}: it must be finite.")
     return number
 
 
 def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
-    """A whole number of at most so many bits."""
+    """A whole number of at most `bits` bits."""
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is {value!r}: it must be a whole number.") from None
     if not least <= number < 2**bits:
-        raise _core.RayweaveError(f"{name} is {number}: it has to be at least {least}, and below 2^{bits}.")
+        raise _core.RayweaveError(f"{name} is {number}: it must be at least {least} and below 2^{bits}.")
     return number
 
 
@@ -67,14 +67,14 @@ def flag(value: Any, name: str, needed: str = "True or False") -> bool:
 
 
 def text(value: Any, name: str, needed: str = "a text") -> str:
-    """A name or another text."""
+    """A text, such as a name."""
     if not isinstance(value, str):
         raise TypeError(f"{name} is {value!r}: it must be {needed}.")
     return value
 
 
 def pair(values: Any, name: str, needed: str) -> tuple[float, float]:
-    """Two numbers; `needed` says which."""
+    """Two numbers; `needed` describes them."""
     given = list(values) if isinstance(values, Iterable) and not isinstance(values, str) else []
     if len(given) != 2:
         raise TypeError(f"{name} is {values!r}: it must be {needed}.")
@@ -90,7 +90,7 @@ def array(values: Any, name: str) -> NDArray[np.float64]:
 
 
 def each(values: Any, name: str, needed: str) -> list[Any]:
-    """The members of any iterable but a text."""
+    """The members of any iterable except a text."""
     if not isinstance(values, Iterable) or isinstance(values, str):
         raise TypeError(f"{name} is {values!r}: it must be a list of {needed}.")
     return list(values)
@@ -111,7 +111,7 @@ def vector(values: Any, name: str) -> list[float]:
 
 
 def all_of(kind: type[T], things: Any, name: str, make: str = "") -> list[T]:
-    """A list of things of one kind, from one of them or an iterable; `make` is a sentence on how to make one."""
+    """A list of objects of one class, from a single object or an iterable; `make` is a hint on how to create one."""
     hint = f" {make}" if make else ""
     needed = f"it must be {'an' if kind.__name__[0] in 'AEIO' else 'a'} {kind.__name__}"
     if isinstance(things, kind):
@@ -126,7 +126,7 @@ def all_of(kind: type[T], things: Any, name: str, make: str = "") -> list[T]:
 
 
 def unknown(what: str, name: Any, known: Iterable[str]) -> NoReturn:
-    """An error about a name that is none of those known."""
+    """Raises an error about an unknown name, with the known ones."""
     names = list(known)
     if not isinstance(name, str):
         raise TypeError(f"the {what} is {name!r}: it can be {', '.join(names)}.")

@@ -11,7 +11,7 @@ from rayweave._core import Glass, GradedMedium
 from rayweave.optics._elements import _medium
 from rayweave.optics._given import real, text
 
-#: What the index is multiplied by; see `graded`.
+#: The law of the factor on the index; see `graded`.
 Law = Literal["selfoc", "squared", "radial", "axial", "fish_eye", "luneburg"]
 
 
@@ -21,7 +21,7 @@ def graded(
     *numbers: float,
     world_from_local: ArrayLike | None = None,
 ) -> GradedMedium:
-    """A medium whose index is that of a material, multiplied by a law of the place; light follows curves in it.
+    """A medium whose index is that of a material times a function of position; light follows curves in it.
 
     - `graded(m, "selfoc", g)`: `sqrt(1 - g^2 r^2)`, r the distance from the axis z;
     - `graded(m, "squared", a0, a1, ..)`: `sqrt(a0 + a1 r^2 + a2 r^4 + ..)`;
@@ -30,8 +30,8 @@ def graded(
     - `graded(m, "fish_eye", a)`: `2 / (1 + r^2 / a^2)`, r the distance from the origin (Maxwell);
     - `graded(m, "luneburg", a)`: `sqrt(2 - r^2 / a^2)` (Luneburg).
 
-    Lengths are in the unit of the system. `world_from_local`, a 4 x 4 matrix, moves the law; otherwise it holds in the frame of the
-    world, wherever the element is.
+    Lengths are in the unit of the system. `world_from_local`, a 4 x 4 matrix, moves the law; by default the law holds
+    in the frame of the world, independent of the position of the element.
     """
     place = np.eye(4) if world_from_local is None else world_from_local
     known = [real(number, f"a number of the law {law!r}") for number in numbers]

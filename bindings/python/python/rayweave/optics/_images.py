@@ -1,4 +1,4 @@
-"""What images tell of a prescription: columns with units, each with a picture."""
+"""Analyses of the image of a prescription: columns with units, most with a picture."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def _labelled(axis: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
 
 @dataclass(frozen=True)
 class SpotSize:
-    """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the greatest distance from
-    the centroid; rays count by their power."""
+    """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the largest
+    distance from the centroid; rays are weighted by their power."""
 
     rays: int
     centroid: tuple[float, float]
@@ -50,9 +50,9 @@ class SpotSize:
 class Rays(Columns):
     """Rays on the image, in its coordinates: its vertex is the origin, z along the axis.
 
-    `id` is the number of the point of the pupil; `x`, `y`, `z` the place and `x_tilt`, `y_tilt`, `z_tilt` the unit direction;
-    `path` the optical path from the start of the ray; `index` that in front of the image; `wavelength_nm`; `power`, the weight of
-    the ray.
+    `id` is the number of the point of the pupil; `x`, `y`, `z` the position and `x_tilt`, `y_tilt`, `z_tilt` the unit
+    direction; `path` the optical path from the start of the ray; `index` the refractive index in front of the image;
+    `wavelength_nm`; `power`, the weight of the ray.
     """
 
     def __init__(self, compiled: _core.Arrivals, unit: str) -> None:
@@ -71,7 +71,8 @@ class Rays(Columns):
         return SpotSize(rays, centroid, *radii, geometric)
 
     def best_focus(self) -> float:
-        """By how much the image has to move along the axis for the least RMS radius, exactly; NaN for parallel rays."""
+        """The shift of the image along the axis with the smallest RMS radius, computed exactly; NaN for parallel
+        rays."""
         return self._compiled.best_focus()
 
     def encircled_energy(self, radii: ArrayLike) -> Numbers:
@@ -83,9 +84,9 @@ class Rays(Columns):
         return self._compiled.radius_of_energy(real(fraction, "fraction"))
 
     def geometric_mtf(self, frequencies: ArrayLike, direction: tuple[float, float] = (0.0, 1.0)) -> Numbers:
-        """The geometric modulation transfer function: the modulation of lines across a direction by frequency in cycles per unit of
-        length, without diffraction. It is the modulus of the Fourier transform of the spot (W. J. Smith, Modern Optical Engineering,
-        section on the modulation transfer function)."""
+        """The geometric modulation transfer function: the modulation of lines across a direction by frequency in cycles
+        per unit of length, without diffraction. It is the modulus of the Fourier transform of the spot (W. J. Smith,
+        Modern Optical Engineering, section on the modulation transfer function)."""
         return self._compiled.mtf(pair(direction, "direction", "a pair of numbers along x and y"), _core.number_list(frequencies, "frequencies"))
 
     #: The short name of `geometric_mtf`.
@@ -93,14 +94,14 @@ class Rays(Columns):
 
 
 class Spots(Columns):
-    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays`; the centroid `x`, `y`; the RMS radius `rms`
-    with its parts `rms_x` and `rms_y`; the `geometric` radius. `images` has the rays of every field."""
+    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays`; the centroid `x`, `y`; the RMS
+    radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. `images` has the rays of every field."""
 
     images: list[Rays]
 
     @classmethod
     def of(cls, images: list[Rays], fields: Sequence[tuple[float, float]], unit: str) -> Self:
-        """The spots of some rays."""
+        """The spots of the rays of each field."""
         sizes = [image.spot() for image in images]
         table = cls(
             {
@@ -139,13 +140,13 @@ class Spots(Columns):
 
 
 class Fans(Columns):
-    """Ray fans: `field`, `wavelength_nm`, `along` (0: rays in the pupil along x, 1: along y), `pupil`, the place there from -1 to
-    1, and the transverse aberrations `error_x` and `error_y`: from where the principal ray of the same wavelength meets the
-    image."""
+    """Ray fans: `field`, `wavelength_nm`, `along` (0: rays in the pupil along x, 1: along y), `pupil`, the position
+    there from -1 to 1, and the transverse aberrations `error_x` and `error_y`, measured from the point where the
+    principal ray of the same wavelength hits the image."""
 
     @classmethod
     def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str) -> Self:
-        """Of single fans: field, wavelength, axis, places in the pupil, errors (N, 2)."""
+        """From single fans: field, wavelength, axis, positions in the pupil, errors (N, 2)."""
         heads = np.concatenate([np.tile([fan[:3]], (len(fan[3]), 1)) for fan in found])
         errors = np.concatenate([fan[4] for fan in found])
         columns = {
@@ -159,14 +160,14 @@ class Fans(Columns):
         return cls(columns, {"wavelength_nm": "nm", "error_x": unit, "error_y": unit})
 
     def fan(self, field: int, wavelength_nm: float, along: Literal["x", "y"]) -> tuple[Numbers, Numbers]:
-        """One fan: places in the pupil along an axis, and the errors along the same axis."""
+        """One fan: positions in the pupil along an axis, and the errors along the same axis."""
         number = "xy".index(along)
         wanted = (self["field"] == field) & (self["along"] == number) & (self["wavelength_nm"] == wavelength_nm)
         return self["pupil"][wanted], self[f"error_{along}"][wanted]
 
     def show(self, *, axes: Any = None) -> Any:
-        """Draws the fans, field by field, coloured by wavelength: a row for each, along y and along x. `axes` is an array
-        (fields, 2)."""
+        """Draws the fans, field by field, coloured by wavelength: a row for each, along y and along x. `axes` is an
+        array (fields, 2)."""
         from rayweave.optics._drawing import wavelength_rgb
 
         plt = package("matplotlib.pyplot", "drawings")
@@ -190,12 +191,13 @@ class Fans(Columns):
 
 
 class Seidel(Columns):
-    """The Seidel sums S_I to S_V and the chromatic sums C_I and C_II by `surface`, counted from 1: wavefront aberrations, twice
-    to eight times their coefficients (W. T. Welford, Aberrations of Optical Systems, 1986, chapters 8 and 10)."""
+    """The Seidel sums S_I to S_V and the chromatic sums C_I and C_II by `surface`, counted from 1: wavefront
+    aberrations, twice to eight times their coefficients (W. T. Welford, Aberrations of Optical Systems, 1986, chapters
+    8 and 10)."""
 
     @classmethod
     def of(cls, sums: dict[str, Numbers], unit: str) -> Self:
-        """Of columns without the numbers of surfaces."""
+        """From columns without the numbers of surfaces."""
         count = len(sums["spherical"])
         return cls({"surface": np.arange(1, count + 1), **sums}, dict.fromkeys(sums, unit))
 
@@ -217,11 +219,11 @@ class Seidel(Columns):
 
 
 class ZernikeFit(Columns):
-    """A sum of Zernike polynomials: `index`, radial order `n`, azimuthal frequency `m` (negative for sines) and `coefficient` in
-    waves.
+    """A sum of Zernike polynomials: `index`, radial order `n`, azimuthal frequency `m` (negative for sines) and
+    `coefficient` in waves.
 
-    The polynomials have a mean square of 1 over the unit disk, so a coefficient is the RMS that it adds (R. J. Noll, J. Opt. Soc.
-    Am. 66, 207, 1976; ANSI Z80.28). `residual_rms` is what is left.
+    The polynomials have a mean square of 1 over the unit disk, so a coefficient is the RMS that it adds (R. J. Noll, J.
+    Opt. Soc. Am. 66, 207, 1976; ANSI Z80.28). `residual_rms` is the RMS of the residual.
     """
 
     residual_rms: float
@@ -242,13 +244,13 @@ class ZernikeFit(Columns):
 
 
 class Wavefront(Columns):
-    """Optical path differences: `pupil_x` and `pupil_y` in units of the pupil's semi-diameter, `waves` against a sphere about the
-    place where the principal ray meets the image, through the paraxial exit pupil on the axis; positive where the light is ahead
-    (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2)."""
+    """Optical path differences: `pupil_x` and `pupil_y` in units of the pupil's semi-diameter, `waves` against a sphere
+    about the point where the principal ray hits the image, through the paraxial exit pupil on the axis; positive where
+    the light is ahead (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2)."""
 
     @classmethod
     def of(cls, pupil: Numbers, waves: Numbers) -> Self:
-        """Of points (N, 2) and differences (N,)."""
+        """From points (N, 2) and differences (N,)."""
         return cls({"pupil_x": pupil[:, 0], "pupil_y": pupil[:, 1], "waves": waves}, {"waves": "waves"})
 
     @property
@@ -258,16 +260,17 @@ class Wavefront(Columns):
 
     @property
     def peak_to_valley(self) -> float:
-        """The greatest difference less the least, in waves."""
+        """The largest minus the smallest difference, in waves."""
         return float(np.ptp(self["waves"]))
 
     @property
     def strehl(self) -> float:
-        """exp(-(2 pi rms)^2): good for ratios above 0.1 (V. N. Mahajan, J. Opt. Soc. Am. 73, 860, 1983)."""
+        """The Strehl ratio, estimated as exp(-(2 pi rms)^2); accurate above 0.1 (V. N. Mahajan, J. Opt. Soc. Am. 73,
+        860, 1983)."""
         return float(np.exp(-((2.0 * np.pi * self.rms) ** 2)))
 
     def zernike(self, count: int = 15, *, scheme: Literal["noll", "osa"] = "noll") -> ZernikeFit:
-        """The sum of the first polynomials with the least mean square distance, numbered by Noll (from 1) or OSA/ANSI (from 0)."""
+        """The least-squares fit by the first `count` polynomials, numbered by Noll (from 1) or OSA/ANSI (from 0)."""
         first = 0 if scheme == "osa" else 1
         indices = range(first, first + whole(count, "count", least=1))
         terms = [_core.zernike_term(scheme, index) for index in indices]
@@ -315,7 +318,7 @@ class Energy(_ByField):
 
     @classmethod
     def of(cls, images: list[Rays], radii: Numbers, unit: str) -> Self:
-        """Of the rays of every field."""
+        """From the rays of every field."""
         columns = {
             "field": np.repeat(np.arange(len(images)), len(radii)),
             "radius": np.tile(radii, len(images)),
@@ -329,8 +332,8 @@ class Energy(_ByField):
 
 
 class Modulation(_ByField):
-    """The geometric MTF of every `field`, from rays without diffraction, by `frequency` in cycles per unit of length: `tangential`,
-    `sagittal`, and the `limit` by diffraction of a lens without aberrations on the axis."""
+    """The geometric MTF of every `field`, from rays without diffraction, by `frequency` in cycles per unit of length:
+    `tangential`, `sagittal`, and the diffraction `limit` of a lens without aberrations, on the axis."""
 
     @classmethod
     def of(
@@ -341,7 +344,7 @@ class Modulation(_ByField):
         cutoff: float,
         unit: str,
     ) -> Self:
-        """Of the rays of every field; `cutoff` is the frequency at which diffraction ends it."""
+        """From the rays of every field; `cutoff` is the cutoff frequency of diffraction."""
         along = [field if field != (0.0, 0.0) else (0.0, 1.0) for field in fields]
         pairs = list(zip(images, along, strict=True))
         columns = {
@@ -363,7 +366,8 @@ class Modulation(_ByField):
 
 
 def _diffraction(share: Numbers) -> Numbers:
-    """The transfer function of a circular pupil by frequency over its cutoff (Goodman, equation 6-31 of the second edition)."""
+    """The transfer function of a circular pupil by frequency over its cutoff (Goodman, equation 6-31 of the second
+    edition)."""
     inside = np.clip(share, 0.0, 1.0)
     return np.asarray(2.0 / np.pi * (np.arccos(inside) - inside * np.sqrt(1.0 - inside**2)))
 
@@ -373,7 +377,7 @@ class ThroughFocus(_ByField):
 
     @classmethod
     def of(cls, images: list[Rays], shifts: Numbers, unit: str) -> Self:
-        """Of the rays of every field."""
+        """From the rays of every field."""
         radii = [image.moved(shift).spot().rms for image in images for shift in shifts.tolist()]
         field = np.repeat(np.arange(len(images)), len(shifts))
         columns = {"field": field, "shift": np.tile(shifts, len(images)), "rms": np.array(radii)}
@@ -386,7 +390,8 @@ class ThroughFocus(_ByField):
 
 @dataclass(frozen=True)
 class Sweep:
-    """Points of the field from the axis to the widest one: their parts `share` of that, and the units of fields and lengths."""
+    """Points of the field from the axis to the edge: their fractions `share` of the edge, and the units of fields and
+    lengths."""
 
     share: Numbers
     widest: tuple[float, float]
@@ -395,7 +400,7 @@ class Sweep:
 
 
 class _OverField(Columns):
-    """Rows from the axis to the widest point of the field: `field_x` and `field_y`, and their part `share` of that."""
+    """Rows from the axis to the edge of the field: `field_x` and `field_y`, and their fraction `share` of the edge."""
 
     @classmethod
     def _over(cls, sweep: Sweep, columns: dict[str, Numbers], units: dict[str, str], repeats: int = 1) -> Self:
@@ -413,12 +418,12 @@ class _OverField(Columns):
 
 
 class Distortion(_OverField):
-    """The height of the `real` principal ray on the image, that of the `paraxial` one, and their relative difference `relative`,
-    NaN on the axis."""
+    """The height of the `real` principal ray on the image, that of the `paraxial` one, and their relative difference
+    `relative`, NaN on the axis."""
 
     @classmethod
     def of(cls, sweep: Sweep, found: Numbers) -> Self:
-        """Of rows with real and paraxial heights first."""
+        """From rows whose first columns are the real and the paraxial height."""
         real, paraxial = found[:, 0], found[:, 1]
         with np.errstate(invalid="ignore", divide="ignore"):
             relative = np.where(paraxial > 0.0, (real - paraxial) / paraxial, np.nan)
@@ -434,11 +439,11 @@ class Distortion(_OverField):
 
 
 class FieldCurvature(_OverField):
-    """The `tangential` and the `sagittal` focus, from the image along the axis."""
+    """The `tangential` and the `sagittal` focus, as distances from the image along the axis."""
 
     @classmethod
     def of(cls, sweep: Sweep, found: Numbers) -> Self:
-        """Of rows with tangential and sagittal foci last."""
+        """From rows whose last columns are the tangential and the sagittal focus."""
         columns = {"tangential": found[:, 2], "sagittal": found[:, 3]}
         return cls._over(sweep, columns, dict.fromkeys(columns, sweep.unit))
 
@@ -452,11 +457,12 @@ class FieldCurvature(_OverField):
 
 
 class FocalShift(Columns):
-    """Where rays of the axis cross it, `focus`, from the image, by `wavelength_nm`."""
+    """The `focus` by `wavelength_nm`: where rays of the axial field point cross the axis, as a distance from the
+    image."""
 
     @classmethod
     def of(cls, lines: Numbers, foci: list[float], unit: str) -> Self:
-        """Of wavelengths and foci."""
+        """From wavelengths and foci."""
         return cls({"wavelength_nm": lines, "focus": foci}, {"wavelength_nm": "nm", "focus": unit})
 
     def show(self, *, axis: Axes | None = None) -> Axes:
@@ -467,11 +473,12 @@ class FocalShift(Columns):
 
 
 class LateralColour(_OverField):
-    """The `shift` of the principal ray on the image against that of the primary wavelength, by `wavelength_nm` and field."""
+    """The `shift` of the principal ray on the image relative to that of the primary wavelength, by `wavelength_nm` and
+    field."""
 
     @classmethod
     def of(cls, sweep: Sweep, lines: Sequence[float], found: Numbers) -> Self:
-        """Of shifts (wavelengths, fields)."""
+        """From shifts (wavelengths, fields)."""
         columns = {"wavelength_nm": np.repeat(lines, len(sweep.share)), "shift": found.ravel()}
         return cls._over(sweep, columns, {"wavelength_nm": "nm", "shift": sweep.unit}, len(lines))
 

@@ -1,4 +1,4 @@
-"""Moving things about."""
+"""Transforms of elements and sources."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rayweave.optics._given import real, vector
 
 
 class Placed(ABC):
-    """What can be moved; maps are about the origin and give a new thing."""
+    """An object that can be moved; maps are about the origin and return a new object."""
 
     @abstractmethod
     def transform(self, matrix: ArrayLike) -> Self:

@@ -1,4 +1,4 @@
-"""Optical systems as designers write them, surface by surface, and what they do to light."""
+"""Lens prescriptions, surface by surface, and their analysis."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ _FieldKind = Literal["angle", "object height", "image height"]
 
 @dataclass(frozen=True)
 class Biconic:
-    """Another radius and conic constant along x; those of the surface are along y. It has no even or odd terms."""
+    """A different radius and conic constant along x; those of the surface are along y. It has no even or odd terms."""
 
     radius_x: float
     conic_x: float = 0.0
@@ -64,16 +64,16 @@ class Biconic:
 
 @dataclass(frozen=True)
 class Toroidal:
-    """The radius, conic constant and even terms (of y) give a curve in the plane x = 0, which is turned about a line parallel to y,
-    `turn` from the vertex along z; inf for a cylinder."""
+    """The radius, conic constant and even terms (of y) give a curve in the plane x = 0, which is revolved about a line
+    parallel to y, at the distance `turn` from the vertex along z; inf for a cylinder."""
 
     turn: float
 
 
 @dataclass(frozen=True)
 class XYPolynomial:
-    """Coefficients, lengths, of x, y, x^2, x y, y^2, x^3, x^2 y, ...: degree by degree, up to 30; x and y are divided by
-    `norm_radius`."""
+    """Coefficients, which are lengths, of x, y, x^2, x y, y^2, x^3, x^2 y, ...: degree by degree, up to 30; x and y are
+    divided by `norm_radius`."""
 
     norm_radius: float
     coefficients: tuple[float, ...]
@@ -81,15 +81,16 @@ class XYPolynomial:
 
 @dataclass(frozen=True)
 class ZernikePolynomials:
-    """Coefficients, lengths, of Zernike polynomials of x and y, divided by `norm_radius`, in order: "noll" (R. J. Noll, J. Opt. Soc.
-    Am. 66 (1976) 207, from Z1, root mean square 1), "osa" (ANSI Z80.28, from 0) or "fringe" (from 1, value 1 at the rim)."""
+    """Coefficients, which are lengths, of Zernike polynomials of x and y, divided by `norm_radius`, in order: "noll"
+    (R. J. Noll, J. Opt. Soc. Am. 66 (1976) 207, from Z1, root mean square 1), "osa" (ANSI Z80.28, from 0) or "fringe"
+    (from 1, value 1 at the rim)."""
 
     norm_radius: float
     coefficients: tuple[float, ...]
     order: Literal["noll", "osa", "fringe"] = "noll"
 
 
-#: What makes a surface other than of revolution.
+#: The figure of a surface that is not of revolution.
 Figure = Biconic | Toroidal | XYPolynomial | ZernikePolynomials
 
 
@@ -140,15 +141,16 @@ def _behind(behind: Behind) -> Behind:
 class Surface:
     """A surface about the axis, and what lies behind it.
 
-    `radius` is positive if the centre lies on the side of +z, inf for a plane; `thickness` is the distance along z to the next
-    surface, negative where light travels back; `conic` the conic constant (0 a sphere, -1 a paraboloid); `semi_diameter` the clear
-    one, by default what the rays of all fields need and 2 % more; `hole` the semi-diameter of a hole in a mirror.
+    `radius` is positive if the centre lies on the side of +z, inf for a plane; `thickness` is the distance along z to
+    the next surface, negative where light travels back; `conic` the conic constant (0 a sphere, -1 a paraboloid);
+    `semi_diameter` the clear one, by default that of the rays of all fields plus 2 %; `hole` the semi-diameter of a
+    hole in a mirror.
 
-    `even` are the coefficients of r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed; they add to the
-    sag of the conic. That of r^2 adds to the curvature; that of r makes a cone around the vertex and has no part in
-    first-order data.
+    `even` are the coefficients of r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed; they
+    add to the sag of the conic. The coefficient of r^2 adds to the curvature; that of r makes a cone around the vertex
+    and does not enter first-order data.
 
-    `figure` makes it other than of revolution: `Biconic`, `Toroidal`, `XYPolynomial`, `ZernikePolynomials`.
+    `figure` makes a surface that is not of revolution: `Biconic`, `Toroidal`, `XYPolynomial`, `ZernikePolynomials`.
     """
 
     radius: float = float("inf")
@@ -177,11 +179,13 @@ class Surface:
 
 @dataclass(frozen=True)
 class CoordinateBreak:
-    """A surface and all behind it lie in another frame than on the axis so far: `before` counts surfaces from 1, the image comes last.
+    """A change of frame for a surface and all surfaces behind it. `before` is the number of this surface, from 1; the
+    image comes last.
 
-    The frame is moved by `decentre` along x and y and then turned by `tilt_degrees` about x, about the new y and about the new z, each
-    right-handed; with `tilts_first` it is turned about z, y and x and then moved. `matrix`, a rigid 4 x 4 matrix of coordinates
-    in front of the break from those behind it, says the same and more: where it is given, the others do not count.
+    The frame is moved by `decentre` along x and y and then rotated by `tilt_degrees` about x, about the new y and about
+    the new z, each right-handed; with `tilts_first` it is rotated about z, y and x and then moved. Alternatively
+    `matrix` is a rigid 4 x 4 matrix from the coordinates behind the break to those in front of it; `decentre` and the
+    tilts are then ignored.
     """
 
     before: int
@@ -204,7 +208,8 @@ class CoordinateBreak:
 
 @dataclass(frozen=True)
 class Pupil:
-    """The image of the stop: its place along z, with the vertex of surface 1 at 0, and its diameter; inf if telecentric."""
+    """A pupil, the image of the stop: its position along z, with the vertex of surface 1 at 0, and its diameter; inf if
+    telecentric."""
 
     position: float
     diameter: float
@@ -214,9 +219,9 @@ class Pupil:
 class FirstOrder:
     """First-order data at one wavelength, in the unit of the prescription; inf or NaN where there are none.
 
-    Distances along z: back ones from the last vertex, front ones from the first. `matrix` maps height and index times slope from
-    the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of Born & Wolf, Principles of Optics,
-    7th edition, section 4.4.
+    Distances are along z: back distances from the last vertex, front distances from the first. `matrix` maps height and
+    index times slope from the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of
+    Born & Wolf, Principles of Optics, 7th edition, section 4.4.
     """
 
     matrix: NDArray[np.float64]
@@ -238,11 +243,11 @@ class FirstOrder:
 def pupil_grid(
     kind: Literal["hexapolar", "square", "fan_x", "fan_y"], count: int
 ) -> NDArray[np.float64]:
-    """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid with so
-    many points across, or as many points along one axis."""
+    """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid
+    with `count` points across, or `count` points along one axis."""
     if kind not in _PUPILS:
         unknown("grid of a pupil", kind, _PUPILS)
-    # a grid without rings is the centre only
+    # a grid without rings consists of the centre only
     return _core.pupil_points(kind, whole(count, "count", least=0 if kind == "hexapolar" else 1, bits=31))
 
 
@@ -251,15 +256,16 @@ _PUPILS = ("hexapolar", "square", "fan_x", "fan_y")
 
 
 class Prescription:
-    """A sequential lens prescription; it never changes.
+    """A sequential lens prescription; immutable.
 
-    The axis is z, light comes from -z. Surfaces are counted from 1, fields and wavelengths from 0. The vertex of surface 1 is the
-    origin; the thickness of the last surface is the distance to the image. The aperture is one of four: the diameter of the
-    entrance pupil, the F-number, the numerical aperture at the object, or the semi-diameter of the stop.
+    The axis is z, light comes from -z. Surfaces are counted from 1, fields and wavelengths from 0. The vertex of
+    surface 1 is the origin; the thickness of the last surface is the distance to the image. The aperture is one of
+    four: the diameter of the entrance pupil, the F-number, the numerical aperture at the object, or the semi-diameter
+    of the stop.
 
-    `fields` are numbers along y, or pairs along x and y: angles in degrees against the axis, or heights of the object or of the
-    paraxial image. `stop` is the number of the surface at the aperture stop. `breaks` fold and tilt the axis; first-order data are
-    those of the surfaces on one axis.
+    `fields` are numbers along y, or pairs along x and y: angles in degrees from the axis, or heights of the object or
+    of the paraxial image. `stop` is the number of the surface at the aperture stop. `breaks` fold and tilt the axis;
+    first-order data are those of the surfaces on one axis.
     """
 
     def __init__(
@@ -321,7 +327,7 @@ class Prescription:
 
     @classmethod
     def read_zmx(cls, path: str | Path) -> Prescription:
-        """The prescription in a Zemax file. `passed_over` lists what of the file is ignored, with its lines."""
+        """The prescription in a Zemax file. `passed_over` lists the ignored entries of the file, with their lines."""
         return cls._of(*_core.CompiledPrescription.read_zmx(Path(path).read_bytes()))
 
     @classmethod
@@ -344,12 +350,12 @@ class Prescription:
 
     @property
     def name(self) -> str:
-        """What it is called."""
+        """Its name."""
         return str(self._compiled.frame()["name"])
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Where it was published, and other remarks."""
+        """Its source, and other remarks."""
         return tuple(self._compiled.frame()["notes"])
 
     @property
@@ -375,7 +381,7 @@ class Prescription:
 
     @property
     def breaks(self) -> tuple[CoordinateBreak, ...]:
-        """Where the axis is folded or tilted, with matrices."""
+        """The breaks of the axis, with matrices."""
         rows = self._compiled.frame()["breaks"]
         return tuple(CoordinateBreak(before, matrix=tuple(map(tuple, matrix))) for before, matrix in rows)
 
@@ -390,7 +396,7 @@ class Prescription:
         return float(self._compiled.frame()["primary_nm"])
 
     def replace(self, surfaces: Iterable[Surface] | None = None, **changes: Any) -> Prescription:
-        """The same with other surfaces, or with other values of the constructor's keywords."""
+        """The same prescription with other surfaces, or with other values of the constructor's keyword arguments."""
         frame = self._compiled.frame()
         lines = frame["lines"]
         kind, size = frame["aperture"]
@@ -408,7 +414,8 @@ class Prescription:
         return Prescription(self.surfaces if surfaces is None else surfaces, **{**keywords, **changes})
 
     def with_surface(self, number: int, **changes: Any) -> Prescription:
-        """The same with changes to one surface, counted from 1: its `radius`, `thickness`, `behind`, ..."""
+        """The same prescription with changes to one surface, counted from 1: its `radius`, `thickness`, `behind`,
+        ..."""
         rows = list(self.surfaces)
         if not 1 <= whole(number, "number", least=-(2**63)) <= len(rows):
             raise _core.RayweaveError(f"there is no surface {number}: there are {len(rows)}, counted from 1.")
@@ -420,9 +427,10 @@ class Prescription:
     def first_order(
         self, wavelength_nm: float | None = None, *, along: Literal["x", "y"] = "y"
     ) -> FirstOrder:
-        """Focal lengths, principal planes, pupils at a wavelength, by default the primary one.
+        """Focal lengths, principal planes and pupils at a wavelength, by default the primary one.
 
-        `along` chooses the meridian where they differ: by the curvatures at the vertices along it.
+        `along` selects the meridian for surfaces that are not of revolution: the data use the curvatures at the
+        vertices along it.
         """
         table = self._compiled.first_order(self._wavelength(wavelength_nm), text(along, "along", '"x" or "y"'))
         matrix = np.array(table.pop("matrix")).reshape(2, 2)
@@ -436,11 +444,11 @@ class Prescription:
     # solids
 
     def elements(self) -> list[Element]:
-        """Its lenses, mirrors, stop and image as parts of a system, to which others can be added."""
+        """The lenses, mirrors, stop and image as elements of a system, to which others can be added."""
         return [_element(*part) for part in self._compiled.parts()]
 
     def system(self) -> System:
-        """The system of its solids: for light that need not go in the order of the surfaces."""
+        """The system of its solids, for light that may hit the surfaces in any order."""
         return System(self.elements(), unit=cast(_Unit, self.unit))
 
     def semi_diameters(self) -> NDArray[np.float64]:
@@ -458,8 +466,8 @@ class Prescription:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origins and directions (N, 3) of the rays of a field, for `System.trace_rays`.
 
-        They go through the points `pupil` (N, 2) of the entrance pupil in units of its semi-diameter, by default a hexapolar grid;
-        if `aimed`, through those points of the stop.
+        They go through the points `pupil` (N, 2) of the entrance pupil in units of its semi-diameter, by default a
+        hexapolar grid; if `aimed`, through those points of the stop.
         """
         line = self._wavelength(wavelength_nm)
         return self._compiled.rays(whole(field, "field"), line, _pupil(pupil, rings), flag(aimed, "aimed"))
@@ -467,8 +475,8 @@ class Prescription:
     # real rays
 
     def principal_point(self, field: int = 0, *, wavelength_nm: float | None = None) -> tuple[float, float]:
-        """The point of the paraxial entrance pupil, in units of its semi-diameter, through which the principal (chief) ray of a field
-        goes, the ray to the centre of the stop; (0, 0) without pupil aberration."""
+        """The point of the paraxial entrance pupil, in units of its semi-diameter, through which the principal (chief)
+        ray of a field goes, the ray to the centre of the stop; (0, 0) without pupil aberration."""
         return self._compiled.principal_point(whole(field, "field"), self._wavelength(wavelength_nm))
 
     def arrivals(
@@ -482,8 +490,8 @@ class Prescription:
     ) -> Rays:
         """The rays of a field on the image, at one wavelength or, by default, at all of them with their weights.
 
-        Only rays that come by the surfaces in their order are there: not those that are vignetted or lost. Rays that are not `aimed`
-        at the stop are refused where the real entrance pupil of the field lies far beside the paraxial one.
+        The result contains only rays that pass the surfaces in order, not those that are vignetted or lost. Rays that
+        are not `aimed` at the stop are refused where the real entrance pupil of the field is far from the paraxial one.
         """
         self._needs_real_object()
         line = None if wavelength_nm is None else self._wavelength(wavelength_nm)
@@ -498,14 +506,15 @@ class Prescription:
         shift: float = 0.0,
         aimed: bool = False,
     ) -> Spots:
-        """The spots of all fields, with centroid, RMS and geometric radius; on a plane that is moved along the axis by `shift`."""
+        """The spots of all fields, with centroid, RMS and geometric radius, on the image plane moved along the axis by
+        `shift`."""
         rays = self._images(wavelength_nm, _pupil(None, rings), aimed)
         distance = real(shift, "shift")
         return Spots.of([image.moved(distance) if distance else image for image in rays], self.fields, self.unit)
 
     def fans(self, *, wavelength_nm: float | None = None, count: int = 41, aimed: bool = False) -> Fans:
-        """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at all of
-        them."""
+        """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at
+        all of them."""
         self._needs_real_object()
         lines = self.wavelengths_nm if wavelength_nm is None else (self._wavelength(wavelength_nm),)
         found = []
@@ -539,8 +548,8 @@ class Prescription:
         across: int = 49,
         aimed: bool = False,
     ) -> Energy:
-        """The fraction of the power of every field within circles about its centroid, without diffraction; by a square grid of so
-        many rays across the pupil."""
+        """The fraction of the power of every field within circles about its centroid, without diffraction; from a
+        square grid of `across` rays across the pupil."""
         rays = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed)
         if radii is None:
             radii = np.linspace(0.0, max(image.spot().geometric for image in rays), 101)
@@ -554,12 +563,13 @@ class Prescription:
         across: int = 49,
         aimed: bool = False,
     ) -> Modulation:
-        """The geometric modulation transfer function of every field: the modulation of lines by the spots of rays alone, without
-        diffraction, by frequency in cycles per unit of length: `tangential` for lines across the direction of the field, `sagittal`
-        for those along it. It is a good approximation where aberrations are much larger than a wavelength, and too high near the
-        diffraction limit, which a real lens cannot exceed. `limit` is the MTF by diffraction of a lens without aberrations, on the
-        axis at the primary wavelength, for a circular pupil and the paraxial F-number of the image (J. W. Goodman, Introduction to
-        Fourier Optics, section 6.4). The rays are a square grid, `across` of them over the pupil."""
+        """The geometric modulation transfer function of every field: the modulation of lines by the spots of rays
+        alone, without diffraction, by frequency in cycles per unit of length: `tangential` for lines across the
+        direction of the field, `sagittal` for those along it. It is a good approximation where aberrations are much
+        larger than a wavelength, and too high near the diffraction limit, which a real lens cannot exceed. `limit` is
+        the diffraction MTF of a lens without aberrations, on the axis at the primary wavelength, for a circular pupil
+        and the paraxial F-number of the image (J. W. Goodman, Introduction to Fourier Optics, section 6.4). The rays
+        form a square grid with `across` rays across the pupil."""
         rays, cutoff = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed), self._cutoff()
         if frequencies is None:
             # the frequency at which the modulation of the smallest spot vanishes
@@ -588,20 +598,20 @@ class Prescription:
         return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit)
 
     def distortion(self, *, wavelength_nm: float | None = None, count: int = 21) -> Distortion:
-        """Where real and paraxial principal rays meet the image, over the field from the axis to its widest point. Real ones are aimed
-        at the centre of the stop."""
+        """The heights of real and paraxial principal rays on the image, over the field from the axis to its edge. Real
+        rays are aimed at the centre of the stop."""
         return Distortion.of(*self._principal(wavelength_nm, count))
 
     def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 21) -> FieldCurvature:
-        """The tangential and the sagittal focus of thin pencils about the principal ray, the one through the centre of the stop, over
-        the field from the axis to its widest point: distances along the axis from the image (Coddington; W. T. Welford, Aberrations
-        of Optical Systems, section 9.5)."""
+        """The tangential and the sagittal focus of thin pencils about the principal ray, the one through the centre of
+        the stop, over the field from the axis to its edge: distances along the axis from the image (Coddington; W. T.
+        Welford, Aberrations of Optical Systems, section 9.5)."""
         return FieldCurvature.of(*self._principal(wavelength_nm, count))
 
     def focal_shift(self, wavelengths_nm: ArrayLike | None = None, *, height: float = 0.001) -> FocalShift:
-        """Longitudinal colour: where rays of the axis through a height in the pupil, in units of its semi-diameter, cross the axis,
-        from the image; by default the paraxial focus between the shortest and the longest wavelength. With height = 1 it is that of
-        the rim."""
+        """Longitudinal colour: where axial rays through a height in the pupil, in units of its semi-diameter, cross the
+        axis, as distances from the image; by default the paraxial focus between the shortest and the longest
+        wavelength. With height = 1 it is the focus of the marginal rays."""
         on_axis = self if self.fields[0] == (0.0, 0.0) else self.replace(fields=[(0.0, 0.0), *self.fields])
         if wavelengths_nm is None:
             wavelengths_nm = np.linspace(min(self.wavelengths_nm), max(self.wavelengths_nm), 31)
@@ -609,16 +619,16 @@ class Prescription:
         return FocalShift.of(lines, [on_axis._compiled.axial_focus(line, part) for line in lines], self.unit)
 
     def lateral_colour(self, *, count: int = 21) -> LateralColour:
-        """How far the principal rays of all wavelengths, aimed at the centre of the stop, meet the image from that of the primary one,
-        away from the axis, over the field from the axis to its widest point."""
+        """Lateral colour: the heights of the principal rays of all wavelengths on the image, minus that of the primary
+        wavelength, over the field from the axis to its edge. The rays are aimed at the centre of the stop."""
         lens, sweep = self._swept(count)
         shift = lens._compiled.lateral_colour
         found = [[shift(k, line) for k in range(count)] for line in self.wavelengths_nm]
         return LateralColour.of(sweep, self.wavelengths_nm, np.array(found))
 
     def show(self, *, axis: Axes | None = None, rays: int = 5, **options: Any) -> Axes:
-        """Draws a section of the solids with rays of all fields in the plane x = 0, coloured by field; `options` are those of
-        `Trace.show`."""
+        """Draws a section of the solids with rays of all fields in the plane x = 0, coloured by field; `options` are
+        those of `Trace.show`."""
         elements = self.elements()
         pupil = pupil_grid("fan_y", whole(rays, "rays", least=1, bits=31))
         fields = range(len(self.fields))
@@ -657,7 +667,7 @@ class Prescription:
         return [self.arrivals(field, wavelength_nm=wavelength_nm, pupil=pupil, aimed=aimed) for field in fields]
 
     def _swept(self, count: int) -> tuple[Prescription, Sweep]:
-        """The same with fields from the axis to the widest one."""
+        """The same prescription with fields from the axis to the edge."""
         self._needs_real_object()
         whole(count, "count", least=1, bits=31)
         x, y = max(self.fields, key=lambda field: float(np.hypot(*field)))
@@ -667,13 +677,14 @@ class Prescription:
         return self.replace(fields=[(part * x, part * y) for part in share.tolist()]), sweep
 
     def _principal(self, wavelength_nm: float | None, count: int) -> tuple[Sweep, NDArray[np.float64]]:
-        """What principal rays and their neighbours tell, over the field."""
+        """Heights and foci of the principal rays, over the field."""
         lens, sweep = self._swept(count)
         line = self._wavelength(wavelength_nm)
         return sweep, np.array([lens._compiled.principal(k, line) for k in range(count)])
 
     def _cutoff(self) -> float:
-        """The frequency, per unit of length, above which a circular pupil passes nothing: 2 NA / wavelength."""
+        """The frequency, per unit of length, above which a circular pupil transmits no modulation: 2 NA /
+        wavelength."""
         first_order = self.first_order()
         frame = self._compiled.frame()
         height, slope = 0.5 * first_order.entrance_pupil.diameter, 0.0
@@ -737,7 +748,7 @@ def _element(name: str, body: Any, material: Any, spec: Any, faces: Any) -> Elem
 def _drawn_in(
     elements: list[Element], origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The same rays from a little in front of everything."""
+    """The same rays, starting slightly in front of all elements."""
     boxes = np.array([part.body.bounds() for part in elements if isinstance(part.body, Solid)])
     low, high = boxes[:, 0, 2].min(), boxes[:, 1, 2].max()
     length = (low - 0.2 * (high - low) - origins[:, 2]) / directions[:, 2]

@@ -22,8 +22,8 @@ Spectrum = float | dict[float, float] | tuple[str, *tuple[float, ...]]
 
 @dataclass(frozen=True, eq=False)
 class Source(Placed):
-    """A source of light, which shines along +z about the origin until it is moved. It never changes: ray k is always the same, a
-    lamp with another seed is another lamp."""
+    """A source of light at the origin that emits along +z. Immutable: ray k is always the same. Transforms return a new
+    source; for other random rays create a source with a different seed."""
 
     compiled: _core.LightSource
     #: Whether its light is polarised; one from a model file does not tell.
@@ -37,9 +37,10 @@ class Source(Placed):
         return self.compiled.count
 
     def polarised(self, i: float, q: float, u: float, v: float) -> Self:
-        """The same with polarised light: the parameters of Stokes, of which only the proportions count. Light of q > 0 swings along
-        the x axis of the source, as far as that lies across each ray; u > 0 leans from x towards y. Light with q = u = v = 0 is
-        unpolarised. `System.trace` follows the polarisation unless it is told not to."""
+        """The same source with polarised light, given by Stokes parameters, of which only the proportions count. Light
+        with q > 0 is polarised along the x axis of the source, projected across each ray; u > 0 is inclined from x
+        towards y. Light with q = u = v = 0 is unpolarised. `System.trace` computes the polarisation unless `polarised`
+        is False."""
         parameters = tuple(real(value, name) for name, value in (("i", i), ("q", q), ("u", u), ("v", v)))
         compiled = self.compiled.with_stokes((parameters[0], parameters[1], parameters[2], parameters[3]))
         return replace(self, compiled=compiled, is_polarised=any(parameters[1:]))
@@ -143,7 +144,8 @@ def lamp(
     power: _Power = 100.0,
     seed: int = 0,
 ) -> Source:
-    """A rectangle that shines by Lambert's law, as PyRayT's lamp: directions are uniform in the cone, powers go as the cosine."""
+    """A rectangle that emits by Lambert's law, like PyRayT's lamp: directions are uniform in the cone, powers are
+    proportional to the cosine."""
     return _source("lamp", (width, length, max_degrees), count, wavelength_nm, power, seed)
 
 
@@ -157,12 +159,13 @@ def beam(
     power: _Power = ("total", 1.0),
     seed: int = 0,
 ) -> Source:
-    """A collimated beam along +z over an aperture: uniform, or Gaussian with the 1/e^2 radius `waist`. `count` is about the
-    number of rays (grid and hexapolar samplings have their own).
+    """A collimated beam along +z over an aperture: uniform, or Gaussian with the 1/e^2 radius `waist`. `count` is the
+    approximate number of rays (grid and hexapolar samplings determine the exact one).
 
-    `wavelength_nm`, of this and other sources, is one wavelength, a dict of wavelengths with weights, or a kind of spectrum with its
-    numbers: ("uniform", lo, hi), ("black body", kelvin, lo, hi), ("table", w1, p1, w2, p2, ..) of densities p with straight lines
-    between, ("lines", w1, p1, w2, p2, ..). `power` is that of each ray, or ("total", power) of all of them.
+    `wavelength_nm`, of this and other sources, is one wavelength, a dict of wavelengths with weights, or a kind of
+    spectrum with its numbers: ("uniform", lo, hi), ("black body", kelvin, lo, hi), ("table", w1, p1, w2, p2, ..) of
+    densities p, interpolated linearly, ("lines", w1, p1, w2, p2, ..). `power` is that of each ray, or ("total", power)
+    that of all rays together.
     """
     numbers = () if waist is None else (waist,)
     return _source("beam", numbers, count, wavelength_nm, power, seed, aperture, sampling)
@@ -187,8 +190,8 @@ def source_of_rays(
     wavelength_nm: ArrayLike | Spectrum = 633.0,
     power: ArrayLike | tuple[Literal["total"], float] = 1.0,
 ) -> Source:
-    """Rays given one by one: origins (N, 3), and directions (N, 3) of any length but 0. Wavelengths are one for each ray (N,), or a
-    spectrum from which they are drawn; powers (N,), one for all, or ("total", power)."""
+    """Rays given one by one: origins (N, 3), and directions (N, 3) of any length but 0. Wavelengths are an array (N,),
+    or a spectrum from which they are drawn; powers an array (N,), one number for all rays, or ("total", power)."""
     lengths = _column(wavelength_nm, "wavelength_nm")
     powers = _column(power, "power")
     compiled = _core.LightSource.listed(origins, directions, lengths, powers)
@@ -203,9 +206,10 @@ def source_from_file(
     wavelength_nm: Spectrum | None = None,
     power: float | tuple[Literal["total"], float] | None = None,
 ) -> Source:
-    """The rays of a file: `.csv` with the columns ox, oy, oz, dx, dy, dz and, where wanted, wavelength_nm and power; or `.npy` of
-    the shape (N, 6), (N, 7) with wavelengths or (N, 8) with both. `wavelength_nm` is for files that have none (633 nm), `power`
-    that of each ray, or a factor to its own (1)."""
+    """The rays of a file: `.csv` with the columns ox, oy, oz, dx, dy, dz and optionally wavelength_nm and power; or
+    `.npy` of the shape (N, 6), (N, 7) with wavelengths or (N, 8) with both. `wavelength_nm` applies to files without
+    wavelengths (default 633 nm). `power` is the power of each ray or, for files with powers, a factor on them (default
+    1)."""
     compiled = _core.LightSource.from_file(path)
     if wavelength_nm is not None:
         compiled = compiled.with_spectrum(_spectrum(wavelength_nm))
@@ -213,7 +217,7 @@ def source_from_file(
 
 
 def _column(given: Any, name: str) -> list[float] | None:
-    """A number for each ray; none for a number, a spectrum or a total."""
+    """A column with a number for each ray; None for a single number, a spectrum or a total."""
     if isinstance(given, dict) or (isinstance(given, tuple) and any(isinstance(part, str) for part in given)):
         return None
     column = array(given, name)
@@ -225,7 +229,7 @@ def _powered(compiled: _core.LightSource, power: Any) -> _core.LightSource:
 
 
 def _amount(power: Any) -> tuple[float, bool]:
-    """A power, and whether it is that of all rays together."""
+    """A power, and whether it is the power of all rays together."""
     needed = 'a number, or a pair of "total" and a number'
     match power:
         case ("total", amount):

@@ -19,19 +19,19 @@ if TYPE_CHECKING:
     from rayweave.optics._sources import Source
     from rayweave.optics._system import Balance, System, Trace
 
-#: Called with the number of rays that are done and that of all; True draws a bar on standard error.
+#: Called with the number of finished rays and the total; True draws a bar on standard error.
 Progress = Callable[[int, int], object] | bool | None
 
 _NAMED = ("element", "surface", "event")
 
 
 class Stream:
-    """The segments of a run as an iterator of traces, each of at least so many rows but for the last one.
+    """The segments of a run as an iterator of traces, each of at least `rows` rows except the last one.
 
-    The rows are those of `System.trace`, in the same order; `parent` counts the rows of the whole run. Light is traced in the
-    background, a few batches ahead. After the last batch `balance` says where the power went. Leaving early (`close`, a `with`
-    block, or no longer holding the stream) stops the run. Several threads may take batches of one stream: each batch goes to one
-    of them, and all of them end when the run is over or the stream is closed.
+    The rows are those of `System.trace`, in the same order; `parent` counts the rows of the whole run. Light is traced
+    in the background, a few batches ahead. After the last batch `balance` contains the balance of power. Ending early
+    (`close`, the end of a `with` block, or deletion of the stream) stops the run. Several threads may take batches from
+    one stream: each batch goes to one of them, and all of them end when the run is over or the stream is closed.
     """
 
     def __init__(self, system: System, compiled: _core.SegmentStream, total: int, progress: Progress) -> None:
@@ -46,17 +46,17 @@ class Stream:
         for columns in self._compiled:
             self._tell(min(self._compiled.rays, self._total), self._total)
             yield Trace(self.system, columns, None)
-        # a stream that was closed is not done
+        # a stream that was closed early is not complete
         if self._compiled.balance is not None:
             self._tell(self._total, self._total)
 
     @property
     def balance(self) -> Balance:
-        """Where the power went, once all batches have been taken."""
+        """The balance of power, once all batches have been taken."""
         accounts = self._compiled.balance
         if accounts is None:
             raise _core.RayweaveError(
-                "the balance is not known: take all batches first, and close the stream after that."
+                "the balance is not known yet: take all batches before closing the stream."
             )
         return self.system._balance(accounts)
 
@@ -77,7 +77,7 @@ class Stream:
 
 
 def reporter(progress: Progress) -> Callable[[int, int], object]:
-    """What is called with the number of rays that are done and that of all."""
+    """The function to call with the number of finished rays and the total."""
     if callable(progress):
         return progress
     return _Bar() if progress else lambda done, total: None
@@ -131,7 +131,7 @@ def write(
 ) -> Balance:
     whole(rows, "rows", least=1)
     if path.suffix.lower() != ".parquet":
-        # same writer and columns as the command line program
+        # the writer and the columns of the command-line tool
         tell = reporter(progress) if progress else None
         compiled = [source.compiled for source in sources]
         return system._balance(system._compiled.trace_to(path, system.unit, compiled, settings, phases, tell))
@@ -154,7 +154,7 @@ def _write_parquet(system: System, stream: Stream, path: Path) -> Balance:
                 writer.write_batch(with_units)
             balance = stream.balance
         if writer is None:
-            raise _core.RayweaveError("no segment to write: nothing shines.")
+            raise _core.RayweaveError("there are no segments to write: the sources emit no light.")
         writer.close()
         writer = None
         os.replace(unfinished, path)

@@ -1,4 +1,4 @@
-"""Optical systems, and what becomes of light in them."""
+"""Optical systems, and the light traced in them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rayweave.optics._stream import Progress, Stream, record_batch, reporter, wr
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: What sheets do that makes polarised light of any other, or needs to know how it is polarised.
+#: The actions of sheets that change or depend on the polarisation of light.
 _POLARISES = ("polariser", "retarder")
 
 _UNIT_NM = {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "in": 2.54e7}
@@ -30,7 +30,7 @@ _UNIT_NM = {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "in": 2.54e7}
 
 @dataclass(frozen=True)
 class Balance:
-    """Where the power went; `error` is what is unaccounted for, 0 but for rounding."""
+    """The balance of power; `error` is the part unaccounted for, 0 except for rounding."""
 
     emitted: float
     absorbed: dict[str, float]
@@ -40,7 +40,7 @@ class Balance:
 
     @property
     def error(self) -> float:
-        """What is unaccounted for: 0 but for rounding."""
+        """The power unaccounted for: 0 except for rounding."""
         ends = sum(self.absorbed.values()) + self.absorbed_in_media + self.escaped + self.dropped
         return self.emitted - ends
 
@@ -48,8 +48,8 @@ class Balance:
 class System:
     """An optical system: elements in a world, in which light is traced.
 
-    Where solids overlap, the later one wins; parts that touch need no gap. `world` is the medium around everything, `unit` that
-    of all lengths: it matters where wavelengths are compared with lengths.
+    Where solids overlap, the later one has priority; parts that touch need no gap. `world` is the medium outside all
+    elements. `unit` is the unit of all lengths; it matters where wavelengths are compared with lengths.
     """
 
     def __init__(
@@ -100,16 +100,17 @@ class System:
         phases: bool = False,
         progress: Progress = None,
     ) -> Trace:
-        """Follows the light of sources through the system.
+        """Traces the light of sources through the system.
 
-        `branches` says which way it goes where part of it is reflected: "ideal" through without losses, back only by total
-        reflection; "both" ways with their parts of the power by Fresnel's formulas; "random" one of them with all the power.
-        `polarised` says whether the polarisation of light is followed: True and False, or by default where it matters, that is if the
-        system has a `polariser` or a `wave_plate`, or a source shines with `Source.polarised` light. Where it is not followed, light
-        is taken as unpolarised at each face. (Elements and sources from model files do not tell: their `polarised` setting does.)
-        Rays end after `generation_limit` events or below the power `threshold`. Results do not depend on `threads`. `progress` is
-        called with the number of rays that are done and that of all; True draws a bar on standard error. `phases` adds the
-        columns `phase_s` and `phase_p`, for which each event is looked at again: see `Trace.phases`.
+        `branches` selects the rays traced at faces that reflect and transmit: "ideal" transmits all light, and reflects
+        only by total reflection; "both" traces both parts with their power by the Fresnel equations; "random" traces
+        one of them with all the power. `polarised` selects whether polarisation is computed; by default it is if the
+        system has a `polariser` or a `wave_plate`, or a source emits `Source.polarised` light. Otherwise light is
+        treated as unpolarised at each face. (For elements and sources from model files, the setting `polarised` of the
+        file decides.) Rays end after `generation_limit` events or below the power `threshold`. Results do not depend
+        on `threads`. `progress` is called with the number of finished rays and the total; True draws a bar on standard
+        error. `phases` adds the columns `phase_s` and `phase_p`, for which each event is evaluated again: see
+        `Trace.phases`.
         """
         given = _all_sources(sources)
         is_followed = self._follows(polarised, given)
@@ -133,8 +134,9 @@ class System:
         phases: bool = False,
         progress: Progress = None,
     ) -> Stream:
-        """Follows the light of sources batch by batch, each of at least `rows` rows but for the last one, in memory that does not
-        grow with the number of rays. The rows of all batches, `polarised` and `phases` are those of `trace`."""
+        """Traces the light of sources batch by batch, each of at least `rows` rows except the last one, in memory that
+        does not grow with the number of rays. The rows of all batches together are those of `trace`, as are
+        `polarised` and `phases`."""
         given = _all_sources(sources)
         is_followed = self._follows(polarised, given)
         settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
@@ -162,9 +164,10 @@ class System:
         phases: bool = False,
         progress: Progress = None,
     ) -> Balance:
-        """Follows the light of sources into a table of segments, `.parquet` (by pyarrow, in row groups of at least `rows` rows),
-        `.csv` or `.npy` (with the names beside it), in memory that does not grow with the number of rays. The file appears under
-        its name when it is complete; elements, surfaces and events have names in it. `polarised` and `phases` as of `trace`."""
+        """Traces the light of sources into a table of segments, `.parquet` (with pyarrow, in row groups of at least
+        `rows` rows), `.csv` or `.npy` (with a separate file of names), in memory that does not grow with the number of
+        rays. The file appears under its name when it is complete; elements, surfaces and events are stored by
+        name. `polarised` and `phases` are as in `trace`."""
         given = _all_sources(sources)
         is_followed = self._follows(polarised, given)
         settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
@@ -189,11 +192,11 @@ class System:
         phases: bool = False,
         progress: Progress = None,
     ) -> Trace:
-        """Follows rays, (N, 3) or (3,), broadcast against each other, with wavelengths in nanometres and powers (N,).
+        """Traces rays, (N, 3) or (3,), broadcast against each other, with wavelengths in nanometres and powers (N,).
 
-        `stokes` (N, 7) is the polarisation: i, q, u, v, of which only the proportions count, and the axis of q > 0, as far as it
-        lies across the ray. It is followed as `trace` says: by default if `stokes` is given or an element polarises.
-        `source` (N,) are numbers of sources, for the column of that name.
+        `stokes` (N, 7) is the polarisation: i, q, u, v, of which only the proportions count, and the axis of q > 0,
+        which is projected across the ray. Polarisation is computed as in `trace`: by default if `stokes` is given or an
+        element affects it. `source` (N,) are numbers of sources, for the column of that name.
         """
         starts, ways = _rays(origins, directions)
         count = len(starts)
@@ -213,7 +216,7 @@ class System:
         return self._trace_of(columns, accounts, phases)
 
     def _follows(self, polarised: bool | None, sources: Iterable[Source], is_polarised: bool = False) -> bool:
-        """Whether polarisation is followed: as told, or if something polarises."""
+        """Whether polarisation is computed: as requested or, by default, if an element or a source affects it."""
         if polarised is not None:
             return flag(polarised, "polarised", "True, False or None")
         is_polarised = is_polarised or any(source.is_polarised for source in sources)
@@ -227,7 +230,7 @@ class System:
 
 
 def _flat(elements: Any) -> Any:
-    """The elements of lists among elements, as `cemented` gives them."""
+    """The elements with nested lists flattened, as `cemented` returns lists."""
     if isinstance(elements, Element) or not isinstance(elements, Iterable):
         return elements
     return [part for given in elements for part in (given if isinstance(given, list) else [given])]
@@ -244,7 +247,7 @@ def _settings(
 ) -> dict[str, Any]:
     least = real(threshold, "threshold", "a power")
     if not least >= 0.0:
-        raise _core.RayweaveError(f"threshold is {threshold}: it is a power, at least 0.")
+        raise _core.RayweaveError(f"threshold is {threshold}: it is a power and must be at least 0.")
     return {
         "branches": text(branches, "branches", '"ideal", "both" or "random"'),
         "polarised": polarised,
@@ -270,11 +273,11 @@ def _progress_callback(progress: Progress) -> Any:
 class Trace(Mapping[str, NDArray[Any]]):
     """The segments of all rays as columns: a mapping from names to arrays of equal length.
 
-    `id` is the number of the ray, `parent` the row of the segment before it (-1 for the first), `generation` the number of events
-    before, `source` the number of the source; `wavelength_nm`, `intensity` at the beginning, `index` of the medium; `x0`, `y0`,
-    `z0` and `x1`, `y1`, `z1` the ends (NaN for what escapes), `x_tilt`, `y_tilt`, `z_tilt` the unit direction; `path` the optical
-    path from the source; `element`, `surface` and `event` say what happens at the end. `phase_s` and `phase_p` are there if asked
-    for: `phases`.
+    `id` is the number of the ray, `parent` the row of the segment before it (-1 for the first), `generation` the number
+    of earlier events, `source` the number of the source; `wavelength_nm`; `intensity` at the start of the segment;
+    `index` of the medium; `x0`, `y0`, `z0` and `x1`, `y1`, `z1` the start and the end (NaN for light that escapes),
+    `x_tilt`, `y_tilt`, `z_tilt` the unit direction; `path` the optical path from the source; `element`, `surface` and
+    `event` describe the end. `phase_s` and `phase_p` are present if requested by `phases`.
     """
 
     def __init__(self, system: System, columns: dict[str, NDArray[Any]], balance: Balance | None) -> None:
@@ -285,14 +288,14 @@ class Trace(Mapping[str, NDArray[Any]]):
 
     @property
     def balance(self) -> Balance:
-        """Where the power went; a batch of a stream has none."""
+        """The balance of power; a batch of a stream has none."""
         if self._balance is None:
-            raise _core.RayweaveError("a batch has no balance: the stream has, once all batches have been taken.")
+            raise _core.RayweaveError("a batch has no balance. Take all batches and use the balance of the stream.")
         return self._balance
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         if name not in self.columns:
-            raise KeyError(f"there is no column {name!r}: there are {', '.join(self.columns)}.")
+            raise KeyError(f"there is no column {name!r}: the columns are {', '.join(self.columns)}.")
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -310,7 +313,7 @@ class Trace(Mapping[str, NDArray[Any]]):
         return f"<Trace of {self.rows} segments, {len(self.columns)} columns>"
 
     def at(self, element: str, *, event: str | None = None) -> Trace:
-        """The segments that end at an element, or those of them with this event."""
+        """The segments that end at an element, optionally only those with this event."""
         names = self.system.element_names
         if element not in names:
             unknown("element", element, names)
@@ -325,31 +328,32 @@ class Trace(Mapping[str, NDArray[Any]]):
         return part
 
     def phases(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The phase of each row where its `path` ends, in degrees from 0 to 360: of light across the plane of incidence (s) and of
-        light in it (p).
+        """The phase of each row at the end of its `path`, in degrees from 0 to 360, for light polarised perpendicular
+        (s) and parallel (p) to the plane of incidence.
 
-        It grows by 360 degrees a wavelength of the optical path and jumps where light is reflected or goes into another medium, by
-        the argument of Fresnel's amplitude or of that of a coating; waves go as exp(i (k.r - w t)), and p keeps its sign where light
-        is thrown back from a denser medium at normal incidence (Born & Wolf, Principles of Optics, section 1.5.2). The sums
-        hold for light that stays s or p, where all planes of incidence are one. Light that is scattered has none: NaN. Only
-        of a whole trace, not of what `at` has chosen.
+        It grows by 360 degrees per wavelength of the optical path and jumps where light is reflected or enters a
+        different medium, by the argument of the amplitude of the Fresnel equations or of a coating; waves go as exp(i
+        (k.r - w t)), and p keeps its sign where light is reflected by a denser medium at normal incidence (Born &
+        Wolf, Principles of Optics, section 1.5.2). The phases hold for light that stays s or p, that is, where all
+        planes of incidence coincide. Scattered light has no phase: NaN. Only a whole trace has phases, not a
+        selection by `at`.
         """
         if not self._is_whole:
-            raise _core.RayweaveError("the rows before are not there: ask the whole trace for phases, then choose.")
+            raise _core.RayweaveError("earlier rows are missing. Call phases on the whole trace, then select.")
         return self.system._compiled.phases(self.columns)
 
     def spot(self, element: str) -> Spot:
-        """Where the light arrives at an element, in the coordinates in which it was made, with the power that it has where its last
-        segment begins."""
+        """The spot of the light that arrives at an element, in the coordinates in which the element was created, with
+        the power at the start of the last segment."""
         arriving = self.at(element)
         return spot_of(_local(arriving, element), arriving["intensity"])
 
     def irradiance(
         self, element: str, bins: int | tuple[int, int] = 64, *, size: tuple[float, float] | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Power per area that arrives at a plane sheet: an array (y, x), and the edges of its cells along x and y in the coordinates
-        in which the sheet was made. `size` is the width and the height of the map about the origin, by default as far as light
-        arrives."""
+        """Power per area that arrives at a plane sheet: an array (y, x), and the edges of its cells along x and y in
+        the coordinates in which the sheet was created. `size` is the width and the height of the map about the origin;
+        by default the map contains all light that arrives."""
         arriving = self.at(element)
         return irradiance_of(_local(arriving, element), arriving["intensity"], bins, size)
 
@@ -362,19 +366,20 @@ class Trace(Mapping[str, NDArray[Any]]):
         return np.asarray(np.degrees(np.arccos(np.clip(cosine, 0.0, 1.0))))
 
     def paths(self) -> list[Path]:
-        """The ways that light took, as sequences of elements, with rays and power; the strongest first. Reflections are marked by
-        a `*`: in a lens, ghosts are the ways with two of them."""
+        """The paths of the light, as sequences of elements, with rays and power, the strongest first. A `*` marks a
+        reflection: in a lens, ghosts are the paths with two reflections."""
         return paths_of(self, self.system.element_names, _core.event_names())
 
     def _element(self, name: str) -> Element:
         return self.system.elements[self.system.element_names.index(name)]
 
     def points(self) -> NDArray[np.float64]:
-        """Where the segments end, (rows, 3)."""
+        """The end points of the segments, (rows, 3)."""
         return np.stack([self.columns[name] for name in ("x1", "y1", "z1")], axis=1)
 
     def to_pandas(self) -> Any:
-        """The columns as a pandas DataFrame; surfaces, elements and events by number, names in the system."""
+        """The columns as a pandas DataFrame, with numbers of surfaces, elements and events; the system has their
+        names."""
         return package("pandas", "data frames").DataFrame(self.columns, copy=False)
 
     def to_arrow(self, *, names: bool = False) -> Any:
@@ -385,7 +390,8 @@ class Trace(Mapping[str, NDArray[Any]]):
         return pyarrow.table({name: pyarrow.array(column) for name, column in self.columns.items()})
 
     def to_polars(self) -> Any:
-        """The columns as a polars DataFrame, without copies; surfaces, elements and events by number, names in the system."""
+        """The columns as a polars DataFrame, without copies, with numbers of surfaces, elements and events; the system
+        has their names."""
         return package("polars", "its data frames").from_arrow(self.to_arrow(), rechunk=False)
 
     def show(
@@ -400,8 +406,8 @@ class Trace(Mapping[str, NDArray[Any]]):
     ) -> Axes:
         """Draws a true section of the solids through the axis with the rays, on a matplotlib axis.
 
-        Rays are coloured by wavelength, by source, or all in one colour. Of more than `rays` rays, evenly chosen ones are drawn.
-        What escapes is drawn `escape` long, by default a fifth of the picture.
+        Rays are coloured by wavelength, by source, or all in one colour. Of more than `rays` rays, an even selection is
+        drawn. Light that escapes is drawn with the length `escape`, by default a fifth of the picture.
         """
         from rayweave.optics._drawing import draw
 
@@ -423,7 +429,7 @@ def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64
     counts = {len(rows) for rows in vectors} - {1} or {1}
     if len(counts) > 1:
         lengths = f"origins has {len(vectors[0])} rows and directions {len(vectors[1])}"
-        raise _core.RayweaveError(f"{lengths}: one of each for every ray, or one for all.")
+        raise _core.RayweaveError(f"{lengths}: pass one row for each ray, or one for all.")
     first, second = (np.ascontiguousarray(np.broadcast_to(rows, (min(counts), 3))) for rows in vectors)
     return first, second
 
@@ -447,7 +453,7 @@ def _numbers_of(name: str, given: ArrayLike, count: int) -> NDArray[np.uint32]:
 
 
 def _stokes(rows: NDArray[np.float64], ways: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The parameters of Stokes with their axes, which are made unit vectors across the rays."""
+    """The Stokes parameters with their axes, normalised and perpendicular to the rays."""
     i, q, u, v = rows[:, :4].T
     with np.errstate(invalid="ignore", over="ignore"):
         is_light = (i > 0.0) & np.isfinite(i) & (np.sqrt(q * q + u * u + v * v) <= i * (1.0 + 1e-12))
@@ -466,6 +472,6 @@ def _stokes(rows: NDArray[np.float64], ways: NDArray[np.float64]) -> NDArray[np.
         has_axis = (length > 1e-9) | ~np.isfinite(along).all(axis=1, keepdims=True)
     if not has_axis.all():
         k = int(np.argmin(has_axis))
-        needed = "its last three numbers are the axis of q > 0, which must not be 0, NaN nor along the ray"
+        needed = "its last three numbers are the axis of q > 0, which must be neither 0 nor NaN nor along the ray"
         raise _core.RayweaveError(f"stokes[{k}] is {rows[k].tolist()}: {needed}.")
     return np.concatenate([rows[:, :4], across / length], axis=1)

@@ -9,22 +9,49 @@ Lengths are in mm, times in ns, energies in eV and wavelengths in nm.
 ((7480, 3), 7480)
 """
 
-from rayweave.photons._detector import Detector, Material, Property, Surface, load, loads
+from rayweave.photons._compare import Bin, Comparison, FirstDifference, Quantity, compare
+from rayweave.photons._detector import Detector, Findings, Material, Property, Surface, load, loads
 from rayweave.photons._run import Histories, Hits, Run, Sequences
-from rayweave.photons._sources import Source, photons, point
+from rayweave.photons._sources import (
+    Source,
+    disc,
+    from_optics,
+    from_opticks,
+    gensteps,
+    line,
+    photons,
+    point,
+    surface,
+    volume,
+)
+from rayweave.photons._tables import SurfaceTables
 
 __all__ = [
+    "Bin",
+    "Comparison",
     "Detector",
+    "Findings",
+    "FirstDifference",
     "Histories",
     "Hits",
     "Material",
     "Property",
+    "Quantity",
     "Run",
     "Sequences",
     "Source",
     "Surface",
+    "SurfaceTables",
+    "compare",
+    "disc",
+    "from_opticks",
+    "from_optics",
+    "gensteps",
+    "line",
     "load",
     "loads",
     "photons",
     "point",
+    "surface",
+    "volume",
 ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
+from rayweave._drawing import Drawing
+from rayweave.optics._columns import Columns
 from rayweave.optics._given import real, unknown, whole
 from rayweave.optics._stream import Progress, reporter
 from rayweave.photons._run import Run
 from rayweave.photons._sources import Source
+from rayweave.photons._tables import SurfaceTables
 
 #: Planck's constant times the speed of light, in eV nm (CODATA 2018, exact).
 _HC = 1239.841984332002
@@ -57,6 +60,17 @@ class Property:
             raise _core.RayweaveError("wavelength_nm has entries that are not positive: wavelengths are greater than 0.")
         return np.asarray(np.interp(_HC / wavelengths, self.energy_ev, self.values))
 
+    def plot(self) -> Drawing:
+        """The values by wavelength."""
+        return _plot(self.name, [self])
+
+    def _curve(self) -> tuple[str, list[tuple[float, float]]]:
+        """The name with the unit, and points of the curve: it is not straight in the wavelength."""
+        nodes = self.wavelength_nm
+        grid = np.union1d(np.linspace(nodes.min(), nodes.max(), 201), nodes)
+        name = f"{self.name} / {self.unit}" if self.unit else self.name
+        return name, np.stack([grid, self.at(grid)], axis=1).tolist()
+
 
 @dataclass(frozen=True, eq=False)
 class _Described:
@@ -66,6 +80,10 @@ class _Described:
     """The properties that depend on the energy, by their names in GDML files."""
     constants: Mapping[str, float] = field(repr=False)
     """The constant properties, by their names in GDML files."""
+
+    def plot(self) -> Drawing:
+        """The properties by wavelength, each in a panel of its own."""
+        return _plot(self.name, self.properties.values())
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,11 +135,26 @@ class Surface(_Described):
         return self.properties.get("EFFICIENCY")
 
 
+class Findings(Columns):
+    """Probable mistakes in the optical part of a detector: `kind`, "optical" for a probable mistake and "unused" for input without
+    effect; `place`, as file:line:column (line:column for a text), None if it is not known; `text`, the problem with its reason and a suggestion."""
+
+    def __init__(self, rows: Sequence[tuple[str, str | None, str]]) -> None:
+        names = ("kind", "place", "text")
+        super().__init__({name: np.array([row[k] for row in rows], object) for k, name in enumerate(names)})
+
+    def __str__(self) -> str:
+        return "\n".join(f"{kind}: {'' if place is None else f'{place}: '}{text}" for kind, place, text in self._rows())
+
+    def _rows(self) -> Iterator[tuple[str, str | None, str]]:
+        return zip(*(self[name].tolist() for name in ("kind", "place", "text")), strict=True)
+
+
 class Detector:
     """A detector: exact geometry with optical materials, surfaces and sensors. `load` and `loads` make detectors."""
 
     def __init__(self, compiled: _core.CompiledDetector, name: str) -> None:
-        self._compiled = compiled
+        self.compiled = compiled
         self.name = name
         self.materials = tuple(Material(*_described(row)) for row in compiled.materials())
         """The materials; the first one is that of the world outside of all volumes."""
@@ -139,17 +172,37 @@ class Detector:
     @property
     def sensors(self) -> dict[str, str]:
         """The names of the sensitive volumes, and of their sensors (auxiliary tag SensDet)."""
-        return dict(self._compiled.sensors)
+        return dict(self.compiled.sensors)
 
     @property
     def notes(self) -> list[str]:
         """The ignored properties and surfaces, one sentence each."""
-        return self._compiled.notes
+        return self.compiled.notes
 
     @property
     def warnings(self) -> list[str]:
         """The warnings of the reader of the file."""
-        return self._compiled.warnings
+        return self.compiled.warnings
+
+    def check(self) -> Findings:
+        """The probable mistakes in the optical part of the file, in the order of the rules: the findings `optical` and `unused` of the
+        command `rayweave check`. The guide lists the rules.
+
+        Examples
+        --------
+        >>> import rayweave.photons
+        >>> detector = rayweave.photons.load("bar.gdml")  # doctest: +SKIP
+        >>> print(detector.check())  # doctest: +SKIP
+        optical: bar.gdml:12:5: ...
+        """
+        return Findings(self.compiled.findings())
+
+    def check_source(self, source: Source, *, seed: int = 0, event: int = 0) -> str | None:
+        """A sentence about the photons of a source that start outside the world or in a material without RINDEX, where they end at
+        once; None without such photons. The first 1,000 photons are looked at, and it is an error if all of them do."""
+        count = 1000 if source.count is None else min(source.count, 1000)
+        settings = _settings(seed, event, "both", 1, np.inf, None, None)
+        return self.compiled.check_start(source.compiled, settings | {"range": (0, count)})
 
     def material(self, name: str) -> Material:
         """The material of a name."""
@@ -272,7 +325,7 @@ class Detector:
         self, source: Source, numbers: tuple[int, int], settings: dict[str, Any], progress: Progress
     ) -> Run:
         tell = None if progress is None or progress is False else reporter(progress)
-        compiled = self._compiled.simulate(source.compiled, settings | {"range": numbers}, tell)
+        compiled = self.compiled.simulate(source.compiled, settings | {"range": numbers}, tell)
         return Run(compiled, self.name)
 
     def _numbers(self, source: Source, n: int | None, range: Any) -> tuple[int, int]:
@@ -292,11 +345,17 @@ class Detector:
         return first, last
 
 
-def load(path: str | PathLike[str], *, allow: Sequence[str | PathLike[str]] = (), strict: bool = False) -> Detector:
-    """Reads a detector from a GDML file, or from a native model converted from one.
+def load(
+    path: str | PathLike[str],
+    *,
+    tables: SurfaceTables | None = None,
+    allow: Sequence[str | PathLike[str]] = (),
+    strict: bool = False,
+) -> Detector:
+    """Reads a detector from a GDML file, or from a native model with optical properties.
 
     The file may read others in its folder and below, and the files and folders in `allow`. With `strict`, warnings of the reader
-    are errors. All invalid properties are reported at once.
+    are errors. All invalid properties are reported at once. `tables` are those of measured surfaces.
 
     Examples
     --------
@@ -305,13 +364,29 @@ def load(path: str | PathLike[str], *, allow: Sequence[str | PathLike[str]] = ()
     >>> detector.material("Crystal").refractive_index.at([400, 550])  # doctest: +SKIP
     array([1.79, 1.79])
     """
-    compiled = _core.load_detector(path, allow=list(allow), strict=strict)
+    compiled = _core.load_detector(path, _tables(tables), allow=list(allow), strict=strict)
     return Detector(compiled, Path(path).name)
 
 
-def loads(text: str, *, allow: Sequence[str | PathLike[str]] = (), strict: bool = False) -> Detector:
+def loads(
+    text: str,
+    *,
+    tables: SurfaceTables | None = None,
+    allow: Sequence[str | PathLike[str]] = (),
+    strict: bool = False,
+) -> Detector:
     """As `load`, from the text of a GDML file. Names of files are relative to the current folder."""
-    return Detector(_core.loads_detector(text, allow=list(allow), strict=strict), "detector")
+    return Detector(_core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict), "detector")
+
+
+def _tables(tables: SurfaceTables | None) -> _core.PhotonTables:
+    if tables is not None and not isinstance(tables, SurfaceTables):
+        raise TypeError(f"tables is {tables!r}: it must be a rayweave.photons.SurfaceTables.")
+    return (SurfaceTables() if tables is None else tables).compiled
+
+
+def _plot(title: str, properties: Iterable[Property]) -> Drawing:
+    return Drawing(_core.photon_property_svg(title, [own._curve() for own in properties]))
 
 
 def _settings(

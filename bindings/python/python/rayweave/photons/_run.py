@@ -101,7 +101,8 @@ def _save(columns: _Named, compiled: _core.PhotonHits | _core.PhotonHistories, p
 class Hits(_Named):
     """The detected photons: `photon`, the number in the run; `event`; the position `x`, `y`, `z` in mm; `time` in ns; the
     direction `dx`, `dy`, `dz`; the polarisation `px`, `py`, `pz`; `wavelength_nm`; `weight`, which is 1; the number of `steps`;
-    `sensor`, an index of `sensor_paths`; `copy`, the number of the innermost copy in its path, -1 without one.
+    `sensor`, an index of `sensor_paths`; `copy`, the number of the innermost copy in its path, -1 without one; and for a source of
+    gensteps `genstep`, the number of the genstep.
 
     All photons of a wavelength shifter have the number of the absorbed one.
     """

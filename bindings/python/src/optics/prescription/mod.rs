@@ -173,7 +173,7 @@ impl PyPrescription {
         Ok((pairs(py, &wavefront.pupil), PyArray1::from_vec(py, wavefront.waves)))
     }
 
-    /// The point of the paraxial entrance pupil through which the principal ray goes.
+    /// The point of the paraxial entrance pupil through which the principal ray passes.
     #[pyo3(signature = (field, wavelength_nm))]
     fn principal_point(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<(f64, f64)> {
         let [x, y] = py.detach(|| self.lens.principal_point(field, wavelength_nm)).map_err(bad_value)?;
@@ -253,7 +253,8 @@ pub fn coordinate_break(decentre: [f64; 2], tilt_degrees: [f64; 3], tilts_first:
 /// The maximum number of points across a pupil or, squared, in it: 3 GB for a hexapolar pattern.
 const MAX_POINTS: usize = 1 << 26;
 
-/// Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with that of points across.
+/// Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with a number of points
+/// across.
 #[pyfunction]
 #[pyo3(signature = (kind, count))]
 pub fn pupil_points<'py>(py: Python<'py>, kind: &str, count: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {

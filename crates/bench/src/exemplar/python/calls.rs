@@ -1,5 +1,5 @@
 //! Rust calls that are equivalent to the calls from Python, with results in the same kind of
-//! memory: given or new.
+//! memory: existing or newly allocated.
 
 use super::{QueryKind, text};
 use crate::answer::{FirstTable, HitTable, ahead};

@@ -39,8 +39,8 @@ impl QueryKind {
 
     fn about(self) -> &'static str {
         match self {
-            QueryKind::Hits => "Entries and exits, into an array that is given.",
-            QueryKind::Surfaces => "Entries and exits with their faces, into arrays that are given.",
+            QueryKind::Hits => "Entries and exits, written to an existing array.",
+            QueryKind::Surfaces => "Entries and exits with their faces, written to existing arrays.",
             QueryKind::Nearest => "The first crossing with point, normal, face and placement, in new arrays.",
             QueryKind::Crossings => {
                 "Every crossing with point, normal, face, leaf and placement, in new arrays."
@@ -80,7 +80,7 @@ struct FromPython {
 pub fn all() -> Vec<Box<dyn Exemplar>> {
     let of = |(query, name): (QueryKind, &str), one_by_one: bool| -> Box<dyn Exemplar> {
         let (size, kind) = if one_by_one { ("one", "one") } else { ("1e6", "many") };
-        let call = if one_by_one { "a call for each ray or point" } else { "a million in a call" };
+        let call = if one_by_one { "one call per ray or point" } else { "a million per call" };
         Box::new(FromPython {
             name: format!("python/{name}/{size}"),
             task: format!("python.{kind}.{name}"),

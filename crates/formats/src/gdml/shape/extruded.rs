@@ -28,7 +28,7 @@ pub(in crate::gdml) fn extruded(corners: &[[f64; 2]], sections: &[Section]) -> M
     for pair in sections.windows(2).filter(|pair| pair[0].z < pair[1].z) {
         layers.push(Layer { low: pair[0], high: pair[1] }.solid(&polygon)?);
     }
-    union_of(layers, "its sections have one height")
+    union_of(layers, "all of its sections are at the same height")
 }
 
 fn polygon(corners: &[[f64; 2]]) -> Result<Polygons, Failure> {
@@ -51,7 +51,7 @@ struct Layer {
     high: Section,
 }
 
-/// A list of planes while the polygon is convex, otherwise a solid.
+/// A list of planes for a convex polygon, otherwise a solid.
 enum Part {
     Planes(Vec<[f64; 4]>),
     Solid(Solid),

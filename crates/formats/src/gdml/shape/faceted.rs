@@ -64,7 +64,7 @@ pub(in crate::gdml) fn trapezoid(trapezoid: &Trapezoid) -> Made {
     ruled(low, high, 0.5 * trapezoid.z)
 }
 
-/// Sine of the angle below which edges count as parallel, and the face between them as plane.
+/// Sine of the angle below which edges count as parallel and the face between them as planar.
 const PLANE: f64 = 1e-10;
 
 /// `G4GenericTrap`: ruled between a quadrilateral at -dz and one at dz, with corresponding vertices. A side face between
@@ -73,7 +73,7 @@ pub(in crate::gdml) fn ruled(low: [[f64; 2]; 4], high: [[f64; 2]; 4], dz: f64) -
     let middle = [0, 1, 2, 3].map(|k| [0, 1].map(|axis| 0.5 * (low[k][axis] + high[k][axis])));
     let area = edges(&middle).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>();
     if area == 0.0 || dz <= 0.0 {
-        return refused("it has no inside");
+        return refused("it has no interior");
     }
     let (low, high) = if area > 0.0 { (low, high) } else { (reversed(low), reversed(high)) };
     let sides: Vec<Side> = (0..4).filter_map(|k| Side::new(low, high, dz, k)).collect();
@@ -227,12 +227,12 @@ pub(in crate::gdml) fn polyhedra(planes: &[ZPlane], sides: u32, phi: Phi) -> Mad
             (outer, _) => outer,
         });
     }
-    let whole = union_of(sections, "it has no inside: no length, or no thickness.")?;
+    let whole = union_of(sections, "it has no interior: its length or its thickness is zero.")?;
     cut(whole, phi, sides, planes.iter().map(|plane| [plane.rmax, plane.z]))
 }
 
-/// The part within a sector. The sides of a partial turn are unbounded on their own: a box with faces outside of the solid
-/// gives finite bounds.
+/// The part within a sector. The sides of a partial turn alone are unbounded: a box with faces outside the solid gives
+/// finite bounds.
 fn cut(whole: Solid, phi: Phi, sides: u32, corners: impl Iterator<Item = [f64; 2]>) -> Made {
     if phi.is_whole() {
         return Ok(whole);
@@ -265,11 +265,11 @@ const MAX_FACES: usize = 1_000_000;
 /// Outward directions of the side faces of a solid with the given number of planes.
 fn side_normals(sides: u32, phi: Phi, planes: usize) -> Result<Vec<Vec3>, Failure> {
     if planes.saturating_mul(sides as usize) > MAX_FACES {
-        return refused(format!("too many faces: more than {MAX_FACES}."));
+        return refused(format!("it has too many faces: more than {MAX_FACES}."));
     }
     let step = phi.delta.min(360.0) / f64::from(sides.max(1));
     if sides == 0 || step >= 180.0 {
-        return refused("too few sides for its sector");
+        return refused("it has too few sides for its sector");
     }
     Ok((0..sides).map(|k| unit_vector_degrees(phi.start + (f64::from(k) + 0.5) * step)).collect())
 }
@@ -300,7 +300,7 @@ pub(in crate::gdml) fn tessellated(facets: &[Vec<Vec3>]) -> Made {
         if near(found.lo, corners.lo) && near(found.hi, corners.hi) {
             return Ok(of(convex));
         }
-        // a face is missing: the planes of the others meet elsewhere, or nowhere
+        // a face is missing: the planes of the other faces intersect elsewhere, or nowhere
     }
     mesh(facets)
 }
@@ -308,9 +308,9 @@ pub(in crate::gdml) fn tessellated(facets: &[Vec<Vec3>]) -> Made {
 /// Defects of facets, as `G4TessellatedSolid::CheckStructure` finds them. Facets are counted from 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(in crate::gdml) struct Defects {
-    /// Volume by the order of the vertices: negative if the facets are clockwise seen from outside.
+    /// Signed volume: negative if the facets are clockwise seen from outside.
     pub volume: f64,
-    /// The facet with the most edges that another facet has in the same direction, and the number of all such edges.
+    /// The facet with the most edges that another facet traverses in the same direction, and the number of all such edges.
     pub reversed: Option<(usize, usize)>,
     /// The first facet with an edge that is not the edge of two facets, and the number of all such edges.
     pub open: Option<(usize, usize)>,
@@ -351,7 +351,7 @@ fn bounds_of(facets: &[Vec<Vec3>]) -> Bounds {
     facets.iter().flatten().fold(Bounds::EMPTY, |all, p| all.union(&Bounds::new(*p, *p)))
 }
 
-/// Vertex numbers of the facets. Vertices within a billionth of the size are one: those of `RELATIVE` facets are rounded.
+/// Vertex numbers of the facets. Vertices within a billionth of the size are merged: those of `RELATIVE` facets are rounded.
 fn numbered(facets: &[Vec<Vec3>]) -> Vec<Vec<usize>> {
     let size = bounds_of(facets).size().length();
     let near = 1e-9 * size;
@@ -417,7 +417,7 @@ fn mesh(facets: &[Vec<Vec3>]) -> Made {
     let arguments = [("vertices", Value::Rows(vertices)), ("faces", Value::Rows(faces))];
     build("mesh", &arguments)
         .map(of)
-        .map_err(|error| Failure::Refused(format!("it is not convex, and no mesh: {error}")))
+        .map_err(|error| Failure::Refused(format!("it is neither convex nor a valid mesh: {error}")))
 }
 
 /// Normal of a polygon in space; its length is the area (Newell's formula).

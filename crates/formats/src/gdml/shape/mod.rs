@@ -1,7 +1,7 @@
 //! GDML solids from their dimensions in millimetres and degrees, independent of files.
 //!
 //! Each function names the corresponding class of Geant4; Geant4's Book For Application Developers, section 4.1.2, defines
-//! the parameters. Adjacent parts of a solid share bit-identical planes, so that there are no seams.
+//! the parameters. Adjacent parts of a solid share bit-identical planes, so there are no seams.
 
 pub(super) mod extruded;
 pub(super) mod faceted;
@@ -23,7 +23,7 @@ pub(super) struct Phi {
     pub delta: f64,
 }
 
-/// Geant4 treats a sector as the full turn if it lacks less than half of 1e-9 rad.
+/// The angle from which Geant4 treats a sector as the full turn: less than 0.5e-9 rad is missing.
 const WHOLE_TURN: f64 = 360.0 - 0.5e-9 * 180.0 / std::f64::consts::PI;
 
 impl Phi {
@@ -62,7 +62,7 @@ pub(super) fn cuboid(size: [f64; 3]) -> Made {
     Ok(of(CentredBox::new(Vec3::from_array(size))?))
 }
 
-/// A bounding box for a solid with other surfaces: exact in z, larger in x and y, so that its sides lie outside.
+/// A bounding box for a solid with its own side faces: exact in z, larger in x and y, so that its sides lie outside.
 pub(super) fn loose_box(half_x: f64, half_y: f64, half_z: f64) -> Made {
     let corner = Vec3::new(1.25 * half_x, 1.25 * half_y, half_z);
     Ok(of(BoxFromCorners::new(-corner, corner)?))

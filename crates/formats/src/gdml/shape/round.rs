@@ -44,7 +44,7 @@ pub(in crate::gdml) fn cut_tube(rmin: f64, rmax: f64, z: f64, phi: Phi, low: Vec
 pub(in crate::gdml) fn cone(low: [f64; 2], high: [f64; 2], z: f64, phi: Phi) -> Made {
     let plane = |z: f64, [rmin, rmax]: [f64; 2]| ZPlane { z, rmin, rmax };
     let section = section(plane(-0.5 * z, low), plane(0.5 * z, high))?;
-    phi.cut(section.map_or_else(|| refused("it has no inside: no length, or no thickness."), Ok)?)
+    phi.cut(section.map_or_else(|| refused("it has no interior: its length or its thickness is zero."), Ok)?)
 }
 
 /// Frustum between two heights; `None` if empty.
@@ -84,7 +84,7 @@ pub(in crate::gdml) fn polycone(planes: &[ZPlane], phi: Phi) -> Made {
     for pair in planes.windows(2) {
         sections.extend(section(pair[0], pair[1])?);
     }
-    phi.cut(union_of(sections, "it has no inside: no length, or no thickness.")?)
+    phi.cut(union_of(sections, "it has no interior: its length or its thickness is zero.")?)
 }
 
 /// True if the planes are monotonic in z.
@@ -160,7 +160,7 @@ fn above_equator(theta: f64, radius: f64) -> Made {
     if cos <= 1e-12 {
         return Ok(of(HalfSpace::new(Vec3::NEG_Z, 0.0)?));
     }
-    // ends outside of the ball, so that this end is never visible
+    // the cone ends outside the ball, so that this end is never visible
     let height = 1.25 * radius;
     Ok(of(Cone::new(0.0, height * sin / cos, height)?).translate(Vec3::Z * (0.5 * height)))
 }
@@ -184,7 +184,7 @@ pub(in crate::gdml) fn ellipsoid(radii: [f64; 3], low: f64, high: f64) -> Made {
     let whole = of(Ellipsoid::new(Vec3::from_array(radii))?);
     let (low, high) = if low == 0.0 && high == 0.0 { (-radii[2], radii[2]) } else { (low, high) };
     if low >= high || low >= radii[2] || high <= -radii[2] {
-        return refused("the cuts leave nothing of it");
+        return refused("the cuts remove all of it");
     }
     between(whole, low, high, radii[2])
 }

@@ -8,18 +8,18 @@ use rayweave_math::{Affine, Mat3, Vec3, sin_cos_degrees};
 use rayweave_model::Solid;
 use rayweave_shape::primitive::{BoxFromCorners, Quadric};
 
-/// Deviation of the side faces that is aimed at, relative to the largest distance of the solid from its axis.
+/// Target deviation of the side faces, relative to the largest distance of the solid from its axis.
 const DEVIATION: f64 = 1e-6;
 /// Maximum number of layers of a twisted solid.
 const MAX_LAYERS: usize = 1000;
-/// Sine of the angle below which the edges of a side face at both ends count as parallel before the twist.
+/// Sine of the angle below which the untwisted edges of a side face at both ends count as parallel.
 const PARALLEL: f64 = 1e-12;
 
 /// A twisted solid as a stack of layers.
 pub(in crate::gdml) struct Twisted {
     pub solid: Solid,
     pub layers: usize,
-    /// Bound of the distance of any point of a side face from the corresponding surface, in millimetres.
+    /// Upper bound of the distance of any point of a side face from the exact surface, in millimetres.
     pub deviation: f64,
 }
 
@@ -64,7 +64,7 @@ pub(in crate::gdml) fn twisted(trapezoid: &Trapezoid, twist: f64) -> Result<Twis
         for corner in [below, above].iter().flat_map(|z| lines.each_ref().map(|line| line.start(*z))) {
             extent = [0, 1].map(|axis| extent[axis].max(corner[axis].abs()));
         }
-        // exact in z; the sides of the box lie outside of the solid
+        // exact in z; the sides of the box lie outside the solid
         let [x, y] = extent.map(|extent| 1.25 * extent);
         let mut parts = vec![of(BoxFromCorners::new(Vec3::new(-x, -y, below), Vec3::new(x, y, above))?)];
         for line in &lines {
@@ -73,7 +73,7 @@ pub(in crate::gdml) fn twisted(trapezoid: &Trapezoid, twist: f64) -> Result<Twis
         layers.push(Solid::intersection(parts));
     }
     let count = layers.len();
-    let solid = union_of(layers, "it has no inside")?;
+    let solid = union_of(layers, "it has no interior")?;
     let solid = if trapezoid.theta == 0.0 { solid } else { solid.apply(lean(trapezoid)) };
     Ok(Twisted { solid, layers: count, deviation })
 }
@@ -111,7 +111,7 @@ struct Line {
     turn: f64,
 }
 
-/// A quadric in place of a side face, and a bound of the horizontal distance between the two.
+/// A quadric that replaces a side face, and a bound of the horizontal distance between the two.
 struct Patch {
     quadric: [[f64; 4]; 4],
     deviation: f64,
@@ -158,9 +158,9 @@ impl Line {
     ///
     /// At a height z = m + t, |t| <= h, the line is { p: w x p = c } with the rotated direction w = R(z) e and
     /// c = e x a. For any function g > 0 it is also { p: g w x p = g c }. The quadric has the sections
-    /// { p: E x p = D } with E linear and D quadratic in t. Of g only the values at t = -h, 0 and h matter: with those of
-    /// [`Line::weights`] the values of g w lie on a linear function, E, and D is the quadratic function through those of g c.
-    /// Hence both interpolate, and their errors are at most h^3 / (9 sqrt 3) times the largest third derivative, of which
+    /// { p: E x p = D } with E linear and D quadratic in t. Only the values of g at t = -h, 0 and h matter: with those of
+    /// [`Line::weights`], the values of g w lie on a linear function, E; D is the quadratic function through those of g c.
+    /// Hence both interpolate, and their errors are at most h^3 / (9 sqrt 3) times the largest third derivative, for which
     /// [`Line::deviation`] computes bounds.
     fn patch(&self, low: f64, high: f64, reach: f64) -> Patch {
         let (m, h) = (0.5 * (low + high), 0.5 * (high - low));

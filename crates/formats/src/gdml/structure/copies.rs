@@ -18,7 +18,7 @@ use rayweave_shape::primitive::{Slab, Wedge};
 /// Maximum number of copies of one daughter.
 pub(super) const MAX_COPIES: i64 = 1_000_000;
 /// Maximum number of copies of all replica volumes and divisions.
-const MAX_TOTAL_COPIES: usize = 4_000_000;
+const MAX_TOTAL_COPIES: usize = 2_000_000;
 /// Maximum number of copies of one daughter with their own dimensions, each of which is a volume.
 const MAX_VOLUMES: usize = 20_000;
 
@@ -84,12 +84,12 @@ fn within_limits(graph: &mut Graph, copies: Spread) -> Result<Spread, Failure> {
     graph.copies += copies.len();
     let volumes = copies.iter().filter(|(_, shape)| shape.is_some()).count();
     match graph.copies > MAX_TOTAL_COPIES || volumes > MAX_VOLUMES {
-        true => Err(Failure::Refused("they are too many".to_owned())),
+        true => Err(Failure::Refused("there are too many".to_owned())),
         false => Ok(copies),
     }
 }
 
-/// Adds the copies to the graph: those with the solid of the volume as placements, each other one as a new volume.
+/// Adds the copies to the graph: those with the solid of the volume as placements, each of the others as a new volume.
 fn place(graph: &mut Graph, pending: &Pending, volume: usize, copies: Spread) {
     let template = graph.volumes[pending.mother].daughters[pending.daughter].clone();
     let (mut own, mut others) = (Vec::new(), Vec::new());
@@ -135,7 +135,7 @@ fn replicas(row: Row, mother: Option<&Shape>, own: Option<&Shape>) -> Result<Spr
     }
 }
 
-/// A tube with other radii, or for other solids the part of the mother between the radii.
+/// A tube with the given radii or, for other solids, the part of the mother between the radii.
 fn ring(mother: Option<&Shape>, own: Option<&Shape>, inner: f64, outer: f64) -> Result<Shape, Failure> {
     if let Some(tube) = own.filter(|shape| shape.tag == "tube") {
         return resized(tube, &[("rmin", inner), ("rmax", outer)]);
@@ -206,7 +206,7 @@ fn extent(axis: Axis, shape: &Shape) -> Option<(f64, f64)> {
     match (axis, shape.tag.as_str()) {
         (Axis::X, "box" | "para") => Some(centred(size("x"))),
         (Axis::Y, "box" | "para") => Some(centred(size("y"))),
-        // tapering sizes have their mean
+        // for tapering sizes, the mean
         (Axis::X, "trd") => Some(centred(0.5 * (size("x1") + size("x2")))),
         (Axis::Y, "trd") => Some(centred(0.5 * (size("y1") + size("y2")))),
         (Axis::Z, "box" | "para" | "tube" | "cone" | "trd") => Some(centred(size("z"))),
@@ -361,6 +361,6 @@ fn turned(by: f64) -> Affine {
 }
 
 fn unfit(axis: Axis, shape: Option<&Shape>) -> Failure {
-    let what = shape.map_or("a volume without solid", |shape| shape.tag.as_str());
-    Failure::Refused(format!("copies along {axis:?} are not possible for a {what}"))
+    let what = shape.map_or("volume without a solid", |shape| shape.tag.as_str());
+    Failure::Refused(format!("a {what} cannot have copies along {axis:?}"))
 }

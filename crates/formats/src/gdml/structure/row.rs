@@ -22,7 +22,7 @@ pub(super) const AXES: [(&str, &str, Axis); 5] = [
     ("kPhi", "phi", Axis::Phi),
 ];
 
-/// A row of copies: width of each, and offset of the first. Millimetres, or degrees along phi.
+/// A row of copies: width of each, and offset of the first, in millimetres, or in degrees along phi.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Row {
     pub axis: Axis,

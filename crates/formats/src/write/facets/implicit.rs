@@ -21,8 +21,8 @@ pub(super) fn single_face(
     body(surface, &lowered.bounds.intersection(clip), tolerance)
 }
 
-/// The inside of a surface, clipped to a box, by a level set on a grid that is refined until the centroids of triangles are
-/// within the tolerance.
+/// The interior of a surface, clipped to a box, from a level set on a grid that is refined until the centroids of the
+/// triangles are within the tolerance.
 pub(super) fn body(surface: &Surface, bounds: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
     if bounds.is_empty() {
         return Ok(None);

@@ -1,4 +1,4 @@
-//! Tessellation of one shape within a chord tolerance, or as an exact convex polytope if its faces are plane.
+//! Tessellation of one shape within a chord tolerance, or as an exact convex polytope if its faces are planar.
 //!
 //! Vertices lie on the surface. With n vertices per turn of a circle of radius r, the chords deviate by r (1 - cos(pi /
 //! n)). Faces curved in two directions use half of the tolerance in each: with half angles a and b, the deviation is at
@@ -59,10 +59,10 @@ pub(super) fn number(shape: &Primitive, name: &str) -> Option<f64> {
     })
 }
 
-/// An infinite cylinder, tube or paraboloid, made finite so that it ends outside of the clip box; `None` for other shapes.
+/// An infinite cylinder, tube or paraboloid, truncated outside the clip box; `None` for other shapes.
 pub(super) fn finite(shape: &Primitive, place: &Affine, clip: &Bounds) -> Option<Primitive> {
     let local = clip.transformed(&place.inverse().ok()?);
-    // well outside of the clip box, so that no end coincides with one of its faces
+    // well outside the clip box, so that no end coincides with one of its faces
     let reach = 3.0 * local.lo.z.abs().max(local.hi.z.abs());
     let number = |name: &str| number(shape, name);
     if number("height").is_none_or(f64::is_finite) {
@@ -186,6 +186,6 @@ fn curved(
             | Surface::Torus(_)
             | Surface::AffineTorus(_)),
         ) => implicit::single_face(surface, lowered, clip, tolerance),
-        None => Err(format!("there are no facets for the shape `{}`", shape.name())),
+        None => Err(format!("the shape `{}` cannot be tessellated", shape.name())),
     }
 }

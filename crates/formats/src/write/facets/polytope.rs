@@ -5,7 +5,7 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;
 
-/// The planes of a shape without other faces, oriented so that the shape is the intersection of `normal . p < offset`.
+/// The planes of a shape with planar faces only, oriented so that the shape is the intersection of `normal . p < offset`.
 pub(in crate::write) fn planes_of(lowered: &Lowered) -> Option<Vec<(Vec3, f64)>> {
     let plane = |facet: &rayweave_shape::primitive::Facet| match &facet.surface {
         Surface::Plane(plane) if facet.inside => Some((plane.normal, plane.offset)),
@@ -51,7 +51,7 @@ fn order(a: &Vec3, b: &Vec3) -> std::cmp::Ordering {
     pairs.map(|(x, y)| x.total_cmp(&y)).find(|order| order.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
 }
 
-/// The faces on the inner side of a plane; vertices of the new face are those of its neighbours.
+/// The faces on the inner side of a plane; the new face shares the vertices of its neighbours.
 fn cut(faces: Vec<Vec<Vec3>>, normal: Vec3, offset: f64) -> Vec<Vec<Vec3>> {
     let height = |p: Vec3| normal.dot(p) - offset;
     let mut rim = Vec::new();

@@ -1,4 +1,4 @@
-//! Tessellation of quadrics by their elliptic sections. Quadrics without elliptic sections are tessellated on a grid.
+//! Tessellation of quadrics from their elliptic sections. Quadrics without elliptic sections are tessellated on a grid.
 
 use super::implicit;
 use super::revolved::{Profile, circle_count, revolved};
@@ -24,7 +24,7 @@ struct Elliptic {
     is_outside: bool,
 }
 
-/// The inside of a quadric, clipped to a box.
+/// The interior of a quadric, clipped to a box.
 pub(super) fn body(quadric: &Quadric, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
     match elliptic(quadric) {
         Some(form) => form.body(clip, tolerance),

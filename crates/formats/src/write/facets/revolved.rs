@@ -24,7 +24,7 @@ pub(in crate::write) fn circle_count(radius: f64, tolerance: f64) -> Result<usiz
     let quarters = libm::ceil(0.25 * std::f64::consts::PI / half_angle).max(2.0);
     match quarters * 4.0 <= MAX_AROUND as f64 {
         true => Ok(4 * quarters as usize),
-        false => Err(format!("more than {MAX_AROUND} corners around a circle")),
+        false => Err(format!("a circle needs more than {MAX_AROUND} vertices")),
     }
 }
 
@@ -58,7 +58,7 @@ impl Profile {
         Profile { points: vec![[inner, lo], [outer, lo], [outer, hi], [inner, hi]], is_bent: false }
     }
 
-    /// Profile of a torus; of a spindle torus only the outer skin.
+    /// Profile of a torus; for a spindle torus, only the outer surface.
     pub fn torus(major: f64, minor: f64, tolerance: f64) -> Result<Profile, String> {
         if major > minor {
             let mut ring = Profile::arc([major, 0.0], minor, [0.0, 360.0], tolerance)?;
@@ -92,8 +92,8 @@ pub(super) fn revolved(profile: &Profile, n: usize, scale: Vec3) -> Result<Body,
     stacked(profile.points.iter().map(|point| ring(*point)).collect(), is_ring)
 }
 
-/// The body between rings of points, each of n points or of one, from the bottom up. The last ring is joined to the first,
-/// or both are single points.
+/// The body between rings of points, each of n points or of one, from the bottom up. Either the last ring is joined to the
+/// first, or both are single points.
 pub(super) fn stacked(rings: Vec<Vec<Vec3>>, is_ring: bool) -> Result<Body, String> {
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let starts: Vec<u32> = rings

@@ -25,7 +25,7 @@ pub(super) struct Materials {
     pub names: Vec<String>,
 }
 
-/// Definitions of matrices and materials. The added world has the first medium; volumes of a hierarchy may have none.
+/// Definitions of matrices and materials. The added world has the first medium; volumes of a hierarchy may have no medium.
 pub(super) fn materials(
     model: &Model,
     names: &Names,
@@ -65,7 +65,7 @@ pub(super) fn materials(
 pub(super) struct Needs {
     /// The first medium, for an added world.
     pub room: bool,
-    /// Media of volumes without material, too.
+    /// Also the media of volumes without material.
     pub all: bool,
 }
 
@@ -195,7 +195,7 @@ fn parts(row: &Table) -> String {
     rows(row, "parts").iter().map(part).collect()
 }
 
-/// A property; a single number becomes a matrix of its own.
+/// A property; a single number becomes a separate matrix.
 fn property_of(defines: &mut String, owner: &str, name: &str, value: &Datum) -> String {
     let reference = match value {
         Datum::Text(matrix) => escaped(matrix),

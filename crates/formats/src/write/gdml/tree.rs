@@ -106,7 +106,7 @@ fn bounds(solid: &Solid) -> Result<Option<rayweave_math::Bounds>, WriteError> {
     Ok(finite.map(|bounds| bounds.grown(MARGIN * bounds.size().length())))
 }
 
-/// All placements of a daughter. The part of a volume may have a rotation and translation of its own.
+/// All placements of a daughter. The part of a volume may have its own rotation and translation.
 fn placements(
     text: &mut String,
     records: &[VolumeRecord],

@@ -27,18 +27,18 @@ pub struct Writer<'m, 's> {
     pub count: usize,
     /// Names of solids in use.
     pub taken: HashSet<String>,
-    /// Elements of the file that the scene came from, by the names of their solids.
+    /// Elements of the original file, by the names of their solids.
     pub origins: HashMap<String, Vec<Origin>>,
     /// Regions written so far.
     pub known: HashMap<usize, Option<Part>>,
 }
 
-/// An element of the file that the scene came from.
+/// An element of the file from which the scene was read.
 pub struct Origin {
     pub row: Table,
-    /// The solid of the element, when it was needed.
+    /// The solid of the element, once it was needed.
     pub solid: Option<Option<Solid>>,
-    /// Its name in the new file, when it was written.
+    /// Its name in the new file, once it was written.
     pub written: Option<String>,
 }
 

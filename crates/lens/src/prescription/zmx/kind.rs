@@ -2,7 +2,7 @@
 //!
 //! Parameter numbers follow the chapters on surface types of the OpticStudio user guide (Ansys, 2024 R2):
 //! "Even Asphere", "Odd Asphere", "Extended Asphere", "Biconic", "Toroidal", "Extended Polynomial", "Zernike
-//! Standard Sag". Extra data of older files, `XDAT 1` on, are parameters 13 on in newer ones.
+//! Standard Sag". The extra data of older files, from `XDAT 1`, are the parameters from 13 in newer ones.
 
 use crate::prescription::{CoordinateBreak, Surface};
 use rayweave_math::Affine;
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// The offset of extra data in the parameter numbers.
 const EXTRA: usize = 12;
 
-/// Upper limit of parameter numbers; no type has so many.
+/// Upper limit of parameter numbers; no type has that many.
 const MAX_PARAMETER: usize = 500;
 
 /// The parameters of a surface, by number.
@@ -23,7 +23,9 @@ impl Parameters {
     /// Stores a `PARM` value.
     pub fn set(&mut self, number: usize, value: f64) -> Result<(), String> {
         if number > MAX_PARAMETER {
-            return Err(format!("the surface has a parameter {number}: {MAX_PARAMETER} at most."));
+            return Err(format!(
+                "the surface has parameter {number}: numbers up to {MAX_PARAMETER} are allowed."
+            ));
         }
         self.0.insert(number, value);
         Ok(())
@@ -54,7 +56,7 @@ impl Parameters {
         let odd = self.0.iter().find(|&(&number, &value)| number > 0 && value != 0.0 && !known(number));
         match odd {
             None => Ok(()),
-            Some((number, _)) => Err(format!("the {kind} has a parameter {number}: {read}.")),
+            Some((number, _)) => Err(format!("the {kind} has parameter {number}: {read}.")),
         }
     }
 }
@@ -64,7 +66,7 @@ pub(super) fn broken(parameters: &Parameters) -> Result<Affine, String> {
     parameters.only(
         "coordinate break",
         |number| number <= 6,
-        "1 to 6 are read, decentres, tilts, their order",
+        "only 1 to 6 are read, decentres, tilts, their order",
     )?;
     let get = |number| parameters.get(number);
     let (decentre, tilts) = ([get(1), get(2)], [get(3), get(4), get(5)]);
@@ -82,36 +84,41 @@ pub(super) fn shaped(kind: &str, parameters: &Parameters, surface: Surface) -> R
     Ok(match kind {
         "" | "STANDARD" => surface,
         "EVENASPH" => {
-            parameters.only("asphere", is_power, "1 to 8 are read, r^2 to r^16")?;
+            parameters.only("asphere", is_power, "only 1 to 8 are read, r^2 to r^16")?;
             surface.even(parameters.eight(1))
         }
         "XASPHERE" => {
-            parameters.only("extended asphere", is_extra, "the terms behind parameter 12 are read")?;
+            parameters.only("extended asphere", is_extra, "only the terms after parameter 12 are read")?;
             surface.even(extended(parameters)?)
         }
         "ODDASPHE" => {
-            parameters.only("asphere", is_power, "1 to 8 are read, r to r^8")?;
+            parameters.only("asphere", is_power, "only 1 to 8 are read, r to r^8")?;
             let every_second = |first| std::array::from_fn(|k| if k < 4 { get(2 * k + first) } else { 0.0 });
             surface.odd(every_second(1)).even(every_second(2))
         }
         "BICONICX" => {
-            parameters.only("biconic", |number| number <= 2, "1 and 2 are read, radius and conic along x")?;
+            parameters.only(
+                "biconic",
+                |number| number <= 2,
+                "only 1 and 2 are read, radius and conic along x",
+            )?;
             surface.figure(Figure::Biconic { radius_x: radius(1), conic_x: get(2) })
         }
         "TOROIDAL" => {
-            let read = "1 to 8 are read, the turn and y^2 to y^14; Zernike polynomials on a toroid are not";
+            let read =
+                "only 1 to 8 are read, the radius of rotation and y^2 to y^14, but no Zernike polynomials";
             let is_idle = |number: usize| number == EXTRA + 2 || (is_extra(number) && get(EXTRA + 1) == 0.0);
             parameters.only("toroid", |number| is_power(number) || is_idle(number), read)?;
             let even = std::array::from_fn(|k| if k < 7 { get(k + 2) } else { 0.0 });
             surface.even(even).figure(Figure::Toroidal { turn: radius(1) })
         }
         "XPOLYNOM" => {
-            parameters.only("extended polynomial", is_extra, "those of terms in x and y are read")?;
+            parameters.only("extended polynomial", is_extra, "only those of terms in x and y are read")?;
             let (norm_radius, coefficients) = parameters.list();
             surface.figure(Figure::Polynomial { norm_radius, coefficients })
         }
         "SZERNSAG" | "FZERNSAG" => {
-            let read = "1 to 8 and those of the polynomials are read; none are decentred";
+            let read = "only 1 to 8 and those of the polynomials are read, without decentres";
             parameters.only("Zernike surface", has_list, read)?;
             let (norm_radius, coefficients) = parameters.list();
             let order = if kind == "SZERNSAG" { Zernike::Noll } else { Zernike::Fringe };
@@ -121,16 +128,16 @@ pub(super) fn shaped(kind: &str, parameters: &Parameters, surface: Surface) -> R
     })
 }
 
-/// The coefficients of r^2 to r^16 from those of an extended asphere, whose powers are of r over the
-/// normalisation radius.
+/// The coefficients of r^2 to r^16 from those of an extended asphere, which multiply powers of r
+/// divided by the normalisation radius.
 fn extended(parameters: &Parameters) -> Result<[f64; 8], String> {
     let (norm_radius, coefficients) = parameters.list();
     if coefficients.iter().skip(8).any(|&c| c != 0.0) {
-        return Err("the extended asphere has terms beyond r^16: r^2 to r^16 are read.".to_owned());
+        return Err("the extended asphere has terms beyond r^16: only r^2 to r^16 are read.".to_owned());
     }
     if coefficients.iter().any(|&c| c != 0.0) && !(norm_radius.is_finite() && norm_radius > 0.0) {
         return Err(format!(
-            "the normalisation radius of the extended asphere is {norm_radius}: it is above 0."
+            "the normalisation radius of the extended asphere is {norm_radius}: it must be greater than 0."
         ));
     }
     let scaled = |k: usize| match coefficients.get(k) {
@@ -144,9 +151,9 @@ fn extended(parameters: &Parameters) -> Result<[f64; 8], String> {
 fn unknown(kind: &str) -> String {
     let why = match kind {
         "BICONICZ" => {
-            "a biconic is read without Zernike polynomials, BICONICX, and these without it, SZERNSAG"
+            "only a biconic without Zernike polynomials, BICONICX, or the polynomials alone, SZERNSAG, are read"
         }
-        "PARAXIAL" => "it has no form; elements that are ideal thin lenses are sheets of a system",
+        "PARAXIAL" => "it has no shape; ideal thin lenses are sheets of a system",
         _ => {
             "STANDARD, EVENASPH, XASPHERE, ODDASPHE, BICONICX, TOROIDAL, XPOLYNOM, SZERNSAG, FZERNSAG and COORDBRK are read"
         }
@@ -171,25 +178,25 @@ pub(super) fn written(surface: &Surface) -> Result<(&'static str, Vec<String>), 
             Ok(("ODDASPHE", parameters(&alternating)))
         }
         Figure::Round => {
-            Err("a surface has odd powers of r, and one beyond r^8, which ODDASPHE does not hold")
+            Err("a surface has odd powers of r, and one beyond r^8, which ODDASPHE cannot represent")
         }
         &Figure::Biconic { radius_x, conic_x } => Ok(("BICONICX", parameters(&[finite(radius_x), conic_x]))),
         Figure::Toroidal { turn } if even[7] == 0.0 => {
             let [a, b, c, d, e, f, g, _] = even;
             Ok(("TOROIDAL", parameters(&[finite(*turn), a, b, c, d, e, f, g])))
         }
-        Figure::Toroidal { .. } => Err("a toroid has a term in y^16, which TOROIDAL does not hold"),
+        Figure::Toroidal { .. } => Err("a toroid has a term in y^16, which TOROIDAL cannot represent"),
         Figure::Polynomial { norm_radius, coefficients } if even == [0.0; 8] => {
             Ok(("XPOLYNOM", extra(*norm_radius, coefficients)))
         }
         Figure::Polynomial { .. } => {
-            Err("a surface has terms in r beside those in x and y, which no type holds")
+            Err("a surface has terms in r in addition to those in x and y, which no type can represent")
         }
         Figure::Zernike { order, norm_radius, coefficients } => {
             let kind = match order {
                 Zernike::Noll => "SZERNSAG",
                 Zernike::Fringe => "FZERNSAG",
-                Zernike::Osa => return Err("Zernike polynomials are in the order of OSA, which no type has"),
+                Zernike::Osa => return Err("Zernike polynomials are in OSA order, which no type supports"),
             };
             Ok((kind, [parameters(&even), extra(*norm_radius, coefficients)].concat()))
         }

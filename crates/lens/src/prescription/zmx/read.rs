@@ -66,14 +66,14 @@ pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
 }
 
 /// Keywords without any effect on the light: versions, drawings, catalogues (all are searched), margins of computed semi-diameters,
-/// mechanical ones, settings of other analyses.
+/// mechanical semi-diameters, settings of other analyses.
 const SILENT: [&str; 20] = [
     "VERS", "PFIL", "LANG", "GCAT", "SDMA", "OMMA", "PICB", "GLRS", "GSTD", "NSCD", "COFN", "COMM", "HIDE",
     "MIRR", "SLAB", "POPS", "FIMP", "MEMA", "HYPR", "MOFF",
 ];
 
-/// The effect of a keyword that is not read, if it is one that often holds a setting without an effect; empty if it does.
-/// `None` for other keywords.
+/// The effect of ignoring a keyword that often holds a neutral setting; empty if the setting is neutral. `None` for other
+/// keywords.
 fn setting(keyword: &str, words: &[&str]) -> Option<&'static str> {
     let is = |place: usize, value: f64| words.get(place).is_none_or(|word| word.parse() == Ok(value));
     let are_zero = (0..words.len()).all(|place| is(place, 0.0));
@@ -95,7 +95,7 @@ fn setting(keyword: &str, words: &[&str]) -> Option<&'static str> {
             (!are_zero, "vignetting factors are not applied: the apertures of the surfaces vignette")
         }
         "FLAP" => (!is(0, 0.0), "the inner radius of a floating aperture is not applied"),
-        "MNUM" => (!is(0, 1.0), "of several configurations, the current one is read"),
+        "MNUM" => (!is(0, 1.0), "only the current one of several configurations is read"),
         _ => return None,
     };
     Some(if has_effect { effect } else { "" })
@@ -211,7 +211,7 @@ impl Reader {
                 self.aperture = Some(SystemAperture::FNumber(number(words, 0)?));
                 if words.get(1) == Some(&"1") {
                     self.note(
-                        "the paraxial working F-number is taken for the F-number at infinity".to_owned(),
+                        "the paraxial working F-number is taken as the F-number at infinity".to_owned(),
                     );
                 }
             }
@@ -225,14 +225,14 @@ impl Reader {
             "FTYP" => {
                 self.kind = Some(field_kind(words)?);
                 if words.first() == Some(&"3") {
-                    self.note("real image heights of fields are taken for paraxial ones".to_owned());
+                    self.note("real image heights of fields are taken as paraxial ones".to_owned());
                 }
                 if words.get(1).is_some_and(|flag| *flag != "0") {
                     let text = "the object space is telecentric, which is ignored: principal rays go through the centre of the stop";
                     self.note(text.to_owned());
                 }
                 if words.get(6).is_some_and(|flag| *flag != "0") {
-                    let text = "the image space is afocal, which is ignored: rays are taken where they meet the image surface";
+                    let text = "the image space is afocal, which is ignored: rays are taken where they hit the image surface";
                     self.note(text.to_owned());
                 }
                 let count = |k: usize| words.get(k).and_then(|word| word.parse::<usize>().ok());
@@ -274,12 +274,12 @@ impl Reader {
                 surface.behind = Some(behind);
                 note.into_iter().for_each(|note| self.note(note));
                 if words.get(1) == Some(&"4") {
-                    self.note("the offset of index and Abbe number, GLAS, is ignored".to_owned());
+                    self.note("the offset of index and Abbe number in GLAS is ignored".to_owned());
                 }
                 let deviation = number(words, 5).unwrap_or(0.0);
                 if words.first() == Some(&"___BLANK") && deviation != 0.0 {
                     self.note(format!(
-                        "the deviation {deviation} of the partial dispersion, GLAS, is ignored"
+                        "the deviation {deviation} of the partial dispersion in GLAS is ignored"
                     ));
                 }
             }
@@ -294,7 +294,7 @@ impl Reader {
                 if inner < 0.0 || outer.is_some_and(|outer| outer > 0.0 && outer <= inner) {
                     let text = words[..2].join(" to ");
                     return Err(format!(
-                        "the aperture reaches from radius {text}: the outer one is the greater."
+                        "the aperture reaches from radius {text}: the outer radius must be the greater one."
                     ));
                 }
                 (surface.hole, surface.hole_line) = (inner, self.line);
@@ -303,7 +303,7 @@ impl Reader {
             "OBDC" if numbers(&words[..words.len().min(2)])?.iter().any(|&place| place != 0.0) => {
                 surface.is_decentred = true;
                 self.note(
-                    "for the decentred aperture, OBDC, one about the vertex is taken that holds all rays"
+                    "the decentred aperture, OBDC, is replaced by one about the vertex that contains all rays"
                         .to_owned(),
                 );
             }
@@ -326,7 +326,7 @@ impl Reader {
             self.problems.clear();
             self.problem(
                 1,
-                "the file has no line of a Zemax file (SURF, ENPD, WAVM, ...) is it another kind of file?",
+                "the file has no line of a Zemax file (SURF, ENPD, WAVM, ...). Is it a different kind of file?",
             );
             return Err(ZmxError { problems: self.problems });
         }
@@ -342,7 +342,7 @@ impl Reader {
             self.problem(self.line, "no surface between object and image is the STOP");
         }
         if self.aperture.is_none() {
-            self.problem(self.line, "the file has no aperture: one of ENPD, FNUM, OBNA, FLOA.");
+            self.problem(self.line, "the file has no aperture: it needs one of ENPD, FNUM, OBNA, FLOA.");
         }
         let sizeless = |stop: &Record| stop.semi_diameter.unwrap_or(stop.diam) <= 0.0;
         let floating = matches!(self.aperture, Some(SystemAperture::StopSemiDiameter(_)));
@@ -358,7 +358,7 @@ impl Reader {
         }
         let lines = self.lines();
         if lines.is_empty() {
-            self.problem(self.line, "the file has no wavelength: WAVM or WAVL.");
+            self.problem(self.line, "the file has no wavelength: it needs WAVM or WAVL.");
         }
         let surfaces = self.surfaces();
         match (self.problems.is_empty(), stop, self.aperture) {
@@ -538,7 +538,7 @@ fn field_kind(words: &[&str]) -> Result<FieldKind, String> {
         Some("1") => Ok(FieldKind::ObjectHeight),
         Some("2" | "3") => Ok(FieldKind::ImageHeight),
         other => Err(format!(
-            "fields are of type {}: 0 to 3 are read: angle, object height, paraxial and real image height.",
+            "fields are of type {}: only 0 to 3 are read (angle, object height, paraxial and real image height).",
             other.unwrap_or("nothing")
         )),
     }
@@ -561,12 +561,12 @@ fn behind(words: &[&str]) -> Result<(Behind, Option<String>), String> {
         (Ok(_), _) => Ok((glass, None)),
         (Err(problem), Ok(data)) if data != DUMMY && model(data).medium().is_ok() => {
             let [n_d, v_d] = data;
-            let note = format!("{problem}; a model glass of its index {n_d} and Abbe number {v_d} is taken");
+            let note = format!("{problem}; a model glass of its index {n_d} and Abbe number {v_d} is used");
             Ok((model(data), Some(note)))
         }
         (Err(problem), _) => match successor(name) {
             Some(successor) => {
-                let note = format!("{problem}; N-{name}, which took its place, is taken");
+                let note = format!("{problem}; its successor N-{name} is used");
                 Ok((successor, Some(note)))
             }
             None => Err(problem.to_string()),

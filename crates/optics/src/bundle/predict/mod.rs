@@ -4,8 +4,8 @@
 //! two times has f < 0 between them, and a ray with f > 0 at two times has f > 0 between them if f
 //! rises at the first time or falls at the second. These known signs of f, the [`Sides`] of
 //! surfaces, determine the regions before and behind the predicted crossing. If they do, no other
-//! crossing lies before it, and the verified hit is the evaluator's: the time is that of the same
-//! kernel.
+//! crossing lies before it, and the verified hit equals the evaluator's: the same kernel computes
+//! its time.
 //!
 //! A side counts as known only beyond a [margin](MARGIN) far above every tolerance, so that no
 //! decision within a tolerance (welding, rays in a surface) takes part. Bundles whose prediction
@@ -37,7 +37,7 @@ const MAX_DISTANCE: f64 = 1e4;
 #[derive(Clone, Debug)]
 pub(crate) struct Predictor {
     surfaces: Vec<LaneFacet>,
-    /// For each surface of the program its number among these.
+    /// For each surface of the program, its number in this predictor.
     slots: Vec<Option<usize>>,
     regions: Regions,
     limits: LaneLimits,
@@ -49,8 +49,8 @@ pub(crate) struct Predictor {
 pub(crate) struct BundleRays<S: Simd> {
     pub origin: Vec3Lanes<S>,
     pub direction: Vec3Lanes<S>,
-    /// The surface on which all rays start, and whether they leave it to the side f < 0; `None` if
-    /// they start on no surface.
+    /// The surface on which all rays start, and whether they leave it towards the side f < 0;
+    /// `None` if they start on no surface.
     pub start: Option<(usize, bool)>,
     /// The sides of other surfaces at their origins.
     pub sides: Sides,

@@ -143,7 +143,7 @@ impl Regions {
         Some(containing)
     }
 
-    /// The region that owns the points in some regions: the last of them.
+    /// The region that owns the points of a set of regions: the last one in the set.
     pub fn owner(containing: u64) -> RegionId {
         RegionId(u64::BITS - containing.leading_zeros())
     }
@@ -152,12 +152,12 @@ impl Regions {
         self.media[Regions::owner(containing).index()]
     }
 
-    /// The crossing of a surface alone, from some regions into others; `None` if the medium stays
-    /// the same, if no single face makes the difference, or if regions share leaves.
+    /// The crossing of a single surface, from one set of regions into another; `None` if the medium
+    /// stays the same, if no single face makes the difference, or if regions share leaves.
     ///
     /// Same rule as [`rayweave_model::weld::attribute`]: a crossing belongs to the lowest leaf
-    /// whose own change makes a difference, in the state before or in that behind. A region changes
-    /// with its one leaf in the surface.
+    /// whose own change makes a difference, in the state before or in the state behind. A region
+    /// changes only with its one leaf in the surface.
     pub fn crossing(&self, surface: usize, before: u64, after: u64) -> Option<FaceCrossing> {
         let (left, entered) = (Regions::owner(before), Regions::owner(after));
         if !self.are_disjoint || self.media[left.index()] == self.media[entered.index()] {

@@ -28,10 +28,10 @@ use tree::Node;
 use crate::glass::read::{FileProblem, GlassFileError, finish, nm_from_um, numbers};
 use crate::glass::{Dispersion, Glass, Published, Table};
 
-/// Reads the materials of a file of refractiveindex.info; `name` is that of a document that has no
-/// key `NAME`, as is usual.
+/// Reads the materials of a refractiveindex.info file; `name` is the name of a document without the
+/// key `NAME`, which is the usual case.
 ///
-/// If there are several formulas or tables for the index, the first counts; likewise for the
+/// If there are several formulas or tables for the index, the first one is used; likewise for the
 /// extinction coefficient.
 ///
 /// # Errors
@@ -96,7 +96,7 @@ impl Reader {
     fn material(&mut self, document: &Node, name: &str) -> Option<Glass> {
         let line = document.line;
         let entries = document.get("DATA").and_then(Node::items);
-        let no_data = || "the document has no list DATA: it holds formulas and tables.".to_owned();
+        let no_data = || "the document has no list DATA: that list holds the formulas and tables.".to_owned();
         let entries = self.note(line, entries.ok_or_else(no_data))?;
         let mut parts = Parts::default();
         for entry in entries {

@@ -73,7 +73,7 @@ impl<'a> Builder<'a> {
     fn node(&mut self, event: Event<'a>, span: Span, depth: usize) -> Result<Node, FileProblem> {
         let line = span.start.line();
         if depth > MAX_DEPTH {
-            let text = format!("lists and mappings are too deep: at most {MAX_DEPTH} may be nested.");
+            let text = format!("the lists and mappings are too deep: at most {MAX_DEPTH} may be nested.");
             return Err(FileProblem { line, text });
         }
         let value = match event {

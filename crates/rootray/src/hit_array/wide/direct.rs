@@ -106,7 +106,7 @@ fn resolve_ties<S: Simd, T: Float>(
     true
 }
 
-/// Combines fewer columns than there are lanes, with padding beside them.
+/// Combines fewer columns than there are lanes; the other lanes are padding.
 fn rest<S: Simd, T: Float, const H: usize>(
     simd: S,
     operation: Operation,

@@ -38,7 +38,7 @@ impl Problems {
             Datum::Number(value) => Some(Spanned::new(Number::Value(value), datum.span)),
             Datum::Text(text) => Some(Spanned::new(Number::Text(text), datum.span)),
             _ => {
-                self.wrong_type(what, &datum, "a number or arithmetic text");
+                self.wrong_type(what, &datum, "a number or an arithmetic expression");
                 None
             }
         }
@@ -80,7 +80,7 @@ impl Problems {
         match datum.value {
             Datum::Text(text) => Some(Spanned::new(text, datum.span)),
             _ => {
-                self.wrong_type(what, &datum, "a text");
+                self.wrong_type(what, &datum, "a string");
                 None
             }
         }
@@ -108,7 +108,7 @@ impl Problems {
         Some(Spanned::new(colour?, text.span))
     }
 
-    /// One of a few words.
+    /// One of several words.
     pub fn choice<T: Copy>(
         &mut self,
         what: &str,
@@ -122,12 +122,15 @@ impl Problems {
         let names: Vec<&str> = choices.iter().map(|(_, name)| *name).collect();
         let problem = Diagnostic::error(format!("unknown {what} `{}`", text.value));
         let suggestion = did_you_mean(&text.value, names.iter().copied());
-        self.push(problem.why(format!("it may be {}", names.join(", "))).suggest(suggestion), text.span);
+        self.push(
+            problem.why(format!("the choices are {}", names.join(", "))).suggest(suggestion),
+            text.span,
+        );
         None
     }
 }
 
-/// A table of which keys are taken one by one, with the list of problems.
+/// A table whose keys are taken one by one, with the list of problems.
 pub(super) struct Fields<'p> {
     pub problems: &'p mut Problems,
     pub keys: Keys,

@@ -39,7 +39,7 @@ impl<'a> Sections<'a> {
             "" => self.source.slice(name.span.to(value.span)),
             text => text,
         };
-        // dotted keys may be anywhere; the text of the sections is then incomplete
+        // dotted keys may be anywhere in the file; the text of the sections is then incomplete
         match says(text, entry) {
             true => format!("{text}\n"),
             false => format!("{} = {}\n", key(&name.value), to_toml(&value.value)),

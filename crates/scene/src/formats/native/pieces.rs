@@ -3,8 +3,8 @@
 //! The syntax tree of a text takes tens of times the memory of the text. A file is therefore cut in front of
 //! headers such as `[solid.ball]`, and the tree of each piece is dropped before the next piece is parsed.
 //!
-//! TOML is a list of lines, apart from values that extend over several lines, and a value that is cut through
-//! does not parse. So if each piece is valid, the file is, unless several pieces define the same table: see
+//! A TOML file is a list of lines, apart from values that extend over several lines, and a truncated value does
+//! not parse. So if each piece is valid, so is the file, unless several pieces define the same table: see
 //! [`Merge`].
 
 use super::foreign::with_comment;
@@ -18,14 +18,13 @@ use std::ops::Range;
 /// The length of pieces in bytes, up to the next header.
 pub(super) const LENGTH: usize = 1 << 16;
 
-/// The beginnings of headers at which a text may be cut.
+/// The beginnings of headers before which a text may be cut.
 const HEADERS: [&str; 2] = ["[solid.", "[[region]]"];
 
 /// The top-level tables that several pieces may add to. The reader passes their entries on one by one.
 const SHARED: [&str; 4] = ["solid", "region", "medium", "light"];
 
-/// Divides a text into pieces of about this length, each of which ends before the header that follows, and before the comment
-/// above it.
+/// Divides a text into pieces of about this length. Each ends before the next header and the comment above it.
 pub(super) fn pieces(text: &str, length: usize) -> impl Iterator<Item = Range<usize>> {
     let mut next = Some(0);
     std::iter::from_fn(move || {
@@ -35,12 +34,12 @@ pub(super) fn pieces(text: &str, length: usize) -> impl Iterator<Item = Range<us
     })
 }
 
-/// The end of the piece that begins at `start` and has no end before `from`; `None` if it is the last one.
+/// The end of the piece that begins at `start`, at or after `from`; `None` if it is the last piece.
 fn cut(text: &str, start: usize, mut from: usize) -> Option<usize> {
     let bytes = text.as_bytes();
     loop {
         let line = from + bytes.get(from..)?.iter().position(|&byte| byte == b'\n')? + 1;
-        // after a line end, so between characters
+        // the position is after a line end and thus between characters
         let cut = is_header(&text[line..]).then(|| with_comment(text, line)).filter(|&cut| cut > start);
         if cut.is_some() {
             return cut;
@@ -49,8 +48,8 @@ fn cut(text: &str, start: usize, mut from: usize) -> Option<usize> {
     }
 }
 
-/// True at a header of a solid or a region. The header of a part of a solid, as in `[solid.ball.sphere]`, is
-/// none: it belongs to the table before it.
+/// True at a header of a solid or a region. The header of a part of a solid, such as `[solid.ball.sphere]`, does
+/// not count: it belongs to the table before it.
 fn is_header(line: &str) -> bool {
     let found = HEADERS.iter().find_map(|header| line.strip_prefix(header));
     found.is_some_and(|rest| {
@@ -71,9 +70,9 @@ pub(super) struct Merge {
 /// The form of a top-level entry.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
-    /// Headers of its parts alone, as `[solid.ball]`: other pieces may add more.
+    /// Only headers of its parts, such as `[solid.ball]`: other pieces may add more.
     Parts,
-    /// Headers of its items, as `[[region]]`: other pieces may add more.
+    /// Headers of its items, such as `[[region]]`: other pieces may add more.
     Items,
     /// Anything else.
     Whole,
@@ -107,7 +106,7 @@ fn kind(source: &Source, value: &Spanned<Datum>) -> Kind {
     let begins = |span: Span, with: &str| source.slice(span).starts_with(with);
     let is_item = |item: &Spanned<Datum>| matches!(item.value, Datum::Table(_)) && begins(item.span, "[[");
     match &value.value {
-        // a table without a header of its own has the span of its name in the first header of a part
+        // a table without its own header has the span of its name in the first header of a part
         Datum::Table(_) if !begins(value.span, "[") && !begins(value.span, "{") => Kind::Parts,
         Datum::List(list) if list.iter().all(is_item) && !list.is_empty() => Kind::Items,
         _ => Kind::Whole,
@@ -154,7 +153,7 @@ mod tests {
         format!("{document:#?} {:#?} {broken} {unreadable:?}", Diagnostics::new(problems))
     }
 
-    /// True if a text can be read in pieces; it must then be read as it is as a whole.
+    /// True if a text can be read in pieces; asserts that the result is then the same as for the whole text.
     fn agrees(text: &str) -> bool {
         let source = Arc::new(Source::new(None, text.to_owned()));
         let whole = read_whole(&source);
@@ -189,7 +188,7 @@ mod tests {
             "a.b = 1\nsolid.c.sphere.radius = 1\n[solid.d]\nname = \"\"\"\n[x]\n\"\"\"\n[solid.e]\nsphere = 5",
         ];
         assert!(agree.iter().all(|text| agrees(text)));
-        // TOML or not, these are read whole
+        // valid TOML or not, these are read as a whole
         let others = [
             "[solid.a]\nx = 1\n[solid.b]\n[solid.a]",
             "[solid]\nb = {}\n[solid.a]",

@@ -12,8 +12,11 @@ use crate::number::{Number, written};
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use crate::unit::Unit;
+use rayweave_model::drive::{Cancel, drive, thread_count};
 use rayweave_shape::primitive::MANUALS;
 use std::collections::HashSet;
+use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::sync::Arc;
 use toml::de::DeTable;
 
@@ -31,10 +34,10 @@ pub(crate) struct Reading {
 /// The top-level tables.
 const TABLES: [&str; 7] = ["parameters", "solid", "region", "medium", "camera", "light", "render"];
 
-/// Tables that other parts of Rayweave read.
+/// Tables that other crates of Rayweave read.
 const OWNED: [&str; 3] = ["optics", "photons", "gdml"];
 
-/// Reads as much as possible, and collects all problems.
+/// Reads as much as possible and collects all problems.
 pub(crate) fn read(source: Arc<Source>) -> Reading {
     match read_pieces(&source, LENGTH) {
         Some(reader) => reader.finish(false),
@@ -47,17 +50,40 @@ pub(crate) fn read(source: Arc<Source>) -> Reading {
 pub(super) fn read_pieces(source: &Arc<Source>, length: usize) -> Option<Reader> {
     let mut reader = Reader::new(source);
     let mut merge = Merge::default();
-    for piece in pieces(source.text(), length) {
-        let (start, end) = (piece.start, piece.end);
-        let tree = DeTable::parse(&source.text()[piece]).ok()?;
-        let table = datum::from_toml(tree.get_ref(), start, source, &mut reader.problems.list);
-        drop(tree);
+    let parse = |(): &mut (), range: Range<usize>| Piece::parse(source, range);
+    let add = |piece: Option<Piece>| {
+        let Piece { table, problems, end } = piece.ok_or(NotInPieces)?;
+        reader.problems.list.extend(problems);
         if !merge.admits(source, &table) {
-            return None;
+            return Err(NotInPieces);
         }
         reader.top(table, end);
-    }
+        Ok(())
+    };
+    let threads = if source.text().len() > 16 * length { thread_count(None) } else { NonZeroUsize::MIN };
+    drive(threads, &Cancel::new(), pieces(source.text(), length), || (), parse, add).ok()?;
     Some(reader)
+}
+
+/// A text that must be read as a whole.
+struct NotInPieces;
+
+/// The entries of a piece of the text, which ends at `end`.
+struct Piece {
+    table: Table,
+    problems: Vec<Diagnostic>,
+    end: usize,
+}
+
+impl Piece {
+    /// `None` if the piece alone is not valid TOML.
+    fn parse(source: &Arc<Source>, range: Range<usize>) -> Option<Piece> {
+        let (start, end) = (range.start, range.end);
+        let tree = DeTable::parse(&source.text()[range]).ok()?;
+        let mut problems = Vec::new();
+        let table = datum::from_toml(tree.get_ref(), start, source, &mut problems);
+        Some(Piece { table, problems, end })
+    }
 }
 
 pub(super) fn read_whole(source: &Arc<Source>) -> Reading {
@@ -218,7 +244,7 @@ impl Reader {
         each: fn(&mut Reader, Spanned<String>, Spanned<Datum>),
     ) {
         let Datum::Table(table) = value.value else {
-            self.problems.wrong_type(what, &value, &format!("tables with names, as [{what}.name]"));
+            self.problems.wrong_type(what, &value, &format!("named tables, such as [{what}.name]"));
             return;
         };
         for (name, value) in table {
@@ -230,14 +256,14 @@ impl Reader {
     fn tables(&mut self, what: &str, value: Spanned<Datum>, each: fn(&mut Reader, Spanned<Datum>)) {
         match value.value {
             Datum::List(list) => list.into_iter().for_each(|value| each(self, value)),
-            _ => self.problems.wrong_type(what, &value, &format!("a list of tables, as [[{what}]]")),
+            _ => self.problems.wrong_type(what, &value, &format!("a list of tables, such as [[{what}]]")),
         }
     }
 
     fn solid(&mut self, name: Spanned<String>, value: Spanned<Datum>) {
         if is_reserved(&name.value) {
             let problem = Diagnostic::error(format!("no solid can be called `{}`", name.value));
-            self.problems.push(problem.why("the name has a meaning of its own in expressions"), name.span);
+            self.problems.push(problem.why("the name has a special meaning in expressions"), name.span);
         }
         let what = format!("solid.{}", name.value);
         let before = self.problems.list.len();
@@ -271,7 +297,7 @@ impl Reader {
             let suggestion = did_you_mean(&key.value, ["index", "colour", "density"]);
             if suggestion.is_some() {
                 let problem = Diagnostic::warning(format!("`{}` is not used", key.value))
-                    .why("other keys of media are kept for those who know them")
+                    .why("additional keys of media are kept only for other programs")
                     .suggest(suggestion);
                 self.problems.push(problem, key.span);
             }
@@ -309,7 +335,7 @@ impl Reader {
             (both, _) => {
                 let found = if both.is_some() { "a `direction` and a" } else { "no `direction` and no" };
                 let problem = Diagnostic::error(format!("the light has {found} `position`"));
-                fields.problems.push(problem.why("it is parallel or comes from a point"), span);
+                fields.problems.push(problem.why("it needs one of them"), span);
                 None
             }
         };
@@ -382,7 +408,7 @@ fn projection(fields: &mut Fields) -> Option<ProjectionEntry> {
 fn solid(mut fields: Fields, name: Spanned<String>) -> SolidEntry {
     let label = fields.text("name");
     let transform = fields.take("transform").map(|datum| transform(fields.problems, datum));
-    // an invalid body is replaced, so that the rest is checked too
+    // an invalid body is replaced, so that the rest is also checked
     let body = body(fields).unwrap_or_else(|| Body::Expression("empty".into()));
     SolidEntry { name, label, body, transform: transform.unwrap_or_default() }
 }
@@ -393,8 +419,9 @@ fn body(mut fields: Fields) -> Option<Body> {
         found.extend(fields.take_entry(keyword));
     }
     if let [(first, _), (second, _), ..] = found.as_slice() {
-        let problem = format!("the solid is a `{}` and a `{}`", first.value, second.value);
-        let problem = Diagnostic::error(problem).why("a solid is one thing; `expr` joins several");
+        let problem = format!("the solid has both `{}` and `{}`", first.value, second.value);
+        let problem =
+            Diagnostic::error(problem).why("a solid has one definition; an `expr` combines several solids");
         fields.problems.push(problem, second.span);
     }
     let Some((keyword, datum)) = found.into_iter().next() else {
@@ -420,7 +447,7 @@ fn nothing_known(fields: Fields) -> Option<Body> {
     let names = ["expr", "place", "transform", "name"].into_iter().chain(shapes.iter().copied());
     for (key, _) in &fields.keys.rest {
         let problem = Diagnostic::error(format!("unknown shape `{}`", key.value))
-            .why(format!("the shapes are {}; others are `expr` and `place`", shapes.join(", ")))
+            .why(format!("the shapes are {}; a solid can also be an `expr` or a `place`", shapes.join(", ")))
             .suggest(did_you_mean(&key.value, names.clone()));
         fields.problems.push(problem, key.span);
     }
@@ -434,7 +461,7 @@ fn arguments(problems: &mut Problems, keyword: &Spanned<String>, datum: Spanned<
             let manual = MANUALS.iter().find(|manual| manual.name == keyword.value);
             let parameter =
                 manual.and_then(|manual| manual.parameters.first()).map_or("..", |first| first.name);
-            let wanted = format!("a table of its parameters, as {{ {parameter} = .. }}");
+            let wanted = format!("a table of its parameters, such as {{ {parameter} = .. }}");
             problems.wrong_type(&keyword.value, &datum, &wanted);
             None
         }
@@ -452,7 +479,7 @@ pub(crate) fn transform(problems: &mut Problems, datum: Spanned<Datum>) -> Vec<S
         // a single step needs no brackets
         Datum::Table(_) => step(problems, datum).into_iter().collect(),
         _ => {
-            problems.wrong_type("transform", &datum, "a list of steps, as [{ rotate_x = 90 }]");
+            problems.wrong_type("transform", &datum, "a list of steps, such as [{ rotate_x = 90 }]");
             Vec::new()
         }
     }
@@ -468,7 +495,7 @@ fn step(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Spanned<Step>>
     let counted = found.len() == 1 || !fields.is_exhausted();
     if !counted {
         let problem = Diagnostic::error(format!("the step has {} maps", found.len()));
-        fields.problems.push(problem.why("each step is one map, because their order counts"), span);
+        fields.problems.push(problem.why("a step is one map, because the order of maps matters"), span);
     }
     let step = match found.into_iter().next() {
         Some((key, datum)) if counted => map(fields.problems, &key.value, datum),
@@ -509,8 +536,8 @@ fn place(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Place> {
         found.extend(fields.take_entry(key));
     }
     if found.len() != 1 {
-        let problem = Diagnostic::error(format!("`place` says {} times where", found.len()));
-        fields.problems.push(problem.why("it needs one of grid, ring, at, matrices, file"), span);
+        let problem = Diagnostic::error(format!("`place` has {} lists of positions", found.len()));
+        fields.problems.push(problem.why("it needs exactly one of grid, ring, at, matrices and file"), span);
         return None;
     }
     let (key, datum) = found.remove(0);
@@ -527,7 +554,7 @@ fn copy_numbers(fields: &mut Fields, has_name: bool) -> Option<Spanned<Vec<Spann
     let span = datum.span;
     if !has_name {
         let problem = Diagnostic::error("`place` has `numbers` and no `name`");
-        let reason = "numbers stand after the name of the copies in occurrence paths";
+        let reason = "in occurrence paths, the number follows the name of the copy";
         fields.problems.push(problem.why(reason), span);
     }
     let numbers = list(fields.problems, "numbers", datum, Problems::number)?;

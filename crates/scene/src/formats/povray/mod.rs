@@ -1,4 +1,4 @@
-//! Export of scenes to POV-Ray 3.7. The README beside this file lists the supported features and
+//! Export of scenes to POV-Ray 3.7. The README in this folder lists the supported features and
 //! the losses.
 //!
 //! Language: "POV-Ray 3.7.0 Reference Documentation", Persistence of Vision Raytracer Pty. Ltd., 2013.

@@ -12,7 +12,7 @@ pub(super) const NOTHING: &str = "intersection { sphere { <0, 0, 0>, 1 } sphere 
 /// A primitive under a map; `None` if the map is singular, or if POV-Ray has no object for one of
 /// the faces.
 ///
-/// Spheres, boxes, cylinders, cones and tori become objects of their own, which are the fastest in
+/// Spheres, boxes, cylinders, cones and tori become the corresponding objects, which are the fastest in
 /// POV-Ray. Any other primitive becomes an intersection of half-spaces and quadrics.
 pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
     let transform = Transform::from_affine(*place).ok()?;
@@ -55,7 +55,7 @@ pub(super) fn object(primitive: &Primitive, place: &Affine) -> Option<String> {
     }
 }
 
-/// A mesh. POV-Ray determines its inside by the parity of crossings along a direction that the file
+/// A mesh. POV-Ray determines its interior by the parity of crossings along a direction that the file
 /// must specify.
 fn triangles(solid: &Polyhedron) -> String {
     let mesh = solid.to_mesh();
@@ -92,8 +92,8 @@ fn cuboid(bounds: &Bounds) -> String {
     format!("box {{ {}, {} }}", vector(bounds.lo), vector(bounds.hi))
 }
 
-/// An object under a map. A translation is written as such, because POV-Ray keeps its optimisations
-/// for axis-parallel boxes then.
+/// An object under a map. A translation is written as such, because POV-Ray then keeps its
+/// optimisations for axis-parallel boxes.
 fn placed(object: String, place: &Affine) -> String {
     let modifier = match place {
         _ if *place == Affine::IDENTITY => return object,
@@ -103,8 +103,8 @@ fn placed(object: String, place: &Affine) -> String {
     with(object, &modifier)
 }
 
-/// The modifier for a map. POV-Ray multiplies row vectors from the left, so the images of the axes
-/// are rows.
+/// The modifier for a map. POV-Ray multiplies row vectors from the left, so the rows are the images
+/// of the axes.
 fn matrix(place: &Affine) -> String {
     let Affine { linear, translation } = place;
     let rows = [linear.x_axis, linear.y_axis, linear.z_axis, *translation];

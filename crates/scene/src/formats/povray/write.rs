@@ -16,7 +16,7 @@ use std::fmt;
 pub struct PovRay {
     /// The file.
     pub text: String,
-    /// Differences of the POV-Ray picture, one sentence each.
+    /// What differs in the POV-Ray picture, one sentence each.
     pub losses: Vec<String>,
 }
 
@@ -84,7 +84,9 @@ pub(crate) fn write(scene: &Scene) -> Result<PovRay, PovRayError> {
     let camera = scene.camera.as_ref();
     match camera {
         Some(camera) => text += &camera_text(camera),
-        None => losses.push("the scene has no camera: POV-Ray looks along z from the origin.".to_owned()),
+        None => {
+            losses.push("camera: the scene has none, so POV-Ray looks along z from the origin.".to_owned())
+        }
     }
     if let Some(colour) = scene.render.background {
         text += &format!("background {{ {} }}\n", rgb(colour, 1.0));
@@ -116,12 +118,9 @@ fn known_losses(scene: &Scene) -> impl Iterator<Item = String> {
     let clear = scene.regions.iter().any(|region| region.colour.alpha < 255);
     let all = [
         (gooch, "cool to warm shading: surfaces are matt."),
-        (edges, "edges: none are drawn."),
-        (clear, "translucent colours: they filter light in another way."),
-        (
-            scene.regions.len() > 1,
-            "which region wins where several overlap: the first surface on a ray is seen.",
-        ),
+        (edges, "edges: they are not drawn."),
+        (clear, "translucent colours: they filter light in a different way."),
+        (scene.regions.len() > 1, "priority where regions overlap: the first surface on a ray is seen."),
     ];
     all.into_iter().filter(|(lost, _)| *lost).map(|(_, what)| what.to_owned())
 }
@@ -180,7 +179,7 @@ fn rgb(colour: Colour, intensity: f64) -> String {
     format!("rgb {}", vector(amounts))
 }
 
-/// Nodes that are not written yet.
+/// Work that remains: text or a node.
 enum Task<'a> {
     Text(&'static str),
     Solid(&'a Solid, Affine),
@@ -194,7 +193,7 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// A solid as separate objects, one for each operand of its outermost unions: POV-Ray has a
+    /// Writes a solid as separate objects, one for each operand of its outermost unions: POV-Ray has a
     /// bounding hierarchy of the objects of a scene, but tests the parts of a union one by one.
     fn objects(&mut self, solid: &Solid, text: &mut String) -> Result<(), PovRayError> {
         let mut waiting = vec![(solid, Affine::IDENTITY)];
@@ -219,7 +218,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// A solid as one object.
+    /// Returns a solid as one object.
     fn object(&mut self, solid: &Solid, place: Affine) -> Result<String, PovRayError> {
         let mut text = String::new();
         let mut tasks = vec![Task::Solid(solid, place)];
@@ -280,7 +279,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// `a ^ b ^ ...`: in any one of them, and not in the symmetric difference of the others.
+    /// Writes `a ^ b ^ ...` as the union of all intersections in which an odd number of operands is not inverted.
     fn symmetric_difference<'s>(
         &mut self,
         all: &'s [Solid],
@@ -288,7 +287,7 @@ impl Writer<'_> {
         text: &mut String,
         tasks: &mut Vec<Task<'s>>,
     ) -> Result<(), PovRayError> {
-        // every combination of an odd number of operands that contain the point
+        // every combination with an odd number of operands that contain the point
         let combinations = 1usize.checked_shl(all.len() as u32).unwrap_or(usize::MAX);
         self.limit(combinations.saturating_mul(all.len().max(1)))?;
         let odd: Vec<usize> = (0..combinations).filter(|inside| inside.count_ones() % 2 == 1).collect();
@@ -327,7 +326,7 @@ impl Writer<'_> {
     }
 }
 
-/// An operator over some solids; a single solid is returned as it is, no solids as the empty solid.
+/// Writes an operator over several solids; a single solid is written without it, none as the empty solid.
 fn group<'s>(
     keyword: &'static str,
     operands: Vec<(&'s Solid, Affine)>,

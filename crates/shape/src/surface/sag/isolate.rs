@@ -30,7 +30,7 @@ pub(super) trait Smooth {
     fn bend(&self, from: f64, to: f64) -> Interval;
     /// Bounds of the slope between two times.
     fn slopes(&self, from: f64, to: f64) -> Interval;
-    /// True if f between two times is that of a line along z, which is monotone, up to the rounding of x and y.
+    /// True if, up to the rounding of x and y, the line is parallel to z between two times, so that f is monotone.
     fn is_upright(&self, from: f64, to: f64) -> bool;
     /// Bound of the values whose sign is not significant.
     fn noise(&self) -> f64;
@@ -58,10 +58,10 @@ impl End {
     }
 }
 
-/// Most bisections of the first piece; the result is as short as the rounding of its ends.
+/// The largest number of bisections of the first piece; the result is as short as the rounding of its ends.
 const DEPTH: u32 = 64;
 
-/// Most pieces per line.
+/// The largest number of pieces per line.
 pub(super) const PIECES: u32 = 1 << 14;
 
 /// Passes the sign changes between two ends to `emit`, in order.
@@ -137,7 +137,8 @@ impl Piece {
         }
     }
 
-    /// With a margin of one rounding of 0, since sums of bounds that end at 0 are rounded outward.
+    /// True if the bounds of the second derivative are not negative. The margin of one rounding of 0 is needed because
+    /// sums of bounds that end at 0 are rounded outward.
     fn bends_up(&self) -> bool {
         self.bend.lo >= -f64::MIN_POSITIVE
     }
@@ -320,7 +321,7 @@ pub(super) fn sign_changes_after(f: &impl Smooth, a: End, b: End, emit: &mut dyn
     end.negative
 }
 
-/// Passes the single return of the function to 0, if any: the root of f / (t - a).
+/// Emits the only return of the function to 0, if there is one: the root of f / (t - a).
 fn single_after(f: &impl Smooth, a: End, b: End, emit: &mut dyn FnMut(f64)) {
     if a.negative != b.negative {
         let divided = Divided { f, from: a };

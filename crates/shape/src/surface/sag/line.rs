@@ -39,30 +39,30 @@ impl<'a> Line<'a> {
         first
     }
 
-    /// Passes the sign changes for t >= 0 of a line that starts on the surface.
+    /// Emits the sign changes for t >= 0 of a line that starts on the surface.
     pub fn crossings_from(&self, start: &Departing<'_>, emit: &mut dyn FnMut(f64)) {
         let (_, slope) = self.at(0.0);
         let part = self.part().filter(|(_, b)| *b > 0.0);
-        let led = match slope {
+        let is_inside_after = match slope {
             0.0 => self.bends_inside(part).unwrap_or_else(|| (start.led_inside)()),
             slope => slope < 0.0,
         };
-        if led != start.inside_after {
+        if is_inside_after != start.inside_after {
             emit(0.0);
         }
         let emit = &mut |t: f64| emit(self.on_the_surface(t));
         let last = self.is_negative_far(1.0);
         let Some((a, b)) = part else {
-            return self.beyond(led, last, (0.0, f64::INFINITY), emit);
+            return self.beyond(is_inside_after, last, (0.0, f64::INFINITY), emit);
         };
         let within = self.within().bounded((a.max(0.0), b));
         let to = End::of(&within, b);
         let ends_negative = if a <= 0.0 {
-            let from = End { t: 0.0, value: 0.0, slope, negative: led };
+            let from = End { t: 0.0, value: 0.0, slope, negative: is_inside_after };
             sign_changes_after(&within, from, to, emit)
         } else {
             let from = End::of(&within, a);
-            self.beyond(led, from.negative, (0.0, a), emit);
+            self.beyond(is_inside_after, from.negative, (0.0, a), emit);
             within.sign_changes(from, to, emit);
             to.negative
         };
@@ -79,8 +79,8 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// A root of f - offset corrected to one of f by a Newton step. A large step is rejected, since it would reach the root
-    /// at the start.
+    /// Corrects a root of f - offset to a root of f by one Newton step. A large step is rejected, since it could lead back
+    /// to the root at the start.
     fn on_the_surface(&self, t: f64) -> f64 {
         let step = self.offset / self.at(t).1;
         if step.abs() <= 1e-6 * t { t - step } else { t }
@@ -91,7 +91,7 @@ impl<'a> Line<'a> {
         Within { line: self, along: Along::new(&self.sag.profile, [q.x, d.x], [q.y, d.y]) }
     }
 
-    /// The sign of f as t goes to -inf or +inf.
+    /// True if f is negative as t goes to +inf (`way` = 1) or to -inf (`way` = -1).
     fn is_negative_far(&self, way: f64) -> bool {
         let Line { q, d, .. } = *self;
         if d.z != 0.0 {
@@ -118,13 +118,13 @@ impl<'a> Line<'a> {
         let half = ((radius * radius - distance) / across).sqrt();
         let all = (f64::NEG_INFINITY, f64::INFINITY);
         let (from, to) = if is_along_z { all } else { (closest - half, closest + half) };
-        let (low, high) = self.heights();
+        let (low, high) = self.times_between_extremes();
         let (from, to) = (from.max(low), to.min(high));
         (from < to && from.is_finite() && to.is_finite()).then_some((from, to))
     }
 
     /// The interval in which the line is between the lowest and the highest sag.
-    fn heights(&self) -> (f64, f64) {
+    fn times_between_extremes(&self) -> (f64, f64) {
         let (z, rate) = (self.q.z - self.offset, self.d.z);
         if rate == 0.0 {
             let is_between = self.sag.low <= z && z <= self.sag.high;
@@ -134,7 +134,7 @@ impl<'a> Line<'a> {
         (low.min(high), low.max(high))
     }
 
-    /// Passes the sign change of an interval beyond the aperture, if the signs at its ends differ.
+    /// Emits the sign change in an interval beyond the aperture, if the signs at its ends differ.
     fn beyond(&self, first: bool, last: bool, (from, to): (f64, f64), emit: &mut dyn FnMut(f64)) {
         if first == last {
             return;
@@ -149,14 +149,14 @@ impl<'a> Line<'a> {
 
     /// The sign change for a rim that is not level.
     fn search(&self, first: bool, (from, to): (f64, f64)) -> f64 {
-        let (low, high) = self.heights();
+        let (low, high) = self.times_between_extremes();
         let (mut a, mut b) = (from.max(low), to.min(high));
         let is_first = |t: f64| (self.at(t).0 < 0.0) == first;
         if !a.is_finite() && !b.is_finite() {
             (a, b) = if is_first(0.0) { (0.0, b) } else { (a, 0.0) };
         }
         let mut step = self.sag.aperture() / self.d.length();
-        // a level line passes along at most half of the rim: far out f hardly changes
+        // along a level line f depends only on the direction from the axis, which hardly changes far out
         for _ in 0..128 {
             if a.is_finite() && b.is_finite() {
                 let ends = [(a, first), (b, !first)];

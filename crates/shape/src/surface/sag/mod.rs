@@ -59,7 +59,7 @@ pub struct Sag {
 pub enum SagError {
     /// The root of the base is imaginary in a part of the aperture.
     #[error(
-        "the aperture's radius is {aperture}: the conic ends at {end}, where the root in it becomes imaginary. Is the curvature too large?"
+        "the aperture's radius is {aperture}: the conic ends at {end}, where its square root becomes imaginary. Is the curvature too large?"
     )]
     Imaginary {
         /// Radius of the aperture.
@@ -69,7 +69,7 @@ pub enum SagError {
     },
     /// A number is NaN or infinite, or a term exceeds 1e60 at the rim, or the aperture's radius is not positive.
     #[error(
-        "the sag is not finite: aperture's radius {aperture}, terms up to {size} at the rim. Is the unit right?"
+        "the sag is not finite: the aperture has radius {aperture}, and the terms add up to {size} at the rim. Is the unit right?"
     )]
     NotFinite {
         /// Radius of the aperture.
@@ -79,7 +79,7 @@ pub enum SagError {
     },
     /// A power or a number of coefficients beyond [`MAX_DEGREE`].
     #[error(
-        "a term is of degree {degree}: at most {MAX_DEGREE} in x and y, and {MAX_DEGREE} coefficients in r. Is it needed?"
+        "a term has degree {degree}: the limits are degree {MAX_DEGREE} in x and y, and {MAX_DEGREE} coefficients in r. Remove the term."
     )]
     TooManyTerms {
         /// The degree, or the number of coefficients.

@@ -60,7 +60,7 @@ pub fn zernike_terms(order: Zernike, coefficients: &[f64], radius: f64) -> Vec<(
     let mut terms = Vec::new();
     for (place, &c) in coefficients.iter().enumerate().filter(|(_, c)| **c != 0.0) {
         let (n, m) = order.orders(place);
-        // beyond the highest degree the values do not matter: the surface is refused
+        // beyond the highest degree the values do not matter: the surface is rejected
         if n > MAX_DEGREE {
             terms.push((n as u32, 0, c));
             continue;

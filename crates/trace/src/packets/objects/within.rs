@@ -1,9 +1,9 @@
 //! First hits of eight rays that may start inside solids and on their surfaces.
 //!
 //! A point belongs to the last region that holds it, and each region is a union of solids. If each has a medium of its own,
-//! the first change along a ray is the exit from the solid that owns its start, or the entry into a solid of a later
-//! region, whichever comes first. A ray falls back to the weave where several solids begin or end at the same time or nearly
-//! so, and where more of its way through a solid would have to be known than the first two changes.
+//! the first change along a ray is the exit from the solid that owns its start, or the entry into a solid of a later region,
+//! whichever comes first. A ray falls back to the weave if several solids begin or end at the same or nearly the same time,
+//! or if the first two changes along its way through a solid do not suffice.
 
 use super::super::Firsts;
 use super::super::group::{BundleEvaluation, CODE, Memory, Row, whole};
@@ -94,13 +94,13 @@ impl Starts {
 /// Largest number of solids that a bundle of rays may come near; otherwise the weave traces its rays.
 const MAX_MET: usize = 96;
 
-/// Length behind a hit, in radii of the model, in which solids are still searched: less than between solids that nearly touch,
-/// and far above the length of a weld. A separate check proves that no weld reaches farther.
+/// Distance behind a hit, in radii of the model, up to which solids are still searched: less than the gap between solids that
+/// nearly touch, and far above the length of a weld. A separate check proves that no weld reaches farther.
 const BEHIND: f64 = 2e-4;
 
 /// Eight rays of a batch.
 struct Eight<'n, S: Simd> {
-    /// The numbers of the rays, in the low halves; the last ray fills further lanes.
+    /// The numbers of the rays, in the low halves; the last ray fills the remaining lanes.
     numbers: &'n [u64],
     origin: Vec3Lanes<S>,
     direction: Vec3Lanes<S>,
@@ -206,8 +206,8 @@ impl Firsts<'_, '_> {
 }
 
 impl Objects {
-    /// Lists the rays such that neighbours start close to each other, and of those from one place that they have similar
-    /// directions, in the order of a space-filling curve (Morton 1966).
+    /// Sorts the rays along a space-filling curve (Morton 1966), so that neighbours start close to each other, and those
+    /// that start in one place have similar directions.
     fn order(&self, rays: &Rays<'_>, order: &mut Vec<u64>) {
         order.clear();
         if self.is_few {

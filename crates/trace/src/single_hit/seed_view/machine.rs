@@ -32,7 +32,7 @@ pub enum Fault {
     SlicesFull,
     /// The stack of values is full.
     ValuesFull,
-    /// An operator finds fewer than two values, or the end does not find exactly one.
+    /// An operator finds fewer than two values on the stack, or the stack does not hold exactly one value at the end.
     ValuesMissing,
     /// The two values of an operator come from the same side.
     SameSide,

@@ -1,9 +1,8 @@
 //! The single-hit algorithm in its original form: a complete binary tree, decision tables, small fixed
 //! stacks.
 //!
-//! For study and tests. This is the algorithm of S. Blyth's Opticks as documented, with exchangeable parts,
-//! so that errors of the original table and limits can be counted beside those of the rule and of limits
-//! derived from the tree:
+//! For study and tests. This is the algorithm of S. Blyth's Opticks as documented. Its tables and limits can be
+//! replaced by those derived from the rule and from the tree, so that the errors of both versions can be counted:
 //!
 //! - [`CompleteTree`]: nodes by number in level order, empty ones included, so that parents, children and the
 //!   post-order follow from bits of the number; a tree of height h takes 2^(h+1) - 1 slots;
@@ -13,15 +12,14 @@
 //!
 //! The original has one wrong entry in the tables and three limitations:
 //!
-//! - UNION of two operands that are both exited returns the farther exit. But the operand whose exit is
-//!   closer may be entered again before the farther exit, and extend beyond it. The rule queries the closer
-//!   one again.
-//! - Four slices suffice for trees of height 3; five overlapping leaves in a row need five. A full stack ends
-//!   as a miss.
-//! - Numbers of slots have 8 bits: a tree of height 8 begins at slot 256, and every ray misses.
-//! - Where both operands have the same time, only one of them is queried again, or stands for both, so that
-//!   sides become inconsistent: tables leak on coincident faces, the corrected ones, too. The rule changes
-//!   *every* operand whose time it is.
+//! - For the union of two operands that are both exited next, the table returns the farther exit. But the operand with
+//!   the closer exit may be entered again before that time and extend beyond it. The rule queries this operand again.
+//! - A stack of four slices suffices for trees of height 3; a row of five overlapping leaves needs five. If the stack
+//!   is full, the ray is reported as a miss.
+//! - Slot numbers have 8 bits: the post-order of a tree of height 8 begins at slot 256, so every ray misses.
+//! - If both operands change at the same time, the tables query only one of them again, or return the change of one for
+//!   both, so that the sides become inconsistent. So both the original and the corrected tables leak on coincident
+//!   faces. The rule changes *every* operand that has this time.
 
 mod complete_tree;
 mod machine;

@@ -6,7 +6,7 @@ use rayweave_model::{Prototype, PrototypeId};
 
 /// Memory of a thread for columns of one kind.
 #[derive(Clone, Debug)]
-pub(super) struct Room<P> {
+pub(super) struct ColumnScratch<P> {
     /// Buffers per nesting level: at most 31, as a placed solid has at least two placements.
     pub levels: Vec<Option<Box<Level<P>>>>,
     /// The outputs and leaves of each group, allocated on first use and restored to the initial state after
@@ -21,13 +21,13 @@ pub(super) struct InitialState {
     pub leaves: NetworkState,
 }
 
-impl<P> Default for Room<P> {
+impl<P> Default for ColumnScratch<P> {
     fn default() -> Self {
-        Room { levels: Vec::new(), initial_states: Vec::new() }
+        ColumnScratch { levels: Vec::new(), initial_states: Vec::new() }
     }
 }
 
-impl<P> Room<P> {
+impl<P> ColumnScratch<P> {
     pub fn take_level(&mut self, depth: usize) -> Box<Level<P>> {
         if self.levels.len() <= depth {
             self.levels.resize_with(depth + 1, || None);

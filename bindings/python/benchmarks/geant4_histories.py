@@ -1,0 +1,435 @@
+"""Histories of optical photons in Geant4, as a table for `rayweave photons compare`.
+
+    pip install geant4-pybind numpy
+    python geant4_histories.py DETECTOR.gdml --at 0,0,0 --wavelength 420 -n 100000 --seed 1 -o geant4.csv
+
+The detector is a GDML file. The table has a row for each track and the columns of `rayweave photons --histories`: photon, track, steps,
+history, volume, x, y, z, time, wavelength_nm. `--hits` writes the table of detected photons in addition. Sources: `--at`, with `--towards`
+for one direction and else all directions; `--wavelength NM` or `A:B`, unpolarised or `--polarisation`; or `--photons FILE.npy`, an array
+(n, 4, 4) in the layout of Opticks.
+
+Scintillation by optical photons (Bugzilla 2750) is switched off. The kind of a boundary event is the status that the boundary process
+prints at verbosity 2: the bindings have no access to it. Geant4 asks on standard input about data sets; the script answers no.
+Tested with geant4-pybind 0.1.3 (Geant4 11.4.1).
+"""
+
+import argparse
+import csv
+import math
+import os
+import re
+import sys
+import tempfile
+import time
+import xml.etree.ElementTree
+from pathlib import Path
+
+import numpy as np
+
+#: The data sets that Geant4 looks for; optical photons need none of them.
+DATA = "ENSDFSTATE LE LEVELGAMMA PARTICLEXS SAIDXS NEUTRONHP RADIOACTIVE PII REALSURFACE ABLA INCL CHANNELING".split()
+
+#: The names of Rayweave of the states of Geant4's boundary process.
+BOUNDARY = {
+    "Transmission": "transmission",
+    "FresnelRefraction": "fresnel_refraction",
+    "FresnelReflection": "fresnel_reflection",
+    "TotalInternalReflection": "total_internal_reflection",
+    "LambertianReflection": "lambertian_reflection",
+    "LobeReflection": "lobe_reflection",
+    "SpikeReflection": "spike_reflection",
+    "BackScattering": "back_scattering",
+    "Absorption": "surface_absorbed",
+    "Detection": "detected",
+    "SameMaterial": "same_material",
+    "NoRINDEX": "no_index",
+    "Dichroic Transmission": "dichroic_transmission",
+    "CoatedDielectricReflection": "coated_reflection",
+    "CoatedDielectricRefraction": "coated_refraction",
+    "CoatedDielectricFrustratedTransmission": "coated_frustrated_transmission",
+}
+
+#: The events behind which a photon is in the next volume.
+TRANSMITTED = {
+    "transmission",
+    "fresnel_refraction",
+    "same_material",
+    "dichroic_transmission",
+    "coated_refraction",
+    "coated_frustrated_transmission",
+}
+
+#: The names of processes in a material.
+BULK = {"OpRayleigh": "rayleigh", "OpMieHG": "mie", "OpAbsorption": "absorbed"}
+
+#: Photons per event of Geant4.
+PER_EVENT = 1000
+
+#: The length in mm of steps that the boundary process ignores.
+TOLERANCE = 1e-9
+
+#: What the stepping action writes after each step.
+MARK = b"@step\n"
+
+COLUMNS = ["photon", "track", "steps", "history", "volume", "x", "y", "z", "time", "wavelength_nm"]
+HIT_COLUMNS = ["event", "photon", "x", "y", "z", "time", "dx", "dy", "dz", "px", "py", "pz", "wavelength_nm", "steps", "sensor"]
+
+
+def vector(text):
+    values = [float(value) for value in text.split(",")]
+    if len(values) != 3:
+        raise argparse.ArgumentTypeError("give three numbers as X,Y,Z")
+    return np.array(values)
+
+
+def interval(text):
+    low, _, high = text.partition(":")
+    return float(low), float(high or low)
+
+
+def unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def starts(options):
+    """Positions, directions, polarisations, wavelengths and times of the photons."""
+    random = np.random.default_rng(options.seed)
+    if options.photons is not None:
+        rows = np.load(options.photons).astype(float)[: options.n]
+        position, moment, direction = rows[:, 0, :3], rows[:, 0, 3], unit(rows[:, 1, :3])
+        polarisation, wavelength = rows[:, 2, :3], rows[:, 2, 3]
+        count = len(rows)
+    else:
+        count = options.n or 10_000
+        position, moment = np.tile(options.at, (count, 1)), np.zeros(count)
+        towards = unit(random.normal(size=(count, 3)))
+        direction = towards if options.towards is None else np.tile(unit(options.towards), (count, 1))
+        polarisation = np.zeros((count, 3)) if options.polarisation is None else np.tile(options.polarisation, (count, 1))
+        wavelength = random.uniform(*options.wavelength, count)
+    # unpolarised photons have a random polarisation
+    unpolarised = np.linalg.norm(polarisation, axis=1) == 0
+    polarisation = np.where(unpolarised[:, None], random.normal(size=(count, 3)), polarisation)
+    across = polarisation - (polarisation * direction).sum(axis=1, keepdims=True) * direction
+    return position, direction, unit(across), wavelength, moment
+
+
+def bare(name):
+    """A name without the pointer that Geant4 appends."""
+    return re.sub(r"0x[0-9a-f]+$", "", name)
+
+
+def sensitive_volumes(path):
+    """The names of the volumes with the auxiliary tag SensDet."""
+    volumes = xml.etree.ElementTree.parse(path).iter("volume")
+    return {bare(v.get("name")) for v in volumes if any(a.get("auxtype") == "SensDet" for a in v.findall("auxiliary"))}
+
+
+def explicit_copies(path):
+    """The names of the placements that have a copy number in the file."""
+    placed = xml.etree.ElementTree.parse(path).iter("physvol")
+    return {bare(p.get("name") or "") for p in placed if p.get("copynumber") is not None}
+
+
+class Capture:
+    """The standard output of Geant4, in a file that is emptied after each event."""
+
+    def __init__(self):
+        self.file = os.fdopen(os.memfd_create("geant4"), "r+b")
+        self.own = os.dup(1)
+        # the file is opened for appending, so that it can be emptied
+        descriptor = os.open(f"/proc/self/fd/{self.file.fileno()}", os.O_WRONLY | os.O_APPEND)
+        sys.stdout.flush()
+        os.dup2(descriptor, 1)
+
+    def take(self):
+        self.file.seek(0)
+        text = self.file.read()
+        self.file.truncate(0)
+        return text
+
+    def end(self):
+        sys.stdout.flush()
+        os.dup2(self.own, 1)
+
+
+STATUS = re.compile(rb"\*\*\* *([A-Za-z ]+?) *\*\*\*")
+
+
+def states(text):
+    """The last state of the boundary process before each mark."""
+    found = []
+    for part in text.split(MARK)[:-1]:
+        match = None
+        for match in STATUS.finditer(part):
+            pass
+        found.append(match.group(1).decode() if match else "")
+    return found
+
+
+class Track:
+    """A track so far."""
+
+    __slots__ = ("photon", "track", "rows", "end")
+
+    def __init__(self, photon, track, rows):
+        self.photon, self.track, self.rows, self.end = photon, track, rows, None
+
+
+def simulate(options):
+    """Runs Geant4. Returns the rows of the two tables and the seconds of the simulation."""
+    empty = tempfile.mkdtemp()
+    Path(empty, "ENSDFSTATE.dat").touch()
+    os.environ.update({f"G4{name}DATA": empty for name in DATA})
+    read, write = os.pipe()
+    os.write(write, b"n\n" * 8)  # the answer to the question whether to download them
+    os.close(write)
+    os.dup2(read, 0)
+    import geant4_pybind as g4
+
+    path = options.detector
+    sensitive = sensitive_volumes(path)
+    numbered = explicit_copies(path)
+    position, direction, polarisation, wavelength, moment = starts(options)
+    energy = g4.h_Planck * g4.c_light / (wavelength * g4.nm)
+    count = len(position)
+
+    class World(g4.G4VUserDetectorConstruction):
+        def Construct(self):
+            self.parser = g4.G4GDMLParser()
+            self.parser.SetOverlapCheck(False)
+            self.parser.Read(str(path), False)
+            return self.parser.GetWorldVolume()
+
+    class Particles(g4.G4VPhysicsConstructor):
+        def __init__(self):
+            super().__init__("particles")
+
+        def ConstructParticle(self):
+            for particle in (g4.G4Gamma, g4.G4Electron, g4.G4Positron, g4.G4Proton, g4.G4OpticalPhoton, g4.G4Geantino, g4.G4ChargedGeantino):
+                particle.Definition()
+
+        def ConstructProcess(self):
+            pass
+
+    class Physics(g4.G4VModularPhysicsList):
+        def __init__(self):
+            super().__init__()
+            self.parts = [Particles(), g4.G4OpticalPhysics()]
+            for part in self.parts:
+                self.RegisterPhysics(part)
+
+    class Gun(g4.G4VUserPrimaryGeneratorAction):
+        def __init__(self):
+            super().__init__()
+            self.gun, self.next = None, 0
+
+        def GeneratePrimaries(self, event):
+            if self.gun is None:
+                self.gun = g4.G4ParticleGun(1)
+                self.gun.SetParticleDefinition(g4.G4ParticleTable.GetParticleTable().FindParticle("opticalphoton"))
+            run.begin(self.next)
+            for k in range(self.next, min(self.next + PER_EVENT, count)):
+                self.gun.SetParticleEnergy(energy[k])
+                self.gun.SetParticlePosition(g4.G4ThreeVector(*position[k]))
+                self.gun.SetParticleMomentumDirection(g4.G4ThreeVector(*direction[k]))
+                self.gun.SetParticlePolarization(g4.G4ThreeVector(*polarisation[k]))
+                self.gun.SetParticleTime(moment[k])
+                self.gun.GeneratePrimaryVertex(event)
+            self.next += PER_EVENT
+
+    def volume_path(touchable):
+        """The path of a volume in the form of Rayweave: names of volumes, with the copy numbers of the file."""
+        names = []
+        for depth in range(touchable.GetHistoryDepth()):
+            volume = touchable.GetVolume(depth)
+            name = bare(volume.GetLogicalVolume().GetName())
+            copy = touchable.GetReplicaNumber(depth)
+            names.append(f"{name}[{copy}]" if copy != 0 or bare(volume.GetName()) in numbered else name)
+        return "/".join(reversed(names)) or bare(touchable.GetVolume(0).GetLogicalVolume().GetName())
+
+    class Run:
+        """The tracks of the event, and the tables so far."""
+
+        def __init__(self):
+            self.tables, self.hits, self.further = [], [], 0
+
+        def begin(self, first):
+            self.first, self.tracks, self.pending, self.steps = first, {}, {}, []
+
+        def finish(self, found):
+            """Fills in the states of the boundary process and completes the tracks of the event."""
+            for at, state in zip(self.steps, found, strict=True):
+                track, k = at or (None, 0)
+                if track is not None and track.rows[k] == "?":
+                    name = BOUNDARY.get(state)
+                    if name == "detected" and options.detect == "volume":
+                        name = "surface_absorbed"
+                    track.rows[k] = name or f"unknown:{state.replace(' ', '')}"
+            for track in self.tracks.values():
+                if track.end is None:
+                    continue
+                rows = track.rows
+                # a wavelength shifter that emitted nothing
+                if rows[-1] == "shift":
+                    rows[-1] = "shifter_absorbed"
+                path, (x, y, z), moment, length, direction, polarisation, sensor = track.end
+                steps = len(rows) - 1
+                self.tables.append([track.photon, track.track, steps, " ".join(rows), path, x, y, z, moment, length])
+                if rows[-1] == "detected":
+                    self.hits.append([0, track.photon, x, y, z, moment, *direction, *polarisation, length, steps, sensor])
+
+    run = Run()
+
+    class Steps(g4.G4UserSteppingAction):
+        def UserSteppingAction(self, step):
+            os.write(1, MARK)
+            after = step.GetPostStepPoint()
+            current = run.current
+            rows = current.rows
+            process = after.GetProcessDefinedStep().GetProcessName()
+            if process in BULK:
+                rows.append(BULK[process])
+            elif process.startswith("OpWLS"):
+                rows.append("shift")
+            elif after.GetStepStatus() == g4.fWorldBoundary:
+                rows.append("escaped")
+            elif step.GetStepLength() <= TOLERANCE:
+                # the step after a reflection, back into the volume, in which nothing happens (StepTooSmall)
+                run.steps.append(None)
+                return
+            else:
+                rows.append("?")
+                if self.is_sensor(after):
+                    # a photon that moves into the volume enters the sensor
+                    track = step.GetTrack()
+                    volumes = after.GetTouchable().GetVolume(), step.GetPreStepPoint().GetTouchable().GetVolume()
+                    turned = track.GetMomentumDirection()
+                    current.end = None
+                    if track.GetTrackStatus() == g4.fAlive and self.goes_on(step, turned) and volumes[0] != volumes[1]:
+                        run.steps.append((current, len(rows) - 1))
+                        rows.append("detected")
+                        run.into_sensor = True
+                        track.SetTrackStatus(g4.fStopAndKill)
+                        return
+            run.steps.append((current, len(rows) - 1))
+            if len(rows) > options.max_steps and step.GetTrack().GetTrackStatus() == g4.fAlive:
+                rows.append("step_limit")
+                step.GetTrack().SetTrackStatus(g4.fStopAndKill)
+
+        def is_sensor(self, point):
+            if options.detect == "efficiency" or not sensitive:
+                return False
+            touchable = point.GetTouchable()
+            volume = touchable.GetVolume()
+            return volume is not None and bare(volume.GetLogicalVolume().GetName()) in sensitive
+
+        def goes_on(self, step, direction):
+            """Whether a photon at a boundary is transmitted: it leaves on the side of the normal that it came to."""
+            after = step.GetPostStepPoint()
+            touchable = after.GetTouchable()
+            history = touchable.GetHistory().GetTopTransform()
+            solid = touchable.GetVolume().GetLogicalVolume().GetSolid()
+            local = history.TransformPoint(after.GetPosition())
+            normal = solid.SurfaceNormal(local)
+            return normal.dot(history.TransformAxis(direction)) < 0
+
+    class Tracking(g4.G4UserTrackingAction):
+        def PreUserTrackingAction(self, track):
+            number, parent = track.GetTrackID(), track.GetParentID()
+            run.into_sensor = False
+            if parent == 0:
+                photon = run.first + number - 1
+                run.current = Track(photon, photon, ["emission"])
+            else:
+                absorbed = run.tracks[parent]
+                if absorbed.end is not None and absorbed.rows[-1] == "shift":
+                    # the first photon of a wavelength shifter continues the history
+                    absorbed.rows[-1] = "reemission"
+                    run.current = Track(absorbed.photon, absorbed.track, absorbed.rows)
+                    absorbed.end = None
+                else:
+                    run.further += 1
+                    run.current = Track(absorbed.photon, 2**62 + run.further, ["reemission"])
+            run.tracks[number] = run.current
+
+        def PostUserTrackingAction(self, track):
+            step = track.GetStep()
+            point = step.GetPostStepPoint() if run.into_sensor else step.GetPreStepPoint()
+            inside = step.GetPostStepPoint().GetTouchable()
+            at, before, across = track.GetPosition(), step.GetPreStepPoint().GetMomentumDirection(), step.GetPreStepPoint().GetPolarization()
+            length = g4.h_Planck * g4.c_light / track.GetVertexKineticEnergy() / g4.nm
+            sensor = volume_path(inside) if inside.GetVolume() is not None else ""
+            run.current.end = (
+                volume_path(point.GetTouchable()),
+                (at.x, at.y, at.z),
+                track.GetGlobalTime(),
+                length,
+                (before.x, before.y, before.z),
+                (across.x, across.y, across.z),
+                sensor,
+            )
+
+    class Actions(g4.G4VUserActionInitialization):
+        def Build(self):
+            self.parts = [Gun(), Steps(), Tracking()]
+            for part in self.parts:
+                self.SetUserAction(part)
+
+    capture = Capture()
+    manager = g4.G4RunManagerFactory.CreateRunManager(g4.G4RunManagerType.Serial)
+    keep = [World(), Physics(), Actions()]
+    for part in keep:
+        manager.SetUserInitialization(part)
+    orders = g4.G4UImanager.GetUIpointer()
+    manager.Initialize()
+    orders.ApplyCommand("/process/inactivate Scintillation opticalphoton")
+    orders.ApplyCommand("/process/optical/boundary/verbose 2")
+    orders.ApplyCommand(f"/random/setSeeds {options.seed + 1} {options.seed + 7919}")
+    begin = time.perf_counter()
+    for _ in range(math.ceil(count / PER_EVENT)):
+        capture.take()
+        manager.BeamOn(1)
+        text = capture.take()
+        if os.environ.get("GEANT4_HISTORIES_LOG"):
+            Path(os.environ["GEANT4_HISTORIES_LOG"]).write_bytes(text)
+        run.finish(states(text))
+    seconds = time.perf_counter() - begin
+    capture.end()
+    run.tables.sort(key=lambda row: (row[0], row[1]))
+    run.hits.sort(key=lambda row: row[1])
+    return run.tables, run.hits, seconds
+
+
+def save(path, columns, rows):
+    with open(path, "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(columns)
+        out.writerows(rows)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("detector", type=Path)
+    parser.add_argument("-o", "--out", type=Path, required=True)
+    parser.add_argument("--hits", type=Path)
+    parser.add_argument("--at", type=vector, default=vector("0,0,0"))
+    parser.add_argument("--towards", type=vector)
+    parser.add_argument("--polarisation", type=vector)
+    parser.add_argument("--wavelength", type=interval, default=(420.0, 420.0))
+    parser.add_argument("--photons", type=Path)
+    parser.add_argument("-n", type=int)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--detect", choices=("efficiency", "volume", "both"), default="both")
+    parser.add_argument("--max-steps", type=int, default=10_000)
+    options = parser.parse_args()
+    tables, hits, seconds = simulate(options)
+    save(options.out, COLUMNS, tables)
+    if options.hits is not None:
+        save(options.hits, HIT_COLUMNS, hits)
+    print(f"{len(tables)} tracks, {len(hits)} hits in {seconds:.1f} s: {len(tables) / max(seconds, 1e-9):.0f} tracks/s")
+    sys.stdout.flush()
+    os._exit(0)  # Geant4 may fail while it takes itself apart
+
+
+if __name__ == "__main__":
+    main()

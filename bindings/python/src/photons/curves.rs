@@ -1,0 +1,14 @@
+//! Drawings of properties.
+
+use pyo3::prelude::*;
+use rayweave::detector::{PropertyCurve, property_curves_svg};
+
+/// Curves by wavelength as SVG: the name with the unit, and pairs of a wavelength in nm and a value.
+#[pyfunction]
+pub fn photon_property_svg(py: Python<'_>, title: &str, curves: Vec<(String, Vec<[f64; 2]>)>) -> String {
+    py.detach(|| {
+        let curves: Vec<PropertyCurve<'_>> =
+            curves.iter().map(|(name, points)| PropertyCurve { name, points }).collect();
+        property_curves_svg(&curves, title)
+    })
+}

@@ -1,0 +1,62 @@
+//! The light of torches: directions, wavelengths, polarisation and time.
+
+use pyo3::prelude::*;
+use rayweave::Vec3;
+use rayweave::photon::{Directions, LinearDensity, Pulse, Torch, WavelengthDistribution};
+
+use crate::error::bad_value;
+
+/// The light of a torch, wherever it starts.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct TorchLight {
+    /// The kind of a spectrum, `line`, `uniform`, `black body` or `table`, and its numbers.
+    spectrum: (String, Vec<f64>),
+    towards: Option<[f64; 3]>,
+    cone_degrees: f64,
+    polarisation: Option<[f64; 3]>,
+    time: [f64; 2],
+    time_deviation: f64,
+    time_decay: f64,
+}
+
+impl TorchLight {
+    /// The distribution of wavelengths.
+    pub fn wavelengths(&self) -> PyResult<WavelengthDistribution> {
+        let (kind, numbers) = &self.spectrum;
+        match (kind.as_str(), &numbers[..]) {
+            ("line", &[wavelength]) => Ok(WavelengthDistribution::Single(wavelength)),
+            ("uniform", &[from, to]) => WavelengthDistribution::uniform(from, to).map_err(bad_value),
+            ("black body", &[kelvin, from, to]) => {
+                WavelengthDistribution::black_body(kelvin, from, to).map_err(bad_value)
+            }
+            ("table", numbers) => {
+                let points = numbers.as_chunks::<2>().0.iter().map(|&[nm, density]| (nm, density));
+                let density = LinearDensity::new(points.collect());
+                let density =
+                    density.map_err(|error| bad_value(format!("the spectrum is invalid: {error}")))?;
+                Ok(WavelengthDistribution::Density(density))
+            }
+            _ => {
+                let problem = "photons have no line spectra: give one wavelength, or the kind uniform, black body or table.";
+                Err(bad_value(format!("the spectrum is of the kind {kind:?}: {problem}")))
+            }
+        }
+    }
+
+    /// A torch with this light.
+    pub fn light(&self, torch: Torch) -> PyResult<Torch> {
+        let mut torch = torch;
+        if let Some(axis) = self.towards {
+            let half_angle = self.cone_degrees;
+            torch = torch
+                .towards(Directions::Cone { axis: Vec3::from_array(axis), half_angle })
+                .map_err(bad_value)?;
+        }
+        if let Some(vector) = self.polarisation {
+            torch = torch.polarised(Vec3::from_array(vector)).map_err(bad_value)?;
+        }
+        let pulse = Pulse { interval: self.time, deviation: self.time_deviation, decay: self.time_decay };
+        torch.pulsed(pulse).map_err(bad_value)
+    }
+}
