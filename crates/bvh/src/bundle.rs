@@ -55,18 +55,14 @@ impl<S: Simd> BundleSlabs<S> {
 
     /// The bundle of the rays in a bit mask.
     #[inline(always)]
-    pub fn bundle(&self, rays: u64) -> Bundle {
+    pub fn bundle(&self, simd: S, rays: u64) -> Bundle {
+        let (rays, zero) = (mask64x8::from_bitmask(simd, rays), f64x8::splat(simd, 0.0));
         let mut sides = [[Side::NONE; 2]; 3];
-        for (k, sides) in sides.iter_mut().enumerate() {
+        for (k, [up, down]) in sides.iter_mut().enumerate() {
             let (origin, inverse) = (self.origin[k], self.inverse[k]);
-            for lane in (0..WIDTH).filter(|lane| rays >> lane & 1 == 1) {
-                let (o, i) = (origin.as_slice()[lane], inverse.as_slice()[lane]);
-                let margin = self.margin.as_slice()[lane];
-                match i > 0.0 {
-                    true => sides[0].add(o, i, margin),
-                    false => sides[1].add(-o, -i, margin),
-                }
-            }
+            let ascends = inverse.simd_gt(zero);
+            *up = Side::of(simd, [origin, inverse, self.margin], rays & ascends);
+            *down = Side::of(simd, [-origin, -inverse, self.margin], rays & !ascends);
         }
         Bundle { sides }
     }
@@ -94,12 +90,19 @@ impl Side {
     const NONE: Side =
         Side { near: f64::NEG_INFINITY, far: f64::INFINITY, least: f64::INFINITY, greatest: 0.0 };
 
+    /// The bounds of some of eight rays, from their origins, inverse speeds and margins.
     #[inline(always)]
-    fn add(&mut self, origin: f64, inverse: f64, margin: f64) {
-        self.near = larger(self.near, origin + margin);
-        self.far = smaller(self.far, origin - margin);
-        self.least = smaller(self.least, inverse);
-        self.greatest = larger(self.greatest, inverse);
+    fn of<S: Simd>(simd: S, [origin, inverse, margin]: [f64x8<S>; 3], rays: mask64x8<S>) -> Side {
+        if !rays.any_true() {
+            return Side::NONE;
+        }
+        let or = |values: f64x8<S>, none: f64| rays.select(values, f64x8::splat(simd, none));
+        Side {
+            near: or(origin + margin, f64::NEG_INFINITY).reduce_max(),
+            far: or(origin - margin, f64::INFINITY).reduce_min(),
+            least: or(inverse, f64::INFINITY).reduce_min(),
+            greatest: or(inverse, 0.0).reduce_max(),
+        }
     }
 
     /// Bounds per box: the earliest entry time and the latest exit time of any of the rays.
@@ -108,16 +111,6 @@ impl Side {
         let (near, far) = (low - self.near, high - self.far);
         ((near * self.least).min(near * self.greatest), (far * self.least).max(far * self.greatest))
     }
-}
-
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 impl Bundle {

@@ -19,8 +19,7 @@ pub struct StartSurfaces {
     /// Surfaces of one placement that matter in the same box, and these boxes.
     clusters: Vec<Cluster>,
     boxes: Vec<Bounds>,
-    /// Boxes that are out of reach of all surfaces of a cluster, for points whose tolerance is not extreme; may be empty.
-    cores: Vec<Bounds>,
+    cores: Vec<Core>,
     surfaces: Vec<SurfaceId>,
     frames: Vec<Frame>,
     tree: ExactBvh,
@@ -33,6 +32,14 @@ struct Cluster {
     placement: PlacementId,
     /// A range of the list of surfaces.
     surfaces: Range<u32>,
+}
+
+/// A box that is out of reach of all surfaces of a cluster, for points whose tolerance is not extreme; may be empty.
+#[derive(Clone, Copy, Debug)]
+struct Core {
+    bounds: Bounds,
+    /// The only surface beyond each side, low sides first; `None` if there are several.
+    beyond: [Option<SurfaceId>; 6],
 }
 
 /// The frame of a placement, for a conservative test whether a surface is out of reach.
@@ -138,7 +145,7 @@ impl StartSurfaces {
 
     /// The largest box about the centre of a cluster that none of its surfaces intersects, if all are planes perpendicular to
     /// the world axes; otherwise an empty one.
-    fn core(&self, program: &Program, k: usize) -> Bounds {
+    fn core(&self, program: &Program, k: usize) -> Core {
         let (cluster, bounds, slack) = (&self.clusters[k], &self.boxes[k], self.neighbours.slack);
         let frame = &self.frames[cluster.placement.index()];
         let magnitudes = self.surfaces_of(cluster).iter().map(|&surface| program.surface(surface).magnitude);
@@ -147,23 +154,28 @@ impl StartSurfaces {
         // tolerances in the frame are not much larger than in the world
         let is_certain = frame.norm * stretch < 100.0 && 1e3 * delta_of(lengths) * stretch <= slack;
         if !bounds.is_finite() || !is_certain {
-            return Bounds::EMPTY;
+            return Core::EMPTY;
         }
-        let (centre, mut core) = (bounds.centre(), Bounds::ALL);
+        let (centre, mut core) = (bounds.centre(), Core { bounds: Bounds::ALL, beyond: [None; 6] });
+        let mut counts = [0; 6];
         for &surface in self.surfaces_of(cluster) {
-            let Surface::Plane(plane) = &program.surface(surface).surface else { return Bounds::EMPTY };
+            let Surface::Plane(plane) = &program.surface(surface).surface else { return Core::EMPTY };
             let Affine { linear, translation } = frame.local_from_world;
             let normal = linear.transpose() * plane.normal;
             let axis = normal.abs().max_position();
             let others = normal.abs().element_sum() - normal[axis].abs();
             if others > 1e-12 * normal[axis].abs() {
-                return Bounds::EMPTY;
+                return Core::EMPTY;
             }
             let at = (plane.offset - plane.normal.dot(translation)) / normal[axis];
-            match at > centre[axis] {
-                true => core.hi[axis] = core.hi[axis].min(at - slack),
-                false => core.lo[axis] = core.lo[axis].max(at + slack),
+            let is_high = at > centre[axis];
+            match is_high {
+                true => core.bounds.hi[axis] = core.bounds.hi[axis].min(at - slack),
+                false => core.bounds.lo[axis] = core.bounds.lo[axis].max(at + slack),
             }
+            let side = axis + 3 * usize::from(is_high);
+            counts[side] += 1;
+            core.beyond[side] = (counts[side] == 1).then_some(surface);
         }
         core
     }
@@ -225,9 +237,14 @@ impl StartSurfaces {
         // reach
         let margin = 1e3 * delta_of(lengths);
         let is_around = |bounds: &Bounds| bounds.grown(margin).contains(point);
-        let is_core = |k: usize| margin <= self.neighbours.slack && self.cores[k].contains(point);
         let at = Departure { program, ray, t, point, lengths, side };
-        let near = starts.get(first).and_then(|own| self.neighbours.of(own));
+        let own = starts.get(first).copied();
+        let is_core = |k: usize| {
+            let same = own.filter(|own| own.placement == self.clusters[k].placement);
+            let except = same.map(|own| own.surface);
+            margin <= self.neighbours.slack && self.cores[k].is_clear(point, except)
+        };
+        let near = own.and_then(|own| self.neighbours.of(&own));
         match near.filter(|(own, _)| self.neighbours.cover(&self.boxes[*own], point, margin)) {
             Some((_, near)) => {
                 for k in near.iter().map(|&k| k as usize) {
@@ -309,6 +326,24 @@ impl Departure<'_> {
         let (value, gradient) = entry.surface.value_and_gradient(local.at(self.t));
         let near = value.abs() <= delta(entry.magnitude + magnitude, &local, self.t) * gradient.length();
         near.then(|| starts_inside(gradient.dot(local.direction), value, self.side))
+    }
+}
+
+impl Core {
+    const EMPTY: Core = Core { bounds: Bounds::EMPTY, beyond: [None; 6] };
+
+    /// True if no surface of the cluster is within reach of a point, except for the given one.
+    fn is_clear(&self, point: Vec3, except: Option<SurfaceId>) -> bool {
+        let Bounds { lo, hi } = self.bounds;
+        let (mut count, mut side) = (0, 0);
+        for axis in 0..3 {
+            for (k, is_beyond) in [(axis, point[axis] < lo[axis]), (axis + 3, point[axis] > hi[axis])] {
+                count += usize::from(is_beyond);
+                side = if is_beyond { k } else { side };
+            }
+        }
+        // within reach of one plane, and out of reach of all others
+        count == 0 || (count == 1 && except.is_some() && self.beyond[side] == except)
     }
 }
 
@@ -498,7 +533,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64
         };
-        let (mut longest, mut by_list, mut by_core) = (0, 0, 0);
+        let (mut longest, mut by_list, mut by_core, mut by_own_core) = (0, 0, 0, 0);
         for k in 0..all.clusters.len() {
             let (cluster, bounds) = (&all.clusters[k], all.boxes[k]);
             let (up, _) = program.placement(cluster.placement);
@@ -534,7 +569,10 @@ mod tests {
                             };
                             expected.extend(inside.map(start).filter(new));
                         }
-                        by_core += usize::from(is_near && all.cores[j].contains(point));
+                        let is_clear = |except| is_near && all.cores[j].is_clear(point, except);
+                        by_core += usize::from(is_clear(None));
+                        let except = (other.placement == own.placement).then_some(own.surface);
+                        by_own_core += usize::from(is_clear(except) && !is_clear(None));
                     }
                     let key = |start: &Start| (start.placement, start.surface);
                     starts.sort_by_key(key);
@@ -545,6 +583,7 @@ mod tests {
                 }
             }
         }
-        assert!(longest >= 6 && by_list > 1000 && by_core > 1000, "{longest} {by_list} {by_core}");
+        assert!(longest >= 6 && by_list > 1000, "{longest} {by_list}");
+        assert!(by_core > 1000 && by_own_core > 1000, "{by_core} {by_own_core}");
     }
 }

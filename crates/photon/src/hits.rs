@@ -64,13 +64,13 @@ impl Hits {
         self.volumes.copies()
     }
 
-    /// Adds a hit in the volume of a region that is entered through a face.
+    /// Adds a hit in the volume of a region that is entered through a face. `known` keeps paths for further hits.
     pub(crate) fn push(
         &mut self,
         (event, number): (u32, u64),
         steps: u32,
         photon: &Photon,
-        detector: &Detector,
+        (detector, known): (&Detector, &mut VolumePaths),
         (region, face): (u32, Face),
     ) {
         self.event.push(i64::from(event));
@@ -86,7 +86,7 @@ impl Hits {
         self.time.push(photon.time);
         self.wavelength_nm.push(wavelength_nm(photon.energy));
         self.steps.push(i64::from(steps));
-        self.sensor.push(self.volumes.number(detector, region, Some(face)));
+        self.sensor.push(self.volumes.number_from(known, detector, region, Some(face)));
     }
 
     /// Sorts by the number of the photon, then by steps; equal ones keep their order.

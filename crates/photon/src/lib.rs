@@ -18,6 +18,7 @@
 mod boundary;
 mod compare;
 mod detector;
+mod draws;
 mod error;
 mod flight;
 mod genstep;

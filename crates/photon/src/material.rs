@@ -1,6 +1,6 @@
 //! Optical properties of materials.
 
-use crate::property::{PropertyTable, Spectrum, group_velocity};
+use crate::property::{LIGHT_SPEED, PropertyTable, Spectrum, group_velocity};
 
 /// The optical properties of a material. Lengths are in mm, times in ns, energies in MeV.
 #[derive(Clone, Debug, Default)]
@@ -97,6 +97,57 @@ pub fn rayleigh_length(index: &PropertyTable, constants: Compressibility) -> Pro
         (6.0 * std::f64::consts::PI / (square * square * fluctuation)).min(f64::MAX)
     };
     index.mapped(points.map(length).collect())
+}
+
+/// The properties of a material at one energy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MaterialValues {
+    /// The energy in MeV.
+    energy: f64,
+    /// The refractive index.
+    pub index: Option<f64>,
+    /// The group velocity in mm/ns.
+    pub velocity: f64,
+    pub absorption_length: Option<f64>,
+    pub rayleigh_length: Option<f64>,
+    pub mie_length: Option<f64>,
+    /// The absorption lengths of the wavelength shifters.
+    pub shifter_lengths: [Option<f64>; MAX_SHIFTERS],
+}
+
+/// The number of sets of properties of wavelength shifting in a material.
+pub(crate) const MAX_SHIFTERS: usize = 2;
+
+impl MaterialValues {
+    /// Of no energy.
+    pub const NONE: MaterialValues = MaterialValues {
+        energy: f64::NAN,
+        index: None,
+        velocity: LIGHT_SPEED,
+        absorption_length: None,
+        rayleigh_length: None,
+        mie_length: None,
+        shifter_lengths: [None; MAX_SHIFTERS],
+    };
+
+    pub fn new(material: &OpticalMaterial, energy: f64) -> MaterialValues {
+        let at = |table: &Option<PropertyTable>| table.as_ref().map(|table| table.at(energy));
+        let shifter = |k: usize| material.shifters.get(k).map(|shifter| shifter.length.at(energy));
+        MaterialValues {
+            energy,
+            index: at(&material.index),
+            velocity: at(&material.group_velocity).unwrap_or(LIGHT_SPEED),
+            absorption_length: at(&material.absorption_length),
+            rayleigh_length: at(&material.rayleigh_length),
+            mie_length: material.mie.as_ref().map(|mie| mie.length.at(energy)),
+            shifter_lengths: std::array::from_fn(shifter),
+        }
+    }
+
+    /// True if these are the values at an energy.
+    pub fn is_at(&self, energy: f64) -> bool {
+        self.energy == energy
+    }
 }
 
 impl OpticalMaterial {

@@ -5,17 +5,18 @@
 
 use crate::boundary::{Boundary, BoundaryEvent};
 use crate::detector::{DetectionRule, Detector};
+use crate::draws::{Draws, Exponentials};
 use crate::error::PhotonError;
 use crate::flight::{End, Flight};
 use crate::history::{Histories, HistoryOptions, HistoryRecorder, Process, Recorder};
 use crate::hits::Hits;
-use crate::material::OpticalMaterial;
+use crate::material::{MaterialValues, OpticalMaterial};
 use crate::philox::{Purpose, Stream};
 use crate::photon::{EventKey, Photon};
-use crate::property::LIGHT_SPEED;
 use crate::scatter;
 use crate::settings::RunSettings;
 use crate::source::Source;
+use crate::volume::VolumePaths;
 use rayweave_math::Vec3;
 use rayweave_model::drive::{Stopped, drive, thread_count};
 use rayweave_model::memory::{Growth, Shortage};
@@ -163,8 +164,12 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     evaluator: &'d E,
     settings: &'d RunSettings,
     scratch: E::Scratch,
+    emitted: Vec<Photon>,
     flights: Vec<Flight>,
     next: Vec<Flight>,
+    /// The last values of each material: many photons have the same energy.
+    values: Vec<MaterialValues>,
+    draws: Draws,
     rays: RayBatch,
     first: Vec<u32>,
     starts: Vec<Start>,
@@ -172,6 +177,8 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     next_starts: Vec<Start>,
     found: Columns,
     result: PhotonRun,
+    /// The paths of all sensors so far.
+    paths: VolumePaths,
     recorder: R,
     ends: Tally<End>,
     boundary_events: Tally<BoundaryEvent>,
@@ -242,8 +249,11 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             evaluator,
             settings,
             scratch: evaluator.scratch(),
+            emitted: Vec::new(),
             flights: Vec::new(),
             next: Vec::new(),
+            values: vec![MaterialValues::NONE; detector.materials.len()],
+            draws: Draws::new(),
             rays: RayBatch::default(),
             first: vec![0],
             starts: Vec::new(),
@@ -251,6 +261,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             next_starts: Vec::new(),
             found: Columns::default(),
             result: PhotonRun::default(),
+            paths: VolumePaths::default(),
             recorder,
             ends: Tally(Vec::new()),
             boundary_events: Tally(Vec::new()),
@@ -262,17 +273,20 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn run(&mut self, source: &Source, numbers: Range<u64>) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
         let key = EventKey { seed: self.settings.seed, event: self.settings.event };
-        let mut photons = Vec::new();
+        let mut photons = std::mem::take(&mut self.emitted);
+        photons.clear();
         let start = numbers.start;
         source.emit((self.detector, self.evaluator), &mut self.scratch, key, numbers, &mut photons);
         self.result.photons = photons.len() as u64;
-        for (origin, photon) in (start..).zip(photons) {
+        for (origin, &photon) in (start..).zip(&photons) {
             self.continue_with(Flight { origin, number: key.number(origin), steps: 0, photon });
         }
+        self.emitted = photons;
         self.swap();
         // the result of a cancelled run is dropped
         while !self.flights.is_empty() && !self.settings.cancel.is_cancelled() {
             self.find();
+            self.draws.compute(self.settings.seed, &self.flights);
             for i in 0..self.flights.len() {
                 self.step(i);
             }
@@ -354,27 +368,31 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         if flight.steps >= self.settings.max_steps {
             return self.end(&flight, End::StepLimit, None);
         }
-        let material = detector.material(RegionId(region));
+        let medium = detector.material_of[region as usize] as usize;
+        let material = &detector.materials[medium];
         let energy = flight.photon.energy;
-        if material.index.is_none() {
-            return self.end(&flight, End::NoIndex, None);
+        if !self.values[medium].is_at(energy) {
+            self.values[medium] = MaterialValues::new(material, energy);
         }
+        let values = self.values[medium];
+        let Some(index) = values.index else {
+            return self.end(&flight, End::NoIndex, None);
+        };
         flight.steps += 1;
         self.result.steps += 1;
-        let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::FreePath);
-        let bulk = free_path(material, energy, &mut stream);
+        let mut paths = self.draws.exponentials(i, self.settings.seed, &flight);
+        let bulk = free_path(&values, &mut paths);
         let to_boundary = crossing.map_or(f64::INFINITY, |crossing| crossing.t);
         let length = bulk.map_or(f64::INFINITY, |(length, _)| length).min(to_boundary);
-        let velocity = material.group_velocity.as_ref().map_or(LIGHT_SPEED, |table| table.at(energy));
         let ray = Ray { origin: flight.photon.position, direction: flight.photon.direction };
-        flight.photon.time += length / velocity;
+        flight.photon.time += length / values.velocity;
         if flight.photon.time > self.settings.max_time {
             return self.end(&flight, End::TimeLimit, None);
         }
         flight.photon.position = ray.at(length);
         match (bulk, crossing) {
             (Some((free, process)), _) if free < to_boundary => self.bulk(flight, material, process),
-            (_, Some(crossing)) => self.boundary(i, flight, &ray, &crossing),
+            (_, Some(crossing)) => self.boundary(i, flight, &ray, (&crossing, index)),
             // an unbounded material without any process
             _ => self.end(&flight, End::Escaped, None),
         }
@@ -432,8 +450,16 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
     }
 
-    /// The optical boundary process for photon `i` of the batch.
-    fn boundary(&mut self, i: usize, mut flight: Flight, ray: &Ray, crossing: &Crossing) {
+    /// The refractive index of a material.
+    fn index(&self, medium: usize, energy: f64) -> Option<f64> {
+        if self.values[medium].is_at(energy) {
+            return self.values[medium].index;
+        }
+        self.detector.materials[medium].index.as_ref().map(|table| table.at(energy))
+    }
+
+    /// The optical boundary process for photon `i` of the batch; `index` is that in front of the crossing.
+    fn boundary(&mut self, i: usize, mut flight: Flight, ray: &Ray, (crossing, index): (&Crossing, f64)) {
         let detector = self.detector;
         let normal = self.found.normal(i);
         let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
@@ -442,9 +468,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         }
         let contact = Contact::new(&detector.program, ray, crossing);
         flight.photon.position = contact.project(normal);
-        let [front, behind] = [crossing.before, crossing.after].map(|region| detector.material(region));
         let energy = flight.photon.energy;
-        let at = |material: &OpticalMaterial| material.index.as_ref().map(|index| index.at(energy));
         let [own, other] =
             [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
         let mut boundary = Boundary {
@@ -452,12 +476,12 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             polarisation: flight.photon.polarisation,
             normal,
             energy,
-            index: at(front).unwrap_or(1.0),
-            index_behind: at(behind),
+            index,
+            index_behind: self.index(other as usize, energy),
             is_same_material: own == other,
             surface: detector.surface(crossing),
         };
-        let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Boundary);
+        let mut stream = self.draws.boundary(i, self.settings.seed, &flight);
         let (event, is_behind) = boundary.apply(&mut stream);
         self.boundary_events.add(event);
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
@@ -491,7 +515,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             (self.settings.event, flight.origin),
             flight.steps,
             &flight.photon,
-            self.detector,
+            (self.detector, &mut self.paths),
             volume,
         );
         self.ends.add(End::Detected);
@@ -509,25 +533,20 @@ fn secondary(flight: Flight, emitted: u32) -> u64 {
 }
 
 /// The shortest free path in a material and its process; `None` if there is no process.
-fn free_path(material: &OpticalMaterial, energy: f64, stream: &mut Stream) -> Option<(f64, Bulk)> {
+fn free_path(values: &MaterialValues, paths: &mut Exponentials) -> Option<(f64, Bulk)> {
     let mut shortest: Option<(f64, Bulk)> = None;
-    let mut propose = |mean: f64, process: Bulk| {
-        let length = mean * stream.exponential();
+    let mut propose = |mean: Option<f64>, process: Bulk| {
+        let Some(mean) = mean else { return };
+        let length = mean * paths.draw();
         if shortest.is_none_or(|(other, _)| length < other) {
             shortest = Some((length, process));
         }
     };
-    if let Some(table) = &material.absorption_length {
-        propose(table.at(energy), Bulk::Absorption);
-    }
-    if let Some(table) = &material.rayleigh_length {
-        propose(table.at(energy), Bulk::Rayleigh);
-    }
-    if let Some(mie) = &material.mie {
-        propose(mie.length.at(energy), Bulk::Mie);
-    }
-    for (number, shifter) in material.shifters.iter().enumerate() {
-        propose(shifter.length.at(energy), Bulk::Shift(number));
+    propose(values.absorption_length, Bulk::Absorption);
+    propose(values.rayleigh_length, Bulk::Rayleigh);
+    propose(values.mie_length, Bulk::Mie);
+    for (number, &mean) in values.shifter_lengths.iter().enumerate() {
+        propose(mean, Bulk::Shift(number));
     }
     shortest
 }

@@ -20,6 +20,8 @@ pub fn wavelength_nm(energy: f64) -> f64 {
 pub struct PropertyTable {
     energies: Vec<f64>,
     values: Vec<f64>,
+    /// True if all values are equal: there is nothing to look up.
+    is_constant: bool,
 }
 
 impl PropertyTable {
@@ -43,12 +45,21 @@ impl PropertyTable {
         }
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (energies, values) = points.into_iter().unzip();
-        Ok(PropertyTable { energies, values })
+        Ok(PropertyTable::from_columns(energies, values))
+    }
+
+    /// A table of as many values as energies, in ascending order of these; at least one.
+    fn from_columns(energies: Vec<f64>, values: Vec<f64>) -> PropertyTable {
+        let is_constant = values.iter().all(|value| *value == values[0]);
+        PropertyTable { energies, values, is_constant }
     }
 
     /// The value at an energy in MeV.
     #[must_use]
     pub fn at(&self, energy: f64) -> f64 {
+        if self.is_constant {
+            return self.values[0];
+        }
         let after = self.energies.partition_point(|&e| e <= energy);
         match after {
             0 => self.values[0],
@@ -64,12 +75,12 @@ impl PropertyTable {
     /// A constant.
     #[must_use]
     pub fn constant(value: f64) -> PropertyTable {
-        PropertyTable { energies: vec![1e-6], values: vec![value] }
+        PropertyTable::from_columns(vec![1e-6], vec![value])
     }
 
     /// A table at the same energies with other values.
     pub(crate) fn mapped(&self, values: Vec<f64>) -> PropertyTable {
-        PropertyTable { energies: self.energies.clone(), values }
+        PropertyTable::from_columns(self.energies.clone(), values)
     }
 
     /// The energies in MeV, ascending.
@@ -98,21 +109,21 @@ pub fn group_velocity(index: &PropertyTable) -> PropertyTable {
     let last = energies.len() - 1;
     if last == 0 {
         let values = vec![LIGHT_SPEED / values[0]];
-        return PropertyTable { energies, values };
+        return PropertyTable::from_columns(energies, values);
     }
     let speed = |n: f64, k: usize| {
         let slope = (values[k + 1] - values[k]) / libm::log(energies[k + 1] / energies[k]);
         let group = LIGHT_SPEED / (n + slope);
         if group < 0.0 || group > LIGHT_SPEED / n { LIGHT_SPEED / n } else { group }
     };
-    let mut table = PropertyTable { energies: vec![energies[0]], values: vec![speed(values[0], 0)] };
+    let (mut middles, mut speeds) = (vec![energies[0]], vec![speed(values[0], 0)]);
     for k in 0..last - 1 {
-        table.energies.push(0.5 * (energies[k] + energies[k + 1]));
-        table.values.push(speed(0.5 * (values[k] + values[k + 1]), k));
+        middles.push(0.5 * (energies[k] + energies[k + 1]));
+        speeds.push(speed(0.5 * (values[k] + values[k + 1]), k));
     }
-    table.energies.push(energies[last]);
-    table.values.push(speed(values[last], last - 1));
-    table
+    middles.push(energies[last]);
+    speeds.push(speed(values[last], last - 1));
+    PropertyTable::from_columns(middles, speeds)
 }
 
 /// The cumulative distribution of an emission spectrum, by the trapezoidal rule.

@@ -70,6 +70,18 @@ impl VolumePaths {
         number
     }
 
+    /// Like [`number`](VolumePaths::number), with a list from which paths that are already known are copied.
+    pub fn number_from(
+        &mut self,
+        known: &mut VolumePaths,
+        detector: &Detector,
+        region: u32,
+        face: Option<Face>,
+    ) -> u32 {
+        let number = known.number(detector, region, face) as usize;
+        self.insert(&known.names[number], known.copies[number])
+    }
+
     /// Adds the paths of another list; returns the number of each of them.
     pub fn absorb(&mut self, other: &VolumePaths) -> Vec<u32> {
         other.names.iter().zip(&other.copies).map(|(path, &copy)| self.insert(path, copy)).collect()

@@ -156,7 +156,8 @@ fn visited_by<S: Simd>(simd: S, tree: &ExactBvh, rays: &[Ray], size: f64) -> Vec
             rays.iter().map(|ray| ray.window[1]).fold(f64::NEG_INFINITY, f64::max),
         ),
     };
-    let (bundle, mut traversal, mut found) = (slabs.bundle(bits), BundleTraversal::default(), Vec::new());
+    let (bundle, mut traversal, mut found) =
+        (slabs.bundle(simd, bits), BundleTraversal::default(), Vec::new());
     traversal.begin(simd, tree, &bundle, &window);
     while let Some(place) = traversal.next(simd, tree, (&slabs, &bundle), &window) {
         found.push(place);

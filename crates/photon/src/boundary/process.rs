@@ -33,9 +33,24 @@ pub(super) struct SurfaceValues {
 }
 
 impl SurfaceValues {
+    /// Those of an interface without a surface: polished, without losses.
+    const BARE: SurfaceValues = SurfaceValues {
+        finish: SurfaceFinish::Polished,
+        model: SurfaceModel::Glisur,
+        kind: SurfaceType::DielectricDielectric,
+        value: 1.0,
+        reflectivity: 1.0,
+        transmittance: 0.0,
+        efficiency: 0.0,
+        metal: None,
+        lobe: 0.0,
+        spike: 0.0,
+        backscatter: 0.0,
+        roughness: 0.0,
+    };
+
     pub fn new(surface: Option<&OpticalSurface>, energy: f64) -> SurfaceValues {
-        let default = OpticalSurface { value: 1.0, ..OpticalSurface::default() };
-        let surface = surface.unwrap_or(&default);
+        let Some(surface) = surface else { return SurfaceValues::BARE };
         let at = |table: &Option<PropertyTable>, absent: f64| {
             table.as_ref().map_or(absent, |table| table.at(energy))
         };

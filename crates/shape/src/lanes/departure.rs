@@ -3,22 +3,13 @@
 //! then not crossed again, and a surface of degree 2 at most once.
 
 use super::facet::{Kernel, LaneFacet};
-use super::ray::{LaneRay, Uncertain, infinite};
+use super::ray::{LaneRay, LaneStarts, Uncertain, infinite};
 use super::span::{Gap, LaneSpan};
 use super::vector::{Lanes, Mask, Vec3Lanes, splat};
 use crate::surface::Plane;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_math::Vec3;
-
-/// The start surface of each of eight rays.
-#[derive(Clone, Copy, Debug)]
-pub struct LaneStarts<S: Simd> {
-    /// Number of the surface; -1 for none.
-    pub surface: Lanes<S>,
-    /// True if f < 0 just after the start.
-    pub inside: Mask<S>,
-}
 
 /// The remaining crossing of a surface of degree 2.
 #[derive(Clone, Copy, Debug)]
@@ -48,43 +39,11 @@ impl LaneFacet {
         if !is_listed.any_true() {
             return self.narrow(simd, ray, span, uncertain);
         }
-        let Some(planes) = self.planes() else {
-            return self.depart(simd, ray, starts, span, uncertain);
-        };
-        for plane in planes {
-            plane.depart(simd, ray, starts, span, uncertain);
+        if let Kernel::AxisSlab(_) | Kernel::Slab(_) = &self.kernel {
+            self.slab(simd, ray, Some(starts), span, uncertain);
+            return None;
         }
-        None
-    }
-
-    /// The two faces of a slab as separate facets.
-    fn planes(&self) -> Option<[LaneFacet; 2]> {
-        let [low, high] = self.surfaces;
-        let plane = |kernel: Kernel, inside: bool, face: f64, surface: f64| LaneFacet {
-            kernel,
-            inside,
-            face,
-            gap: self.gap,
-            is_one_piece: false,
-            surfaces: [surface; 2],
-        };
-        match &self.kernel {
-            Kernel::AxisSlab(slab) => {
-                let kernel = |sign: f64, offset: f64| Kernel::AxisPlane { axis: slab.axis, sign, offset };
-                let below = plane(kernel(-1.0, slab.low.0), true, slab.low.1, low);
-                Some([below, plane(kernel(1.0, slab.high.0), true, slab.high.1, high)])
-            }
-            Kernel::Slab(slab) => {
-                let [below, above] = slab.turned;
-                let kernel = |normal: Vec3, offset: f64, turned: bool| {
-                    let sign = if turned { -1.0 } else { 1.0 };
-                    Kernel::Plane(Plane { normal: sign * normal, offset: sign * offset })
-                };
-                let lower = plane(kernel(-slab.normal, slab.low.0, below), !below, slab.low.1, low);
-                Some([lower, plane(kernel(slab.normal, slab.high.0, above), !above, slab.high.1, high)])
-            }
-            _ => None,
-        }
+        self.depart(simd, ray, starts, span, uncertain)
     }
 
     /// Out-of-line version on copies, so that the data of facets on which no ray starts stays in registers.

@@ -3,7 +3,7 @@
 use super::axis::{AxisCylinder, AxisSlab, axis_of_plane};
 use super::quadratic::Roots;
 use super::quadric::LaneQuadric;
-use super::ray::{LaneRay, Uncertain};
+use super::ray::{LaneRay, LaneStarts, Uncertain};
 use super::span::{Gap, LaneSpan};
 use super::torus::{LaneTorus, TorusInterval};
 use super::vector::{Lanes, Mask, splat};
@@ -199,7 +199,7 @@ impl LaneFacet {
                 self.apply_interval(simd, from, to, span)
             }
             Kernel::AxisSlab(_) | Kernel::Slab(_) => {
-                self.slab(simd, ray, span, uncertain);
+                self.slab(simd, ray, None, span, uncertain);
                 None
             }
             Kernel::Torus(torus) => Some(self.torus(simd, torus, ray, span, uncertain)),
@@ -265,16 +265,24 @@ impl LaneFacet {
         interval.gap
     }
 
-    /// Two parallel planes that face away from each other: crossed at the same speed, one after the other.
+    /// Two parallel planes that face away from each other: crossed at the same speed, one after the other. A plane that a ray
+    /// starts on is not crossed again: it holds on the whole ray or not at all.
     #[inline(always)]
-    fn slab<S: Simd>(&self, simd: S, ray: &LaneRay<S>, span: &mut LaneSpan<S>, uncertain: &mut Uncertain<S>) {
-        let (origin, speed, low, high) = match &self.kernel {
+    pub(super) fn slab<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        starts: Option<&LaneStarts<S>>,
+        span: &mut LaneSpan<S>,
+        uncertain: &mut Uncertain<S>,
+    ) {
+        let (origin, speed, low, high, turned) = match &self.kernel {
             Kernel::AxisSlab(AxisSlab { axis, low, high }) => {
                 let axis = (*axis).into();
-                (ray.origin.component(axis), ray.direction.component(axis), *low, *high)
+                (ray.origin.component(axis), ray.direction.component(axis), *low, *high, [false; 2])
             }
-            Kernel::Slab(LaneSlab { normal, low, high, .. }) => {
-                (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high)
+            Kernel::Slab(LaneSlab { normal, low, high, turned }) => {
+                (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high, *turned)
             }
             _ => return,
         };
@@ -300,6 +308,21 @@ impl LaneFacet {
             from = parallel.select(holds.select(minus, plus), from);
             to = parallel.select(holds.select(plus, minus), to);
             grazes = slow & !parallel;
+        }
+        if let Some(starts) = starts {
+            let on = self.surfaces.map(|surface| starts.surface.simd_eq(surface));
+            // true where the rays are between the planes just after the start
+            let [above_low, below_high] =
+                turned.map(|turned| if turned { !starts.inside } else { starts.inside });
+            let outside = (on[0] & !above_low) | (on[1] & !below_high);
+            // tangent, or against the listed side
+            let falls = speed.simd_lt(0.0);
+            let moves = rises | falls;
+            let agrees = moves & (!on[0] | !(rises ^ above_low)) & (!on[1] | !(falls ^ below_high));
+            uncertain.always |= (on[0] | on[1]) & !agrees;
+            from = ((rises & on[0]) | (!rises & on[1])).select(minus, from);
+            to = ((rises & on[1]) | (!rises & on[0])).select(plus, to);
+            from = outside.select(plus, from);
         }
         let begins = span.begin_after(from, rises.select(low_face, high_face));
         let ends = span.end_before(to, rises.select(high_face, low_face));

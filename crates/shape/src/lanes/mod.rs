@@ -24,11 +24,10 @@ mod torus_line;
 mod vector;
 
 pub use axis::{AxisCylinder, AxisSlab};
-pub use departure::LaneStarts;
 pub use facet::{Kernel, LaneFacet, LaneSlab};
 pub use gradient::LaneGradient;
 pub use quadric::LaneQuadric;
-pub use ray::{LaneLimits, LaneRay, Uncertain};
+pub use ray::{LaneLimits, LaneRay, LaneStarts, Uncertain};
 pub use span::{Gap, LaneSpan};
 pub use torus::LaneTorus;
 pub use vector::{LANES, Lanes, Mask, Vec3Lanes, splat};

@@ -30,6 +30,15 @@ pub struct Uncertain<S: Simd> {
     pub grazes: Mask<S>,
 }
 
+/// The start surface of each of eight rays.
+#[derive(Clone, Copy, Debug)]
+pub struct LaneStarts<S: Simd> {
+    /// Number of the surface; -1 for none.
+    pub surface: Lanes<S>,
+    /// True if f < 0 just after the start.
+    pub inside: Mask<S>,
+}
+
 /// Eight rays.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneRay<S: Simd> {

@@ -443,7 +443,7 @@ impl Objects {
         search: &mut Search<S>,
     ) {
         let simd = group.simd;
-        let bundle = slabs.bundle(some);
+        let bundle = slabs.bundle(simd, some);
         let (from, end) = (splat(simd, window.t_min()), splat(simd, window.t_max()));
         let mut intervals =
             BundleWindow { rays: search.queried, from: (from, window.t_min()), until: (end, window.t_max()) };
@@ -482,7 +482,7 @@ impl Objects {
                     Method::Plan(plan) => group.enter(plan, &ray, window),
                     Method::Carved(carved) => {
                         let slabs = carried.slabs(simd, part.condition);
-                        let bundle = slabs.bundle(search.queried.to_bitmask());
+                        let bundle = slabs.bundle(simd, search.queried.to_bitmask());
                         let rays =
                             Bundled { ray: &ray, slabs: &slabs, bundle: &bundle, intervals: rays.intervals };
                         group.enter_carved(carved, &rays, ahead, window)

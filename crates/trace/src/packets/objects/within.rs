@@ -23,7 +23,7 @@ use rayweave_shape::lanes::{LANES, LaneRay, LaneStarts, Lanes, Mask, Vec3Lanes, 
 pub(in super::super) struct Walk {
     ahead: BundleTraversal,
     met: Vec<Met>,
-    starts: Vec<LaneStart>,
+    starts: Starts,
     /// The rays in the order in which they are traced, as sort keys in the upper half and numbers in the lower one.
     order: Vec<u64>,
 }
@@ -45,11 +45,50 @@ struct Met {
     is_single: bool,
 }
 
+/// The surfaces that eight rays start on: the first of each ray in lanes, and a list of the others.
+#[derive(Clone, Debug, Default)]
+struct Starts {
+    first: FirstStarts,
+    others: Vec<LaneStart>,
+}
+
+/// The first start surfaces of eight rays, with -1 for none.
+#[derive(Clone, Copy, Debug)]
+struct FirstStarts {
+    surface: Row,
+    placement: Row,
+    /// Bit mask of the rays with f < 0 just after the start.
+    inside: u64,
+}
+
+impl Default for FirstStarts {
+    fn default() -> Self {
+        let none = Row([-1.0; LANES]);
+        FirstStarts { surface: none, placement: none, inside: 0 }
+    }
+}
+
 /// A surface that one of eight rays starts on.
 #[derive(Clone, Copy, Debug)]
 struct LaneStart {
     lane: usize,
     start: Start,
+}
+
+impl Starts {
+    fn read(&mut self, query: &Query<'_>, numbers: &[u64]) {
+        self.first = FirstStarts::default();
+        self.others.clear();
+        let Some(lists) = query.starts else { return };
+        for (lane, &entry) in numbers.iter().enumerate() {
+            let [start, others @ ..] = lists.of(number(entry)) else { continue };
+            let lane = lane % LANES;
+            self.first.surface.0[lane] = f64::from(start.surface.0);
+            self.first.placement.0[lane] = f64::from(start.placement.0);
+            self.first.inside |= u64::from(start.inside) << lane;
+            self.others.extend(others.iter().map(|&start| LaneStart { lane, start }));
+        }
+    }
 }
 
 /// Largest number of solids that a bundle of rays may come near; otherwise the weave traces its rays.
@@ -203,18 +242,13 @@ impl Objects {
         let simd = group.simd;
         let Walk { ahead, met, starts, .. } = walk;
         met.clear();
-        starts.clear();
-        if let Some(lists) = query.starts {
-            for (lane, &entry) in eight.numbers.iter().enumerate() {
-                starts.extend(lists.of(number(entry)).iter().map(|&start| LaneStart { lane, start }));
-            }
-        }
+        starts.read(query, eight.numbers);
         let (ray, uncertain) = LaneRay::new(simd, eight.origin, eight.direction, &self.model.limits);
         let margin = ray.origin.taxicab() * (self.condition * MARGIN);
         let slabs = slabs(simd, ray.origin, ray.direction, margin);
         let behind = splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab();
         let some = (1 << eight.numbers.len()) - 1;
-        let bundle = slabs.bundle(some);
+        let bundle = slabs.bundle(simd, some);
         let window = query.window;
         let (from, end) = (eight.from, splat(simd, window.t_max()));
         let low = window.t_min();
@@ -251,7 +285,7 @@ impl Objects {
         &self,
         group: &mut BundleEvaluation<'_, S>,
         item: u32,
-        (ray, starts, queried): (&LaneRay<S>, &[LaneStart], Mask<S>),
+        (ray, starts, queried): (&LaneRay<S>, &Starts, Mask<S>),
         (from, t_max): (Lanes<S>, f64),
         progress: &mut Progress<S>,
     ) -> Option<Met> {
@@ -343,19 +377,26 @@ fn is_single_span(plan: &Plan) -> bool {
 /// The surface of a solid on which each of eight rays starts, if there are any, and a bit mask of the rays that start on several
 /// of its surfaces.
 #[inline(always)]
-fn listed<S: Simd>(
-    simd: S,
-    object: &Object,
-    part: &Part,
-    starts: &[LaneStart],
-) -> (Option<LaneStarts<S>>, u64) {
-    let (mut surface, mut inside, mut known, mut several) = (Row([-1.0; LANES]), 0, 0u64, 0);
-    for &LaneStart { lane, start } in starts {
+fn listed<S: Simd>(simd: S, object: &Object, part: &Part, starts: &Starts) -> (Option<LaneStarts<S>>, u64) {
+    let Starts { first, others } = starts;
+    let placement = splat(simd, f64::from(object.placement));
+    let mut left = Lanes::load_array_ref(simd, &first.placement.0).simd_eq(placement).to_bitmask();
+    let (mut surface, mut inside, mut known, mut several) = (Row([-1.0; LANES]), first.inside, 0u64, 0);
+    while left != 0 {
+        let lane = left.trailing_zeros() as usize % LANES;
+        left &= left - 1;
+        let number = first.surface.0[lane];
+        if part.surfaces.contains(&(number as u32)) {
+            known |= 1 << lane;
+            surface.0[lane] = number;
+        }
+    }
+    for &LaneStart { lane, start } in others {
         if start.placement.0 == object.placement && part.surfaces.contains(&start.surface.0) {
             several |= known & 1 << lane;
             known |= 1 << lane;
             surface.0[lane % LANES] = f64::from(start.surface.0);
-            inside |= u64::from(start.inside) << lane;
+            inside = inside & !(1 << lane) | u64::from(start.inside) << lane;
         }
     }
     let listed = (known != 0).then(|| LaneStarts {

@@ -1,0 +1,221 @@
+//! The first random numbers of a step for all photons of a batch, eight photons at a time.
+//!
+//! They are those of [`Stream`], bit for bit. The loops over eight lanes are compiled for the instruction set of the
+//! processor.
+
+use crate::flight::Flight;
+use crate::philox::{MULTIPLIERS, PURPOSE_SHIFT, Purpose, ROUNDS, Stream, UNIT, WEYL};
+use fearless_simd::{Level, Simd, dispatch};
+
+/// The number of photons that are processed together.
+const LANES: usize = 8;
+
+/// A word of each of eight photons.
+type Words = [u32; LANES];
+
+/// The first random numbers of the photons of a batch in their next steps.
+#[derive(Debug)]
+pub(crate) struct Draws {
+    level: Level,
+    /// Two exponentially distributed numbers of each photon, for its free paths.
+    paths: Vec<[f64; 2]>,
+    /// The first block of the numbers of the boundary process.
+    boundary: Vec<[u32; 4]>,
+}
+
+impl Draws {
+    pub fn new() -> Draws {
+        Draws { level: Level::new(), paths: Vec::new(), boundary: Vec::new() }
+    }
+
+    /// Computes the numbers of some photons.
+    pub fn compute(&mut self, seed: u64, flights: &[Flight]) {
+        let count = flights.len().next_multiple_of(LANES);
+        self.paths.resize(count, [0.0; 2]);
+        self.boundary.resize(count, [0; 4]);
+        let (paths, _) = self.paths.as_chunks_mut();
+        let (boundary, _) = self.boundary.as_chunks_mut();
+        let level = self.level;
+        dispatch!(level, simd => compute(simd, seed, flights, paths, boundary));
+    }
+
+    /// Exponentially distributed numbers for the free paths of a photon.
+    pub fn exponentials(&self, i: usize, seed: u64, flight: &Flight) -> Exponentials {
+        let rest = Stream::new(seed, flight.number, flight.steps, Purpose::FreePath).after_block();
+        Exponentials { first: self.paths[i], used: 0, rest }
+    }
+
+    /// The numbers of the boundary process of a photon.
+    pub fn boundary(&self, i: usize, seed: u64, flight: &Flight) -> Stream {
+        Stream::new(seed, flight.number, flight.steps, Purpose::Boundary).with_block(self.boundary[i])
+    }
+}
+
+/// Exponentially distributed numbers with mean 1, the first two of which are known.
+#[derive(Debug)]
+pub(crate) struct Exponentials {
+    first: [f64; 2],
+    used: usize,
+    rest: Stream,
+}
+
+impl Exponentials {
+    pub fn draw(&mut self) -> f64 {
+        self.used += 1;
+        match self.first.get(self.used - 1) {
+            Some(&known) => known,
+            None => self.rest.exponential(),
+        }
+    }
+}
+
+#[inline(always)]
+fn compute<S: Simd>(
+    simd: S,
+    seed: u64,
+    flights: &[Flight],
+    paths: &mut [[[f64; 2]; LANES]],
+    boundary: &mut [[[u32; 4]; LANES]],
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let key = [seed as u32, (seed >> 32) as u32];
+            for ((flights, paths), boundary) in flights.chunks(LANES).zip(paths).zip(boundary) {
+                let mut counter = [[0; LANES]; 4];
+                for (lane, flight) in flights.iter().enumerate() {
+                    counter[0][lane % LANES] = (flight.number >> 32) as u32;
+                    counter[1][lane % LANES] = flight.number as u32;
+                    counter[2][lane % LANES] = flight.steps.wrapping_add(1);
+                }
+                counter[3] = [(Purpose::FreePath as u32) << PURPOSE_SHIFT; LANES];
+                let words = blocks(counter, key);
+                for k in 0..2 {
+                    let lengths = exponentials(&words[2 * k], &words[2 * k + 1]);
+                    for lane in 0..LANES {
+                        paths[lane][k] = lengths[lane];
+                    }
+                }
+                counter[3] = [(Purpose::Boundary as u32) << PURPOSE_SHIFT; LANES];
+                let words = blocks(counter, key);
+                for lane in 0..LANES {
+                    boundary[lane] = words.map(|row| row[lane]);
+                }
+            }
+        },
+    );
+}
+
+/// [`philox4x32`](crate::philox::philox4x32) for eight counters.
+#[inline(always)]
+fn blocks(mut counter: [Words; 4], mut key: [u32; 2]) -> [Words; 4] {
+    for round in 0..ROUNDS {
+        if round > 0 {
+            key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+        }
+        let before = counter;
+        for lane in 0..LANES {
+            let a = u64::from(MULTIPLIERS[0]) * u64::from(before[0][lane]);
+            let b = u64::from(MULTIPLIERS[1]) * u64::from(before[2][lane]);
+            counter[0][lane] = (b >> 32) as u32 ^ before[1][lane] ^ key[0];
+            counter[1][lane] = b as u32;
+            counter[2][lane] = (a >> 32) as u32 ^ before[3][lane] ^ key[1];
+            counter[3][lane] = a as u32;
+        }
+    }
+    counter
+}
+
+/// [`Stream::exponential`] from the upper and the lower words of eight uniform numbers.
+#[inline(always)]
+fn exponentials(high: &Words, low: &Words) -> [f64; LANES] {
+    let mut values = [0.0; LANES];
+    for lane in 0..LANES {
+        let bits = u64::from(high[lane]) << 21 | u64::from(low[lane]) >> 11;
+        values[lane] = -log((bits as f64 + 0.5) * UNIT);
+    }
+    values
+}
+
+/// The natural logarithm of a number from 2^-54 to 1, by the operations of `log` in the C library musl and in `libm`, without
+/// branches.
+#[inline(always)]
+fn log(x: f64) -> f64 {
+    // the upper half of sqrt(1/2), and what brings it to that of 1
+    const ROOT: u64 = 0x3fe6_a09e << 32;
+    const TO_ONE: u64 = (0x3ff0_0000 - 0x3fe6_a09e) << 32;
+    let bits = x.to_bits() + TO_ONE;
+    let power = (bits >> 52) as i32 - 0x3ff;
+    let f = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) + ROOT) - 1.0;
+    let half_square = 0.5 * f * f;
+    let s = f / (2.0 + f);
+    let z = s * s;
+    let w = z * z;
+    let even = w * (LOG[1] + w * (LOG[3] + w * LOG[5]));
+    let odd = z * (LOG[0] + w * (LOG[2] + w * (LOG[4] + w * LOG[6])));
+    let power = f64::from(power);
+    s * (half_square + (odd + even)) + power * LN2_LOW - half_square + f + power * LN2_HIGH
+}
+
+/// The coefficients of the polynomial, and ln 2 in two parts (FreeBSD, `e_log.c`).
+const LOG: [f64; 7] = [
+    6.666_666_666_666_735_13e-1,
+    3.999_999_999_940_941_908e-1,
+    2.857_142_874_366_239_149e-1,
+    2.222_219_843_214_978_396e-1,
+    1.818_357_216_161_805_012e-1,
+    1.531_383_769_920_937_332e-1,
+    1.479_819_860_511_658_591e-1,
+];
+const LN2_HIGH: f64 = 6.931_471_803_691_238_164_9e-1;
+const LN2_LOW: f64 = 1.908_214_929_270_587_700_02e-10;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photon::Photon;
+    use rayweave_math::Vec3;
+
+    fn flight(number: u64) -> Flight {
+        let photon = Photon {
+            position: Vec3::ZERO,
+            direction: Vec3::Z,
+            polarisation: Vec3::X,
+            energy: 3e-6,
+            time: 0.0,
+        };
+        Flight { origin: number, number, steps: (number % 7) as u32, photon }
+    }
+
+    /// Known words and numbers of batches of several lengths are those of the streams.
+    #[test]
+    fn the_numbers_are_those_of_the_streams() {
+        let seed = 0x1234_5678_9abc_def0;
+        let mut draws = Draws::new();
+        for count in [1, 7, 8, 29] {
+            let mut flights: Vec<Flight> = (0..count).map(|k| flight(k * 0x1_0000_0001 + 5)).collect();
+            draws.compute(seed, &flights);
+            for (i, flight) in flights.iter_mut().enumerate() {
+                flight.steps += 1;
+                let stream = |purpose| Stream::new(seed, flight.number, flight.steps, purpose);
+                let (mut known, mut expected) = (draws.boundary(i, seed, flight), stream(Purpose::Boundary));
+                let mut paths = (draws.exponentials(i, seed, flight), stream(Purpose::FreePath));
+                for _ in 0..6 {
+                    assert_eq!(known.uniform(), expected.uniform());
+                    assert_eq!(paths.0.draw().to_bits(), paths.1.exponential().to_bits());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_logarithm_is_that_of_libm() {
+        let mut x = 1.0;
+        while x > f64::EPSILON / 4.0 {
+            for x in [x, x.next_down(), 0.999 * x, 0.75 * x, 0.707 * x, 0.5001 * x] {
+                assert_eq!(log(x).to_bits(), libm::log(x).to_bits(), "{x:e}");
+            }
+            x *= 0.983;
+        }
+    }
+}
