@@ -252,10 +252,10 @@ impl Surface {
         };
         let mut departure = self.departure(&ray);
         if departure.negative_after.is_none() && self.turns_along_rulings() {
-            // in a ruling: from the start over the lengths of surface and ray, which the way into the frame rounded, too
-            let magnitude = self.magnitude() + perturbation.lengths();
-            let end = (ray.origin.length() + magnitude) / ray.direction.length();
-            let turns = tolerance::perturbed_crossings(self, magnitude, &ray, perturbation, (0.0, end));
+            // in a ruling: from the start over the lengths of surface and ray
+            let end = (ray.origin.length() + self.magnitude()) / ray.direction.length();
+            let turns =
+                tolerance::perturbed_crossings(self, self.magnitude(), &ray, perturbation, (0.0, end));
             let ahead = turns.times().last().copied().filter(|&t| t > 0.0);
             departure.times = Crossings::new(false, ahead.as_slice());
         }
@@ -334,13 +334,9 @@ impl Surface {
     }
 
     /// True if the normal may turn along a straight line in the surface: it does along the rulings of cones, hyperboloids and
-    /// hyperbolic paraboloids, but not in planes and along cylinders over conics.
+    /// hyperbolic paraboloids, but not in planes and along cylinders.
     pub fn turns_along_rulings(&self) -> bool {
-        match self {
-            Surface::Cone(_) => true,
-            Surface::Quadric(s) => !s.is_cylinder(),
-            _ => false,
-        }
+        matches!(self, Surface::Cone(_) | Surface::Quadric(_))
     }
 
     /// Upper bound of the lengths that describe the surface, including its position relative to the origin.

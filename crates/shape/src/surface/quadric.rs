@@ -137,15 +137,6 @@ impl Quadric {
         !(self.weights.cmpgt(Vec3::ZERO).all() || self.weights.cmplt(Vec3::ZERO).all())
     }
 
-    /// True for a cylinder over a conic: f does not change along one of the principal axes.
-    pub fn is_cylinder(&self) -> bool {
-        (0..3).any(|k| {
-            // the rounding of a dot product with an axis
-            let noise = 8.0 * UNIT_ROUNDOFF * self.axes[k].abs().dot(self.linear.abs());
-            self.weights[k] == 0.0 && self.axes[k].dot(self.linear).abs() <= noise
-        })
-    }
-
     /// Distance of the centre from the origin plus the size: the *shortest* half axis `sqrt(|constant|)` and the length
     /// `|linear|` over the largest weight.
     ///
