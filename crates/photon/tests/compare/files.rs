@@ -1,6 +1,7 @@
 //! Files of samples: tables and arrays, complete and damaged.
 
-use rayweave_photon::{CompareOptions, compare, read_sample};
+use super::code;
+use rayweave_photon::{CompareOptions, End, Process, compare, read_sample};
 use std::path::PathBuf;
 
 /// A folder that is removed at the end.
@@ -62,7 +63,10 @@ fn tables() {
     assert_eq!(steps.tracks, histories.tracks);
     assert_eq!(steps.volumes, histories.volumes);
     assert_eq!((steps.photons(), steps.tracks.len()), (2, 3));
-    assert_eq!(steps.tracks[0].history, [0, 1, 18]);
+    assert_eq!(
+        steps.tracks[0].history,
+        [Process::Emission, Process::Rayleigh, Process::End(End::Absorbed)].map(code)
+    );
     let hits = "event,photon,x,y,z,time,wavelength_nm,sensor\n0,1,0,0,0,4,510,Tank\n";
     let hits = read_sample(&folder.write("hits.csv", hits)).unwrap();
     let comparison = compare(&steps, &hits, &CompareOptions::default()).unwrap();

@@ -5,7 +5,12 @@ mod opnovice2;
 mod statistics;
 
 use rayweave_photon::philox::{Purpose, Stream};
-use rayweave_photon::{Alphabet, PhotonSample, SampleTrack};
+use rayweave_photon::{Alphabet, PhotonSample, Process, SampleTrack};
+
+/// The code of a process in histories.
+fn code(process: Process) -> u8 {
+    u8::try_from(Process::ALL.iter().position(|&own| own == process).unwrap()).unwrap()
+}
 
 /// A sample of histories, with times and wavelengths.
 fn sample(name: &str, tracks: Vec<SampleTrack>) -> PhotonSample {

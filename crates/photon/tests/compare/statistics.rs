@@ -1,9 +1,14 @@
 //! Tail probabilities, multinomial samples, planted differences.
 
-use super::{sample, uniforms};
+use super::{code, sample, uniforms};
 use rayweave_photon::{
-    CompareOptions, Comparison, PhotonSample, SampleTrack, chi_squared_tail, compare, normal_tail,
+    CompareOptions, Comparison, End, PhotonSample, Process, SampleTrack, chi_squared_tail, compare,
+    normal_tail,
 };
+
+const EMISSION: u8 = 0;
+const ABSORBED: Process = Process::End(End::Absorbed);
+const ESCAPED: Process = Process::End(End::Escaped);
 
 fn compared(a: &PhotonSample, b: &PhotonSample) -> Comparison {
     compare(a, b, &CompareOptions::default()).unwrap()
@@ -37,7 +42,8 @@ fn geometric(seed: u64, count: usize) -> PhotonSample {
         let rows = (-u.max(1e-12).log2()) as usize;
         SampleTrack {
             photon,
-            history: [vec![0], vec![4; rows], vec![18]].concat(),
+            history: [vec![EMISSION], vec![code(Process::FresnelRefraction); rows], vec![code(ABSORBED)]]
+                .concat(),
             volume: u32::from(u > 0.3),
             time: -u.ln(),
             wavelength_nm: 400.0,
@@ -77,7 +83,7 @@ fn samples_of_one_distribution() {
 fn split(count: u64, inside: u64) -> PhotonSample {
     let track = |photon: u64| SampleTrack {
         photon: photon as i64,
-        history: vec![0, if photon < inside { 18 } else { 23 }],
+        history: vec![EMISSION, code(if photon < inside { ABSORBED } else { ESCAPED })],
         volume: u32::from(photon < inside),
         time: 1.0,
         wavelength_nm: 400.0,
@@ -149,8 +155,8 @@ fn rare_histories_are_pooled() {
 fn the_first_difference() {
     let a = geometric(3, 500);
     let mut b = a.clone();
-    b.tracks[123].history.splice(1..1, [5]);
-    b.tracks[200].history.push(18);
+    b.tracks[123].history.splice(1..1, [code(Process::FresnelReflection)]);
+    b.tracks[200].history.push(code(ABSORBED));
     let pairs = compared(&a, &b).pairs.unwrap();
     assert_eq!((pairs.photons, pairs.equal), (500, 498));
     let first = pairs.first_difference.unwrap();
@@ -167,11 +173,12 @@ fn the_first_difference() {
 fn tracks_of_a_photon_are_one_history() {
     let track =
         |photon, history: &[u8]| SampleTrack { photon, history: history.to_vec(), ..SampleTrack::default() };
+    let reemission = code(Process::Reemission);
     let tracks = |swap: bool| {
         let mut list = Vec::new();
         for photon in 0..100 {
-            let further = [track(photon, &[3, 18]), track(photon, &[3, 23])];
-            list.push(track(photon, &[0, 3, 18]));
+            let further = [ABSORBED, ESCAPED].map(|end| track(photon, &[reemission, code(end)]));
+            list.push(track(photon, &[EMISSION, reemission, code(ABSORBED)]));
             list.extend(if swap { [further[1].clone(), further[0].clone()] } else { further });
         }
         sample("tracks", list)
