@@ -14,7 +14,7 @@ use crate::error::bad_value;
 use crate::interrupt::interruptible;
 use crate::subject::scene;
 
-/// Names of media; their attenuations; lengths (H, W, M); the radiograph (H, W).
+/// Names of media; their attenuations; lengths (H, W, M); the radiograph (H, W); the symbol of the length unit.
 type Maps<'py> = (Vec<String>, Vec<f64>, Bound<'py, PyArray3<f64>>, Bound<'py, PyArray2<f64>>, &'static str);
 
 /// Path lengths of rays through each medium: see `rayweave.thickness`.

@@ -64,7 +64,7 @@ def test_invalid_options_are_rejected(options, words):
 def test_a_cut_opens_a_ball():
     camera = rw.Camera(position=(0, -5, 0), target=(0, 0, 0), height=4.0)
     depth = rw.render(rw.sphere(1), kind="depth", size=(41, 41), camera=camera, cut="y<0.5")
-    # at half the height of the pole y = 1 the ball is sqrt(3)/2 wide, and its section is 5.5 from the camera
+    # the plane y = 0.5 cuts the ball in a disc of radius sqrt(3)/2, 5.5 from the camera
     assert depth[20, 20] == 5.5
     across = np.isfinite(depth[20]).sum() * 4 / 41
     assert abs(across - np.sqrt(3)) < 0.1
@@ -85,7 +85,7 @@ solid = "core"
 
 def test_transparent_regions():
     ball = rw.render(rw.sphere(1), size=(21, 21), view="front", opacity=0.0, kind="id")
-    assert np.all(ball[10, 10] == 1)  # transparent, but with nothing behind it
+    assert np.all(ball[10, 10] == 1)  # ids ignore opacity
     core = rw.render(rw.loads(NEST), size=(21, 21), view="front", opacity={"shell": 0.0}, kind="id")
     assert set(np.unique(core)) == {0, 1}
 

@@ -195,7 +195,7 @@ impl Polyhedron {
     ///
     /// The time of a crossing is that of the plane of its face, clamped to the range of the triangle's
     /// corners. A line that lies in faces, within [`Line::delta`] along its chord of the ball around the
-    /// mesh, is shifted by a few such distances out of them ([`Shift`]), so that the whole line is on the side to which
+    /// mesh, is shifted by a few such distances out of them (see `shift.rs`), so that the whole line is on the side to which
     /// `perturbation` leads. At edges and vertices symbolic perturbation puts the
     /// line on one side, the same for all triangles (`contains_origin`).
     ///

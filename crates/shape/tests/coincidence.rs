@@ -160,7 +160,7 @@ fn sides_along_elliptic_cylinders_are_constant() {
         let axis = Vec3::new(number(-1.0, 1.0), number(-1.0, 1.0), number(0.1, 1.0));
         let map = Affine::rotation(axis, number(0.0, 360.0));
         let surface = ellipse.transformed(&Transform::new(map, 0.0).unwrap());
-        let (sin, cos) = number(0.0, 6.283).sin_cos();
+        let (sin, cos) = number(0.0, std::f64::consts::TAU).sin_cos();
         let start = map.point(Vec3::new(cos, 2.0 * sin, 0.0));
         let drift = UNIT_ROUNDOFF * Vec3::new(number(-60.0, 60.0), number(-60.0, 60.0), 0.0);
         let ray = Ray::new(start, map.vector(Vec3::Z + drift));

@@ -46,6 +46,7 @@ macro_rules! evaluators {
 
         /// The scratch memory of a thread for [`AnyEvaluator`].
         #[derive(Debug)]
+        #[allow(clippy::large_enum_variant, reason = "there is one value per thread")]
         #[non_exhaustive]
         pub enum AnyScratch {
             $(

@@ -24,7 +24,7 @@ const SCINTILLATION: u32 = 16;
 ///
 /// # Errors
 ///
-/// [`PhotonError::Setting`] with the number of the genstep: an unknown kind, or a number out of range.
+/// [`PhotonError::Setting`] with the number of the genstep: an unknown kind.
 pub fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
     let read = |(row, values): (usize, &[f32; 24])| {
         let real = |k: usize| f64::from(values[k]);
@@ -81,7 +81,7 @@ pub fn from_opticks(numbers: &[f32]) -> Result<Vec<Genstep>, PhotonError> {
 ///
 /// # Errors
 ///
-/// As [`from_opticks`].
+/// As [`from_opticks`], and for a number out of range.
 pub fn from_geant4(numbers: &[f64]) -> Result<Vec<Genstep>, PhotonError> {
     let read = |(row, values): (usize, &[f64; 16])| {
         let vector = |k: usize| Vec3::new(values[k], values[k + 1], values[k + 2]);

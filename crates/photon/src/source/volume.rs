@@ -15,11 +15,11 @@ use std::collections::BTreeSet;
 pub struct SourceVolume {
     regions: BTreeSet<u32>,
     bounds: Bounds,
-    /// For the boundary: the number of crossings of a line among which one is chosen, existing or not.
+    /// For the boundary: a crossing index below this number is drawn for each line.
     crossings: Option<usize>,
 }
 
-/// The number of points or lines that must find a volume at least once.
+/// The number of random points of which at least one must lie in the volume.
 const TRIALS: u64 = 1 << 17;
 
 /// The number of lines whose largest number of crossings is measured.
@@ -58,8 +58,8 @@ impl SourceVolume {
     /// The boundary of a volume with a name, towards its mother and its daughters. Photons start 1 nm inside.
     ///
     /// Points are chosen on random lines through the ball around the volume, which cross each part of a boundary in proportion
-    /// to its area (Cauchy-Crofton). One of a fixed number of crossings is drawn for each line and the line is drawn again if it
-    /// has fewer; the number is twice the largest one of 16,384 lines, and any further crossings of a line are left out.
+    /// to its area (Cauchy-Crofton). A crossing index below a fixed number is drawn for each line, and a line without that
+    /// crossing is drawn again; the number is twice the largest one of 16,384 lines, and any further crossings of a line are left out.
     ///
     /// # Errors
     ///

@@ -312,7 +312,7 @@ pub(in crate::gdml) struct Defects {
     pub volume: f64,
     /// The facet with the most edges that another facet traverses in the same direction, and the number of all such edges.
     pub reversed: Option<(usize, usize)>,
-    /// The first facet with an edge that is not the edge of two facets, and the number of all such edges.
+    /// The first facet with an edge of an odd number of facets, and the number of all such edges.
     pub open: Option<(usize, usize)>,
 }
 
