@@ -515,9 +515,8 @@ fn warn_of_defects(numbers: &mut Numbers, e: &Element, facets: &[Vec<Vec3>], pla
     if let Some((facet, count)) = defects.reversed {
         let message = format!(
             "facet {facet} (counted from 0) of the tessellated solid `{name}` has the wrong orientation: it and a neighbour \
-             traverse {} in the same direction{}. In Geant4 the interior depends on the order of the vertices, in Rayweave it \
+             traverse a common edge in the same direction{}. In Geant4 the interior depends on the order of the vertices, in Rayweave it \
              does not.",
-            "a common edge",
             if count == 1 { String::new() } else { format!(" ({count} such edges in the solid)") }
         );
         numbers.context.warn(Trouble::new(message, places[facet]));

@@ -178,7 +178,7 @@ fn facets_in_the_wrong_order_are_reported_with_their_solid() {
     let good = read(&cube(&[], &[]));
     assert!(good.scene.warnings.is_empty(), "{}", good.scene.warnings);
     let one = read(&cube(&[7], &[]));
-    says(&one, &["facet 7", "`s`", "wrong orientation", "3 in all"]);
+    says(&one, &["facet 7", "`s`", "wrong orientation", "3 such edges"]);
     assert_eq!(warning(&one).0, 11 + 7);
     let all = read(&cube(&(0..12).collect::<Vec<_>>(), &[]));
     says(&all, &["`s` is inside out", "clockwise"]);
