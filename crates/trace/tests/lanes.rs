@@ -170,9 +170,14 @@ fn compare(name: &str, program: &Arc<Program>, batch: &RayBatch, level: Level) {
     }
 }
 
-/// The best instruction set of this machine, and the baseline.
-fn levels() -> [Level; 2] {
-    [Level::new(), Level::baseline()]
+/// The best instruction set of this machine and, on x86, AVX2.
+fn levels() -> Vec<Level> {
+    let best = Level::new();
+    #[cfg(target_arch = "x86_64")]
+    let narrower = best.as_avx2().map(Level::Avx2);
+    #[cfg(not(target_arch = "x86_64"))]
+    let narrower = None;
+    [Some(best), narrower].into_iter().flatten().collect()
 }
 
 fn check(count: usize, seed: u64) {

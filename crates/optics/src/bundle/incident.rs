@@ -6,12 +6,13 @@
 //! bit.
 
 use crate::start_surfaces::StartSurfaces;
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
 use rayweave_bvh::ExactBvh;
 use rayweave_math::Bounds;
 use rayweave_model::{Program, Rays, SurfaceId};
-use rayweave_shape::lanes::{Kernel, LANES, Lanes, Vec3Lanes, splat};
+use rayweave_shape::dispatch_wide;
+use rayweave_shape::lanes::{Kernel, LANES, Lanes, Vec3Lanes, WideLevel, splat};
 use rayweave_shape::surface::delta_of;
 use std::ops::ControlFlow;
 
@@ -22,7 +23,7 @@ pub(crate) struct Refractor {
     /// Index into `surfaces` by surface of the program; `None` for surfaces that no region uses.
     slots: Vec<Option<usize>>,
     tree: ExactBvh,
-    level: Level,
+    level: WideLevel,
 }
 
 #[derive(Clone, Debug)]
@@ -82,8 +83,9 @@ impl TransmittedRays {
 }
 
 impl Refractor {
-    /// `None` for a system with placed solids, or with surfaces that have no lane kernel.
+    /// `None` for a system with placed solids, or with surfaces that have no lane kernel, and without a [`WideLevel`].
     pub fn new(program: &Program, start_surfaces: &StartSurfaces) -> Option<Refractor> {
+        let level = WideLevel::widest()?;
         let (mut surfaces, mut boxes) = (Vec::new(), Vec::new());
         let mut slots = vec![None; program.surfaces().len()];
         for (bounds, surface) in start_surfaces.unplaced()? {
@@ -93,7 +95,7 @@ impl Refractor {
             surfaces.push(LaneSurface { kernel, magnitude: entry.magnitude });
             boxes.push(bounds);
         }
-        Some(Refractor { surfaces, slots, tree: ExactBvh::listed(&boxes), level: Level::new() })
+        Some(Refractor { surfaces, slots, tree: ExactBvh::listed(&boxes), level })
     }
 
     /// Refracts rays `at..at + 8` that hit a surface at times `t`, with normals of either sense;
@@ -107,7 +109,7 @@ impl Refractor {
         indices: &[[f64; LANES]; 2],
     ) -> Option<TransmittedRays> {
         let kernel = &self.surfaces[self.slot(surface)?].kernel;
-        dispatch!(self.level, simd => {
+        dispatch_wide!(self.level, simd => {
             let incident = IncidentBundle::load(simd, kernel, (rays, at), (t, normal), path, surface)?;
             let indices = indices.each_ref().map(|index| Lanes::load_array_ref(simd, index));
             let transmitted = self.refract_lanes(simd, &incident, indices)?;

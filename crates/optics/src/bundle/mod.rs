@@ -34,11 +34,12 @@ use crate::settings::Keep;
 use crate::system::System;
 use crate::trace::{Generation, OpticalConstants, Pending, Propagator};
 use attenuation::Attenuation;
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch};
 use incident::{IncidentBundle, load, load_one, stored};
 use predict::{BundleRays, PredictionTable};
 use rayweave_model::{Face, RegionId};
+use rayweave_shape::dispatch_wide;
 use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
 
 /// The evaluator: returns the hit of the first rays of a generation, if it is the same for all rays of a bundle.
@@ -136,7 +137,7 @@ struct BundleTracer<'a, 't> {
 
 impl BundleTracer<'_, '_> {
     fn trace(&mut self, evaluate: Evaluate<'_>) {
-        dispatch!(self.predictor.level, simd => self.trace_in_lanes(simd, evaluate));
+        dispatch_wide!(self.predictor.level, simd => self.trace_in_lanes(simd, evaluate));
     }
 
     #[inline(always)]

@@ -8,7 +8,7 @@
 //! to the scalar kernel.
 //!
 //! All functions are generic over the instruction set and must be inlined into a caller that is compiled for it
-//! ([`fearless_simd::dispatch`]).
+//! ([`fearless_simd::dispatch`]; [`dispatch_wide`](crate::dispatch_wide) for large kernels).
 
 mod axis;
 mod cone;
@@ -22,6 +22,7 @@ mod span;
 mod torus;
 mod torus_line;
 mod vector;
+mod wide;
 
 pub use axis::{AxisCylinder, AxisSlab};
 pub use facet::{Kernel, LaneFacet, LaneSlab};
@@ -31,3 +32,4 @@ pub use ray::{LaneLimits, LaneRay, LaneStarts, Uncertain};
 pub use span::{Gap, LaneSpan};
 pub use torus::LaneTorus;
 pub use vector::{LANES, Lanes, Mask, Vec3Lanes, splat};
+pub use wide::WideLevel;

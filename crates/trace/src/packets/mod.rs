@@ -21,7 +21,7 @@ mod starts;
 use crate::Weave;
 use crate::weave::WeaveScratch;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 use group::{BundleEvaluation, Found, Memory, Row, load, whole};
 use normal::Hits;
 use objects::{First, Objects, Walk};
@@ -31,7 +31,8 @@ use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, Rays, RegionId,
     Sink, StartLists, Window, attributes,
 };
-use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, splat};
+use rayweave_shape::dispatch_wide;
+use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, WideLevel, splat};
 use starts::Begin;
 use std::sync::Arc;
 
@@ -40,6 +41,8 @@ use std::sync::Arc;
 const TOGETHER: usize = 256;
 
 /// The default evaluator: eight rays at a time where lanes are certain, [`Weave`] for the rest.
+///
+/// Without a [`WideLevel`], [`Weave`] traces all rays.
 #[derive(Clone, Debug)]
 pub struct Packets {
     weave: Weave,
@@ -48,7 +51,7 @@ pub struct Packets {
     objects: Option<Arc<Objects>>,
     /// For rays that may start inside.
     layers: Option<Arc<Objects>>,
-    level: Level,
+    level: Option<WideLevel>,
 }
 
 /// Scratch memory of a thread for [`Packets`].
@@ -77,7 +80,8 @@ impl Packets {
 
     /// An evaluator with a given SIMD instruction set, for comparisons. The answers do not depend on it.
     pub fn with_level(program: Arc<Program>, level: Level) -> Packets {
-        let model = Common::new(&program);
+        let level = WideLevel::of_level(level);
+        let model = level.and_then(|_| Common::new(&program));
         let plan = model.as_ref().and_then(|model| Plan::new(&program, model));
         let comparisons = plan.as_ref().map_or(usize::MAX, Plan::comparisons);
         let objects = model.as_ref().filter(|_| comparisons > APART || program.regions().len() > 1);
@@ -516,14 +520,14 @@ impl Evaluator for Packets {
         scratch: &mut PacketsScratch,
         sink: &mut dyn Sink,
     ) {
-        let Some(plan) = &self.plan else {
+        let (Some(level), Some(plan)) = (self.level, &self.plan) else {
             return self.weave.crossings(rays, query, &mut scratch.weave, sink);
         };
         // the first change of region may leave the medium unchanged
         let first = query.limit == Limit::First && plan.is_plain;
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Lists { weave: &self.weave, rays, query, scratch, sink };
-        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, query, first, &mut take));
+        dispatch_wide!(level, simd => run(simd, plan, &mut memory, rays, query, first, &mut take));
         scratch.memory = Some(memory);
     }
 
@@ -534,13 +538,13 @@ impl Evaluator for Packets {
         scratch: &mut PacketsScratch,
         rows: &mut HitArrayRows<'_, '_>,
     ) -> usize {
-        let Some(plan) = &self.plan else {
+        let (Some(level), Some(plan)) = (self.level, &self.plan) else {
             return self.weave.hits(rays, window, &mut scratch.weave, rows);
         };
         let query = Query { window, ..Query::default() };
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Arrays { weave: &self.weave, rays, query, scratch, rows, most: 0 };
-        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, &query, false, &mut take));
+        dispatch_wide!(level, simd => run(simd, plan, &mut memory, rays, &query, false, &mut take));
         let most = take.most;
         scratch.memory = Some(memory);
         most
@@ -555,28 +559,28 @@ impl Evaluator for Packets {
         between: &mut Vec<(usize, Crossing)>,
     ) {
         let query = Query { limit: Limit::First, ..*query };
-        if let (Some(objects), None) = (&self.objects, query.starts) {
+        if let (Some(level), Some(objects), None) = (self.level, &self.objects, query.starts) {
             let mut memory = scratch.memory.take().unwrap_or_default();
             let mut ahead = std::mem::take(&mut scratch.ahead);
             let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
-            dispatch!(self.level, simd => firsts.among(simd, objects, &mut memory, &mut ahead));
+            dispatch_wide!(level, simd => firsts.among(simd, objects, &mut memory, &mut ahead));
             (scratch.memory, scratch.ahead) = (Some(memory), ahead);
             return;
         }
-        if let (Some(layers), Some(_)) = (&self.layers, query.starts) {
+        if let (Some(level), Some(layers), Some(_)) = (self.level, &self.layers, query.starts) {
             let mut memory = scratch.memory.take().unwrap_or_default();
             let mut walk = std::mem::take(&mut scratch.walk);
             let mut firsts = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
-            dispatch!(self.level, simd => firsts.within(simd, layers, &mut memory, &mut walk));
+            dispatch_wide!(level, simd => firsts.within(simd, layers, &mut memory, &mut walk));
             (scratch.memory, scratch.walk) = (Some(memory), walk);
             return;
         }
-        let Some(plan) = &self.plan else {
+        let (Some(level), Some(plan)) = (self.level, &self.plan) else {
             return self.weave.nearest_from(rays, &query, &mut scratch.weave, hits, between);
         };
         let mut memory = scratch.memory.take().unwrap_or_default();
         let mut take = Firsts { weave: &self.weave, rays, query, scratch, hits, between };
-        dispatch!(self.level, simd => run(simd, plan, &mut memory, rays, &query, plan.is_plain, &mut take));
+        dispatch_wide!(level, simd => run(simd, plan, &mut memory, rays, &query, plan.is_plain, &mut take));
         scratch.memory = Some(memory);
     }
 

@@ -11,18 +11,14 @@ use rayweave_shape::Ray;
 use rayweave_trace::{Packets, Reference};
 use std::sync::Arc;
 
-/// The SIMD instruction sets of this machine, best first.
+/// The SIMD instruction sets of this machine, best first. The last one is the baseline, for which x86 has no kernels in lanes.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]
-    let others = [
-        best.as_avx2().map(Level::Avx2),
-        best.as_sse4_2().map(Level::Sse4_2),
-        best.as_sse2().map(Level::Sse2),
-    ];
+    let narrower = best.as_avx2().map(Level::Avx2);
     #[cfg(not(target_arch = "x86_64"))]
-    let others = [Some(Level::baseline())];
-    [best].into_iter().chain(others.into_iter().flatten()).collect()
+    let narrower = None;
+    [Some(best), narrower, Some(Level::baseline())].into_iter().flatten().collect()
 }
 
 /// A model that is traced in lanes, and rays.

@@ -17,11 +17,11 @@ mod regions;
 pub(crate) use history::{PredictedHit, PredictionTable};
 pub(crate) use regions::{FaceCrossing, Sides};
 
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd};
 use rayweave_model::{Program, PrototypeId, RegionId, SurfaceId};
 use rayweave_shape::lanes::{
-    Kernel, LaneFacet, LaneLimits, LaneRay, LaneSpan, LaneStarts, Lanes, Mask, Vec3Lanes, splat,
+    Kernel, LaneFacet, LaneLimits, LaneRay, LaneSpan, LaneStarts, Lanes, Mask, Vec3Lanes, WideLevel, splat,
 };
 use rayweave_shape::surface::Surface;
 use regions::{MAX_BITS, Regions};
@@ -41,7 +41,7 @@ pub(crate) struct Predictor {
     slots: Vec<Option<usize>>,
     regions: Regions,
     limits: LaneLimits,
-    pub level: Level,
+    pub level: WideLevel,
 }
 
 /// Eight rays, with the known sides of surfaces at their origins.
@@ -73,8 +73,9 @@ pub(crate) struct VerifiedHit<S: Simd> {
 
 impl Predictor {
     /// `None` for programs with placed solids, with surfaces that are not convex, with too many
-    /// surfaces or regions, and with regions that are not in conjunctive normal form.
+    /// surfaces or regions, and with regions that are not in conjunctive normal form; and without a [`WideLevel`].
     pub fn new(program: &Program) -> Option<Predictor> {
+        let level = WideLevel::widest()?;
         let group = program.prototype(PrototypeId(0));
         let (mut surfaces, mut slots) = (Vec::new(), vec![None; program.surfaces().len()]);
         for facet in program.leaves().flat_map(|leaf| leaf.facets()) {
@@ -88,7 +89,7 @@ impl Predictor {
             return None;
         }
         let regions = Regions::new(program, &slots)?;
-        Some(Predictor { surfaces, slots, regions, limits: limits(program), level: Level::new() })
+        Some(Predictor { surfaces, slots, regions, limits: limits(program), level })
     }
 
     /// The index of a surface in this predictor.
