@@ -158,7 +158,7 @@ def test_colour_of_a_singlet_follows_its_paraxial_focus() -> None:
     found = singlet.focal_shift(lines)
     expected = [singlet.first_order(line).back_focal_distance - 45 for line in lines]
     np.testing.assert_allclose(found["focus"], expected, atol=1e-6)
-    # the stop is in the lens: principal rays of all colours leave it at almost the same height, and lateral colour is
+    # the stop is in the lens: chief rays of all colours leave it at almost the same height, and lateral colour is
     # that of the lens as a prism
     lateral = singlet.lateral_colour(count=3)
     at_primary = lateral["wavelength_nm"] == D_NM
@@ -225,7 +225,7 @@ def test_refusals() -> None:
         Prescription([Surface(50.0, 4.0, "N-BK8")], entrance_pupil_diameter=1)
     with pytest.raises(RayweaveError, match="no surface"):
         Prescription([], entrance_pupil_diameter=1)
-    with pytest.raises(RayweaveError, match="the field is number 3"):
+    with pytest.raises(RayweaveError, match="the field is 3: it must be from 0 to"):
         paraboloid().arrivals(3)
     with pytest.raises(RayweaveError, match='field_kind is "sine"'):
         Prescription([surface], entrance_pupil_diameter=1, field_kind="sine")  # type: ignore[arg-type]
@@ -262,7 +262,7 @@ def test_the_principal_ray_goes_through_the_centre_of_the_stop() -> None:
     angle = math.radians(50)
     inside = math.asin(math.sin(angle) / 1.5)
     expected = 10.0 * (math.tan(angle) / 1.5 - math.tan(inside)) / 0.5
-    np.testing.assert_allclose(plate.principal_point(1), (0, expected), atol=1e-8)
+    np.testing.assert_allclose(plate.chief_ray_pupil_point(1), (0, expected), atol=1e-8)
     with pytest.raises(RayweaveError, match="Aim the rays at the stop"):
         plate.spots()
     assert plate.spots(aimed=True)["rays"].min() > 80
@@ -354,7 +354,7 @@ def test_the_optimiser_finds_the_lens_of_best_form() -> None:
 
 def test_refusals_of_goals() -> None:
     lens = paraboloid()
-    with pytest.raises(RayweaveError, match="'spot' needs field and wavelength_nm"):
+    with pytest.raises(RayweaveError, match="'spot' do not fit: it takes field and wavelength_nm"):
         optics.goal("spot")
     with pytest.raises(RayweaveError, match="2 values"):
         optics.goal("focal length", 3.0, at_most=4.0)

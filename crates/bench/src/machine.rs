@@ -1,4 +1,4 @@
-//! Description of the machine that runs the benchmark, as far as the system reports it.
+//! Description of the machine that runs the benchmark, as far as Linux reports it; elsewhere only the number of CPUs.
 
 use std::fs::read_to_string;
 use std::thread::available_parallelism;
@@ -8,7 +8,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 pub fn description() -> Vec<(&'static str, String)> {
     let facts = [
         ("processor", processor()),
-        ("cores", available_parallelism().ok().map(|n| n.to_string())),
+        ("logical CPUs", available_parallelism().ok().map(|n| n.to_string())),
         ("caches", caches()),
         ("memory", memory()),
         ("system", system()),
@@ -20,13 +20,13 @@ pub fn description() -> Vec<(&'static str, String)> {
 /// Today's date as YYYY-MM-DD, in UTC.
 pub fn today() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
-    let [year, month, day] = civil((seconds / 86400) as i64);
+    let [year, month, day] = date_of_day((seconds / 86400) as i64);
     format!("{year}-{month:02}-{day:02}")
 }
 
-/// The year, month and day of a day number counted from 1970-01-01 (Gregorian calendar). Years begin in March here, so
+/// The year, month and day of a day number counted from 1970-01-01 (Gregorian calendar). In the computation years begin in March, so
 /// that the leap day is the last day, and eras of 400 years have 146097 days.
-fn civil(day: i64) -> [i64; 3] {
+fn date_of_day(day: i64) -> [i64; 3] {
     // from 0000-03-01
     let day = day + 719_468;
     let (era, day_of_era) = (day.div_euclid(146_097), day.rem_euclid(146_097));
@@ -51,7 +51,7 @@ fn processor() -> Option<String> {
     Some(model + &numbers.unwrap_or_default())
 }
 
-/// The caches of the first core.
+/// The data and unified caches of the first CPU.
 fn caches() -> Option<String> {
     let one = |index: usize| {
         let read = |what: &str| {
@@ -72,8 +72,8 @@ fn memory() -> Option<String> {
 }
 
 fn system() -> Option<String> {
-    let release = read_to_string("/proc/sys/kernel/ostype").ok()?;
-    Some(format!("{} on {}", release.trim(), std::env::consts::ARCH))
+    let name = read_to_string("/proc/sys/kernel/ostype").ok()?;
+    Some(format!("{} on {}", name.trim(), std::env::consts::ARCH))
 }
 
 /// The load average of the last minute.
@@ -87,16 +87,16 @@ mod tests {
 
     #[test]
     fn days_have_their_dates() {
-        assert_eq!(civil(0), [1970, 1, 1]);
-        assert_eq!(civil(-1), [1969, 12, 31]);
+        assert_eq!(date_of_day(0), [1970, 1, 1]);
+        assert_eq!(date_of_day(-1), [1969, 12, 31]);
         // 30 years, of which 7 are leap years
         let turn = 30 * 365 + 7;
-        assert_eq!(civil(turn), [2000, 1, 1]);
-        assert_eq!(civil(turn + 31 + 28), [2000, 2, 29]);
-        assert_eq!(civil(turn + 31 + 29), [2000, 3, 1]);
-        assert_eq!(civil(turn + 365), [2000, 12, 31]);
+        assert_eq!(date_of_day(turn), [2000, 1, 1]);
+        assert_eq!(date_of_day(turn + 31 + 28), [2000, 2, 29]);
+        assert_eq!(date_of_day(turn + 31 + 29), [2000, 3, 1]);
+        assert_eq!(date_of_day(turn + 365), [2000, 12, 31]);
         // 2100 is not a leap year
-        assert_eq!(civil(turn + 100 * 365 + 25 + 31 + 28), [2100, 3, 1]);
+        assert_eq!(date_of_day(turn + 100 * 365 + 25 + 31 + 28), [2100, 3, 1]);
     }
 
     #[test]

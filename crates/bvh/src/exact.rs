@@ -1,5 +1,4 @@
-//! The tree with the boxes as they were given, in `f64`: a view of the same tree for queries with their own tests of
-//! boxes.
+//! A BVH whose boxes stay as given, in `f64`, for queries that test boxes themselves.
 
 use crate::build::{DEPTH, Item, Split, build};
 use crate::frame::Frame;
@@ -7,7 +6,7 @@ use crate::node::{Child, Node64, WIDTH};
 use rayweave_math::Bounds;
 use std::ops::ControlFlow;
 
-/// A bounding volume hierarchy of single items with exact boxes, which may be empty or unbounded.
+/// A bounding volume hierarchy with one item per leaf and exact boxes, which may be empty or unbounded.
 ///
 /// Its queries are [`ExactBvh::visit`] and [`BundleTraversal`](crate::BundleTraversal).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -87,7 +86,7 @@ impl ExactBvh {
 }
 
 impl Node64 {
-    /// The boxes in use.
+    /// The slots in use.
     fn used(&self) -> impl Iterator<Item = usize> + use<> {
         0..self.child.iter().position(|&child| child == Child::NONE).unwrap_or(WIDTH)
     }

@@ -102,7 +102,7 @@ pub fn forms<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     }
 }
 
-/// Tests which points are inside; for a point on a boundary that is the side to which (1, 0.75, 0.57) points.
+/// Tests which points are inside; a point on a boundary counts as moved infinitesimally along `PERTURBATION_DIRECTION`.
 pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     let cube = block(Vec3::ZERO, Vec3::ONE);
     let contains = |solid: &Solid, point: [f64; 3]| {
@@ -117,7 +117,7 @@ pub fn points<E: Evaluator>(make: impl Fn(Arc<Program>) -> E) {
     assert!(contains(&cube, [0.0, 0.5, 0.5]) && !contains(&cube, [1.0, 0.5, 0.5]));
     assert!(contains(&cube, [0.0, 0.0, 0.0]) && !contains(&cube, [0.0, 1.0, 0.0]));
     assert!(!contains(&!&cube, [0.0, 0.5, 0.5]) && contains(&!&cube, [1.0, 0.5, 0.5]));
-    // of two solids that share a face, one contains it, also if it is placed upside down
+    // of two solids that share a face, one contains it, also if it is turned by 180 degrees about z
     let turned = Affine::rotation(Vec3::Z, 180.0).then(&Affine::translate(Vec3::new(2.0, 1.0, 0.0)));
     let far = turned.then(&Affine::translate(Vec3::splat(9.0)));
     for next in [cube.translate([1.0, 0.0, 0.0]), cube.apply(turned), cube.place([turned, far])] {

@@ -68,7 +68,7 @@ fn regions(solids: &[Solid], frame: &Affine) -> Result<Program, CompileError> {
     Program::compile_regions(&regions)
 }
 
-/// A ray through a point of the seam, at an angle to it between 1e-12 and 1.
+/// A ray through a point of the seam, with a slope to it between -1 and 1.
 fn seam_ray(rng: &mut Random, case: &Case, frame: &Affine) -> Ray {
     let (point, normal) = (case.seam)(rng);
     let along = rng.direction().cross(normal).normalize();
@@ -87,7 +87,7 @@ fn seam_ray(rng: &mut Random, case: &Case, frame: &Affine) -> Ray {
 /// Removes the crossings of a ray nearly tangent to a curved face: the piece cut off is too thin to be
 /// guaranteed.
 fn without_grazes(crossings: &[Crossing], ray: &Ray) -> Vec<Crossing> {
-    // a chord of this length is a few delta deep
+    // the sagitta of such a chord is at most about a thousand delta
     let limit = 1e-5 * (1.0 + ray.origin.length()).sqrt();
     let mut kept: Vec<Crossing> = Vec::new();
     for &crossing in crossings {
@@ -207,7 +207,7 @@ fn equal_boxes(rng: &mut Random) -> Case {
         4 => (!&a | &b, Solid::universe()),
         _ => ((&a ^ &b) ^ &a, block(lo, hi)),
     };
-    // a distant box, so that both models have a length
+    // a distant box, so that neither model is empty
     let far = block(Vec3::splat(40.0), Vec3::splat(41.0));
     Case {
         name: "equal boxes",

@@ -17,7 +17,7 @@ pub fn read(from: impl BufRead, length: u64, options: &ReadOptions) -> Result<Lo
     // the number of edges, which may be missing
     tokens.token_in_line();
     let location = tokens.location();
-    for (what, count) in [("vertices", vertices), ("triangles", faces)] {
+    for (what, count) in [("vertices", vertices), ("faces", faces)] {
         check_limit(options, what, count, location)?;
         check_length(what, count, length, location)?;
     }
@@ -47,8 +47,9 @@ fn header(tokens: &mut Tokens<impl BufRead>) -> Result<(), FileError> {
     let location = tokens.location();
     if prefix.as_deref() != Some("") {
         // a file of a different format may be confidential, so nothing of it is quoted
-        let problem = "the file is not OFF";
-        let reason = "three-dimensional OFF begins with OFF, COFF, NOFF, STOFF or a combination of these";
+        let problem = "the file is not three-dimensional OFF";
+        let reason =
+            "it must begin with OFF, after ST, C or N if vertices have these attributes (as in STCNOFF)";
         return Err(FileError::syntax(location, problem, reason));
     }
     match tokens.rest().eq_ignore_ascii_case("binary") {
@@ -61,7 +62,7 @@ fn header(tokens: &mut Tokens<impl BufRead>) -> Result<(), FileError> {
 fn check_length(what: &str, count: u64, length: u64, location: Location) -> Result<(), FileError> {
     if count > length / 2 {
         let problem = format!("the file announces {count} {what}");
-        return Err(FileError::syntax(location, problem, format!("it has {length} bytes")));
+        return Err(FileError::syntax(location, problem, format!("its {length} bytes cannot hold them")));
     }
     Ok(())
 }

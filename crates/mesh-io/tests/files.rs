@@ -122,7 +122,7 @@ fn errors_give_the_line() {
         (Off, "OFF\n99999999 3 0\n", "line 2: the mesh has 99999999 vertices: the limit is 20000000."),
         (Off, "OFF\n9999999 3 0\n", "line 2: the file announces 9999999 vertices: it has 16 bytes."),
         (Off, "OFF\n1 1 0\n0 0 0\n4000000000 0 0", "line 4: the file announces 4000000000 corners: it has"),
-        (Off, "4OFF\n", "line 1: the file is not OFF"),
+        (Off, "4OFF\n", "line 1: the file is not three-dimensional OFF"),
         (Off, "OFF BINARY\n", "line 1: the file is binary OFF"),
         (Off, "OFF\n-1 0 0\n", "line 2: the number of vertices is `-1`"),
         (Ply, "plx\n", "line 1: the first line is not `ply`"),

@@ -1,7 +1,8 @@
 //! Check for rays that are too far from a model: if the tolerance is as large as the model, all crossings would be
 //! welded, and the ray would silently miss it.
 //!
-//! A solid vanishes along a ray if it is thinner than twice the tolerance `delta = 64 u (|o| + |t| |d| + m)` there. A ray
+//! A ball vanishes along a ray if it is thinner than twice the tolerance `delta = 64 u (|o| + |t| |d| + m)` there, and a
+//! slab if it is thinner than `delta`. A ray
 //! is rejected where `delta`, at its point closest to the centre of the model, exceeds a quarter of the model's size,
 //! which leaves a factor of 2. The size is the shortest side of the box around all regions. It is infinite for a
 //! half-space, which cannot vanish, and finite for an unbounded slab or rod.

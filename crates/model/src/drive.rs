@@ -32,13 +32,13 @@ impl Cancel {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The token of the work that this thread runs [`aside`] or within [`Cancel::while_current`]; elsewhere a new
-    /// token, which nothing cancels.
+    /// Inside work started by [`aside`] or [`Cancel::while_current`]: its token. Elsewhere: a new token, which nothing
+    /// cancels.
     pub fn current() -> Cancel {
         CURRENT.with_borrow(|current| current.clone().unwrap_or_default())
     }
 
-    /// Runs work with this token as [`Cancel::current`], for work that checks a token without taking one: the compilation of solids.
+    /// Runs work with this token as [`Cancel::current`], for work that checks a token without a parameter for it, such as the compilation of solids.
     pub fn while_current<T>(&self, work: impl FnOnce() -> T) -> T {
         /// Restores the previous token, even after a panic.
         struct Restore(Option<Cancel>);
@@ -66,7 +66,8 @@ const STACK: usize = 16 << 20;
 /// calling thread calls `look` every 50 ms.
 ///
 /// An error of `look` is returned at once: the work is cancelled ([`Cancel::current`]) and its result dropped, but it may go on
-/// for a while. A panic in `work` is propagated.
+/// for a while. A panic in `work` is propagated. If no thread can be started, `work` runs on the calling thread, without `look`
+/// and without cancellation.
 pub fn aside<T: Send + 'static, E>(
     work: impl FnOnce() -> T + Send + 'static,
     mut look: impl FnMut() -> Result<(), E>,
@@ -118,13 +119,13 @@ pub enum Stopped<E> {
 const MAX_THREADS: NonZeroUsize = NonZeroUsize::new(1024).unwrap();
 
 /// Number of threads: `requested` if given, else the environment variable `RAYWEAVE_THREADS`, else the number of
-/// cores; at most 1024. A value of the variable that is not a positive integer is ignored.
+/// logical CPUs that the process may use; at most 1024. A value of the variable that is not a positive integer is ignored.
 pub fn thread_count(requested: Option<NonZeroUsize>) -> NonZeroUsize {
     let from_variable = || std::env::var("RAYWEAVE_THREADS").ok()?.trim().parse().ok();
     requested.or_else(from_variable).unwrap_or_else(cores).min(MAX_THREADS)
 }
 
-/// Number of cores, cached: the system call takes longer than tracing a thousand rays.
+/// Number of logical CPUs that the process may use, cached: the system call takes longer than tracing a thousand rays.
 fn cores() -> NonZeroUsize {
     static CORES: OnceLock<NonZeroUsize> = OnceLock::new();
     *CORES.get_or_init(|| std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN))
@@ -137,7 +138,7 @@ const AHEAD: usize = 3;
 ///
 /// The calling thread is one of the `threads`. Each thread makes its own scratch once. `merge` runs on the calling
 /// thread. An error of `merge` ends the run, and so does cancellation, which is checked before each chunk and each
-/// merge. A panic in `work` is propagated.
+/// merge. A panic in `work` causes a panic here.
 pub fn drive<I, O, S, E>(
     threads: NonZeroUsize,
     cancel: &Cancel,
@@ -181,7 +182,11 @@ fn drive_here<I, O, S, E>(
         if cancel.is_cancelled() {
             return Err(Stopped::Cancelled);
         }
-        merge(work(&mut scratch, chunk))?;
+        let result = work(&mut scratch, chunk);
+        if cancel.is_cancelled() {
+            return Err(Stopped::Cancelled);
+        }
+        merge(result)?;
     }
     if cancel.is_cancelled() { Err(Stopped::Cancelled) } else { Ok(()) }
 }
@@ -195,13 +200,14 @@ struct Queue<C, O> {
 
 struct QueueState<C, O> {
     chunks: C,
-    /// Numbers of the next chunk to pull and of the next result to merge.
+    /// Number of the next chunk to pull.
     pulled: usize,
+    /// Number of the next result to merge.
     merged: usize,
     results: BTreeMap<usize, O>,
     /// Threads other than the calling one that are still running.
     helpers: usize,
-    /// Threads that wait for a change; nobody is notified if it is 0.
+    /// Threads that wait for a change; [`Queue::change`] notifies only if it is not 0.
     waiting: usize,
     closed: bool,
 }
@@ -241,7 +247,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
         }
     }
 
-    /// The next chunk with its number, after waiting until the merge is near enough; `None` at the end.
+    /// The next chunk with its number, after waiting until the merge is near enough; `None` at the end or after cancellation.
     fn next(&self, cancel: &Cancel) -> Option<(usize, I)> {
         let mut state = self.lock();
         while !state.closed && state.pulled >= state.merged + self.ahead {
@@ -311,7 +317,7 @@ impl<I, C: Iterator<Item = I>, O> Queue<C, O> {
     }
 }
 
-/// Releases waiting threads when the calling thread ends, even by a panic.
+/// Releases waiting threads when the calling thread stops merging, even by a panic.
 struct Closing<'a, I, C: Iterator<Item = I>, O>(&'a Queue<C, O>);
 
 impl<I, C: Iterator<Item = I>, O> Drop for Closing<'_, I, C, O> {

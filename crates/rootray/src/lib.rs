@@ -3,7 +3,7 @@
 //! The crate handles only crossing times, no geometry.
 //!
 //! A [`RootRay`] stores the side of a solid on which a trajectory starts and the times at which it changes sides. Boolean
-//! operations on solids become boolean operations on root-rays, in any space, dimension and along any curve:
+//! operations on solids become boolean operations on root-rays, in a space of any dimension, along any curve:
 //!
 //! ```
 //! use rayweave_rootray::{RootRay, Side};
@@ -20,8 +20,9 @@
 //! ```
 //!
 //! The algebra is exact: equal times toggle together and no comparison uses a tolerance, so every law of boolean algebra holds
-//! bit for bit. [`RootRay::weld`] drops pieces thinner than rounding errors once, at the end. [`hit_array`] does the same for
-//! many rays at once, in arrays of one column per ray. [`seed`] has the functions of the publication that introduced root-rays.
+//! bit for bit. [`RootRay::weld`] drops pieces thinner than rounding errors once, at the end. [`hit_array`] has these
+//! operations for many rays at once, in arrays of one column per ray; `array_csg` keeps pieces of length zero unless it
+//! regularises. [`seed`] has the functions of the publication that introduced root-rays.
 //!
 //! The crate has no vectors, surfaces or files. Only operations on large hit arrays use threads.
 

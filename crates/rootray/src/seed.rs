@@ -75,7 +75,7 @@ pub fn symmetric_difference(f1: &RootRay, f2: &RootRay) -> RootRay {
 
 /// The part of `f` with `tmin < t < tmax`, welded: see [`RootRay::clip`].
 ///
-/// Equal to the intersection with root-rays of a single root each, at `tmin` and at `tmax`.
+/// The side just after `tmin` continues to minus infinity, and that just before `tmax` to infinity.
 ///
 /// # Errors
 /// As [`RootRay::clip`].

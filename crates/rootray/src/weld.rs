@@ -47,12 +47,12 @@ pub fn next_run<I: Iterator>(
 }
 
 impl<S: Clone> RootRay<S> {
-    /// Drops the pieces, inside or outside, that are shorter than `min_sep`: the function [`min_sep`](crate::min_sep), or
-    /// any other function of the two times, such as `|_, _| 1e-6`.
+    /// Drops the pieces, inside or outside, that are shorter than `min_sep(t1, t2)`, for example
+    /// [`min_sep`](crate::min_sep) or `|_, _| 1e-6`.
     ///
     /// Neighbours with `t2 - t1 < min_sep(t1, t2)` are welded. A maximal run of welded neighbours becomes nothing if the sides
-    /// before and after it are equal, else its last member. With [`min_sep`](crate::min_sep), or any function that is
-    /// monotonic in `|t1|` and `|t2|` and less than `|t1| + |t2|`, or a constant, welding again changes nothing.
+    /// before and after it are equal, else its last member. With [`min_sep`](crate::min_sep) or a constant, welding
+    /// again changes nothing; a function that grows faster than the distance of its times can weld the result again.
     #[must_use]
     pub fn weld(&self, min_sep: impl Fn(f64, f64) -> f64) -> Self {
         let roots = self.roots();

@@ -1,6 +1,6 @@
-//! Names in GDML files without pointer suffixes.
+//! Removal of pointer suffixes from GDML names.
 
-/// A name without the pointer suffix that programs append to make it unique: `World0x55f3c0` becomes `World`. Regions and
+/// A name without the pointer suffix that Geant4 appends to make it unique: `World0x55f3c0` becomes `World`. Regions and
 /// occurrence paths use these names.
 pub fn bare_name(name: &str) -> &str {
     match name.rsplit_once("0x") {
@@ -20,7 +20,7 @@ mod tests {
     use super::bare_name;
 
     #[test]
-    fn addresses_are_taken_off_names() {
+    fn pointer_suffixes_are_removed() {
         assert_eq!(bare_name("World0x55f3c0"), "World");
         assert_eq!(bare_name("World"), "World");
         assert_eq!(bare_name("0xff"), "0xff");

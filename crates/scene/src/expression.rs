@@ -2,10 +2,10 @@
 //!
 //! Operators with Python's precedence, from weak to strong: `|` union, `^` symmetric difference,
 //! `&` intersection, `-` difference, `~` complement. A chain of equal `|`, `^` or `&` is one
-//! operation with many operands. Parentheses are preserved, so that a printed expression reads back
-//! as the same tree. `union(a, b, ..)`, `intersection(..)` and `symmetric_difference(..)` take any
+//! operation with many operands. Grouping is preserved: a printed expression parses to the same
+//! tree, without redundant parentheses. `union(a, b, ..)`, `intersection(..)` and `symmetric_difference(..)` take any
 //! number of operands. `empty` is the empty solid, `universe` is all of space. Names with characters
-//! other than letters, digits and `_` are quoted: `'front lens'`.
+//! other than letters, digits and `_`, or that begin with a digit, are quoted: `'front lens'`.
 
 use crate::fault::Fault;
 use crate::source::Span;
@@ -54,7 +54,7 @@ impl Operator {
         }
     }
 
-    fn infix(self) -> &'static str {
+    fn symbol(self) -> &'static str {
         match self {
             Operator::Union => " | ",
             Operator::SymmetricDifference => " ^ ",
@@ -90,7 +90,7 @@ pub enum ExpressionItem {
     Empty,
     /// All of space.
     Universe,
-    /// An operation on the last `n` values.
+    /// An operation and the number of values before it that are its operands.
     Operation(Operator, usize),
 }
 
@@ -120,7 +120,8 @@ impl PartialEq for Expression {
 }
 
 impl Expression {
-    /// Parses an expression. All unknown functions are reported at once.
+    /// Parses an expression. A syntax error is reported alone; otherwise all unknown functions and misplaced numbers
+    /// are reported together.
     pub(crate) fn parse(text: &str) -> Result<Expression, Vec<Fault>> {
         let items = parse(text, &GRAMMAR).map_err(|fault| vec![fault])?;
         let mut expression = Expression::default();
@@ -215,11 +216,11 @@ fn push_pieces(waiting: &mut Vec<Piece>, operator: Operator, operands: &[usize],
         };
         waiting.push(Piece::Term(operand, needed));
         if place > 0 {
-            waiting.push(Piece::Text(operator.infix()));
+            waiting.push(Piece::Text(operator.symbol()));
         }
     }
     if operator == Operator::Complement {
-        waiting.push(Piece::Text(operator.infix()));
+        waiting.push(Piece::Text(operator.symbol()));
     }
     if enclosed {
         waiting.push(Piece::Text("("));
@@ -243,8 +244,7 @@ fn term(kind: ItemKind, text: &str, span: Span) -> Result<ExpressionItem, Fault>
         ItemKind::Number(_) => {
             let problem = format!("`{}` is not the name of a solid", &text[span.range()]);
             let reason = "names that begin with a digit or contain a `-` must be quoted";
-            let suggestion = Some("Did you mean 'name-1'?".to_owned());
-            return Err(Fault::new(span, problem, reason).suggest(suggestion));
+            return Err(Fault::new(span, problem, reason));
         }
         // in quotation marks, it is a name
         ItemKind::Name(_) if &text[span.range()] == "empty" => ExpressionItem::Empty,
@@ -374,7 +374,11 @@ mod tests {
         check_fault("a b", (2, 3), "an operator is missing before this: the operators are | & - ^ ~.");
         check_fault("a & | b", (4, 5), "unexpected `|`: the name of a solid is missing before it.");
         check_fault("a + b", (2, 3), "unexpected operator `+`: the operators are | & - ^ ~.");
-        check_fault("a ~ b", (2, 3), "unexpected operator `~`: the operators are | & - ^ ~.");
+        check_fault(
+            "a ~ b",
+            (2, 3),
+            "unexpected operator `~`: it takes one operand and cannot stand between two.",
+        );
         check_fault("!a", (0, 1), "unexpected character `!`: it has no meaning here. Did you mean `~`?");
         check_fault("(a | b", (0, 1), "unmatched `(`: there is no `)` after it.");
         check_fault("'a", (0, 2), "the quoted name is not terminated: the closing `'` is missing.");
@@ -386,7 +390,7 @@ mod tests {
         check_fault(
             "hole-1",
             (5, 6),
-            "`1` is not the name of a solid: names that begin with a digit or contain a `-` must be quoted. Did you mean 'name-1'?",
+            "`1` is not the name of a solid: names that begin with a digit or contain a `-` must be quoted.",
         );
     }
 

@@ -1,4 +1,4 @@
-//! Reader of the tables of other programs in a model file, such as `[optics]`.
+//! Reader of the extension tables of a model file, such as `[optics]`, which other crates define.
 //!
 //! A program obtains its table with [`Document::foreign`] and reads it with a [`Reader`]. Numbers may
 //! be arithmetic expressions in the parameters; transforms have the same syntax as those of solids.
@@ -113,7 +113,7 @@ impl<'d> Reader<'d> {
         datum
     }
 
-    /// Takes exactly one of several values, with its key; reports it if there are none or several.
+    /// Takes exactly one of several values, with its key; reports an error unless exactly one is present.
     pub fn one_of(
         &mut self,
         keys: &mut Keys,
@@ -196,7 +196,7 @@ impl<'d> Reader<'d> {
         self.problems.choice(what, datum, choices).map(|choice| choice.value)
     }
 
-    /// The product of a list of transforms, in the syntax of the `transform` of a solid.
+    /// The product of a list of transforms, of which the first is applied first, in the syntax of the `transform` of a solid.
     pub fn transform(&mut self, datum: Spanned<Datum>) -> Option<Affine> {
         let before = self.problems.list.len();
         let steps = transform(&mut self.problems, datum);

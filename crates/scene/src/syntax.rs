@@ -303,7 +303,10 @@ impl<'a> Yard<'a, '_> {
 
     fn infix(&mut self, symbol: &'a str, span: Span) -> Result<(), Fault> {
         let Some((power, associativity)) = (self.grammar.infix)(symbol) else {
-            let reason = format!("the operators are {}", self.grammar.operators);
+            let reason = match (self.grammar.prefix)(symbol) {
+                Some(_) => "it takes one operand and cannot stand between two".to_owned(),
+                None => format!("the operators are {}", self.grammar.operators),
+            };
             return Err(Fault::new(span, format!("unexpected operator `{symbol}`"), reason));
         };
         self.want_operand = true;

@@ -222,10 +222,10 @@ fn shapes() {
 fn expressions() {
     check(
         "[solid.a]\nexpr = 'b | c'\n[solid.b]\nexpr = '~c'\n[solid.c]\nexpr = 'b - a'\n",
-        "7:9 the solid `b` is defined by itself: b -> c -> b.\n\
-         7:13 the solid `a` is defined by itself: a -> b -> c -> a.",
+        "7:9 the solid `b` is defined in terms of itself: b -> c -> b.\n\
+         7:13 the solid `a` is defined in terms of itself: a -> b -> c -> a.",
     );
-    check("[solid.a]\nexpr = 'a'\n", "3:9 the solid `a` is defined by itself: a -> a.");
+    check("[solid.a]\nexpr = 'a'\n", "3:9 the solid `a` is defined in terms of itself: a -> a.");
     check("[solid.a]\nexpr = 'x | y & (z'\n", "3:17 unmatched `(`: there is no `)` after it.");
     check(
         "[solid.a]\nexpr = 'x | y'\n",
@@ -248,7 +248,7 @@ fn transforms() {
     );
     check(
         &solid("[{ mirror = [0, 0, 0] }]"),
-        "4:26 the normal is a vector of length zero: it has no direction.",
+        "4:26 the normal is the zero vector: it must have a direction.",
     );
     check(
         &solid("[{ rotate = { axis = [0, 0, 1], angle = 90 } }]"),
@@ -292,7 +292,10 @@ fn placements() {
         "5:32 the grid has 64000000000 copies: the maximum is 4194304.",
     );
     check(&place("solid = 's', ring = 3"), "5:9 `place` has no `radius`: it is required.");
-    check(&place("solid = 'p', at = [[0, 0, 0]]"), "5:19 the solid `p` is defined by itself: p -> p.");
+    check(
+        &place("solid = 'p', at = [[0, 0, 0]]"),
+        "5:19 the solid `p` is defined in terms of itself: p -> p.",
+    );
     check(
         &place("solid = 's', file = 'none.npy'"),
         "5:31 the placements in `none.npy` cannot be used: there is no such file.",
@@ -329,7 +332,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nup = [0, 0, 2]\n",
-        "2:1 the camera looks along `up`: the upward direction of the picture is undefined.",
+        "2:1 the direction of view is parallel to `up`: the upward direction of the picture is undefined.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 180\n",
@@ -349,7 +352,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[[light]]\ndirection = [0, 0, 0]\n",
-        "3:14 the direction is a vector of length zero: it has no direction.",
+        "3:14 the direction is the zero vector: it must have a direction.",
     );
     check(
         "[render]\nshading = 'gouch'\nsamples = 1.5\nedges = 1\n",

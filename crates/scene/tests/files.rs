@@ -135,5 +135,5 @@ fn a_mesh_has_a_file_or_its_numbers() {
     assert!(problem("{ file = 'part.off', repair = 1 }").contains("true or false"));
     assert!(problem("{ file = 3 }").contains("the name of a file"));
     let both = problem("{ file = 'part.stl', vertices = [[0, 0, 0]] }");
-    assert!(both.contains("the mesh has both a file and other parameters"), "{both}");
+    assert!(both.contains("cannot be combined with `file`"), "{both}");
 }

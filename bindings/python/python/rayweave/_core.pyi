@@ -665,14 +665,14 @@ class CompiledPrescription:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """A wavefront: points of the pupil (N, 2) and differences in waves (N,)."""
 
-    def principal_point(self, field: int, wavelength_nm: float) -> tuple[float, float]:
-        """The point of the paraxial entrance pupil through which the principal ray passes."""
+    def chief_ray_pupil_point(self, field: int, wavelength_nm: float) -> tuple[float, float]:
+        """The point of the paraxial entrance pupil through which the chief ray passes."""
 
     def needs_aiming(self, field: int, wavelength_nm: float) -> bool:
         """Whether rays of a field have to be aimed at the stop."""
 
     def principal(self, field: int, wavelength_nm: float) -> list[float]:
-        """The heights of the real and the paraxial principal ray on the image, and the tangential and the sagittal focus."""
+        """The heights of the real and the paraxial chief ray on the image, and the tangential and the sagittal focus."""
 
     def axial_focus(self, wavelength_nm: float, height: float) -> float:
         """The intersection with the axis of the ray of the first field, on the axis, through a height
@@ -680,7 +680,7 @@ class CompiledPrescription:
         """
 
     def lateral_colour(self, field: int, wavelength_nm: float) -> float:
-        """The height of the principal ray less that at the primary wavelength."""
+        """The height of the chief ray less that at the primary wavelength."""
 
 def coordinate_break(
     decentre: tuple[float, float], tilt_degrees: tuple[float, float, float], tilts_first: bool

@@ -9,8 +9,8 @@ use crate::optics::outline::Outline;
 use crate::solid::PySolid;
 use crate::vectors::matrix;
 
-/// The solids of a component, usually one: `numbers` are the parameters of the function of that
-/// name in their order, without the apertures.
+/// The solids of a component, usually one: the kinds and the order of `numbers` are those of the match below; `terms` are the
+/// even and odd coefficients of each aspheric face, `outline` is the aperture, `off_axis` the offset of a mirror.
 #[pyfunction]
 #[pyo3(signature = (kind, numbers, outline=None, off_axis=(0.0, 0.0), terms=Vec::new()))]
 pub fn optical_component(
@@ -74,12 +74,17 @@ pub fn optical_component(
             let radii: Vec<f64> = radii.copied().collect();
             component::cemented(&radii, &thicknesses.copied().collect::<Vec<_>>(), aperture)
         }
-        _ => return Err(bad_value(format!("there is no component {kind:?} with {} numbers", numbers.len()))),
+        _ => {
+            return Err(bad_value(format!(
+                "the component \"{kind}\" takes another number of parameters than {}: the kinds and their parameters are in the documentation.",
+                numbers.len()
+            )));
+        }
     };
     Ok(solids.map_err(bad_value)?.into_iter().map(PySolid::from_solid).collect())
 }
 
-/// A face by its conic and its even and odd terms.
+/// A face by its radius, its conic constant, and its even and odd terms.
 fn asphere(given: Option<&(Vec<f64>, Vec<f64>)>, radius: f64, conic: f64) -> PyResult<Asphere> {
     let plain = Asphere::conic(radius, conic);
     let Some((even, odd)) = given else { return Ok(plain) };
@@ -90,7 +95,7 @@ fn asphere(given: Option<&(Vec<f64>, Vec<f64>)>, radius: f64, conic: f64) -> PyR
 pub fn terms(name: &str, given: &[f64]) -> PyResult<[f64; 8]> {
     let mut terms = [0.0; 8];
     let places = terms.get_mut(..given.len());
-    let too_many = || bad_value(format!("{name} has {} coefficients: 8 at most.", given.len()));
+    let too_many = || bad_value(format!("{name} has {} coefficients: at most 8 are possible.", given.len()));
     places.ok_or_else(too_many)?.copy_from_slice(given);
     Ok(terms)
 }
@@ -108,7 +113,7 @@ pub struct PySheet(pub Sheet);
 
 #[pymethods]
 impl PySheet {
-    /// `curvature` is that of the surface at its vertex, 1 over its radius; an opening turns it into a stop.
+    /// `curvature` is that of the surface at its vertex, 1 over its radius. With an opening, the sheet is a stop.
     #[new]
     #[pyo3(signature = (outline, opening=None, curvature=0.0, conic=0.0))]
     fn new(outline: Outline, opening: Option<Outline>, curvature: f64, conic: f64) -> PyResult<Self> {
@@ -118,7 +123,9 @@ impl PySheet {
             (None, true) => Sheet::plane(aperture),
             (None, false) => Sheet::conic(1.0 / curvature, conic, aperture),
             (Some(_), false) => {
-                return Err(bad_value("a curved sheet has no opening: stops are plane."));
+                return Err(bad_value(
+                    "a curved sheet cannot have an opening: only plane sheets can be stops.",
+                ));
             }
         };
         sheet.map(PySheet).map_err(bad_value)
@@ -139,7 +146,7 @@ impl PySheet {
         self.0.apply(&map).map(PySheet).map_err(bad_value)
     }
 
-    /// Its surface and its trim.
+    /// The solid whose boundary is the surface, and the solid that trims it.
     fn solids(&self) -> (PySolid, PySolid) {
         (PySolid::from_solid(self.0.surface.clone()), PySolid::from_solid(self.0.trim.clone()))
     }

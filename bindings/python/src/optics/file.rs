@@ -16,7 +16,7 @@ use crate::optics::element::PyElement;
 use crate::optics::source::PySource;
 use crate::optics::system::PySystem;
 
-/// A system, its elements, its sources, its settings and the unit of its lengths.
+/// A system, its elements, its sources, its settings, the unit of its lengths, and the warnings.
 type Loaded<'py> = (PySystem, Vec<PyElement>, Vec<PySource>, Bound<'py, PyDict>, &'static str, Vec<String>);
 
 /// Reads the `[optics]` tables of a model file.

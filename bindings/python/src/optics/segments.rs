@@ -57,20 +57,22 @@ pub fn rows_of(table: &Bound<'_, PyDict>) -> PyResult<Segments> {
         surface: column(table, "surface")?,
         event: column(table, "event")?,
     };
-    let last = segments.parent.iter().zip(0..).all(|(&parent, row)| parent < row);
-    if last {
+    let parents_come_first = segments.parent.iter().zip(0..).all(|(&parent, row)| parent < row);
+    if parents_come_first {
         Ok(segments)
     } else {
         Err(bad_value(
-            "parent refers to a row that is not before its own: the rows of a trace are incomplete. Pass all of them.",
+            "parent refers to a row that is not before its own: a parent must be an earlier row. Pass the complete trace.",
         ))
     }
 }
 
 fn column<T: numpy::Element + Clone>(table: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<T>> {
-    let missing = || bad_value(format!("there is no column {name:?}"));
+    let missing = || bad_value(format!("there is no column {name:?}: pass the complete trace."));
     let array = table.get_item(name)?.ok_or_else(missing)?;
-    let array = array.cast::<PyArray1<T>>().map_err(|_| bad_value(format!("{name} has a different type")))?;
+    let array = array.cast::<PyArray1<T>>().map_err(|_| {
+        bad_value(format!("the column {name} has a different type: it must be the column of a trace."))
+    })?;
     Ok(array.try_readonly().map_err(bad_value)?.as_array().to_vec())
 }
 

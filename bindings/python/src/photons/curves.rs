@@ -1,9 +1,9 @@
-//! Drawings of properties.
+//! Plots of material properties.
 
 use pyo3::prelude::*;
 use rayweave::detector::{PropertyCurve, property_curves_svg};
 
-/// Curves by wavelength as SVG: the name with the unit, and pairs of a wavelength in nm and a value.
+/// Plots properties against wavelength as SVG; a curve is its label with the unit, and pairs of a wavelength in nm and a value.
 #[pyfunction]
 pub fn photon_property_svg(py: Python<'_>, title: &str, curves: Vec<(String, Vec<[f64; 2]>)>) -> String {
     py.detach(|| {

@@ -1,4 +1,4 @@
-//! Rays through the cells of a cross-section, two each, and their integrals.
+//! Rays through the cells of a cross-section, two each, from random streams, and their integrals.
 
 use super::chord::MeasuredChord;
 use super::moments::along;

@@ -1,4 +1,4 @@
-//! Estimates with confidence intervals, and the results of measurements.
+//! Volume confidence intervals: estimates of volumes, areas and moments, and the results of measurements.
 
 use super::chord::MeasuredChord;
 use super::moments::{centre_weights, inertia, inertia_weights};

@@ -13,9 +13,9 @@ use serde_json::{Value, json};
 
 /// Measure volume, mass, centre, inertia and surface area of every region, with confidence intervals
 ///
-/// Traces stratified rays until the volume of each region reaches the requested precision. A region excludes the parts that later
+/// Traces stratified rays until the volume of each region reaches the requested precision, or --rays rays. A region excludes the parts that later
 /// regions own; --solid measures a solid alone. The mass, in grams, needs a density (in g/cm^3) in the table of the medium. The
-/// JSON output contains the inertia tensor, about the centre and for density 1.
+/// JSON output also contains the intervals of the centre, and the inertia tensor about the centre for density 1.
 #[derive(Args)]
 pub struct Volume {
     #[command(flatten)]
@@ -57,20 +57,21 @@ impl Volume {
             true => format!("{:#}\n", self.as_json(&scene, &report)),
             false => self.as_text(&scene, &report),
         })?;
-        let (unmet, vague): (Vec<_>, Vec<_>) = report
+        let (missed, imprecise): (Vec<_>, Vec<_>) = report
             .regions
             .iter()
             .filter(|region| !region.measured.is_reached)
             .partition(|region| region.measured.longest.is_none());
-        let [unmet, vague] = [unmet, vague].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
-        if !unmet.is_empty() {
-            let names = unmet.join(", ");
+        let [missed, imprecise] =
+            [missed, imprecise].map(|some| some.into_iter().map(name).collect::<Vec<_>>());
+        if !missed.is_empty() {
+            let names = missed.join(", ");
             terminal::note(&format!(
-                "note: {names}: no ray hit anything. Measure within a smaller box: --within."
+                "note: {names}: no ray crossed it. Measure within a smaller box: --within."
             ));
         }
-        if !vague.is_empty() {
-            let (names, most) = (vague.join(", "), self.sampling.rays);
+        if !imprecise.is_empty() {
+            let (names, most) = (imprecise.join(", "), self.sampling.rays);
             terminal::note(&format!(
                 "note: {names}: the requested precision is not reached after {most} rays. See --rays."
             ));
@@ -82,7 +83,8 @@ impl Volume {
         let (model, unit) = (self.model.name(), scene.unit.symbol());
         let percent = terminal::short(self.sampling.confidence * 100.0);
         let rays = report.rays;
-        let mut text = format!("{model}: {percent} % intervals from {rays} rays, lengths in {unit}\n\n");
+        let mut text =
+            format!("{model}: {percent} % confidence intervals from {rays} rays, lengths in {unit}\n\n");
         let has_mass = report.regions.iter().any(|region| region.mass.is_some());
         let has_formula = report.regions.iter().any(|region| region.exact_volume.is_some());
         let mut header = vec!["region", "medium", "volume"];

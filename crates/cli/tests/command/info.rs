@@ -124,8 +124,8 @@ fn how_a_model_is_prepared() {
     for line in [
         "as written  (plate - (hole_a/hole | hole_b/hole)) | (lid & bolt/hole)",
         "as kept     plate & ~hole_a/hole",
-        "flatten   4 -> 3          0            3 -> 2    chains of one operator as one",
-        "prune     3 -> 1          0            2 -> 1    no parts that bounds show not to matter",
+        "flatten   4 -> 3          0            3 -> 2    nested equal operators are merged",
+        "prune     3 -> 1          0            2 -> 1    no parts that bounding boxes prove irrelevant",
         "leaves  2 of 5 are used",
         "bounds  (-20, -10, -5) to (62, 10, 32) of all leaves",
         "        (-20, -10, -1) to (20, 10, 1) of the solid they form",

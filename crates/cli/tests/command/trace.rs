@@ -115,7 +115,7 @@ fn occurrences_name_the_copies() {
     assert_eq!((paths.len(), &paths[1]), (18, &serde_json::json!("rows/tray[2]/row/ball[1]")));
     bench.write("rows.toml", model.replace("[4, 2]", "[4]"));
     let message = bench.fails(3, &["trace", "rows.toml", "--rays", "rays.csv", "-o", "-"]);
-    assert!(message.contains("`place` has 1 numbers") && message.contains("there are 2 copies"), "{message}");
+    assert!(message.contains("`numbers` has 1 entries: it needs one for each of the 2 copies"), "{message}");
 }
 
 #[test]

@@ -68,7 +68,7 @@ fn a_block_with_a_bubble() {
 fn text_for_people() {
     let said = bench().says(&["volume", "block.toml", "--solid", "bubble", "--precision", "1e-2"]);
     let mut lines = said.lines();
-    assert!(lines.next().unwrap().starts_with("block.toml: 99 % intervals from "), "{said}");
+    assert!(lines.next().unwrap().starts_with("block.toml: 99 % confidence intervals from "), "{said}");
     let row = lines.nth(2).unwrap();
     // the value from the formula is printed next to the measurement
     assert!(row.starts_with("bubble  air") && row.contains("4.188790205"), "{said}");

@@ -72,7 +72,8 @@ impl FromStr for LayoutPlane {
     }
 }
 
-/// The plane nearest to the light; the yz plane if the others are hardly nearer.
+/// Of the planes that set x, y or z to the median of the segment ends, the one with the smallest mean distance from
+/// them; the distances along y and z count 1.25 and 1.5 times.
 pub(super) fn nearest_to_light(segments: &Segments) -> LayoutPlane {
     let axes = [0, 1, 2].map(|k| Along::new(segments, k));
     let size = axes.iter().map(|along| along.extent).fold(0.0, f64::max);

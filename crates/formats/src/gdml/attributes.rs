@@ -66,7 +66,7 @@ impl<'c> Numbers<'c> {
 
     /// Counts the faces of a solid that has more of them than numbers in its text, before they are made.
     pub fn count_faces(&mut self, faces: usize) -> Result<(), Failure> {
-        let (all, most) = (self.context.faces.saturating_add(faces), self.context.most());
+        let (all, most) = (self.context.faces.saturating_add(faces), self.context.size_limit());
         if all > most {
             return refused(format!(
                 "with the solids before it, it has too many faces: files of this length may have {most}"

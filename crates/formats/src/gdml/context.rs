@@ -5,11 +5,11 @@ use super::xml::Files;
 use crate::{LossKind, Report};
 use rayweave_scene::Diagnostic;
 
-/// Maximum number of reported problems. More indicate a loop, or a file in a different format.
+/// Maximum number of reported errors, and of reported warnings. More indicate a loop, or a file in a different format.
 const MAX_PROBLEMS: usize = 200;
 
-/// Number of faces and of volumes in volumes that files of any length may describe.
-const MOST: usize = 300_000;
+/// Limit, for short files, of the faces of solids with many of them and of the summed nesting depth of volumes.
+const MIN_LIMIT: usize = 300_000;
 
 /// State while files are read.
 #[derive(Debug, Default)]
@@ -20,15 +20,15 @@ pub struct Context {
     pub report: Report,
     /// Stack of the files being read, each included by the previous one.
     pub open: Vec<std::path::PathBuf>,
-    /// Number of faces of the solids so far that have many of them for their text.
+    /// Faces so far of solids whose text is shorter than their faces.
     pub faces: usize,
 }
 
 impl Context {
-    /// The number of faces, or of volumes in volumes, that the files may describe: each takes one to two kilobytes of memory and
+    /// The limit of faces, and of the summed nesting depth of volumes: each takes one to two kilobytes of memory and
     /// up to ten microseconds.
-    pub fn most(&self) -> usize {
-        MOST.max(self.files.bytes() / 3)
+    pub fn size_limit(&self) -> usize {
+        MIN_LIMIT.max(self.files.bytes() / 3)
     }
 
     /// Adds an error.

@@ -28,11 +28,11 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
             continue;
         };
         nested += steps;
-        if nested > context.most() {
+        if nested > context.size_limit() {
             let message = format!(
                 "the volumes up to `{}` are nested too deeply: all of them together are in more than {} others.",
                 graph.volumes[volume].name,
-                context.most()
+                context.size_limit()
             );
             context.error(Trouble::new(message, graph.volumes[volume].place));
             return None;

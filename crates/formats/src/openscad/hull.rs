@@ -1,4 +1,4 @@
-//! Convex hull of points, balls and discs (OpenSCAD `hull`), as a union of convex solids.
+//! OpenSCAD hull: the convex hull of points, balls and discs, as a union of convex solids.
 //!
 //! The hull of balls is bounded by pieces of the balls, of cones tangent to two balls, and of planes tangent to three or
 //! more. It is the union of the balls, the frustums between pairs of balls that share such planes, and the polyhedron of

@@ -16,14 +16,14 @@ impl<E: Evaluator> Study<'_, E> {
         Ok(arrival.position.z - arrival.position.y * arrival.direction.z / arrival.direction.y)
     }
 
-    /// Lateral colour: the height of the principal ray on the image at a wavelength minus that at the primary
+    /// Lateral colour: the height of the chief ray on the image at a wavelength minus that at the primary
     /// wavelength.
     ///
     /// # Errors
-    /// As for [`Study::principal`].
+    /// As for [`Study::chief_ray`].
     pub fn lateral_colour(&self, field: usize, wavelength_nm: f64) -> Result<f64, LensAnalysisError> {
         let height = |wavelength_nm: f64| {
-            let position = self.principal(field, wavelength_nm)?.position;
+            let position = self.chief_ray(field, wavelength_nm)?.position;
             Ok::<f64, LensAnalysisError>(libm::hypot(position.x, position.y))
         };
         Ok(height(wavelength_nm)? - height(self.lens.primary_nm())?)

@@ -36,7 +36,7 @@ pub enum LensAnalysisError {
     Unaimed {
         /// The number of the field, from 0.
         field: usize,
-        /// The distance of the principal ray from the centre of the paraxial entrance pupil, in units of its
+        /// The distance of the chief ray from the centre of the paraxial entrance pupil, in units of its
         /// semi-diameter.
         off: f64,
     },

@@ -3,16 +3,16 @@
 use super::{LensAnalysisError, Study};
 use rayweave_model::Evaluator;
 
-/// The pupil distance between the principal ray and the neighbours that measure field curvature, in units of
+/// The pupil distance between the chief ray and the neighbours that measure field curvature, in units of
 /// the semi-diameter.
 const NEAR: f64 = 1e-3;
 
-/// The real and the paraxial height of a principal ray, the one through the centre of the stop, on the image.
+/// The real and the paraxial height of a chief ray, the one through the centre of the stop, on the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distortion {
-    /// The distance from the axis of the real principal ray on the image.
+    /// The distance from the axis of the real chief ray on the image.
     pub real: f64,
-    /// The distance from the axis of the paraxial principal ray on the image plane.
+    /// The distance from the axis of the paraxial chief ray on the image plane.
     pub paraxial: f64,
 }
 
@@ -23,29 +23,29 @@ impl Distortion {
     }
 }
 
-/// Tangential and sagittal foci: where rays near the principal ray intersect it, as distances along the axis
+/// Tangential and sagittal foci: where rays near the chief ray intersect it, as distances along the axis
 /// from the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldFoci {
-    /// The focus of rays in the plane of the axis and the principal ray.
+    /// The focus of rays in the plane of the axis and the chief ray.
     pub tangential: f64,
     /// The focus of rays perpendicular to that plane.
     pub sagittal: f64,
 }
 
 impl<E: Evaluator> Study<'_, E> {
-    /// The distortion of a field at a wavelength. The principal ray is aimed at the centre of the stop in
+    /// The distortion of a field at a wavelength. The chief ray is aimed at the centre of the stop in
     /// every study.
     ///
     /// # Errors
-    /// As for [`Study::principal`].
+    /// As for [`Study::chief_ray`].
     pub fn distortion(&self, field: usize, wavelength_nm: f64) -> Result<Distortion, LensAnalysisError> {
-        let position = self.principal(field, wavelength_nm)?.position;
+        let position = self.chief_ray(field, wavelength_nm)?.position;
         let paraxial = self.paraxial_height(field, wavelength_nm)?;
         Ok(Distortion { real: libm::hypot(position.x, position.y), paraxial: paraxial.abs() })
     }
 
-    /// The height of the paraxial principal ray on the image plane.
+    /// The height of the paraxial chief ray on the image plane.
     fn paraxial_height(&self, field: usize, wavelength_nm: f64) -> Result<f64, LensAnalysisError> {
         let resolved = self.lens.resolved()?;
         let ray = self.lens.launch(&resolved, field)?.ray([0.0; 2]);
@@ -59,10 +59,10 @@ impl<E: Evaluator> Study<'_, E> {
     }
 
     /// The tangential and sagittal foci of a field (Coddington) at a wavelength, computed from rays a
-    /// thousandth of the pupil away from the principal ray.
+    /// thousandth of the pupil away from the chief ray.
     ///
     /// # Errors
-    /// As for [`Study::principal`].
+    /// As for [`Study::chief_ray`].
     pub fn field_foci(&self, field: usize, wavelength_nm: f64) -> Result<FieldFoci, LensAnalysisError> {
         let [x, y] = self.lens.fields.get(field).copied().unwrap_or([0.0, 1.0]);
         let length = libm::hypot(x, y);
@@ -74,9 +74,9 @@ impl<E: Evaluator> Study<'_, E> {
         })
     }
 
-    /// The z at which two rays on both sides of the principal ray have the same coordinate along a direction.
+    /// The z at which two rays on both sides of the chief ray have the same coordinate along a direction.
     fn pencil(&self, field: usize, wavelength_nm: f64, [a, b]: [f64; 2]) -> Result<f64, LensAnalysisError> {
-        let ray = |side: f64| self.beside_principal(field, wavelength_nm, [side * a, side * b]);
+        let ray = |side: f64| self.beside_chief_ray(field, wavelength_nm, [side * a, side * b]);
         let (one, other) = (ray(NEAR)?, ray(-NEAR)?);
         let slope = |d: rayweave_math::Vec3| (a * d.x + b * d.y) / d.z;
         // on a curved image the two rays end at different z

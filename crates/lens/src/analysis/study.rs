@@ -29,9 +29,9 @@ fn far_pupil(
     field: usize,
     wavelength_nm: f64,
 ) -> Result<Option<f64>, PrescriptionError> {
-    match lens.principal_point(field, wavelength_nm) {
+    match lens.chief_ray_pupil_point(field, wavelength_nm) {
         Ok([x, y]) => Ok(Some(libm::hypot(x, y)).filter(|&off| off > FAR_PUPIL)),
-        // a field without a principal ray can have other rays
+        // a field without a chief ray can have other rays
         Err(PrescriptionError::Lost { .. }) => Ok(None),
         Err(error) => Err(error),
     }
@@ -122,24 +122,24 @@ impl<'a, E: Evaluator> Study<'a, E> {
         Ok(all)
     }
 
-    /// The principal (chief) ray of a field: the ray through the centre of the stop. It is aimed in every study.
+    /// The chief (principal) ray of a field: the ray through the centre of the stop. It is aimed in every study.
     ///
     /// # Errors
     /// As for [`Prescription::beam_at_stop`], and [`LensAnalysisError::Stopped`] if the ray does not arrive.
-    pub fn principal(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, LensAnalysisError> {
-        self.beside_principal(field, wavelength_nm, [0.0; 2])
+    pub fn chief_ray(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, LensAnalysisError> {
+        self.beside_chief_ray(field, wavelength_nm, [0.0; 2])
     }
 
-    /// The ray through a point of the entrance pupil `off` from the principal ray.
-    pub(super) fn beside_principal(
+    /// The ray through a point of the entrance pupil `off` from the chief ray.
+    pub(super) fn beside_chief_ray(
         &self,
         field: usize,
         wavelength_nm: f64,
         off: [f64; 2],
     ) -> Result<Arrival, LensAnalysisError> {
-        let [x, y] = self.lens.principal_point(field, wavelength_nm)?;
+        let [x, y] = self.lens.chief_ray_pupil_point(field, wavelength_nm)?;
         let beam = self.lens.beam(field, wavelength_nm, &[[x + off[0], y + off[1]]])?;
-        let ray = if off == [0.0; 2] { "principal" } else { "neighbour of the principal" };
+        let ray = if off == [0.0; 2] { "chief" } else { "neighbour of the chief ray" };
         self.one(&beam, LensAnalysisError::Stopped { ray, field })
     }
 
@@ -147,7 +147,7 @@ impl<'a, E: Evaluator> Study<'a, E> {
     /// rays of the study.
     fn central(&self, field: usize, wavelength_nm: f64) -> Result<Arrival, LensAnalysisError> {
         let beam = self.beam(field, wavelength_nm, &[[0.0; 2]])?;
-        self.one(&beam, LensAnalysisError::Stopped { ray: "principal", field })
+        self.one(&beam, LensAnalysisError::Stopped { ray: "chief", field })
     }
 
     /// The axial ray through a height in the pupil.

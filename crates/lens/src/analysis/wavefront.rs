@@ -5,8 +5,8 @@ use rayweave_math::Vec3;
 
 /// Optical path differences of a set of rays.
 ///
-/// The reference sphere is centred at the point of the principal ray on the image; its radius is the distance
-/// of the exit pupil. The difference is the path of the principal ray to the sphere minus that of the ray, in
+/// The reference sphere is centred at the point of the chief ray on the image; its radius is the distance
+/// of the exit pupil. The difference is the path of the chief ray to the sphere minus that of the ray, in
 /// waves: positive where the wavefront is ahead (W. T. Welford, *Aberrations of Optical Systems*, 1986,
 /// section 7.2).
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Wavefront {
 }
 
 impl Wavefront {
-    /// Computes the path differences relative to a principal ray. The id of a ray is the index of its
+    /// Computes the path differences relative to a chief ray. The id of a ray is the index of its
     /// point in `pupil`. `radius` is the distance from the exit pupil to the image, negative for a pupil
     /// behind it, infinite for a telecentric system; `unit_nm` is the unit of lengths.
     pub fn new(
@@ -65,7 +65,7 @@ impl Wavefront {
 }
 
 /// The radius of the reference sphere: the distance from the exit pupil, at `exit` on the axis, to the point
-/// of the principal ray on the image; negative for a pupil behind the image along the light.
+/// of the chief ray on the image; negative for a pupil behind the image along the light.
 pub(crate) fn reference_radius(principal: &Arrival, exit: f64) -> f64 {
     let [x, y, z] = principal.position.to_array();
     let radius = libm::hypot(libm::hypot(x, y), z - exit);

@@ -215,8 +215,12 @@ fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {
 fn edge(variant: &Variant, surface: usize, height: f64) -> Result<f64, DesignError> {
     let lens = &variant.lens;
     let count = lens.surfaces.len();
-    let no_such =
-        || crate::prescription::PrescriptionError::NoSuch { what: "surface", number: surface, count };
+    let no_such = || crate::prescription::PrescriptionError::NoSuch {
+        what: "surface",
+        number: surface,
+        first: 1,
+        last: count,
+    };
     let front = surface.checked_sub(1).and_then(|k| lens.surfaces.get(k)).ok_or_else(no_such)?;
     let back = lens.surfaces.get(surface);
     let image = SurfaceForm::from(Asphere::conic(lens.image.radius, lens.image.conic));

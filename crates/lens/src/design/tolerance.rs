@@ -48,8 +48,9 @@ impl Spread {
 
 /// Monte Carlo tolerancing: parameters with random errors, and a merit.
 ///
-/// Each parameter has a random stream, and trial k uses its k-th entry. A trial therefore does not depend on
-/// the number of trials or threads, and the errors of one parameter do not depend on the other parameters.
+/// Each position in the list of parameters has a random stream, and trial k uses its k-th entry. A trial
+/// therefore does not depend on the number of trials or threads, and appending parameters does not change the
+/// errors of earlier ones.
 #[derive(Clone, Debug)]
 pub struct Tolerancing<'a> {
     lens: &'a Prescription,

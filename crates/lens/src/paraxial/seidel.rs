@@ -6,7 +6,7 @@ use rayweave_optics::component::SurfaceForm;
 
 /// The Seidel sums S_I to S_V and the chromatic sums C_I and C_II of one surface or of a system, in the unit
 /// of lengths: twice to eight times the wavefront coefficients. The marginal ray goes from the axis through
-/// the rim of the pupil, the principal (chief) ray from the last field through its centre.
+/// the rim of the pupil, the chief (principal) ray from the last field through its centre.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Seidel {
     /// S_I; the wavefront at the rim of the pupil is S_I / 8.
@@ -52,7 +52,7 @@ struct At {
     /// Indices before and behind, and their differences between the first and the last wavelength.
     n: [f64; 2],
     dispersion: [f64; 2],
-    /// Marginal ray and principal ray: height, then index times slope before and behind.
+    /// Marginal ray and chief ray: height, then index times slope before and behind.
     rim: [f64; 3],
     principal: [f64; 3],
 }
@@ -62,7 +62,7 @@ impl At {
     /// (colour).
     ///
     /// Welford writes S_V = (A' / A) (S_III + S_IV) with the refraction invariants A = n (u + y c) of the
-    /// marginal ray and A' of the principal ray. With the difference of u/n, A (1/n'^2 - 1/n^2) - y P, P = c
+    /// marginal ray and A' of the chief ray. With the difference of u/n, A (1/n'^2 - 1/n^2) - y P, P = c
     /// (1/n' - 1/n), and H = A y' - A' y, the division by A, which may be 0, cancels: S_V = -A' (A'^2 y
     /// (1/n'^2 - 1/n^2) + (H - A' y) y' P).
     fn sums(&self) -> Seidel {
@@ -129,7 +129,7 @@ impl Prescription {
         Ok(parts)
     }
 
-    /// The marginal ray of the axis and the principal ray of the last field, at the first surface.
+    /// The marginal ray of the axis and the chief ray of the last field, at the first surface.
     fn paraxial_rays(&self, n: f64) -> Result<[[f64; 2]; 2], PrescriptionError> {
         let resolved = self.resolved()?;
         let first_order = self.first_order_resolved(&resolved, self.primary_nm())?;

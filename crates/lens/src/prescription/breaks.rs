@@ -32,7 +32,7 @@ impl Prescription {
         for at in &self.breaks {
             if !(1..=count).contains(&at.before) {
                 let (what, number) = ("surface behind a coordinate break", at.before);
-                return Err(PrescriptionError::NoSuch { what, number, count });
+                return Err(PrescriptionError::NoSuch { what, number, first: 1, last: count });
             }
             let scale = at.map.similarity().filter(|_| at.map.is_finite()).unwrap_or(f64::NAN);
             let is_mirrored =
@@ -42,7 +42,7 @@ impl Prescription {
                 return Err(bad(
                     what,
                     if is_mirrored { -scale } else { scale },
-                    "1: decentres and tilts only",
+                    "1, because a break only shifts and rotates",
                 ));
             }
         }

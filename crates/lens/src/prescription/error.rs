@@ -24,14 +24,16 @@ pub enum PrescriptionError {
         range: &'static str,
     },
     /// A surface, field or wavelength that does not exist.
-    #[error("the {what} is number {number}: there are {count}.")]
+    #[error("the {what} is {number}: it must be from {first} to {last}.")]
     NoSuch {
         /// The kind of object.
         what: &'static str,
         /// Its number.
         number: usize,
-        /// The number of existing ones.
-        count: usize,
+        /// The number of the first one.
+        first: usize,
+        /// The number of the last one.
+        last: usize,
     },
     /// An unknown medium, or one without an index.
     #[error("surface {surface}: {problem}")]
@@ -58,7 +60,7 @@ pub enum PrescriptionError {
     },
     /// A coordinate break inside a lens.
     #[error(
-        "surfaces {first} and {second} are tilted or decentred against each other, with glass between them: a lens has one axis."
+        "surfaces {first} and {second} are tilted or decentred relative to each other, with glass between them: a lens has one axis."
     )]
     Tilted {
         /// The surface in front.

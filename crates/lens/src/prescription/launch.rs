@@ -45,7 +45,7 @@ impl Launch {
 impl Prescription {
     /// Rays of a field (counted from 0) through points of the entrance pupil, in units of its semi-diameter.
     /// The pupil is the paraxial one at the primary wavelength for all fields and wavelengths: rays are not
-    /// aimed at the stop. [`Prescription::principal_point`] returns how far off the real pupil is.
+    /// aimed at the stop. [`Prescription::chief_ray_pupil_point`] returns how far off the real pupil is.
     ///
     /// # Errors
     /// [`PrescriptionError`] for a field that does not exist, an object inside the system, or an infinitely
@@ -86,13 +86,17 @@ impl Prescription {
         stop.iter().map(light).collect()
     }
 
-    /// The point of the entrance pupil, in units of its semi-diameter, through which the principal (chief)
+    /// The point of the entrance pupil, in units of its semi-diameter, through which the chief (principal)
     /// ray of a field goes, the ray to the centre of the stop. Without pupil aberration it is the centre; in
     /// wide-angle lenses it can be outside the paraxial pupil.
     ///
     /// # Errors
     /// As for [`Prescription::beam_at_stop`].
-    pub fn principal_point(&self, field: usize, wavelength_nm: f64) -> Result<[f64; 2], PrescriptionError> {
+    pub fn chief_ray_pupil_point(
+        &self,
+        field: usize,
+        wavelength_nm: f64,
+    ) -> Result<[f64; 2], PrescriptionError> {
         self.aim(&self.resolved()?, field, wavelength_nm)?.pupil_of([0.0; 2])
     }
 
@@ -110,8 +114,8 @@ impl Prescription {
     }
 
     fn place(&self, field: usize) -> Result<[f64; 2], PrescriptionError> {
-        let count = self.fields.len();
-        let no_such = PrescriptionError::NoSuch { what: "field", number: field, count };
+        let last = self.fields.len().saturating_sub(1);
+        let no_such = PrescriptionError::NoSuch { what: "field", number: field, first: 0, last };
         self.fields.get(field).copied().ok_or(no_such)
     }
 

@@ -206,7 +206,7 @@ pub enum SystemAperture {
 /// The kind of the field coordinates, which are pairs (x, y).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FieldKind {
-    /// Angles from the axis in degrees: the principal ray has the direction (tan x, tan y, 1).
+    /// Angles from the axis in degrees: the chief ray has the direction (tan x, tan y, 1).
     Angle,
     /// The position of an object point, at a finite distance.
     ObjectHeight,

@@ -69,11 +69,11 @@ impl Prescription {
         }
         let count = self.surfaces.len();
         if !(1..=count).contains(&self.stop) {
-            return Err(PrescriptionError::NoSuch { what: "stop", number: self.stop, count });
+            return Err(PrescriptionError::NoSuch { what: "stop", number: self.stop, first: 1, last: count });
         }
         if self.primary >= self.lines.len() {
-            let (what, number, count) = ("primary wavelength", self.primary, self.lines.len());
-            return Err(PrescriptionError::NoSuch { what, number, count });
+            let (what, number, last) = ("primary wavelength", self.primary, self.lines.len() - 1);
+            return Err(PrescriptionError::NoSuch { what, number, first: 0, last });
         }
         let is_near = self.object_distance.is_finite();
         if !(is_near || self.object_distance == f64::INFINITY) {

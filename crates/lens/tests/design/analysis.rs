@@ -300,7 +300,7 @@ fn colour_follows_dispersion() {
     near(shift, image(486.1327) - image(656.2725), 1e-6);
     assert!(shift < -0.5);
     // C_II / (n' u') is the lateral colour between the outer wavelengths at the paraxial focus for a small
-    // field: the principal rays of the colours go through different points of a lens that aberrates
+    // field: the chief rays of the colours go through different points of a lens that aberrates
     let focused = {
         let mut lens = lens.clone().field_angles(&[0.0, 0.1]);
         lens.surfaces[2].thickness = image(D_NM);
@@ -316,7 +316,7 @@ fn colour_follows_dispersion() {
 
 #[test]
 fn rays_are_aimed_at_the_stop() {
-    // a wide field, whose principal ray through the paraxial pupil misses the centre of the stop by far
+    // a wide field, whose chief ray through the paraxial pupil misses the centre of the stop by far
     let lens = triplet().field_angles(&[0.0, 20.0]);
     let radius = lens.first_order(D_NM).unwrap().stop_semi_diameter;
     let points = hexapolar(4);
@@ -368,7 +368,7 @@ fn the_principal_ray_goes_through_the_centre_of_the_stop() {
         // the entrance pupil moves by T (tan a' - tan a / n) perpendicular to the axis
         let angle = plate.fields[field][1].to_radians();
         let inside = (angle.sin() / 1.5).asin();
-        let [x, y] = plate.principal_point(field, D_NM).unwrap();
+        let [x, y] = plate.chief_ray_pupil_point(field, D_NM).unwrap();
         near(x, 0.0, 1e-10);
         near(y, (10.0 * (angle.tan() / 1.5 - inside.tan())) / 0.5, 1e-9);
     }
@@ -442,7 +442,7 @@ fn rays_are_aimed_at_a_stop_behind_a_mirror() {
     let tilt = |before| CoordinateBreak::new(before, [0.0; 2], [45.0, 0.0, 0.0]);
     let folded = lens(vec![front, back, mirror, Surface::dummy(-10.0), Surface::dummy(-15.0)]);
     let folded = folded.broken(tilt(3)).broken(tilt(4));
-    let [expected, found] = [&straight, &folded].map(|lens| lens.principal_point(1, D_NM).unwrap());
+    let [expected, found] = [&straight, &folded].map(|lens| lens.chief_ray_pupil_point(1, D_NM).unwrap());
     assert!(expected[0].abs() > 1e-3);
     near(found[0], expected[0], 1e-9);
     near(found[1], expected[1], 1e-9);

@@ -79,7 +79,7 @@ fn invalid_breaks_are_rejected() {
     );
     assert_eq!(
         message(doublet().broken(tilt(5))),
-        "the surface behind a coordinate break is number 5: there are 4."
+        "the surface behind a coordinate break is 5: it must be from 1 to 4."
     );
     let scaled = CoordinateBreak { before: 1, map: Affine::scale(Vec3::splat(2.0)) };
     assert!(

@@ -142,7 +142,7 @@ fn errors_name_the_problem() {
     let unknown = Prescription::new(vec![Surface::new(50.0, 5.0, Behind::Glass("N-BK8".to_owned()))]);
     assert!(message(unknown).starts_with("surface 1: no glass is named \"N-BK8\""));
     assert_eq!(message(Prescription::new(vec![])), "the prescription has no surface: it needs at least one.");
-    assert_eq!(message(biconvex(5.0, 5.0).stop_at(3)), "the stop is number 3: there are 2.");
+    assert_eq!(message(biconvex(5.0, 5.0).stop_at(3)), "the stop is 3: it must be from 1 to 2.");
     let zero = Prescription::new(vec![Surface::new(0.0, 5.0, Behind::Air)]);
     assert_eq!(
         message(zero),

@@ -1,4 +1,4 @@
-//! A plain view of a program: tables of fixed-size records, for a GPU buffer, a worker or a file.
+//! Flat tables of a program: fixed-size records, for a GPU buffer, a worker or a file.
 //!
 //! A [`PlainProgram`] holds everything needed to compute crossings: groups, leaves, facets, surfaces, placed
 //! solids, the boolean networks, regions and media. It holds no names and no search structures. Every table
@@ -8,16 +8,17 @@
 //! # Meaning
 //!
 //! - A **surface** has a `kind` and numbers, which define its f: see [`SurfaceKind`]. Inside is f < 0.
-//! - A **facet** is one side of a surface. A leaf of kind [`LEAF_SHAPE`] is inside where all its facets hold.
+//! - A **facet** is one side of a surface. A leaf of kind [`LEAF_SHAPE`] is inside where f has the
+//!   sign that each of its facets states.
 //! - A leaf of kind [`LEAF_INSTANCE`] is a placed solid: the map of the instance takes a point of the group
 //!   into the frame of another group; the point is inside the leaf if it is inside output 0 of that group.
 //! - The **network** of a group has nodes in topological order: node 0 is empty, node 1 is the universe, node
-//!   k + 2 is leaf k of the group, and the gates follow. An **edge** is `2 * node + complement`.
-//! - Group 0 is the model. Its output k is region k + 1; where several are inside, the last one owns the
-//!   point. Region 0 is the world. Every other group has one output.
+//!   k + 2 is leaf k of the group, and the gates follow. An **edge** (a literal in AIGER) is `2 * node + complement`.
+//! - Group 0 is the model. Its output k is region k + 1; a point in several regions belongs to the
+//!   last. Region 0 is the world. Every other group has one output.
 //!
 //! [`DESIGN`](https://github.com/rayweave/rayweave/blob/main/DESIGN.md) defines the crossings that are
-//! reported where surfaces coincide; they need no other table.
+//! reported where surfaces coincide; computing them needs no other table.
 
 mod build;
 mod record;
@@ -31,8 +32,8 @@ pub const LEAF_SHAPE: u32 = 0;
 /// Kind of a leaf that is a placed solid: `first` is the number of an instance; `count` is 1.
 pub const LEAF_INSTANCE: u32 = 1;
 
-/// Flag of a leaf that is the complement of the solid that its facets bound. The network already accounts for
-/// it; it only affects the direction of normals.
+/// Flag of a leaf whose primitive is the complement of the conjunction of its facets. The node of the leaf is still the
+/// conjunction, and edges to it are already complemented; the flag only affects the direction of normals.
 pub const LEAF_COMPLEMENT: u32 = 1;
 /// Flag of a leaf that affects no output.
 pub const LEAF_UNUSED: u32 = 2;
@@ -106,7 +107,7 @@ record! {
         first_output: u32,
         /// The number of its outputs: one for each region for group 0, else 1.
         output_count: u32,
-        /// The number of placements in one occurrence of the group, itself included.
+        /// 1 plus the number of placements nested in the group.
         placements: u32,
     }
 }
@@ -118,7 +119,8 @@ record! {
         lo: [f64; 3],
         /// The upper corner.
         hi: [f64; 3],
-        /// The centre of the ball whose chords decide whether a ray lies in a surface.
+        /// The centre of the ball around the group. A ray lies in a surface if it stays within delta of it along its chord
+        /// of this ball.
         ball_centre: [f64; 3],
         /// The radius of the ball.
         ball_radius: f64,
@@ -185,10 +187,10 @@ record! {
 record! {
     /// The map into the frame of a placed solid.
     PlainMap: 104 {
-        /// From the frame of the enclosing group to its own: three rows of a 3x4 matrix that acts on columns.
+        /// From the frame of the enclosing group to that of the placed group: three rows of a 3x4 matrix that acts on columns.
         local_from_world: [f64; 12],
         /// Sum of the lengths of all translations composed in the map, in units of the outer frame;
-        /// tolerances count them.
+        /// tolerances grow with it.
         path: f64,
     }
 }

@@ -1,6 +1,6 @@
 //! Simplification of boolean formulas, before they are stored in a program.
 //!
-//! Each pass is a free function in its own file; the first line of its documentation is its contract. Every
+//! Each pass is a free function in its own file. Every
 //! pass keeps the value of the formula. [`prepare`] runs them in the order used for compilation. No pass is
 //! recursive, and each takes time linear in the size of the formula ([`fold`](fold()) and [`share`](share())
 //! sort operands).
@@ -60,11 +60,11 @@ impl Pass {
     /// The property that it establishes, while it keeps the value.
     pub fn contract(self) -> &'static str {
         match self {
-            Pass::Positive => "complements at leaves and symmetric differences only (De Morgan)",
-            Pass::Flatten => "chains of one operator as one",
-            Pass::Fold => "no constants, repeated or contradictory operands",
-            Pass::Share => "equal parts once",
-            Pass::Prune => "no parts that bounds show not to matter",
+            Pass::Positive => "only leaves and symmetric differences are complemented (negation normal form)",
+            Pass::Flatten => "nested equal operators are merged",
+            Pass::Fold => "no constants, and no repeated or contradictory operands",
+            Pass::Share => "each distinct part is stored once",
+            Pass::Prune => "no parts that bounding boxes prove irrelevant",
         }
     }
 }
@@ -73,7 +73,7 @@ impl Pass {
 pub(crate) trait Observer {
     /// Called after a pass made the second formula from the first one.
     fn pass(&mut self, _pass: Pass, _before: &Formula, _after: &Formula) {}
-    /// Called before these operands are cut from a formula.
+    /// Receives the operands that are pruned from `formula`.
     fn cuts(&mut self, _formula: &Formula, _leaves: &[Bounds], _cuts: &[PrunedPart]) {}
     /// Called at the end, with the boxes of the leaves and the box of the outputs.
     fn finish(&mut self, _written: &Formula, _kept: &Formula, _leaves: &[Bounds], _tight: Bounds) {}
@@ -82,8 +82,8 @@ pub(crate) trait Observer {
 /// No observer.
 impl Observer for () {}
 
-/// Runs all passes in order: De Morgan, chains, constants, sharing, bounds; then the first four again on the result. If
-/// parts are repeated, constants are also folded first.
+/// Repeats `positive`, `flatten`, `fold` and `share` (after one `fold` if a part has several uses), then runs `prune`. If
+/// that removes anything, it folds and repeats the four passes again.
 ///
 /// `leaves` are the boxes that [`prune`](prune()) takes.
 pub fn prepare(formula: &Formula, leaves: &[Bounds]) -> Formula {
@@ -117,7 +117,8 @@ const TIDYING: [(Pass, Run); 4] =
 /// creates work for an earlier one, a third only if that happens again, and so on.
 const ROUNDS: usize = 4;
 
-/// Repeats the passes that need no bounds until they change nothing, at most [`ROUNDS`] times.
+/// Repeats the passes that need no bounds until the formula is in negation normal form and flat, at most [`ROUNDS`]
+/// times.
 fn tidy(formula: &Formula, observer: &mut impl Observer) -> Formula {
     let mut formula = Cow::Borrowed(formula);
     // De Morgan's laws split the complement of a part, which then no longer cancels the part: `s - s` for a union s

@@ -264,10 +264,10 @@ impl SurfaceForm {
             }
             Figure::Toroidal { .. } => {
                 let problem = format!(
-                    "toroid of the {part} has a curve that is not a circle, or a radius of rotation that is too small"
+                    "toroid of the {part} has a profile that is not a circle, or is a spindle toroid"
                 );
-                let reason = "solids of toroids need a circle rotated about an axis farther than its centre, or a \
-                              cylinder; only sequential ray tracing accepts any curve";
+                let reason = "solids of toroids need a circular profile and a radius of rotation of at least its \
+                              radius, or a cylinder; only sequential ray tracing accepts any profile";
                 return Err(ComponentError::Inconsistent(
                     Message::new(problem, reason).suggest("Use a biconic"),
                 ));

@@ -8,7 +8,7 @@ const FIRST: usize = 1024;
 
 /// Bins the power of rays that arrive at a detector, in bounded memory.
 ///
-/// Two grids grow on demand: when light arrives outside a grid, its cells are merged two by two.
+/// Two grids grow on demand: when light arrives outside a grid, its cells are merged in blocks of 2 x 2.
 /// One grid holds all light. The other one grows only if more than 2 % of the light falls outside
 /// of it, so that faint distant ghosts do not hide a bright spot.
 ///
@@ -31,12 +31,12 @@ pub struct IrradianceBins {
     first: Vec<([f64; 2], f64)>,
     /// The grid of the bright part, and the grid of all light.
     grids: Option<[Grid; 2]>,
-    /// The power outside of the first grid.
+    /// The power left out of the first grid.
     outside: f64,
     total: f64,
 }
 
-/// The part of the power that may lie outside of the first grid.
+/// The fraction of the power that the first grid may leave out.
 const FAINT: f64 = 0.02;
 
 #[derive(Clone, Debug)]
@@ -102,8 +102,9 @@ impl IrradianceBins {
         first.into_iter().for_each(|(point, power)| self.bin(point, power));
     }
 
-    /// The map of the lit part, without distant ghosts of less than 2 % of the power, with at most
-    /// `most` cells along each side. Without light the map is one dark cell.
+    /// The map of the lit part, with at most `most` cells along each side, at most 512. It leaves out
+    /// distant ghosts of at most 2 % of the power if this makes cells at least four times finer.
+    /// Without light the map is one dark cell.
     pub fn finish(mut self, most: usize) -> IrradianceMap {
         if self.grids.is_none() && !self.first.is_empty() {
             self.choose_cells();
@@ -169,7 +170,7 @@ impl Grid {
         is_in
     }
 
-    /// Merges the cells two by two; the old grid becomes the middle of the new one.
+    /// Merges the cells in blocks of 2 x 2; the old grid becomes the middle of the new one.
     fn merge(&mut self) {
         let old = std::mem::replace(&mut self.power, vec![0.0; (CELLS * CELLS) as usize]);
         let begin = self.begin;

@@ -1,8 +1,8 @@
 //! Catalogues of materials by name, and the built-in catalogue.
 //!
-//! The data are published facts; every material has its reference. Glasses come from the AGF
-//! catalogues of their makers, other materials from the papers and books listed in
-//! `data/materials.yml`. All data were collected by the refractiveindex.info database (M. N.
+//! The data are published facts; every material has its reference. Most glasses come from the
+//! AGF catalogues of their makers; other materials, and some glasses, from the papers, books and data
+//! sheets listed in `data/materials.yml`. All data were collected by the refractiveindex.info database (M. N.
 //! Polyanskiy, Scientific Data 11, 94 (2024); public domain, CC0); `data/make_catalogue.py` reduces
 //! its files to those that are compiled in.
 
@@ -84,7 +84,7 @@ impl Catalogue {
     /// The names most similar to a key, at most three.
     fn suggestions(&self, wanted: &str) -> Vec<String> {
         let length = wanted.chars().count();
-        // names are short codes: allow one more differing letter than in words
+        // names are short codes: allow a quarter of the letters to differ, and one more
         let most_edits = (1 + length / 4).min(length.saturating_sub(1));
         let mut names: Vec<String> = Vec::new();
         for known in rayweave_error::closest(wanted, self.by_name.keys().map(String::as_str), |_| most_edits)

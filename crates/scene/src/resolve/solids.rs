@@ -208,7 +208,7 @@ impl Builder<'_, '_> {
     fn report_cycle(&mut self, context: &mut Context<'_>, path: &[(usize, usize)], index: usize, span: Span) {
         let start = path.iter().position(|(other, _)| *other == index).unwrap_or(0);
         let names: Vec<&str> = path[start..].iter().map(|(i, _)| self.solids.names[*i].as_str()).collect();
-        let problem = Diagnostic::error(format!("the solid `{}` is defined by itself", names[0]));
+        let problem = Diagnostic::error(format!("the solid `{}` is defined in terms of itself", names[0]));
         context.push(problem.why(cycle_text(&names)), span);
         self.failed.extend(path[start..].iter().map(|(index, _)| *index));
     }
@@ -318,7 +318,7 @@ fn shape(
     if let Some((_, file)) =
         arguments.iter().find(|(name, _)| keyword.value == "mesh" && name.value == "file")
     {
-        return mesh(context, keyword, arguments, file);
+        return mesh(context, arguments, file);
     }
     let mut values = Vec::new();
     let mut complete = true;
@@ -343,7 +343,6 @@ fn shape(
 /// A mesh from a file, which replaces all parameters.
 fn mesh(
     context: &mut Context,
-    keyword: &Spanned<String>,
     arguments: &Table,
     file: &Spanned<Datum>,
 ) -> Option<Solid> {
@@ -356,9 +355,8 @@ fn mesh(
             ("repair", Datum::Boolean(given)) => repair = *given,
             ("repair", other) => return wrong_type(context, "repair", other, "true or false", value.span),
             _ => {
-                let problem = Diagnostic::error("the mesh has both a file and other parameters");
-                context
-                    .push(problem.why("the points and faces are either in the file or here"), keyword.span);
+                let problem = Diagnostic::error(format!("`{}` cannot be combined with `file`", name.value));
+                context.push(problem.why("a mesh from a file takes only `repair`"), name.span);
                 return None;
             }
         }
@@ -408,7 +406,7 @@ fn row_values(
             let values: Vec<_> = list.iter().map(|item| scalar(context, numbers, name, item)).collect();
             values.into_iter().collect()
         }
-        other => wrong_type(context, name, other, "a row of numbers", datum.span),
+        other => wrong_type(context, name, other, "a list of numbers", datum.span),
     }
 }
 
@@ -495,8 +493,8 @@ pub(super) fn direction(
 ) -> Option<Vec3> {
     let value = numbers.vector(context, vector)?;
     if value == Vec3::ZERO {
-        let problem = Diagnostic::error(format!("the {what} is a vector of length zero"));
-        context.push(problem.why("it has no direction"), vector[0].span.to(vector[2].span));
+        let problem = Diagnostic::error(format!("the {what} is the zero vector"));
+        context.push(problem.why("it must have a direction"), vector[0].span.to(vector[2].span));
         return None;
     }
     Some(value)
@@ -541,8 +539,8 @@ fn copy_numbers(
 ) -> Option<Arc<[i64]>> {
     let count = maps?.len();
     if given.value.len() != count {
-        let problem = Diagnostic::error(format!("`place` has {} numbers", given.value.len()));
-        context.push(problem.why(format!("there are {count} copies")), given.span);
+        let problem = Diagnostic::error(format!("`numbers` has {} entries", given.value.len()));
+        context.push(problem.why(format!("it needs one for each of the {count} copies")), given.span);
         return None;
     }
     let is_whole = |value: f64| value.is_finite() && value.fract() == 0.0;

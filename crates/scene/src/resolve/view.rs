@@ -55,7 +55,7 @@ fn sensible_up(context: &mut Context, view: Vec3, up: Vec3, stated: bool, span: 
     // below 1e-9 rad, the direction to the side has no significant digits
     let parallel = view.normalize().cross(up.normalize()).length() < 1e-9;
     if parallel && stated {
-        let problem = Diagnostic::error("the camera looks along `up`");
+        let problem = Diagnostic::error("the direction of view is parallel to `up`");
         context.push(problem.why("the upward direction of the picture is undefined"), span);
         return None;
     }

@@ -1,4 +1,4 @@
-"""Tolerances of prescriptions, and their optimisation."""
+"""Monte Carlo tolerancing and optimisation of prescriptions."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from rayweave.optics._prescription import Prescription
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-#: The maximum deviation of a uniform distribution, or a kind with its maximum or standard deviation: ("uniform", 0.1),
-#: ("normal", 0.05).
+#: The half-width of a uniform distribution, or ("uniform", half-width), or ("normal", standard deviation).
 Spread = float | tuple[Literal["uniform", "normal"], float]
 
 Merit = Literal["spot", "wavefront", "focal length", "back focal distance", "image shift"]
@@ -31,17 +30,18 @@ class Sensitivities(Columns):
     parameter."""
 
     def show(self, *, axis: Axes | None = None) -> Axes:
-        """Draws the changes of the merit as bars, the largest on top."""
+        """Draws the changes of the merit as bars; the parameter with the largest change is on top."""
         axis = _axis(axis)
-        middle = 0.5 * (self["minus"] + self["plus"])
-        order = np.argsort(np.abs(self["plus"] - self["minus"]) + np.abs(middle - middle.min()))
+        changes = [np.abs(self[name] - self["nominal"]) for name in ("minus", "plus")]
+        order = np.argsort(np.maximum(*changes))
         for name in ("minus", "plus"):
             axis.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
         return _labelled(axis, "change of the merit", "")
 
 
 class Trials(Columns):
-    """Trials with errors: the deviation of every parameter under its name, the `merit` (NaN where no light arrives),
+    """Monte Carlo trials: the deviation of every parameter under its name, the `merit` (NaN if a field receives no
+    light or a parameter leaves its range; then all rays count as lost),
     `shift`, the distance by which the image was moved to refocus it, and `lost`, the number of rays of all fields and
     wavelengths that did not arrive. `nominal` is the merit without errors, `sensitivities` the effect of each
     parameter."""
@@ -50,7 +50,7 @@ class Trials(Columns):
     sensitivities: Sensitivities
 
     def quantile(self, fraction: float) -> float:
-        """The merit that a fraction of the trials do not exceed."""
+        """The merit that a fraction of the trials with a merit do not exceed; `failures` counts the others."""
         return float(np.nanquantile(self["merit"], fraction))
 
     @property
@@ -83,7 +83,7 @@ def tolerance(
     seed: int = 0,
     threads: int | None = None,
 ) -> Trials:
-    """Draws random errors of parameters and computes their effect on a merit.
+    """Monte Carlo tolerancing: draws random errors of parameters and computes their effect on a merit.
 
     A parameter is named by a quantity and surfaces, counted from 1: "radius 2", "curvature 2", "thickness 1", "conic
     1", "index 1", "r^4 1" (the coefficient of a power of the distance from the axis, 1 to 16); and, for surfaces that
@@ -91,18 +91,19 @@ def tolerance(
     (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), the
     "focal length", the "back focal distance", or the displacement of the first field's centroid ("image shift"). A spot
     contains all wavelengths about their common centroid; rays have the weight of their wavelength, and all points of
-    the pupil count equally. A wavefront is that at the primary wavelength. Both are root mean squares over all fields,
-    with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings` rings,
+    the pupil count equally. Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
+    over all fields, with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings` rings,
     regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
     semi-diameter, or in its hole.
 
     With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
-    does not depend on the number of trials or of `threads`, and the errors of a parameter do not depend on the others.
+    does not depend on the number of trials or threads, and appending parameters does not change the errors of earlier
+    ones.
     """
     if not isinstance(errors, Mapping):
         raise TypeError(f"errors is {errors!r}: it must be a dict of parameters with their deviations.")
     spreads = {text(name, "a parameter"): _spread(name, spread) for name, spread in errors.items()}
-    is_of_rays = merit in ("spot", "wavefront")
+    needs_rings = merit in ("spot", "wavefront")
     found = _core.tolerance(
         _lens(lens),
         [(name, kind, scale) for name, (kind, scale) in spreads.items()],
@@ -111,7 +112,7 @@ def tolerance(
         refocus=flag(refocus, "refocus"),
         vignette=flag(vignette, "vignette"),
         # without rings there is only the ray in the middle, which has a position but no spot radius
-        rings=whole(rings, "rings", least=1 if is_of_rays else 0, bits=31),
+        rings=whole(rings, "rings", least=1 if needs_rings else 0, bits=31),
         seed=whole(seed, "seed"),
         threads=threads,
     )
@@ -199,13 +200,13 @@ def goal(
     if any(np.isnan(value) for _, value in stated):
         raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: it must be a number.")
     if len(stated) > 1:
-        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have one of equal, at_least and at_most.")
+        raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have at most one of equal, at_least and at_most.")
     names = ("field", "wavelength_nm") if operand in ("spot", "wavefront") else ("surface", "height")
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
     wanted = [places.pop(name) for name in names] if operand in ("spot", "wavefront", "edge") else []
     if any(value is not None for value in places.values()) or any(value is None for value in wanted):
-        needed = f"{names[0]} and {names[1]}" if wanted else "no field, wavelength_nm, surface nor height"
-        raise _core.RayweaveError(f"the goal {operand!r} needs {needed}")
+        takes = f"{names[0]} and {names[1]}, and no other place" if wanted else "no field, wavelength_nm, surface or height"
+        raise _core.RayweaveError(f"the places of the goal {operand!r} do not fit: it takes {takes}.")
     numbers = tuple(real(value, name) for name, value in zip(names, wanted) if value is not None)
     return Goal(operand, numbers, *stated[0], real(weight, "weight"))
 
@@ -229,7 +230,7 @@ class Optimum:
         return cls(Prescription._of(compiled), **(table | {"reason": _reason(table["reason"])}))
 
 
-#: The reason why the algorithm ends, by its name for it.
+#: Descriptions of the termination reasons of the crate levenberg-marquardt, by its names.
 _REASONS = {
     "ResidualsZero": "all goals are met exactly",
     "Orthogonal": "no small change of the parameters is an improvement",
@@ -260,11 +261,12 @@ def optimise(
     """Minimises the sum of squares of the weighted deviations from goals, starting from a prescription.
 
     Parameters have the names of `tolerance`, except those that move surfaces off the axis; `goal` creates goals. The
-    algorithm is that of Levenberg and Marquardt in the form of J. J. More (MINPACK, 1978). It finds a local minimum
-    near the start, not the global one, and ends after `patience` prescriptions for each parameter.
+    algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
+    near the start, not the global one, and ends after `patience * (number of parameters + 1)` evaluations of the goals,
+    not counting those for derivatives.
     """
     rows = [goal._row() for goal in all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]
-    is_of_rays = any(row[0] in ("spot", "wavefront") for row in rows)
-    count = whole(rings, "rings", least=1 if is_of_rays else 0, bits=31)
+    needs_rings = any(row[0] in ("spot", "wavefront") for row in rows)
+    count = whole(rings, "rings", least=1 if needs_rings else 0, bits=31)
     return Optimum._of(*_core.optimise(_lens(lens), names, rows, rings=count, patience=whole(patience, "patience", least=1)))

@@ -142,7 +142,7 @@ class Spots(Columns):
 class Fans(Columns):
     """Ray fans: `field`, `wavelength_nm`, `along` (0: rays in the pupil along x, 1: along y), `pupil`, the position
     there from -1 to 1, and the transverse aberrations `error_x` and `error_y`, measured from the point where the
-    principal ray of the same wavelength hits the image."""
+    chief ray of the same wavelength hits the image."""
 
     @classmethod
     def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str) -> Self:
@@ -245,7 +245,7 @@ class ZernikeFit(Columns):
 
 class Wavefront(Columns):
     """Optical path differences: `pupil_x` and `pupil_y` in units of the pupil's semi-diameter, `waves` against a sphere
-    about the point where the principal ray hits the image, through the paraxial exit pupil on the axis; positive where
+    about the point where the chief ray hits the image, through the paraxial exit pupil on the axis; positive where
     the light is ahead (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2)."""
 
     @classmethod
@@ -418,7 +418,7 @@ class _OverField(Columns):
 
 
 class Distortion(_OverField):
-    """The height of the `real` principal ray on the image, that of the `paraxial` one, and their relative difference
+    """The height of the `real` chief ray on the image, that of the `paraxial` one, and their relative difference
     `relative`, NaN on the axis."""
 
     @classmethod
@@ -473,7 +473,7 @@ class FocalShift(Columns):
 
 
 class LateralColour(_OverField):
-    """The `shift` of the principal ray on the image relative to that of the primary wavelength, by `wavelength_nm` and
+    """The `shift` of the chief ray on the image relative to that of the primary wavelength, by `wavelength_nm` and
     field."""
 
     @classmethod

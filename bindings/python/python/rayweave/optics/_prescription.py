@@ -474,10 +474,10 @@ class Prescription:
 
     # real rays
 
-    def principal_point(self, field: int = 0, *, wavelength_nm: float | None = None) -> tuple[float, float]:
-        """The point of the paraxial entrance pupil, in units of its semi-diameter, through which the principal (chief)
+    def chief_ray_pupil_point(self, field: int = 0, *, wavelength_nm: float | None = None) -> tuple[float, float]:
+        """The point of the paraxial entrance pupil, in units of its semi-diameter, through which the chief (principal)
         ray of a field goes, the ray to the centre of the stop; (0, 0) without pupil aberration."""
-        return self._compiled.principal_point(whole(field, "field"), self._wavelength(wavelength_nm))
+        return self._compiled.chief_ray_pupil_point(whole(field, "field"), self._wavelength(wavelength_nm))
 
     def arrivals(
         self,
@@ -598,12 +598,12 @@ class Prescription:
         return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit)
 
     def distortion(self, *, wavelength_nm: float | None = None, count: int = 21) -> Distortion:
-        """The heights of real and paraxial principal rays on the image, over the field from the axis to its edge. Real
+        """The heights of real and paraxial chief rays on the image, over the field from the axis to its edge. Real
         rays are aimed at the centre of the stop."""
         return Distortion.of(*self._principal(wavelength_nm, count))
 
     def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 21) -> FieldCurvature:
-        """The tangential and the sagittal focus of thin pencils about the principal ray, the one through the centre of
+        """The tangential and the sagittal focus of thin pencils about the chief ray, the one through the centre of
         the stop, over the field from the axis to its edge: distances along the axis from the image (Coddington; W. T.
         Welford, Aberrations of Optical Systems, section 9.5)."""
         return FieldCurvature.of(*self._principal(wavelength_nm, count))
@@ -619,7 +619,7 @@ class Prescription:
         return FocalShift.of(lines, [on_axis._compiled.axial_focus(line, part) for line in lines], self.unit)
 
     def lateral_colour(self, *, count: int = 21) -> LateralColour:
-        """Lateral colour: the heights of the principal rays of all wavelengths on the image, minus that of the primary
+        """Lateral colour: the heights of the chief rays of all wavelengths on the image, minus that of the primary
         wavelength, over the field from the axis to its edge. The rays are aimed at the centre of the stop."""
         lens, sweep = self._swept(count)
         shift = lens._compiled.lateral_colour
@@ -677,7 +677,7 @@ class Prescription:
         return self.replace(fields=[(part * x, part * y) for part in share.tolist()]), sweep
 
     def _principal(self, wavelength_nm: float | None, count: int) -> tuple[Sweep, NDArray[np.float64]]:
-        """Heights and foci of the principal rays, over the field."""
+        """Heights and foci of the chief rays, over the field."""
         lens, sweep = self._swept(count)
         line = self._wavelength(wavelength_nm)
         return sweep, np.array([lens._compiled.principal(k, line) for k in range(count)])

@@ -102,12 +102,12 @@ class System:
     ) -> Trace:
         """Traces the light of sources through the system.
 
-        `branches` selects the rays traced at faces that reflect and transmit: "ideal" transmits all light, and reflects
-        only by total reflection; "both" traces both parts with their power by the Fresnel equations; "random" traces
+        `branches` selects the rays traced at faces that reflect and transmit: "ideal" refracts without Fresnel loss, or reflects
+        totally, while mirrors, metals and beam splitters keep their reflectance; "both" traces both parts with their power by the Fresnel equations; "random" traces
         one of them with all the power. `polarised` selects whether polarisation is computed; by default it is if the
         system has a `polariser` or a `wave_plate`, or a source emits `Source.polarised` light. Otherwise light is
-        treated as unpolarised at each face. (For elements and sources from model files, the setting `polarised` of the
-        file decides.) Rays end after `generation_limit` events or below the power `threshold`. Results do not depend
+        treated as unpolarised at each face. (For a model file, call `OpticalModel.trace`, which uses the file's
+        setting `polarised`; this method cannot see it.) Rays end after `generation_limit` events or below the power `threshold`. Results do not depend
         on `threads`. `progress` is called with the number of finished rays and the total; True draws a bar on standard
         error. `phases` adds the columns `phase_s` and `phase_p`, for which each event is evaluated again: see
         `Trace.phases`.
@@ -135,8 +135,8 @@ class System:
         progress: Progress = None,
     ) -> Stream:
         """Traces the light of sources batch by batch, each of at least `rows` rows except the last one, in memory that
-        does not grow with the number of rays. The rows of all batches together are those of `trace`, as are
-        `polarised` and `phases`."""
+        does not grow with the number of rays. All batches together are the rows of `trace`; `polarised` and `phases`
+        are as there."""
         given = _all_sources(sources)
         is_followed = self._follows(polarised, given)
         settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
@@ -195,7 +195,7 @@ class System:
         """Traces rays, (N, 3) or (3,), broadcast against each other, with wavelengths in nanometres and powers (N,).
 
         `stokes` (N, 7) is the polarisation: i, q, u, v, of which only the proportions count, and the axis of q > 0,
-        which is projected across the ray. Polarisation is computed as in `trace`: by default if `stokes` is given or an
+        which is projected onto the plane perpendicular to the ray. Polarisation is computed as in `trace`: by default if `stokes` is given or an
         element affects it. `source` (N,) are numbers of sources, for the column of that name.
         """
         starts, ways = _rays(origins, directions)
@@ -273,10 +273,11 @@ def _progress_callback(progress: Progress) -> Any:
 class Trace(Mapping[str, NDArray[Any]]):
     """The segments of all rays as columns: a mapping from names to arrays of equal length.
 
-    `id` is the number of the ray, `parent` the row of the segment before it (-1 for the first), `generation` the number
-    of earlier events, `source` the number of the source; `wavelength_nm`; `intensity` at the start of the segment;
+    `id` is the number of the source ray, `parent` the row of the segment before it (-1 for the first), `generation` the number
+    of earlier events, `source` the number of the source; `wavelength_nm`; `intensity` the power at the start of the segment;
     `index` of the medium; `x0`, `y0`, `z0` and `x1`, `y1`, `z1` the start and the end (NaN for light that escapes),
-    `x_tilt`, `y_tilt`, `z_tilt` the unit direction; `path` the optical path from the source; `element`, `surface` and
+    `x_tilt`, `y_tilt`, `z_tilt` the direction cosines; `path` the optical path length from the source to the end (to the
+    start for light that escapes); `element`, `surface` and
     `event` describe the end. `phase_s` and `phase_p` are present if requested by `phases`.
     """
 
@@ -288,7 +289,7 @@ class Trace(Mapping[str, NDArray[Any]]):
 
     @property
     def balance(self) -> Balance:
-        """The balance of power; a batch of a stream has none."""
+        """The balance of power of the whole run, also for a selection by `at`; a batch of a stream has none."""
         if self._balance is None:
             raise _core.RayweaveError("a batch has no balance. Take all batches and use the balance of the stream.")
         return self._balance
@@ -333,7 +334,7 @@ class Trace(Mapping[str, NDArray[Any]]):
 
         It grows by 360 degrees per wavelength of the optical path and jumps where light is reflected or enters a
         different medium, by the argument of the amplitude of the Fresnel equations or of a coating; waves go as exp(i
-        (k.r - w t)), and p keeps its sign where light is reflected by a denser medium at normal incidence (Born &
+        (k.r - w t)), and p keeps its sign where light is reflected by a denser medium at normal incidence with p = k x s (Born &
         Wolf, Principles of Optics, section 1.5.2). The phases hold for light that stays s or p, that is, where all
         planes of incidence coincide. Scattered light has no phase: NaN. Only a whole trace has phases, not a
         selection by `at`.
@@ -358,7 +359,8 @@ class Trace(Mapping[str, NDArray[Any]]):
         return irradiance_of(_local(arriving, element), arriving["intensity"], bins, size)
 
     def angles(self, element: str) -> NDArray[np.float64]:
-        """The angles, in degrees, between the light that arrives at an element and its z axis."""
+        """The angles of incidence of the light that arrives at an element: degrees from its z axis, 0 to 90, from either
+        side."""
         arriving = self.at(element)
         axis = self._element(element).place[:3, 2]
         tilts = np.stack([arriving[f"{k}_tilt"] for k in "xyz"], axis=1)
@@ -404,9 +406,10 @@ class Trace(Mapping[str, NDArray[Any]]):
         rays: int = 200,
         escape: float | None = None,
     ) -> Axes:
-        """Draws a true section of the solids through the axis with the rays, on a matplotlib axis.
+        """Draws the cross-section of the solids in the coordinate plane `view`, with all rays projected onto it, on
+        matplotlib Axes.
 
-        Rays are coloured by wavelength, by source, or all in one colour. Of more than `rays` rays, an even selection is
+        Rays are coloured by wavelength, by source, or all in one colour. If there are more than `rays` rays, every n-th is
         drawn. Light that escapes is drawn with the length `escape`, by default a fifth of the picture.
         """
         from rayweave.optics._drawing import draw

@@ -68,13 +68,13 @@ impl PyPrescription {
         self.lens.surfaces.iter().map(|surface| row_of(py, surface)).collect()
     }
 
-    /// The numbers that belong to no single surface, in the form that the constructor takes.
+    /// Aperture, fields, wavelengths, stop and image, in the form that the constructor takes.
     #[pyo3(signature = () -> "dict[str, Any]")]
     fn frame<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         frame_table(py, &self.lens)
     }
 
-    /// First-order data at a wavelength by name, with the matrix (a, b, c, d); pupils are (position, diameter).
+    /// A dict of first-order data at a wavelength, with the matrix (a, b, c, d); pupils are (position, diameter).
     #[pyo3(signature = (wavelength_nm, along) -> "dict[str, Any]")]
     fn first_order<'py>(
         &self,
@@ -96,7 +96,7 @@ impl PyPrescription {
         seidel_table(py, &self.lens.seidel().map_err(bad_value)?)
     }
 
-    /// Its solids, stop and image.
+    /// The solids, stop and image of the prescription.
     #[pyo3(signature = () -> "list[tuple[str, Any, Any, Any, Any]]")]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let (layout, _) = self.built(py)?;
@@ -108,7 +108,8 @@ impl PyPrescription {
         Ok(PyArray1::from_slice(py, &self.built(py)?.0.semi_diameters))
     }
 
-    /// Origins and directions of the rays of a field through points of the pupil, (N, 2).
+    /// Origins and directions, both (N, 3), of the rays of a field through points of the pupil, (N, 2), in units of its
+    /// semi-diameter.
     #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn rays<'py>(
@@ -143,7 +144,7 @@ impl PyPrescription {
         found.map(PyArrivals)
     }
 
-    /// A ray fan: points of the pupil and transverse errors, both (N, 2).
+    /// A ray fan: points of the pupil and transverse ray aberrations, both (N, 2).
     #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn fan<'py>(
@@ -158,7 +159,7 @@ impl PyPrescription {
         Ok((pairs(py, &fan.pupil), pairs(py, &fan.errors)))
     }
 
-    /// A wavefront: points of the pupil (N, 2) and differences in waves (N,).
+    /// A wavefront: points of the pupil (N, 2) and optical path differences in waves (N,).
     #[pyo3(signature = (field, wavelength_nm, pupil: "ArrayLike", aimed))]
     #[allow(clippy::type_complexity)] // two arrays
     fn wavefront<'py>(
@@ -173,10 +174,16 @@ impl PyPrescription {
         Ok((pairs(py, &wavefront.pupil), PyArray1::from_vec(py, wavefront.waves)))
     }
 
-    /// The point of the paraxial entrance pupil through which the principal ray passes.
+    /// The point of the paraxial entrance pupil through which the chief ray passes.
     #[pyo3(signature = (field, wavelength_nm))]
-    fn principal_point(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<(f64, f64)> {
-        let [x, y] = py.detach(|| self.lens.principal_point(field, wavelength_nm)).map_err(bad_value)?;
+    fn chief_ray_pupil_point(
+        &self,
+        py: Python<'_>,
+        field: usize,
+        wavelength_nm: f64,
+    ) -> PyResult<(f64, f64)> {
+        let [x, y] =
+            py.detach(|| self.lens.chief_ray_pupil_point(field, wavelength_nm)).map_err(bad_value)?;
         Ok((x, y))
     }
 
@@ -186,7 +193,7 @@ impl PyPrescription {
         py.detach(|| needs_aiming(&self.lens, field, wavelength_nm)).map_err(bad_value)
     }
 
-    /// The heights of the real and the paraxial principal ray on the image, and the tangential and the sagittal focus.
+    /// The heights of the real and the paraxial chief ray on the image, and the tangential and the sagittal focus.
     #[pyo3(signature = (field, wavelength_nm))]
     fn principal(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<[f64; 4]> {
         self.study(py, false, |study| {
@@ -196,14 +203,14 @@ impl PyPrescription {
         })
     }
 
-    /// The intersection with the axis of the ray of the first field, on the axis, through a height
-    /// in the pupil.
+    /// The distance from the image to the axis crossing of the ray at a height in the pupil, in units of its
+    /// semi-diameter. The first field must be on the axis.
     #[pyo3(signature = (wavelength_nm, height))]
     fn axial_focus(&self, py: Python<'_>, wavelength_nm: f64, height: f64) -> PyResult<f64> {
         self.study(py, false, |study| study.axial_focus(wavelength_nm, height))
     }
 
-    /// The height of the principal ray less that at the primary wavelength.
+    /// The height of the chief ray on the image minus that at the primary wavelength.
     #[pyo3(signature = (field, wavelength_nm))]
     fn lateral_colour(&self, py: Python<'_>, field: usize, wavelength_nm: f64) -> PyResult<f64> {
         self.study(py, false, |study| study.lateral_colour(field, wavelength_nm))
@@ -242,7 +249,7 @@ impl PyPrescription {
     }
 }
 
-/// The matrix of a coordinate break: coordinates in front of it from those behind, row by row.
+/// The matrix of a coordinate break, row by row: it maps coordinates behind the break to those in front of it.
 #[pyfunction]
 #[pyo3(signature = (decentre, tilt_degrees, tilts_first))]
 pub fn coordinate_break(decentre: [f64; 2], tilt_degrees: [f64; 3], tilts_first: bool) -> [[f64; 4]; 4] {
@@ -250,7 +257,8 @@ pub fn coordinate_break(decentre: [f64; 2], tilt_degrees: [f64; 3], tilts_first:
     made(0, decentre, tilt_degrees).map.to_rows()
 }
 
-/// The maximum number of points across a pupil or, squared, in it: 3 GB for a hexapolar pattern.
+/// The maximum number of points of a fan; grids and rings are limited to its square root, so that a hexapolar pattern
+/// has at most 3 * 2^26 points (3 GB).
 const MAX_POINTS: usize = 1 << 26;
 
 /// Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with a number of points
@@ -269,7 +277,11 @@ pub fn pupil_points<'py>(py: Python<'py>, kind: &str, count: usize) -> PyResult<
         "square" => square(count),
         "fan_x" => fan_x(count),
         "fan_y" => fan_y(count),
-        other => return Err(bad_value(format!("there is no pupil {other:?}"))),
+        other => {
+            return Err(bad_value(format!(
+                "the pupil {other:?} does not exist: it must be hexapolar, square, fan_x or fan_y."
+            )));
+        }
     };
     Ok(pairs(py, &points))
 }

@@ -228,7 +228,7 @@ impl Reader {
                     self.note("real image heights of fields are taken as paraxial ones".to_owned());
                 }
                 if words.get(1).is_some_and(|flag| *flag != "0") {
-                    let text = "the object space is telecentric, which is ignored: principal rays go through the centre of the stop";
+                    let text = "the object space is telecentric, which is ignored: chief rays go through the centre of the stop";
                     self.note(text.to_owned());
                 }
                 if words.get(6).is_some_and(|flag| *flag != "0") {

@@ -1,7 +1,7 @@
 //! SIMD combination of hit arrays: one ray per lane of a register.
 //!
-//! Lanes are independent, so the result does not depend on their number. The code branches on values only for signed zeros and
-//! for equal times in a block.
+//! Lanes are independent, so the result does not depend on their number. The code branches on values only where a column
+//! is unsorted or holds NaN, a signed zero or equal times.
 
 /// Repeats its body for the numbers below `$n`, at most nine, each a constant: arrays of lanes then stay in
 /// registers, and bounds checks are removed. Do not use closures in the body: they are not always compiled
