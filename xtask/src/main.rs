@@ -1,4 +1,4 @@
-//! Maintenance commands of the repository: tests, tidy checks, layers, new primitives.
+//! `cargo xtask`: the maintenance commands of the repository, listed in `HELP`.
 
 mod accepted;
 mod allow;
@@ -34,25 +34,26 @@ Usage: cargo xtask COMMAND
 
 Commands:
   test [--long] [--fail-fast] [--only STAGE]... [--skip STAGE]... [--list]
-                       run every check and test, stage by stage
+                       run the checks and tests of the repository, stage by stage
   tidy                 check the text of all files of the repository
-  layers               compare dependencies and import cycles with ARCHITECTURE.md
-  new-primitive NAME   write the first version of a primitive's file
+  layers               check dependencies, import cycles and crate features (ARCHITECTURE.md)
+  new-primitive NAME   write the source file of a new primitive, as a copy of the sphere
   golden [--accept]    compare the pictures of all models with those accepted, or accept them
   answers [--accept]   compare the hashes of answers with those recorded, or record them
   generated [--accept] compare the sources generated from the registry of primitives, or write them
   stub [--accept]      compare the stub of the Python package with the sources of the binding, or write it
-  mutants [NAME]...    break the physics of photons on purpose, and see a test fail (all mutants, or those named)
+  mutants [TEXT]...    check that a test fails for each deliberate error in the physics of photons: for all mutants,
+                       or those whose names contain a text
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   dist                 build the release command and the wheel into dist/, with checksums
   help                 print this text
 
 Options of test:
-  --long               also run the ignored tests whose names begin with long_
+  --long               also run the stages long (the ignored tests) and mutants
   --fail-fast          stop at the first stage that fails
-  --only STAGE         run this stage: may be repeated.
-  --skip STAGE         leave this stage out: may be repeated.
-  --list               print the stages and what each does
+  --only STAGE         run only this stage; may be repeated
+  --skip STAGE         omit this stage; may be repeated
+  --list               print the selected stages and what each does, instead of running them
 ";
 
 fn main() -> ExitCode {
@@ -65,7 +66,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Executes the command line. Commands that print their own report return the exit code.
+/// Executes the command line. `test` prints its own report, and returns its exit code.
 fn run() -> Result<ExitCode, String> {
     let mut arguments = lexopt::Parser::from_env();
     let command = match arguments.next().map_err(|error| error.to_string())? {
@@ -115,7 +116,7 @@ fn run() -> Result<ExitCode, String> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Parses the one value that is still expected, and rejects further arguments.
+/// The last argument, a value; an error if it is missing or followed by another.
 fn one_value(mut arguments: lexopt::Parser, name: &str) -> Result<String, String> {
     let value = arguments.value().map_err(|_| usage(&format!("{name} is missing")))?;
     finish(arguments)?;

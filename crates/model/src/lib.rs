@@ -1,11 +1,12 @@
 //! Solids as boolean expressions, compiled once into a flat program.
 //!
-//! - [`Solid`]: a tree of shapes, transforms, boolean operators and names, as users build it. Cheap to clone.
-//! - [`Program`]: the compiled form that evaluators use: expressions, leaf table, shared surfaces. Immutable.
-//! - [`Evaluator`]: the trait that answers ray queries on a program, with its rays, queries and answers.
+//! - [`Solid`]: the tree of shapes, transforms, boolean operators and names that users build; cheap to clone.
+//! - [`Program`]: the immutable compiled form, with expressions, a table of leaves and shared surfaces.
+//! - [`Evaluator`]: the trait of evaluators, which compute the crossings of rays with a program; [`Query`] and
+//!   [`RayAnswer`] are its input and output.
 //!
-//! The rules that all evaluators share are implemented here, each once: when crossings are welded and to
-//! which face they belong ([`weld`]), and their points and normals ([`attributes`]).
+//! The rules that all evaluators share are implemented here, each once: [`weld`] merges coincident crossings and
+//! attributes each crossing to a face; [`attributes`] computes points and normals.
 
 pub mod attributes;
 pub mod drive;

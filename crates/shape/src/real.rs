@@ -1,5 +1,5 @@
-//! Numbers of one ray (`f64`) or of eight (SIMD lanes), and vectors of them: a kernel that is generic over [`Real`]
-//! compiles to both its scalar and its lane version.
+//! Numbers and vectors for one ray (`f64`) or for eight rays (SIMD lanes). A kernel that is generic over [`Real`]
+//! compiles to both a scalar version and a lane version.
 //!
 //! Both versions give the same bits, because every operation here is correctly rounded and none is fused. All functions must be
 //! inlined into a caller that is compiled for the instruction set ([`fearless_simd::dispatch`]).
@@ -9,7 +9,7 @@ use fearless_simd::{Simd, f64x8, mask64x8};
 use rayweave_math::Vec3;
 use std::ops::{Add, BitAnd, Div, Mul, Neg, Sub};
 
-/// One number per ray.
+/// One number per ray: a scalar, or a SIMD vector with one ray per lane.
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -24,10 +24,10 @@ pub trait Real:
     /// One boolean per ray.
     type Mask: Copy + BitAnd<Output = Self::Mask>;
 
-    /// The number `value` for as many rays as this one has.
+    /// `value` in every lane; of `self` only the type matters.
     fn splat(self, value: f64) -> Self;
 
-    /// The same number for all rays minus this one.
+    /// `value - self`, with the same `value` for all rays.
     fn taken_from(self, value: f64) -> Self;
 
     /// Absolute value.
@@ -36,19 +36,19 @@ pub trait Real:
     /// Square root, correctly rounded.
     fn sqrt(self) -> Self;
 
-    /// True where this number is smaller.
+    /// True where `self < other`; false where either is NaN.
     fn is_below(self, other: Self) -> Self::Mask;
 
-    /// True where this number is not larger.
+    /// True where `self <= other`; false where either is NaN.
     fn is_at_most(self, other: Self) -> Self::Mask;
 
-    /// True where this number is 0.
+    /// True where the number is 0 or -0.
     fn is_zero(self) -> Self::Mask;
 
-    /// True if the mask holds for any ray.
+    /// True if the mask is true for at least one ray.
     fn any(mask: Self::Mask) -> bool;
 
-    /// `chosen` where the mask holds, else `other`.
+    /// `chosen` where the mask is true, else `other`.
     fn select(mask: Self::Mask, chosen: Self, other: Self) -> Self;
 }
 
@@ -176,25 +176,25 @@ impl From<Vector<f64>> for Vec3 {
 }
 
 impl<R: Real> Vector<R> {
-    /// The same vector times one number per ray.
+    /// `factor v`: the same vector for all rays, one factor per ray.
     #[inline(always)]
     pub fn along(v: Vec3, factor: R) -> Self {
         Vector { x: factor * v.x, y: factor * v.y, z: factor * v.z }
     }
 
-    /// The vector `v` for as many rays as this one has.
+    /// `v` in every lane; of `self` only the type matters.
     #[inline(always)]
     pub fn same(self, v: Vec3) -> Self {
         Vector { x: self.x.splat(v.x), y: self.x.splat(v.y), z: self.x.splat(v.z) }
     }
 
-    /// `(x x' + y y') + z z'`.
+    /// Dot product, summed as `(x x' + y y') + z z'`.
     #[inline(always)]
     pub fn dot(self, other: Self) -> R {
         self.x * other.x + self.y * other.y + self.z * other.z
     }
 
-    /// Dot product with the same vector for all rays.
+    /// Dot product with the same vector for all rays, summed in the order of [`Vector::dot`].
     #[inline(always)]
     pub fn dot_all(self, v: Vec3) -> R {
         self.x * v.x + self.y * v.y + self.z * v.z
@@ -234,25 +234,25 @@ impl<R: Real> Vector<R> {
         Vector { x: self.x + v.x, y: self.y + v.y, z: self.z + v.z }
     }
 
-    /// Difference from the same vector for all rays.
+    /// `self - v`, with the same `v` for all rays.
     #[inline(always)]
     pub fn minus_all(self, v: Vec3) -> Self {
         Vector { x: self.x - v.x, y: self.y - v.y, z: self.z - v.z }
     }
 
-    /// The same vector for all rays minus this one.
+    /// `v - self`, with the same `v` for all rays.
     #[inline(always)]
     pub fn taken_from(self, v: Vec3) -> Self {
         Vector { x: self.x.taken_from(v.x), y: self.y.taken_from(v.y), z: self.z.taken_from(v.z) }
     }
 
-    /// Product with one number per ray.
+    /// Product with one factor per ray.
     #[inline(always)]
     pub fn times(self, factor: R) -> Self {
         Vector { x: factor * self.x, y: factor * self.y, z: factor * self.z }
     }
 
-    /// Product with the same number for all rays.
+    /// Product with the same factor for all rays.
     #[inline(always)]
     pub fn times_number(self, factor: f64) -> Self {
         Vector { x: self.x * factor, y: self.y * factor, z: self.z * factor }
@@ -264,13 +264,13 @@ impl<R: Real> Vector<R> {
         Vector { x: self.x * v.x, y: self.y * v.y, z: self.z * v.z }
     }
 
-    /// This vector minus a multiple of `axis`: the same axis for all rays, one factor per ray.
+    /// `self - along axis`: the same axis for all rays, one factor `along` per ray.
     #[inline(always)]
     pub fn without(self, along: R, axis: Vec3) -> Self {
         Vector { x: self.x - along * axis.x, y: self.y - along * axis.y, z: self.z - along * axis.z }
     }
 
-    /// `v - (v . axis) axis` for a unit axis.
+    /// The component perpendicular to a unit axis: `self - (self . axis) axis`.
     #[inline(always)]
     pub fn perpendicular(self, axis: Vec3) -> Self {
         self.without(self.dot_all(axis), axis)
@@ -282,13 +282,13 @@ impl<R: Real> Vector<R> {
         Vector { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
     }
 
-    /// Sum of the magnitudes of the components: at least the length, at most sqrt(3) times it.
+    /// Taxicab norm (1-norm), the sum of the magnitudes of the components: at least the length, at most sqrt(3) times it.
     #[inline(always)]
     pub fn taxicab(self) -> R {
         self.x.abs() + self.y.abs() + self.z.abs()
     }
 
-    /// A component by its index.
+    /// A component by its index: 0 is x, 1 is y, any other is z.
     #[inline(always)]
     pub fn component(self, k: usize) -> R {
         match k {

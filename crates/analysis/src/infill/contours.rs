@@ -1,4 +1,4 @@
-//! Reader of regions of the plane from CSV contours.
+//! Reader for regions of the plane, given as contours in a CSV file.
 
 use super::ContourProblems;
 use crate::AnalysisError;
@@ -16,14 +16,15 @@ const MAX_PROBLEMS: usize = 20;
 
 /// Reads the region bounded by the contours of a CSV file.
 ///
-/// The first line names the columns `contour`, `x` and `y`, in any order; each further line is a vertex. The
-/// rows of a contour are consecutive and have the same text in the column `contour`; messages number contours
-/// from 0 in the order of the file. Islands are counter-clockwise, holes clockwise ([`from_polygons`]).
+/// The first line names the columns `contour`, `x` and `y`, in any order; each further line is a vertex, and
+/// blank lines are ignored. The rows of a contour are consecutive and have the same text, its name, in the
+/// column `contour`. Islands are counter-clockwise, holes clockwise ([`from_polygons`]). Messages about the
+/// geometry number the contours from 0 in the order of the file.
 ///
 /// # Errors
 ///
-/// A file that cannot be read or is invalid (all problems with their lines), or whose contours bound no
-/// region.
+/// A file that cannot be read; invalid rows, with their lines (reading stops after 20 problems); or the first
+/// error of [`from_polygons`], such as contours that touch or have the wrong orientation.
 pub fn read_region(path: impl AsRef<Path>, outside: Side) -> Result<Polygons, AnalysisError> {
     let path = path.as_ref();
     let bytes = rayweave_scene::read_bytes(path).map_err(|reason| TableError::Io {
@@ -31,12 +32,13 @@ pub fn read_region(path: impl AsRef<Path>, outside: Side) -> Result<Polygons, An
         path: path.display().to_string(),
         error: std::io::Error::other(reason),
     })?;
-    let wrong = |problems| ContourProblems { file: path.display().to_string(), problems };
-    let contours = parse(&bytes).map_err(wrong)?;
+    let invalid = |problems| ContourProblems { file: path.display().to_string(), problems };
+    let contours = parse(&bytes).map_err(invalid)?;
     let region = from_polygons(&contours.points, outside);
-    Ok(region.map_err(|error| wrong(vec![(contours.line_of(&error), error.to_string())]))?)
+    Ok(region.map_err(|error| invalid(vec![(contours.line_of(&error), error.to_string())]))?)
 }
 
+/// Problems of a file, with line numbers from 1; `None` for a problem of the whole file.
 type Problems = Vec<(Option<usize>, String)>;
 
 fn parse(bytes: &[u8]) -> Result<Contours, Problems> {
@@ -48,13 +50,16 @@ fn parse(bytes: &[u8]) -> Result<Contours, Problems> {
     let mut lines =
         text.lines().enumerate().map(|(k, line)| (k + 1, line)).filter(|(_, line)| !line.trim().is_empty());
     let Some((number, header)) = lines.next() else {
-        return Err(vec![(None, "the file is empty: the first line is contour,x,y.".to_owned())]);
+        return Err(vec![(
+            None,
+            "the file is empty: the first line must name the columns contour,x,y.".to_owned(),
+        )]);
     };
-    let places = header_places(header).map_err(|problem| vec![(Some(number), problem)])?;
+    let positions = column_positions(header).map_err(|problem| vec![(Some(number), problem)])?;
     let mut contours = Contours::default();
     let mut problems = Problems::new();
     for (number, line) in lines {
-        if let Err(problem) = contours.add(number, line, places) {
+        if let Err(problem) = contours.add(number, line, positions) {
             problems.push((Some(number), problem));
         }
         if problems.len() == MAX_PROBLEMS {
@@ -65,7 +70,7 @@ fn parse(bytes: &[u8]) -> Result<Contours, Problems> {
     if problems.is_empty() { Ok(contours) } else { Err(problems) }
 }
 
-/// The fields of a line without surrounding spaces and quotes.
+/// The fields of a line, separated by commas (also within quotes), without surrounding spaces and quotes.
 fn fields(line: &str) -> Vec<&str> {
     line.split(',').map(|field| unquoted(field.trim())).collect()
 }
@@ -74,28 +79,29 @@ fn unquoted(field: &str) -> &str {
     field.strip_prefix('"').and_then(|inner| inner.strip_suffix('"')).unwrap_or(field)
 }
 
-/// The position of each column.
-fn header_places(header: &str) -> Result<[usize; 3], String> {
+/// The positions of [`COLUMNS`] in the header.
+fn column_positions(header: &str) -> Result<[usize; 3], String> {
     let names = fields(header);
-    let place = |column: &str| names.iter().position(|name| name.eq_ignore_ascii_case(column));
-    match COLUMNS.map(place) {
+    let position = |column: &str| names.iter().position(|name| name.eq_ignore_ascii_case(column));
+    match COLUMNS.map(position) {
         [Some(contour), Some(x), Some(y)] if names.len() == 3 => Ok([contour, x, y]),
-        _ => Err(format!("the header is `{}`: contours have the columns contour,x,y.", header.trim())),
+        _ => Err(format!("the header is `{}`: the columns must be contour,x,y.", header.trim())),
     }
 }
 
 /// The contours read so far.
 #[derive(Default)]
 struct Contours {
+    /// The name of the last contour.
     last: String,
     names: HashSet<String>,
     points: Vec<Vec<[f64; 2]>>,
-    /// The line of each vertex.
+    /// The line number of each vertex.
     lines: Vec<Vec<usize>>,
 }
 
 impl Contours {
-    /// The line of the invalid vertex.
+    /// The line number of the first vertex that the error names, or of the first vertex of the contour.
     fn line_of(&self, error: &PolygonError) -> Option<usize> {
         let (contour, vertex) = match *error {
             PolygonError::NotFinite { contour, vertex, .. }
@@ -107,17 +113,21 @@ impl Contours {
         self.lines.get(contour)?.get(vertex).copied()
     }
 
+    /// Adds the vertex in a line of the file.
     fn add(&mut self, number: usize, line: &str, [contour, x, y]: [usize; 3]) -> Result<(), String> {
         let fields = fields(line);
         if fields.len() != 3 {
-            return Err(format!("the row has {} fields: a vertex has contour,x,y.", fields.len()));
+            return Err(format!(
+                "the row has {} fields: there must be one for each of the 3 columns.",
+                fields.len()
+            ));
         }
         let point = [coordinate("x", fields[x])?, coordinate("y", fields[y])?];
         let name = fields[contour];
         if self.points.is_empty() || self.last != name {
             if !self.names.insert(name.to_owned()) {
                 return Err(format!(
-                    "contour {name} continues after another one: the rows of a contour must be consecutive."
+                    "contour `{name}` continues after another one: the rows of a contour must be consecutive."
                 ));
             }
             self.last = name.to_owned();
@@ -165,15 +175,18 @@ mod tests {
         let text = "contour,x,y\n0,a,0\n0,1\n0,1,inf\n0,0,0\n1,0,0\n0,5,5\n";
         let expected = [
             "f.csv:2: x is `a`: it must be a number.",
-            "f.csv:3: the row has 2 fields: a vertex has contour,x,y.",
+            "f.csv:3: the row has 2 fields: there must be one for each of the 3 columns.",
             "f.csv:4: y is inf: coordinates must be finite.",
-            "f.csv:7: contour 0 continues after another one: the rows of a contour must be consecutive.",
+            "f.csv:7: contour `0` continues after another one: the rows of a contour must be consecutive.",
         ];
         assert_eq!(problems(text), expected);
-        assert_eq!(problems("\n \n"), ["f.csv: the file is empty: the first line is contour,x,y."]);
+        assert_eq!(
+            problems("\n \n"),
+            ["f.csv: the file is empty: the first line must name the columns contour,x,y."]
+        );
         assert_eq!(
             problems("x,y\n0,0\n"),
-            ["f.csv:1: the header is `x,y`: contours have the columns contour,x,y."]
+            ["f.csv:1: the header is `x,y`: the columns must be contour,x,y."]
         );
         let many = "contour,x,y\n".to_owned() + &"0,,\n".repeat(50);
         assert_eq!(problems(&many).len(), MAX_PROBLEMS + 1);

@@ -4,7 +4,7 @@ use super::InfillError;
 use rayweave_math::sin_cos_degrees;
 use std::ops::Range;
 
-/// Parallel scan lines that cover the plane.
+/// Equidistant parallel scan lines over the whole plane, numbered by all integers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Raster {
     spacing: f64,
@@ -12,16 +12,16 @@ pub struct Raster {
     phase: f64,
 }
 
-/// Up to this value, the numbers of scan lines are exact in f64.
+/// The numbers of scan lines are below this magnitude, so that they are exact in `f64`.
 const MAX_NUMBER: f64 = 9_007_199_254_740_992.0; // 2^53
 
 impl Raster {
-    /// Creates scan lines at a distance of `spacing` > 0, at `angle` degrees from +x towards +y, shifted by `phase`
-    /// (0 to 1) times the spacing.
+    /// Creates scan lines at a distance of `spacing` > 0, at `angle` degrees from +x towards +y. `phase` (0 to 1) times the
+    /// spacing is the distance of line 0 from the origin, to the left of the direction.
     ///
     /// # Errors
     ///
-    /// `Spacing`, `Angle`, `Phase` for a number out of its range.
+    /// [`InfillError::Spacing`], [`InfillError::Angle`] or [`InfillError::Phase`] for a number out of its range.
     pub fn new(spacing: f64, angle: f64, phase: f64) -> Result<Raster, InfillError> {
         match () {
             () if !(spacing > 0.0 && spacing.is_finite()) => Err(InfillError::Spacing(spacing)),
@@ -31,11 +31,11 @@ impl Raster {
         }
     }
 
-    /// The scan lines rotated about the origin by `degrees`.
+    /// The scan lines rotated about the origin by an angle in degrees, counter-clockwise.
     ///
     /// # Errors
     ///
-    /// `Angle` if the resulting angle is not finite.
+    /// [`InfillError::Angle`] if the resulting angle is not finite.
     pub fn turned(&self, degrees: f64) -> Result<Raster, InfillError> {
         Raster::new(self.spacing, self.angle + degrees, self.phase)
     }
@@ -58,14 +58,15 @@ impl Raster {
         [-y * level, x * level]
     }
 
-    /// The numbers of all scan lines that intersect a box, given by its smallest and largest coordinates,
-    /// plus one on either side to allow for rounding of the corners; the extra line is omitted if it is twice
-    /// as far from the origin as any corner, because with a large spacing it may be too far away to be
-    /// traced.
+    /// The numbers of all scan lines that intersect a box, given by its smallest and largest coordinates, and
+    /// of one or two more on either side, to allow for rounding of the corners. The additional lines are
+    /// omitted where their distance from the origin exceeds twice the larger |x| + |y| of the two corners:
+    /// with a large spacing they may be too far away to be traced.
     ///
     /// # Errors
     ///
-    /// `TooManyLines` if there are more than `most`, or their numbers are beyond 2^53.
+    /// [`InfillError::TooManyLines`] if there are more than `most`, including omitted ones, or if a number reaches
+    /// 2^53 in magnitude.
     pub fn scanlines(&self, [lo, hi]: [[f64; 2]; 2], most: u64) -> Result<Range<i64>, InfillError> {
         let [x, y] = self.direction();
         let level = |px: f64, py: f64| (x * py - y * px) / self.spacing - self.phase;

@@ -1,4 +1,4 @@
-//! Measurements compared with closed forms, and with the coverage of confidence intervals.
+//! Tests of measurements against closed forms, and of the coverage of their confidence intervals.
 
 use super::*;
 use rayweave_math::{Bounds, Vec3};
@@ -39,7 +39,7 @@ fn a_ball_far_from_the_origin() {
     assert!((0..3).all(|k| centre[k].contains(at[k]) && centre[k].half_width < 0.01), "{centre:?}");
     let longest = found.longest.unwrap();
     assert!(longest.length() > 3.99 && longest.length() <= 4.0 && (longest.from - at).length() < 2.0 + 1e-9);
-    // 2/5 V r^2, and 0 off the diagonal
+    // the inertia of a ball: 2/5 V r^2 on the diagonal, 0 off it
     let moment = 0.4 * volume * 4.0;
     for i in 0..3 {
         for j in 0..3 {
@@ -49,7 +49,7 @@ fn a_ball_far_from_the_origin() {
     }
 }
 
-/// Two cubes that have only a face in common.
+/// The intersection of two cubes that have only a face in common.
 #[test]
 fn a_box_of_zero_width_has_no_volume() {
     let found = one(&(cube(2.0) & cube(2.0).translate(2.0 * Vec3::X)), &quick());
@@ -67,8 +67,8 @@ fn flat_faces_are_exact() {
     assert!(found.inertia[1][1].contains(expected), "{:?} {expected}", found.inertia[1][1]);
 }
 
-/// With a confidence of 90 %, each interval misses the value with probability 0.1; more than 35 of 200 do so
-/// with probability 4e-4.
+/// With a confidence of 90 %, each interval misses the value with probability 0.1. Of 200 intervals, more than 35
+/// miss with probability 4e-4, and fewer than 5 with probability 8e-6.
 #[test]
 fn confidence_is_kept() {
     let torus = Solid::from(Primitive::from(Torus::new(1.0, 0.4).unwrap())).rotate_x(35.0);
@@ -86,7 +86,7 @@ fn confidence_is_kept() {
     assert!(volumes >= 5 && areas >= 5, "the intervals are too wide: {volumes} and {areas} of 200 miss");
 }
 
-/// Later regions cut earlier ones; a small region is found in its own box.
+/// Later regions are cut out of earlier ones; rays through its own box find a small region.
 #[test]
 fn regions_of_a_partition() {
     let region = |name: &str, solid: Solid, medium: u32| Region { name: name.to_owned(), solid, medium };
@@ -112,6 +112,7 @@ fn regions_of_a_partition() {
     }
 }
 
+/// The faces of the box do not count as boundary.
 #[test]
 fn within_a_box() {
     let below = Solid::from(Primitive::from(HalfSpace::new(Vec3::Z, 0.0).unwrap()));
@@ -120,7 +121,7 @@ fn within_a_box() {
     assert!((found.volume.value - 6.0).abs() < 1e-12 && (found.area.value - 6.0).abs() < 1e-12, "{found:?}");
 }
 
-/// After the first round, no region gets more than `most_rays` rays.
+/// The first round does not count towards `most_rays`.
 #[test]
 fn no_more_rays_than_requested() {
     let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;
@@ -138,16 +139,17 @@ fn empty_regions() {
     let apart = cube(1.0) & cube(1.0).translate(Vec3::new(0.5, 0.5, 2.0));
     let found = one(&apart, &quick());
     assert_eq!((found.volume.value, found.volume.half_width, found.centre), (0.0, 0.0, None));
-    // the boxes intersect, but not their contents
+    // the bounding boxes intersect, but the spheres do not
     let corner = Vec3::splat(0.99 / 3f64.sqrt() * 2.0);
     let spheres = sphere(1.0) & sphere(1.0).translate(corner * 1.1);
     let found = one(&spheres, &quick());
-    // which rays alone cannot prove
+    // rays alone cannot prove that the volume is 0
     assert_eq!((found.volume.value, found.is_reached), (0.0, false), "{found:?}");
     assert!(found.volume.half_width > 0.0 && found.volume.half_width < 1e-3, "{found:?}");
 }
 
-/// A region that is small in its box: cut from a huge plate and subtracted from it again.
+/// A region much smaller than its bounding box: a block, written as a plate minus the rest of the plate. The box is
+/// that of the plate.
 #[test]
 fn a_region_that_no_ray_crosses_may_exist() {
     let plate = cube(1.0).scale(Vec3::new(1e6, 1e6, 1.0));
@@ -167,7 +169,7 @@ fn the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn formulas() {
+fn exact_volumes() {
     let rod = Solid::from(Primitive::from(Cylinder::new(1.0, 2.0).unwrap()));
     let moved = rod.scale(Vec3::new(1.0, 2.0, -3.0)).named("rod").rotate_x(10.0);
     assert!((exact_volume(&moved).unwrap() - 12.0 * PI).abs() < 1e-12);
@@ -177,7 +179,7 @@ fn formulas() {
 }
 
 #[test]
-fn refusals() {
+fn errors() {
     let message = |solid: &Solid, settings: MeasureSettings| {
         let program = Arc::new(Program::compile(solid).unwrap());
         measure(&Packets::new(program), &settings, &mut |_| ()).unwrap_err().to_string()

@@ -4,19 +4,20 @@
 //! simulation and analysis applications", IEEE Trans. Nucl. Sci. 53 (2006) 2892; the GDML User's Guide 2.7; Geant4's Book
 //! For Application Developers, section 4.1, for the definitions of the solids.
 //!
-//! **Reading** is a single pass in file order, as in Geant4: `<define>` names numbers, each solid becomes a
+//! **Reading** is a single pass in file order, as in Geant4: `<define>` assigns names to numbers, each solid becomes a
 //! [`rayweave_model::Solid`] in its own frame, exact if its surfaces are quadrics or tori, and each volume becomes a node
 //! of a graph. References to volumes are resolved at the end.
 //!
-//! **The hierarchy** of logical and physical volumes becomes a list of regions, one per logical volume, regardless of the
-//! number of its placements. Mothers precede their daughters, so that a daughter carves its mother (the later region has
-//! priority). A volume with many placements is one prototype with many maps, nested in those of its mother: memory grows
-//! with the file, not with the number of copies. The world volume is the first region. A daughter that protrudes from its
-//! mother is kept whole; Geant4 leaves its meaning undefined.
+//! **The hierarchy** of logical and physical volumes becomes a list of regions, one per logical volume that the world
+//! contains, regardless of the number of its placements. Mothers precede their daughters, and the later region has priority,
+//! so that a daughter is cut out of its mother. A volume with many placements is one prototype with many maps, nested in
+//! those of its mother: memory grows with the file, not with the number of copies. The world volume is the first region,
+//! unless the writer of this crate added it around the regions of a scene. A daughter that protrudes from its mother is kept
+//! whole; Geant4 leaves its meaning undefined.
 //!
-//! **Media** are the materials, with density (`density`, g/cm3), temperature, pressure and, if there is a refractive index,
-//! its value at the sodium D line. All other data of a file are stored in the table `[gdml]` of the document: the volume
-//! tree with the names of all placements, optical surfaces, property matrices and auxiliary tags.
+//! **Media** are the materials, with density (`density`, g/cm3), temperature (K), pressure (Pa) and, if there is a refractive
+//! index, its value at the sodium D line (589.3 nm). All other data of a file are stored in the table `[gdml]` of the
+//! document: the volume tree with the names of all placements, optical surfaces, property matrices and auxiliary tags.
 
 mod attributes;
 mod context;
@@ -52,13 +53,14 @@ pub(crate) use source::source;
 
 /// Bytes of memory per byte of a file. Measured: for a file of placements, 15 for reading and compiling, and 19 for writing
 /// it as a native file; for a file of solids whose elements are kept, 34 for reading.
-const MEMORY_A_BYTE: u64 = 36;
+const MEMORY_PER_BYTE: u64 = 36;
 
-/// Reads the text of a GDML file. File names in it are relative to it.
+/// Reads the text of a GDML file. Names of included files are relative to its folder.
 ///
 /// # Errors
 ///
-/// All problems at once: XML that is not well-formed, undefined references, numbers that cannot be computed.
+/// A file too large for the available memory, or XML that is not well-formed; else all problems at once: undefined
+/// references, numbers that cannot be computed.
 pub fn read(source: &Arc<Source>, options: &Options) -> Result<Imported, Diagnostics> {
     check_memory(source, memory::available())?;
     let mut context = Context::default();
@@ -77,14 +79,14 @@ pub fn read(source: &Arc<Source>, options: &Options) -> Result<Imported, Diagnos
     }
 }
 
-/// Refuses a file whose model would not fit into memory, before parsing it.
+/// Rejects a file whose model would not fit into memory, before it is parsed.
 fn check_memory(source: &Arc<Source>, available: Option<u64>) -> Result<(), Diagnostics> {
-    let needed = MEMORY_A_BYTE * source.text().len() as u64;
+    let needed = MEMORY_PER_BYTE * source.text().len() as u64;
     match available {
         Some(available) if needed > available => {
             let mebibytes = |bytes: u64| bytes.div_ceil(1 << 20);
             let why = format!(
-                "reading it may take {} MiB of memory, but only {} are available",
+                "reading it may take {} MiB of memory, but only {} MiB are available",
                 mebibytes(needed),
                 mebibytes(available)
             );
@@ -95,11 +97,12 @@ fn check_memory(source: &Arc<Source>, available: Option<u64>) -> Result<(), Diag
 }
 
 impl Context {
+    /// The scene, the table `[gdml]` and the positions of its data; `None` after an error.
     fn model(&mut self, source: &Arc<Source>) -> Option<(Scene, rayweave_scene::Table, Places)> {
         let mut volumes = graph::Graph::default();
         self.open.extend(source.path().cloned());
         let world = structure::read_file(self, source.clone(), None, &mut volumes)?;
-        // after errors, the volumes of some daughters are unknown
+        // after an error, some daughters may have no volume
         if !self.problems.is_empty() {
             return None;
         }
@@ -134,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_too_large_for_memory_is_refused() {
+    fn a_file_too_large_for_memory_is_an_error() {
         let source = Arc::new(Source::new(None, " ".repeat(1 << 20)));
         assert!(check_memory(&source, Some(36 << 20)).is_ok() && check_memory(&source, None).is_ok());
         let text = check_memory(&source, Some((36 << 20) - 1)).unwrap_err().to_string();

@@ -1,14 +1,14 @@
-//! The set of outputs that are inside, with its largest member: a hierarchical bit set.
+//! The set of outputs that are inside, as a hierarchical bit set that finds its largest member quickly.
 
-/// A set of small integers with its largest member in O(log64 n).
+/// A set of integers below a fixed size n. Insertion, removal and the largest member take O(log64 n) time.
 #[derive(Clone, Debug, Default)]
 pub struct OutputSet {
-    /// Level 0 holds the members; bit k of the next level is set if word k of this level is not 0.
+    /// Level 0 has one bit per integer. Bit k of each higher level is set if word k of the level below is not 0.
     levels: Vec<Vec<u64>>,
 }
 
 impl OutputSet {
-    /// The empty set of numbers below `size`.
+    /// An empty set for integers below `size`.
     pub fn new(size: usize) -> OutputSet {
         let mut levels = Vec::new();
         let mut words = size.div_ceil(64).max(1);
@@ -21,16 +21,17 @@ impl OutputSet {
         }
     }
 
+    /// Memory of all levels, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.levels.iter().map(|level| size_of_val(&level[..])).sum()
     }
 
-    /// True if a number is in the set.
+    /// True if an integer is in the set.
     pub fn get(&self, member: u32) -> bool {
         self.levels[0][member as usize / 64] >> (member % 64) & 1 == 1
     }
 
-    /// Inserts or removes a number.
+    /// Inserts (`present`) or removes an integer.
     pub fn set(&mut self, member: u32, present: bool) {
         let (mut at, mut bit) = (member as usize / 64, 1u64 << (member % 64));
         for level in &mut self.levels {
@@ -44,7 +45,7 @@ impl OutputSet {
         }
     }
 
-    /// The largest member plus one; 0 if there is none.
+    /// The largest member plus one; 0 if the set is empty.
     pub fn last(&self) -> u32 {
         let mut at = 0usize;
         for level in self.levels.iter().rev() {
@@ -63,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn finds_the_largest_member_of_any_size() {
+    fn finds_the_largest_member_for_any_size() {
         for size in [1u32, 64, 65, 5000, 300_000] {
             let mut set = OutputSet::new(size as usize);
             assert_eq!(set.last(), 0);

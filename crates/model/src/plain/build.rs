@@ -9,13 +9,13 @@ use crate::{Edge, Leaf, LeafId, LeafKind, Place, Program, Prototype, Rule};
 use rayweave_math::{Mat3, Vec3};
 use rayweave_shape::surface::Surface;
 
-/// The reason why a program has no plain view.
+/// The reason why a program cannot be converted to its plain view.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlainError {
-    /// A leaf has a surface without a fixed number of parameters: a mesh, a sag surface.
+    /// A leaf has a surface without a fixed number of parameters: a mesh or a sag surface.
     #[error(
-        "leaf {}, `{name}`, has no plain form: the surface of a `{shape}` is a list of any length. \
+        "leaf {}, `{name}`, has no plain form: a surface of `{shape}` has no fixed number of parameters. \
          Trace this model on the CPU.",
         leaf.0
     )]
@@ -28,7 +28,7 @@ pub enum PlainError {
         shape: &'static str,
     },
     /// A table is longer than a `u32` index can address.
-    #[error("the model has more than 2^32 {what}: their indices do not fit. Split the model.")]
+    #[error("the model has 2^32 or more {what}: their indices exceed 32 bits. Split the model.")]
     TooLarge {
         /// The table.
         what: &'static str,
@@ -36,20 +36,21 @@ pub enum PlainError {
 }
 
 impl Program {
-    /// The program as tables of plain records. Takes time linear in its size.
+    /// The program as tables of plain records, computed in time linear in its size.
     ///
     /// # Errors
     ///
-    /// [`PlainError::Surface`] for the first leaf with a surface that has no plain form: a mesh or a sag surface.
+    /// [`PlainError::Surface`] for the first leaf with a mesh or a sag surface, which have no plain form;
+    /// [`PlainError::TooLarge`] for a table whose indices exceed `u32`.
     pub fn plain(&self) -> Result<PlainProgram, PlainError> {
         let mut plain = PlainProgram::default();
         for leaf in self.leaves() {
             plain.leaf(self, leaf)?;
         }
         for entry in self.surfaces() {
-            // every surface belongs to a leaf, and the leaves have been checked
+            // never `None`: every surface belongs to a leaf, and the surfaces of all leaves have a kind
             let Some(kind) = plain_kind(&entry.surface) else { continue };
-            let first = index(plain.numbers.len(), "numbers of surfaces")?;
+            let first = index(plain.numbers.len(), "surface parameters")?;
             plain.surfaces.push(PlainSurface { kind: kind as u32, first });
             plain.magnitudes.push(entry.magnitude);
             push_numbers(&entry.surface, &mut plain.numbers);
@@ -67,15 +68,18 @@ impl Program {
     }
 }
 
+/// An index or a count as a `u32`.
 fn index(value: usize, what: &'static str) -> Result<u32, PlainError> {
     u32::try_from(value).map_err(|_| PlainError::TooLarge { what })
 }
 
+/// An edge as `2 * node + complement`.
 fn edge_bits(edge: Edge) -> u32 {
     edge.node().0 << 1 | u32::from(edge.is_complemented())
 }
 
 impl PlainProgram {
+    /// Appends a leaf, with its facets or its instance.
     fn leaf(&mut self, program: &Program, leaf: Leaf<'_>) -> Result<(), PlainError> {
         let mut flags = if leaf.is_complement() { LEAF_COMPLEMENT } else { 0 };
         flags |= if leaf.is_used() { 0 } else { LEAF_UNUSED };
@@ -101,6 +105,7 @@ impl PlainProgram {
         Ok(())
     }
 
+    /// Appends a group, with its gates, outputs and frame.
     fn group(&mut self, group: &Prototype) -> Result<(), PlainError> {
         let (expression, gates) = (&group.expression, index(self.gates.len(), "gates")?);
         for (rule, operands) in expression.joins() {
@@ -139,6 +144,7 @@ fn plain_map(place: &Place) -> PlainMap {
     PlainMap { local_from_world: std::array::from_fn(|k| rows[k / 4][k % 4]), path: place.path }
 }
 
+/// The kind of a surface; `None` for a surface without a fixed number of parameters.
 fn plain_kind(surface: &Surface) -> Option<SurfaceKind> {
     match surface {
         Surface::Plane(_) => Some(SurfaceKind::Plane),
@@ -152,7 +158,7 @@ fn plain_kind(surface: &Surface) -> Option<SurfaceKind> {
     }
 }
 
-/// Appends the numbers of a surface, in the order given at [`SurfaceKind`].
+/// Appends the parameters of a surface, in the order of [`SurfaceKind`].
 fn push_numbers(surface: &Surface, numbers: &mut Vec<f64>) {
     let mut vectors = |vectors: &[Vec3], scalars: &[f64]| {
         numbers.extend(vectors.iter().flat_map(|v| v.to_array()));

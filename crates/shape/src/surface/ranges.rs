@@ -2,10 +2,11 @@
 //!
 //! Each range is the natural interval extension of the kernel's formula (R. E. Moore, *Interval Analysis*, 1966), about the
 //! surface's own centre, with outward rounding: it contains the exact value at every point of the box. The gradient's range
-//! is exact up to rounding where the gradient is a linear function of one coordinate, and shrinks in proportion to the box
-//! for all kernels. On the axis of a torus, where the gradient is undefined, the range contains the convex hull of the
-//! gradients of all nearby points, so that the mean value theorem holds across it (G. Lebourg, C. R. Acad. Sci. Paris 281
-//! (1975)).
+//! is exact up to rounding for planes, spheres and cylinders: each component is linear, and each coordinate occurs in it
+//! once. For cones, quadrics and tori its width is proportional to that of a small box, except on the axis of a torus. There
+//! the gradient is undefined, and the range contains the convex hull of the gradients of all nearby points, so that the mean
+//! value theorem holds across the axis (G. Lebourg, C. R. Acad. Sci. Paris 281 (1975)). An [`Object`] has the ranges of its
+//! form ([`super::object::Form::ranges`]), which may be wider.
 
 use super::{AffineTorus, Cone, Cylinder, Object, Plane, Quadric, Sphere, Surface, Torus};
 use rayweave_math::{Interval, Mat3, Vec3};
@@ -29,7 +30,7 @@ impl Surface {
     }
 }
 
-/// The box relative to a point.
+/// The box relative to a centre.
 fn about(cell: &Cell, centre: Vec3) -> Cell {
     std::array::from_fn(|k| cell[k] - Interval::point(centre[k]))
 }
@@ -44,8 +45,8 @@ fn square(q: &Cell) -> Interval {
     q[0].square() + q[1].square() + q[2].square()
 }
 
-/// The component of q perpendicular to a unit vector, by rows of the projection matrix, so that each coordinate of q occurs
-/// once.
+/// The component of q perpendicular to a unit vector. It is computed with the rows of the projection matrix, so that each
+/// coordinate of q occurs only once in a component.
 fn across(q: &Cell, axis: Vec3) -> Cell {
     let row = |k: usize| {
         let entry =
@@ -55,6 +56,7 @@ fn across(q: &Cell, axis: Vec3) -> Cell {
     [row(0), row(1), row(2)]
 }
 
+/// `2 v`.
 fn doubled(v: Cell) -> Cell {
     v.map(|x| x * 2.0)
 }
@@ -98,7 +100,7 @@ fn quadric(s: &Quadric, cell: &Cell) -> (Interval, Cell) {
     (value, gradient)
 }
 
-/// Ranges for q relative to the centre.
+/// Ranges of f for a box q relative to the centre.
 fn torus(s: &Torus, q: &Cell) -> (Interval, Cell) {
     let (z, offset) = (form(s.axis, q), across(q, s.axis));
     let rho = square(&offset).sqrt();
@@ -110,18 +112,19 @@ fn torus(s: &Torus, q: &Cell) -> (Interval, Cell) {
     (value, doubled(plus_along(outwards.map(|x| x * ring), z, s.axis)))
 }
 
-/// Ranges of g in the frame of the torus, with the gradient in the outer frame.
+/// Ranges of f, evaluated in the frame of the torus; the gradient is in the outer frame.
 fn affine_torus(s: &AffineTorus, cell: &Cell) -> (Interval, Cell) {
     let (value, gradient) = torus(&s.torus, &turned(s.local_from_world, &about(cell, s.centre)));
     (value, turned(s.local_from_world.transpose(), &gradient))
 }
 
-/// Ranges of the form in its own frame, with the gradient in the outer frame.
+/// Ranges of f, evaluated in the frame of the form; the gradient is in the outer frame.
 fn object(s: &Object, cell: &Cell) -> (Interval, Cell) {
     let (value, gradient) = s.form.ranges(&turned(s.local_from_world, &about(cell, s.centre)));
     (value, turned(s.local_from_world.transpose(), &gradient))
 }
 
+/// `m v`.
 fn turned(m: Mat3, v: &Cell) -> Cell {
     [form(m.row(0), v), form(m.row(1), v), form(m.row(2), v)]
 }
@@ -151,7 +154,7 @@ mod tests {
         ]
     }
 
-    /// Values at points of a box lie in the ranges, and differences of values satisfy the mean value theorem.
+    /// Values and gradients at points of a box lie in the ranges, and differences of values satisfy the mean value theorem.
     #[test]
     fn points_of_a_box_are_in_range() {
         let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -167,7 +170,7 @@ mod tests {
                     let (value, gradient) = surface.ranges(&cell);
                     let (fa, ga) = surface.value_and_gradient(a);
                     let (fb, _) = surface.value_and_gradient(b);
-                    // rounding of the kernel itself
+                    // rounding error of the kernel itself
                     let slack = 1e-14 * (scale + ga.length() * scale + fa.abs() + scale * scale);
                     assert!(value.lo - slack <= fa && fa <= value.hi + slack, "{i}: {fa} in {value:?}");
                     for k in 0..3 {
@@ -183,7 +186,7 @@ mod tests {
         }
     }
 
-    /// Small boxes give narrow gradient ranges, in proportion to their size.
+    /// The width of the gradient's range is proportional to the size of a small box.
     #[test]
     fn gradients_narrow_with_the_box() {
         for (i, surface) in surfaces(1.0).iter().enumerate() {

@@ -1,16 +1,16 @@
-//! Tolerances and in-surface rays: the distance `delta` for points *on* a surface, the test for rays *in* one
-//! (`coincides_along`), and their crossings by symbolic perturbation.
+//! Tolerances and in-surface rays: the distance [`delta`] within which a point is *on* a surface, the test for rays *in* a
+//! surface ([`coincides_along`]), and the crossings of such rays by symbolic perturbation.
 
 use super::{Surface, SurfaceCrossings};
 use crate::Ray;
 use rayweave_math::{Affine, Mat3, PERTURBATION_DIRECTION, UNIT_ROUNDOFF, Vec3};
 
 /// Perturbation directions for rays that lie in a surface: [`PERTURBATION_DIRECTION`] of the world and, for a surface
-/// that contains it, x, y or z. Each frame of a placed solid has its own `Perturbation`, with these world directions in
+/// parallel to it, x, y or z. Each frame of a placed solid has its own `Perturbation`, with these world directions in
 /// its coordinates, so that two solids with a common face agree on the side of a ray in it, however they are placed.
 ///
-/// The maps into the frame round the ray, in proportion to the lengths in them. Surfaces that detect rays in their own faces
-/// add these `lengths` to their magnitude.
+/// The maps into the frame change the ray by rounding errors in proportion to the lengths that occur in them. Surfaces that
+/// detect rays in their own faces add these `lengths` to their magnitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Perturbation {
     directions: [Vec3; 4],
@@ -22,24 +22,25 @@ impl Perturbation {
     pub const WORLD: Perturbation =
         Perturbation { directions: [PERTURBATION_DIRECTION, Vec3::X, Vec3::Y, Vec3::Z], lengths: 0.0 };
 
-    /// The same directions in another frame, to whose surfaces the maps from the world add `lengths` in magnitude.
+    /// The same directions in the frame of a placed solid. `local_from_world` maps from this frame into it; `lengths` is
+    /// that of all maps from the world ([`Perturbation::lengths`]).
     pub fn transformed(&self, local_from_world: &Affine, lengths: f64) -> Perturbation {
         Perturbation { directions: self.directions.map(|v| local_from_world.vector(v)), lengths }
     }
 
-    /// The directions; the first that leaves the surface determines the side.
+    /// The directions; the first that is not tangent to the surface determines the side.
     pub fn directions(&self) -> [Vec3; 4] {
         self.directions
     }
 
-    /// The length that the maps from the world into this frame add to the magnitude of surfaces.
+    /// The length by which the maps from the world into this frame increase the magnitude of surfaces.
     pub fn lengths(&self) -> f64 {
         self.lengths
     }
 
-    /// The same directions in the frame of a form at `centre`. The difference of a point and the centre is rounded in
-    /// proportion to the lengths of both; the length of the point is at most that of the difference plus that of the
-    /// centre.
+    /// The same directions in the frame of a form at `centre`. The rounding error of the difference of a point and the centre
+    /// is proportional to the lengths of both; the length of the point is at most that of the difference plus that of
+    /// the centre.
     pub(super) fn mapped(&self, map: &Mat3, centre: Vec3) -> Perturbation {
         let norm =
             [map.x_axis, map.y_axis, map.z_axis].iter().map(|v| v.length_squared()).sum::<f64>().sqrt();
@@ -47,7 +48,7 @@ impl Perturbation {
         Perturbation { directions: self.directions.map(|v| *map * v), lengths }
     }
 
-    /// True (inside) if the perturbation makes a function with this gradient negative.
+    /// True if the perturbed ray is inside: if the perturbation makes a function that is 0, with this gradient, negative.
     pub fn leads_inside(&self, gradient: Vec3) -> bool {
         let mut slopes = self.directions.iter().map(|v| v.dot(gradient));
         slopes.find(|&slope| slope != 0.0).unwrap_or(0.0) < 0.0
@@ -56,22 +57,23 @@ impl Perturbation {
 
 /// Tolerance: the distance within which a computed point at time `t` of a ray counts as on a surface.
 ///
-/// `64 u (|o| + |t| |d| + magnitude)`: the rounding of a point of the ray is at most `3 u (|o| + |t| |d|)`, that of the
-/// surface's parameters a few u times `magnitude`, which includes the composed translations; 64 leaves room for the dozen
-/// roundings of a kernel.
+/// `64 u (|o| + |t| |d| + magnitude)` with the unit roundoff u = 2^-53. The rounding error of a point of the ray is at most
+/// `3 u (|o| + |t| |d|)`, that of the surface's parameters a few u times `magnitude`, which includes the composed
+/// translations; 64 leaves room for the dozen roundings of a kernel.
 pub fn delta(magnitude: f64, ray: &Ray, t: f64) -> f64 {
     delta_of(ray.origin.length() + t.abs() * ray.direction.length() + magnitude)
 }
 
-/// Tolerance from the sum of all lengths involved, in a space of any dimension.
+/// The tolerance `64 u lengths` for the sum of all lengths involved, in a space of any dimension.
 pub fn delta_of(lengths: f64) -> f64 {
     64.0 * UNIT_ROUNDOFF * lengths
 }
 
-/// True if the piece of the ray between `a` and `b` lies within `delta` of the surface: see [`coincides_between`].
+/// True if the piece of the ray between the times `a` and `b` lies within [`delta`] of the surface, by the tests of
+/// [`coincides_between`]; a surface of many faces has its own test per face.
 pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: f64) -> bool {
-    if let Some(coincides_along) = surface.coincident_faces(magnitude, ray, a, b) {
-        return coincides_along;
+    if let Some(coincides) = surface.coincident_faces(magnitude, ray, a, b) {
+        return coincides;
     }
     let near = |t: f64| {
         let (value, slope) = surface.value_and_slope(ray.at(t));
@@ -82,20 +84,21 @@ pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: 
 }
 
 /// True if a point with this value of f and length of the gradient is within `delta` of the surface:
-/// `|f| <= delta |grad f|`. `bend` is half of the largest change of the gradient per unit of length. It matters for
-/// surfaces smaller than `delta`, at whose centre the gradient is 0.
+/// `|f| <= delta |grad f| + bend delta^2`. `bend` is half of the largest change of the gradient per unit of length. It matters
+/// only for surfaces smaller than `delta`, at whose centre the gradient is 0.
 pub fn is_near(value: f64, gradient_length: f64, delta: f64, bend: f64) -> bool {
     value.abs() <= delta * (gradient_length + delta * bend)
 }
 
-/// True if a piece of a straight line lies in a surface, by tests of [`is_near`] at single times, in a space of any
-/// dimension: at both ends, the middle and, for degree 4, the quarter points; for a higher degree n at n + 1 equidistant
-/// points, too. (The middle alone would weld the two crossings of a ray through two tangent spheres.)
+/// True if the piece of a straight line between the times `a` and `b` lies in a surface, in a space of any dimension. `near`
+/// is the test of [`is_near`] at one time. It is made at both ends, in the middle, for degree 4 or higher at the quarter
+/// points, and for a degree n above 4 at n + 1 equidistant points. (The middle alone would weld the two crossings of a ray
+/// through two tangent spheres.)
 ///
-/// `delta` grows with |t|, so a piece much longer than the lengths at the ray's start, `start` in units of time, is also
-/// tested where `delta` is smallest: at the time `c` closest to 0, and at a distance of `start` before and after it.
-/// Without these tests, distant faces would be welded if the ray, parallel to them up to rounding, crosses them at times of
-/// 1e16.
+/// `delta` grows with |t|. A piece longer than `start`, the time in which the ray travels the lengths at its start, is
+/// therefore also tested where `delta` is smallest: at the time `c` of the piece closest to 0, and `start` before and after
+/// it. Without these tests, distant faces would be welded if the ray, parallel to them up to rounding, crosses them at times
+/// of 1e16.
 pub fn coincides_between(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b: f64) -> bool {
     let middle = 0.5 * (a + b);
     let near_the_start = || {
@@ -112,12 +115,13 @@ pub fn coincides_between(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: 
 
 /// True only if no piece of the ray from `a` to a time between `from` and `to` lies within `delta` of the
 /// surface ([`coincides_along`]), with `a <= from <= to`; for callers that have not yet found the end of the
-/// piece. Always false for surfaces of degree 4.
+/// piece. Always false for surfaces of a degree above 2.
 ///
 /// Along the ray f is a polynomial q of degree at most 2. On a piece [a, b] it differs from the straight line through its
 /// values at the ends by `k (t - a) (b - t)`, with the maximum in the middle. So if |q| is at most T at the ends and in the
-/// middle, it is at most 3 T throughout. T, the tolerance of [`is_near`], grows with delta and the gradient, which are
-/// largest at `a` or at `to`, being convex in t. The rounding of the kernel is less than T; 16 leaves room for both.
+/// middle, it is at most 3 T throughout. T, the tolerance of [`is_near`], grows with delta and the length of the gradient;
+/// both are convex in t, so they are largest at `a` or at `to`. The rounding error of the kernel is less than T; the factor
+/// 16 leaves room for both.
 pub fn separated_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, (from, to): (f64, f64)) -> bool {
     if surface.degree() > 2 {
         return false;
@@ -131,7 +135,8 @@ pub fn separated_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, (fr
     value_and_slope(from).0 > 16.0 * delta * (slope + delta * bend(surface))
 }
 
-/// Half of the largest change of the gradient of a surface per unit of length.
+/// Upper bound of half of the change of the gradient per unit of length, for surfaces of degree 1 and 2. 0 for all others,
+/// whose tolerance has no second-order term.
 fn bend(surface: &Surface) -> f64 {
     match surface {
         Surface::Plane(_) | Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_) => 0.0,
@@ -140,19 +145,19 @@ fn bend(surface: &Surface) -> f64 {
     }
 }
 
-/// A piece of a ray as long as its model, with the common data of all tests against surfaces.
+/// A piece of a ray about as long as the model, with the data that all tests against surfaces share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
-    /// Determines the side of a ray in a surface.
+    /// The directions that determine the side of a ray in a surface.
     pub perturbation: Perturbation,
     ends: (f64, f64),
     middle: Vec3,
-    /// `delta` in the middle, for a surface with magnitude 0.
+    /// [`delta`] in the middle, for a surface with magnitude 0.
     delta: f64,
 }
 
 impl Chord {
-    /// The piece of the ray between two times, in the frame of the world.
+    /// The piece of the ray between two times, with the perturbation of the world's frame.
     pub fn new(ray: &Ray, ends: (f64, f64)) -> Chord {
         let middle = 0.5 * (ends.0 + ends.1);
         Chord {
@@ -168,15 +173,15 @@ impl Chord {
         if !surface.is_ruled() {
             return false;
         }
-        // fast path: a single value and no root decide for nearly every ray
+        // fast path: one evaluation, without a square root, rejects nearly every ray
         let (value, gradient) = surface.value_and_gradient(self.middle);
         let delta = self.delta + delta_of(magnitude);
         value * value <= delta * delta * gradient.length_squared()
             && coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
     }
 
-    /// The crossings of a ray that lies in the surface along the whole chord, by symbolic perturbation; `None` if it does
-    /// not lie in it.
+    /// The crossings of a ray that lies in the surface along the whole chord, by symbolic perturbation; `None` for any
+    /// other ray.
     pub fn crossings_in(&self, surface: &Surface, magnitude: f64, ray: &Ray) -> Option<SurfaceCrossings> {
         self.lies_in(surface, magnitude, ray)
             .then(|| perturbed_crossings(surface, magnitude, ray, &self.perturbation, self.ends))
@@ -197,19 +202,20 @@ impl Chord {
     }
 }
 
-/// Bound of the error of the gradient along a piece of a ray: a point of the ray is off by less than `delta`, and the
-/// gradient changes by at most `2 bend` per unit of length.
+/// Bound of the error of the gradient along a piece of a ray in a surface of degree 1 or 2: the error of a point of the ray
+/// is less than `delta`, and the gradient changes by at most `2 bend` per unit of length.
 fn gradient_noise(surface: &Surface, magnitude: f64, ray: &Ray, (a, b): (f64, f64)) -> f64 {
     2.0 * bend(surface) * delta(magnitude, ray, a.abs().max(b.abs()))
 }
 
-/// The crossings of a ray that lies in a surface of degree 1 or 2 along the piece between two times, after an infinitesimal
-/// shift along `perturbation`: the sign changes of `w . grad f` for the first of its directions w with a nonzero result.
+/// The crossings of a ray that lies in a surface along the piece between two times, after an infinitesimal shift along
+/// `perturbation`: the sign changes of `w . grad f` for the first of its directions w for which this is not 0.
 ///
-/// On the ray f is 0, so f of the shifted ray is proportional to `w . grad f`, a linear function of the time. In a plane
-/// and along a cylinder it is constant, and the whole ray is on one side. Along a ruling of a cone its sign changes at the
-/// apex, along a ruling of a hyperboloid at one point. (One side for the whole ray would depend on the point at which the
-/// gradient is computed, and thus on other parts of the model.) A rise within the rounding of the gradient counts as 0.
+/// On the ray f is 0, so f of the shifted ray is proportional to `w . grad f`, for degree 1 and 2 a linear function of the
+/// time. In a plane and along a cylinder it is constant, and the whole ray is on one side; for an object the gradient in the
+/// middle determines one side. Along a ruling of a cone the sign changes at the apex, along a ruling of a hyperboloid at one
+/// point. (One side for the whole ruling would depend on the point at which the gradient is computed, and thus on other
+/// parts of the model.) A change of `w . grad f` within the rounding error of the gradient counts as 0.
 pub(super) fn perturbed_crossings(
     surface: &Surface,
     magnitude: f64,
@@ -227,7 +233,7 @@ pub(super) fn perturbed_crossings(
     for w in perturbation.directions() {
         let rise = w.dot(last) - w.dot(first);
         if rise.abs() > 2.0 * noise * w.length() {
-            // extrapolated from t = 0, whose error does not depend on the ends: exact for a change at the origin of the ray
+            // extrapolated from t = 0, so that the zero does not depend on the ends if it is at the origin of the ray
             return SurfaceCrossings::new(rise > 0.0, &[-w.dot(gradient(0.0)) / rise * (b - a)]);
         }
         let slope = w.dot(middle);
@@ -275,10 +281,10 @@ mod tests {
         round.into_iter().chain(saddle).chain([Surface::plane(axis, size)]).collect()
     }
 
-    /// Rays in general direction, and rays that hardly leave the surface, from each crossing on: if a piece is reported
-    /// clear, it does not coincide with the surface, wherever it ends.
+    /// Rays in general directions and rays nearly tangent to the surface, each from every crossing on: if
+    /// [`separated_along`] is true for a range of ends, no piece that ends in it coincides with the surface.
     #[test]
-    fn no_piece_coincides_along_a_surface_that_was_cleared() {
+    fn separated_pieces_never_coincide() {
         let mut rng = ChaCha8Rng::seed_from_u64(8);
         let (mut cleared, mut near) = (0, 0);
         for round in 0..30_000 {
@@ -314,9 +320,9 @@ mod tests {
         assert!(cleared > 5000 && near > 1000, "{cleared} cleared, {near} not");
     }
 
-    /// A ray through a ball is clear of it after a millionth of its size; a ray along a plane is not.
+    /// A ray through a ball is separated from its surface after a millionth of the radius; a ray in a plane never is.
     #[test]
-    fn ordinary_rays_clear_a_surface_at_once() {
+    fn ordinary_rays_separate_from_a_surface_at_once() {
         let ball = Surface::sphere(Vec3::new(0.0, 0.0, 5.0), 1.0);
         let ray = Ray::new(Vec3::new(0.3, 0.2, 0.0), Vec3::Z);
         let enter = ball.crossings(&ray).times()[0];

@@ -1,15 +1,15 @@
-//! Decision tables: from the next changes of two operands, and which of them is closer, to an action.
+//! Decision tables: the action for the next changes of two operands and the order of these changes along the ray.
 
 use crate::single_hit::{GateOp, Next, ValueStep, Verdict, decide};
 
-/// The operators of the original.
+/// The boolean operators of the original algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operator {
-    /// In either.
+    /// Inside if either operand is.
     Union,
-    /// In both.
+    /// Inside if both operands are.
     Intersection,
-    /// In the first, not in the second.
+    /// Inside if the first operand is and the second is not.
     Difference,
 }
 
@@ -17,7 +17,7 @@ impl Operator {
     /// All of them, in the order of the tables.
     pub const ALL: [Operator; 3] = [Operator::Union, Operator::Intersection, Operator::Difference];
 
-    /// True if the result is inside, for the sides of the operands.
+    /// The side of the result for the sides of the operands (true: inside).
     pub fn of(self, first: bool, second: bool) -> bool {
         match self {
             Operator::Union => first || second,
@@ -27,14 +27,14 @@ impl Operator {
     }
 }
 
-/// The next change of an operand; an exit at +inf is an exit.
+/// The kind of an operand's next change. An operand that is inside forever has an exit at +inf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It is entered.
+    /// The ray enters the operand.
     Enter,
-    /// It is exited.
+    /// The ray exits from the operand.
     Exit,
-    /// Neither: the ray is outside forever.
+    /// Neither: the ray is outside the operand forever.
     Miss,
 }
 
@@ -42,7 +42,7 @@ impl State {
     /// All of them, in the order of the tables.
     pub const ALL: [State; 3] = [State::Enter, State::Exit, State::Miss];
 
-    /// The column of the tables for a next change.
+    /// The state of a next change.
     pub fn of(next: Next) -> State {
         match next {
             Next::Enter(_) => State::Enter,
@@ -51,7 +51,7 @@ impl State {
         }
     }
 
-    /// A next change with this state.
+    /// A next change with this state, at time `t`.
     fn sample(self, t: f64) -> Next {
         match self {
             State::Enter => Next::Enter(t),
@@ -61,7 +61,7 @@ impl State {
     }
 }
 
-/// An action. The numbers are those of the packed tables.
+/// An action. Its number is its nibble in the packed tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Action {
@@ -90,13 +90,14 @@ impl Action {
     ];
 }
 
-/// A table for each operator, packed, for a closer first operand and for a closer second one. Entry
-/// (first, second) is the nibble number 3 first + second; number 8 is always [`Action::Miss`].
+/// Packed decision tables: one per operator for the case that the first operand changes first, and one for the
+/// case that the second does. Entry (first, second) is nibble `3 first + second`, counted from the lowest; nibble 8
+/// does not fit into 32 bits and is always [`Action::Miss`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tables([[u32; 3]; 2]);
 
 impl Tables {
-    /// The tables that follow from the rule, for operands whose times are never equal.
+    /// The tables derived from the rule ([`decide`]), for operands that never change at the same time.
     pub fn from_rule() -> Tables {
         Tables::pack(|operator, first_closer, first, second| {
             let (near, far) = (1.0, 2.0);
@@ -106,7 +107,7 @@ impl Tables {
         })
     }
 
-    /// The original tables.
+    /// The tables of Opticks.
     ///
     /// Each entry is (action if the first is closer, action if the second is closer), for the states of the
     /// two operands in the order of [`State::ALL`].
@@ -138,14 +139,14 @@ impl Tables {
         let mut packed = [[0u32; 3]; 2];
         for (operator, first_closer, first, second) in Tables::keys() {
             let action = u64::from(entry(operator, first_closer, first, second) as u32);
-            // the ninth entry is shifted out: it is 0
+            // nibble 8 is shifted out: its action is 0
             let nibble = action << (4 * (3 * first as u32 + second as u32));
             packed[usize::from(!first_closer)][operator as usize] |= nibble as u32;
         }
         Tables(packed)
     }
 
-    /// All keys of the tables: operator, "the first is closer", the two states.
+    /// All keys of the tables: the operator, whether the first operand is closer, and the two states.
     pub fn keys() -> impl Iterator<Item = (Operator, bool, State, State)> {
         let states = State::ALL.into_iter().flat_map(|a| State::ALL.into_iter().map(move |b| (a, b)));
         let closer = states.flat_map(|(a, b)| [true, false].into_iter().map(move |first| (first, a, b)));
@@ -160,19 +161,19 @@ impl Tables {
         Action::ALL.get(nibble as usize).copied().unwrap_or(Action::Miss)
     }
 
-    /// The packed numbers: those for a closer first operand, then those for a closer second one, each in the
-    /// order of [`Operator::ALL`].
+    /// The packed tables: those for a closer first operand, then those for a closer second operand, each in
+    /// the order of [`Operator::ALL`].
     pub fn packed(&self) -> [[u32; 3]; 2] {
         self.0
     }
 }
 
-/// The action that the rule yields.
+/// The action of the rule ([`decide`]) for the next changes `a` and `b` of the operands.
 fn action_of(operator: Operator, a: Next, b: Next) -> Action {
     let inverts = operator == Operator::Difference;
-    let taken = if inverts { b.complement() } else { b };
+    let second = if inverts { b.complement() } else { b };
     let least = if operator == Operator::Union { 1 } else { 2 };
-    match decide(GateOp::AtLeast { least, most: [1, 1] }, a.into(), taken.into()) {
+    match decide(GateOp::AtLeast { least, most: [1, 1] }, a.into(), second.into()) {
         Verdict::Fixed(_) => Action::Miss,
         Verdict::Changes(ValueStep { t, .. }) if t == a.time() => Action::First,
         Verdict::Changes(_) if inverts => Action::FlippedSecond,
