@@ -1,34 +1,35 @@
-//! Results in columns, filled batch by batch: for tables, arrays and pictures, without a list or a callback
-//! per ray.
+//! Results of ray queries in columns, filled batch by batch, for tables, arrays and pictures. There is no list and no
+//! callback per ray.
 //!
-//! - [`HitArrayRows`]: the times at which each ray enters and leaves, as a hit array;
+//! - [`HitArrayRows`]: a hit array, the times at which each ray enters or leaves the model;
 //! - [`FirstHits`]: the first crossing of each ray;
 //! - [`CrossingColumns`]: all crossings of each ray.
 //!
 //! [`Evaluator::hits`](crate::Evaluator::hits), [`Evaluator::nearest`](crate::Evaluator::nearest) and
-//! [`Evaluator::columns`](crate::Evaluator::columns) fill them. All hold the same crossings, bit for bit; an
-//! evaluator may compute them in a faster way. The caller owns the memory and chooses the size of a batch.
+//! [`Evaluator::columns`](crate::Evaluator::columns) fill them. The values are those of
+//! [`Evaluator::crossings`](crate::Evaluator::crossings), bit for bit, but an evaluator may compute them in a
+//! faster way. The caller owns the memory and chooses the size of a batch.
 
 use crate::{Crossing, Face, LeafId, PlacementId, Program, RayAnswer, Rays, RegionId, Sink, attributes};
 use std::ops::Range;
 
-/// A hit array (H rows, N columns): one column per ray, entries in order of time.
+/// A hit array (H rows, N columns): one column per ray, with its entries in order of time.
 ///
-/// Entries are the times at which a ray enters or leaves the union of everything that is not of the medium of
-/// the world, -inf first for a ray that is inside just after `t_min`; unused entries are +inf. A change from
-/// one such medium into another is not an entry.
+/// The entries are the times at which a ray enters or leaves the union of all regions whose medium is not that
+/// of the world. The first entry is -inf if the ray is inside this union just after `t_min`; unused entries are
+/// +inf. A change of medium within the union is not an entry.
 #[derive(Debug)]
 pub struct HitArrayRows<'r, 'a> {
-    /// The times, in units of the rays' directions: row by row, each as long as the batch.
+    /// The rows of times, in units of the length of each ray's direction; each row is as long as the batch.
     pub times: &'r mut [&'a mut [f64]],
-    /// Face numbers ([`Program::face_number`]), -1 where there is none: as many rows as `times`, or no rows
-    /// to leave them out.
+    /// The rows of face numbers ([`Program::face_number`]), -1 where an entry has no face: as many rows as `times`,
+    /// or no rows to leave the faces out.
     pub faces: &'r mut [&'a mut [i32]],
 }
 
 impl HitArrayRows<'_, '_> {
-    /// Writes the column of one ray and returns its number of entries, including those for which there is no
-    /// row.
+    /// Writes the column of one ray and returns its number of entries, including those beyond the last row, which
+    /// are not written.
     pub fn put(&mut self, program: &Program, answer: &RayAnswer<'_>) -> usize {
         let is_inside = |region| program.medium_of(region) != 0;
         let mut inside = is_inside(answer.start);
@@ -65,15 +66,15 @@ impl HitArrayRows<'_, '_> {
 /// The first crossing of each ray of a batch: columns as long as the batch.
 #[derive(Debug)]
 pub struct FirstHits<'a> {
-    /// The time of the crossing, in units of the ray's direction; +inf for a miss.
+    /// The time of the crossing, in units of the length of the ray's direction; +inf for a miss.
     pub t: &'a mut [f64],
     /// The number of the face ([`Program::face_number`]); -1 for a miss.
     pub face: &'a mut [i32],
     /// The placement of the face; 0 for a miss.
     pub placement: &'a mut [u32],
-    /// The region before the crossing; for a miss the region that the ray is in.
+    /// The region before the crossing; for a miss, the region of the whole ray.
     pub before: &'a mut [u32],
-    /// The region after the crossing; for a miss the region that the ray is in.
+    /// The region after the crossing; for a miss, the region of the whole ray.
     pub after: &'a mut [u32],
     /// Components of the unit normals ([`attributes::normal`]), NaN for a miss; `None` to leave them out.
     pub normal: Option<[&'a mut [f64]; 3]>,
@@ -105,11 +106,11 @@ impl FirstHits<'_> {
 /// similar size allocates nothing once the columns have grown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrossingColumns {
-    /// The region of each ray just after `t_min`: as long as the number of rays.
+    /// The region of each ray just after `t_min`: one element per ray.
     pub start: Vec<u32>,
-    /// The rows of ray i are `offsets[i]..offsets[i + 1]`: one entry more than the number of rays.
+    /// The rows of ray i are `offsets[i]..offsets[i + 1]`: one element more than the number of rays.
     pub offsets: Vec<usize>,
-    /// The time of each crossing, in units of the ray's direction.
+    /// The time of each crossing, in units of the length of the ray's direction.
     pub t: Vec<f64>,
     /// The number of the face ([`Program::face_number`]).
     pub face: Vec<u32>,
@@ -123,7 +124,7 @@ pub struct CrossingColumns {
     pub before: Vec<u32>,
     /// The region after the crossing.
     pub after: Vec<u32>,
-    /// Rows whose crossing has a different face on one of its two sides ([`Crossing::is_between`]), in order, with that
+    /// The rows whose crossing has more than one face ([`Crossing::is_between`]), in ascending order, each with the full
     /// crossing.
     pub between: Vec<(usize, Crossing)>,
 }
@@ -172,7 +173,7 @@ impl CrossingColumns {
         [start, face, leaf, placement, before, after].into_iter().for_each(Vec::clear);
     }
 
-    /// The crossing of a row, with the faces on both its sides.
+    /// The crossing of a row, with the faces of the regions before and after it.
     pub fn crossing(&self, program: &Program, row: usize) -> Crossing {
         if let Ok(k) = self.between.binary_search_by_key(&row, |(row, _)| *row) {
             return self.between[k].1;
@@ -209,7 +210,7 @@ impl CrossingColumns {
     }
 }
 
-/// A sink that appends crossings to columns, with the program they belong to.
+/// A sink that appends the crossings of a program to columns.
 pub(crate) struct ColumnSink<'a> {
     pub program: &'a Program,
     pub columns: &'a mut CrossingColumns,
@@ -221,7 +222,7 @@ impl Sink for ColumnSink<'_> {
     }
 }
 
-/// The face number of a crossing.
+/// The number of the face of a crossing.
 fn face_number(program: &Program, crossing: &Crossing) -> i32 {
     program.face_number(crossing.face.leaf, crossing.face.facet) as i32
 }

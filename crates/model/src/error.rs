@@ -43,8 +43,8 @@ pub enum CompileProblem {
         /// Leaves, surfaces or placements.
         what: &'static str,
     },
-    /// Repeated parts that make more leaves than a description of this size may: 2^24 or 64 for each of its solids and
-    /// copies, whichever is more; in model files 500,000 or 8 for each.
+    /// Solids that expand to too many leaves. The limit is 2^24, or 64 for each solid and copy in the description, whichever
+    /// is greater; for model files 500,000, or 8 for each.
     #[error(
         "its {nodes} solids and copies describe more than {limit} leaves: each use of a solid under a different map copies all of its leaves. Place shared solids instead (`place`), which copies nothing."
     )]

@@ -1,4 +1,4 @@
-//! The `Evaluator` trait, with its queries and answers: rays in, crossings out.
+//! The [`Evaluator`] trait, which computes the crossings of rays, with its queries and answers.
 
 use crate::{
     BadRay, CrossingColumns, FirstHits, HitArrayRows, LeafId, Medium, PlacementId, Program, RayBatch, Rays,
@@ -9,7 +9,7 @@ use rayweave_math::Vec3;
 use rayweave_shape::{Ray, RayError};
 use std::ops::Range;
 
-/// The interval of a ray that a query covers: open, `t_min < t < t_max`; both ends may be infinite.
+/// The open interval `t_min < t < t_max` of a ray that a query covers. Both ends may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Window {
     t_min: f64,
@@ -21,9 +21,9 @@ pub struct Window {
 #[non_exhaustive]
 pub enum WindowError {
     /// A bound is NaN.
-    #[error("the window has a bound that is NaN: nothing lies before or after it.")]
+    #[error("the window has a bound that is NaN: t_min and t_max must be numbers or infinite.")]
     NotANumber,
-    /// The window holds no time.
+    /// `t_min` is not less than `t_max`.
     #[error("the window is empty or reversed: t_min must be less than t_max. Are its ends swapped?")]
     Empty,
 }
@@ -39,6 +39,9 @@ impl Window {
     pub const ALL: Window = Window { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY };
 
     /// The times with `t_min < t < t_max`.
+    ///
+    /// # Errors
+    /// [`WindowError`] if a bound is NaN or `t_min >= t_max`.
     pub fn new(t_min: f64, t_max: f64) -> Result<Window, WindowError> {
         match () {
             () if t_min.is_nan() || t_max.is_nan() => Err(WindowError::NotANumber),
@@ -64,28 +67,28 @@ impl Default for Window {
     }
 }
 
-/// Number of crossings per ray that a query returns.
+/// The number of crossings per ray that a query returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Limit {
-    /// All of them.
+    /// All crossings.
     #[default]
     All,
-    /// The first one, if there is one. An evaluator may stop as soon as that one is certain.
+    /// The first crossing, if there is one. An evaluator may stop as soon as it is certain.
     First,
 }
 
 /// A surface on which a ray starts, and the side of the ray just after t = 0.
 ///
-/// A ray that leaves a surface by reflection or refraction starts *on* it. One root at t = 0 is divided out
-/// of the surface's equation and the caller gives the side, so that the ray needs no offset and does not hit
-/// the surface again at its start.
+/// A ray that leaves a surface by reflection or refraction starts *on* it. The caller states the surface and the
+/// side, and the evaluator divides one root at t = 0 out of the surface's equation. The ray therefore needs no
+/// offset and does not hit the surface again at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
     /// The surface.
     pub surface: SurfaceId,
-    /// The placement that it belongs to.
+    /// The placement that the surface belongs to.
     pub placement: PlacementId,
-    /// True if f < 0 on the ray just after its start.
+    /// True if the surface's function f is negative on the ray just after its start.
     pub inside: bool,
 }
 
@@ -99,12 +102,12 @@ pub struct StartLists<'a> {
 }
 
 impl<'a> StartLists<'a> {
-    /// The list of ray `i`.
+    /// The start list of ray `i`.
     pub fn of(&self, i: usize) -> &'a [Start] {
         &self.entries[self.first[i] as usize..self.first[i + 1] as usize]
     }
 
-    /// The lists of a range of the rays.
+    /// The start lists of a range of the rays.
     pub fn slice(&self, range: Range<usize>) -> StartLists<'a> {
         StartLists { first: &self.first[range.start..=range.end], entries: self.entries }
     }
@@ -117,7 +120,7 @@ pub struct Query<'a> {
     pub window: Window,
     /// Whether to return all crossings or only the first.
     pub limit: Limit,
-    /// Surfaces that the rays start on; such rays are traced for t >= 0 only.
+    /// The surfaces that the rays start on. A ray whose start list is not empty is traced for t >= 0 only.
     pub starts: Option<StartLists<'a>>,
 }
 
@@ -129,16 +132,17 @@ impl<'a> Query<'a> {
 }
 
 impl Query<'_> {
-    /// True if an event at `t` comes before the window and therefore only changes the side on which the ray
-    /// starts.
+    /// True if a boundary event at `t` comes before the window. Such an event is no crossing and only changes
+    /// the region in which the ray starts.
     ///
-    /// For a ray with a start list the window includes t = 0: at that time a listed surface is crossed if its
-    /// side and its direction disagree. (To continue after it, set t_min = `f64::MIN_POSITIVE`.)
+    /// For a ray with a start list and `t_min <= 0`, the window includes t = 0: the ray crosses a listed surface
+    /// there if the stated side contradicts the direction of the ray. To exclude this crossing, set `t_min` to
+    /// `f64::MIN_POSITIVE`.
     pub fn is_past(&self, t: f64, has_starts: bool) -> bool {
         if has_starts && self.window.t_min <= 0.0 { t < 0.0 } else { t <= self.window.t_min }
     }
 
-    /// The first crossing after t = 0.
+    /// The query for the first crossing after t = 0.
     pub fn nearest() -> Query<'static> {
         Query { window: Window { t_min: 0.0, t_max: f64::INFINITY }, limit: Limit::First, starts: None }
     }
@@ -151,7 +155,7 @@ pub struct Face {
     pub leaf: LeafId,
     /// The facet's number within its leaf.
     pub facet: u32,
-    /// The surface that the face lies in.
+    /// The surface that contains the face.
     pub surface: SurfaceId,
     /// The placement of the leaf.
     pub placement: PlacementId,
@@ -160,13 +164,13 @@ pub struct Face {
 /// A change of region along a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The time, in units of the ray's direction.
+    /// The time, in units of the length of the ray's direction.
     pub t: f64,
     /// The face that the crossing belongs to.
     pub face: Face,
-    /// The face of the region before; equal to `face` where one side is the world.
+    /// The face at which the ray leaves the region before; equal to `face` if the region on either side is the world.
     pub left: Face,
-    /// The face of the region after; equal to `face` where one side is the world.
+    /// The face at which the ray enters the region after; equal to `face` if the region on either side is the world.
     pub entered: Face,
     /// The region before; 0 is the world.
     pub before: RegionId,
@@ -186,7 +190,7 @@ impl Crossing {
     }
 }
 
-/// All crossings of one ray within the window.
+/// The crossings of one ray within the window: all, or the first one, as the query's [`Limit`] states.
 #[derive(Clone, Copy, Debug)]
 pub struct RayAnswer<'a> {
     /// The number of the ray in its batch.
@@ -209,12 +213,12 @@ impl<F: FnMut(RayAnswer<'_>)> Sink for F {
     }
 }
 
-/// Answers in arrays: those of ray i are `crossings[offsets[i]..offsets[i + 1]]`.
+/// The answers for a batch in arrays: the crossings of ray i are `crossings[offsets[i]..offsets[i + 1]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collected {
     /// The region of each ray just after `t_min`.
     pub starts: Vec<RegionId>,
-    /// First crossing of each ray; the last element is the total number.
+    /// The index of each ray's first crossing; the last element is the total number of crossings.
     pub offsets: Vec<usize>,
     /// The crossings, sorted by ray, then t.
     pub crossings: Vec<Crossing>,
@@ -242,7 +246,7 @@ impl Collected {
         self.starts.is_empty()
     }
 
-    /// Appends the answers of another batch.
+    /// Appends the answers for another batch.
     pub fn append(&mut self, other: &Collected) {
         let before = self.crossings.len();
         self.starts.extend_from_slice(&other.starts);
@@ -261,11 +265,11 @@ impl Sink for Collected {
 
 /// An algorithm that answers ray queries on a compiled model.
 ///
-/// Every evaluator gives the same answer to the same query, bit for bit: all share the roots of the leaves,
-/// exact boolean algebra, and one weld. An evaluator itself is immutable; working memory is in a scratch, one
-/// per thread, which the caller owns.
+/// Every evaluator returns the same answer to the same query, bit for bit, because all evaluators share the code for
+/// the roots of leaves and for welding crossings, and their boolean algebra is exact. An evaluator is immutable; its
+/// working memory is a scratch, one per thread, which the caller owns.
 pub trait Evaluator: Sync {
-    /// The memory that a thread needs.
+    /// The working memory of one thread.
     type Scratch: Send;
 
     /// The name of the evaluator.
@@ -274,7 +278,7 @@ pub trait Evaluator: Sync {
     /// The model.
     fn program(&self) -> &Program;
 
-    /// Memory for one thread.
+    /// Creates working memory for one thread.
     fn scratch(&self) -> Self::Scratch;
 
     /// Passes the crossings of every ray of a batch to the sink.
@@ -283,8 +287,8 @@ pub trait Evaluator: Sync {
     /// pass is arbitrary, usually a miss; the call does not panic.
     fn crossings(&self, rays: Rays<'_>, query: &Query<'_>, scratch: &mut Self::Scratch, sink: &mut dyn Sink);
 
-    /// The region that each point is in; 0 is the world. For a point on a boundary the symbolic perturbation
-    /// decides.
+    /// Computes the region that contains each point; 0 is the world. For a point on a boundary, the symbolic
+    /// perturbation decides.
     fn regions_at(&self, points: [&[f64]; 3], scratch: &mut Self::Scratch, out: &mut [RegionId]);
 
     /// Appends the crossings of every ray of a batch to columns: [`Evaluator::crossings`] without a call per
@@ -301,8 +305,8 @@ pub trait Evaluator: Sync {
         self.crossings(rays, query, scratch, &mut sink);
     }
 
-    /// Fills the hit array of a batch and returns the greatest number of entries of a ray. If that exceeds
-    /// the number of rows, the surplus entries are left out: call again with more rows.
+    /// Fills the hit array of a batch and returns the greatest number of entries of any ray. If it exceeds
+    /// the number of rows, the surplus entries are not written; call again with more rows.
     fn hits(
         &self,
         rays: Rays<'_>,
@@ -323,8 +327,8 @@ pub trait Evaluator: Sync {
     }
 
     /// Finds the first crossing of every ray of a batch, like [`Evaluator::nearest`], for rays that may start on
-    /// surfaces; the limit of the query is ignored. Crossings that have a different face on one of their sides
-    /// ([`Crossing::is_between`]) are also appended to `between`, each with the number of its ray, in any order.
+    /// surfaces; the limit of the query is ignored. Crossings with more than one face ([`Crossing::is_between`]) are
+    /// also appended to `between`, each with the number of its ray, in any order.
     fn nearest_from(
         &self,
         rays: Rays<'_>,
@@ -353,7 +357,7 @@ pub trait Evaluator: Sync {
         Ok(collected)
     }
 
-    /// The crossings of one ray. For more than a few rays use a batch.
+    /// The crossings of one ray. For more than a few rays, a batch is faster.
     ///
     /// # Errors
     /// [`RayError`] if the ray does not pass [`Program::check_ray`].
@@ -361,7 +365,7 @@ pub trait Evaluator: Sync {
         self.collect(RayBatch::from_iter([ray]).rays(), query).map_err(|bad| bad.problem)
     }
 
-    /// True if the point is inside some region.
+    /// True if the point is inside any region.
     fn contains(&self, point: Vec3) -> bool {
         let mut region = [RegionId(0)];
         self.regions_at([&[point.x], &[point.y], &[point.z]], &mut self.scratch(), &mut region);

@@ -1,57 +1,62 @@
-//! The number of leaves of a model, counted before they are made.
+//! The number of leaves of a model, counted before compilation creates them.
 //!
-//! A solid may be used many times, and each use under a different map makes its own leaves: forty steps of
-//! `s = s | s.translate(v)` describe 2^40 of them. The count visits each shared solid once.
+//! A solid may be used many times, and each use under a different map creates leaves of its own: forty steps of
+//! `s = s | s.translate(v)` describe 2^40 of them. The size of a solid under a map or name is computed once and
+//! reused, so that the count needs far fewer visits than there are leaves.
 
 use crate::number_map::{NumberMap, NumberSet};
 use crate::{CompileError, CompileProblem, Node, Solid};
 use rayweave_math::Affine;
 use rayweave_shape::primitive::Primitive;
 
-/// The number of leaves that a description of this size may make.
-struct Allowance {
-    /// The number that any description may make.
-    always: u64,
-    /// The number for each solid and copy of the description. It limits leaves that come from repetition, not those that were
-    /// described one by one.
+/// The limit on the number of leaves: `minimum`, or `per_node` times the size of the description, whichever is greater.
+struct LeafLimit {
+    /// The limit for small descriptions.
+    minimum: u64,
+    /// The number of leaves for each solid and copy in the description. It limits leaves that are copies of a solid used
+    /// repeatedly; leaves described one by one stay below it.
     per_node: u64,
 }
 
-/// The number of faces of a polyhedron that take as much memory as a leaf of another kind.
+/// The number of polyhedron faces that take as much memory as a leaf of any other kind.
 const FACES_PER_LEAF: u64 = 8;
 
-/// For solids built by a program.
-const BUILT: Allowance = Allowance { always: 1 << 24, per_node: 64 };
+/// The limit for solids built by a program.
+const FOR_PROGRAMS: LeafLimit = LeafLimit { minimum: 1 << 24, per_node: 64 };
 
-/// For model files, where a small file must not cost much: compiling takes up to 2 kB for each leaf.
-const READ: Allowance = Allowance { always: 500_000, per_node: 8 };
+/// The limit for model files. It is lower, because a small file from an untrusted source must not exhaust memory: compiling
+/// takes up to 2 kB of memory per leaf.
+const FOR_FILES: LeafLimit = LeafLimit { minimum: 500_000, per_node: 8 };
 
-/// The number of nodes that lowering may visit for each leaf: maps, names and operators.
+/// The number of node visits during lowering (to maps, names, operators and shapes) that are accepted per leaf of the limit.
 const VISITS_PER_LEAF: u64 = 16;
 
-/// Rejects solids whose repeated parts make too many leaves to compile.
+/// Rejects solids that expand to more leaves than a program may compile: [`FOR_PROGRAMS`].
 pub(crate) fn check(solids: &[&Solid]) -> Result<(), CompileError> {
-    BUILT.check(solids)
+    FOR_PROGRAMS.check(solids)
 }
 
-/// Rejects solids whose repeated parts make more leaves than a file may: 500,000, or 8 for each solid and copy that the file
-/// describes. Takes less time than compiling the solids.
+/// Rejects solids that expand to more leaves than a model file may describe: 500,000, or 8 for each solid and copy in the
+/// file, whichever is greater. Faster than compiling the solids.
+///
+/// A copy of a placed solid counts as a leaf, and every 8 faces of a polyhedron count as one more.
 ///
 /// # Errors
 ///
-/// [`CompileProblem::Repeated`].
+/// [`CompileProblem::Repeated`] if there are more leaves, or if compiling the solids visits more than 16 nodes per leaf of
+/// the limit.
 pub fn check_repetition(solids: &[&Solid]) -> Result<(), CompileError> {
-    READ.check(solids)
+    FOR_FILES.check(solids)
 }
 
-impl Allowance {
+impl LeafLimit {
     fn check(&self, solids: &[&Solid]) -> Result<(), CompileError> {
-        if expanded(solids, self.always).is_some() {
+        if leaf_count(solids, self.minimum).is_some() {
             return Ok(());
         }
-        let nodes = distinct(solids);
-        let limit = self.always.max(self.per_node.saturating_mul(nodes));
-        match limit > self.always && expanded(solids, limit).is_some() {
+        let nodes = description_size(solids);
+        let limit = self.minimum.max(self.per_node.saturating_mul(nodes));
+        match limit > self.minimum && leaf_count(solids, limit).is_some() {
             true => Ok(()),
             false => Err(CompileError {
                 path: "model".to_owned(),
@@ -62,9 +67,10 @@ impl Allowance {
 }
 
 impl Solid {
-    /// True if compiling the solid makes more leaves than this; takes time in proportion to `most` at worst.
+    /// True if the compiled solid has more than `most` leaves, counted as in [`check_repetition`], or if compiling it visits
+    /// more than `16 * most` nodes. The count stops when the size of a solid exceeds either limit.
     pub fn has_more_leaves_than(&self, most: u64) -> bool {
-        expanded(&[self], most).is_none()
+        leaf_count(&[self], most).is_none()
     }
 }
 
@@ -86,12 +92,15 @@ impl Size {
     }
 }
 
-/// A solid in a context of its own, under a map or name: there each of its parts is lowered once, as in `lower`.
+/// The count of a solid in one context: under one map or name. As in `lower`, a shared part is visited once per context.
 struct Frame<'a> {
     /// The address of the solid; 0 for the whole group.
     address: usize,
+    /// The size of the parts visited so far.
     size: Size,
+    /// The parts still to be visited.
     waiting: Vec<&'a Solid>,
+    /// The addresses of the shared parts visited so far.
     seen: NumberSet<usize>,
 }
 
@@ -101,8 +110,9 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or if there are too many visits.
-fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
+/// The number of leaves and copies of all groups; `None` if it exceeds `most`, or if the visits exceed
+/// `most * VISITS_PER_LEAF`.
+fn leaf_count(solids: &[&Solid], most: u64) -> Option<u64> {
     let mut total = Size::default();
     let mut known: NumberMap<usize, Size> = NumberMap::default();
     let mut prototypes: Vec<&Solid> = Vec::new();
@@ -110,7 +120,7 @@ fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
     let mut next = 0;
     let mut roots: Vec<&Solid> = solids.to_vec();
     loop {
-        total.add(group(roots, &mut known, most, |inner| {
+        total.add(group_size(roots, &mut known, most, |inner| {
             if is_prototype.insert(inner.address()) {
                 prototypes.push(inner);
             }
@@ -124,8 +134,8 @@ fn expanded(solids: &[&Solid], most: u64) -> Option<u64> {
     }
 }
 
-/// The size of one group. `place` receives the solids that are placed several times.
-fn group<'a>(
+/// The size of one group; `None` if it exceeds the limits. Calls `place` for each solid that is placed more than once.
+fn group_size<'a>(
     roots: Vec<&'a Solid>,
     known: &mut NumberMap<usize, Size>,
     most: u64,
@@ -133,7 +143,7 @@ fn group<'a>(
 ) -> Option<Size> {
     let mut frames = vec![Frame::new(0, roots)];
     while let Some(frame) = frames.last_mut() {
-        // each finished or open frame is a part of the whole, so that the first one above the limit decides
+        // a frame is part of the group, so if one exceeds the limit, so does the group
         if !frame.size.is_within(most) {
             return None;
         }
@@ -158,7 +168,7 @@ fn group<'a>(
                     place(inner);
                 }
             }
-            // the identity makes no context
+            // an identity map opens no context
             Node::Transformed(map, inner) if *map == Affine::IDENTITY => frame.waiting.push(inner),
             Node::Placed(inner, copies) if copies.label().is_none() && copies[0] == Affine::IDENTITY => {
                 frame.waiting.push(inner);
@@ -179,7 +189,7 @@ fn group<'a>(
     None
 }
 
-/// The number of leaves that a shape counts for: a polyhedron is one leaf and may have any number of faces.
+/// The number of leaves that a shape counts as: 1, and for a polyhedron 1 more for every [`FACES_PER_LEAF`] faces.
 fn weight(shape: &Primitive) -> u64 {
     match shape {
         Primitive::Convex(polyhedron) => 1 + polyhedron.planes().len() as u64 / FACES_PER_LEAF,
@@ -187,7 +197,7 @@ fn weight(shape: &Primitive) -> u64 {
     }
 }
 
-/// A shape under a few maps and names, and the number of visits to it; `None` for other solids.
+/// The shape below at most 3 maps and names, and the number of nodes visited to reach it; `None` for other solids.
 fn shape_within(mut solid: &Solid) -> Option<(&Primitive, u64)> {
     for visits in 1..=4 {
         solid = match solid.node() {
@@ -199,14 +209,14 @@ fn shape_within(mut solid: &Solid) -> Option<(&Primitive, u64)> {
     None
 }
 
-/// The number of different nodes and copies of the description.
-fn distinct(solids: &[&Solid]) -> u64 {
+/// The size of the description: the number of distinct nodes and of copies; polyhedra count as in [`weight`].
+fn description_size(solids: &[&Solid]) -> u64 {
     let (mut waiting, mut seen, mut copies) = (solids.to_vec(), NumberSet::default(), 0u64);
     while let Some(solid) = waiting.pop() {
         if seen.insert(solid.address()) {
             copies = copies.saturating_add(match solid.node() {
                 Node::Placed(_, maps) => maps.len() as u64,
-                // what it counts for beyond its node
+                // the node itself is counted below
                 Node::Primitive(shape) => weight(shape) - 1,
                 _ => 0,
             });
@@ -226,16 +236,16 @@ mod tests {
         let ball = Solid::from(build("sphere", &[("radius", 1.0.into())]).unwrap());
         let pair = &ball | ball.translate([3.0, 0.0, 0.0]);
         let rows = Solid::union((0..300_000).map(|k| pair.translate([f64::from(k), 0.0, 0.0])));
-        assert!(rows.has_more_leaves_than(READ.always));
+        assert!(rows.has_more_leaves_than(FOR_FILES.minimum));
         let placed = ball.place(vec![Affine::translate([1.0, 0.0, 0.0].into()); 1 << 20]);
-        // compiling them would take seconds
+        // only counted: compiling the solids would take seconds
         check_repetition(&[&rows, &placed]).unwrap();
         check(&[&rows, &placed]).unwrap();
     }
 
-    /// A polyhedron counts for its faces, both where it is described and where it is repeated.
+    /// The faces of a polyhedron count, both in the size of the description and at each repetition.
     #[test]
-    fn faces_count() {
+    fn faces_of_polyhedra_count() {
         let wheel = |offset: f64| {
             let plane = |k: u32| [1.0, f64::from(k), 0.0, offset];
             Solid::from(Primitive::from(Convex::new((0..600_000).map(plane).collect()).unwrap()))

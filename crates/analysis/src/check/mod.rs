@@ -138,8 +138,8 @@ fn in_range(settings: &CheckSettings) -> Result<(), AnalysisError> {
     match (2..=4096).contains(&settings.across) {
         true => Ok(()),
         false => {
-            let problem = format!("there are {} cells across", settings.across);
-            Err(AnalysisError::Value(Message::new(problem, "from 2 to 4096 are possible")))
+            let problem = format!("the number of cells across is {}", settings.across);
+            Err(AnalysisError::Value(Message::new(problem, "it must be from 2 to 4096")))
         }
     }
 }

@@ -259,7 +259,9 @@ fn the_same_on_any_number_of_threads_and_refusals() {
     };
     assert!(fails(&text, CheckSettings { wall: Some(-1.0), ..quick() }).starts_with("the wall is -1"));
     assert!(fails(&text, CheckSettings { gap: Some(f64::NAN), ..quick() }).starts_with("the gap is NaN"));
-    assert!(fails(&text, CheckSettings { across: 1, ..quick() }).starts_with("there are 1 cells"));
+    assert!(
+        fails(&text, CheckSettings { across: 1, ..quick() }).starts_with("the number of cells across is 1")
+    );
     let floor = "[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }\n[[region]]\nsolid = \"f\"";
     assert!(fails(floor, quick()).contains("Check it within a box."));
     let cancel = Cancel::new();

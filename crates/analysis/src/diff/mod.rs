@@ -1,14 +1,16 @@
-//! Comparison of two models: whether they are the same solid, and the volume, thickness and position of differences.
+//! Comparison of two models: whether they describe the same solids, and the volumes, thickness and position of the
+//! differences.
 //!
-//! Regions are compared in pairs: regions with the same name, the regions of each medium together, or all
-//! regions together. A region is its solid minus later regions. Lengths of the second model are converted to
-//! the unit of the first.
+//! Regions are compared in pairs: regions with the same name, all regions of the same medium together, or all
+//! regions together. A region consists of the points of its solid that belong to no later region. Lengths of the
+//! second model are converted to the unit of the first.
 //!
-//! Both models are compiled as one, in which faces that agree to rounding error become one surface and
-//! rounding slivers are welded. Rays then search for space that belongs to one side only. Where a piece of a
-//! ray seems thicker than the accepted distance, rays in five directions through its middle measure it again,
-//! so that a ray along a thin film is not reported as a thick difference. Models are the same if no ray found
-//! a difference thicker than that distance.
+//! Both solids of a pair are compiled into one program, in which faces that agree to rounding error become one
+//! surface and slivers due to rounding are removed. Random rays then search for points that belong to only one of
+//! the solids. A ray along a thin film has a long piece in it, which is not a thick difference: pieces are
+//! therefore measured again by rays in five directions through their middle, the thickest first and at most 4,096
+//! of each pair. Models are the same if no difference found in this way is thicker than
+//! [`DiffSettings::distance`].
 //!
 //! ```
 //! use rayweave_analysis::diff::{DiffSettings, diff};
@@ -46,12 +48,13 @@ use rayweave_model::{Evaluator, Program};
 use rayweave_scene::Scene;
 use std::sync::Arc;
 
-/// Compares two models. `make` creates the evaluator of a program; `progress` receives the number of rays so
+/// Compares two models. `make` creates the evaluator of a program; `progress` receives the number of rays traced so
 /// far.
 ///
 /// # Errors
 ///
-/// [`AnalysisError`]: models that are unbounded or have no regions, settings out of range, a cancelled run.
+/// [`AnalysisError`]: models that are unbounded or have no regions, solids that cannot be compiled, an error of
+/// `make`, settings out of range, a cancelled run.
 pub fn diff<E: Evaluator, X: Classified + Send + Sync + 'static>(
     a: &Scene,
     b: &Scene,
@@ -76,7 +79,8 @@ fn check(settings: &DiffSettings) -> Result<(), AnalysisError> {
             Message::new(format!("the distance is {d}"), "it must be finite and at least 0")
         }
         _ if !(2..=4096).contains(&settings.across) => {
-            Message::new(format!("there are {} cells across", settings.across), "from 2 to 4096 are possible")
+            let problem = format!("the number of cells across is {}", settings.across);
+            Message::new(problem, "it must be from 2 to 4096")
         }
         _ => return Ok(()),
     };

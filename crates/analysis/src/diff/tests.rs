@@ -1,4 +1,4 @@
-//! Comparisons checked with closed forms, and with models that are the same by construction.
+//! Tests of comparisons against closed forms, and with models that are the same by construction.
 
 use super::*;
 use crate::measure;
@@ -33,7 +33,7 @@ fn ball(radius: f64) -> String {
 }
 
 #[test]
-fn the_same_in_other_words() {
+fn different_descriptions_of_the_same_solid() {
     let proved = compared(BALL, BALL, &quick());
     assert!(proved.is_same() && proved.pairs[0].is_proved && proved.worst().is_none());
     // the same position through different maps and in a different unit: equal up to rounding
@@ -45,15 +45,14 @@ fn the_same_in_other_words() {
     assert!(report.is_same() && !report.pairs[0].is_proved, "{report:?}");
     assert!(report.pairs[0].both.contains(2.0 * PI * PI * 3.0), "{report:?}");
     assert_eq!(report.unit, Unit::Inch);
-    // a box made of planes or of a different primitive
+    // a box primitive and an intersection of slabs
     let cube = "[solid.a]\nbox = { size = 2 }";
     let planes = "[solid.x]\nslab = { normal = [1, 0, 0], lo = -1, hi = 1 }\n[solid.y]\nslab = { normal = [0, 1, 0], lo = -1, hi = 1 }\n\
         [solid.z]\nslab = { normal = [0, 0, 1], lo = -1, hi = 1 }\n[solid.all]\nexpr = \"x & y & z\"\n[[region]]\nsolid = \"all\"";
     assert!(compared(cube, planes, &quick()).is_same());
 }
 
-/// A shell thinner than the accepted distance is not reported, although rays along its rim have long pieces
-/// in it.
+/// A shell thinner than the accepted thickness is not a difference, although rays near its rim have long pieces in it.
 #[test]
 fn thin_differences_are_ignored() {
     let shell = |radius: f64, distance: f64| {
@@ -76,11 +75,11 @@ fn thin_differences_are_ignored() {
 }
 
 #[test]
-fn volumes_and_places_of_differences() {
+fn volumes_and_positions_of_differences() {
     let moved = format!("{BALL}\ntransform = [{{ translate = [1, 0, 0] }}]");
     let report = compared(BALL, &moved, &quick());
     let pair = &report.pairs[0];
-    // two balls of radius 1 with centres at distance 1: an intersection of 5 pi / 12
+    // two balls of radius 1 with centres at distance 1: the volume of their intersection is 5 pi / 12
     let common = 5.0 / 12.0 * PI;
     let rest = 4.0 / 3.0 * PI - common;
     assert!(
@@ -109,7 +108,7 @@ fn region_by_region() {
     let [bath, ball] = &report.pairs[..] else { panic!("{report:?}") };
     let shell = 4.0 / 3.0 * PI * (1.331 - 1.0);
     assert!(report.by == Match::Region && !bath.is_same && !ball.is_same);
-    // the bath loses the shell that the ball gains
+    // the larger ball takes the shell from the bath
     assert!(
         bath.a_only.contains(shell) && bath.b_only.value == 0.0 && ball.b_only.contains(shell),
         "{report:?}"
@@ -127,14 +126,14 @@ fn region_by_region() {
 }
 
 #[test]
-fn within_a_box_and_without_end() {
+fn unbounded_models_need_a_box() {
     let below = |at: f64| format!("[solid.floor]\nhalf_space = {{ normal = [0, 0, 1], offset = {at} }}");
-    let refused =
+    let error =
         diff(&scene(&below(0.0)), &scene(&below(0.5)), AnyEvaluator::maker(None), &quick(), &mut |_| ())
             .unwrap_err();
     assert!(
-        refused.kind() == ErrorKind::Solid && refused.to_string().ends_with("Compare them within a box."),
-        "{refused}"
+        error.kind() == ErrorKind::Solid && error.to_string().ends_with("Compare them within a box."),
+        "{error}"
     );
     let within = Some(Bounds { lo: Vec3::splat(-1.0), hi: Vec3::new(1.0, 1.0, 2.0) });
     let report =
@@ -144,25 +143,25 @@ fn within_a_box_and_without_end() {
 }
 
 #[test]
-fn the_same_on_any_number_of_threads_and_refusals() {
+fn results_do_not_depend_on_threads_and_invalid_settings_fail() {
     let on = |threads: usize| {
         let threads = NonZeroUsize::new(threads);
         compared(BALL, &ball(1.2), &measured(measure::MeasureSettings { threads, ..quick().measure }))
     };
     assert_eq!(on(1), on(3));
-    let fails = |settings: DiffSettings| {
+    let message = |settings: DiffSettings| {
         diff(&scene(BALL), &scene(BALL), AnyEvaluator::maker(None), &settings, &mut |_| ())
             .unwrap_err()
             .to_string()
     };
-    assert!(fails(DiffSettings { distance: Some(-1.0), ..quick() }).starts_with("the distance is -1"));
-    assert!(fails(DiffSettings { distance: Some(f64::NAN), ..quick() }).starts_with("the distance is NaN"));
-    assert!(fails(DiffSettings { across: 0, ..quick() }).starts_with("there are 0 cells"));
+    assert!(message(DiffSettings { distance: Some(-1.0), ..quick() }).starts_with("the distance is -1"));
+    assert!(message(DiffSettings { distance: Some(f64::NAN), ..quick() }).starts_with("the distance is NaN"));
+    assert!(message(DiffSettings { across: 0, ..quick() }).starts_with("the number of cells across is 0"));
     assert!(
-        fails(measured(measure::MeasureSettings { precision: 0.0, ..quick().measure }))
+        message(measured(measure::MeasureSettings { precision: 0.0, ..quick().measure }))
             .starts_with("the precision is 0")
     );
     let cancel = Cancel::new();
     cancel.cancel();
-    assert_eq!(fails(measured(measure::MeasureSettings { cancel, ..quick().measure })), "cancelled");
+    assert_eq!(message(measured(measure::MeasureSettings { cancel, ..quick().measure })), "cancelled");
 }

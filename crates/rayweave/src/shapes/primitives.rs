@@ -66,7 +66,7 @@ pub fn cone(radius1: f64, radius2: f64, height: f64) -> Result<Solid, Error> {
 /// A half-space: all points on one side of a plane.
 ///
 /// - `normal`: direction out of the solid, of any length; finite and not all 0.
-/// - `offset`: value of normal . p on the plane: its distance from the origin if the normal is of unit length; length, finite.
+/// - `offset`: value of normal . p on the plane: for a unit normal, its signed distance from the origin; length, finite.
 ///
 /// Inside: `normal . (x, y, z) < offset`. See [the manual page](crate::shape::primitive::half_space).
 pub fn half_space(normal: impl Into<Vec3>, offset: f64) -> Result<Solid, Error> {

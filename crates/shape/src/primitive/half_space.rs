@@ -3,14 +3,14 @@
 //! | parameter | is | unit | range | default | meaning |
 //! | --- | --- | --- | --- | --- | --- |
 //! | `normal` | a list of 3 numbers | none | finite and not all 0 |  | direction out of the solid, of any length |
-//! | `offset` | a number | length | finite |  | value of normal . p on the plane: its distance from the origin if the normal is of unit length |
+//! | `offset` | a number | length | finite |  | value of normal . p on the plane: for a unit normal, its signed distance from the origin |
 //!
 //! Inside: `normal . (x, y, z) < offset`.
 //!
 //! Face: `plane`.
 //!
-//! Only the ratio of normal and offset matters: a longer normal with the same offset moves the plane nearer to the
-//! origin. The bounds are finite on one side if the normal is parallel to an axis.
+//! Only the ratio of `normal` to `offset` matters: a longer normal with the same offset moves the plane nearer to the
+//! origin. The bounds are finite on one side if the normal is parallel to a coordinate axis, and infinite otherwise.
 
 use super::parameter::check_length;
 use super::shape::between;
@@ -34,7 +34,8 @@ impl HalfSpace {
     }
 }
 
-/// The box around `lo < normal . p < hi`: finite along a normal that is parallel to an axis.
+/// The bounds of `lo < normal . p < hi`: if the normal is parallel to a coordinate axis, the range along that axis, else all
+/// of space.
 pub(super) fn layer_bounds(normal: Vec3, lo: f64, hi: f64) -> Bounds {
     let mut bounds = Bounds::ALL;
     for k in 0..3 {
@@ -47,7 +48,7 @@ pub(super) fn layer_bounds(normal: Vec3, lo: f64, hi: f64) -> Bounds {
     bounds
 }
 
-/// An error if the plane `normal . p = offset` is too far from the origin.
+/// Rejects a plane `normal . p = offset` that is farther from the origin than the largest supported length.
 pub(super) fn check_plane(
     shape: &'static str,
     parameter: &'static str,
@@ -56,7 +57,7 @@ pub(super) fn check_plane(
     offset: f64,
 ) -> Result<(), ShapeError> {
     let distance = Plane::new(normal, offset).offset;
-    // distances below the smallest length count as 0
+    // a distance below the smallest supported length is accepted, like 0
     match distance.abs() < 1.0 {
         true => Ok(()),
         false => check_length(shape, parameter, index, distance),
@@ -78,7 +79,7 @@ impl Shape for HalfSpace {
             "offset",
             ParameterUnit::Length,
             Range::Finite,
-            "value of normal . p on the plane: its distance from the origin if the normal is of unit length",
+            "value of normal . p on the plane: for a unit normal, its signed distance from the origin",
         ),
     ];
     const FACES: &'static [&'static str] = &["plane"];
@@ -116,7 +117,8 @@ impl Shape for HalfSpace {
     }
 }
 
-/// A random normal: along an axis half of the time, else in any direction, of length about 1.
+/// A random normal: with probability 1/2 a unit vector along a coordinate axis, else an oblique vector with |z| from 0.1 to 1
+/// and |x| and |y| at most 1.
 pub(super) fn random_normal(rng: &mut dyn FnMut() -> f64) -> Vec3 {
     let sign = if rng() < 0.5 { -1.0 } else { 1.0 };
     match (6.0 * rng()) as usize {

@@ -11,7 +11,7 @@ pub struct Manual {
     pub summary: &'static str,
     /// The parameters, in order.
     pub parameters: &'static [Parameter],
-    /// Names of the faces; `side0..sideN-1` is a numbered sequence.
+    /// The names of the faces; `side0..sideN-1` stands for a numbered sequence.
     pub faces: &'static [&'static str],
     /// Condition for a point (x, y, z) to be inside.
     pub equation: &'static str,

@@ -1,4 +1,4 @@
-//! The trait of all primitives.
+//! The trait of primitives.
 
 use super::arguments::Arguments;
 use super::error::ShapeError;
@@ -6,21 +6,24 @@ use super::lowered::Lowered;
 use super::parameter::Parameter;
 use super::value::Value;
 
-/// A kind of primitive. All interfaces (files, command line, Python, manual) are derived from it.
+/// A kind of primitive. Its items define all interfaces: model files, the command line, Python and the manual.
 pub trait Shape: Sized {
-    /// Name in all interfaces.
+    /// The name in all interfaces.
     const NAME: &'static str;
-    /// Condition for a point (x, y, z) to be inside.
+    /// The condition for a point (x, y, z) to be inside, as text.
     const EQUATION: &'static str;
-    /// The parameters, in order.
+    /// The parameters, in the order of [`Shape::arguments`].
     const PARAMETERS: &'static [Parameter];
-    /// Names of the faces; `side0..sideN-1` is a numbered sequence.
+    /// The names of the faces; `side0..sideN-1` stands for a numbered sequence.
     const FACES: &'static [&'static str];
 
-    /// A primitive from arguments that match [`Shape::PARAMETERS`] individually.
+    /// Creates a primitive from arguments, each of which was checked against [`Shape::PARAMETERS`].
+    ///
+    /// # Errors
+    /// [`ShapeError`] if the arguments are not consistent with each other.
     fn from_arguments(arguments: &Arguments) -> Result<Self, ShapeError>;
 
-    /// Values of the parameters; `from_arguments` makes an equal primitive from them.
+    /// The values of the parameters; [`Shape::from_arguments`] creates an equal primitive from them.
     fn arguments(&self) -> Vec<(&'static str, Value)>;
 
     /// Checks conditions that involve several parameters.
@@ -28,21 +31,21 @@ pub trait Shape: Sized {
         Ok(())
     }
 
-    /// The primitive as sides of surfaces.
+    /// The primitive as a conjunction of facets, or the complement of one, with its bounds.
     fn lower(&self) -> Lowered;
 
-    /// The volume, if there is a closed form; `inf` if it is unbounded.
+    /// The volume, which may be infinite; `None` if there is no closed form.
     fn volume(&self) -> Option<f64> {
         None
     }
 
-    /// A typical example.
+    /// A typical primitive, for examples and tests.
     fn example() -> Self;
 
-    /// A random primitive of size about 1, from numbers uniform in [0, 1).
+    /// A random primitive of size about 1. `rng` returns random numbers, uniform in [0, 1).
     fn random(rng: &mut dyn FnMut() -> f64) -> Self;
 
-    /// The primitive itself if its parameters are in range and consistent.
+    /// Returns the primitive itself if its parameters are in range and consistent, else an error.
     fn validated(self) -> Result<Self, ShapeError> {
         for (parameter, (_, value)) in Self::PARAMETERS.iter().zip(self.arguments()) {
             parameter.check(Self::NAME, &value)?;
@@ -52,7 +55,7 @@ pub trait Shape: Sized {
     }
 }
 
-/// A number uniform in [lo, hi).
+/// A random number, uniform in [lo, hi), from `rng` uniform in [0, 1).
 pub(super) fn between(rng: &mut dyn FnMut() -> f64, lo: f64, hi: f64) -> f64 {
     lo + (hi - lo) * rng()
 }

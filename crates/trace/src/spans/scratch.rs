@@ -1,23 +1,27 @@
-//! Memory of a thread for rays or for points.
+//! Scratch memory of a thread, for ray queries or for point queries.
 
 use super::level::Level;
 use rayweave_model::gate::{NetworkState, OutputSet};
 use rayweave_model::{Prototype, PrototypeId};
 
-/// Memory of a thread for columns of one kind.
+/// Scratch memory of a thread for columns of one kind `P`: rays or points.
 #[derive(Clone, Debug)]
 pub(super) struct ColumnScratch<P> {
-    /// Buffers per nesting level: at most 31, as a placed solid has at least two placements.
+    /// Buffers per nesting level. A placed solid has at least two placements, and a model has fewer than
+    /// 2^31, so there are at most 31 levels. `None` before the first use and
+    /// while the buffers are taken.
     pub levels: Vec<Option<Box<Level<P>>>>,
-    /// The outputs and leaves of each group, allocated on first use and restored to the initial state after
-    /// each column.
+    /// The initial state of each group, allocated on first use. The traversal of a column changes it and then
+    /// restores it.
     pub initial_states: Vec<Option<Box<InitialState>>>,
 }
 
-/// The initial state of a group: that on a column that touches no leaf.
+/// The initial state of a group, in which every leaf is outside.
 #[derive(Clone, Debug)]
 pub(super) struct InitialState {
+    /// The outputs that are inside when all leaves are outside.
     pub outputs: OutputSet,
+    /// The sides of the leaves and the values of the gates.
     pub leaves: NetworkState,
 }
 
@@ -28,6 +32,7 @@ impl<P> Default for ColumnScratch<P> {
 }
 
 impl<P> ColumnScratch<P> {
+    /// Takes the buffers of a nesting level; the caller puts them back.
     pub fn take_level(&mut self, depth: usize) -> Box<Level<P>> {
         if self.levels.len() <= depth {
             self.levels.resize_with(depth + 1, || None);
@@ -35,6 +40,7 @@ impl<P> ColumnScratch<P> {
         self.levels[depth].take().unwrap_or_default()
     }
 
+    /// Takes the initial state of a group; the caller puts it back.
     pub fn take_initial_state(&mut self, groups: &[Prototype], group: PrototypeId) -> Box<InitialState> {
         self.initial_states.resize_with(groups.len(), || None);
         self.initial_states[group.index()]

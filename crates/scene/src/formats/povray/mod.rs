@@ -11,11 +11,12 @@ pub use write::{PovRay, PovRayError};
 use crate::scene::Scene;
 
 impl Scene {
-    /// Converts the scene to the language of POV-Ray 3.7; the README of `formats/povray` documents
-    /// the conversion.
+    /// Converts the scene to the scene description language of POV-Ray 3.7. The README of
+    /// `formats/povray` documents the conversion.
     ///
     /// # Errors
-    /// [`PovRayError`]: a singular transform, or a scene whose text would be too large.
+    /// [`PovRayError`]: a singular transform, a face that no POV-Ray object can represent, or a region
+    /// with too many parts.
     pub fn to_povray(&self) -> Result<PovRay, PovRayError> {
         write::write(self)
     }

@@ -1,4 +1,5 @@
-//! Polynomial terms of a sag: in one variable (the distance from the axis) and in two (x and y).
+//! Polynomial terms of a sag: in one variable (the square of the distance from the axis) and in two (x and y). All
+//! coordinates are divided by the aperture radius.
 
 use rayweave_math::{Interval, UNIT_ROUNDOFF};
 
@@ -9,7 +10,7 @@ pub const MAX_DEGREE: usize = 30;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Polynomial(Vec<f64>);
 
-/// Value, first and second derivative.
+/// First-order jet of a function of x and y: the value and the derivatives with respect to x and y.
 pub(super) type Jet = [f64; 3];
 
 impl Polynomial {
@@ -49,7 +50,8 @@ impl Polynomial {
         (value, slope)
     }
 
-    /// Bounds of the first and second derivatives for v between two numbers of [-1, 1].
+    /// Bounds of the first and second derivatives for v from `from` to `to`, both in [-1, 1]. Infinite if the degree is above
+    /// `2 * MAX_DEGREE + 1`.
     pub fn derivatives(&self, from: f64, to: f64) -> (Interval, Interval) {
         if self.0.len() < 2 {
             return (Interval::point(0.0), Interval::point(0.0));
@@ -62,14 +64,16 @@ impl Polynomial {
     }
 }
 
-/// Bounds of the first and second derivatives of a polynomial between two numbers in [-1, 1]; overwrites the coefficients.
+/// Bounds of the first and second derivatives of a polynomial from `from` to `to`, both in [-1, 1]; overwrites the
+/// coefficients.
 ///
-/// The polynomial is shifted to the middle m of the range (repeated Horner scheme), `sum b_k (v - m)^k`, where all terms
-/// but the lowest are small if the range is. A shift has a rounding error of less than 4 n u times the sum of the
-/// magnitudes of all coefficients, with n the degree; each derivative multiplies that by at most n.
+/// Repeated Horner schemes expand the polynomial about the middle m of the range, as `sum b_k (v - m)^k`. In a short range
+/// all terms but the lowest are small. Within the range, the rounding errors of the b_k change the value by less than
+/// 4 n u times the sum of the magnitudes of all coefficients, with n the number of coefficients and u the unit roundoff;
+/// each derivative multiplies that by at most n.
 pub(super) fn derivatives(c: &mut [f64], from: f64, to: f64) -> (Interval, Interval) {
     let (n, middle) = (c.len(), 0.5 * (from + to));
-    // distance of the ends from the middle, plus one rounding
+    // distance of the ends from the middle, plus the rounding errors of both
     let half = (0.5 * (to - from)).max(0.0) + 2.0 * UNIT_ROUNDOFF;
     let size: f64 = c.iter().map(|c| c.abs()).sum();
     for first in 0..n {
@@ -91,6 +95,7 @@ pub(super) fn derivatives(c: &mut [f64], from: f64, to: f64) -> (Interval, Inter
     (around(slope, first, error), around(bend, second, order * error))
 }
 
+/// The interval `middle +- (radius + error)`, with a margin for the rounding of `radius`.
 fn around(middle: f64, radius: f64, error: f64) -> Interval {
     Interval::around(middle, radius * (1.0 + 64.0 * UNIT_ROUNDOFF) + error)
 }
@@ -98,13 +103,13 @@ fn around(middle: f64, radius: f64, error: f64) -> Interval {
 /// `sum c_ij x^i y^j`, for |x|, |y| <= 1.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Bivariate {
-    /// For each power of x the polynomial in y.
+    /// For each power of x, its coefficient: a polynomial in y.
     rows: Vec<Polynomial>,
     degree: usize,
 }
 
 impl Bivariate {
-    /// The polynomial of terms (i, j, c); terms with equal powers are added.
+    /// The sum of the terms `c x^i y^j`, given as (i, j, c).
     pub fn new(terms: &[(usize, usize, f64)]) -> Bivariate {
         let (mut rows, mut degree) = (Vec::<Vec<f64>>::new(), 0);
         for &(i, j, c) in terms.iter().filter(|term| term.2 != 0.0) {
@@ -129,11 +134,12 @@ impl Bivariate {
         &self.rows
     }
 
+    /// Sum of the magnitudes of all coefficients.
     pub fn size(&self) -> f64 {
         self.rows.iter().map(Polynomial::size).sum()
     }
 
-    /// Value and derivatives with respect to x and y.
+    /// Value and derivatives with respect to x and y (Horner's scheme).
     pub fn value_and_gradient(&self, x: f64, y: f64) -> Jet {
         let [mut value, mut by_x, mut by_y] = [0.0; 3];
         for row in self.rows.iter().rev() {
@@ -160,7 +166,7 @@ impl Bivariate {
         sum
     }
 
-    /// Bounds of the value and both derivatives over a box within [-1, 1]: Horner's scheme in intervals.
+    /// Bounds of the value and both first derivatives over a box in [-1, 1]^2: Horner's scheme in interval arithmetic.
     pub fn ranges(&self, x: Interval, y: Interval) -> [Interval; 3] {
         let mut ranges = [Interval::point(0.0); 3];
         for row in self.rows.iter().rev() {
@@ -172,7 +178,7 @@ impl Bivariate {
     }
 }
 
-/// Bounds of a polynomial and its derivative.
+/// Bounds of a polynomial and its derivative over an interval.
 pub(super) fn range(coefficients: &[f64], v: Interval) -> (Interval, Interval) {
     let zero = Interval::point(0.0);
     coefficients
@@ -181,7 +187,7 @@ pub(super) fn range(coefficients: &[f64], v: Interval) -> (Interval, Interval) {
         .fold((zero, zero), |(value, slope), &c| (value * v + Interval::point(c), slope * v + value))
 }
 
-/// Multiplies a polynomial of degree below `count` by `a[0] + a[1] s`.
+/// Multiplies a polynomial in s, of degree below `count` or zero, by `a[0] + a[1] s`.
 fn times_linear(c: &mut [f64; MAX_DEGREE + 1], count: usize, a: [f64; 2]) {
     for k in (1..=count.min(MAX_DEGREE)).rev() {
         c[k] = c[k] * a[0] + c[k - 1] * a[1];
