@@ -10,8 +10,8 @@ use rayweave::photon::{
 use rayweave::table::NpyArray;
 use rayweave::{Packets, Vec3};
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::BufReader;
+use std::fs::File;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// The arguments that describe a source.
@@ -265,11 +265,13 @@ const MAX_BYTES: u64 = 1 << 26;
 /// Reads a CSV file of two columns, with an optional line of names.
 fn read_spectrum(path: &Path) -> Result<WavelengthDistribution, Failure> {
     let unreadable = |error: &std::io::Error| bad_file(path, &format!("cannot read the file: {error}."));
-    let size = fs::metadata(path).map_err(|error| unreadable(&error))?.len();
-    if size > MAX_BYTES {
-        return Err(bad_file(path, &format!("the spectrum has {size} bytes: at most {MAX_BYTES} are read.")));
+    // pipes and devices state no size
+    let file = File::open(path).map_err(|error| unreadable(&error))?;
+    let mut text = String::new();
+    file.take(MAX_BYTES + 1).read_to_string(&mut text).map_err(|error| unreadable(&error))?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(bad_file(path, &format!("the spectrum has more than {MAX_BYTES} bytes.")));
     }
-    let text = fs::read_to_string(path).map_err(|error| unreadable(&error))?;
     let mut points = Vec::new();
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
     for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {

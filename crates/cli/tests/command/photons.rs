@@ -159,6 +159,12 @@ fn sources() {
     bench.write("bad.csv", "500,1\n550\n");
     let bad = ["photons", "bar.gdml", "--at", "0,0,0", "--spectrum", "bad.csv"];
     assert!(bench.fails(3, &bad).contains("bad.csv: line 2: two numbers are needed"));
+    // a device states no size and never ends
+    #[cfg(unix)]
+    {
+        let endless = ["photons", "bar.gdml", "--at", "0,0,0", "--spectrum", "/dev/zero"];
+        assert!(bench.fails(3, &endless).contains("the spectrum has more than 67108864 bytes"));
+    }
 }
 
 /// Gensteps and photons from arrays; the number of photons is that of the file.

@@ -39,7 +39,8 @@ impl DavisTable {
     ///
     /// # Errors
     ///
-    /// [`PhotonError::Setting`] for other numbers of values, a reflectance beyond 0 to 1, and a table without directions.
+    /// [`PhotonError::Setting`] for other numbers of values, a reflectance beyond 0 to 1, directions that are not finite, and a table
+    /// without directions.
     pub fn new(reflectance: Vec<f64>, directions: &[f32]) -> Result<DavisTable, PhotonError> {
         let refuse = |reason: String| Err(PhotonError::setting("the DAVIS table is invalid", reason));
         let (count, needed) = (reflectance.len(), Self::INCIDENCES);
@@ -56,6 +57,9 @@ impl DavisTable {
         let needed = 2 * Self::SAMPLES * blocks;
         if directions.len() < needed {
             return refuse(format!("it has {} values of directions, {needed} are needed", directions.len()));
+        }
+        if let Some(k) = directions[..needed].iter().position(|value| !value.is_finite()) {
+            return refuse(format!("the value {k} of directions is {}: it must be finite", directions[k]));
         }
         let mut samples: Vec<[f32; 2]> = Vec::with_capacity(blocks * Self::SAMPLES);
         let mut counts = Vec::with_capacity(blocks);
@@ -148,6 +152,9 @@ mod tests {
         assert!(refused(vec![0.5; 89], &[]).contains("it has 89 reflectances, 90 are needed"));
         assert!(refused(vec![1.5; 90], &[]).contains("the reflectance at 0 degrees is 1.5"));
         assert!(refused(vec![0.5; 90], &[0.0; 8]).contains("8 values of directions, 7240000 are needed"));
-        assert!(refused(vec![0.5; 90], &vec![0.0; 7_240_000]).contains("all of its directions are 0"));
+        let mut directions = vec![0.0; 7_240_000];
+        assert!(refused(vec![0.5; 90], &directions).contains("all of its directions are 0"));
+        directions[5] = f32::INFINITY;
+        assert!(refused(vec![0.5; 90], &directions).contains("the value 5 of directions is inf"));
     }
 }

@@ -25,8 +25,8 @@ impl DichroicTable {
     ///
     /// # Errors
     ///
-    /// [`PhotonError::Setting`] for fewer than two nodes, nodes that do not ascend, another number of values, and values
-    /// beyond 0 to 100.
+    /// [`PhotonError::Setting`] for fewer than two nodes, nodes that are not finite or do not ascend, another number of values,
+    /// and values beyond 0 to 100.
     pub fn new(
         wavelengths: Vec<f64>,
         angles: Vec<f64>,
@@ -36,6 +36,9 @@ impl DichroicTable {
         for (name, nodes) in [("wavelengths", &wavelengths), ("angles", &angles)] {
             if nodes.len() < 2 {
                 return refuse(format!("it has {} {name}, at least 2 are needed", nodes.len()));
+            }
+            if !nodes[0].is_finite() {
+                return refuse(format!("the first of the {name} is {}: it must be finite", nodes[0]));
             }
             if let Some(k) = (1..nodes.len()).find(|&k| !(nodes[k - 1] < nodes[k] && nodes[k].is_finite())) {
                 let [before, at] = [nodes[k - 1], nodes[k]];
@@ -127,6 +130,8 @@ mod tests {
             DichroicTable::new(x.to_vec(), y.to_vec(), z.to_vec()).unwrap_err().to_string()
         };
         assert!(refused(&[1.0], &[0.0, 1.0], &[]).contains("it has 1 wavelengths"));
+        let below = [f64::NEG_INFINITY, 1.0];
+        assert!(refused(&below, &[0.0, 1.0], &[0.0; 4]).contains("the first of the wavelengths is -inf"));
         assert!(refused(&[2.0, 1.0], &[0.0, 1.0], &[]).contains("1 follows 2 among the wavelengths"));
         assert!(
             refused(&[1.0, 2.0], &[0.0, 1.0], &[0.0; 3]).contains("3 values of transmittance, 4 are needed")

@@ -34,12 +34,15 @@ impl LutTable {
     ///
     /// # Errors
     ///
-    /// [`PhotonError::Setting`] for another number of values, or for a table without any direction.
+    /// [`PhotonError::Setting`] for another number of values, NaN, or a table without any direction.
     pub fn new(values: &[f64]) -> Result<LutTable, PhotonError> {
         let count = Self::INCIDENCES * Self::THETAS * Self::PHIS;
         if values.len() != count {
             let problem = format!("the LUT table has {} values", values.len());
             return Err(PhotonError::setting(problem, format!("{count} are needed")));
+        }
+        if let Some(k) = values.iter().position(|value| value.is_nan()) {
+            return Err(PhotonError::setting("the LUT table is invalid", format!("the value {k} is NaN")));
         }
         let [thetas, phis] = Self::USED;
         let mut cumulative = Vec::with_capacity(Self::INCIDENCES * thetas * phis);
@@ -111,6 +114,9 @@ mod tests {
     #[test]
     fn unusable_tables_are_refused() {
         assert!(LutTable::new(&[1.0; 7]).unwrap_err().to_string().contains("151515 are needed"));
+        let mut values = vec![0.5; 151_515];
+        values[7] = f64::NAN;
+        assert!(LutTable::new(&values).unwrap_err().to_string().contains("the value 7 is NaN"));
         let dark = LutTable::new(&vec![0.0; 151_515]).unwrap_err().to_string();
         assert!(dark.contains("all of its probabilities are 0"), "{dark}");
     }
