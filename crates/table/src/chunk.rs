@@ -50,6 +50,34 @@ impl Values {
         self.len() == 0
     }
 
+    /// Removes all values and keeps the memory.
+    #[cfg(feature = "parquet")]
+    pub(crate) fn clear(&mut self) {
+        match self {
+            Self::F64(v) => v.clear(),
+            Self::I64(v) => v.clear(),
+            Self::I32(v) => v.clear(),
+            Self::Bool(v) => v.clear(),
+            Self::Name(v) => v.clear(),
+            Self::Text(v) => v.clear(),
+        }
+    }
+
+    /// Appends a range of values of another list of the same type.
+    #[cfg(feature = "parquet")]
+    pub(crate) fn extend(&mut self, other: &Values, rows: std::ops::Range<usize>) {
+        match (self, other) {
+            (Self::F64(own), Self::F64(other)) => own.extend_from_slice(&other[rows]),
+            (Self::I64(own), Self::I64(other)) => own.extend_from_slice(&other[rows]),
+            (Self::I32(own), Self::I32(other)) => own.extend_from_slice(&other[rows]),
+            (Self::Bool(own), Self::Bool(other)) => own.extend_from_slice(&other[rows]),
+            (Self::Name(own), Self::Name(other)) => own.extend_from_slice(&other[rows]),
+            (Self::Text(own), Self::Text(other)) => own.extend_from_slice(&other[rows]),
+            // chunks are checked against the schema before they are written
+            (own, other) => unreachable!("a column of {} among {}", other.dtype(), own.dtype()),
+        }
+    }
+
     fn dtype(&self) -> &'static str {
         match self {
             Self::F64(_) => "f64",
