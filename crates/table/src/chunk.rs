@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub enum Values {
     /// For [`DType::F64`].
     F64(Vec<f64>),
-    /// For [`DType::I64`].
+    /// For [`DType::I64`] and [`DType::Row`].
     I64(Vec<i64>),
     /// For [`DType::I32`].
     I32(Vec<i32>),
@@ -25,7 +25,7 @@ impl Values {
     pub fn empty(dtype: &DType) -> Self {
         match dtype {
             DType::F64 => Self::F64(Vec::new()),
-            DType::I64 => Self::I64(Vec::new()),
+            DType::I64 | DType::Row => Self::I64(Vec::new()),
             DType::I32 => Self::I32(Vec::new()),
             DType::Bool => Self::Bool(Vec::new()),
             DType::Name(_) => Self::Name(Vec::new()),
@@ -184,7 +184,7 @@ impl Chunk {
 fn check_column(values: &Values, dtype: &DType) -> Result<(), String> {
     match (values, dtype) {
         (Values::F64(_), DType::F64)
-        | (Values::I64(_), DType::I64)
+        | (Values::I64(_), DType::I64 | DType::Row)
         | (Values::I32(_), DType::I32)
         | (Values::Bool(_), DType::Bool)
         | (Values::Text(_), DType::Text) => Ok(()),

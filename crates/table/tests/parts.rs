@@ -37,6 +37,7 @@ fn schema() -> Schema {
         Column::new("ray", DType::I64),
         Column::new("t", DType::F64).unit("mm"),
         Column::new("number", DType::I32),
+        Column::new("parent", DType::Row),
         Column::new("enters", DType::Bool),
         Column::names("medium", names),
         Column::new("path", DType::Text),
@@ -44,14 +45,22 @@ fn schema() -> Schema {
     .unwrap()
 }
 
-/// The rows of a range of rays: ray k has k % 3 rows.
-fn rows(rays: Range<u64>) -> Chunk {
+/// The rows of a range of rays: ray k has k % 3 rows, of which the second refers to the first; `before` is the number of rows
+/// before them in their table.
+fn rows(rays: Range<u64>, before: u64) -> Chunk {
     let rows: Vec<u64> = rays.flat_map(|ray| std::iter::repeat_n(ray, (ray % 3) as usize)).collect();
     let texts: Vec<Arc<str>> = (0..40).map(|k| format!("tower[{k}]\n/brick").into()).collect();
     Chunk::new(vec![
         Values::I64(rows.iter().map(|&ray| ray as i64).collect()),
-        Values::F64(rows.iter().map(|&ray| if ray % 11 == 0 { f64::INFINITY } else { (ray as f64).sqrt() }).collect()),
+        Values::F64(
+            rows.iter().map(|&ray| if ray % 11 == 0 { f64::INFINITY } else { (ray as f64).sqrt() }).collect(),
+        ),
         Values::I32(rows.iter().map(|&ray| ray as i32 - 7).collect()),
+        Values::I64(
+            (0..rows.len())
+                .map(|k| if k > 0 && rows[k - 1] == rows[k] { (before + k as u64 - 1) as i64 } else { -1 })
+                .collect(),
+        ),
         Values::Bool(rows.iter().map(|&ray| ray % 5 == 0).collect()),
         Values::Name(rows.iter().map(|&ray| if ray % 4 == 3 { NO_NAME } else { (ray % 3) as u32 }).collect()),
         // the order of the first occurrence differs between parts
@@ -71,7 +80,7 @@ fn write(path: &Path, part: &Part, random: &mut ChaCha8Rng) {
     let mut next = part.range.start;
     while next < part.range.end {
         let end = (next + random.random_range(1..=1 + part.total / 3)).min(part.range.end);
-        table.write(&rows(next..end)).unwrap();
+        table.write(&rows(next..end, table.rows())).unwrap();
         next = end;
     }
     table.finish_part(part).unwrap();
@@ -82,10 +91,11 @@ fn slicings(extension: &str, total: u64, times: usize) {
     let (folder, mut random) = (Folder::new(extension), ChaCha8Rng::seed_from_u64(5));
     let whole = folder.file(&format!("whole.{extension}"));
     let mut table = TableWriter::create(&whole, &schema()).unwrap();
-    table.write(&rows(0..total)).unwrap();
+    table.write(&rows(0..total, 0)).unwrap();
     table.finish().unwrap();
     for time in 0..times {
-        let mut cuts: Vec<u64> = (0..random.random_range(0..7)).map(|_| random.random_range(0..=total)).collect();
+        let mut cuts: Vec<u64> =
+            (0..random.random_range(0..7)).map(|_| random.random_range(0..=total)).collect();
         cuts.extend([0, total]);
         cuts.sort_unstable();
         let mut files = Vec::new();
@@ -98,7 +108,8 @@ fn slicings(extension: &str, total: u64, times: usize) {
         PartSet::read(&files).unwrap().merge_tables(&merged).unwrap();
         assert!(fs::read(&merged).unwrap() == fs::read(&whole).unwrap(), "slicing {time}: {cuts:?}");
         if extension == "npy" {
-            let names = ["merged", "whole"].map(|name| fs::read(folder.file(&format!("{name}.names.json"))).unwrap());
+            let names =
+                ["merged", "whole"].map(|name| fs::read(folder.file(&format!("{name}.names.json"))).unwrap());
             assert!(names[0] == names[1], "slicing {time}: {cuts:?}");
         }
     }
@@ -138,7 +149,10 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     assert!(text.contains("the ranges 40:60 of 100 are missing") && !merged.exists(), "{text}");
     write(&c, &part(30..60, 100), &mut random);
     let text = refusal(PartSet::read(&[a.clone(), b.clone(), c.clone()]));
-    assert!(text.contains("a.csv") && text.contains("c.csv overlap: their ranges are 0:40 and 30:60."), "{text}");
+    assert!(
+        text.contains("a.csv") && text.contains("c.csv overlap: their ranges are 0:40 and 30:60."),
+        "{text}"
+    );
     for (setting, expected) in [("seed", "`seed` is 7 in the first and 8"), ("model", "`model` is 0123")] {
         let mut other = part(40..60, 100);
         other.settings.insert(setting.to_owned(), "8".to_owned());
@@ -150,7 +164,9 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     write(&c, &part(40..60, 101), &mut random);
     assert!(refusal(PartSet::read(&[a.clone(), c.clone()])).contains("the total is 100"));
     write(&c, &part(40..60, 100), &mut random);
-    let text = refusal(PartSet::read(&[a.clone(), b.clone(), c.clone()]).unwrap().merge_tables(&folder.file("x.npy")));
+    let text = refusal(
+        PartSet::read(&[a.clone(), b.clone(), c.clone()]).unwrap().merge_tables(&folder.file("x.npy")),
+    );
     assert!(text.contains("another format"), "{text}");
     assert!(refusal(PartSet::read(&[])).contains("at least one"));
 }

@@ -112,7 +112,7 @@ fn message(schema: &Schema) -> Result<TypePtr> {
 fn field(column: &Column) -> Result<TypePtr> {
     let (physical, logical, repetition) = match column.dtype {
         DType::F64 => (Physical::DOUBLE, None, Repetition::REQUIRED),
-        DType::I64 => (Physical::INT64, None, Repetition::REQUIRED),
+        DType::I64 | DType::Row => (Physical::INT64, None, Repetition::REQUIRED),
         DType::I32 => (Physical::INT32, None, Repetition::REQUIRED),
         DType::Bool => (Physical::BOOLEAN, None, Repetition::REQUIRED),
         DType::Name(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::OPTIONAL),

@@ -108,6 +108,19 @@ impl Part {
         out.finish()
     }
 
+    /// Writes a file that is a part, complete or not at all, and its description.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Io`] if a file cannot be written.
+    pub fn write(&self, file: &Path, bytes: &[u8]) -> Result<(), TableError> {
+        let mut out = AtomicFile::create(file)?;
+        out.write_all(bytes).map_err(|error| TableError::io("write", file, error))?;
+        Part::forget(file)?;
+        out.finish()?;
+        self.describe(file)
+    }
+
     /// Removes the description of a file, before the file is replaced.
     pub(crate) fn forget(file: &Path) -> Result<(), TableError> {
         let path = Part::path(file);
@@ -133,7 +146,8 @@ impl Part {
         };
         let value: Value = serde_json::from_str(&text).unwrap_or_default();
         let (part, bytes, hash) = parse(&value).ok_or_else(|| {
-            let message = Message::new("the description of the part is damaged", "it is not as this version writes it");
+            let message =
+                Message::new("the description of the part is damaged", "it is not as this version writes it");
             TableError::table(&path, message.suggest("Compute the part again"))
         })?;
         let found = content(file, &part.columns)?;
@@ -148,16 +162,20 @@ impl Part {
         Ok(part)
     }
 
-    /// True if the file is complete and is this part.
+    /// True if the file is complete and is this part; columns and total, which follow from the rest, are not compared.
     pub fn is_in(&self, file: &Path) -> bool {
-        Part::read(file).is_ok_and(|found| Part { columns: self.columns.clone(), ..found } == *self)
+        let same = |found: Part| Part { columns: self.columns.clone(), total: self.total, ..found } == *self;
+        Part::read(file).is_ok_and(same)
     }
 }
 
 fn not_a_part(file: &Path) -> TableError {
     let path = Part::path(file);
     let message = Message::new("the file is not a part", format!("there is no {}", path.display()));
-    TableError::table(file, message.suggest("Parts are written with --range; one without description is incomplete"))
+    TableError::table(
+        file,
+        message.suggest("Parts are written with --range; one without description is incomplete"),
+    )
 }
 
 /// The files of a table: the table itself, and the names of an NPY file.
@@ -183,7 +201,8 @@ fn parse(value: &Value) -> Option<(Part, u64, String)> {
         return None;
     }
     let text = |value: &Value| value.as_str().map(str::to_owned);
-    let settings = value["settings"].as_object()?.iter().map(|(name, value)| Some((name.clone(), text(value)?)));
+    let settings =
+        value["settings"].as_object()?.iter().map(|(name, value)| Some((name.clone(), text(value)?)));
     let column = |value: &Value| {
         let [name, dtype, unit] = value.as_array()?.as_slice() else { return None };
         Some(PartColumn { name: text(name)?, dtype: text(dtype)?, unit: text(unit) })
@@ -205,6 +224,7 @@ fn dtype(name: &str) -> Option<DType> {
     Some(match name {
         "f64" => DType::F64,
         "i64" => DType::I64,
+        "row" => DType::Row,
         "i32" => DType::I32,
         "bool" => DType::Bool,
         "name" => DType::Name([].into()),

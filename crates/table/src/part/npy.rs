@@ -71,7 +71,7 @@ impl NpyPart {
     fn copy(mut self, path: &Path, whole: &mut TableWriter) -> Result<(), TableError> {
         let columns = self.schema.columns().to_vec();
         let row_size: usize = columns.iter().map(|column| column.dtype.size()).sum();
-        let mut block = Vec::new();
+        let (mut block, before) = (Vec::new(), whole.rows());
         let mut left = self.rows;
         while left > 0 {
             let rows = left.min(ROWS as u64) as usize;
@@ -82,7 +82,9 @@ impl NpyPart {
                 let start = offset;
                 offset += column.dtype.size();
                 let values = values(&column.dtype, &block[start..], row_size, texts);
-                values.ok_or_else(|| damaged(path, "a text has no entry in its list of names"))
+                let values =
+                    values.ok_or_else(|| damaged(path, "a text has no entry in its list of names"))?;
+                Ok::<Values, TableError>(shifted(values, &column.dtype, before))
             });
             whole.write(&Chunk::new(values.collect::<Result<_, _>>()?)?)?;
             left -= rows as u64;
@@ -96,7 +98,8 @@ fn names(path: &Path, part: &Part) -> Result<Value, TableError> {
     match super::files(path, &part.columns).get(1) {
         None => Ok(Value::Null),
         Some(names) => {
-            let text = std::fs::read_to_string(names).map_err(|error| TableError::io("read", names, error))?;
+            let text =
+                std::fs::read_to_string(names).map_err(|error| TableError::io("read", names, error))?;
             serde_json::from_str(&text).map_err(|_| damaged(names, "the list of names is damaged"))
         }
     }
@@ -106,7 +109,7 @@ fn names(path: &Path, part: &Part) -> Result<Value, TableError> {
 fn values(dtype: &DType, bytes: &[u8], stride: usize, texts: &[Arc<str>]) -> Option<Values> {
     Some(match dtype {
         DType::F64 => Values::F64(gather(bytes, stride, f64::from_le_bytes)),
-        DType::I64 => Values::I64(gather(bytes, stride, i64::from_le_bytes)),
+        DType::I64 | DType::Row => Values::I64(gather(bytes, stride, i64::from_le_bytes)),
         DType::I32 => Values::I32(gather(bytes, stride, i32::from_le_bytes)),
         DType::Bool => Values::Bool(gather(bytes, stride, |[byte]: [u8; 1]| byte != 0)),
         DType::Name(_) => Values::Name(gather(bytes, stride, u32::from_le_bytes)),
@@ -115,6 +118,16 @@ fn values(dtype: &DType, bytes: &[u8], stride: usize, texts: &[Arc<str>]) -> Opt
             Values::Text(ids.iter().map(|&id| texts.get(id as usize).cloned()).collect::<Option<_>>()?)
         }
     })
+}
+
+/// The values of a column of a part, with the numbers of rows in the whole; `before` is the number of rows of earlier parts.
+pub(super) fn shifted(values: Values, dtype: &DType, before: u64) -> Values {
+    match values {
+        Values::I64(rows) if *dtype == DType::Row => {
+            Values::I64(rows.into_iter().map(|row| if row < 0 { row } else { row + before as i64 }).collect())
+        }
+        values => values,
+    }
 }
 
 fn gather<T, const SIZE: usize>(bytes: &[u8], stride: usize, value: impl Fn([u8; SIZE]) -> T) -> Vec<T> {

@@ -1,5 +1,6 @@
 //! The join of Parquet tables: the rows are read and written again, because their groups have a fixed size.
 
+use super::npy::shifted;
 use super::{PartSet, dtype};
 use crate::chunk::Values;
 use crate::{Chunk, Column, DType, NO_NAME, Schema, TableError, TableWriter};
@@ -25,7 +26,8 @@ pub(super) fn merge(set: &PartSet, out: &Path) -> std::result::Result<(), TableE
     let mut columns = Vec::with_capacity(first.columns.len());
     let mut names: Vec<Names> = Vec::with_capacity(first.columns.len());
     for (number, column) in first.columns.iter().enumerate() {
-        let unknown = || damaged(out, &ParquetError::General(format!("the type {} is unknown", column.dtype)));
+        let unknown =
+            || damaged(out, &ParquetError::General(format!("the type {} is unknown", column.dtype)));
         let mut own = Names::default();
         let dtype = match dtype(&column.dtype).ok_or_else(unknown)? {
             DType::Name(_) => {
@@ -43,9 +45,13 @@ pub(super) fn merge(set: &PartSet, out: &Path) -> std::result::Result<(), TableE
     let schema = Schema::new(columns)?;
     let mut whole = TableWriter::create(out, &schema)?;
     for (path, reader) in &parts {
+        let before = whole.rows();
         for group in 0..reader.num_row_groups() {
             let values = schema.columns().iter().zip(&names).enumerate();
-            let values = values.map(|(number, (column, names))| read(reader, group, number, &column.dtype, names));
+            let values = values.map(|(number, (column, names))| {
+                let values = read(reader, group, number, &column.dtype, names)?;
+                Ok(shifted(values, &column.dtype, before))
+            });
             let values = values.collect::<Result<_>>().map_err(|error| damaged(path, &error))?;
             whole.write(&Chunk::new(values)?)?;
         }
@@ -83,7 +89,7 @@ impl Names {
 fn read(reader: &Reader, group: usize, column: usize, dtype: &DType, names: &Names) -> Result<Values> {
     Ok(match dtype {
         DType::F64 => Values::F64(read_all::<DoubleType>(reader, group, column)?.0),
-        DType::I64 => Values::I64(read_all::<Int64Type>(reader, group, column)?.0),
+        DType::I64 | DType::Row => Values::I64(read_all::<Int64Type>(reader, group, column)?.0),
         DType::I32 => Values::I32(read_all::<Int32Type>(reader, group, column)?.0),
         DType::Bool => Values::Bool(read_all::<BoolType>(reader, group, column)?.0),
         DType::Text => {

@@ -83,7 +83,9 @@ impl PartSet {
             return Ok(());
         }
         let reason = format!("the ranges {} of {total} are missing", missing.join(", "));
-        Err(TableError::Parts(Message::new("the parts are not the whole", reason).suggest("Compute the missing ranges")))
+        Err(TableError::Parts(
+            Message::new("the parts are not the whole", reason).suggest("Compute the missing ranges"),
+        ))
     }
 }
 
