@@ -4,8 +4,11 @@ use crate::failure::Failure;
 use clap::Args;
 use rayweave::formats::{self, Format, Imported, LossKind, Options};
 use rayweave::scene::{Document, Scene, Unit};
+use rayweave::table::{ContentHash, Part};
 use rayweave::{Bounds, Vec3};
+use std::fmt::{self, Write};
 use std::num::NonZeroUsize;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The arguments of all sub-commands.
@@ -173,6 +176,58 @@ impl ModelArguments {
     }
 }
 
+/// The part of a run that is computed.
+#[derive(Args)]
+pub struct PartArguments {
+    /// Compute only the items A to B - 1 and write a part: the file and its description FILE.part.json. `rayweave merge` joins parts
+    /// to the whole
+    #[arg(long, value_name = "A:B", value_parser = range)]
+    pub range: Option<Range<u64>>,
+
+    /// Compute nothing if the part is already complete: the file is intact, and model, seed and settings are the same
+    #[arg(long, requires = "range")]
+    pub resume: bool,
+}
+
+impl PartArguments {
+    /// The part with these settings that is to be written to a file, if a range is given.
+    pub fn part(
+        &self,
+        query: &str,
+        settings: impl IntoIterator<Item = (&'static str, String)>,
+        total: u64,
+    ) -> Option<Part> {
+        let settings = settings.into_iter().map(|(name, value)| (name.to_owned(), value));
+        self.range.clone().map(|range| Part::new(query, settings, range, total))
+    }
+
+    /// True if nothing has to be computed: all parts are complete and --resume is given.
+    pub fn is_done<'a>(&self, mut parts: impl Iterator<Item = (&'a Path, &'a Part)>, quiet: bool) -> bool {
+        let is_done = self.resume && parts.all(|(file, part)| part.is_in(file));
+        if is_done && !quiet {
+            crate::terminal::note("the part is complete already: nothing is computed.");
+        }
+        is_done
+    }
+}
+
+/// A range of numbers, `A:B`.
+pub fn range(text: &str) -> Result<Range<u64>, String> {
+    let ends = text.split_once(':').and_then(|(a, b)| Some(a.trim().parse().ok()?..b.trim().parse().ok()?));
+    match ends {
+        Some(range) if range.start <= range.end => Ok(range),
+        _ => Err("give two whole numbers as A:B, with A at most B".to_owned()),
+    }
+}
+
+/// A hash of a value by its debug output, which has all digits of its numbers.
+pub fn debug_hash(value: &impl fmt::Debug) -> String {
+    let mut hash = ContentHash::new();
+    // writing to a hash cannot fail
+    let _ = write!(hash, "{value:?}");
+    hash.finish()
+}
+
 /// The solid that a command works on, and the evaluator.
 #[derive(Args)]
 pub struct SubjectArguments {
@@ -281,6 +336,14 @@ mod tests {
         assert_eq!(definition("R=60"), pair("R", "60"));
         assert_eq!(definition(" R = 2*a = "), pair("R", "2*a ="));
         assert!(definition("R").is_err() && definition("=1").is_err() && definition("R=").is_err());
+    }
+
+    #[test]
+    fn ranges() {
+        assert_eq!(range("3:10"), Ok(3..10));
+        for bad in ["", "3", "10:3", "-1:2", "a:b", "1:2:3"] {
+            assert!(range(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

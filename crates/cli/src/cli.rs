@@ -2,8 +2,8 @@
 
 use crate::arguments::GlobalArguments;
 use crate::command::{
-    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Optics, Photons, Probe, Render, Schema,
-    Section, Shapes, Thickness, Trace, Volume,
+    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Merge, Optics, Photons, Probe, Render,
+    Schema, Section, Shapes, Thickness, Trace, Volume,
 };
 use crate::failure::Failure;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -48,6 +48,7 @@ pub enum Command {
     Trace(Trace),
     Optics(Optics),
     Photons(Photons),
+    Merge(Merge),
     Convert(Convert),
     Export(Export),
     Infill(Infill),
@@ -74,6 +75,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Trace(trace) => trace.run(global),
         Command::Optics(optics) => optics.run(global),
         Command::Photons(photons) => photons.run(global),
+        Command::Merge(merge) => merge.run(global),
         Command::Convert(convert) => convert.run(global),
         Command::Export(export) => export.run(),
         Command::Infill(infill) => infill.run(global),

@@ -4,6 +4,7 @@ use num_complex::Complex64;
 use rayweave_error::{Classified, ErrorKind, Message};
 use rayweave_model::memory::Shortage;
 use rayweave_model::{BadRay, CompileError};
+use std::ops::Range;
 
 /// Error of an optical system, or of light that cannot be traced.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -97,6 +98,17 @@ pub enum OpticsError {
         medium: String,
         /// The range of its index.
         range_nm: [f64; 2],
+    },
+    /// A range of rays that is not one of whole chunks.
+    #[error(
+        "the range of rays is {}:{}: it must lie in 0:{count}, and start and end at multiples of {} or at {count}.",
+        range.start, range.end, crate::TraceSettings::CHUNK
+    )]
+    Range {
+        /// The range.
+        range: Range<usize>,
+        /// The number of rays.
+        count: usize,
     },
     /// The segments of the light do not fit into memory.
     #[error(

@@ -6,6 +6,7 @@ use crate::property::wavelength_nm;
 use crate::volume::VolumePaths;
 use rayweave_model::Face;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
+use std::sync::Arc;
 
 /// The genstep of photons of other sources.
 const NO_GENSTEP: i64 = -1;
@@ -100,6 +101,8 @@ impl Hits {
             *column = order.iter().map(|&row| column[row]).collect();
         }
         self.sensor = order.iter().map(|&row| self.sensor[row]).collect();
+        // in the order of the sorted hits, so that the numbers do not depend on the batches of a run
+        self.volumes.renumber(&mut self.sensor);
     }
 
     /// Appends other hits.
@@ -144,7 +147,9 @@ impl Hits {
         columns.extend(self.direction.iter().chain(&self.polarisation).cloned().map(Values::from));
         columns.push(self.wavelength_nm.clone().into());
         columns.push(self.steps.clone().into());
-        columns.push(self.sensor.clone().into());
+        let paths: Vec<Arc<str>> = self.paths().iter().map(|path| path.as_str().into()).collect();
+        columns
+            .push(Values::Text(self.sensor.iter().map(|&sensor| paths[sensor as usize].clone()).collect()));
         columns.extend(self.genstep.iter().cloned().map(Values::from));
         Chunk::new(columns)
     }
@@ -164,7 +169,7 @@ pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
     columns.extend(["dx", "dy", "dz", "px", "py", "pz"].map(|name| Column::new(name, DType::F64)));
     columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
     columns.push(Column::new("steps", DType::I64));
-    columns.push(Column::names("sensor", hits.paths().into()));
+    columns.push(Column::new("sensor", DType::Text));
     columns.extend(hits.genstep.is_some().then(|| Column::new("genstep", DType::I64)));
     Schema::new(columns)
 }

@@ -127,8 +127,9 @@ fn run_batches<E: Evaluator, R: Recorder, X: From<PhotonError>>(
 ) -> Result<(), X> {
     check(source, settings)?;
     let Range { start, end } = settings.photons;
-    let chunks = (0..(end.saturating_sub(start)).div_ceil(BATCH))
-        .map(|k| start + k * BATCH..(start + (k + 1) * BATCH).min(end));
+    // an empty range gives one empty part: its columns are those of other parts
+    let chunks = (0..(end.saturating_sub(start)).div_ceil(BATCH).max(1))
+        .map(|k| start + k * BATCH..(start + (k + 1) * BATCH).min(end.max(start)));
     let work = |batch: &mut Batch<'_, E, R>, numbers: Range<u64>| -> Result<PhotonPart, Shortage> {
         let run = batch.run(source, numbers.clone())?;
         Ok(PhotonPart { photons: numbers, run, histories: batch.recorder.take() })

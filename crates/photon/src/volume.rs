@@ -87,6 +87,17 @@ impl VolumePaths {
         other.names.iter().zip(&other.copies).map(|(path, &copy)| self.insert(path, copy)).collect()
     }
 
+    /// Numbers the paths in the order in which `used` has them, without the others, and replaces the numbers.
+    pub fn renumber(&mut self, used: &mut [u32]) {
+        let mut ordered = VolumePaths::default();
+        let mut numbers = vec![None; self.names.len()];
+        for number in used {
+            let old = *number as usize;
+            *number = *numbers[old].get_or_insert_with(|| ordered.insert(&self.names[old], self.copies[old]));
+        }
+        *self = ordered;
+    }
+
     fn insert(&mut self, path: &str, copy: i64) -> u32 {
         if let Some(&number) = self.numbers.get(path) {
             return number;

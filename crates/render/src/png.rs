@@ -84,6 +84,22 @@ pub fn id_colour(id: i32, kind: IdKind) -> Rgba {
     Rgba::opaque(darker(colour.red), darker(colour.green), darker(colour.blue))
 }
 
+/// Joins pictures written by [`encode`] one below the other; they must have the same width.
+///
+/// # Errors
+/// [`PngError`] for no picture at all, for anything other than 8-bit RGBA PNG files, and for pictures of different widths.
+pub fn stack(pictures: &[Vec<u8>]) -> Result<Vec<u8>, PngError> {
+    let pictures: Vec<Image> = pictures.iter().map(|bytes| decode(bytes)).collect::<Result<_, _>>()?;
+    let width = pictures.first().map_or(0, |first| first.size().width());
+    if pictures.iter().any(|picture| picture.size().width() != width) {
+        return Err(PngError::Kind("another width than the one above it".to_owned()));
+    }
+    let height: usize = pictures.iter().map(|picture| picture.size().height()).sum();
+    let size = Size::new(width as u32, u32::try_from(height).unwrap_or(u32::MAX))?;
+    let values = pictures.iter().flat_map(|picture| picture.values()).copied().collect();
+    Ok(encode(&PixelGrid::from_values(size, values).unwrap_or_else(|| PixelGrid::filled(size, [0; 4]))))
+}
+
 /// Decodes a picture written by [`encode`].
 ///
 /// # Errors

@@ -12,6 +12,7 @@ use crate::shade::Shader;
 use crate::supersampling::{Ink, Supersampler};
 use crate::{Background, Camera, PixelGrid, RenderError, RenderOptions, Rgba, Run, Size};
 use rayweave_model::Evaluator;
+use std::ops::Range;
 
 /// Renders a picture.
 ///
@@ -21,6 +22,8 @@ use rayweave_model::Evaluator;
 /// pixel is the mean in linear light. Details smaller than a pixel that no centre ray hits are therefore
 /// missed. Memory: about 50 bytes per pixel, and 60 n^2 for each supersampled pixel with n x n samples; four
 /// times as much with translucent regions.
+///
+/// With [`RenderOptions::rows`] the picture has only these rows. Rows within the reach of lines above and below them are traced too.
 ///
 /// # Errors
 /// [`RenderError`] for settings out of range and cancelled runs.
@@ -40,6 +43,10 @@ pub fn render<E: Evaluator>(
         shader: Shader::new(evaluator.program(), camera, settings),
         contrast: Contrast::new(camera, settings.size, settings.lines.as_ref()),
         pen: settings.lines.map(|lines| Pen::new(&lines, settings.samples)),
+        rows: settings
+            .rows
+            .as_ref()
+            .map_or(0..settings.size.height(), |rows| rows.start as usize..rows.end as usize),
     };
     let mut image = PixelGrid::filled(settings.size, [0; 4]);
     let first_pass = drawing.first_pass(&mut image, run)?;
@@ -48,7 +55,18 @@ pub fn render<E: Evaluator>(
         let supersampler = drawing.supersample(&first_pass, &places, run)?;
         drawing.resolve(&supersampler, &mut image, run)?;
     }
-    Ok(image)
+    Ok(match &settings.rows {
+        None => image,
+        Some(rows) => cropped(image, rows.clone())?,
+    })
+}
+
+/// Some rows of a picture.
+fn cropped(image: Image, rows: Range<u32>) -> Result<Image, RenderError> {
+    let width = image.size().width();
+    let size = Size::new(width as u32, rows.end - rows.start)?;
+    let values = image.values()[rows.start as usize * width..rows.end as usize * width].to_vec();
+    Ok(PixelGrid::from_values(size, values).unwrap_or_else(|| PixelGrid::filled(size, [0; 4])))
 }
 
 /// A picture being rendered.
@@ -60,6 +78,8 @@ struct Drawing<'a, E> {
     shader: Shader,
     contrast: Contrast,
     pen: Option<Pen>,
+    /// The rows of pixels that are drawn.
+    rows: Range<usize>,
 }
 
 /// The buffers for one tile: positions, colours and samples.
@@ -81,6 +101,16 @@ impl<E: Evaluator> Drawing<'_, E> {
         self.settings.samples > 1 || self.pen.is_some()
     }
 
+    /// The rows of pixels within a distance of those that are drawn.
+    fn rows_within(&self, distance: usize) -> Range<usize> {
+        self.rows.start.saturating_sub(distance)..(self.rows.end + distance).min(self.size.height())
+    }
+
+    /// The reach of lines, in pixels.
+    fn reach(&self) -> usize {
+        self.pen.as_ref().map_or(1, |pen| pen.reach)
+    }
+
     /// First pass: one ray per pixel.
     fn first_pass(&self, image: &mut Image, run: &mut Run<'_>) -> Result<FirstPass, RenderError> {
         let bounds = self.evaluator.program().bounds();
@@ -91,6 +121,9 @@ impl<E: Evaluator> Drawing<'_, E> {
         let pieces = bands.zip(rows.chunks_mut(Tile::HEIGHT)).enumerate();
         let end = if self.is_refined() { DONE[0] } else { 1.0 };
         let scratch = || (self.camera_rays(), Glimpse::default());
+        // a line at a drawn pixel depends on supersampled pixels within its reach, and these on edges within the reach again, each
+        // between two rows
+        let needed = self.rows_within(2 * self.reach() + 2);
         run.each(0.0..end, pieces, scratch, |(camera_rays, glimpse), (band, (pixels, samples))| {
             let first = band * Tile::HEIGHT;
             for (r, row) in pixels.chunks_mut(self.size.width()).enumerate() {
@@ -98,6 +131,9 @@ impl<E: Evaluator> Drawing<'_, E> {
                 if self.is_refined() {
                     samples[r].resize(extent.columns(first + r).len() * levels, Sample::MISS);
                 }
+            }
+            if first >= needed.end || first + samples.len() <= needed.start {
+                return;
             }
             for tile in extent.tiles(first..first + samples.len()) {
                 self.trace_tile(&tile, camera_rays, glimpse, pixels, samples);
@@ -163,19 +199,25 @@ impl<E: Evaluator> Drawing<'_, E> {
         let width = self.size.width();
         let mut differs = vec![false; self.size.count()];
         let pieces = differs.chunks_mut(width).enumerate();
+        let compared = self.rows_within(2 * self.reach() + 1);
         run.each(
             DONE[0]..DONE[1],
             pieces,
             || (),
             |(), (y, row)| {
+                if !compared.contains(&y) {
+                    return;
+                }
                 for x in first_pass.busy_columns(y) {
                     row[x] = self.differs(first_pass, [x, y], [x + 1, y])
                         || self.differs(first_pass, [x, y], [x, y + 1]);
                 }
             },
         )?;
-        let reach = self.pen.as_ref().map_or(1, |pen| pen.reach);
-        Ok(within_reach(self.size, &differs, reach))
+        let mut places = within_reach(self.size, &differs, self.reach());
+        let refined = self.rows_within(self.reach());
+        places.retain(|place| refined.contains(&(place / width)));
+        Ok(places)
     }
 
     /// True if an edge between two pixels requires supersampling; false outside the picture.

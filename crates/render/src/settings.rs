@@ -2,6 +2,7 @@
 
 use crate::limits::MAX_SAMPLES;
 use crate::{Light, RenderError, Rgba, Size};
+use std::ops::Range;
 
 /// The shading style.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,6 +79,8 @@ pub struct RenderOptions {
     pub lights: Vec<Light>,
     /// True if lights cast shadows. Without lights there are none.
     pub shadows: bool,
+    /// Renders only these rows of pixels, counted from the top; all by default. They have the pixels of the whole picture.
+    pub rows: Option<Range<u32>>,
 }
 
 impl RenderOptions {
@@ -98,6 +101,7 @@ impl RenderOptions {
             colours: Vec::new(),
             lights: Vec::new(),
             shadows: false,
+            rows: None,
         }
     }
 
@@ -108,6 +112,11 @@ impl RenderOptions {
         if let Some(lines) = &self.lines {
             range("width of lines", lines.width, 0.0, 8.0)?;
             range("angle of creases", lines.crease_degrees, 0.0, 180.0)?;
+        }
+        if let Some(rows) = &self.rows {
+            let height = self.size.height() as f64;
+            range("end of the rows", f64::from(rows.end), 1.0, height)?;
+            range("start of the rows", f64::from(rows.start), 0.0, f64::from(rows.end) - 1.0)?;
         }
         let most = RenderOptions::MAX_LIGHTS as f64;
         range("number of lights", self.lights.len() as f64, 0.0, most)?;

@@ -44,6 +44,7 @@ mod fault;
 mod file;
 pub mod foreign;
 mod formats;
+mod identity;
 mod keys;
 mod number;
 mod resolve;

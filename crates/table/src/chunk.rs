@@ -8,7 +8,7 @@ use std::sync::Arc;
 pub enum Values {
     /// For [`DType::F64`].
     F64(Vec<f64>),
-    /// For [`DType::I64`].
+    /// For [`DType::I64`] and [`DType::Row`].
     I64(Vec<i64>),
     /// For [`DType::I32`].
     I32(Vec<i32>),
@@ -25,7 +25,7 @@ impl Values {
     pub fn empty(dtype: &DType) -> Self {
         match dtype {
             DType::F64 => Self::F64(Vec::new()),
-            DType::I64 => Self::I64(Vec::new()),
+            DType::I64 | DType::Row => Self::I64(Vec::new()),
             DType::I32 => Self::I32(Vec::new()),
             DType::Bool => Self::Bool(Vec::new()),
             DType::Name(_) => Self::Name(Vec::new()),
@@ -48,6 +48,34 @@ impl Values {
     /// True if there are no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Removes all values and keeps the memory.
+    #[cfg(feature = "parquet")]
+    pub(crate) fn clear(&mut self) {
+        match self {
+            Self::F64(v) => v.clear(),
+            Self::I64(v) => v.clear(),
+            Self::I32(v) => v.clear(),
+            Self::Bool(v) => v.clear(),
+            Self::Name(v) => v.clear(),
+            Self::Text(v) => v.clear(),
+        }
+    }
+
+    /// Appends a range of values of another list of the same type.
+    #[cfg(feature = "parquet")]
+    pub(crate) fn extend(&mut self, other: &Values, rows: std::ops::Range<usize>) {
+        match (self, other) {
+            (Self::F64(own), Self::F64(other)) => own.extend_from_slice(&other[rows]),
+            (Self::I64(own), Self::I64(other)) => own.extend_from_slice(&other[rows]),
+            (Self::I32(own), Self::I32(other)) => own.extend_from_slice(&other[rows]),
+            (Self::Bool(own), Self::Bool(other)) => own.extend_from_slice(&other[rows]),
+            (Self::Name(own), Self::Name(other)) => own.extend_from_slice(&other[rows]),
+            (Self::Text(own), Self::Text(other)) => own.extend_from_slice(&other[rows]),
+            // chunks are checked against the schema before they are written
+            (own, other) => unreachable!("a column of {} among {}", other.dtype(), own.dtype()),
+        }
     }
 
     fn dtype(&self) -> &'static str {
@@ -156,7 +184,7 @@ impl Chunk {
 fn check_column(values: &Values, dtype: &DType) -> Result<(), String> {
     match (values, dtype) {
         (Values::F64(_), DType::F64)
-        | (Values::I64(_), DType::I64)
+        | (Values::I64(_), DType::I64 | DType::Row)
         | (Values::I32(_), DType::I32)
         | (Values::Bool(_), DType::Bool)
         | (Values::Text(_), DType::Text) => Ok(()),

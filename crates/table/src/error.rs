@@ -14,7 +14,7 @@ pub enum TableError {
     /// Opening, reading, writing or renaming a file failed.
     #[error("cannot {action} {path}: {}.", reason(error))]
     Io {
-        /// The failed action: "read", "write" or "create".
+        /// The failed action: "read", "write", "create" or "remove".
         action: &'static str,
         /// The path as given by the caller.
         path: String,
@@ -38,6 +38,9 @@ pub enum TableError {
         /// The problem, its reason and a suggestion.
         message: Message,
     },
+    /// Parts that cannot be merged.
+    #[error("{0}")]
+    Parts(Message),
     /// The model may not read the file.
     #[error("cannot read {path}: {reason}.")]
     Refused {
@@ -63,6 +66,7 @@ impl Classified for TableError {
             TableError::Format { .. } => ErrorKind::Format,
             TableError::Rays(_)
             | TableError::Table { .. }
+            | TableError::Parts(_)
             | TableError::Refused { .. }
             | TableError::Io { action: "read", .. } => ErrorKind::Input,
             _ => ErrorKind::Output,
@@ -88,6 +92,10 @@ impl TableError {
             RefusedFile::Io(error) => Self::io("read", path, error),
             reason => Self::Refused { path: path.display().to_string(), reason },
         }
+    }
+
+    pub(crate) fn table(path: &Path, message: Message) -> Self {
+        Self::Table { path: path.display().to_string(), message }
     }
 
     pub(crate) fn format(path: &Path, message: Message) -> Self {

@@ -7,6 +7,7 @@
 //! - [`AllowedFiles`] decides which files a model may read.
 //! - [`NpyArray`] is a whole array of float64 numbers, read from an NPY file.
 //! - [`TableReader`] reads a table row by row.
+//! - [`Part`] describes a part of a table, a range of its rays; [`PartSet`] joins the parts to the whole.
 //! - [`RayReader`] reads rays from CSV or NPY in constant memory and reports every problem with its location.
 //!
 //! ```
@@ -30,10 +31,12 @@
 mod allowed;
 mod atomic;
 mod chunk;
+mod content_hash;
 mod error;
 mod format;
 mod npy_array;
 mod npy_header;
+mod part;
 mod rays;
 mod read;
 mod reason;
@@ -43,8 +46,10 @@ mod writer;
 pub use allowed::{AllowedFiles, RefusedFile};
 pub use atomic::AtomicFile;
 pub use chunk::{Chunk, Values};
+pub use content_hash::ContentHash;
 pub use error::{RayProblem, RayProblems, TableError};
 pub use npy_array::{NpyArray, NpyArrayError, read_npy_words};
+pub use part::{Part, PartSet, missing_ranges};
 pub use rays::{LIGHT_COLUMNS, Progress, RAY_COLUMNS, RAYS_PER_CHUNK, RayChunk, RayReader};
 pub use read::{TableReader, TableRow};
 pub use schema::{Column, DType, NO_NAME, Schema};

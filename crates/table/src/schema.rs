@@ -16,6 +16,8 @@ pub enum DType {
     F64,
     /// 64-bit signed integer.
     I64,
+    /// The number of a row of the same table, from 0, or a negative number: 64-bit signed integer.
+    Row,
     /// 32-bit signed integer.
     I32,
     /// True or false.
@@ -31,7 +33,7 @@ impl DType {
     pub(crate) fn npy(&self) -> &'static str {
         match self {
             Self::F64 => "<f8",
-            Self::I64 => "<i8",
+            Self::I64 | Self::Row => "<i8",
             Self::I32 => "<i4",
             Self::Bool => "|b1",
             Self::Name(_) | Self::Text => "<u4",
@@ -41,7 +43,7 @@ impl DType {
     /// The size of a value in NPY, in bytes.
     pub(crate) fn size(&self) -> usize {
         match self {
-            Self::F64 | Self::I64 => 8,
+            Self::F64 | Self::I64 | Self::Row => 8,
             Self::I32 | Self::Name(_) | Self::Text => 4,
             Self::Bool => 1,
         }
@@ -53,6 +55,7 @@ impl fmt::Display for DType {
         f.write_str(match self {
             Self::F64 => "f64",
             Self::I64 => "i64",
+            Self::Row => "row",
             Self::I32 => "i32",
             Self::Bool => "bool",
             Self::Name(_) => "name",

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::format::{self, Sink};
-use crate::{Chunk, Schema, TableError};
+use crate::{Chunk, Part, Schema, TableError};
+use rayweave_error::Message;
 
 /// Writes a table chunk by chunk, in memory that does not depend on the number of rows, except that NPY files need the
 /// distinct texts of columns of text.
@@ -82,6 +83,35 @@ impl TableWriter {
         }
         self.sink.finish(&self.schema, self.rows)?;
         Ok(self.rows)
+    }
+
+    /// Completes the file like [`finish`](Self::finish), as a part of a table, then writes its description. A run that ends between
+    /// the two leaves a file without description, which is not a part.
+    ///
+    /// # Errors
+    ///
+    /// Those of `finish`; [`TableError::Format`] for standard output, devices and pipes, which cannot be described.
+    pub fn finish_part(self, part: &Part) -> Result<u64, TableError> {
+        let (path, part) = (self.path.clone(), part.clone().with_schema(&self.schema));
+        TableWriter::check_part(&path)?;
+        Part::forget(&path)?;
+        let rows = self.finish()?;
+        part.describe(&path)?;
+        Ok(rows)
+    }
+
+    /// Checks that a part can be written to this path.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError::Format`] for standard output, devices and pipes.
+    pub fn check_part(path: &Path) -> Result<(), TableError> {
+        let is_special = path.metadata().is_ok_and(|kind| !kind.is_file());
+        if path != Path::new("-") && !is_special {
+            return Ok(());
+        }
+        let message = Message::new("a part cannot be written here", "its description is a file beside it");
+        Err(TableError::format(path, message.suggest("Give the name of a file")))
     }
 }
 

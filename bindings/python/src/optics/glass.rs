@@ -99,6 +99,18 @@ impl PyGlass {
         format!("Glass({:?})", self.0.name())
     }
 
+    /// A material of the catalogue pickles by its name.
+    #[cfg_attr(false, stub("() -> tuple[type[Glass], tuple[str]]"))]
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let name = self.0.name();
+        match glass(name) {
+            Ok(known) if known == self.0 => Ok((py.get_type::<PyGlass>().into_any(), (name.to_owned(),))),
+            _ => Err(bad_value(format!(
+                "the glass {name:?} cannot be pickled: it is not that of the catalogue. Make it where it is used."
+            ))),
+        }
+    }
+
     fn __hash__(&self) -> u64 {
         use std::hash::{DefaultHasher, Hash, Hasher};
         let mut hasher = DefaultHasher::new();

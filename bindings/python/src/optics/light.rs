@@ -27,6 +27,8 @@ pub struct LightOptions<'py> {
     #[pyo3(item)]
     seed: u64,
     #[pyo3(item)]
+    rays: Option<(usize, usize)>,
+    #[pyo3(item)]
     threads: Option<Bound<'py, PyAny>>,
 }
 
@@ -40,6 +42,7 @@ impl LightOptions<'_> {
             threshold: self.threshold,
             keep_escaped: self.keep_escaped,
             seed: self.seed,
+            rays: self.rays.map(|(first, last)| first..last),
             threads: self.threads.as_ref().map(thread_argument).transpose()?,
             ..TraceSettings::default()
         })

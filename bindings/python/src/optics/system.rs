@@ -133,8 +133,9 @@ impl PySystem {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (light, settings) = (all(&sources), settings.settings()?);
-        let balance =
-            py.detach(|| self.write(SegmentFile { path: &path, unit, phases }, &light, &settings, progress))?;
+        let balance = py.detach(|| {
+            self.write(SegmentFile { path: &path, unit, phases, part: None }, &light, &settings, progress)
+        })?;
         accounts(py, &balance)
     }
 }

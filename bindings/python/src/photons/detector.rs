@@ -56,20 +56,22 @@ pub fn load_detector(
     })?
 }
 
-/// Reads a detector from the text of a GDML file.
+/// Reads a detector from the text of a GDML file, or of a native model.
 #[pyfunction]
-#[pyo3(signature = (text, tables, *, allow = Vec::new(), strict = false))]
+#[pyo3(signature = (text, tables, *, allow = Vec::new(), strict = false, native = false))]
 pub fn loads_detector(
     py: Python<'_>,
     text: String,
     tables: &PyTables,
     allow: Vec<PathBuf>,
     strict: bool,
+    native: bool,
 ) -> PyResult<PyDetector> {
     let options = Options { allow, strict, ..Options::default() };
     let tables = tables.0.clone();
+    let format = if native { Format::Native } else { Format::Gdml };
     abandonable(py, move || {
-        let imported = formats::parse(&text, Format::Gdml, &[], &options).map_err(bad_value)?;
+        let imported = formats::parse(&text, format, &[], &options).map_err(bad_value)?;
         PyDetector::new(imported, tables)
     })?
 }
@@ -118,6 +120,11 @@ impl PyDetector {
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.warnings.clone()
+    }
+
+    /// The detector as the text of a native model.
+    fn to_toml(&self, py: Python<'_>) -> String {
+        py.detach(|| self.parts.imported.document().to_toml())
     }
 
     /// The ignored properties and surfaces, one sentence each.

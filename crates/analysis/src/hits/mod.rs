@@ -6,10 +6,11 @@ pub use table::{HitRowSink, HitSchema};
 
 use crate::AnalysisError;
 use crate::error::Cancelled;
+use rayweave_error::Message;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::{BadRay, Evaluator, Program, Query, Rays};
 use rayweave_scene::Compiled;
-use rayweave_table::{Chunk, Progress, RayChunk, RayReader, TableWriter};
+use rayweave_table::{Chunk, Part, Progress, RayChunk, RayReader, TableError, TableWriter};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -37,6 +38,8 @@ pub struct TraceOptions {
     pub occurrences: bool,
     /// Cancels the run; the unfinished table is removed.
     pub cancel: Cancel,
+    /// Traces only the rays in the range of this part, and writes its description; the total is that of the rays in the file.
+    pub part: Option<Part>,
 }
 
 /// A summary of a run.
@@ -72,10 +75,14 @@ pub fn trace_rays<E: Evaluator>(
     let table = if options.occurrences { table.with_occurrences()? } else { table };
     let mut writer = TableWriter::create(hits, table.schema())?;
     let mut traced = 0;
+    let mut rays = match &options.part {
+        Some(part) => rays.range(part.range.clone())?,
+        None => rays,
+    };
     drive(
         thread_count(options.threads),
         &options.cancel,
-        Tasks { reader: Some(rays), size: rays_per_task(evaluator.program()) },
+        Tasks { reader: &mut rays, has_failed: false, size: rays_per_task(evaluator.program()) },
         || evaluator.scratch(),
         |scratch, task| answer(&table, evaluator, &options.query, scratch, task?),
         |answered: Result<Answered, AnalysisError>| {
@@ -90,8 +97,24 @@ pub fn trace_rays<E: Evaluator>(
         Stopped::Cancelled => Cancelled.into(),
         Stopped::Failed(error) => error,
     })?;
-    let crossings = writer.finish()?;
+    let crossings = match &options.part {
+        Some(part) => writer.finish_part(&whole(part, &mut rays)?)?,
+        None => writer.finish()?,
+    };
     Ok(TraceSummary { rays: traced, crossings })
+}
+
+/// The part with the number of rays in the file as total.
+fn whole(part: &Part, rays: &mut RayReader) -> Result<Part, AnalysisError> {
+    let total = rays.count()?;
+    if part.range.end > total {
+        let problem = format!("the range ends at {}", part.range.end);
+        let message = Message::new(problem, format!("the file has {total} rays"));
+        return Err(TableError::Parts(message).into());
+    }
+    let mut whole = part.clone();
+    whole.total = total;
+    Ok(whole)
 }
 
 /// Rays to trace, and the position of the reader after them.
@@ -126,22 +149,25 @@ fn answer<E: Evaluator>(
 }
 
 /// The rays of a file, task by task. The iteration ends after an error.
-struct Tasks {
-    reader: Option<RayReader>,
+struct Tasks<'r> {
+    reader: &'r mut RayReader,
+    has_failed: bool,
     size: usize,
 }
 
-impl Iterator for Tasks {
+impl Iterator for Tasks<'_> {
     type Item = Result<Task, AnalysisError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let reader = self.reader.as_mut()?;
         let mut rays = RayChunk::default();
-        match reader.read(&mut rays, self.size) {
+        if self.has_failed {
+            return None;
+        }
+        match self.reader.read(&mut rays, self.size) {
             Ok(0) => None,
-            Ok(_) => Some(Ok(Task { rays, progress: reader.progress() })),
+            Ok(_) => Some(Ok(Task { rays, progress: self.reader.progress() })),
             Err(error) => {
-                self.reader = None;
+                self.has_failed = true;
                 Some(Err(error.into()))
             }
         }

@@ -83,12 +83,25 @@ impl Cells {
         rays: &RayBatch,
         scratch: &mut E::Scratch,
     ) -> Sums {
+        let mut sums = Sums::new();
+        self.each(evaluator, rays, scratch, |region, [a, b]| sums.entry(region).or_default().cell(&a, &b));
+        sums
+    }
+
+    /// Traces the rays of a range of cells; `take` receives the contributions of the two rays of each cell to each region that they
+    /// cross, cell by cell.
+    pub(super) fn each<E: Evaluator>(
+        &self,
+        evaluator: &E,
+        rays: &RayBatch,
+        scratch: &mut E::Scratch,
+        take: impl FnMut(RegionId, [RayContribution; 2]),
+    ) {
         let window = self.window();
-        let mut taken = Taken::new(self, evaluator.program(), window);
+        let mut taken = Taken::new(self, evaluator.program(), window, take);
         let rays = rays.rays();
         let mut sink = |answer: RayAnswer<'_>| taken.ray(&rays.get(answer.ray), &answer);
         evaluator.crossings(rays, &Query { window, ..Query::default() }, scratch, &mut sink);
-        taken.sums
     }
 }
 
@@ -98,20 +111,23 @@ fn uniform(bits: u64) -> f64 {
 }
 
 /// Accumulates the answers of two rays per cell.
-struct Taken<'a> {
+struct Taken<'a, F> {
     cells: &'a Cells,
     program: &'a Program,
     centre: Vec3,
     window: Window,
-    /// The results of the rays of the current cell so far, unordered.
+    /// The results of the rays of the current cell so far, in the order of the crossings.
     here: Vec<(RegionId, [RayContribution; 2])>,
-    sums: Sums,
+    /// The index of each region in `here`; meaningless for a region that is not in it.
+    place: Vec<usize>,
+    take: F,
 }
 
-impl<'a> Taken<'a> {
-    fn new(cells: &'a Cells, program: &'a Program, window: Window) -> Taken<'a> {
+impl<'a, F: FnMut(RegionId, [RayContribution; 2])> Taken<'a, F> {
+    fn new(cells: &'a Cells, program: &'a Program, window: Window, take: F) -> Self {
         let centre = cells.bounds.centre();
-        Taken { cells, program, centre, window, here: Vec::new(), sums: Sums::new() }
+        let place = vec![0; program.regions().len() + 1];
+        Taken { cells, program, centre, window, here: Vec::new(), place, take }
     }
 
     fn ray(&mut self, ray: &Ray, answer: &RayAnswer<'_>) {
@@ -129,8 +145,8 @@ impl<'a> Taken<'a> {
         }
         self.piece(ray, which, region, [from, self.window.t_max()]);
         if which == 1 {
-            for (region, [a, b]) in self.here.drain(..) {
-                self.sums.entry(region).or_default().cell(&a, &b);
+            for (region, both) in self.here.drain(..) {
+                (self.take)(region, both);
             }
         }
     }
@@ -148,11 +164,11 @@ impl<'a> Taken<'a> {
     }
 
     fn found(&mut self, region: RegionId, which: usize) -> &mut RayContribution {
-        let known = self.here.iter().position(|(own, _)| *own == region);
-        let at = known.unwrap_or_else(|| {
+        let place = &mut self.place[region.index()];
+        if self.here.get(*place).is_none_or(|(own, _)| *own != region) {
+            *place = self.here.len();
             self.here.push((region, Default::default()));
-            self.here.len() - 1
-        });
-        &mut self.here[at].1[which]
+        }
+        &mut self.here[*place].1[which]
     }
 }

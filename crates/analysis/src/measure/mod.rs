@@ -37,6 +37,7 @@ mod exact;
 mod moments;
 mod run;
 mod scene;
+mod share;
 mod tally;
 #[cfg(test)]
 mod tests;
@@ -46,4 +47,5 @@ pub use error::MeasureError;
 pub use estimate::{Estimate, Measured, Measurement};
 pub use exact::exact_volume;
 pub use run::{MeasureSettings, measure, one_medium_each};
-pub use scene::{RegionReport, SceneReport, measure_scene};
+pub use scene::{RegionReport, SceneReport, measure_scene, report_shares, share_of_scene};
+pub use share::{MeasureShare, cell_count};

@@ -6,7 +6,8 @@ use super::estimate::{Estimate, Measured, Measurement, quantile, report, volume_
 use super::tally::Tally;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Evaluator, RayBatch, Region, RegionId};
+use rayweave_model::{Evaluator, Program, RayBatch, Region, RegionId};
+use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
@@ -19,6 +20,9 @@ const CELLS_PER_TASK: u64 = 1024;
 /// Cells along an edge of the cross-section in the first round.
 pub(super) const FIRST_ACROSS: u64 = 48;
 
+/// The number of regions above which rays are shared: see [`measure`].
+pub(super) const MAX_ALONE: usize = 32;
+
 /// The options of a measurement.
 #[derive(Clone, Debug)]
 pub struct MeasureSettings {
@@ -26,7 +30,8 @@ pub struct MeasureSettings {
     pub precision: f64,
     /// The level of confidence of all intervals: from 0.5, below 1.
     pub confidence: f64,
-    /// The maximum number of rays per region, excluding the first round, which serves all regions.
+    /// The maximum number of rays, excluding the first round, which serves all regions: per region, and of all rays together in a
+    /// model of more than 32 regions.
     pub most_rays: u64,
     /// Restricts the measurement to this box; the faces of the box do not count as boundary.
     pub within: Option<Bounds>,
@@ -60,6 +65,11 @@ impl Default for MeasureSettings {
 /// ([`Measured::is_reached`]) or `most_rays` is reached. The rounds are independent estimates; they are
 /// combined with weights that depend only on the density of their rays.
 ///
+/// In a model of more than 32 regions the rounds serve many regions at once. As long as the boxes of the regions below the
+/// precision overlap so much that a random ray through the box around them crosses one on average, a round samples that
+/// box for all of them; otherwise each of them gets a round of equal size through its own box. So the time does not grow
+/// with the number of regions, and `most_rays` limits the number of all rays.
+///
 /// A region that no ray crosses gets one additional round. It may still be non-empty: its interval covers the
 /// volume that this number of rays can miss.
 ///
@@ -80,17 +90,22 @@ pub fn measure<E: Evaluator>(
     let program = evaluator.program();
     let count = program.regions().len();
     let mut run = Run { evaluator, settings, progress, quantile, traced: 0, streams: 0 };
-    let boxes = program.region_bounds().into_iter().map(|own| empty_if_flat(run.clipped(own)));
-    let boxes = boxes.collect::<Vec<_>>();
-    let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
+    let (boxes, whole) = boxes_of(program, settings)?;
     let mut results = vec![Joined::default(); count];
     if !whole.is_empty() {
-        run.check(&whole)?;
-        run.round(&whole, FIRST_ACROSS, None, &mut results)?;
+        check_bounds(program, &whole)?;
+        run.round(&whole, FIRST_ACROSS, |_| true, &mut results)?;
     }
+    let together = match count > MAX_ALONE {
+        true => Some(run.refine_together(&boxes, whole, &mut results)?),
+        false => None,
+    };
     let mut regions = Vec::with_capacity(count);
     for (region, info) in program.regions().iter().enumerate() {
-        let own = run.refine(region, &boxes[region], &mut results)?;
+        let own = match &together {
+            Some(rays) => rays[region],
+            None => run.refine(region, &boxes[region], &mut results)?,
+        };
         let joined = &results[region];
         let found = Measured {
             name: info.name.clone(),
@@ -112,10 +127,11 @@ pub fn measure<E: Evaluator>(
 /// all miss it with a probability of at most (1 - f)^n, also for stratified rays: so f is below -ln(1 -
 /// confidence) / n. The volume is at most that fraction of the box; the area, if no ray crosses the boundary
 /// more than twice, at most that fraction of the area of the box.
-fn uncrossed(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
+pub(super) fn uncrossed(found: Measured, bounds: &Bounds, rays: u64, confidence: f64) -> Measured {
     if bounds.is_empty() {
         return found;
     }
+    // without rays the fraction is 1
     let part = (-libm::log1p(-confidence) / (rays as f64 / 3.0)).min(1.0);
     let size = bounds.size();
     let within = |all: f64| Estimate { value: 0.0, half_width: part * all };
@@ -134,6 +150,22 @@ pub fn one_medium_each(regions: &[Region]) -> Vec<Region> {
 /// Replaces a box of zero width, which has no cross-section, with the empty box.
 fn empty_if_flat(own: Bounds) -> Bounds {
     if own.size().min_element() > 0.0 { own } else { Bounds::EMPTY }
+}
+
+/// The sum of the cross-sections of a box along the three axes.
+fn sides(own: &Bounds) -> f64 {
+    let size = own.size();
+    size.x * size.y + size.y * size.z + size.z * size.x
+}
+
+/// A lower bound of the number of rays of a round through `common` that pass the box of a region: two for each cell inside its
+/// cross-section, and three times the rays along the axis that has the fewest.
+pub(super) fn surely_inside(own: &Bounds, common: &Bounds, across: u64) -> u64 {
+    let [size, all] = [own.size(), common.size()];
+    // an edge of the box cuts at most two cells, of which one may only be touched
+    let along = |k: usize| ((size[k] / all[k] * across as f64) as u64).saturating_sub(1);
+    let cells = (0..3).map(|axis| along((axis + 1) % 3) * along((axis + 2) % 3));
+    6 * cells.min().unwrap_or(0)
 }
 
 fn checked(settings: &MeasureSettings) -> Result<f64, MeasureError> {
@@ -187,34 +219,43 @@ struct Run<'a, E> {
     streams: u64,
 }
 
+/// The boxes of the regions within the box of the settings, and the box around them.
+pub(super) fn boxes_of(
+    program: &Program,
+    settings: &MeasureSettings,
+) -> Result<(Vec<Bounds>, Bounds), MeasureError> {
+    checked(settings)?;
+    let clipped = |own: Bounds| settings.within.map_or(own, |within| own.intersection(&within));
+    let boxes: Vec<Bounds> =
+        program.region_bounds().into_iter().map(|own| empty_if_flat(clipped(own))).collect();
+    let whole = boxes.iter().fold(Bounds::EMPTY, |all, own| all.union(own));
+    Ok((boxes, whole))
+}
+
+/// Checks that rays can cover the box.
+pub(super) fn check_bounds(program: &Program, bounds: &Bounds) -> Result<(), MeasureError> {
+    let name = || match program.regions() {
+        [only] => only.name.clone(),
+        _ => "the model".to_owned(),
+    };
+    let unbounded: Vec<&str> = (0..3)
+        .filter(|&k| bounds.lo[k].is_infinite() || bounds.hi[k].is_infinite())
+        .map(|k| ["x", "y", "z"][k])
+        .collect();
+    if !unbounded.is_empty() {
+        // "x", "x and y" or "x, y and z"
+        let commas = unbounded.len().saturating_sub(2);
+        let axes = unbounded.join(" and ").replacen(" and ", ", ", commas);
+        return Err(MeasureError::Unbounded { name: name(), axes });
+    }
+    let reach = bounds.lo.abs().max(bounds.hi.abs()).max_element();
+    match reach > MAX_REACH {
+        true => Err(MeasureError::TooFar { name: name(), reach, most: MAX_REACH }),
+        false => Ok(()),
+    }
+}
+
 impl<E: Evaluator> Run<'_, E> {
-    fn clipped(&self, own: Bounds) -> Bounds {
-        self.settings.within.map_or(own, |within| own.intersection(&within))
-    }
-
-    /// Checks that rays can cover the box.
-    fn check(&self, bounds: &Bounds) -> Result<(), MeasureError> {
-        let name = || match self.evaluator.program().regions() {
-            [only] => only.name.clone(),
-            _ => "the model".to_owned(),
-        };
-        let unbounded: Vec<&str> = (0..3)
-            .filter(|&k| bounds.lo[k].is_infinite() || bounds.hi[k].is_infinite())
-            .map(|k| ["x", "y", "z"][k])
-            .collect();
-        if !unbounded.is_empty() {
-            // "x", "x and y" or "x, y and z"
-            let commas = unbounded.len().saturating_sub(2);
-            let axes = unbounded.join(" and ").replacen(" and ", ", ", commas);
-            return Err(MeasureError::Unbounded { name: name(), axes });
-        }
-        let reach = bounds.lo.abs().max(bounds.hi.abs()).max_element();
-        match reach > MAX_REACH {
-            true => Err(MeasureError::TooFar { name: name(), reach, most: MAX_REACH }),
-            false => Ok(()),
-        }
-    }
-
     fn is_reached(&self, joined: &Joined) -> bool {
         let (mean, weights) = (joined.mean(), volume_weights());
         self.quantile * mean.deviation(&weights) <= self.settings.precision * mean.value(&weights)
@@ -237,9 +278,57 @@ impl<E: Evaluator> Run<'_, E> {
             // the number of rays doubles, up to the limit
             across = (across * 99).div_ceil(70).min(most);
             spent += 6 * across * across;
-            self.round(bounds, across, Some(region), results)?;
+            self.round(bounds, across, |own| own == region, results)?;
         }
         Ok(spent)
+    }
+
+    /// Runs rounds for all regions together; returns, for each region, the number of rays of these rounds that certainly pass its box.
+    fn refine_together(
+        &mut self,
+        boxes: &[Bounds],
+        whole: Bounds,
+        results: &mut [Joined],
+    ) -> Result<Vec<u64>, MeasureError> {
+        let (mut passed, mut left) = (vec![0; boxes.len()], self.settings.most_rays);
+        let (mut shared, mut common, mut alone) = (FIRST_ACROSS, whole, FIRST_ACROSS / 2);
+        loop {
+            let is_open = |region: usize| {
+                !boxes[region].is_empty() && !self.is_finished(&results[region], passed[region])
+            };
+            let open: Vec<bool> = (0..boxes.len()).map(is_open).collect();
+            let listed: Vec<usize> = (0..boxes.len()).filter(|&region| open[region]).collect();
+            if listed.is_empty() {
+                return Ok(passed);
+            }
+            let around = listed.iter().fold(Bounds::EMPTY, |all, &region| all.union(&boxes[region]));
+            // a new box costs the earlier rays, which are sums about another point: see `Joined::join`
+            if sides(&around) < 0.5 * sides(&common) {
+                common = around;
+            }
+            let crossed: f64 = listed.iter().map(|&region| sides(&boxes[region])).sum();
+            if crossed >= sides(&common) {
+                shared = (shared * 99).div_ceil(70).min((left / 6).isqrt());
+                if shared == 0 {
+                    return Ok(passed);
+                }
+                left -= 6 * shared * shared;
+                self.round(&common, shared, |region| open[region], results)?;
+                listed
+                    .iter()
+                    .for_each(|&region| passed[region] += surely_inside(&boxes[region], &common, shared));
+            } else {
+                alone = (alone * 99).div_ceil(70).min((left / (6 * listed.len() as u64)).isqrt());
+                if alone == 0 {
+                    return Ok(passed);
+                }
+                for &region in &listed {
+                    left -= 6 * alone * alone;
+                    passed[region] += 6 * alone * alone;
+                    self.round(&boxes[region], alone, |own| own == region, results)?;
+                }
+            }
+        }
     }
 
     /// True if no more rays are needed. A region that no ray crossed gets one more round.
@@ -248,15 +337,15 @@ impl<E: Evaluator> Run<'_, E> {
         self.is_reached(joined) && (is_met || spent > 0)
     }
 
-    /// Traces rays along all three axes through a box, for one region or for all.
+    /// Traces rays along all three axes through a box, for some of the regions.
     fn round(
         &mut self,
         bounds: &Bounds,
         across: u64,
-        only: Option<usize>,
+        is_wanted: impl Fn(usize) -> bool,
         results: &mut [Joined],
     ) -> Result<(), MeasureError> {
-        let mut tallies = vec![Tally::default(); results.len()];
+        let mut tallies: BTreeMap<usize, Tally> = BTreeMap::new();
         let mut density = 0.0;
         for axis in 0..3 {
             self.streams += 1;
@@ -269,17 +358,20 @@ impl<E: Evaluator> Run<'_, E> {
                 within: self.settings.within,
             };
             density += 1.0 / cells.area();
+            let area = cells.area();
             for (region, tally) in self.cells(&cells)? {
-                let area = cells.area();
-                // the mean of three estimates of the volume, and the sum of three shares of the boundary
-                tallies[region.index() - 1].add(&tally, area / 3.0, area);
+                let region = region.index() - 1;
+                if is_wanted(region) {
+                    // the mean of three estimates of the volume, and the sum of three shares of the boundary
+                    tallies.entry(region).or_default().add(&tally, area / 3.0, area);
+                }
             }
         }
         // the variance decreases as the power -3/2 of the number of cells
         let (weight, rays) = (density * density.sqrt(), 6 * across * across);
-        let all = tallies.iter().zip(results).enumerate();
-        for (_, (tally, joined)) in all.filter(|(region, _)| only.is_none_or(|only| only == *region)) {
-            joined.join(tally, weight, bounds.centre(), rays);
+        let all = results.iter_mut().enumerate();
+        for (region, joined) in all.filter(|(region, _)| is_wanted(*region)) {
+            joined.join(&tallies.remove(&region).unwrap_or_default(), weight, bounds.centre(), rays);
         }
         Ok(())
     }

@@ -1,12 +1,16 @@
 //! Measurement of the regions of a scene, with masses and exact volumes.
 
-use super::{Estimate, MeasureSettings, Measured, exact_volume, measure, one_medium_each};
+use super::share::MeasureShare;
+use super::{
+    Estimate, MeasureError, MeasureSettings, Measured, Measurement, exact_volume, measure, one_medium_each,
+};
 use crate::AnalysisError;
 use crate::error::maker;
 use crate::subject::subject;
 use rayweave_error::Classified;
 use rayweave_model::{Evaluator, Program};
 use rayweave_scene::{Medium, Scene};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The measurements of a scene.
@@ -65,10 +69,56 @@ pub fn measure_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
     settings: &MeasureSettings,
     progress: &mut dyn FnMut(u64),
 ) -> Result<SceneReport, AnalysisError> {
+    measured_scene(scene, solid, make, settings, |evaluator| measure(evaluator, settings, progress))
+}
+
+/// Traces a range of the cells of a measurement with about `rays` rays ([`MeasureShare::trace`]) of the regions of a scene, or of one
+/// of its solids.
+///
+/// # Errors
+///
+/// [`AnalysisError`], as for [`measure_scene`].
+pub fn share_of_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    solid: Option<&str>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &MeasureSettings,
+    (rays, cells): (u64, Range<u64>),
+    progress: &mut dyn FnMut(u64),
+) -> Result<MeasureShare, AnalysisError> {
+    let (regions, _) = subject(scene, solid)?;
+    let program = Arc::new(Program::compile_regions(&one_medium_each(&regions))?);
+    let evaluator = maker(make)(program)?;
+    Ok(MeasureShare::trace(&evaluator, settings, rays, cells, progress)?)
+}
+
+/// The measurements of a scene from the sums over all cells.
+///
+/// # Errors
+///
+/// [`AnalysisError`], as for [`measure_scene`].
+pub fn report_shares<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    solid: Option<&str>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &MeasureSettings,
+    share: &MeasureShare,
+) -> Result<SceneReport, AnalysisError> {
+    measured_scene(scene, solid, make, settings, |evaluator| share.report(evaluator, settings))
+}
+
+/// The report of a scene whose regions are measured by a function.
+fn measured_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    solid: Option<&str>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &MeasureSettings,
+    measured: impl FnOnce(&E) -> Result<Measurement, MeasureError>,
+) -> Result<SceneReport, AnalysisError> {
     let (regions, media) = subject(scene, solid)?;
     let program = Arc::new(Program::compile_regions(&one_medium_each(&regions))?);
     let evaluator = maker(make)(program.clone())?;
-    let found = measure(&evaluator, settings, progress)?;
+    let found = measured(&evaluator)?;
     let boxes = program.region_bounds();
     let reports = found.regions.into_iter().enumerate().map(|(k, measured)| {
         let is_alone = (0..regions.len()).all(|j| j == k || boxes[j].intersection(&boxes[k]).is_empty());

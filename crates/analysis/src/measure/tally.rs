@@ -4,7 +4,7 @@ use super::chord::MeasuredChord;
 use super::moments::{MOMENTS, Moments, dot};
 
 /// The entries of a symmetric matrix on and above its diagonal.
-const ENTRIES: usize = MOMENTS * (MOMENTS + 1) / 2;
+pub(super) const ENTRIES: usize = MOMENTS * (MOMENTS + 1) / 2;
 
 /// The contribution of one ray to one region.
 #[derive(Clone, Copy, Debug, Default)]
@@ -38,6 +38,16 @@ impl Default for Tally {
 }
 
 impl Tally {
+    /// The estimate with these sums.
+    pub fn of_sums(
+        moments: Moments,
+        [area, area_variance]: [f64; 2],
+        covariance: [f64; ENTRIES],
+        longest: MeasuredChord,
+    ) -> Tally {
+        Tally { moments, area, longest, covariance, area_variance }
+    }
+
     /// Adds a cell of area 1, sampled by two rays.
     pub fn cell(&mut self, a: &RayContribution, b: &RayContribution) {
         let mut half = [0.0; MOMENTS];

@@ -211,3 +211,60 @@ fn errors() {
     cancel.cancel();
     assert_eq!(message(&sphere(1.0), MeasureSettings { cancel, ..quick() }), "cancelled");
 }
+
+/// Balls on a lattice, each a region, in a box that is a region too: rays are shared, `most_rays` bounds all of them, and the
+/// intervals hold the closed forms.
+#[test]
+fn many_regions_share_their_rays() {
+    let places = (0..5 * 5 * 4).map(|k| Vec3::new((k % 5) as f64, (k / 5 % 5) as f64, (k / 25) as f64));
+    let ball = |k: usize, at: Vec3| Region {
+        name: format!("ball {k}"),
+        solid: sphere(0.2 + 0.002 * k as f64).translate(at),
+        medium: k as u32 + 2,
+    };
+    let world = Region { name: "world".to_owned(), solid: cube(12.0), medium: 1 };
+    let mut regions = vec![world];
+    regions.extend(places.enumerate().map(|(k, at)| ball(k, at)));
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let balls: f64 = (0..100).map(|k| 4.0 / 3.0 * PI * (0.2 + 0.002 * k as f64).powi(3)).sum();
+    let first = 6 * super::run::FIRST_ACROSS * super::run::FIRST_ACROSS;
+    for most_rays in [0, 1000, 200_000] {
+        let settings = MeasureSettings { most_rays, precision: 1e-3, ..MeasureSettings::default() };
+        let found = measure(&Packets::new(program.clone()), &settings, &mut |_| ()).unwrap();
+        assert!(found.rays <= first + most_rays && found.rays >= most_rays * 99 / 100, "{}", found.rays);
+        // 99 % intervals of the volumes and the areas of 100 balls: more than six misses have a probability of 1e-4, for each
+        // quantity; a ball that few rays hit has no meaningful interval
+        if most_rays == 200_000 {
+            let radius = |k: usize| 0.2 + 0.002 * k as f64;
+            let missed =
+                |k: &usize| !found.regions[k + 1].volume.contains(4.0 / 3.0 * PI * radius(*k).powi(3));
+            assert!((0..100).filter(missed).count() <= 6, "{found:?}");
+            let missed = |k: &usize| !found.regions[k + 1].area.contains(4.0 * PI * radius(*k).powi(2));
+            assert!((0..100).filter(missed).count() <= 6, "{found:?}");
+            assert!(
+                found.regions[1..].iter().all(|own| own.volume.half_width < 0.12 * own.volume.value),
+                "{found:?}"
+            );
+        }
+        let world = &found.regions[0];
+        assert!(world.volume.contains(12f64.powi(3) - balls) && world.is_reached, "{world:?}");
+    }
+}
+
+/// Small regions far apart: each is sampled in its own box, and all of them reach the precision.
+#[test]
+fn many_regions_far_apart_have_rounds_of_their_own() {
+    let place =
+        |k: usize| Vec3::new((k * k) as f64, (37 * k % 41) as f64 * 30.0, (k * 53 % 43) as f64 * 30.0);
+    let ball = |k: usize| Region {
+        name: format!("ball {k}"),
+        solid: sphere(0.5).translate(place(k)),
+        medium: k as u32 + 1,
+    };
+    let regions: Vec<Region> = (0..40).map(ball).collect();
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let settings = MeasureSettings { precision: 1e-2, ..MeasureSettings::default() };
+    let found = measure(&Packets::new(program), &settings, &mut |_| ()).unwrap();
+    let missed = found.regions.iter().filter(|own| !own.volume.contains(PI / 6.0)).count();
+    assert!(found.regions.iter().all(|own| own.is_reached) && missed <= 4, "{missed}: {found:?}");
+}

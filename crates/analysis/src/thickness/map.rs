@@ -6,7 +6,8 @@ use rayweave_error::Message;
 use rayweave_model::{Evaluator, memory};
 use rayweave_scene::{Compiled, Scene};
 use rayweave_shape::Ray;
-use rayweave_table::{Chunk, Column, DType, Schema, TableError, TableWriter, Values};
+use rayweave_table::{Chunk, Column, DType, Part, Schema, TableError, TableWriter, Values};
+use std::ops::Range;
 use std::path::Path;
 
 /// Path lengths through each medium, one ray per pixel, for example the rays of a camera.
@@ -35,6 +36,8 @@ use std::path::Path;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ThicknessMap {
     size: [usize; 2],
+    /// The number of the first row in the whole picture.
+    first_row: usize,
     media: Vec<String>,
     lengths: PathLengths,
 }
@@ -65,6 +68,24 @@ impl ThicknessMap {
         ray: impl Fn(usize, usize) -> Ray + Sync,
         run: &mut ThicknessRun<'_>,
     ) -> Result<ThicknessMap, AnalysisError> {
+        ThicknessMap::of_rows(compiled, evaluator, width, 0..height, ray, run)
+    }
+
+    /// Like [`new`](Self::new), for some rows of pixels of a picture of this width: the map has only these rows, and its table
+    /// has their numbers.
+    ///
+    /// # Errors
+    ///
+    /// Those of `new`.
+    pub fn of_rows<E: Evaluator>(
+        compiled: &Compiled,
+        evaluator: &E,
+        width: usize,
+        rows: Range<usize>,
+        ray: impl Fn(usize, usize) -> Ray + Sync,
+        run: &mut ThicknessRun<'_>,
+    ) -> Result<ThicknessMap, AnalysisError> {
+        let height = rows.len();
         let media = compiled.media.to_vec();
         let count = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(media.len()));
         if count.is_none_or(|count| count > MAX_LENGTHS) {
@@ -82,9 +103,9 @@ impl ThicknessMap {
                 AnalysisError::Value(Message::new(problem, shortage.to_string()).suggest("Reduce the size."))
             },
         )?;
-        let ray = |k: usize| ray(k % width, k / width);
+        let ray = |k: usize| ray(k % width, rows.start + k / width);
         let lengths = path_lengths(evaluator, media.len(), width * height, ray, run)?;
-        Ok(ThicknessMap { size: [width, height], media, lengths })
+        Ok(ThicknessMap { size: [width, height], first_row: rows.start, media, lengths })
     }
 
     /// Width and height in pixels.
@@ -163,6 +184,15 @@ impl ThicknessMap {
     ///
     /// [`TableError`] if the table cannot be written.
     pub fn write(&self, path: &Path, unit: &str) -> Result<(), TableError> {
+        self.write_part(path, unit, None)
+    }
+
+    /// Writes the table like [`write`](Self::write), and the description of the part that it is.
+    ///
+    /// # Errors
+    ///
+    /// [`TableError`] if a file cannot be written.
+    pub fn write_part(&self, path: &Path, unit: &str, part: Option<&Part>) -> Result<(), TableError> {
         let mut columns = vec![Column::new("x", DType::I64), Column::new("y", DType::I64)];
         columns.extend(self.media.iter().map(|name| Column::new(name, DType::F64).unit(unit)));
         let schema = Schema::new(columns)?;
@@ -170,14 +200,17 @@ impl ThicknessMap {
         let [width, height] = self.size;
         for y in 0..height {
             let whole = |of: &dyn Fn(usize) -> i64| Values::from((0..width).map(of).collect::<Vec<_>>());
-            let mut values = vec![whole(&|x| x as i64), whole(&|_| y as i64)];
+            let mut values = vec![whole(&|x| x as i64), whole(&|_| (self.first_row + y) as i64)];
             values.extend((0..self.media.len()).map(|medium| {
                 Values::from((0..width).map(|x| self.lengths(x, y)[medium]).collect::<Vec<_>>())
             }));
             let chunk = Chunk::new(values)?;
             writer.write(&chunk)?;
         }
-        writer.finish()?;
+        match part {
+            Some(part) => writer.finish_part(part)?,
+            None => writer.finish()?,
+        };
         Ok(())
     }
 }

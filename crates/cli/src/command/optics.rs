@@ -1,6 +1,6 @@
 //! `rayweave optics`: light through the solids of a model.
 
-use crate::arguments::{GlobalArguments, ModelArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -13,6 +13,7 @@ use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::optics::table::{LightSummary, SegmentFile, trace_light, write_paths};
 use rayweave::optics::{Balance, Branches, Paths, Segments, System, Tracer};
 use rayweave::scene::{Diagnostic, Diagnostics, Document};
+use rayweave::table::{Part, TableWriter};
 use rayweave::{Message, Packets};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -100,6 +101,9 @@ pub struct Optics {
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 
+    #[command(flatten)]
+    part: PartArguments,
+
     /// Print the summary as JSON
     #[arg(long)]
     json: bool,
@@ -149,10 +153,16 @@ impl Optics {
         let Bench { optics, unit, image, fields } = self.bench()?;
         let optics = self.resolved(global, optics)?;
         let system = optics.assembly.compile()?;
+        let part = self.part(&optics, &system)?;
+        let done = self.out.as_deref().zip(part.as_ref());
+        if self.part.is_done(done.into_iter(), global.quiet) {
+            return Ok(());
+        }
         let mut detectors = Detectors::new(&system, self.map.is_some()).by_source(fields.len());
         let detector = self.detector(&detectors, image)?;
         let mut paths = self.paths.is_some().then(Paths::default);
-        let summary = self.trace(global, &optics, &system, unit, (&mut detectors, &mut paths))?;
+        let summary =
+            self.trace(global, (&optics, part.as_ref()), &system, unit, (&mut detectors, &mut paths))?;
         self.draw_layout(&optics, &system, unit)?;
         let drawn = self.drawn(&detectors, detector, &summary.balance)?;
         self.draw_detector(drawn, &fields, unit)?;
@@ -200,9 +210,37 @@ impl Optics {
         settings.branches = self.branches.map_or(settings.branches, Branches::from);
         settings.polarised |= self.polarised;
         settings.seed = self.seed.unwrap_or(settings.seed);
+        settings.rays = self.part.range.as_ref().map(|range| range.start as usize..range.end as usize);
         settings.threads = global.threads;
         settings.cancel = interrupt::token();
         Ok(optics)
+    }
+
+    /// The part that is traced, if a range is given.
+    fn part(&self, optics: &OpticalScene, system: &System) -> Result<Option<Part>, Failure> {
+        if self.part.range.is_none() {
+            return Ok(None);
+        }
+        let Some(out) = &self.out else {
+            let text = "--range writes a part of the table of segments: give it a name with --out.";
+            return Err(Failure::Usage(text.to_owned()));
+        };
+        TableWriter::check_part(out)?;
+        let own = &optics.settings;
+        let settings = [
+            // with the contents of files that the model refers to
+            ("model", debug_hash(system)),
+            ("sources", debug_hash(&optics.sources)),
+            ("seed", own.seed.to_string()),
+            ("branches", format!("{:?}", own.branches).to_lowercase()),
+            ("polarised", own.polarised.to_string()),
+            ("generation_limit", own.generation_limit.to_string()),
+            ("threshold", own.threshold.to_string()),
+            ("keep", format!("{:?}", own.keep).to_lowercase()),
+            ("keep_escaped", own.keep_escaped.to_string()),
+            ("phases", self.phases.to_string()),
+        ];
+        Ok(self.part.part("optics segments", settings, optics.sources.count()))
     }
 
     fn draw_layout(&self, optics: &OpticalScene, system: &System, unit: &str) -> Result<(), Failure> {
@@ -280,14 +318,14 @@ impl Optics {
     fn trace(
         &self,
         global: &GlobalArguments,
-        optics: &OpticalScene,
+        (optics, part): (&OpticalScene, Option<&Part>),
         system: &System,
         unit: &str,
         (detectors, paths): (&mut Detectors, &mut Option<Paths>),
     ) -> Result<LightSummary, Failure> {
         let bar = terminal::progress_bar(Some(optics.sources.count()), Unit::Percent, global.quiet);
         let tracer = Tracer::new(system, Packets::new);
-        let out = self.out.as_deref().map(|path| SegmentFile { path, unit, phases: self.phases });
+        let out = self.out.as_deref().map(|path| SegmentFile { path, unit, phases: self.phases, part });
         let write = |segments: &Segments| {
             detectors.add(segments);
             if let Some(paths) = paths {

@@ -3,7 +3,7 @@
 use super::photon_compare::PhotonCompare;
 use super::photon_source::SourceArguments;
 use super::photon_tables::SurfaceTableArguments;
-use crate::arguments::{GlobalArguments, ModelArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -17,7 +17,8 @@ use rayweave::photon::{
     DetectionRule, Detector, Histories, HistoryOptions, Hits, PhotonError, RunSettings, Source, check_start,
     history_schema, hit_schema, simulate_parts, step_schema,
 };
-use rayweave::table::TableWriter;
+use rayweave::scene::{Document, Scene};
+use rayweave::table::{ContentHash, Part, TableError, TableWriter};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -59,9 +60,8 @@ pub struct Simulation {
     #[arg(short = 'n', long, value_name = "N")]
     count: Option<u64>,
 
-    /// Simulate only the photons numbered A to B - 1 of the run
-    #[arg(long, value_name = "A:B", value_parser = range)]
-    range: Option<Range<u64>>,
+    #[command(flatten)]
+    part: PartArguments,
 
     /// Number of the event: photons of different events have different random numbers
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -195,6 +195,9 @@ impl Args for Photons {
     }
 }
 
+/// The number of photons of a torch without -n.
+const DEFAULT_COUNT: u64 = 10_000;
+
 /// The name of the sub-command.
 const COMPARE: &str = "compare";
 
@@ -202,6 +205,11 @@ impl Simulation {
     fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let is_piped = self.is_piped()?;
         self.drawings().try_for_each(|path| drawing::check(path))?;
+        if self.part.range.is_some() {
+            self.tables()
+                .filter(|(_, path)| *path != Path::new("-"))
+                .try_for_each(|(_, path)| TableWriter::check_part(path))?;
+        }
         if let Some(path) = self.out.as_deref().filter(|_| !is_piped) {
             // a path that cannot be written is reported before the run, not after it; the unfinished file is removed
             TableWriter::create(path, &hit_schema(&Hits::default())?)?;
@@ -227,14 +235,20 @@ impl Simulation {
             cancel: interrupt::token(),
             ..RunSettings::new(range)
         };
+        let parts = self.parts((&scene, &document), &detector, &source, &settings);
+        if !parts.is_empty()
+            && self.part.is_done(parts.iter().map(|(path, part)| (*path, part)), global.quiet)
+        {
+            return Ok(());
+        }
         if let Some(text) = check_start(&detector, &evaluator, &source, &settings)? {
             note(&text);
         }
-        let report = self.simulate(global, &detector, &source, &settings)?;
+        let report = self.simulate(global, (&detector, &source), &settings, &parts)?;
         if let Some(path) = &self.out {
             let mut table = TableWriter::create(path, &hit_schema(&report.run.hits)?)?;
             table.write(&report.run.hits.to_rows()?)?;
-            table.finish()?;
+            finish(table, path, &parts)?;
         }
         self.draw_tracks(&detector, &source, &settings)?;
         self.draw_hits(&report.run.hits)?;
@@ -245,14 +259,52 @@ impl Simulation {
         }
     }
 
+    /// The tables to write, with the name of their content.
+    fn tables(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        let tables = [("hits", &self.out), ("steps", &self.steps), ("histories", &self.histories)];
+        tables.into_iter().filter_map(|(name, path)| Some((name, path.as_deref()?)))
+    }
+
+    /// The descriptions of the tables, if a range is given; none for standard output.
+    fn parts(
+        &self,
+        (scene, document): (&Scene, &Document),
+        detector: &Detector,
+        source: &Source,
+        settings: &RunSettings,
+    ) -> Vec<(&Path, Part)> {
+        if self.part.range.is_none() {
+            return Vec::new();
+        }
+        let total = self.count.or(source.limit()).unwrap_or(DEFAULT_COUNT);
+        let model = format!("{} {}", scene.content_hash(), document.tables_hash());
+        // with the contents of the tables that the surfaces refer to
+        let optics = debug_hash(&(detector.materials(), detector.surfaces()));
+        let part = |name: &str| {
+            let settings = [
+                ("model", ContentHash::of_text(&format!("{model} {optics}"))),
+                ("seed", settings.seed.to_string()),
+                ("event", settings.event.to_string()),
+                ("source", debug_hash(source)),
+                ("photons", total.to_string()),
+                ("detect", self.detect.rule().1.to_owned()),
+                ("max_steps", settings.max_steps.to_string()),
+                ("max_time", settings.max_time.to_string()),
+            ];
+            self.part.part(&format!("photons {name}"), settings, total)
+        };
+        let tables = self.tables().filter(|(_, path)| *path != Path::new("-"));
+        tables.filter_map(|(name, path)| Some((path, part(name)?))).collect()
+    }
+
     /// The numbers of the photons to simulate.
     fn numbers(&self, limit: Option<u64>) -> Result<Range<u64>, Failure> {
-        let count = self.count.or(limit).unwrap_or(10_000);
+        let count = self.count.or(limit).unwrap_or(DEFAULT_COUNT);
         if let Some(limit) = limit.filter(|limit| *limit < count) {
             let text = format!("-n is {count}: the source has {limit} photons.");
             return Err(Failure::Usage(text));
         }
-        let range = self.range.clone().unwrap_or(0..count);
+        let range = self.part.range.clone().unwrap_or(0..count);
         if range.end > count {
             let text = format!("--range ends at {}: the run has {count} photons.", range.end);
             return Err(Failure::Usage(text));
@@ -319,9 +371,9 @@ impl Simulation {
     fn simulate(
         &self,
         global: &GlobalArguments,
-        detector: &Detector,
-        source: &Source,
+        (detector, source): (&Detector, &Source),
         settings: &RunSettings,
+        parts: &[(&Path, Part)],
     ) -> Result<PhotonReport, Failure> {
         let evaluator = Packets::new(detector.program().clone());
         let steps = self.steps.as_deref().map(|path| TableWriter::create(path, &step_schema(detector)?));
@@ -349,31 +401,19 @@ impl Simulation {
         bar.finish_and_clear();
         done?;
         report.duration = begin.elapsed();
-        for table in [steps, ends].into_iter().flatten() {
-            table.finish()?;
+        for (table, path) in [(steps, &self.steps), (ends, &self.histories)] {
+            if let (Some(table), Some(path)) = (table, path) {
+                finish(table, path, parts)?;
+            }
         }
         Ok(report)
     }
 }
 
-/// A range of photon numbers, `A:B`.
-fn range(text: &str) -> Result<Range<u64>, String> {
-    let ends = text.split_once(':').and_then(|(a, b)| Some(a.trim().parse().ok()?..b.trim().parse().ok()?));
-    match ends {
-        Some(range) if range.start <= range.end => Ok(range),
-        _ => Err("give two whole numbers as A:B, with A at most B".to_owned()),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranges() {
-        assert_eq!(range("3:10"), Ok(3..10));
-        for bad in ["", "3", "10:3", "-1:2", "a:b", "1:2:3"] {
-            assert!(range(bad).is_err(), "{bad}");
-        }
+/// Completes a table, as a part if it is one.
+fn finish(table: TableWriter, path: &Path, parts: &[(&Path, Part)]) -> Result<(), TableError> {
+    match parts.iter().find(|(own, _)| *own == path) {
+        Some((_, part)) => table.finish_part(part).map(|_| ()),
+        None => table.finish().map(|_| ()),
     }
 }

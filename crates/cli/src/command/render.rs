@@ -1,6 +1,6 @@
 //! `rayweave render`: a picture of a model.
 
-use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, SubjectArguments, debug_hash};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -13,6 +13,7 @@ use rayweave::picture::{
 };
 use rayweave::render::{RenderOptions, Run, Size, Style, View};
 use rayweave::scene::Scene;
+use rayweave::table::{Part, TableWriter};
 use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
 
@@ -86,6 +87,9 @@ pub struct Render {
     /// Supersample edge pixels with N x N rays [default: as in the model, else 3]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(RenderOptions::MAX_SAMPLES)))]
     samples: Option<u32>,
+
+    #[command(flatten)]
+    part: PartArguments,
 }
 
 /// The value of `--view` for a sheet of several views.
@@ -105,6 +109,10 @@ impl Render {
         let out = self.out()?;
         let scene = self.scene()?;
         let compiled = Compiled::new(&scene)?;
+        let part = self.part(&scene, &compiled, &out)?;
+        if self.part.is_done(part.iter().map(|part| (out.as_path(), part)), global.quiet) {
+            return Ok(());
+        }
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let bar = terminal::progress_bar(Some(100), Unit::Percent, global.quiet);
         let mut progress = |part: f64| bar.set_position((100.0 * part) as u64);
@@ -118,7 +126,10 @@ impl Render {
         bar.finish_and_clear();
         let size = match drawn? {
             Drawn::Picture(picture) => {
-                terminal::save(&out, &picture.to_png())?;
+                match &part {
+                    Some(part) => part.write(&out, &picture.to_png())?,
+                    None => terminal::save(&out, &picture.to_png())?,
+                }
                 picture.size()
             }
             Drawn::PictureSheet(sheet) => {
@@ -168,8 +179,30 @@ impl Render {
         evaluator: &AnyEvaluator,
         run: &mut Run<'_>,
     ) -> Result<Picture, DrawError> {
-        let (camera, settings) = arrange(scene, compiled, &self.options())?;
+        let (camera, mut settings) = arrange(scene, compiled, &self.options())?;
+        settings.rows = self.part.range.as_ref().map(|range| range.start as u32..range.end as u32);
         Picture::draw(self.kind.parse()?, evaluator, &camera, &settings, run)
+    }
+
+    /// The part that is drawn, rows of pixels, if a range is given.
+    fn part(&self, scene: &Scene, compiled: &Compiled, out: &Path) -> Result<Option<Part>, Failure> {
+        let Some(range) = &self.part.range else { return Ok(None) };
+        if self.sheet().is_some() || self.kind != "colour" {
+            let text = "--range draws rows of one picture in colour: leave out --legend, --kind and sheets.";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        TableWriter::check_part(out)?;
+        let (camera, settings) = arrange(scene, compiled, &self.options())?;
+        let height = settings.size.height() as u64;
+        if range.end > height || range.is_empty() {
+            let (start, end) = (range.start, range.end);
+            let text = format!(
+                "--range is {start}:{end}: it is a range of the {height} rows of pixels, and not empty."
+            );
+            return Err(Failure::Usage(text));
+        }
+        let own = [("model", scene.content_hash()), ("picture", debug_hash(&(camera, settings)))];
+        Ok(self.part.part("render", own, height))
     }
 
     /// The output file.

@@ -1,6 +1,6 @@
 //! `rayweave thickness`: path lengths through each medium, as a picture or a table.
 
-use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, SubjectArguments, debug_hash};
 use crate::command::render::size;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -10,6 +10,7 @@ use clap::builder::PossibleValuesParser;
 use rayweave::picture::{PictureOptions, arrange};
 use rayweave::render::{PixelGrid, RenderOptions, Size, View, png};
 use rayweave::scene::Scene;
+use rayweave::table::{Part, TableWriter};
 use rayweave::thickness::{FAINTEST, ThicknessMap, ThicknessRun};
 use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
@@ -43,6 +44,9 @@ pub struct Thickness {
     /// View the whole model from this side, along parallel rays [default: the camera of the model]
     #[arg(long, value_parser = PossibleValuesParser::new(View::ALL.map(View::name)))]
     view: Option<String>,
+
+    #[command(flatten)]
+    part: PartArguments,
 }
 
 impl Thickness {
@@ -51,6 +55,11 @@ impl Thickness {
         if self.medium.is_some() && !is_picture {
             let text =
                 "--medium selects what a picture shows, but a table lists all media. Write a .png file.";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        if is_picture && self.part.range.is_some() {
+            let text =
+                "--range writes a part of the table; the grey levels of a picture depend on all pixels.";
             return Err(Failure::Usage(text.to_owned()));
         }
         let scene = self.model.load_for(self.subject.solid.as_deref())?;
@@ -66,21 +75,45 @@ impl Thickness {
             progress: Some(&mut progress),
         };
         let (camera, RenderOptions { size, .. }) = arrange(&scene, &compiled, &options)?;
+        let part = self.part(&scene, size, debug_hash(&camera))?;
+        if self.part.is_done(part.iter().map(|part| (self.out.as_path(), part)), global.quiet) {
+            return Ok(());
+        }
+        let rows =
+            part.as_ref().map_or(0..size.height(), |part| part.range.start as usize..part.range.end as usize);
         let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
-        let map = ThicknessMap::new(&compiled, &evaluator, [size.width(), size.height()], ray, &mut run);
+        let map = ThicknessMap::of_rows(&compiled, &evaluator, size.width(), rows, ray, &mut run);
         bar.finish_and_clear();
         let map = map?;
         let note = match is_picture {
             true => self.draw(&scene, &map, size)?,
             false => {
-                map.write(&self.out, scene.unit.symbol())?;
-                format!("path lengths of {} rays", size.count())
+                map.write_part(&self.out, scene.unit.symbol(), part.as_ref())?;
+                format!("path lengths of {} rays", map.path_lengths().len())
             }
         };
         match global.quiet || self.out == Path::new("-") {
             true => Ok(()),
             false => terminal::print(&format!("{}: {note}\n", self.out.display())),
         }
+    }
+
+    /// The part to compute, rows of pixels, if a range is given.
+    fn part(&self, scene: &Scene, size: Size, camera: String) -> Result<Option<Part>, Failure> {
+        let Some(range) = &self.part.range else { return Ok(None) };
+        TableWriter::check_part(&self.out)?;
+        let height = size.height() as u64;
+        if range.end > height {
+            let text = format!("--range ends at {}: the picture has {height} rows of pixels.", range.end);
+            return Err(Failure::Usage(text));
+        }
+        let settings = [
+            ("model", scene.content_hash()),
+            ("solid", self.subject.solid.clone().unwrap_or_default()),
+            ("camera", camera),
+            ("width", size.width().to_string()),
+        ];
+        Ok(self.part.part("thickness", settings, height))
     }
 
     /// Writes the picture and prints the meaning of its grey levels.

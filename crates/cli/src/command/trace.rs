@@ -1,6 +1,6 @@
 //! `rayweave trace`: a table of the crossings of a file of rays.
 
-use crate::arguments::{GlobalArguments, ModelArguments, SubjectArguments, time};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, SubjectArguments, time};
 use crate::failure::Failure;
 use crate::interrupt::{self, Interruptible};
 use crate::terminal::{self, Unit};
@@ -8,7 +8,8 @@ use clap::Args;
 use rayweave::hits::{TraceOptions, trace_rays};
 use rayweave::model::Limit;
 use rayweave::model::drive::Cancel;
-use rayweave::table::{RayReader, TableError};
+use rayweave::scene::Scene;
+use rayweave::table::{ContentHash, Part, RayReader, TableError, TableWriter};
 use rayweave::{AnyEvaluator, Compiled, Query, Window};
 use std::fs::File;
 use std::io;
@@ -50,12 +51,22 @@ pub struct Trace {
     /// Add the column occurrence: which copy of which shape was hit, such as tower[3]/brick[12]/hole
     #[arg(long)]
     occurrence: bool,
+
+    #[command(flatten)]
+    part: PartArguments,
 }
 
 impl Trace {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let query = self.query()?;
+        if self.part.range.is_some() {
+            TableWriter::check_part(&self.out)?;
+        }
         let scene = self.model.load_for(self.subject.solid.as_deref())?;
+        let part = self.part(&scene)?;
+        if self.part.is_done(part.iter().map(|part| (self.out.as_path(), part)), global.quiet) {
+            return Ok(());
+        }
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let cancel = interrupt::token();
@@ -65,6 +76,7 @@ impl Trace {
             threads: global.threads,
             occurrences: self.occurrence,
             cancel: cancel.clone(),
+            part,
         };
         let bar = terminal::progress_bar(rays.progress().total, Unit::Bytes, global.quiet);
         let traced = trace_rays(&compiled, &evaluator, rays, &self.out, &options, |progress| {
@@ -81,6 +93,32 @@ impl Trace {
         let (rays, crossings) = (summary.rays, summary.crossings);
         let out = self.out.display();
         terminal::print(&format!("{out}: {crossings} crossings of {rays} rays\n"))
+    }
+
+    /// The part to trace, if a range is given.
+    fn part(&self, scene: &Scene) -> Result<Option<Part>, Failure> {
+        if self.part.range.is_none() {
+            return Ok(None);
+        }
+        if !self.rays.is_file() {
+            let text = "--range needs a file of rays: the other rays of a stream are not known.";
+            return Err(Failure::Usage(text.to_owned()));
+        }
+        let mut rays = ContentHash::new();
+        rays.sample(&self.rays)
+            .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", self.rays.display())))?;
+        let bound = |t: Option<f64>| t.map_or_else(|| "default".to_owned(), |t| t.to_string());
+        let settings = [
+            ("model", scene.content_hash()),
+            ("solid", self.subject.solid.clone().unwrap_or_default()),
+            ("rays", rays.finish()),
+            ("nearest", self.nearest.to_string()),
+            ("t_min", bound(self.t_min)),
+            ("t_max", bound(self.t_max)),
+            ("occurrence", self.occurrence.to_string()),
+        ];
+        // the total is known when the rays have been read
+        Ok(self.part.part("trace", settings, 0))
     }
 
     fn query(&self) -> Result<Query<'static>, Failure> {

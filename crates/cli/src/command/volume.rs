@@ -1,15 +1,21 @@
 //! `rayweave volume`: volume, mass, inertia and surface area of the regions of a model.
 
 use crate::arguments::{
-    GlobalArguments, ModelArguments, SamplingArguments, SubjectArguments, WithinArguments,
+    GlobalArguments, ModelArguments, PartArguments, SamplingArguments, SubjectArguments, WithinArguments,
 };
 use crate::failure::Failure;
 use crate::{interrupt, interval, terminal};
 use clap::Args;
 use rayweave::AnyEvaluator;
-use rayweave::measure::{Estimate, MeasureSettings, RegionReport, SceneReport, measure_scene};
+use rayweave::measure::{
+    Estimate, MeasureSettings, MeasureShare, RegionReport, SceneReport, cell_count, measure_scene,
+    report_shares, share_of_scene,
+};
 use rayweave::scene::Scene;
+use rayweave::table::{Part, TableWriter};
 use serde_json::{Value, json};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 /// Measure volume, mass, centre, inertia and surface area of every region, with confidence intervals
 ///
@@ -30,6 +36,22 @@ pub struct Volume {
     #[command(flatten)]
     within: WithinArguments,
 
+    /// Trace about this many rays, one set for all regions, instead of rays until the precision is reached. They are divided into
+    /// cells of two rays; --range counts cells
+    #[arg(long, value_name = "N")]
+    total: Option<u64>,
+
+    #[command(flatten)]
+    part: PartArguments,
+
+    /// Write the sums of the cells of --range to this file, for `rayweave merge`
+    #[arg(short, long, value_name = "SUMS", requires = "total", requires = "range")]
+    out: Option<PathBuf>,
+
+    /// Report from the sums of all cells of --total, which `rayweave merge` has written
+    #[arg(long, value_name = "SUMS", requires = "total", conflicts_with = "range")]
+    sums: Option<PathBuf>,
+
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -47,10 +69,25 @@ impl Volume {
             threads: global.threads,
             cancel: interrupt::token(),
         };
+        if self.part.range.is_some() {
+            return self.write_part(&scene, &settings, global);
+        }
         let solid = self.subject.solid.as_deref();
         let make = AnyEvaluator::maker(self.subject.evaluator.as_deref());
         let bar = terminal::counter("rays", global.quiet);
-        let report = measure_scene(&scene, solid, make, &settings, &mut |rays| bar.set_position(rays));
+        let mut progress = |rays| bar.set_position(rays);
+        let report = match (self.total, &self.sums) {
+            (Some(total), Some(sums)) => {
+                let share = self.read_sums(&scene, &settings, sums, total)?;
+                report_shares(&scene, solid, make, &settings, &share)
+            }
+            (Some(total), None) => {
+                let all = 0..cell_count(total);
+                let share = share_of_scene(&scene, solid, &make, &settings, (total, all), &mut progress);
+                share.and_then(|share| report_shares(&scene, solid, &make, &settings, &share))
+            }
+            _ => measure_scene(&scene, solid, make, &settings, &mut progress),
+        };
         bar.finish_and_clear();
         let report = report?;
         terminal::print(&match self.json {
@@ -71,12 +108,74 @@ impl Volume {
             ));
         }
         if !imprecise.is_empty() {
-            let (names, most) = (imprecise.join(", "), self.sampling.rays);
+            let (names, most) = (imprecise.join(", "), self.total.unwrap_or(self.sampling.rays));
             terminal::note(&format!(
                 "note: {names}: the requested precision is not reached after {most} rays. See --rays."
             ));
         }
         Ok(())
+    }
+
+    /// The part that consists of a range of cells.
+    fn part_of(&self, scene: &Scene, settings: &MeasureSettings, total: u64, range: Range<u64>) -> Part {
+        let own = [
+            ("model", scene.content_hash()),
+            ("solid", self.subject.solid.clone().unwrap_or_default()),
+            ("seed", settings.seed.to_string()),
+            ("rays", total.to_string()),
+            ("within", format!("{:?}", self.within.within)),
+        ];
+        Part::new("volume", own.map(|(name, value)| (name.to_owned(), value)), range, cell_count(total))
+    }
+
+    /// Traces a range of cells and writes their sums.
+    fn write_part(
+        &self,
+        scene: &Scene,
+        settings: &MeasureSettings,
+        global: &GlobalArguments,
+    ) -> Result<(), Failure> {
+        let (Some(range), Some(total), Some(out)) = (&self.part.range, self.total, &self.out) else {
+            let text =
+                "--range measures a part of --total rays and writes it to a file: give --total and --out.";
+            return Err(Failure::Usage(text.to_owned()));
+        };
+        let count = cell_count(total);
+        if range.end > count {
+            let text = format!("--range ends at {}: {total} rays are {count} cells.", range.end);
+            return Err(Failure::Usage(text));
+        }
+        TableWriter::check_part(out)?;
+        let part = self.part_of(scene, settings, total, range.clone());
+        if self.part.is_done([(out.as_path(), &part)].into_iter(), global.quiet) {
+            return Ok(());
+        }
+        let make = AnyEvaluator::maker(self.subject.evaluator.as_deref());
+        let bar = terminal::counter("rays", global.quiet);
+        let (solid, cells) = (self.subject.solid.as_deref(), (total, range.clone()));
+        let share = share_of_scene(scene, solid, make, settings, cells, &mut |rays| bar.set_position(rays));
+        bar.finish_and_clear();
+        Ok(part.write(out, share?.to_text().as_bytes())?)
+    }
+
+    /// Reads the sums of all cells.
+    fn read_sums(
+        &self,
+        scene: &Scene,
+        settings: &MeasureSettings,
+        path: &Path,
+        total: u64,
+    ) -> Result<MeasureShare, Failure> {
+        let part = self.part_of(scene, settings, total, 0..cell_count(total));
+        if !part.is_in(path) {
+            let path = path.display();
+            let text = format!(
+                "{path} has other sums: it is not the complete result for this model, seed and number of rays. \
+                 Merge all parts of --total {total}."
+            );
+            return Err(Failure::Input(text));
+        }
+        read_share(path)
     }
 
     fn as_text(&self, scene: &Scene, report: &SceneReport) -> String {
@@ -118,6 +217,14 @@ impl Volume {
             "regions": report.regions.iter().map(region_json).collect::<Vec<_>>(),
         })
     }
+}
+
+/// Reads a file of sums.
+pub fn read_share(path: &Path) -> Result<MeasureShare, Failure> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", path.display())))?;
+    MeasureShare::from_text(&text)
+        .ok_or_else(|| Failure::Input(format!("{} has no sums of a measurement.", path.display())))
 }
 
 fn name(region: &RegionReport) -> &str {

@@ -12,6 +12,7 @@ mod interrupt;
 mod memory;
 mod optics;
 mod pages;
+mod parts;
 mod photon_compare;
 mod photons;
 mod probe;

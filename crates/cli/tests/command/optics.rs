@@ -6,7 +6,7 @@ const HEADER: &str = "id,parent,generation,source,wavelength_nm,intensity,index,
                       element,surface,event";
 
 /// A plate of glass about the origin, between the light and an ideal lens that is focused on the screen.
-const PLATE: &str = r#"
+pub const PLATE: &str = r#"
 rayweave = 1
 unit = "mm"
 

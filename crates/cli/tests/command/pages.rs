@@ -2,11 +2,12 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 18] = [
+const COMMANDS: [&str; 19] = [
     "render",
     "probe",
     "trace",
     "optics",
+    "merge",
     "convert",
     "export",
     "infill",

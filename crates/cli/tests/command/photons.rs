@@ -13,14 +13,14 @@ fn block(kind: &str) -> &'static str {
     rest.split_once("```\n").unwrap().0
 }
 
-fn bench() -> Bench {
+pub fn bench() -> Bench {
     let bench = Bench::new();
     bench.write("bar.gdml", block("xml"));
     bench
 }
 
 /// The arguments of a run of 2,000 photons in the guide's model.
-fn run<'a>(more: &[&'a str]) -> Vec<&'a str> {
+pub fn run<'a>(more: &[&'a str]) -> Vec<&'a str> {
     let mut arguments = vec!["photons", "bar.gdml", "--at", "0,0,0", "--wavelength", "550", "-n", "2000"];
     arguments.extend(more);
     arguments

@@ -3,7 +3,8 @@
 use super::LightTableError;
 use crate::{Balance, Emitter, Event, Phases, Segments, System, TraceSettings, Tracer};
 use rayweave_model::Evaluator;
-use rayweave_table::{Chunk, Column, DType, NO_NAME, Schema, TableError, TableWriter, Values};
+use rayweave_table::{Chunk, Column, DType, NO_NAME, Part, Schema, TableError, TableWriter, Values};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -39,7 +40,7 @@ impl SegmentTable {
         let surfaces: Arc<[String]> =
             system.surfaces().map(|surface| system.surface_name(surface).to_owned()).collect();
         let events: Arc<[String]> = Event::ALL.iter().map(|event| event.name().to_owned()).collect();
-        let mut columns = vec![Column::new("id", DType::I64), Column::new("parent", DType::I64)];
+        let mut columns = vec![Column::new("id", DType::I64), Column::new("parent", DType::Row)];
         columns.extend(["generation", "source"].map(|name| Column::new(name, DType::I64)));
         columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
         columns.extend(["intensity", "index"].map(|name| Column::new(name, DType::F64)));
@@ -106,6 +107,8 @@ pub struct SegmentFile<'a> {
     /// Whether the table has the columns of phases. They require a second evaluation of each event,
     /// on one thread.
     pub phases: bool,
+    /// The part that the file is, for a trace of a range of the rays ([`TraceSettings::rays`]); its description is written too.
+    pub part: Option<&'a Part>,
 }
 
 /// Indices into a list of names; negative ones mean no name.
@@ -145,7 +148,7 @@ pub fn trace_light<E: Evaluator>(
     mut look: impl FnMut(&Segments),
 ) -> Result<LightSummary, LightTableError> {
     let mut table = match out {
-        Some(SegmentFile { path, unit, phases }) => {
+        Some(SegmentFile { path, unit, phases, .. }) => {
             let table = SegmentTable::new(system, unit, phases)?;
             let writer = TableWriter::create(path, table.schema())?;
             Some((table, writer))
@@ -166,7 +169,11 @@ pub fn trace_light<E: Evaluator>(
         }
     })?;
     if let Some((_, writer)) = table {
-        writer.finish()?;
+        match out.and_then(|out| out.part) {
+            Some(part) => writer.finish_part(part)?,
+            None => writer.finish()?,
+        };
     }
-    Ok(LightSummary { rays: light.count() as u64, segments, balance })
+    let rays = settings.rays.as_ref().map_or(light.count(), Range::len);
+    Ok(LightSummary { rays: rays as u64, segments, balance })
 }

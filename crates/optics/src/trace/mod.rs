@@ -37,9 +37,8 @@ use rows::{Pool, Rows};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Rays per chunk: large enough to amortise a batch, small enough for all its segments to stay in
-/// cache.
-const CHUNK: usize = 2048;
+/// Rays per chunk.
+const CHUNK: usize = TraceSettings::CHUNK;
 
 /// A system with evaluators for its programs, ready to trace light.
 #[derive(Debug)]
@@ -102,7 +101,8 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         trace.balance = self.run_with(light, settings, |rows| {
             if segments.is_empty() {
                 // assumes about the same number of rows in every chunk
-                let expected = rows.len().saturating_mul(light.count().div_ceil(CHUNK));
+                let count = settings.rays.as_ref().map_or(light.count(), Range::len);
+                let expected = rows.len().saturating_mul(count.div_ceil(CHUNK));
                 if memory::check(expected as u64, Segments::ROW).is_ok() {
                     segments.reserve(expected);
                 }
@@ -140,8 +140,9 @@ impl<'a, E: Evaluator> Tracer<'a, E> {
         mut sink: impl FnMut(&Rows) -> Result<(), X>,
     ) -> Result<Balance, X> {
         let pool = Pool::default();
-        let count = light.count();
-        let chunks = (0..count).step_by(CHUNK).map(|at| at..(at + CHUNK).min(count));
+        let rays = settings.range(light.count())?;
+        let end = rays.end;
+        let chunks = rays.step_by(CHUNK).map(|at| at..(at + CHUNK).min(end));
         let mut balance = Balance::of_elements(self.system.element_names().len());
         let work = |worker: &mut Worker<'_, E>, range: Range<usize>| worker.chunk(light, range);
         let merge = |found: Result<(Rows, Balance), OpticsError>| -> Result<(), X> {

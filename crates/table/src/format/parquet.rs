@@ -15,14 +15,15 @@ use crate::chunk::Values;
 use crate::format::Sink;
 use crate::{AtomicFile, Chunk, Column, DType, NO_NAME, Schema, TableError};
 
-/// Number of rows per row group: some tens of MB for the widest tables.
+/// Number of rows per row group: some tens of MB for the widest tables. All groups but the last have exactly this size, and each
+/// column of a group is written at once: the bytes of a file depend on its rows alone, not on the chunks in which they came.
 const ROWS_PER_GROUP: usize = 100_000;
 
 /// Output to a Parquet file.
 pub(super) struct ParquetSink {
     writer: SerializedFileWriter<AtomicFile>,
-    pending: Vec<Chunk>,
-    pending_rows: usize,
+    /// The rows of the next group, by column.
+    pending: Vec<Values>,
     /// The names of each column of names; empty for other columns.
     names: Vec<Vec<ByteArray>>,
     path: String,
@@ -35,8 +36,7 @@ impl ParquetSink {
         let writer = start(file, schema).map_err(|error| write_error(&path, error))?;
         Ok(Self {
             writer,
-            pending: Vec::new(),
-            pending_rows: 0,
+            pending: schema.columns().iter().map(|column| Values::empty(&column.dtype)).collect(),
             names: schema.columns().iter().map(|column| name_table(&column.dtype)).collect(),
             path,
         })
@@ -44,33 +44,40 @@ impl ParquetSink {
 
     fn write_group(&mut self) -> Result<()> {
         let mut group = self.writer.next_row_group()?;
-        for (i, names) in self.names.iter().enumerate() {
+        for (names, values) in self.names.iter().zip(&mut self.pending) {
             if let Some(mut column) = group.next_column()? {
-                for chunk in &self.pending {
-                    write_column(&mut column, &chunk.columns()[i], names)?;
-                }
+                write_column(&mut column, values, names)?;
                 column.close()?;
             }
+            values.clear();
         }
         group.close()?;
-        self.pending.clear();
-        self.pending_rows = 0;
         Ok(())
+    }
+
+    /// The number of rows of the next group so far.
+    fn pending_rows(&self) -> usize {
+        self.pending.first().map_or(0, Values::len)
     }
 }
 
 impl Sink for ParquetSink {
     fn write(&mut self, _schema: &Schema, chunk: &Chunk) -> std::result::Result<(), TableError> {
-        self.pending.push(chunk.clone());
-        self.pending_rows += chunk.rows();
-        if self.pending_rows >= ROWS_PER_GROUP {
-            self.write_group().map_err(|error| write_error(&self.path, error))?;
+        let mut next = 0;
+        while next < chunk.rows() {
+            let end = chunk.rows().min(next + ROWS_PER_GROUP - self.pending_rows());
+            let columns = self.pending.iter_mut().zip(chunk.columns());
+            columns.for_each(|(own, values)| own.extend(values, next..end));
+            next = end;
+            if self.pending_rows() == ROWS_PER_GROUP {
+                self.write_group().map_err(|error| write_error(&self.path, error))?;
+            }
         }
         Ok(())
     }
 
     fn finish(mut self: Box<Self>, _schema: &Schema, _rows: u64) -> std::result::Result<(), TableError> {
-        if self.pending_rows > 0 {
+        if self.pending_rows() > 0 {
             self.write_group().map_err(|error| write_error(&self.path, error))?;
         }
         let file = self.writer.into_inner();
@@ -105,7 +112,7 @@ fn message(schema: &Schema) -> Result<TypePtr> {
 fn field(column: &Column) -> Result<TypePtr> {
     let (physical, logical, repetition) = match column.dtype {
         DType::F64 => (Physical::DOUBLE, None, Repetition::REQUIRED),
-        DType::I64 => (Physical::INT64, None, Repetition::REQUIRED),
+        DType::I64 | DType::Row => (Physical::INT64, None, Repetition::REQUIRED),
         DType::I32 => (Physical::INT32, None, Repetition::REQUIRED),
         DType::Bool => (Physical::BOOLEAN, None, Repetition::REQUIRED),
         DType::Name(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::OPTIONAL),

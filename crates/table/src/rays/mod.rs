@@ -10,6 +10,7 @@ mod source;
 
 use std::fs::File;
 use std::io::{self, Read};
+use std::ops::Range;
 use std::path::Path;
 
 use rayweave_error::Message;
@@ -57,6 +58,8 @@ pub struct RayReader {
     source: Box<dyn RaySource>,
     problems: ProblemList,
     row: u64,
+    /// The number of the ray at which reading ends.
+    end: u64,
     ended: bool,
 }
 
@@ -155,7 +158,9 @@ impl RayReader {
         match open(&mut problems) {
             Err(error) => Err(problems.read_error(error)),
             Ok(None) => Err(problems.take().into()),
-            Ok(Some(source)) => Ok(Self { source: Box::new(source), problems, row: 0, ended: false }),
+            Ok(Some(source)) => {
+                Ok(Self { source: Box::new(source), problems, row: 0, end: u64::MAX, ended: false })
+            }
         }
     }
 
@@ -171,12 +176,59 @@ impl RayReader {
         if self.ended {
             return Ok(0);
         }
-        let filled = self.fill(chunk, max_rays.max(1));
+        let left = usize::try_from(self.end - self.row).unwrap_or(usize::MAX);
+        if left == 0 {
+            self.ended = true;
+            return Ok(0);
+        }
+        let filled = self.fill(chunk, max_rays.clamp(1, left));
         if filled.is_err() {
             chunk.clear();
         }
         self.ended = chunk.is_empty();
         filled.map(|()| chunk.len())
+    }
+
+    /// The reader of a range of the rays, before the first ray is read. [`RayChunk::first`] keeps the numbers of the file. Rays of an
+    /// NPY file before the range are not read, those of CSV are validated.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read). A range that exceeds the file is no error: see [`count`](Self::count).
+    pub fn range(mut self, range: Range<u64>) -> Result<Self, TableError> {
+        self.end = range.end.max(range.start);
+        self.row = self.source.skip(range.start).map_err(|error| self.problems.read_error(error))?;
+        let mut chunk = RayChunk::default();
+        while self.row < range.start {
+            let left = usize::try_from(range.start - self.row).unwrap_or(usize::MAX);
+            let before = self.row;
+            self.fill(&mut chunk, left.min(RAYS_PER_CHUNK))?;
+            if self.row == before {
+                self.end = before;
+            }
+            if self.end == self.row {
+                break;
+            }
+        }
+        Ok(self)
+    }
+
+    /// The number of rays in the file. CSV is read and validated to its end; then there is nothing left to read.
+    ///
+    /// # Errors
+    ///
+    /// As [`read`](Self::read).
+    pub fn count(&mut self) -> Result<u64, TableError> {
+        if let Some(rays) = self.rays() {
+            return Ok(rays);
+        }
+        let (mut chunk, mut before) = (RayChunk::default(), None);
+        while before != Some(self.row) {
+            before = Some(self.row);
+            self.fill(&mut chunk, RAYS_PER_CHUNK)?;
+        }
+        self.ended = true;
+        Ok(self.row)
     }
 
     fn fill(&mut self, chunk: &mut RayChunk, max_rays: usize) -> Result<(), TableError> {

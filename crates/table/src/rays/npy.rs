@@ -168,6 +168,18 @@ impl RaySource for NpyRays {
         Ok(self.next - first)
     }
 
+    fn skip(&mut self, rows: u64) -> io::Result<u64> {
+        if !self.is_file {
+            return Ok(0);
+        }
+        self.next = rows.min(self.rows);
+        if !self.fortran_order {
+            let row_size = (self.columns * self.number.size()) as u64;
+            self.file.seek(SeekFrom::Start(self.data_offset + self.next * row_size))?;
+        }
+        Ok(self.next)
+    }
+
     fn progress(&self) -> Progress {
         let row_size = (self.columns * self.number.size()) as u64;
         Progress {

@@ -25,6 +25,11 @@ pub(super) trait RaySource: Send {
         problems: &mut ProblemList,
     ) -> io::Result<u64>;
 
+    /// Skips at most this many rows at the start without reading them, if the source can; returns the number of skipped rows.
+    fn skip(&mut self, _rows: u64) -> io::Result<u64> {
+        Ok(0)
+    }
+
     fn progress(&self) -> Progress;
 
     fn rays(&self) -> Option<u64>;

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, GradedMedium, Sheet, Solid
+from rayweave._recipe import record_all, recorded, reduced
 from rayweave.optics._given import each, finite, flag, numbers, pair, real, text, unknown, whole
 from rayweave.optics._place import Placed
 
@@ -117,10 +118,15 @@ class Element(Placed):
         if self.read is None and self.action is None:
             _substance(self.material, self.finish)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self)
+
+    @recorded
     def named(self, name: str) -> Self:
         """The same element with a different name, which results use."""
         return replace(self, name=name)
 
+    @recorded
     def with_finish(self, finish: Finish, face: str | None = None) -> Self:
         """The same element with a finish on the faces of this name ("front", "front.side", ...), or on all faces
         without their own finish.
@@ -140,6 +146,7 @@ class Element(Placed):
             return replace(self, finish=finish)
         return replace(self, faces=(*self.faces, (face, finish)))
 
+    @recorded
     def transform(self, matrix: ArrayLike) -> Self:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
         body = self.body.apply(matrix) if isinstance(self.body, Sheet) else self.body.transform(matrix)
@@ -618,3 +625,6 @@ def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
     """The focal length of a thick lens of index n in air: 1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2)) (Hecht,
     *Optics*, 5th edition, section 6.1)."""
     return _core.lensmaker(real(r1, "r1"), real(r2, "r2"), real(n, "n"), real(thickness, "thickness"))
+
+
+record_all(globals(), "Element")

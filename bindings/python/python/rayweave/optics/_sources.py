@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave.optics._elements import Aperture, _outline
+from rayweave._recipe import record_all, recorded, reduced
 from rayweave.optics._given import array, real, text, unknown, whole
 from rayweave.optics._place import Placed
 
@@ -29,6 +30,10 @@ class Source(Placed):
     #: Whether its light is polarised; one from a model file does not tell.
     is_polarised: bool = False
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self)
+
+    @recorded
     def transform(self, matrix: ArrayLike) -> Self:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
         return replace(self, compiled=self.compiled.apply(matrix))
@@ -36,6 +41,7 @@ class Source(Placed):
     def __len__(self) -> int:
         return self.compiled.count
 
+    @recorded
     def polarised(self, i: float, q: float, u: float, v: float) -> Self:
         """The same source with polarised light, given by Stokes parameters, of which only the proportions count. Light
         with q > 0 is polarised along the x axis of the source, projected across each ray; u > 0 is inclined from x
@@ -237,3 +243,6 @@ def _amount(power: Any) -> tuple[float, bool]:
         case tuple() | list():
             raise TypeError(f"power is {power!r}: it must be {needed}.")
     return real(power, "power", needed), False
+
+
+record_all(globals(), "Source")

@@ -64,13 +64,20 @@ class System:
             raise _core.RayweaveError(f"unit is {unit!r}: it can be {', '.join(_UNIT_NM)}.")
         self.elements = tuple(flat)
         self.unit: str = unit
+        self._world: Any = world
         self._compiled = _core.CompiledSystem([part._part() for part in flat], _medium(world), _UNIT_NM[unit])
 
     @classmethod
     def _of(cls, compiled: _core.CompiledSystem, elements: list[Element], unit: str) -> System:
         system = cls.__new__(cls)
         system.elements, system.unit, system._compiled = tuple(elements), unit, compiled
+        system._world = None
         return system
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._world is None:
+            raise _core.RayweaveError("the System cannot be pickled: it was read from a model file. Pickle the name of the file.")
+        return _again, (self.elements, self._world, self.unit)
 
     def _balance(self, accounts: dict[str, Any]) -> Balance:
         absorbed = dict(zip(self.element_names, accounts["absorbed"], strict=True))
@@ -98,6 +105,7 @@ class System:
         seed: int = 0,
         threads: int | None = None,
         phases: bool = False,
+        range: tuple[int, int] | None = None,
         progress: Progress = None,
     ) -> Trace:
         """Traces the light of sources through the system.
@@ -109,12 +117,17 @@ class System:
         treated as unpolarised at each face. (For a model file, call `OpticalModel.trace`, which uses the file's
         setting `polarised`; this method cannot see it.) Rays end after `generation_limit` events or below the power `threshold`. Results do not depend
         on `threads`. `progress` is called with the number of finished rays and the total; True draws a bar on standard
-        error. `phases` adds the columns `phase_s` and `phase_p`, for which each event is evaluated again: see
+        error. `range` traces only the rays with these numbers, from the first up to the second exclusively: the rows are those of
+        these rays in the trace of all, with parents counted from the first row. Its ends are multiples of 2048 or the number of
+        rays, because the rows of so many rays are sorted together. `phases` adds the columns `phase_s` and `phase_p`, for which each event is evaluated again: see
         `Trace.phases`.
         """
         given = _all_sources(sources)
         is_followed = self._follows(polarised, given)
         settings = _settings(branches, is_followed, generation_limit, threshold, keep_escaped, seed, threads)
+        if range is not None:
+            first, last = range
+            settings["rays"] = whole(first, "range[0]", bits=62), whole(last, "range[1]", bits=62)
         compiled = [source.compiled for source in given]
         columns, accounts = self._compiled.trace_sources(compiled, settings, _progress_callback(progress))
         return self._trace_of(columns, accounts, phases)
@@ -256,7 +269,13 @@ def _settings(
         "keep_escaped": flag(keep_escaped, "keep_escaped"),
         "seed": whole(seed, "seed"),
         "threads": threads,
+        "rays": None,
     }
+
+
+def _again(elements: tuple[Element, ...], world: Any, unit: Any) -> System:
+    """A system from its pickled parts."""
+    return System(elements, world=world, unit=unit)
 
 
 def _all_sources(sources: Source | Iterable[Source]) -> list[Source]:

@@ -153,8 +153,9 @@ class Findings(Columns):
 class Detector:
     """A detector: exact geometry with optical materials, surfaces and sensors. `load` and `loads` make detectors."""
 
-    def __init__(self, compiled: _core.CompiledDetector, name: str) -> None:
+    def __init__(self, compiled: _core.CompiledDetector, name: str, tables: SurfaceTables | None = None) -> None:
         self.compiled = compiled
+        self._tables = tables
         self.name = name
         self.materials = tuple(Material(*_described(row)) for row in compiled.materials())
         """The materials; the first one is that of the world outside of all volumes."""
@@ -168,6 +169,9 @@ class Detector:
             f"<Detector {self.name}: {len(self.materials)} materials, {len(self.surfaces)} surfaces, "
             f"{len(self.sensors)} sensitive volumes>"
         )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _again, (self.compiled.to_toml(), self._tables, self.name)
 
     @property
     def sensors(self) -> dict[str, str]:
@@ -365,7 +369,7 @@ def load(
     array([1.79, 1.79])
     """
     compiled = _core.load_detector(path, _tables(tables), allow=list(allow), strict=strict)
-    return Detector(compiled, Path(path).name)
+    return Detector(compiled, Path(path).name, tables)
 
 
 def loads(
@@ -376,7 +380,12 @@ def loads(
     strict: bool = False,
 ) -> Detector:
     """As `load`, from the text of a GDML file. Names of files are relative to the current folder."""
-    return Detector(_core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict), "detector")
+    return Detector(_core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict), "detector", tables)
+
+
+def _again(text: str, tables: SurfaceTables | None, name: str) -> Detector:
+    """A detector from its pickled parts."""
+    return Detector(_core.loads_detector(text, _tables(tables), native=True), name, tables)
 
 
 def _tables(tables: SurfaceTables | None) -> _core.PhotonTables:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from rayweave import _core
 from rayweave import optics
+from rayweave._recipe import record_all, reduced
 from rayweave.optics._given import array, numbers, real, text, vector, whole
 from rayweave.optics._sources import Spectrum, _spectrum
 
@@ -40,6 +41,9 @@ class Source:
 
     def __repr__(self) -> str:
         return f"<Source: {self._description}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return reduced(self)
 
 
 def _light(
@@ -340,3 +344,6 @@ def photons(
         full["positions"], full["directions"], flat["wavelengths_nm"], flat["times"], full.get("polarisations")
     )
     return Source(compiled, f"{count} photons")
+
+
+record_all(globals(), "Source")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from os import PathLike
+from typing import Any
 
 from numpy.typing import ArrayLike
 
 from rayweave import _core
+from rayweave._recipe import recorded, reduced
 from rayweave.optics._given import text
 
 
@@ -34,12 +36,18 @@ class SurfaceTables:
         self, folder: str | PathLike[str] | None = None, *, dichroic: str | PathLike[str] | None = None
     ) -> None:
         self.compiled = _core.PhotonTables(folder, dichroic)
+        self._given = folder, dichroic
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # the original has the call of a method that made it
+        return reduced(self) if hasattr(self, "_recipe") else (_again, self._given)
 
     def _with(self, compiled: _core.PhotonTables) -> SurfaceTables:
         other = SurfaceTables()
         other.compiled = compiled
         return other
 
+    @recorded
     def lut(self, name: str, probabilities: ArrayLike) -> SurfaceTables:
         """With a distribution of the reflected direction, for a surface or a finish such as "polishedtyvekair".
 
@@ -48,6 +56,7 @@ class SurfaceTables:
         """
         return self._with(self.compiled.with_lut(text(name, "name"), probabilities))
 
+    @recorded
     def davis(self, name: str, reflectance: ArrayLike, directions: ArrayLike) -> SurfaceTables:
         """With samples of reflected and transmitted directions, for a surface or a finish such as "Rough_LUT".
 
@@ -57,6 +66,7 @@ class SurfaceTables:
         """
         return self._with(self.compiled.with_davis(text(name, "name"), reflectance, directions))
 
+    @recorded
     def dichroic(
         self, name: str, wavelengths_nm: ArrayLike, angles_degrees: ArrayLike, percent: ArrayLike
     ) -> SurfaceTables:
@@ -64,3 +74,8 @@ class SurfaceTables:
         and ascending wavelengths; bilinear between them and constant beyond."""
         compiled = self.compiled.with_dichroic(text(name, "name"), wavelengths_nm, angles_degrees, percent)
         return self._with(compiled)
+
+
+def _again(folder: str | PathLike[str] | None, dichroic: str | PathLike[str] | None) -> SurfaceTables:
+    """Tables from the names of their files."""
+    return SurfaceTables(folder, dichroic=dichroic)

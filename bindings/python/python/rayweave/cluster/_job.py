@@ -1,0 +1,213 @@
+"""Jobs: functions of a range of numbers, and the join of their parts."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import threading
+from abc import ABC, abstractmethod
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave._core import RayweaveError
+from rayweave.optics._given import whole
+from rayweave.optics._sources import Source as LightSource
+from rayweave.optics._system import System
+from rayweave.photons._detector import Detector
+from rayweave.photons._sources import Source
+
+#: A range of numbers: the first one, and the one after the last.
+Range = tuple[int, int]
+
+#: Rays of optical traces whose segments are written together: ranges begin at multiples.
+_CHUNK = 2048
+
+
+class Job(ABC):
+    """A function of a range of numbers from 0 to `total`, whose ranges begin at multiples of `step`."""
+
+    total: int
+    step: int = 1
+
+    @abstractmethod
+    def part(self, first: int, last: int) -> Any:
+        """The result for the numbers from `first` up to `last`, exclusively."""
+
+    @abstractmethod
+    def join(self, parts: Sequence[Any]) -> Any:
+        """The whole from the results of all ranges, in their order."""
+
+
+@dataclass(frozen=True, eq=False)
+class PhotonResult:
+    """The detected photons of a run: columns as those of `rayweave.photons.Hits`, the paths that `sensor` counts, the number of
+    photons by way of ending, of all photons, and of their steps."""
+
+    hits: dict[str, NDArray[Any]]
+    sensor_paths: list[str]
+    ends: dict[str, int]
+    photons: int
+    steps: int
+
+
+class Photons(Job):
+    """Simulation of photons: `detector.simulate(source, n, **settings)`. The settings are those of `simulate` except `record`,
+    `range` and `progress`; `threads` counts those of each process, 1 by default."""
+
+    def __init__(self, detector: Detector, source: Source, n: int, **settings: Any) -> None:
+        for name in ("record", "range", "progress"):
+            if name in settings:
+                raise RayweaveError(f"{name} is given: a job has no {name}.")
+        self.detector, self.source, self.total = detector, source, whole(n, "n", bits=62)
+        self.settings = {"threads": 1} | settings
+
+    def part(self, first: int, last: int) -> PhotonResult:
+        run = self.detector.simulate(self.source, self.total, range=(first, last), **self.settings)
+        return PhotonResult(dict(run.hits), run.hits.sensor_paths, run.ends, run.photons, run.steps)
+
+    def join(self, parts: Sequence[PhotonResult]) -> PhotonResult:
+        # paths are numbered in the order in which they first occur
+        paths = {path: number for number, path in enumerate(dict.fromkeys(path for part in parts for path in part.sensor_paths))}
+        columns = []
+        for part in parts:
+            numbers = np.array([paths[path] for path in part.sensor_paths], np.int32)
+            columns.append(part.hits | {"sensor": numbers[part.hits["sensor"]]})
+        ends = {end: sum(part.ends.get(end, 0) for part in parts) for end in dict.fromkeys(end for part in parts for end in part.ends)}
+        photons, steps = sum(part.photons for part in parts), sum(part.steps for part in parts)
+        return PhotonResult(_concatenated(columns), list(paths), ends, photons, steps)
+
+
+class Light(Job):
+    """A trace of light: `system.trace(sources, **settings)`. The result is the columns of the trace. Ranges begin at multiples of 2,048
+    rays. `threads` counts those of each process, 1 by default."""
+
+    step = _CHUNK
+
+    def __init__(self, system: System, sources: LightSource | Iterable[LightSource], **settings: Any) -> None:
+        for name in ("range", "progress", "phases"):
+            if name in settings:
+                raise RayweaveError(f"{name} is given: a job has no {name}.")
+        self.system = system
+        self.sources = [sources] if isinstance(sources, LightSource) else list(sources)
+        self.total = sum(len(source) for source in self.sources)
+        self.settings = {"threads": 1} | settings
+
+    def part(self, first: int, last: int) -> dict[str, NDArray[Any]]:
+        return dict(self.system.trace(self.sources, range=(first, last), **self.settings).columns)
+
+    def join(self, parts: Sequence[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+        before, columns = 0, []
+        for part in parts:
+            parent = part["parent"]
+            columns.append(part | {"parent": np.where(parent < 0, parent, parent + before)})
+            before += len(parent)
+        return _concatenated(columns)
+
+
+class Call(Job):
+    """Calls of a function of a module: `function(*args, first, last)` returns an array, or a mapping of arrays, with the results of
+    the items from `first` up to `last`; they are concatenated."""
+
+    def __init__(self, function: Callable[..., Any], *args: Any, total: int, step: int = 1) -> None:
+        self.function, self.args = function, args
+        self.total, self.step = whole(total, "total", bits=62), whole(step, "step", least=1)
+
+    def part(self, first: int, last: int) -> Any:
+        return self.function(*self.args, first, last)
+
+    def join(self, parts: Sequence[Any]) -> Any:
+        return _concatenated(parts) if isinstance(parts[0], Mapping) else np.concatenate(parts)
+
+
+def _concatenated(parts: Sequence[Mapping[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+class Incomplete(RayweaveError):
+    """Parts of a job are missing, because workers failed. `missing` are their ranges, `done` the results by range: pass it to `run`
+    as `done` to compute only the missing ones."""
+
+    def __init__(self, missing: list[Range], done: dict[Range, Any], reason: str) -> None:
+        listed = ", ".join(f"{first}:{last}" for first, last in missing)
+        super().__init__(f"the ranges {listed} are missing: {reason}. Run the job again with done=error.done.")
+        self.missing, self.done = missing, done
+
+
+def ranges(total: int, pieces: int, *, step: int = 1) -> list[Range]:
+    """About equal ranges of 0 to `total`, at most `pieces`, that begin at multiples of `step`; one empty range for a total of 0.
+
+    >>> from rayweave import cluster
+    >>> cluster.ranges(10, 3)
+    [(0, 4), (4, 7), (7, 10)]
+    """
+    blocks = -(-total // step)
+    count = max(1, min(whole(pieces, "pieces", least=1), blocks))
+    cuts = [step * (-(-blocks * k // count)) for k in range(count)]
+    return list(zip(cuts, [*cuts[1:], total], strict=True))
+
+
+def missing(total: int, done: Iterable[Range]) -> list[Range]:
+    """The ranges of 0 to `total` that no range covers.
+
+    >>> from rayweave import cluster
+    >>> cluster.missing(10, [(2, 5), (8, 9)])
+    [(0, 2), (5, 8), (9, 10)]
+    """
+    found, reached = [], 0
+    for first, last in sorted(done):
+        if first > reached:
+            found.append((reached, first))
+        reached = max(reached, last)
+    return found if reached >= total else [*found, (reached, total)]
+
+
+#: Jobs of this process by the hash of their bytes: a model is compiled once, whatever the number of its parts.
+_JOBS: OrderedDict[str, Job] = OrderedDict()
+_JOBS_KEPT = 4
+_LOCK = threading.Lock()
+
+
+class Packed:
+    """A job as bytes, which a process unpacks once."""
+
+    def __init__(self, job: Job) -> None:
+        self.data = pickle.dumps(job, protocol=5)
+        self.key = hashlib.sha256(self.data).hexdigest()
+
+    def part(self, span: Range) -> Any:
+        """The result of a range."""
+        with _LOCK:
+            job = _JOBS.get(self.key)
+            if job is None:
+                job = _JOBS[self.key] = pickle.loads(self.read())
+            _JOBS.move_to_end(self.key)
+            while len(_JOBS) > _JOBS_KEPT:
+                _JOBS.popitem(last=False)
+        return job.part(*span)
+
+    def read(self) -> bytes:
+        """The bytes of the job."""
+        return self.data
+
+
+def planned(job: Job, pieces: int, done: Mapping[Range, Any] | None) -> tuple[list[Range], dict[Range, Any]]:
+    """The ranges to compute, and the results so far."""
+    known = dict(done or {})
+    todo = []
+    for first, last in missing(job.total, known) if known else [(0, job.total)]:
+        share = max(1, round(pieces * (last - first) / max(job.total, 1)))
+        todo += [(first + a, first + b) for a, b in ranges(last - first, share, step=job.step)]
+    return todo, known
+
+
+def joined(job: Job, done: Mapping[Range, Any], reason: str) -> Any:
+    """The whole; an error that names the missing ranges."""
+    gaps = missing(job.total, done)
+    if gaps:
+        raise Incomplete(gaps, dict(done), reason)
+    return job.join([done[span] for span in sorted(done)])

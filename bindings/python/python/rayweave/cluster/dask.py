@@ -1,0 +1,35 @@
+"""Jobs on Dask's distributed scheduler, and arrays of rays in `dask.array`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rayweave.cluster._job import Job, Packed, Range, joined, planned
+
+
+def run(job: Job, client: Any, *, pieces: int | None = None, done: Mapping[Range, Any] | None = None) -> Any:
+    """Runs a job on the workers of a `distributed.Client` in `pieces` ranges, by default four for each thread of the workers, and returns
+    the joined result. Each worker receives the job once. Dask repeats parts of workers that die; if it gives up, the error is an
+    `Incomplete`."""
+    from distributed import as_completed
+
+    threads = sum(client.nthreads().values())
+    todo, known = planned(job, pieces or 4 * max(threads, 1), done)
+    packed = client.scatter(Packed(job), broadcast=True)
+    # a key of the contents alone would return the result of an earlier run
+    waiting = {client.submit(_part, packed, span, pure=False): span for span in todo}
+    reason = "workers died"
+    for future in as_completed(waiting):
+        failure = future.exception()
+        if failure is None:
+            known[waiting[future]] = future.result()
+        elif type(failure).__name__ == "KilledWorker":
+            reason = f"a worker died ({failure})"
+        else:
+            raise failure
+    return joined(job, known, reason)
+
+
+def _part(packed: Packed, span: Range) -> Any:
+    return packed.part(span)

@@ -1,0 +1,33 @@
+"""Jobs on Ray."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rayweave.cluster._job import Job, Packed, Range, joined, planned
+
+
+def run(job: Job, *, pieces: int | None = None, done: Mapping[Range, Any] | None = None) -> Any:
+    """Runs a job on the Ray cluster that `ray.init` has connected to, in `pieces` ranges, by default four for each processor, and
+    returns the joined result. The job is stored once in Ray's object store. Ray repeats tasks of workers that die; if it gives up,
+    the error is an `Incomplete`."""
+    import ray
+
+    todo, known = planned(job, pieces or 4 * max(int(ray.cluster_resources().get("CPU", 1)), 1), done)
+    packed = ray.put(Packed(job))
+    task = ray.remote(_part)
+    waiting = {task.remote(packed, span): span for span in todo}
+    reason = "workers died"
+    while waiting:
+        (ready,), _ = ray.wait(list(waiting), num_returns=1)
+        span = waiting.pop(ready)
+        try:
+            known[span] = ray.get(ready)
+        except (ray.exceptions.WorkerCrashedError, ray.exceptions.NodeDiedError) as error:
+            reason = f"a worker died ({type(error).__name__})"
+    return joined(job, known, reason)
+
+
+def _part(packed: Packed, span: Range) -> Any:
+    return packed.part(span)

@@ -1,0 +1,292 @@
+//! `--range`, `--resume` and `merge`: parts computed by separate processes, in any order, with any number of threads, make up the
+//! bytes of the whole; killed runs leave no part.
+
+use crate::bench::{Bench, RAYS};
+use crate::{optics, photons};
+use rand::rngs::ChaCha8Rng;
+use rand::{RngExt, SeedableRng};
+use std::path::Path;
+use std::process::Command;
+
+/// Rays along x at heights y from -1.5 to 1.5.
+fn fan(count: usize) -> String {
+    let line = |k: usize| format!("-5,{},0,2,0,0\n", 3.0 * (k as f64 + 0.5) / count as f64 - 1.5);
+    RAYS.to_owned() + &(0..count).map(line).collect::<String>()
+}
+
+/// Random cuts of `0..total` at multiples of `step`.
+fn cuts(random: &mut ChaCha8Rng, total: u64, step: u64) -> Vec<u64> {
+    let mut cuts: Vec<u64> =
+        (0..random.random_range(1..5)).map(|_| random.random_range(0..total.div_ceil(step)) * step).collect();
+    cuts.extend([0, total]);
+    cuts.sort_unstable();
+    cuts
+}
+
+/// Runs the command for random slicings and compares the merged tables with those of the whole. `tables` are options with names of
+/// tables.
+fn slicings(
+    bench: &Bench,
+    arguments: &[&str],
+    tables: &[(&str, &str)],
+    (total, step): (u64, u64),
+    times: u64,
+) {
+    let run = |prefix: &str, more: &[&str]| {
+        let names: Vec<String> = tables.iter().map(|(_, name)| format!("{prefix}-{name}")).collect();
+        let options = tables.iter().zip(&names).flat_map(|((option, _), name)| [*option, name.as_str()]);
+        let all: Vec<&str> = arguments.iter().copied().chain(options).chain(more.iter().copied()).collect();
+        bench.says(&all);
+    };
+    run("whole", &[]);
+    let mut random = ChaCha8Rng::seed_from_u64(17);
+    for time in 0..times {
+        let cuts = cuts(&mut random, total, step);
+        for (k, cut) in cuts.windows(2).enumerate() {
+            let (range, threads) = (format!("{}:{}", cut[0], cut[1]), random.random_range(1..4).to_string());
+            run(&format!("part{k}"), &["--range", &range, "--threads", &threads, "-q"]);
+        }
+        for (_, name) in tables {
+            let parts: Vec<String> = (0..cuts.len() - 1).rev().map(|k| format!("part{k}-{name}")).collect();
+            let merge = ["merge"].into_iter().chain(parts.iter().map(String::as_str));
+            let merged = format!("merged-{name}");
+            bench.says(&merge.chain(["-o", &merged]).collect::<Vec<_>>());
+            let whole = format!("whole-{name}");
+            assert!(bench.bytes(&merged) == bench.bytes(&whole), "{name}, slicing {time}: {cuts:?}");
+            if name.ends_with(".npy") {
+                let names = [&merged, &whole].map(|name| bench.bytes(&name.replace(".npy", ".names.json")));
+                assert!(names[0] == names[1], "names of {name}, slicing {time}: {cuts:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tables_of_crossings() {
+    let bench = Bench::new();
+    bench.write("rays.csv", fan(5000));
+    for table in ["hits.csv", "hits.npy"] {
+        let arguments = ["trace", "cemented.toml", "--rays", "rays.csv", "--occurrence"];
+        slicings(&bench, &arguments, &[("-o", table)], (5000, 1), 4);
+    }
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn tables_of_crossings_in_parquet() {
+    let bench = Bench::new();
+    bench.write("rays.csv", fan(5000));
+    let arguments = ["trace", "cemented.toml", "--rays", "rays.csv", "--occurrence"];
+    slicings(&bench, &arguments, &[("-o", "hits.parquet")], (5000, 1), 3);
+}
+
+#[test]
+fn tables_of_photons() {
+    let bench = photons::bench();
+    let tables = [("-o", "hits.npy"), ("--steps", "steps.npy"), ("--histories", "histories.csv")];
+    slicings(&bench, &photons::run(&["--seed", "3"]), &tables, (2000, 1), 4);
+}
+
+/// Rays are cut at multiples of 2048; the numbers of parents count the rows of the whole.
+#[test]
+fn tables_of_light() {
+    let bench = Bench::new();
+    bench.write("plate.toml", optics::PLATE.replace("rays = 5000", "rays = 9000"));
+    for table in ["light.csv", "light.npy"] {
+        let arguments = ["optics", "plate.toml", "--branches", "both"];
+        slicings(&bench, &arguments, &[("--out", table)], (9000, 2048), 2);
+    }
+    let unaligned = ["optics", "plate.toml", "--out", "x.csv", "--range", "0:1000"];
+    assert!(bench.fails(3, &unaligned).contains("start and end at multiples of 2048 or at 9000"));
+    assert!(bench.fails(2, &["optics", "plate.toml", "--range", "0:2048"]).contains("--out"));
+}
+
+#[test]
+fn rows_of_pixels() {
+    let bench = Bench::new();
+    let arguments = ["render", "cemented.toml", "--size", "97x83", "--shading", "gooch"];
+    slicings(&bench, &arguments, &[("-o", "picture.png")], (83, 1), 0);
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    for _ in 0..6 {
+        let mut cuts = cuts(&mut random, 83, 1);
+        cuts.dedup();
+        let mut merge = vec!["merge".to_owned()];
+        for (k, cut) in cuts.windows(2).enumerate() {
+            let (range, name) = (format!("{}:{}", cut[0], cut[1]), format!("rows{k}.png"));
+            bench.says(&[&arguments[..], &["--range", &range, "-o", &name, "-q"]].concat());
+            merge.push(name);
+        }
+        merge.extend(["-o", "merged.png"].map(str::to_owned));
+        bench.says(&merge.iter().map(String::as_str).collect::<Vec<_>>());
+        assert!(bench.bytes("merged.png") == bench.bytes("whole-picture.png"), "{cuts:?}");
+    }
+    assert!(bench.fails(2, &["render", "ball.toml", "--range", "0:10000"]).contains("rows of pixels"));
+    let sheet = ["render", "ball.toml", "--view", "sheet", "--range", "0:10"];
+    assert!(bench.fails(2, &sheet).contains("rows of one picture"));
+}
+
+#[test]
+fn tables_of_thickness() {
+    let bench = Bench::new();
+    let arguments = ["thickness", "cemented.toml", "--size", "31x40"];
+    slicings(&bench, &arguments, &[("-o", "lengths.npy")], (40, 1), 3);
+    assert!(
+        bench.fails(2, &["thickness", "ball.toml", "-o", "t.png", "--range", "0:4"]).contains("grey levels")
+    );
+}
+
+/// Sums over cells: the merged file is that of one run, and the report that of a run without parts.
+#[test]
+fn sums_of_volumes() {
+    let bench = Bench::new();
+    // 3 * 40^2 cells
+    let arguments = ["volume", "cemented.toml", "--total", "9600", "--seed", "4"];
+    bench.says(&[&arguments[..], &["--range", "0:4800", "-o", "whole.sums"]].concat());
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    for _ in 0..4 {
+        let cuts = cuts(&mut random, 4800, 1);
+        let mut merge = vec!["merge".to_owned()];
+        for (k, cut) in cuts.windows(2).enumerate() {
+            let (range, name) = (format!("{}:{}", cut[0], cut[1]), format!("{k}.sums"));
+            let threads = random.random_range(1..4).to_string();
+            bench.says(&[&arguments[..], &["--range", &range, "-o", &name, "--threads", &threads]].concat());
+            merge.insert(1, name);
+        }
+        merge.extend(["-o", "merged.sums"].map(str::to_owned));
+        bench.says(&merge.iter().map(String::as_str).collect::<Vec<_>>());
+        assert!(bench.bytes("merged.sums") == bench.bytes("whole.sums"), "{cuts:?}");
+    }
+    let json = |more: &[&str]| bench.json(&[&arguments[..], &["--json"], more].concat());
+    let found = json(&["--sums", "merged.sums"]);
+    assert_eq!(found, json(&[]));
+    for (region, volume) in [(1, 8.0), (2, 12.0)] {
+        let own = &found["regions"][region]["volume"];
+        let [value, width] = ["value", "half_width"].map(|name| own[name].as_f64().unwrap());
+        assert!((value - volume).abs() <= width && width < 0.2 * volume, "{own}");
+    }
+    let text = bench.fails(3, &[&arguments[..], &["--seed", "5", "--sums", "merged.sums"]].concat());
+    assert!(text.contains("merged.sums has other sums"), "{text}");
+}
+
+/// Parts of other models, seeds and settings are refused; missing ranges are listed and computed; complete parts are not computed again.
+#[test]
+fn missing_ranges_are_computed() {
+    let bench = photons::bench();
+    let run = |range: &str, out: &str, more: &[&str]| {
+        let all = [photons::run(&["--range", range, "-o", out]), more.to_vec()].concat();
+        bench.run(&all)
+    };
+    for (range, out) in [("0:500", "a.csv"), ("1200:2000", "c.csv")] {
+        assert_eq!(run(range, out, &[]).code, 0);
+    }
+    let parts = ["a.csv", "b.csv", "c.csv"];
+    let missing = || bench.says(&[&["merge", "--missing", "2000"], &parts[..]].concat());
+    assert_eq!(missing(), "500:1200\n");
+    let text = bench.fails(3, &["merge", "a.csv", "c.csv", "-o", "hits.csv"]);
+    assert!(text.contains("the ranges 500:1200 of 2000 are missing"), "{text}");
+    // a part that is cut short counts as missing
+    let bytes = bench.bytes("c.csv");
+    bench.write("c.csv", &bytes[..bytes.len() - 10]);
+    assert_eq!(missing(), "500:2000\n");
+    bench.write("c.csv", bytes);
+    let modified = || bench.path("c.csv").metadata().unwrap().modified().unwrap();
+    let before = modified();
+    let done = run("1200:2000", "c.csv", &["--resume"]);
+    assert!(
+        done.code == 0 && done.err.contains("the part is complete already") && before == modified(),
+        "{}",
+        done.err
+    );
+    assert_eq!(run("500:1200", "b.csv", &["--resume", "--seed", "1"]).code, 0);
+    let merge = ["merge", "a.csv", "b.csv", "c.csv", "-o", "hits.csv"];
+    let text = bench.fails(3, &merge);
+    assert!(
+        text.contains("a.csv and b.csv are parts of different results: `seed` is 0 in the first and 1"),
+        "{text}"
+    );
+    // --resume computes a part with other settings again
+    assert_eq!(run("500:1200", "b.csv", &["--resume"]).code, 0);
+    assert_eq!(missing(), "");
+    bench.says(&merge);
+    bench.says(&photons::run(&["-o", "whole.csv"]));
+    assert_eq!(bench.bytes("hits.csv"), bench.bytes("whole.csv"));
+    assert!(bench.fails(2, &["merge", "--missing", "999", "a.csv"]).contains("the parts are of 2000 items"));
+    assert!(bench.fails(3, &["merge", "whole.csv", "-o", "x.csv"]).contains("the file is not a part"));
+    assert!(bench.fails(2, &["merge", "a.csv"]).contains("--out"));
+}
+
+/// A run that is killed, twice, leaves no part; computed again, the merged table is the whole.
+#[cfg(target_os = "linux")]
+#[test]
+fn killed_runs_leave_no_part() {
+    let bench = photons::bench();
+    let long = |range: &str, out: &str| {
+        let all = [
+            "photons",
+            "bar.gdml",
+            "--at",
+            "0,0,0",
+            "--wavelength",
+            "550",
+            "-n",
+            "30000",
+            "--range",
+            range,
+            "-o",
+            out,
+        ];
+        bench.command(&all)
+    };
+    for _ in 0..2 {
+        let mut child = long("0:20000", "a.npy").spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(60));
+        // SIGKILL
+        child.kill().unwrap();
+        let status = child.wait().unwrap();
+        if status.success() {
+            println!("the run was faster than the signal");
+        } else {
+            assert!(!bench.files().contains(&"a.npy.part.json".to_owned()));
+        }
+    }
+    assert!(long("20000:30000", "b.npy").status().unwrap().success());
+    let missing = bench.says(&["merge", "--missing", "30000", "-q", "a.npy", "b.npy"]);
+    for range in missing.lines() {
+        assert!(long(range, "a.npy").status().unwrap().success());
+    }
+    bench.says(&["merge", "b.npy", "a.npy", "-o", "hits.npy"]);
+    assert!(long("0:30000", "whole.npy").status().unwrap().success());
+    assert!(bench.bytes("hits.npy") == bench.bytes("whole.npy"));
+}
+
+/// Unmounts a file system at the end.
+struct Mounted<'a>(&'a Path);
+
+impl Drop for Mounted<'_> {
+    fn drop(&mut self) {
+        let _ = Command::new("umount").arg(self.0).status();
+    }
+}
+
+/// A full disk is an error with the name of the file, and leaves no part.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_no_part() {
+    let bench = photons::bench();
+    let disk = bench.path("disk");
+    std::fs::create_dir(&disk).unwrap();
+    let mount = Command::new("mount").args(["-t", "tmpfs", "-o", "size=16k", "tmpfs"]).arg(&disk).output();
+    if !mount.is_ok_and(|done| done.status.success()) {
+        println!("skipped: a file system can be mounted by root only");
+        return;
+    }
+    let _mounted = Mounted(&disk);
+    let done = bench.run(&photons::run(&["--range", "0:2000", "--steps", "disk/steps.csv"]));
+    assert!(
+        done.code == 1 && done.err.contains("cannot write disk/steps.csv"),
+        "{}: {}",
+        done.code,
+        done.err
+    );
+    assert_eq!(std::fs::read_dir(&disk).unwrap().count(), 0);
+}
