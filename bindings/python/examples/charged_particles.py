@@ -1,4 +1,8 @@
-"""Traces charged particles through a detector of tubes and tiles in a magnetic field, and prints when and where they
+"""
+Charged particles
+=================
+
+Traces charged particles through a detector of tubes and tiles in a magnetic field, and prints when and where they
 hit its cells.
 
 Lengths in mm, times in ns, momenta in GeV/c. The table is printed and, if a path is given, written there as CSV.

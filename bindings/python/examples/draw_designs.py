@@ -1,4 +1,8 @@
-"""Draws the designs of models/optics: a section of the solids with rays of all fields, written next to each file as
+"""
+Lens designs
+============
+
+Draws the designs of models/optics: a section of the solids with rays of all fields, written next to each file as
 NAME.png.
 
 Run it from the root of the repository, with matplotlib: python bindings/python/examples/draw_designs.py

@@ -1,4 +1,9 @@
-"""PyRayT's function `array_csg`, with one import changed: many rays at a time through a biconvex lens."""
+"""
+Hit arrays of PyRayT
+====================
+
+PyRayT's function `array_csg`, with one import changed: many rays at a time through a biconvex lens.
+"""
 
 import numpy as np
 

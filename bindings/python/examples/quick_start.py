@@ -1,4 +1,9 @@
-"""A die, traced along a few rays: times, faces, normals, a picture."""
+"""
+A die
+=====
+
+A die, traced along a few rays: times, faces, normals, a picture.
+"""
 
 import numpy as np
 

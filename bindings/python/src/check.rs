@@ -26,7 +26,7 @@ type Row = (
 /// Probable faults of a model, with the unit and the scope of the check: see `rayweave.check`.
 #[pyfunction]
 #[pyo3(signature = (
-    subject: "Solid | Model", wall, gap, distance, cells, confidence, most_pairs,
+    subject: "Subject", wall, gap, distance, cells, confidence, most_pairs,
     within: "Sequence[Sequence[float]] | None", seed, pictures, threads: "int | None"
 ) -> "tuple[list[CheckRow], str, dict[str, float]]")]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]

@@ -31,7 +31,7 @@ type Columns<'py> = (
 /// Common and different parts of two models: see `rayweave.diff`.
 #[pyfunction]
 #[pyo3(signature = (
-    a: "Solid | Model", b: "Solid | Model", by, distance, cells, precision, confidence, most_rays,
+    a: "Subject", b: "Subject", by, distance, cells, precision, confidence, most_rays,
     within: "Sequence[Sequence[float]] | None", seed, threads: "int | None"
 ))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]

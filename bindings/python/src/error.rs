@@ -1,6 +1,8 @@
 //! Conversion of errors to Python exceptions.
 
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use std::path::Path;
+
+use pyo3::exceptions::{PyFileNotFoundError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 pyo3::create_exception!(
@@ -20,3 +22,19 @@ pub fn bad_value(message: impl std::fmt::Display) -> PyErr {
 pub fn bad_type(message: impl std::fmt::Display) -> PyErr {
     PyTypeError::new_err(message.to_string())
 }
+
+/// Rejects the path of an input file that does not exist, with a `FileNotFoundError`.
+pub fn require_file(path: &Path) -> PyResult<()> {
+    // errors other than absence are reported by the reader of the file
+    match path.try_exists() {
+        Ok(false) => Err(PyFileNotFoundError::new_err((
+            NO_ENTRY,
+            "there is no such file".to_owned(),
+            path.to_string_lossy().into_owned(),
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The error number `ENOENT`, which has the same value on all supported platforms.
+const NO_ENTRY: i32 = 2;

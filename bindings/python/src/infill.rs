@@ -27,7 +27,7 @@ type Columns<'py> = ([Whole<'py>; 3], [Bound<'py, PyArray1<f64>>; 5]);
 /// The traces that fill a solid, a model or a region: see `rayweave.infill`.
 #[pyfunction]
 #[pyo3(signature = (
-    subject: "Solid | Model | Polygons", spacing, angle, phase, turn, alternate, layers: "ArrayLike | None",
+    subject: "Subject | Polygons", spacing, angle, phase, turn, alternate, layers: "ArrayLike | None",
     layer_height, evaluator, threads: "int | None"
 ))]
 #[allow(clippy::too_many_arguments)] // those of the function in Python

@@ -6,6 +6,7 @@
 mod along;
 mod answer;
 mod arrays;
+mod build;
 mod check;
 mod crossings;
 mod diff;
@@ -30,6 +31,7 @@ mod polygons;
 mod rays;
 mod render;
 mod rootray;
+mod save;
 mod section;
 mod shapes;
 mod solid;
@@ -38,6 +40,7 @@ mod space;
 mod subject;
 mod thickness;
 mod timeline;
+mod triangulate;
 mod vectors;
 
 use mimalloc::MiMalloc;
@@ -134,6 +137,8 @@ mod _core {
     use crate::thickness::thickness_maps;
     #[pymodule_export]
     use crate::timeline::{ray_timeline_svg, timeline_svg};
+    #[pymodule_export]
+    use crate::triangulate::mesh_parts;
 
     /// Registers the class `Solid` of another module under a different name.
     #[pymodule_init]

@@ -27,7 +27,7 @@ const NUMBERS: usize = 16;
 /// Volume, area, mass and moments of the regions of a solid or a model: see `rayweave.measure`.
 #[pyfunction]
 #[pyo3(signature = (
-    subject: "Solid | Model", precision, confidence, most_rays,
+    subject: "Subject", precision, confidence, most_rays,
     within: "Sequence[Sequence[float]] | None", seed, evaluator, threads: "int | None"
 ))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]

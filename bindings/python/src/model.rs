@@ -4,28 +4,44 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
-use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyOSError;
+use numpy::PyArray2;
+use pyo3::exceptions::PyKeyError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::{PyBytes, PyDict, PyList, PyString, PyTuple, PyType};
+use pyo3::types::{PyBytes, PyDict, PyIterator, PyList, PyString, PyTuple, PyType};
 use rayweave::formats::{self, Format, Options, WriteOptions};
 use rayweave::model::simplify::Preparation;
 use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
-use rayweave::{Classified, Compiled, ErrorKind};
+use rayweave::{Compiled, Message};
 
+use crate::build::scene_of_parts;
 use crate::drawing::{Subject, notebook_png, render_method};
 use crate::engine::{Engine, QueryOptions, computed};
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, require_file};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
+use crate::save::{format_of, save_scene};
 use crate::solid::{PySolid, bounds_array};
+use crate::triangulate::to_mesh;
 use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.
 ///
-/// Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. Models come from `load`
-/// and `loads`. The queries are those of `Solid`; a point is inside where the medium is not that of the world.
+/// Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. The queries are those of
+/// `Solid`; a point is inside where the medium is not that of the world.
+///
+/// `load` and `loads` read models; `Model(regions, media)` builds one. Regions are a list of solids and `Region` objects, or a dict
+/// of them by name. Media are a list of `Medium` objects, or a dict from names to an index, to a dict of numbers, or to a `Medium`.
+/// With `media`, the medium of each region must be in it.
+///
+/// >>> import rayweave as rw
+/// >>> ball = rw.sphere(10)
+/// >>> model = rw.Model(
+/// ...     regions=[rw.Region("ball", ball, medium="glass", colour="steelblue")],
+/// ...     media={"glass": 1.5},
+/// ... )
+/// >>> model.nearest([0, 0, -20], [0, 0, 1]).t
+/// array([10.])
 #[pyclass(frozen, module = "rayweave", name = "Model")]
 pub struct PyModel {
     /// The document of the file, if it has more contents than the scene.
@@ -109,6 +125,7 @@ pub fn load_model(
     allow: Vec<PathBuf>,
     strict: bool,
 ) -> PyResult<PyModel> {
+    require_file(&path)?;
     let overrides = overrides(parameters)?;
     let format = format.map(format_of).transpose()?;
     let unit = unit.map(unit_of).transpose()?;
@@ -116,11 +133,6 @@ pub fn load_model(
     let is_overridden = !overrides.is_empty();
     let read = abandonable(py, move || formats::load(&path, format, &overrides, &options))?;
     PyModel::new(read.map(|imported| (imported.stated, imported.scene)), is_overridden)
-}
-
-fn format_of(name: &str) -> PyResult<Format> {
-    let reason = || bad_value(format!("unknown format '{name}': it can be {}.", Format::NAMES.join(", ")));
-    Format::from_name(name).ok_or_else(reason)
 }
 
 fn unit_of(symbol: &str) -> PyResult<Unit> {
@@ -170,6 +182,15 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
 
 #[pymethods]
 impl PyModel {
+    #[new]
+    #[pyo3(signature = (
+        regions: "Regions", media: "Media | None" = None, *, unit = "mm"
+    ), text_signature = "(regions, media=None, *, unit='mm')")]
+    fn build(regions: &Bound<'_, PyAny>, media: Option<&Bound<'_, PyAny>>, unit: &str) -> PyResult<Self> {
+        let scene = scene_of_parts(regions, media, unit_of(unit)?)?;
+        PyModel::new(Ok((None, scene)), false)
+    }
+
     /// The solids by their names, in the order of the file.
     #[getter]
     #[cfg_attr(false, stub("() -> dict[str, Solid]"))]
@@ -246,7 +267,7 @@ impl PyModel {
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
         return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
-    ))]
+    ), text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, return_surfaces=False, out=None, evaluator=None, threads=None)")]
     #[cfg_attr(
         false,
         stub(
@@ -281,7 +302,7 @@ impl PyModel {
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
         evaluator = None, threads: "int | None" = None
-    ) -> "ModelCrossings")]
+    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None)")]
     fn crossings<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -318,7 +339,7 @@ impl PyModel {
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = 0.0, t_max = f64::INFINITY, *,
         evaluator = None, threads: "int | None" = None
-    ) -> "ModelCrossings")]
+    ) -> "ModelCrossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, evaluator=None, threads=None)")]
     fn nearest<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -336,7 +357,7 @@ impl PyModel {
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
         evaluator = None, threads: "int | None" = None
-    ) -> "Partition")]
+    ) -> "Partition", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None)")]
     fn partition<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -351,14 +372,16 @@ impl PyModel {
         crossings::partition(engine, [origins, directions], &options)
     }
 
-    /// Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,).
-    #[pyo3(signature = (points: "ArrayLike", *, evaluator = None, threads: "int | None" = None))]
+    /// Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,), or (...) for a grid (..., 3).
+    #[pyo3(signature = (
+        points: "ArrayLike", *, evaluator = None, threads: "int | None" = None
+    ) -> "NDArray[np.bool_]")]
     fn contains<'py>(
         &self,
         points: &Bound<'py, PyAny>,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
         points::contains(self.engine(points.py())?, points, &options)
     }
@@ -382,7 +405,7 @@ impl PyModel {
     /// it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
     #[pyo3(signature = (
         origin: "ArrayLike", direction: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY
-    ))]
+    ), text_signature = "($self, origin, direction, t_min=-1e999, t_max=1e999)")]
     fn explain(
         &self,
         origin: &Bound<'_, PyAny>,
@@ -407,7 +430,7 @@ impl PyModel {
         Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
     }
 
-    /// Writes the model to a file, complete or not at all, in the format of its ending (native for unknown endings) or the one
+    /// Writes the model to a file, complete or not at all, in the format of its ending (native without one) or the one
     /// that `format` names, as in `load`. Curved faces that the format does not support become triangles within `tolerance`, in
     /// the unit of the model; default 1/5000 of its diagonal. With `text`, STL and PLY are written as text. Returns sentences
     /// about parts that were approximated, dropped or written in another form.
@@ -420,15 +443,40 @@ impl PyModel {
         tolerance: Option<f64>,
         text: bool,
     ) -> PyResult<Vec<String>> {
-        let format = format.map(format_of).transpose()?;
         let options = WriteOptions { tolerance, text };
-        let saved =
-            py.detach(|| formats::save(&self.scene, self.current_statement(), &path, format, &options));
-        let remarks = saved.map_err(|error| match error.kind() {
-            ErrorKind::Output => PyOSError::new_err(error.to_string()),
-            _ => bad_value(error),
-        })?;
-        Ok(remarks.iter().map(ToString::to_string).collect())
+        save_scene(py, &self.scene, self.current_statement(), &path, format, options)
+    }
+
+    /// The surfaces of all regions as triangles: see `rayweave.Mesh`. A face between two regions has triangles of both.
+    /// `tolerance` is the maximum distance from curved faces; default 1/5000 of the diagonal of the model.
+    #[pyo3(signature = (tolerance = None) -> "Mesh")]
+    fn to_mesh<'py>(slf: &Bound<'py, Self>, tolerance: Option<f64>) -> PyResult<Bound<'py, PyAny>> {
+        to_mesh(slf.as_any(), tolerance)
+    }
+
+    /// The number of regions.
+    fn __len__(&self) -> usize {
+        self.scene.regions.len()
+    }
+
+    /// The regions in order.
+    #[cfg_attr(false, stub("() -> Iterator[Region]"))]
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        self.regions(py)?.try_iter()
+    }
+
+    /// A region by its name, or by its position in the list of regions.
+    #[cfg_attr(false, stub("(key: str | int) -> Region"))]
+    fn __getitem__<'py>(&self, py: Python<'py>, key: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        let Ok(name) = key.cast::<PyString>() else { return self.regions(py)?.as_any().get_item(key) };
+        let name = name.to_str()?;
+        match self.scene.regions.iter().position(|region| region.name == name) {
+            Some(number) => self.regions(py)?.get_item(number),
+            None => {
+                let names = self.scene.regions.iter().map(|region| region.name.as_str());
+                Err(PyKeyError::new_err(Message::unknown("region", name, names).to_string()))
+            }
+        }
     }
 
     /// The model file as text.
@@ -475,8 +523,14 @@ impl PyModel {
     }
 
     fn __repr__(&self) -> String {
-        let Scene { solids, regions, media, .. } = &*self.scene;
-        format!("<Model: {} solids, {} regions, {} media>", solids.len(), regions.len(), media.len())
+        let Scene { regions, media, unit, .. } = &*self.scene;
+        let medium = |number: u32| media.get(number as usize).map_or("", |medium| medium.name.as_str());
+        let named =
+            regions.iter().take(8).map(|region| format!("{} ({})", region.name, medium(region.medium)));
+        let more = if regions.len() > 8 { ", ..." } else { "" };
+        let names = named.collect::<Vec<_>>().join(", ");
+        let plural = if regions.len() == 1 { "" } else { "s" };
+        format!("<Model in {unit}, {} region{plural}: {names}{more}>", regions.len())
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String,))> {

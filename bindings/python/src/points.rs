@@ -1,6 +1,6 @@
 //! Point membership queries.
 
-use numpy::{PyArray1, PyArrayMethods};
+use numpy::PyArrayMethods;
 use pyo3::prelude::*;
 use rayweave::model::{Evaluator, RegionId};
 
@@ -11,12 +11,12 @@ use crate::rays::{Columns, Rows, Vectors, invalid_input};
 
 type PointWorker<'e> = Worker<'e, (Columns, Vec<RegionId>)>;
 
-/// Whether each point is inside: bool (N,).
+/// Whether each point is inside: bool (N,), or (...) for a grid of points (..., 3).
 pub fn contains<'py>(
     engine: &Engine,
     points: &Bound<'py, PyAny>,
     options: &QueryOptions,
-) -> PyResult<Bound<'py, PyArray1<bool>>> {
+) -> PyResult<Bound<'py, PyAny>> {
     let py = points.py();
     let vectors = Vectors::points(points, "points")?;
     let (chunking, evaluator, rows) =
@@ -32,7 +32,10 @@ pub fn contains<'py>(
         return Err(invalid_input(&[&vectors]));
     }
     drop(flags);
-    Ok(answer)
+    match vectors.shape() {
+        [] | [_] => Ok(answer.into_any()),
+        grid => Ok(answer.reshape(grid.to_vec())?.into_any()),
+    }
 }
 
 /// Writes the results of the points from `first` on.

@@ -37,13 +37,13 @@ impl Kind {
     }
 }
 
-/// Vectors (N, 3), or one vector (3,) that is broadcast.
+/// Vectors (N, 3), a grid of vectors (..., 3) in row-major order, or one vector (3,) that is broadcast.
 ///
 /// Their components are checked as they are read: see [`Columns`].
 pub struct Vectors<'py> {
     rows: PyReadonlyArray2<'py, f64>,
-    /// Given as (3,).
-    single: bool,
+    /// The shape of the array without its last axis: empty for a single vector.
+    shape: Vec<usize>,
     name: &'static str,
     kind: Kind,
 }
@@ -61,16 +61,20 @@ impl<'py> Vectors<'py> {
 
     fn new(object: &Bound<'py, PyAny>, name: &'static str, kind: Kind) -> PyResult<Self> {
         let array = double_array(object, name)?;
-        let (rows, single) = match array.shape() {
-            [_, 3] => (array.into_any(), false),
-            [3] => (array.reshape([1, 3])?.into_any(), true),
+        let shape = match array.shape() {
+            [leading @ .., 3] => leading.to_vec(),
             other => {
                 let shape = shape_text(other);
-                return Err(bad_value(format!("{name} has shape {shape}: it must be (N, 3) or (3,).")));
+                let wanted = "(N, 3), (3,), or a grid (..., 3)";
+                return Err(bad_value(format!("{name} has shape {shape}: it must be {wanted}.")));
             }
         };
+        let rows = match shape.len() {
+            1 => array.into_any(),
+            _ => array.reshape([shape.iter().product(), 3])?.into_any(),
+        };
         let rows = rows.cast_into::<PyArray2<f64>>()?;
-        Ok(Vectors { rows: rows.try_readonly().map_err(bad_value)?, single, name, kind })
+        Ok(Vectors { rows: rows.try_readonly().map_err(bad_value)?, shape, name, kind })
     }
 
     /// The rows, readable from any thread.
@@ -82,9 +86,26 @@ impl<'py> Vectors<'py> {
         Rows { view, one: is_one.then(|| row(view, 0)), packed, kind: self.kind }
     }
 
+    /// The shape of the array without its last axis: empty for a single vector.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
     /// The number of vectors; 1 for a single one.
     pub fn len(&self) -> usize {
         self.rows.as_array().nrows()
+    }
+
+    /// The index of a row in the array, such as `7`, or `2, 5` in a grid.
+    fn position(&self, row: usize) -> String {
+        let mut rest = row;
+        let mut indices: Vec<String> = Vec::new();
+        for &size in self.shape.iter().rev() {
+            indices.push((rest % size).to_string());
+            rest /= size;
+        }
+        indices.reverse();
+        indices.join(", ")
     }
 
     /// The error for the first invalid vector; components out of range have priority.
@@ -94,7 +115,10 @@ impl<'py> Vectors<'py> {
         // components out of range are reported before directions that are too short, even at a later row
         let i = first_bad(Kind::Point).or_else(|| first_bad(self.kind))?;
         let [x, y, z] = row(view, i);
-        let place = if self.single { self.name.to_owned() } else { format!("{}[{i}]", self.name) };
+        let place = match self.shape.len() {
+            0 => self.name.to_owned(),
+            _ => format!("{}[{}]", self.name, self.position(i)),
+        };
         Some(bad_value(match () {
             () if !Kind::Point.accepts([x, y, z]) => format!(
                 "{place} is ({x:?}, {y:?}, {z:?}): every component must be finite, from {:e} to {:e}.",
@@ -149,10 +173,17 @@ pub struct RayArrays<'py> {
 }
 
 impl<'py> RayArrays<'py> {
-    /// Pairs origins with directions. Their lengths must be equal, or one of them 1, which is broadcast.
+    /// Pairs origins with directions. Their lengths must be equal, or one of them 1, which is broadcast. Grids (..., 3) are
+    /// broadcast against each other by the rules of NumPy.
     pub fn new([origins, directions]: [&Bound<'py, PyAny>; 2]) -> PyResult<Self> {
-        let origins = Vectors::points(origins, "origins")?;
-        let directions = Vectors::directions(directions, "directions")?;
+        let (mut first, mut second) =
+            (Vectors::points(origins, "origins")?, Vectors::directions(directions, "directions")?);
+        let is_grid = first.shape.len() > 1 || second.shape.len() > 1;
+        if is_grid && first.shape != second.shape && first.len() != 1 && second.len() != 1 {
+            let [a, b] = broadcast(origins, directions)?;
+            (first, second) = (Vectors::points(&a, "origins")?, Vectors::directions(&b, "directions")?);
+        }
+        let (origins, directions) = (first, second);
         let len = match (origins.len(), directions.len()) {
             (a, b) if a == b => a,
             (1, n) | (n, 1) => n,
@@ -191,6 +222,18 @@ impl<'py> RayArrays<'py> {
         let problem = self.origins.problem().or_else(|| self.directions.problem());
         problem.or(too_far).unwrap_or_else(|| invalid_input(&[&self.origins, &self.directions]))
     }
+}
+
+/// The arrays, broadcast against each other by NumPy.
+fn broadcast<'py>(
+    origins: &Bound<'py, PyAny>,
+    directions: &Bound<'py, PyAny>,
+) -> PyResult<[Bound<'py, PyAny>; 2]> {
+    let numpy = origins.py().import("numpy")?;
+    let arrays = numpy.call_method1("broadcast_arrays", (origins, directions)).map_err(|error| {
+        bad_value(format!("the grids of origins and directions do not match: {}.", error.value(origins.py())))
+    })?;
+    Ok([arrays.get_item(0)?, arrays.get_item(1)?])
 }
 
 /// The origins and directions of rays.

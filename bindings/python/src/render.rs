@@ -17,7 +17,7 @@ use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::model::PyModel;
 use crate::solid::PySolid;
-use crate::subject::scene;
+use crate::subject::{gathered, scene};
 use crate::vectors::vector;
 
 /// The keyword arguments of `rayweave.render`.
@@ -118,7 +118,7 @@ fn style(name: &str) -> PyResult<Style> {
 
 /// A picture of a solid or a model: see `rayweave.render`.
 #[pyfunction]
-#[pyo3(name = "render", signature = (subject: "Solid | Model", kind, arguments) -> "NDArray[Any]")]
+#[pyo3(name = "render", signature = (subject: "Subject", kind, arguments) -> "NDArray[Any]")]
 pub fn render_array<'py>(
     subject: &Bound<'py, PyAny>,
     kind: &str,
@@ -132,7 +132,7 @@ pub fn render_array<'py>(
 
 /// A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`.
 #[pyfunction]
-#[pyo3(signature = (subject: "Solid | Model", title, is_one, arguments))]
+#[pyo3(signature = (subject: "Subject", title, is_one, arguments))]
 pub fn sheet_svg(
     subject: &Bound<'_, PyAny>,
     title: &str,
@@ -175,7 +175,7 @@ fn with_channels<T: Element, const N: usize>(
 
 /// A picture as a PNG file for notebooks.
 #[pyfunction]
-#[pyo3(name = "notebook_png", signature = (subject: "Solid | Model"))]
+#[pyo3(name = "notebook_png", signature = (subject: "Subject"))]
 pub fn notebook_picture<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyBytes>> {
     notebook_png(subject.py(), &subject_of(subject)?)
 }
@@ -183,11 +183,10 @@ pub fn notebook_picture<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py,
 /// The solid or model to draw.
 fn subject_of(object: &Bound<'_, PyAny>) -> PyResult<Subject> {
     let py = object.py();
+    let object = gathered(object)?;
     if let Ok(model) = object.cast::<PyModel>() {
         return Subject::of_model(model.get().scene(), model.get().compiled(py)?);
     }
-    // for any other type this returns the error
-    scene(object)?;
     let solid = object.cast::<PySolid>()?.get();
     Ok(Subject::of_solid(solid.solid(), solid.engine(py)?))
 }

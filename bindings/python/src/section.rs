@@ -3,7 +3,7 @@
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyIterator, PyTuple};
 use rayweave::model::drive::Cancel;
 use rayweave::section::{
     By, CrossSection, SectionPart, SectionPlane, SectionRun, SectionSettings, cross_sections, section_dxf,
@@ -111,15 +111,43 @@ impl PySection {
         format!("<Section {}, areas in {}^2: {areas}>", self.section.plane, self.unit)
     }
 
+    /// The number of parts.
+    fn __len__(&self) -> usize {
+        self.section.parts.len()
+    }
+
+    /// The names of the parts.
+    #[cfg_attr(false, stub("() -> Iterator[str]"))]
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        PyTuple::new(py, self.names())?.try_iter()
+    }
+
+    /// The parts as a pandas DataFrame: name, area, perimeter.
+    #[pyo3(signature = () -> "Any")]
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        rows(slf)?.call_method0("to_pandas")
+    }
+
+    /// The parts as an Arrow table: name, area, perimeter.
+    #[pyo3(signature = () -> "Any")]
+    fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        rows(slf)?.call_method0("to_arrow")
+    }
+
     fn _repr_svg_(&self) -> String {
         section_svg(std::slice::from_ref(&self.section), "", self.unit)
     }
 }
 
+/// The parts of a section as `rayweave._table.Rows`.
+fn rows<'py>(section: &Bound<'py, PySection>) -> PyResult<Bound<'py, PyAny>> {
+    section.py().import("rayweave._section")?.getattr("rows_of")?.call1((section,))
+}
+
 /// Sections of a solid or a model by a plane, at the given offsets: see `rayweave.section`.
 #[pyfunction]
 #[pyo3(signature = (
-    subject: "Solid | Model", plane, point: "Sequence[float]", normal: "Sequence[float] | None", offsets, by,
+    subject: "Subject", plane, point: "Sequence[float]", normal: "Sequence[float] | None", offsets, by,
     tolerance, columns, within: "Sequence[Sequence[float]] | None", evaluator, threads: "int | None"
 ))]
 #[expect(clippy::too_many_arguments, reason = "those of the function in Python")]

@@ -4,10 +4,11 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
+use numpy::PyArray2;
 use numpy::ndarray::arr2;
-use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyIterator, PyList};
+use pyo3::types::{PyBytes, PyDict, PyIterator, PyList, PyTuple};
+use rayweave::formats::WriteOptions;
 use rayweave::math::{Affine, Bounds, Vec3};
 use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
@@ -17,6 +18,9 @@ use crate::engine::{Engine, QueryOptions, computed};
 use crate::error::{bad_type, bad_value};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
+use crate::save::save_scene;
+use crate::solid_scene::scene_of;
+use crate::triangulate::to_mesh;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
 use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
@@ -26,8 +30,8 @@ use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 /// (difference), `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new
 /// solid; matrices are world_from_local and act on columns.
 ///
-/// Queries take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` is in units of
-/// the direction, which need not be of unit length. `t_min` and `t_max` restrict every ray to the open window between
+/// Queries take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other, or grids (..., 3), whose rays are
+/// numbered in row-major order; `t` is in units of the direction, which need not be of unit length. `t_min` and `t_max` restrict every ray to the open window between
 /// them. `evaluator` is "packets" (the default), "weave" (one sweep per ray), "reference" (slow and simple) or
 /// "single_hit" (crossing by crossing); all give bit-identical answers. `threads` is by default the environment
 /// variable RAYWEAVE_THREADS, or the number of cores; answers do not depend on it.
@@ -168,7 +172,7 @@ impl PySolid {
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
         return_surfaces = false, out = None, evaluator = None, threads: "int | None" = None
-    ))]
+    ), text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, return_surfaces=False, out=None, evaluator=None, threads=None)")]
     #[cfg_attr(
         false,
         stub(
@@ -203,7 +207,7 @@ impl PySolid {
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY, *,
         evaluator = None, threads: "int | None" = None
-    ) -> "Crossings")]
+    ) -> "Crossings", text_signature = "($self, origins, directions, t_min=-1e999, t_max=1e999, *, evaluator=None, threads=None)")]
     fn crossings<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -241,7 +245,7 @@ impl PySolid {
     #[pyo3(signature = (
         origins: "ArrayLike", directions: "ArrayLike", t_min = 0.0, t_max = f64::INFINITY, *,
         evaluator = None, threads: "int | None" = None
-    ) -> "Crossings")]
+    ) -> "Crossings", text_signature = "($self, origins, directions, t_min=0.0, t_max=1e999, *, evaluator=None, threads=None)")]
     fn nearest<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
@@ -274,7 +278,7 @@ impl PySolid {
     /// it as text, or use its `questions`: see `Explanation`. `origin` and `direction` are three numbers each.
     #[pyo3(signature = (
         origin: "ArrayLike", direction: "ArrayLike", t_min = f64::NEG_INFINITY, t_max = f64::INFINITY
-    ))]
+    ), text_signature = "($self, origin, direction, t_min=-1e999, t_max=1e999)")]
     fn explain(
         &self,
         origin: &Bound<'_, PyAny>,
@@ -285,15 +289,17 @@ impl PySolid {
         explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
     }
 
-    /// Whether points (N, 3) or (3,) are inside: bool (N,). A point on the surface has the side of
+    /// Whether points (N, 3) or (3,) are inside: bool (N,), or (...) for a grid (..., 3). A point on the surface has the side of
     /// a ray that lies in the surface.
-    #[pyo3(signature = (points: "ArrayLike", *, evaluator = None, threads: "int | None" = None))]
+    #[pyo3(signature = (
+        points: "ArrayLike", *, evaluator = None, threads: "int | None" = None
+    ) -> "NDArray[np.bool_]")]
     fn contains<'py>(
         &self,
         points: &Bound<'py, PyAny>,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    ) -> PyResult<Bound<'py, PyAny>> {
         let options = QueryOptions::new(f64::NEG_INFINITY, f64::INFINITY, evaluator, threads)?;
         points::contains(self.engine(points.py())?, points, &options)
     }
@@ -314,15 +320,63 @@ impl PySolid {
         pickle::hash(&self.solid)
     }
 
-    /// Writes the solid as a model file (.toml), under its own name or the given one.
-    #[pyo3(signature = (path, name = None))]
-    fn save(&self, path: PathBuf, name: Option<&str>) -> PyResult<()> {
-        let own = match self.solid.node() {
-            Node::Named(own, _) => own,
-            _ => "solid",
-        };
-        let document = Document::from_solid(name.unwrap_or(own), &self.solid);
-        Ok(document.save(path)?)
+    /// The name that `named` gave it, or None.
+    #[getter]
+    pub fn name(&self) -> Option<&str> {
+        match self.solid.node() {
+            Node::Named(name, _) => Some(name),
+            _ => None,
+        }
+    }
+
+    /// The volume: exact for a single shape, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
+    /// returns the interval.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> rw.box([1, 2, 3]).volume
+    /// 6.0
+    #[getter]
+    fn volume(slf: &Bound<'_, Self>) -> PyResult<f64> {
+        measured(slf.as_any(), "volume")?.extract()
+    }
+
+    /// The surface area, measured by rays at a confidence of 99 %. `rayweave.measure` returns the interval.
+    #[getter]
+    fn area(slf: &Bound<'_, Self>) -> PyResult<f64> {
+        measured(slf.as_any(), "area")?.extract()
+    }
+
+    /// (3,) the centre of volume, measured by rays. `rayweave.measure` returns the intervals.
+    #[getter]
+    #[cfg_attr(false, stub("() -> NDArray[np.float64]"))]
+    fn centroid<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        measured(slf.as_any(), "centre")
+    }
+
+    /// The surface as triangles within `tolerance` of it: see `rayweave.Mesh`. The default is 1/5000 of the diagonal.
+    #[pyo3(signature = (tolerance = None) -> "Mesh")]
+    fn to_mesh<'py>(slf: &Bound<'py, Self>, tolerance: Option<f64>) -> PyResult<Bound<'py, PyAny>> {
+        to_mesh(slf.as_any(), tolerance)
+    }
+
+    /// Writes the solid to a file, complete or not at all, in the format of its ending: a model file (.toml), a mesh (.stl, .obj,
+    /// .ply, .off, .3mf, .gltf, .glb), OpenSCAD (.csg) or GDML (.gdml). `name` replaces the name of the solid. The other arguments
+    /// and the result are those of `Model.save`.
+    #[pyo3(signature = (path, name = None, *, format = None, tolerance = None, text = false))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        name: Option<&str>,
+        format: Option<&str>,
+        tolerance: Option<f64>,
+        text: bool,
+    ) -> PyResult<Vec<String>> {
+        let name = name.or(self.name()).unwrap_or("solid");
+        let document = Document::from_solid(name, &self.solid);
+        let mut scene = scene_of(&self.solid);
+        scene.regions.iter_mut().for_each(|region| region.name = name.to_owned());
+        save_scene(py, &scene, Some(&document), &path, format, WriteOptions { tolerance, text })
     }
 
     /// A picture of the solid as an array: see `rayweave.render`, whose options these are.
@@ -357,6 +411,11 @@ impl PySolid {
         let decode = py.import("rayweave._core")?.getattr("solid_from_bytes")?;
         Ok((decode, (PyBytes::new(py, &py.detach(|| pickle::encode(&self.solid))),)))
     }
+}
+
+/// A measured value of the only region of a solid.
+fn measured<'py>(solid: &Bound<'py, PyAny>, value: &str) -> PyResult<Bound<'py, PyAny>> {
+    solid.py().import("rayweave._measure")?.getattr("value_of")?.call1((solid, value))
 }
 
 fn matrix_argument(object: &Bound<'_, PyAny>) -> PyResult<Affine> {
@@ -409,17 +468,21 @@ pub fn universe() -> PySolid {
     PySolid::from_solid(Solid::universe())
 }
 
-/// The union of the solids; `empty()` if there are none.
+/// The union of solids, given one by one or as one iterable; `empty()` if there are none.
+///
+/// >>> import rayweave as rw
+/// >>> rw.union(rw.sphere(1), rw.box(1)) == rw.union([rw.sphere(1), rw.box(1)])
+/// True
 #[pyfunction]
-#[pyo3(signature = (solids: "Iterable[Solid]"))]
-pub fn union(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
+#[pyo3(signature = (*solids: "Solid | Iterable[Solid]"))]
+pub fn union(solids: &Bound<'_, PyTuple>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(Solid::union(operands(solids)?)))
 }
 
-/// The intersection of the solids; `universe()` if there are none.
+/// The intersection of solids, given one by one or as one iterable; `universe()` if there are none.
 #[pyfunction]
-#[pyo3(signature = (solids: "Iterable[Solid]"))]
-pub fn intersection(solids: &Bound<'_, PyAny>) -> PyResult<PySolid> {
+#[pyo3(signature = (*solids: "Solid | Iterable[Solid]"))]
+pub fn intersection(solids: &Bound<'_, PyTuple>) -> PyResult<PySolid> {
     Ok(PySolid::from_solid(Solid::intersection(operands(solids)?)))
 }
 
@@ -432,7 +495,11 @@ pub fn place(solid: PyRef<'_, PySolid>, transforms: &Bound<'_, PyAny>) -> PyResu
     Ok(PySolid::from_solid(solid.solid.place(maps)))
 }
 
-fn operands(solids: &Bound<'_, PyAny>) -> PyResult<Vec<Solid>> {
+fn operands(arguments: &Bound<'_, PyTuple>) -> PyResult<Vec<Solid>> {
+    let solids = match arguments.len() {
+        1 if !arguments.get_item(0)?.is_instance_of::<PySolid>() => arguments.get_item(0)?,
+        _ => arguments.clone().into_any(),
+    };
     let wrong = || bad_type(format!("solids is {}: it must be an iterable of solids.", solids.get_type()));
     let solids: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
     solids?

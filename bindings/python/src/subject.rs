@@ -1,6 +1,8 @@
 //! Subjects of queries: a solid or a model as a scene, and boxes by their corners.
 
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyDict, PyList, PyTuple, PyType};
 use rayweave::scene::Scene;
 use rayweave::{Bounds, Vec3};
 
@@ -14,13 +16,31 @@ pub fn bounds([lo, hi]: [[f64; 3]; 2]) -> Bounds {
     Bounds { lo: Vec3::from(lo), hi: Vec3::from(hi) }
 }
 
-/// The scene of a model, or that of a solid as its only region.
-pub fn scene(subject: &Bound<'_, PyAny>) -> PyResult<Scene> {
-    if let Ok(model) = subject.cast::<PyModel>() {
-        return Ok(model.get().scene().clone());
+/// The solid or model itself, or the model of a region, of a list or of a dict of solids and regions.
+pub fn gathered<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+    let py = subject.py();
+    if subject.is_instance_of::<PySolid>() || subject.is_instance_of::<PyModel>() {
+        return Ok(subject.clone());
     }
-    match subject.cast::<PySolid>() {
-        Ok(solid) => Ok(scene_of(solid.get().solid())),
-        Err(_) => Err(bad_type(format!("subject is {}: it must be a Solid or a Model.", subject.get_type()))),
+    let is_several = subject.is_instance_of::<PyList>()
+        || subject.is_instance_of::<PyTuple>()
+        || subject.is_instance_of::<PyDict>();
+    static REGION: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    if is_several || subject.is_instance(REGION.import(py, "rayweave._model", "Region")?)? {
+        return py.get_type::<PyModel>().call1((subject,));
+    }
+    let kind = subject.get_type();
+    let kind = kind.name()?;
+    Err(bad_type(format!(
+        "subject is of type {kind}: it must be a Solid, a Model, or a list or dict of solids or regions."
+    )))
+}
+
+/// The scene of a model, of several solids, or of a solid as its only region.
+pub fn scene(subject: &Bound<'_, PyAny>) -> PyResult<Scene> {
+    let subject = gathered(subject)?;
+    match subject.cast::<PyModel>() {
+        Ok(model) => Ok(model.get().scene().clone()),
+        Err(_) => Ok(scene_of(subject.cast::<PySolid>()?.get().solid())),
     }
 }

@@ -19,7 +19,7 @@ type Maps<'py> = (Vec<String>, Vec<f64>, Bound<'py, PyArray3<f64>>, Bound<'py, P
 
 /// Path lengths of rays through each medium: see `rayweave.thickness`.
 #[pyfunction]
-#[pyo3(signature = (subject: "Solid | Model", view, size, evaluator, threads: "int | None"))]
+#[pyo3(signature = (subject: "Subject", view, size, evaluator, threads: "int | None"))]
 pub fn thickness_maps<'py>(
     subject: &Bound<'py, PyAny>,
     view: Option<&str>,

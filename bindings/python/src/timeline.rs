@@ -11,6 +11,7 @@ use crate::model::PyModel;
 use crate::rootray::PyRootRay;
 use crate::solid::PySolid;
 use crate::solid_scene::{compiled_of, scene_of};
+use crate::subject::gathered;
 use crate::vectors::{direction, vector};
 
 /// The rows of a drawing, each with its name.
@@ -49,7 +50,7 @@ fn draw(mut timeline: Timeline, window: Option<(f64, f64)>) -> PyResult<String> 
 
 /// Time line of one ray through a solid or a model, as SVG: see `rayweave.ray_timeline`.
 #[pyfunction]
-#[pyo3(signature = (subject: "Solid | Model", origin: "ArrayLike", direction: "ArrayLike", title, window))]
+#[pyo3(signature = (subject: "Subject", origin: "ArrayLike", direction: "ArrayLike", title, window))]
 pub fn ray_timeline_svg(
     subject: &Bound<'_, PyAny>,
     origin: &Bound<'_, PyAny>,
@@ -62,6 +63,7 @@ pub fn ray_timeline_svg(
     let along = |scene: &Scene, compiled: &Compiled| {
         ray_timeline(scene, None, compiled, ray, Weave::new).map_err(bad_value)
     };
+    let subject = gathered(subject)?;
     let mut timeline = match subject.cast::<PyModel>() {
         Ok(model) => along(model.get().scene(), &model.get().compiled(py)?.0),
         Err(_) => {

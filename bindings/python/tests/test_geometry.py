@@ -101,7 +101,7 @@ def test_refusals_of_sections():
     for arguments, message in cases:
         with pytest.raises(RayweaveError, match=message):
             rayweave.section(ball, **arguments)
-    with pytest.raises(TypeError, match="it must be a Solid or a Model"):
+    with pytest.raises(TypeError, match="it must be a Solid, a Model, or a list"):
         rayweave.section("ball")
 
 

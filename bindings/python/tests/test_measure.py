@@ -54,5 +54,5 @@ def test_refusals():
         rayweave.measure(ball, confidence=2)
     with pytest.raises(RayweaveError, match=r"within has shape \(3,\)"):
         rayweave.measure(ball, within=[1, 2, 3])
-    with pytest.raises(TypeError, match="it must be a Solid or a Model"):
+    with pytest.raises(TypeError, match="it must be a Solid, a Model, or a list"):
         rayweave.measure("ball")

@@ -138,7 +138,7 @@ def test_problems_are_reported_with_their_places(tmp_path):
         rw.load(path)
     text = str(caught.value)
     assert "bad.toml:3" in text and "bad.toml:5" in text
-    with pytest.raises(rw.RayweaveError, match="no such file"):
+    with pytest.raises(FileNotFoundError, match="no such file"):
         rw.load(tmp_path / "missing.toml")
     with pytest.raises(TypeError):
         rw.load(3)

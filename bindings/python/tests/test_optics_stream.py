@@ -224,7 +224,7 @@ def test_problems_of_files(tmp_path):
         ro.load(path)
     text = str(problem.value)
     assert "bad.toml:20:1" in text and "Did you mean `threshold`?" in text and "N-BK7?" in text
-    with pytest.raises(RayweaveError, match="none.toml"):
+    with pytest.raises(FileNotFoundError, match="none.toml"):
         ro.load(tmp_path / "none.toml")
     with pytest.raises(RayweaveError, match=r"no \[optics\] table"):
         ro.loads("rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n")

@@ -8,6 +8,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MODEL = re.compile(r"^```(?:toml|xml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+#: The first line of a block that is a file.
+FILE = re.compile(r"(?:# |<!-- )file: (\S+)")
 #: Pages whose code reads their first model, and the file name used there.
 MODELS = {"docs/guides/optics-files.md": "lens.toml", "docs/guides/photons.md": "bar.gdml"}
 PAGES = sorted([ROOT / "README.md", ROOT / "bindings/python/README.md", *ROOT.glob("docs/**/*.md")])
@@ -24,7 +26,7 @@ WITH_PYTHON = [page for page in PAGES if blocks(page)]
 
 def test_pages_are_found():
     names = {page.relative_to(ROOT).as_posix() for page in WITH_PYTHON}
-    assert {"README.md", "docs/concepts/algebra.md", "docs/guides/curves.md"} <= names
+    assert {"README.md", "docs/concepts/algebra.md", "docs/guides/curves.md", "docs/tutorials/python.md"} <= names
 
 
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=lambda page: page.relative_to(ROOT).as_posix())
@@ -33,6 +35,9 @@ def test_python_of_a_page(page, tmp_path, monkeypatch):
     model = MODELS.get(page.relative_to(ROOT).as_posix())
     if model is not None:
         (tmp_path / model).write_text(MODEL.search(page.read_text(encoding="utf-8"))[1], encoding="utf-8")
+    for block in MODEL.finditer(page.read_text(encoding="utf-8")):
+        if (name := FILE.match(block[1])) is not None:
+            (tmp_path / name[1]).write_text(block[1], encoding="utf-8")
     names = {"__name__": "page"}
     for line, block in blocks(page):
         # line numbers are those of the page, so that a failure refers to it

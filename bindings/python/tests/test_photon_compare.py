@@ -64,7 +64,7 @@ def test_arrays_of_opticks(bar):
 
 
 def test_errors(bar, tmp_path):
-    with pytest.raises(RayweaveError, match="no such file"):
+    with pytest.raises(FileNotFoundError, match="no such file"):
         rp.compare(tmp_path / "a.csv", tmp_path / "b.csv")
     with pytest.raises(RayweaveError, match="a int cannot be compared"):
         rp.compare(3, tmp_path / "b.csv")

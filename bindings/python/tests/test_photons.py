@@ -308,7 +308,7 @@ def test_bad_settings_are_explained(bar, tmp_path):
         bar.simulate(rp.photons([0, 0, 0], [0, 0, 1], wavelengths_nm=550), n=2)
     with pytest.raises(RayweaveError, match="chunk is 0"):
         bar.stream(source, n=5, chunk=0)
-    with pytest.raises(RayweaveError, match="missing.gdml"):
+    with pytest.raises(FileNotFoundError, match="missing.gdml"):
         rp.load(tmp_path / "missing.gdml")
     with pytest.raises(RayweaveError, match="property `RINDEX` of material `Crystal` is invalid"):
         rp.loads(BAR.replace("1.5*eV 1.79 4*eV 1.79", "1.5*eV 1.79 4*eV 0"))

@@ -261,8 +261,8 @@ def test_out():
 @pytest.mark.parametrize(
     ("origins", "directions", "message"),
     [
-        (np.zeros((4, 2)), [0, 0, 1], r"origins has shape \(4, 2\): it must be \(N, 3\) or \(3,\)\."),
-        ([0, 0, 0], np.zeros((2, 2, 3)), r"directions has shape \(2, 2, 3\)"),
+        (np.zeros((4, 2)), [0, 0, 1], r"origins has shape \(4, 2\): it must be \(N, 3\), \(3,\), or a grid"),
+        ([0, 0, 0], np.zeros((2, 2, 3)), r"directions\[0, 0\] has length 0"),
         (np.zeros(()), [0, 0, 1], r"origins has shape \(\)"),
         ([0, 0, 0], [0, 0, 0], "directions has length 0"),
         (np.zeros((4, 3)), [[0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 0]], r"directions\[3\] has length 0"),

@@ -238,7 +238,7 @@ def test_bad_values_are_refused_at_once(make, message):
         lambda s: s.scale("1"),
         lambda s: s.named(3),
         lambda s: union([s, 3]),
-        lambda s: union(s),
+        lambda s: union(3),
         lambda s: place(3, [[0, 0, 0]]),
         lambda s: Solid(),
         lambda s: s.hits([0, 0, 0]),

@@ -1,6 +1,6 @@
 """Every part of the interface as a type checker sees it: read by mypy --strict, run by test_typed_sample."""
 
-from typing import assert_type
+from typing import Any, assert_type
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,9 +128,26 @@ def models() -> None:
     assert_type(model.to_toml(), str)
 
 
+def built() -> None:
+    solid = rayweave.box(2)
+    part = rayweave.Region("part", solid, medium="glass", colour="red")
+    model = rayweave.Model([part, solid], {"glass": 1.5, "air": {"index": 1.0}}, unit="cm")
+    assert_type(rayweave.Model({"a": solid, "b": part}), rayweave.Model)
+    assert_type(model["part"], rayweave.Region)
+    assert_type([region.medium for region in model], list[str])
+    assert_type(solid.to_mesh(0.1), rayweave.Mesh)
+    assert_type((solid.volume, solid.centroid), tuple[float, NDArray[np.float64]])
+    found = model.crossings([0, 0, 0], [0, 0, 1])
+    assert_type(found["t"], NDArray[Any])
+    assert_type(found[0], dict[str, Any])
+    assert_type(found[1:], rayweave.Rows)
+    assert_type(rayweave.union(solid, solid), Solid)
+    assert_type(rayweave.measure([solid, solid]).volume, NDArray[np.float64])
+
+
 def pictures(solid: Solid) -> None:
     camera = rayweave.Camera(position=(9, 9, 9), field_of_view=20)
-    assert_type(rayweave.render(solid, size=(8, 6), camera=camera), NDArray[np.uint8])
+    assert_type(rayweave.render(solid, size=(8, 6), camera=camera), rayweave.Picture)
     assert_type(rayweave.render(solid, size=(8, 6), kind="depth", view="top"), NDArray[np.float64])
     assert_type(rayweave.render(solid, size=(8, 6), kind="id", threads=1), NDArray[np.int32])
     drawing = rayweave.timeline({"A": (1, 4), "B": RootRay(1, [2]), "C": np.array([1.0, 2.0])}, count=False)
@@ -195,6 +212,7 @@ def main() -> None:
     solid = solids()
     questions(solid)
     models()
+    built()
     pictures(solid)
     light()
     detectors()

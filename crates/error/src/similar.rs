@@ -41,7 +41,8 @@ fn take_work(amount: usize) -> bool {
 }
 
 /// The candidate that a name is probably a misspelling of, if there is one: at most a third of the letters differ, ignoring
-/// case. `None` for names of more than 64 characters.
+/// case. A word that other programs use for a candidate, such as `cube` for `box`, has priority. `None` for names of more than 64
+/// characters.
 ///
 /// ```
 /// use rayweave_error::did_you_mean;
@@ -51,8 +52,44 @@ fn take_work(amount: usize) -> bool {
 /// ```
 pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
-    let others = candidates.into_iter().filter(|candidate| *candidate != name);
-    closest(name, others, |candidate| length.max(candidate.chars().count()) / 3).first().copied()
+    let others: Vec<&str> = candidates.into_iter().filter(|candidate| *candidate != name).collect();
+    let synonym = others.iter().copied().find(|candidate| is_synonym(name, candidate));
+    synonym.or_else(|| {
+        closest(name, others, |candidate| length.max(candidate.chars().count()) / 3).first().copied()
+    })
+}
+
+/// Words of other programs (OpenSCAD, CadQuery, Geant4, trimesh) with the words of Rayweave for the same thing. They come before
+/// similar spellings: `cube` means `box`, although `tube` is closer.
+const SYNONYMS: [(&str, &[&str]); 23] = [
+    ("ball", &["sphere"]),
+    ("block", &["box"]),
+    ("color", &["colour"]),
+    ("cuboid", &["box"]),
+    ("cube", &["box"]),
+    ("d", &["radius"]),
+    ("dia", &["radius"]),
+    ("diameter", &["radius"]),
+    ("dim", &["size"]),
+    ("dimensions", &["size"]),
+    ("extents", &["size"]),
+    ("h", &["height"]),
+    ("halfspace", &["half_space"]),
+    ("ior", &["index"]),
+    ("len", &["length", "height"]),
+    ("length", &["height"]),
+    ("material", &["medium"]),
+    ("n", &["index", "normal"]),
+    ("pipe", &["tube"]),
+    ("plane", &["half_space"]),
+    ("r", &["radius"]),
+    ("rod", &["cylinder"]),
+    ("refractive_index", &["index"]),
+];
+
+/// True if a word means the same as a candidate.
+fn is_synonym(name: &str, candidate: &str) -> bool {
+    SYNONYMS.iter().any(|(word, meant)| name.eq_ignore_ascii_case(word) && meant.contains(&candidate))
 }
 
 /// The candidates with the fewest edits from a name, ignoring case; first those that share the most pairs of letters with
@@ -126,6 +163,14 @@ mod tests {
         assert_eq!(did_you_mean("x", names), None);
         assert_eq!(did_you_mean("", names), None);
         assert_eq!(did_you_mean("rim", ["rim"]), None);
+    }
+
+    #[test]
+    fn words_of_other_programs_come_before_similar_spellings() {
+        assert_eq!(did_you_mean("cube", ["sphere", "tube", "box"]), Some("box"));
+        assert_eq!(did_you_mean("Cube", ["sphere", "tube"]), Some("tube"));
+        assert_eq!(did_you_mean("h", ["radius", "height"]), Some("height"));
+        assert_eq!(did_you_mean("diameter", ["radius", "height"]), Some("radius"));
     }
 
     #[test]

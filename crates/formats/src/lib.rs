@@ -34,7 +34,7 @@ pub use imported::{Imported, Places};
 pub use options::Options;
 pub use report::{Loss, LossKind, Report};
 pub use save::save;
-pub use write::{Remark, RemarkKind, WriteError, WriteOptions, Written, write};
+pub use write::{Remark, RemarkKind, WriteError, WriteOptions, Written, triangulate, write};
 
 use rayweave_error::with_limited_suggestions;
 use rayweave_scene::{Diagnostics, Document, Scene, Source};

@@ -1,5 +1,6 @@
 //! sRGB colours, and the default palette of regions.
 
+use crate::colour_names::COLOUR_NAMES;
 use std::fmt;
 
 /// An sRGB colour with 8 bits per channel and an opacity (255 is opaque).
@@ -55,9 +56,14 @@ impl Colour {
         Colour { red, green, blue, alpha }
     }
 
-    /// Parses `#rgb`, `#rrggbb` or `#rrggbbaa`.
+    /// Parses `#rgb`, `#rrggbb`, `#rrggbbaa` or a name of CSS such as `red`, in lower or upper case.
     pub fn parse(text: &str) -> Option<Colour> {
-        let digits = text.strip_prefix('#')?.as_bytes();
+        let Some(digits) = text.strip_prefix('#') else {
+            let named = COLOUR_NAMES.binary_search_by(|(name, _)| (*name).cmp(&text.to_ascii_lowercase()));
+            let [red, green, blue] = COLOUR_NAMES[named.ok()?].1;
+            return Some(Colour::new(red, green, blue));
+        };
+        let digits = digits.as_bytes();
         let nibbles: Vec<u8> =
             digits.iter().map(|c| (*c as char).to_digit(16).map(|d| d as u8)).collect::<Option<_>>()?;
         let pair = |k: usize| 16 * nibbles[2 * k] + nibbles[2 * k + 1];
@@ -102,7 +108,9 @@ mod tests {
         for text in ["#0a0b0c", "#0a0b0c0d"] {
             assert_eq!(Colour::parse(text).unwrap().to_string(), text);
         }
-        for text in ["", "#", "8af", "#8a", "#8aff", "#gggggg", "#8888888888", "#\u{e4}\u{e4}"] {
+        assert_eq!(Colour::parse("red"), Some(Colour::new(255, 0, 0)));
+        assert_eq!(Colour::parse("SteelBlue"), Colour::parse("#4682b4"));
+        for text in ["", "#", "reddish", "8af", "#8a", "#8aff", "#gggggg", "#8888888888", "#\u{e4}\u{e4}"] {
             assert_eq!(Colour::parse(text), None, "{text}");
         }
     }

@@ -5,6 +5,10 @@ use crate::diagnostic::Diagnostic;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 
+/// The steps of transforms.
+pub(crate) const STEPS: [&str; 8] =
+    ["translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "scale", "mirror", "matrix"];
+
 /// The remaining keys of a table. After all known keys have been taken, the rest is unknown.
 #[derive(Clone, Debug)]
 pub struct Keys {
@@ -49,7 +53,11 @@ impl Keys {
         let reason = format!("the keys are {}", self.known.join(", "));
         let problem = |key: Spanned<String>| {
             let problem = Diagnostic::error(format!("unknown key `{}` in `{}`", key.value, self.name));
-            let suggestion = did_you_mean(&key.value, self.known.iter().copied());
+            let is_step = self.known.contains(&"transform") && STEPS.contains(&key.value.as_str());
+            let suggestion = match is_step {
+                true => Some(format!("Write `transform = [{{ {} = .. }}]`", key.value)),
+                false => did_you_mean(&key.value, self.known.iter().copied()),
+            };
             (problem.why(&reason).suggest(suggestion), key.span)
         };
         self.rest.into_iter().map(|(key, _)| problem(key)).collect()

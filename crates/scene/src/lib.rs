@@ -33,6 +33,7 @@
 pub mod arithmetic;
 mod bare_name;
 mod colour;
+mod colour_names;
 mod compiled;
 mod datum;
 mod decompose;

@@ -1,5 +1,57 @@
-"""Exact ray tracing through constructive solid geometry."""
+"""Exact ray tracing through constructive solid geometry.
 
+Shapes are functions, and operators combine them: ``|`` union, ``&`` intersection, ``-`` difference, ``^`` symmetric
+difference, ``~`` complement. Lengths have any unit you like; angles are in degrees.
+
+>>> import rayweave as rw
+>>> die = (rw.box(2) & rw.sphere(1.35)) - rw.cylinder(0.5)
+>>> die.translate([0, 0, 5]).rotate_z(45).bounds().shape
+(2, 3)
+
+Rays are arrays of origins and directions, which are broadcast against each other. `nearest` returns the first crossing
+of each ray, `crossings` all of them, `hits` only their times:
+
+>>> found = die.nearest([[-5, 0.8, 0], [-5, 3, 0]], [1, 0, 0])
+>>> found.t
+array([ 4., inf])
+>>> die.hits([-5, 0.8, 0], [1, 0, 0]).ravel()
+array([4., 6.])
+
+A `Model` has regions, each a solid made of a medium. Later regions have priority where solids overlap:
+
+>>> model = rw.Model(
+...     regions=[
+...         rw.Region("tank", rw.box([10, 10, 4]), medium="water", colour="deepskyblue"),
+...         rw.Region("ball", rw.sphere(1.5), medium="glass", colour="#e0c060"),
+...     ],
+...     media={"water": {"index": 1.33, "density": 1.0}, "glass": {"index": 1.5, "density": 2.5}},
+... )
+>>> [(piece["medium"], piece["t_end"] - piece["t_start"]) for piece in model.partition([0, 0, -9], [0, 0, 1], 0)][1:4]
+[('water', 0.5), ('glass', 3.0), ('water', 0.5)]
+
+Tables of results have `to_pandas` and `to_arrow`; pictures and drawings have `save` and `show`:
+
+>>> rw.render(model, size=(320, 240)).save("tank.png")
+>>> rw.measure(model).to_pandas()[["regions", "media"]]
+  regions  media
+0    tank  water
+1    ball  glass
+>>> rw.section(model, "z=0").names
+['water', 'glass']
+>>> remarks = model.save("tank.3mf")
+
+========== ==========================================================================================================
+shapes     `sphere`, `box`, `cylinder`, `cone`, `torus`, `prism`, `mesh`, ...: ``help(rayweave.cone)``
+files      `load`, `loads`, `Model.save`, `convert`: model files, OpenSCAD, GDML, STL, OBJ, PLY, OFF, 3MF, glTF
+questions  `measure`, `check`, `section`, `thickness`, `diff`, `infill`, `Solid.explain`
+pictures   `render`, `sheet`, `timeline`
+light      `rayweave.optics`: lenses, mirrors, sources, detectors, prescriptions
+photons    `rayweave.photons`: optical photons in detectors described in GDML
+curves     `rayweave.space`: crossings along curves, solids in 2 to 4 dimensions
+========== ==========================================================================================================
+"""
+
+from difflib import get_close_matches as _get_close_matches
 from importlib.metadata import version
 
 from rayweave import optics, photons, rootray, space
@@ -29,8 +81,9 @@ from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
 from rayweave._infill import infill
 from rayweave._measure import Measurement, measure
+from rayweave._mesh import Mesh, from_trimesh
 from rayweave._model import Medium, Region
-from rayweave._picture import Camera, render, sheet
+from rayweave._picture import Camera, Picture, render, sheet
 from rayweave._section import save_section, section
 from rayweave._shapes import (
     asphere,
@@ -53,6 +106,7 @@ from rayweave._shapes import (
     tube,
     wedge,
 )
+from rayweave._table import Rows, Table
 from rayweave._thickness import Thickness, thickness
 from rayweave._timeline import Timeline, ray_timeline, timeline
 
@@ -69,19 +123,23 @@ __all__ = [
     "Finding",
     "Measurement",
     "Medium",
+    "Mesh",
     "Model",
     "ModelCrossings",
     "Operand",
     "Operation",
     "Partition",
     "Passage",
+    "Picture",
     "Polygons",
     "Question",
     "RayweaveError",
     "Region",
     "RootRay",
+    "Rows",
     "Section",
     "Solid",
+    "Table",
     "Thickness",
     "Timeline",
     "array_csg",
@@ -99,6 +157,7 @@ __all__ = [
     "ellipsoid",
     "freeform",
     "from_polygons",
+    "from_trimesh",
     "half_space",
     "infill",
     "intersection",
@@ -130,3 +189,37 @@ __all__ = [
     "empty",
     "wedge",
 ]
+
+#: Words of other programs, with what to write here.
+_MEANT = {
+    "cube": "box(size)",
+    "cuboid": "box([x, y, z])",
+    "block": "box([x, y, z])",
+    "ball": "sphere(radius)",
+    "plane": "half_space(normal, offset)",
+    "pipe": "tube(...)",
+    "difference": "a - b",
+    "subtract": "a - b",
+    "intersect": "a & b",
+    "complement": "~a",
+    "translate": "solid.translate(v)",
+    "rotate": "solid.rotate(axis, degrees) or solid.rotate_z(degrees)",
+    "scale": "solid.scale(s)",
+    "mirror": "solid.mirror(normal)",
+    "save": "solid.save(path)",
+    "export": "solid.save(path)",
+    "read": "load(path)",
+    "open": "load(path)",
+    "volume": "solid.volume or measure(solid)",
+    "trace": "solid.crossings(origins, directions), or rayweave.optics for light",
+    "extrude": "from_polygons(contours).extrude(lo, hi)",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name in _MEANT:
+        hint = f"write {_MEANT[name]}"
+    else:
+        near = _get_close_matches(name, __all__, 1)
+        hint = f"did you mean {near[0]}?" if near else "help(rayweave) lists what there is"
+    raise AttributeError(f"module 'rayweave' has no attribute '{name}': {hint}")

@@ -2,20 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rayweave._table import Table
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Crossings:
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Crossings(Table):
     """Crossings of rays with the surface of a solid: M rows, sorted by ray, then t.
 
-    The rows of ray i are ``offsets[i]:offsets[i + 1]``. The result of `nearest` has one row for every ray.
+    The rows of ray i are ``offsets[i]:offsets[i + 1]``. The result of `nearest` has one row for every ray. The rays of a grid
+    (..., 3) are numbered in row-major order, so that ``t.reshape(grid)`` has the shape of the grid.
+
+    Columns are attributes, and entries of a table:
+
+    >>> import rayweave as rw
+    >>> found = rw.box(2).named("die").crossings([-3, 0, 0], [1, 0, 0])
+    >>> found.t
+    array([2., 4.])
+    >>> found[0]["surface"], found["enters"].tolist()
+    ('die.x-', [True, False])
+    >>> found.to_pandas()[["t", "point_x"]]
+         t  point_x
+    0  2.0     -1.0
+    1  4.0      1.0
     """
+
+    _columns: ClassVar[tuple[str, ...]] = (
+        "ray", "t", "point", "normal", "enters", "surface", "leaf", "placement", "occurrence",
+    )  # fmt: skip
+    _names: ClassVar[Mapping[str, str]] = {"surface": "surface_names"}
 
     ray: NDArray[np.int64]
     """(M,) the number of the ray."""
@@ -51,12 +72,22 @@ class Crossings:
                 raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
             return self.__dict__.setdefault(name, make(self))
 
+        def __dir__(self) -> list[str]:
+            """All fields, also those that are not computed yet."""
+            return sorted({*super().__dir__(), *_MADE})
+
     def __len__(self) -> int:
         """The number of rows, M."""
         return len(self.t)
 
-    def __repr__(self) -> str:
-        return f"<{type(self).__name__}: {len(self)} rows of {len(self.start_inside)} rays>"
+    def _heading(self) -> str:
+        rows, rays = len(self), len(self.start_inside)
+        return f"{type(self).__name__}: {rows} row{'s' * (rows != 1)} of {rays} ray{'s' * (rays != 1)}"
+
+    def _texts(self, most: int) -> tuple[list[str], list[list[str]]]:
+        names, rows = super()._texts(most)
+        shown = [k for k, name in enumerate(names) if name not in ("leaf", "placement", "occurrence")]
+        return [names[k] for k in shown], [[row[k] for k in shown] for row in rows]
 
 
 def _ray(rows: Crossings) -> NDArray[np.int64]:
@@ -79,13 +110,30 @@ _MADE: dict[str, Callable[[Any], NDArray[Any]]] = {
 }
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class ModelCrossings(Crossings):
     """Crossings at which the medium changes: like `Crossings`, with media and regions.
 
     ``enters`` is True if the medium after the crossing is not that of the world. Between two such media the normal
     points against the ray.
+
+    >>> import rayweave as rw
+    >>> model = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)})
+    >>> [row["region_after"] for row in model.crossings([-3, 0, 0], [1, 0, 0])]
+    ['shell', 'core', 'shell', 'world']
     """
+
+    _columns: ClassVar[tuple[str, ...]] = (
+        "ray", "t", "point", "medium_before", "medium_after", "region_before", "region_after", "surface",
+        "normal", "enters", "leaf", "placement", "occurrence",
+    )  # fmt: skip
+    _names: ClassVar[Mapping[str, str]] = {
+        "surface": "surface_names",
+        "medium_before": "medium_names",
+        "medium_after": "medium_names",
+        "region_before": "region_names",
+        "region_after": "region_names",
+    }
 
     medium_before: NDArray[np.int32]
     """(M,) the medium before the crossing, as an index of `medium_names`; 0 is that of the world."""
@@ -101,13 +149,21 @@ class ModelCrossings(Crossings):
     """The names of the regions, beginning with the world."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Partition:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Partition(Table):
     """The partition of rays by medium: S pieces, each in one medium, sorted by ray, then t.
 
     The pieces of ray i are ``offsets[i]:offsets[i + 1]``. They cover the requested window without gaps: the first
     begins at t_min, the last ends at t_max, which may be infinite.
+
+    >>> import rayweave as rw
+    >>> pieces = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)}).partition([-3, 0, 0], [1, 0, 0], 0)
+    >>> [(piece["medium"], piece["t_end"] - piece["t_start"]) for piece in pieces][1:3]
+    [('shell', 1.0), ('core', 2.0)]
     """
+
+    _columns: ClassVar[tuple[str, ...]] = ("ray", "t_start", "t_end", "medium", "region")
+    _names: ClassVar[Mapping[str, str]] = {"medium": "medium_names", "region": "region_names"}
 
     ray: NDArray[np.int64]
     """(S,) the number of the ray."""
@@ -130,5 +186,5 @@ class Partition:
         """The number of pieces, S."""
         return len(self.t_start)
 
-    def __repr__(self) -> str:
-        return f"<Partition: {len(self)} pieces of {len(self.offsets) - 1} rays>"
+    def _heading(self) -> str:
+        return f"Partition: {len(self)} pieces of {len(self.offsets) - 1} rays"

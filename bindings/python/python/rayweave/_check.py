@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._box import Box, corners
-from rayweave._core import Model, Section, Solid
+from rayweave._core import Section
+from rayweave._model import Subject
+from rayweave._table import Rows
 
 _Array = NDArray[np.float64]
 
@@ -55,6 +57,9 @@ class Finding:
         return None if self.section is None else _core.section_text([self.section], "svg", self.text)
 
 
+_COLUMNS = ("kind", "regions", "text", "size", "volume", "area", "at", "is_proved")
+
+
 @dataclass(frozen=True, eq=False)
 class Check:
     """The findings and the scope of a check."""
@@ -74,6 +79,36 @@ class Check:
     def __iter__(self) -> Iterator[Finding]:
         return iter(self.findings)
 
+    @overload
+    def __getitem__(self, key: int) -> Finding: ...
+    @overload
+    def __getitem__(self, key: slice) -> tuple[Finding, ...]: ...
+    def __getitem__(self, key: int | slice) -> Finding | tuple[Finding, ...]:
+        return self.findings[key]
+
+    def _rows(self) -> Rows:
+        rows = {name: [getattr(finding, name) for finding in self.findings] for name in _COLUMNS}
+        columns = {
+            "kind": np.array(rows["kind"], dtype=object),
+            "regions": np.array([", ".join(names) for names in rows["regions"]], dtype=object),
+            "text": np.array(rows["text"], dtype=object),
+            **{name: np.array(rows[name], dtype=np.float64) for name in ("size", "volume", "area")},
+            "at": np.array(rows["at"], dtype=np.float64).reshape(-1, 3),
+            "is_proved": np.array(rows["is_proved"], dtype=np.bool_),
+        }
+        return Rows(columns, {})
+
+    def to_pandas(self) -> Any:
+        """The findings as a pandas DataFrame."""
+        return self._rows().to_pandas()
+
+    def to_arrow(self) -> Any:
+        """The findings as an Arrow table."""
+        return self._rows().to_arrow()
+
+    def _repr_html_(self) -> str:
+        return self._rows()._repr_html_()
+
     def __repr__(self) -> str:
         counts = Counter(finding.kind for finding in self.findings)
         found = ", ".join(f"{kind} {count}" for kind, count in counts.items()) or "nothing found"
@@ -87,7 +122,7 @@ class Check:
 
 
 def check(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     wall: float | None = None,
     gap: float | None = None,

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from os import PathLike
 
-from rayweave._core import load
+from rayweave._core import Model, Solid, load
+from rayweave._model import Subject
 
 
 def convert(
-    source: str | PathLike[str],
+    source: str | PathLike[str] | Subject,
     target: str | PathLike[str],
     parameters: dict[str, float | str] | None = None,
     *,
@@ -24,14 +25,20 @@ def convert(
     allow: Sequence[str | PathLike[str]] = (),
     strict: bool = False,
 ) -> list[str]:
-    """Write the model in the file ``source`` to the file ``target``, complete or not at all.
+    """Write a model, or the model in the file ``source``, to the file ``target``, complete or not at all.
 
     The endings of the names select the formats, unless ``format`` and ``to`` name them. ``load`` describes reading,
     ``Model.save`` writing. Returns what was lost: the warnings of the reader, then those of the writer.
 
     >>> import rayweave
-    >>> rayweave.convert("lens.toml", "lens.stl", tolerance=0.001)  # doctest: +SKIP
+    >>> _ = rayweave.convert(rayweave.sphere(10), "ball.stl", tolerance=0.01)
+    >>> rayweave.convert("ball.stl", "ball.off")[-1]
+    'dropped: colours and names of faces'
     """
+    if not isinstance(source, (str, PathLike)):
+        if isinstance(source, (Solid, Model)):
+            return source.save(target, format=to, tolerance=tolerance, text=text)
+        return Model(source).save(target, format=to, tolerance=tolerance, text=text)
     model = load(
         source,
         parameters,

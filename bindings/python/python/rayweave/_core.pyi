@@ -11,7 +11,8 @@ from typing_extensions import disjoint_base
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._check import CheckRow
 from rayweave._explain import Passage, Question
-from rayweave._model import Medium, Region
+from rayweave._mesh import Mesh
+from rayweave._model import Media, Medium, Region, Regions, Subject
 from rayweave.photons._compare import CompareRow
 from rayweave.space import PointCrossings, Trajectory
 
@@ -66,6 +67,7 @@ __all__ = [
     "loads_optics",
     "manuals",
     "measure_columns",
+    "mesh_parts",
     "min_sep",
     "notebook_png",
     "number_list",
@@ -119,7 +121,7 @@ def number_list(values: ArrayLike, name: str) -> list[float]:
     """
 
 def check_rows(
-    subject: Solid | Model,
+    subject: Subject,
     wall: float | None,
     gap: float | None,
     distance: float | None,
@@ -134,8 +136,8 @@ def check_rows(
     """Probable faults of a model, with the unit and the scope of the check: see `rayweave.check`."""
 
 def diff_columns(
-    a: Solid | Model,
-    b: Solid | Model,
+    a: Subject,
+    b: Subject,
     by: str | None,
     distance: float | None,
     cells: int,
@@ -200,7 +202,7 @@ def count_array(
     """The merged entries of two hit arrays and the count after each: see `rayweave.count_array`."""
 
 def infill_columns(
-    subject: Solid | Model | Polygons,
+    subject: Subject | Polygons,
     spacing: float,
     angle: float,
     phase: float,
@@ -214,7 +216,7 @@ def infill_columns(
     """The traces that fill a solid, a model or a region: see `rayweave.infill`."""
 
 def measure_columns(
-    subject: Solid | Model,
+    subject: Subject,
     precision: float,
     confidence: float,
     most_rays: int,
@@ -229,9 +231,24 @@ def measure_columns(
 class Model:
     """A model: an ordered list of regions, each a solid made of a medium. It never changes.
 
-    Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. Models come from `load`
-    and `loads`. The queries are those of `Solid`; a point is inside where the medium is not that of the world.
+    Later regions have priority where solids overlap; everywhere else is the medium of the world, number 0. The queries are those of
+    `Solid`; a point is inside where the medium is not that of the world.
+
+    `load` and `loads` read models; `Model(regions, media)` builds one. Regions are a list of solids and `Region` objects, or a dict
+    of them by name. Media are a list of `Medium` objects, or a dict from names to an index, to a dict of numbers, or to a `Medium`.
+    With `media`, the medium of each region must be in it.
+
+    >>> import rayweave as rw
+    >>> ball = rw.sphere(10)
+    >>> model = rw.Model(
+    ...     regions=[rw.Region("ball", ball, medium="glass", colour="steelblue")],
+    ...     media={"glass": 1.5},
+    ... )
+    >>> model.nearest([0, 0, -20], [0, 0, 1]).t
+    array([10.])
     """
+
+    def __new__(cls, regions: Regions, media: Media | None = None, *, unit: str = "mm") -> Model: ...
 
     @property
     def solids(self) -> dict[str, Solid]:
@@ -374,11 +391,25 @@ class Model:
         tolerance: float | None = None,
         text: bool = False,
     ) -> list[str]:
-        """Writes the model to a file, complete or not at all, in the format of its ending (native for unknown endings) or the one
+        """Writes the model to a file, complete or not at all, in the format of its ending (native without one) or the one
         that `format` names, as in `load`. Curved faces that the format does not support become triangles within `tolerance`, in
         the unit of the model; default 1/5000 of its diagonal. With `text`, STL and PLY are written as text. Returns sentences
         about parts that were approximated, dropped or written in another form.
         """
+
+    def to_mesh(self, tolerance: float | None = None) -> Mesh:
+        """The surfaces of all regions as triangles: see `rayweave.Mesh`. A face between two regions has triangles of both.
+        `tolerance` is the maximum distance from curved faces; default 1/5000 of the diagonal of the model.
+        """
+
+    def __len__(self) -> int:
+        """The number of regions."""
+
+    def __iter__(self) -> Iterator[Region]:
+        """The regions in order."""
+
+    def __getitem__(self, key: str | int, /) -> Region:
+        """A region by its name, or by its position in the list of regions."""
 
     def to_toml(self) -> str:
         """The model file as text."""
@@ -1089,13 +1120,13 @@ def from_polygons(contours: Iterable[ArrayLike], outside: int = 1) -> Polygons:
     `outside` is +1 or, if the outermost contours are holes, -1.
     """
 
-def render(subject: Solid | Model, kind: str, arguments: Mapping[str, Any]) -> NDArray[Any]:
+def render(subject: Subject, kind: str, arguments: Mapping[str, Any]) -> NDArray[Any]:
     """A picture of a solid or a model: see `rayweave.render`."""
 
-def sheet_svg(subject: Solid | Model, title: str, is_one: bool, arguments: Mapping[str, Any]) -> str:
+def sheet_svg(subject: Subject, title: str, is_one: bool, arguments: Mapping[str, Any]) -> str:
     """A sheet with pictures of a solid or a model and a legend, as SVG: see `rayweave.sheet`."""
 
-def notebook_png(subject: Solid | Model) -> bytes:
+def notebook_png(subject: Subject) -> bytes:
     """A picture as a PNG file for notebooks."""
 
 @final
@@ -1213,10 +1244,22 @@ class Section:
     def frame(self) -> NDArray[np.float64]:
         """A point of the plane and its axes, to the right and up, (3, 3): `frame[0] + u * frame[1] + v * frame[2]` is a point of space."""
 
+    def __len__(self) -> int:
+        """The number of parts."""
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the parts."""
+
+    def to_pandas(self) -> Any:
+        """The parts as a pandas DataFrame: name, area, perimeter."""
+
+    def to_arrow(self) -> Any:
+        """The parts as an Arrow table: name, area, perimeter."""
+
     def _repr_svg_(self) -> str: ...
 
 def section_list(
-    subject: Solid | Model,
+    subject: Subject,
     plane: str,
     point: Sequence[float],
     normal: Sequence[float] | None,
@@ -1407,8 +1450,44 @@ class Solid:
 
     def __hash__(self) -> int: ...
 
-    def save(self, path: str | PathLike[str], name: str | None = None) -> None:
-        """Writes the solid as a model file (.toml), under its own name or the given one."""
+    @property
+    def name(self) -> str | None:
+        """The name that `named` gave it, or None."""
+
+    @property
+    def volume(self) -> float:
+        """The volume: exact for a single shape, otherwise measured by rays within 0.1 % at a confidence of 99 %. `rayweave.measure`
+        returns the interval.
+
+        >>> import rayweave as rw
+        >>> rw.box([1, 2, 3]).volume
+        6.0
+        """
+
+    @property
+    def area(self) -> float:
+        """The surface area, measured by rays at a confidence of 99 %. `rayweave.measure` returns the interval."""
+
+    @property
+    def centroid(self) -> NDArray[np.float64]:
+        """(3,) the centre of volume, measured by rays. `rayweave.measure` returns the intervals."""
+
+    def to_mesh(self, tolerance: float | None = None) -> Mesh:
+        """The surface as triangles within `tolerance` of it: see `rayweave.Mesh`. The default is 1/5000 of the diagonal."""
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        name: str | None = None,
+        *,
+        format: str | None = None,
+        tolerance: float | None = None,
+        text: bool = False,
+    ) -> list[str]:
+        """Writes the solid to a file, complete or not at all, in the format of its ending: a model file (.toml), a mesh (.stl, .obj,
+        .ply, .off, .3mf, .gltf, .glb), OpenSCAD (.csg) or GDML (.gdml). `name` replaces the name of the solid. The other arguments
+        and the result are those of `Model.save`.
+        """
 
     def render(self, **options: Any) -> NDArray[Any]:
         """A picture of the solid as an array: see `rayweave.render`, whose options these are."""
@@ -1428,11 +1507,16 @@ def empty() -> Solid:
 def universe() -> Solid:
     """All of space: the neutral element of intersection."""
 
-def union(solids: Iterable[Solid]) -> Solid:
-    """The union of the solids; `empty()` if there are none."""
+def union(*solids: Solid | Iterable[Solid]) -> Solid:
+    """The union of solids, given one by one or as one iterable; `empty()` if there are none.
 
-def intersection(solids: Iterable[Solid]) -> Solid:
-    """The intersection of the solids; `universe()` if there are none."""
+    >>> import rayweave as rw
+    >>> rw.union(rw.sphere(1), rw.box(1)) == rw.union([rw.sphere(1), rw.box(1)])
+    True
+    """
+
+def intersection(*solids: Solid | Iterable[Solid]) -> Solid:
+    """The intersection of solids, given one by one or as one iterable; `universe()` if there are none."""
 
 def place(solid: Solid, transforms: ArrayLike) -> Solid:
     """The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The
@@ -1644,7 +1728,7 @@ def space_trace_along(curve: Trajectory, solid: SpaceSolid, t_min: float, t_max:
     """The root-ray of a curve: see `rayweave.space.trace_along`."""
 
 def thickness_maps(
-    subject: Solid | Model,
+    subject: Subject,
     view: str | None,
     size: tuple[int, int] | None,
     evaluator: str | None,
@@ -1662,10 +1746,11 @@ def timeline_svg(
     """Root-rays drawn over time, as SVG: see `rayweave.timeline`."""
 
 def ray_timeline_svg(
-    subject: Solid | Model,
-    origin: ArrayLike,
-    direction: ArrayLike,
-    title: str,
-    window: tuple[float, float] | None,
+    subject: Subject, origin: ArrayLike, direction: ArrayLike, title: str, window: tuple[float, float] | None
 ) -> str:
     """Time line of one ray through a solid or a model, as SVG: see `rayweave.ray_timeline`."""
+
+def mesh_parts(
+    subject: Subject, tolerance: float | None
+) -> list[tuple[str, NDArray[np.float64], NDArray[np.uint32]]]:
+    """The regions of a solid or a model as triangle meshes: see `rayweave.Mesh`."""

@@ -3,26 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._box import Box, corners
-from rayweave._core import Model, Section, Solid
+from rayweave._core import Section
+from rayweave._model import Subject
+from rayweave._table import Table
 
 _Array = NDArray[np.float64]
 _Truths = NDArray[np.bool_]
 
 
-@dataclass(frozen=True, eq=False)
-class Diff:
+@dataclass(frozen=True, eq=False, repr=False)
+class Diff(Table):
     """The common and the different parts of two models; a notebook shows the thickest difference in section.
 
     P regions, media or whole models are compared. Lengths are in the unit of the first model. `x_half_width` is half
     the width of the confidence interval of `x`.
     """
+
+    _columns: ClassVar[tuple[str, ...]] = (
+        "names", "same", "proved", "in_a", "in_b", "both", "both_half_width", "a_only", "a_only_half_width", "b_only",
+        "b_only_half_width", "thickness", "is_a",
+    )  # fmt: skip
 
     is_same: bool
     """True if no difference thicker than `distance` was found."""
@@ -59,6 +66,10 @@ class Diff:
     section: Section
     """A section through the part with the thickest difference: "both", "A only", "B only"."""
 
+    def _column(self, name: str) -> NDArray[Any]:
+        column = getattr(self, name)
+        return np.array(column, dtype=object) if isinstance(column, tuple) else np.asarray(column)
+
     def __repr__(self) -> str:
         if self.is_same:
             return f"<Diff: the same, no difference thicker than {self.distance:.3g} {self.unit} ({self.rays} rays)>"
@@ -75,8 +86,8 @@ class Diff:
 
 
 def diff(
-    a: Solid | Model,
-    b: Solid | Model,
+    a: Subject,
+    b: Subject,
     *,
     by: Literal["region", "medium", "whole"] | None = None,
     distance: float | None = None,

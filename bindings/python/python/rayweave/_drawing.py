@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+import sys
+import tempfile
+import webbrowser
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
+
+from rayweave import _core
 
 
-@dataclass(frozen=True)
+def show(picture: Any, data: bytes, ending: str) -> None:
+    """Shows a picture in the notebook, or the data of its file in the browser."""
+    shell = sys.modules.get("IPython")
+    if shell is not None and type(shell.get_ipython()).__name__ == "ZMQInteractiveShell":
+        sys.modules["IPython.display"].display(picture)  # type: ignore[attr-defined]
+        return
+    # the browser reads the file later, so that it cannot be removed here
+    with tempfile.NamedTemporaryFile(prefix="rayweave-", suffix=ending, delete=False) as file:
+        file.write(data)
+    webbrowser.open(Path(file.name).as_uri())
+
+
+@dataclass(frozen=True, repr=False)
 class Drawing:
     """A drawing; a notebook shows it."""
 
@@ -16,7 +34,17 @@ class Drawing:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the drawing to a file (.svg)."""
+        ending = Path(path).suffix.lower()
+        if ending != ".svg":
+            raise _core.RayweaveError(f"cannot write {path}: drawings are written as .svg, not as '{ending}'.")
         Path(path).write_text(self.svg, encoding="utf-8")
+
+    def show(self) -> None:
+        """Shows the drawing: in a notebook below the cell, otherwise in the browser."""
+        show(self, self.svg.encode(), ".svg")
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: SVG of {len(self.svg)} characters>"
 
     def _repr_svg_(self) -> str:
         return self.svg

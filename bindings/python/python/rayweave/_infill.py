@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
-from rayweave._core import Model, Polygons, Solid
+from rayweave._core import Polygons
+from rayweave._model import Subject
 
 _TRACE = np.dtype(
     [
@@ -25,7 +26,7 @@ _TRACE = np.dtype(
 
 
 def infill(
-    subject: Solid | Model | Polygons,
+    subject: Subject | Polygons,
     spacing: float,
     angle: float = 0.0,
     phase: float = 0.0,

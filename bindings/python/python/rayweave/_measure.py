@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._box import Box, corners
-from rayweave._core import Model, Solid
+from rayweave._core import Solid
+from rayweave._model import Subject
+from rayweave._table import Table
 
 _Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class Measurement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Measurement(Table):
     """The measured values of R regions; `x_half_width` is half the width of the confidence interval of `x`.
 
     Lengths are in the unit of the document. Unknown values are NaN: the mass of a medium without a density, the volume
     by formula of anything but a single shape, the centre of a region that no ray has hit.
     """
+
+    _columns: ClassVar[tuple[str, ...]] = (
+        "regions", "media", "volume", "volume_half_width", "volume_by_formula", "area", "area_half_width", "mass",
+        "mass_half_width", "centre", "centre_half_width", "rays", "is_reached",
+    )  # fmt: skip
 
     regions: tuple[str, ...]
     """The names of the regions."""
@@ -48,6 +56,10 @@ class Measurement:
     is_reached: NDArray[np.bool_]
     """(R,) whether the volume is as precise as requested."""
 
+    def _column(self, name: str) -> NDArray[Any]:
+        column = getattr(self, name)
+        return np.array(column, dtype=object) if isinstance(column, tuple) else np.asarray(column)
+
     def __repr__(self) -> str:
         rows = zip(self.regions, self.volume, self.volume_half_width, strict=True)
         text = ", ".join(f"{name} {volume:.6g} \u00b1 {half:.2g}" for name, volume, half in rows)
@@ -55,7 +67,7 @@ class Measurement:
 
 
 def measure(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     precision: float = 1e-3,
     confidence: float = 0.99,
@@ -65,12 +77,17 @@ def measure(
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> Measurement:
-    """Measure the regions of a model, or a solid as the only region, by stratified rays.
+    """Measure the regions of a model, a solid, or several solids, by stratified rays.
 
     Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision`
     times the volume, or `most_rays` have been traced for a region. Parts that later regions cover do not count.
     `within` (2, 3), the corners of a box, restricts the measurement to the box. Equal seeds give equal results,
     regardless of the number of threads.
+
+    >>> import rayweave as rw
+    >>> found = rw.measure({"ball": rw.sphere(1)})
+    >>> bool(abs(found.volume[0] - 4.18879) < 3 * found.volume_half_width[0])
+    True
     """
     regions, media, (rays, is_reached), (values, widths) = _core.measure_columns(
         subject, precision, confidence, most_rays, corners(within), seed, evaluator, threads
@@ -93,3 +110,16 @@ def measure(
         rays,
         is_reached,
     )
+
+
+def value_of(solid: Solid, value: str) -> Any:
+    """The volume, the area or the centre of a solid."""
+    if not np.isfinite(solid.bounds()).all() and solid.bounds()[0, 0] < np.inf:
+        word = "centroid" if value == "centre" else value
+        raise _core.RayweaveError(f"the solid is unbounded: it has no {word}. Intersect it with a box.")
+    found = measure(solid)
+    exact = found.volume_by_formula[0]
+    if value == "volume" and np.isfinite(exact):
+        return float(exact)
+    number = getattr(found, value)[0]
+    return float(number) if np.ndim(number) == 0 else number

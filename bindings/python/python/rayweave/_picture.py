@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import struct
+import zlib
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, overload
+from os import PathLike
+from pathlib import Path
+from typing import Any, Literal, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
-from rayweave._core import Model, Solid
-from rayweave._drawing import Drawing
+from rayweave._drawing import Drawing, show
+from rayweave._model import Subject
+from rayweave._package import package
 
 View: TypeAlias = Literal["front", "back", "left", "right", "top", "bottom", "iso"]
 """Directions of view that show the whole model; z is up."""
@@ -37,9 +42,49 @@ class Camera:
     """The height of the picture in the unit of the model, for an orthographic picture."""
 
 
+class Picture(np.ndarray[Any, np.dtype[np.uint8]]):
+    """A picture as an array of pixels, uint8 (h, w, 4): red, green, blue, opacity. A notebook shows it.
+
+    >>> import rayweave as rw
+    >>> picture = rw.render(rw.sphere(1), size=(64, 48))
+    >>> picture.shape
+    (48, 64, 4)
+    >>> picture.save("sphere.png")
+    """
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Writes the picture to a file: .png, or by Pillow any format that it has, such as .jpg."""
+        target = Path(path)
+        if target.suffix.lower() == ".png":
+            target.write_bytes(self._repr_png_())
+            return
+        image = package("PIL.Image", "pictures in formats other than PNG").fromarray(np.asarray(self))
+        image.convert("RGB" if target.suffix.lower() in (".jpg", ".jpeg") else "RGBA").save(target)
+
+    def show(self) -> None:
+        """Shows the picture: in a notebook below the cell, otherwise in the browser."""
+        show(self, self._repr_png_(), ".png")
+
+    def _repr_png_(self) -> bytes:
+        """The picture as a PNG file (ISO/IEC 15948), with 8 bits for each channel and no row filter."""
+        pixels = np.ascontiguousarray(np.asarray(self))
+        if pixels.ndim != 3 or pixels.shape[2] != 4:
+            raise _core.RayweaveError(f"the picture has shape {pixels.shape}: a file needs (h, w, 4).")
+        height, width, _ = pixels.shape
+        rows = np.zeros((height, 1 + 4 * width), np.uint8)
+        rows[:, 1:] = pixels.reshape(height, 4 * width)
+
+        def chunk(kind: bytes, data: bytes) -> bytes:
+            return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+        header = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
+        body = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows.tobytes())) + chunk(b"IEND", b"")
+        return b"\x89PNG\r\n\x1a\n" + body
+
+
 @overload
 def render(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     kind: Literal["colour"] = "colour",
     size: tuple[int, int] | None = None,
@@ -55,10 +100,10 @@ def render(
     opacity: Opacity | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
-) -> NDArray[np.uint8]: ...
+) -> Picture: ...
 @overload
 def render(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     kind: Literal["depth", "normal"],
     size: tuple[int, int] | None = None,
@@ -77,7 +122,7 @@ def render(
 ) -> NDArray[np.float64]: ...
 @overload
 def render(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     kind: Literal["id"],
     size: tuple[int, int] | None = None,
@@ -95,7 +140,7 @@ def render(
     threads: int | None = None,
 ) -> NDArray[np.int32]: ...
 def render(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     kind: Literal["colour", "depth", "normal", "id"] = "colour",
     size: tuple[int, int] | None = None,
@@ -112,14 +157,14 @@ def render(
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> NDArray[Any]:
-    """A picture of a solid or a model as an array, row by row from the top.
+    """A picture of a solid, a model, or a list or dict of solids, as an array, row by row from the top.
 
     Arguments that are None have the values of the model file or else the defaults below.
 
     Parameters
     ----------
     kind
-        - "colour": uint8 (h, w, 4), red, green, blue, opacity;
+        - "colour": a `Picture`, uint8 (h, w, 4), red, green, blue, opacity;
         - "depth": float64 (h, w), the distance to the first surface along the ray of each pixel, inf for a miss;
         - "normal": float64 (h, w, 3), the unit normal there, NaN for a miss;
         - "id": int32 (h, w), the number of the region, 0 for a miss.
@@ -148,6 +193,11 @@ def render(
         Makes regions transparent.
     evaluator, threads
         As in the queries of `Solid`.
+
+    Examples
+    --------
+    >>> picture = render({"ball": sphere(1), "plate": box([3, 3, 0.2])}, size=(320, 240))
+    >>> picture.save("ball.png")
     """
     if camera is not None and (view is not None or field_of_view is not None):
         raise _core.RayweaveError(
@@ -168,12 +218,12 @@ def render(
         evaluator=evaluator,
         threads=threads,
     )
-    picture: NDArray[Any] = _core.render(subject, kind, arguments)
-    return picture
+    picture: NDArray[Any] = _named(lambda: _core.render(subject, kind, arguments), arguments)
+    return picture.view(Picture) if kind == "colour" else picture
 
 
 def sheet(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     title: str = "",
     view: View | None = None,
@@ -224,7 +274,36 @@ def sheet(
         evaluator=evaluator,
         threads=threads,
     )
-    return Drawing(_core.sheet_svg(subject, title, view is not None, arguments))
+    return Drawing(_named(lambda: _core.sheet_svg(subject, title, view is not None, arguments), arguments))
+
+
+#: The kinds of arguments, for messages.
+_WANTED = {
+    "size": "two whole numbers, the width and the height in pixels",
+    "view": "the name of a view, such as 'front'",
+    "field_of_view": "an angle in degrees",
+    "shading": "the name of a style",
+    "edges": "True or False",
+    "shadows": "True or False",
+    "samples": "a whole number",
+    "cut": "a text such as 'x>0'",
+    "explode": "a text such as 'z'",
+    "opacity": "a number, or a dict of numbers",
+    "evaluator": "the name of an evaluator",
+}
+
+T = TypeVar("T")
+
+
+def _named(call: Callable[[], T], arguments: Mapping[str, Any]) -> T:
+    """The result of a call; an error about the type of an argument states what is needed."""
+    try:
+        return call()
+    except (TypeError, OverflowError, ValueError) as error:
+        name = str(error).rpartition("RenderArguments.")[2]
+        if "RenderArguments." not in str(error) or name not in _WANTED:
+            raise
+        raise TypeError(f"{name} is {arguments[name]!r}: it must be {_WANTED[name]}.") from None
 
 
 def _opacities(opacity: Opacity | None) -> list[tuple[str | None, float]]:

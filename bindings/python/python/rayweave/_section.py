@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike
 
 from rayweave import _core
 from rayweave._box import Box, corners
-from rayweave._core import Model, Section, Solid
+from rayweave._core import Section
+from rayweave._model import Subject
+from rayweave._table import Rows
 
 
 @overload
 def section(
-    subject: Solid | Model,
+    subject: Subject,
     plane: str = ...,
     *,
     point: ArrayLike | None = ...,
@@ -32,7 +34,7 @@ def section(
 ) -> Section: ...
 @overload
 def section(
-    subject: Solid | Model,
+    subject: Subject,
     plane: str = ...,
     *,
     point: ArrayLike | None = ...,
@@ -46,7 +48,7 @@ def section(
     threads: int | None = ...,
 ) -> list[Section]: ...
 def section(
-    subject: Solid | Model,
+    subject: Subject,
     plane: str = "xy",
     *,
     point: ArrayLike | None = None,
@@ -119,3 +121,9 @@ def _vector(values: ArrayLike, name: str) -> list[float]:
         raise _core.RayweaveError(f"{name} has shape {array.shape}: it must be (3,).")
     numbers: list[float] = array.tolist()
     return numbers
+
+
+def rows_of(found: Section) -> Rows:
+    """The parts of a section as rows."""
+    names = np.array(found.names, dtype=object)
+    return Rows({"name": names, "area": found.areas, "perimeter": found.perimeters}, {})

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable
+from difflib import get_close_matches
+from functools import wraps
 from math import inf
-from typing import Any
+from typing import Any, NoReturn
 
 from rayweave import _core
 
@@ -38,9 +40,43 @@ def _function(page: dict[str, Any]) -> Callable[..., _core.Solid]:
     )
     scope: dict[str, Any] = {"_shape": _core.shape, "inf": inf, "__name__": __name__}
     exec(source, scope)
-    function: Callable[..., _core.Solid] = scope[page["name"]]
+    inner: Callable[..., _core.Solid] = scope[page["name"]]
+
+    @wraps(inner)
+    def function(*values: Any, **named: Any) -> _core.Solid:
+        for name in named:
+            if name not in names:
+                _reject(page["name"], names, name)
+        return inner(*values, **named)
+
     function.__doc__ = _docstring(page)
     return function
+
+
+#: Names of arguments in other programs, with the name here and what else to write.
+_MEANT = {
+    "d": ("radius", ", half the diameter"),
+    "diameter": ("radius", ", half the diameter"),
+    "h": ("height", ""),
+    "length": ("height", ""),
+    "r": ("radius", ""),
+    "dimensions": ("size", ""),
+    "extents": ("size", ""),
+}
+
+
+def _reject(shape: str, names: list[str], name: str) -> NoReturn:
+    """Rejects an unknown argument of a shape."""
+    near = get_close_matches(name, names, 1)
+    if name in ("center", "centre", "position", "origin"):
+        hint = f" Write {shape}(...).translate({name})."
+    elif name in _MEANT and _MEANT[name][0] in names:
+        hint = f" Did you mean {_MEANT[name][0]}{_MEANT[name][1]}?"
+    else:
+        hint = f" Did you mean {near[0]}?" if near else ""
+    raise TypeError(
+        f"{shape}() got an unexpected keyword argument '{name}': its arguments are {', '.join(names)}.{hint}"
+    )
 
 
 _FUNCTIONS = {page["name"]: _function(page) for page in _core.manuals()}

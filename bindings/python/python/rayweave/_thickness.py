@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
-from rayweave._core import Model, Solid
+from rayweave._model import Subject
 
 _Array = NDArray[np.float64]
 
@@ -28,6 +29,20 @@ class Thickness:
     """(M,) the attenuation per length of each medium that the radiograph uses."""
     unit: str
 
+    def __len__(self) -> int:
+        """The number of media."""
+        return len(self.media)
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the media."""
+        return iter(self.media)
+
+    def __getitem__(self, medium: str) -> _Array:
+        """(H, W) the path lengths in a medium."""
+        if medium not in self.media:
+            raise KeyError(f"there is no medium '{medium}': the media are {', '.join(self.media)}.")
+        return self.lengths[..., self.media.index(medium)]
+
     def __repr__(self) -> str:
         height, width, _ = self.lengths.shape
         longest = [np.max(self.lengths[..., k], initial=0.0) for k in range(len(self.media))]
@@ -36,7 +51,7 @@ class Thickness:
 
 
 def thickness(
-    subject: Solid | Model,
+    subject: Subject,
     *,
     view: str | None = None,
     size: tuple[int, int] | None = None,

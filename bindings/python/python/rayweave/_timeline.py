@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
-from rayweave._core import Model, RootRay, Solid
+from rayweave._core import RootRay
 from rayweave._drawing import Drawing
+from rayweave._model import Subject
 
 Row: TypeAlias = RootRay | tuple[int, Sequence[float]] | NDArray[Any] | Sequence[float]
 """A root-ray, the pair of one, or the hits of one ray."""
@@ -52,7 +53,7 @@ def timeline(
 
 
 def ray_timeline(
-    subject: Solid | Model,
+    subject: Subject,
     origin: ArrayLike,
     direction: ArrayLike,
     *,

@@ -16,9 +16,9 @@ RootRay(+1, [2.0, 3.0, 5.0, 6.0])
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Arc, Curve, Helix, Line, Parabola, RayweaveError, RootRay, Spline
 from rayweave._core import SpaceSolid as Solid
+from rayweave._table import Table
 
 __all__ = [
     "Arc",
@@ -76,12 +77,15 @@ class Trajectory(Protocol):
         """
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PointCrossings:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class PointCrossings(Table):
     """Crossings of lines or curves with the surface of a solid in R^d: M rows, sorted by ray, then t.
 
     A ray is a line or a curve. The rows of ray i are ``offsets[i]:offsets[i + 1]``.
     """
+
+    _columns: ClassVar[tuple[str, ...]] = ("ray", "t", "point", "normal", "enters", "surface", "leaf")
+    _names: ClassVar[Mapping[str, str]] = {"surface": "surface_names"}
 
     ray: NDArray[np.int64]
     """(M,) the number of the line or curve."""
@@ -108,8 +112,8 @@ class PointCrossings:
         """The number of rows, M."""
         return len(self.t)
 
-    def __repr__(self) -> str:
-        return f"<PointCrossings: {len(self)} rows of {len(self.start_inside)} rays>"
+    def _heading(self) -> str:
+        return f"PointCrossings: {len(self)} rows of {len(self.start_inside)} rays"
 
 
 def empty(d: int) -> Solid:

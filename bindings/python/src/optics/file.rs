@@ -9,7 +9,7 @@ use rayweave::optics::Branches;
 use rayweave::optics::file::{OpticalScene, optics_of};
 use rayweave::scene::{Diagnostics, Document, Scene, load_allowing, parse_allowing};
 
-use crate::error::bad_value;
+use crate::error::{bad_value, require_file};
 use crate::interrupt::abandonable;
 use crate::model::overrides;
 use crate::optics::element::PyElement;
@@ -31,6 +31,7 @@ pub fn load_optics<'py>(
     allow: Vec<PathBuf>,
     strict: bool,
 ) -> PyResult<Loaded<'py>> {
+    require_file(&path)?;
     let overrides = overrides(parameters)?;
     read(py, strict, move || load_allowing(&path, &overrides, &allow))
 }

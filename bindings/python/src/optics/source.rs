@@ -8,7 +8,7 @@ use rayweave::optics::source::{
     BeamProfile, Emission, ListedRays, Pattern, Power, Sampling, Source, Spectrum,
 };
 
-use crate::error::bad_value;
+use crate::error::{bad_value, require_file};
 use crate::optics::outline::Outline;
 use crate::optics::spec::Spec;
 use crate::vectors::{matrix, vectors};
@@ -66,6 +66,7 @@ impl PySource {
     #[staticmethod]
     #[pyo3(signature = (path))]
     fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        require_file(&path)?;
         let read = || ListedRays::read(&path).and_then(|rays| Source::new(Pattern::Rays(rays)));
         py.detach(read).map(PySource).map_err(bad_value)
     }

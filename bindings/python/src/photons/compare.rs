@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use rayweave::photon::{CompareOptions, ComparedQuantity, Comparison, Pairs, compare, read_sample};
 
-use crate::error::bad_value;
+use crate::error::{bad_value, require_file};
 use crate::interrupt::abandonable;
 
 /// Name, numbers of photons, chi squared, degrees of freedom, p, z; bins: label, numbers of photons, z.
@@ -28,6 +28,8 @@ pub fn compare_photons(
     flags: bool,
     hits: bool,
 ) -> PyResult<Row> {
+    require_file(&a)?;
+    require_file(&b)?;
     abandonable(py, move || {
         let options = CompareOptions { least, flags, hits };
         let (a, b) = (read_sample(&a).map_err(bad_value)?, read_sample(&b).map_err(bad_value)?);

@@ -17,7 +17,7 @@ use rayweave::photon::{
     PhotonPart, PhotonRun, RunSettings, SurfaceTables, check_start, lint, simulate_parts,
 };
 
-use crate::error::bad_value;
+use crate::error::{bad_value, require_file};
 use crate::interrupt::{abandonable, interruptible};
 use crate::photons::light::TorchLight;
 use crate::photons::parts::DetectorParts;
@@ -48,6 +48,7 @@ pub fn load_detector(
     allow: Vec<PathBuf>,
     strict: bool,
 ) -> PyResult<PyDetector> {
+    require_file(&path)?;
     let options = Options { allow, strict, ..Options::default() };
     let tables = tables.0.clone();
     abandonable(py, move || {

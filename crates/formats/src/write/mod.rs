@@ -22,6 +22,8 @@ pub use remark::{Remark, RemarkKind};
 
 use crate::Format;
 use model::Model;
+use rayweave_mesh::Mesh;
+use rayweave_mesh_io::MeshFormat;
 use rayweave_scene::{Body, Document, Layout, Scene};
 use remark::Remarks;
 
@@ -63,6 +65,24 @@ pub fn write(
         other => return Err(WriteError::NotWritten(other)),
     };
     Ok(Written { bytes, remarks: remarks.finish() })
+}
+
+/// The regions of a scene as closed triangle meshes, with their names, in the unit of the scene. Later regions are subtracted from
+/// earlier ones; regions that they cover have no mesh.
+///
+/// # Errors
+///
+/// [`WriteError`].
+pub fn triangulate(scene: &Scene, options: &WriteOptions) -> Result<Vec<(String, Mesh)>, WriteError> {
+    let model = Model::new(scene, Format::Mesh(MeshFormat::Stl), options)?;
+    let mut parts = Vec::new();
+    for (region, body) in triangles::meshes(&model)? {
+        let mesh = body.mesh().map_err(|why| WriteError::Kernel { region: region.clone(), why })?;
+        if !mesh.is_flat() {
+            parts.push((region, mesh));
+        }
+    }
+    Ok(parts)
 }
 
 /// The original document or, if it refers to other files, which may be missing in the folder of the new one, a document with

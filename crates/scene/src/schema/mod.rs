@@ -4,6 +4,7 @@ mod optics;
 mod parts;
 mod photons;
 
+use crate::colour_names::COLOUR_NAMES;
 use crate::document::Shading;
 use crate::formats::native::VERSION;
 use crate::unit::Unit;
@@ -63,9 +64,12 @@ fn definitions() -> Value {
         "row": list("number", 4),
         "matrix": list("row", 4),
         "colour": {
-            "description": "#rgb, #rrggbb or #rrggbbaa",
+            "description": "A name of CSS such as red, or #rgb, #rrggbb or #rrggbbaa",
             "type": "string",
-            "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$",
+            "anyOf": [
+                { "pattern": "^#([0-9a-fA-F]{3}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$" },
+                { "enum": COLOUR_NAMES.map(|(name, _)| name).to_vec() },
+            ],
         },
         "step": step(),
         "transform": {

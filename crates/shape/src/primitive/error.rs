@@ -19,7 +19,7 @@ pub enum ShapeError {
         suggestion: Option<&'static str>,
     },
     /// The primitive has no parameter of this name.
-    #[error("{shape}: unknown parameter `{name}`: the parameters are {}.{}", parameters(.shape), or_name(.suggestion))]
+    #[error("{shape}: unknown parameter `{name}`: the parameters are {}.{}", parameters(.shape), or_parameter(.name, .suggestion))]
     UnknownParameter {
         /// The primitive.
         shape: &'static str,
@@ -210,6 +210,16 @@ impl ShapeError {
 
 fn at(index: &[usize]) -> String {
     index.iter().map(|i| format!("[{i}]")).collect()
+}
+
+/// The suggestion of a parameter: for a diameter, half of it.
+fn or_parameter(name: &str, suggestion: &Option<&'static str>) -> String {
+    match (name, suggestion) {
+        ("d" | "dia" | "diameter", Some(radius @ "radius")) => {
+            format!(" Did you mean `{radius}`, half the diameter?")
+        }
+        _ => or_name(suggestion),
+    }
 }
 
 fn or_name(suggestion: &Option<&'static str>) -> String {

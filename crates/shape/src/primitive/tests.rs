@@ -196,6 +196,11 @@ fn unknown_names_are_rejected() {
         "sphere: unknown parameter `raduis`: the parameters are radius. Did you mean `radius`?"
     );
     assert_eq!(
+        message(build("sphere", &[("diameter", number(1.0))])),
+        "sphere: unknown parameter `diameter`: the parameters are radius. Did you mean `radius`, half the diameter?"
+    );
+    assert!(message(build("cube", &[])).ends_with("Did you mean `box`?"));
+    assert_eq!(
         message(build("sphere", &[])),
         "sphere: radius is missing: it is a number and has no default. Did you forget it?"
     );

@@ -5,7 +5,6 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterable
 from difflib import get_close_matches
-from importlib import import_module
 from math import isfinite
 from reprlib import repr as shortened
 from typing import Any, NoReturn, TypeVar
@@ -14,20 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
+from rayweave._package import package as package
 
 T = TypeVar("T")
-
-
-def package(name: str, what_for: str) -> Any:
-    """A module of an optional package."""
-    try:
-        return import_module(name)
-    except ModuleNotFoundError as error:
-        root = name.split(".")[0]
-        if error.name not in (root, name):
-            raise
-        problem = f"{root} is not installed: {what_for} need it. Run pip install {root}."
-        raise ModuleNotFoundError(problem, name=root) from None
 
 
 def real(value: Any, name: str, needed: str = "a number") -> float:

@@ -1,6 +1,7 @@
 //! Reading of a table key by key, with a report of unknown keys.
 
 use crate::colour::Colour;
+use crate::colour_names::COLOUR_NAMES;
 use crate::datum::Datum;
 use crate::diagnostic::Diagnostic;
 use crate::document::{Matrix, Vector};
@@ -101,8 +102,10 @@ impl Problems {
         let colour = Colour::parse(&text.value);
         if colour.is_none() {
             let problem = format!("`{}` is not a colour", text.value);
-            let reason = "colours are #rgb, #rrggbb or #rrggbbaa in hexadecimal digits";
-            let suggestion = Some("Did you mean `#88aaff`?".to_owned());
+            let reason =
+                "colours are names such as `red`, or #rgb, #rrggbb or #rrggbbaa in hexadecimal digits";
+            let suggestion = did_you_mean(&text.value, COLOUR_NAMES.iter().map(|(name, _)| *name));
+            let suggestion = suggestion.or(Some("Did you mean `#88aaff`?".to_owned()));
             self.push(Diagnostic::error(problem).why(reason).suggest(suggestion), text.span);
         }
         Some(Spanned::new(colour?, text.span))

@@ -8,6 +8,7 @@ use crate::datum::{self, Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
 use crate::expression::is_reserved;
+use crate::keys::STEPS;
 use crate::number::{Number, written};
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
@@ -489,7 +490,7 @@ fn step(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Spanned<Step>>
     let span = datum.span;
     let mut fields = Fields::new(problems, "transform", datum)?;
     let mut found = Vec::new();
-    for key in ["translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "scale", "mirror", "matrix"] {
+    for key in STEPS {
         found.extend(fields.take_entry(key));
     }
     let counted = found.len() == 1 || !fields.is_exhausted();
@@ -520,6 +521,11 @@ fn map(problems: &mut Problems, key: &str, datum: Spanned<Datum>) -> Option<Step
 }
 
 fn rotate(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Step> {
+    if !matches!(datum.value, Datum::Table(_)) {
+        let wanted = "a table such as { axis = [0, 0, 1], degrees = 90 }; `rotate_x`, `rotate_y` and `rotate_z` turn about one axis";
+        problems.wrong_type("rotate", &datum, wanted);
+        return None;
+    }
     let mut fields = Fields::new(problems, "rotate", datum)?;
     let axis = fields.need("axis").and_then(|datum| fields.problems.numbers("axis", datum));
     let degrees = fields.need("degrees").and_then(|datum| fields.problems.number("degrees", datum));

@@ -1,0 +1,101 @@
+"""Triangle meshes of solids."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rayweave import _core
+from rayweave._core import Solid
+from rayweave._model import Subject
+from rayweave._shapes import mesh
+from rayweave._package import package
+
+_Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh:
+    """A closed surface of triangles, as `Solid.to_mesh` and `Model.to_mesh` return it.
+
+    >>> import rayweave as rw
+    >>> rw.box([1, 2, 3]).to_mesh()
+    <Mesh: 8 vertices, 12 triangles>
+    """
+
+    vertices: _Array
+    """(V, 3) the vertices."""
+    triangles: NDArray[np.uint32]
+    """(T, 3) the vertices of each triangle, counter-clockwise seen from outside."""
+
+    @property
+    def faces(self) -> NDArray[np.uint32]:
+        """(T, 3) the triangles, by the name that trimesh and PyVista use."""
+        return self.triangles
+
+    @property
+    def bounds(self) -> _Array:
+        """(2, 3) the smallest and the largest coordinates."""
+        return np.stack([self.vertices.min(axis=0), self.vertices.max(axis=0)])
+
+    @property
+    def normals(self) -> _Array:
+        """(T, 3) the unit normals of the triangles, pointing outwards."""
+        doubled = self._doubled()
+        return np.asarray(doubled / np.linalg.norm(doubled, axis=1, keepdims=True))
+
+    @property
+    def area(self) -> float:
+        """The area of all triangles."""
+        return float(np.linalg.norm(self._doubled(), axis=1).sum() / 2)
+
+    @property
+    def volume(self) -> float:
+        """The enclosed volume, by the divergence theorem."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        return float(np.einsum("ij,ij", a, np.cross(b, c)) / 6)
+
+    def _doubled(self) -> _Array:
+        """(T, 3) normals with twice the areas as lengths."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        return np.asarray(np.cross(b - a, c - a))
+
+    def to_solid(self) -> Solid:
+        """The solid within the mesh."""
+        return mesh(self.vertices, self.triangles)
+
+    def save(self, path: str | PathLike[str], *, format: str | None = None) -> list[str]:
+        """Writes the mesh to a file in the format of its ending: see `Model.save`."""
+        return self.to_solid().save(path, format=format)
+
+    def to_trimesh(self) -> Any:
+        """The mesh as a `trimesh.Trimesh`."""
+        return package("trimesh", "its meshes").Trimesh(self.vertices, self.triangles, process=False)
+
+    def to_pyvista(self) -> Any:
+        """The mesh as a `pyvista.PolyData`."""
+        triangles = self.triangles.astype(np.int64)
+        return package("pyvista", "its meshes").PolyData.from_regular_faces(self.vertices, triangles)
+
+    def __repr__(self) -> str:
+        return f"<Mesh: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
+
+
+def from_trimesh(source: Any) -> Solid:
+    """The solid within a closed mesh of trimesh, or of any object with `vertices` (V, 3) and `faces` (T, 3)."""
+    vertices: ArrayLike = source.vertices
+    faces: ArrayLike = source.faces
+    return mesh(vertices, faces)
+
+
+def mesh_of(subject: Subject, tolerance: float | None) -> Mesh:
+    """All regions as one mesh."""
+    parts = _core.mesh_parts(subject, tolerance)
+    vertices = np.concatenate([np.zeros((0, 3)), *(points for _, points, _ in parts)])
+    starts = np.cumsum([0, *(len(points) for _, points, _ in parts)])
+    triangles = [corners + np.uint32(start) for (_, _, corners), start in zip(parts, starts, strict=False)]
+    return Mesh(vertices, np.concatenate([np.zeros((0, 3), np.uint32), *triangles]))
