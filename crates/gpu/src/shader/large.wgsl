@@ -13,6 +13,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if i >= params.rays {
         return;
     }
+    limited = false;
     let r = ray_of(i);
     let inverse = vec3f(reciprocal(r.d.x), reciprocal(r.d.y), reciprocal(r.d.z));
     var from_ = start_of(i);

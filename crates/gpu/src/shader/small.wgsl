@@ -5,5 +5,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if i >= params.rays {
         return;
     }
+    limited = false;
     answer(i, walk(0u, ray_of(i), start_of(i)), 0u);
 }

@@ -46,6 +46,9 @@ fn largest(v: vec3f) -> f32 {
     return max(a.x, max(a.y, a.z));
 }
 
+// True once the side of a surface is known only for times up to FAR.
+var<private> limited: bool;
+
 fn constant(inside: bool) -> Roots {
     return Roots(0u, inside, BIG, BIG, BIG, BIG);
 }
@@ -71,6 +74,7 @@ fn plane(at: u32, r: Ray) -> Roots {
         return Roots(1u, v > 0.0, t - w, t + w, BIG, BIG);
     }
     if abs(h) - eh > ROOM * (abs(v) + ev) * FAR {
+        limited = true;
         return constant(h > 0.0);
     }
     return unknown();
@@ -119,6 +123,7 @@ fn quadratic(a: f32, b: f32, c: f32, ea: f32, eb: f32, ec: f32, s: f32) -> Roots
     }
     let far = FAR + abs(s);
     if abs(c) - ec > ROOM * (2.0 * (abs(b) + eb) + (abs(a) + ea) * far) * far {
+        limited = true;
         return constant(c < 0.0);
     }
     return unknown();

@@ -327,7 +327,7 @@ const UNCERTAIN: u32 = 0x80000000u;
 const MISS: u32 = 0x40000000u;
 
 fn answer(i: u32, c: Change, item: u32) {
-    if !c.certain || c.facet == HIDDEN || (c.facet == NONE && params.bounded == 0u) || (c.facet != NONE && c.hi > FAR) {
+    if !c.certain || c.facet == HIDDEN || (limited && params.bounded == 0u && c.hi > FAR) {
         answers[i] = vec4u(UNCERTAIN, 0u, 0u, 0u);
         return;
     }

@@ -17,3 +17,10 @@ impl Default for Bounds {
         Bounds { room: 1.00001, step: 1.05 }
     }
 }
+
+#[cfg(test)]
+mod adversary;
+#[cfg(test)]
+mod surfaces;
+#[cfg(test)]
+mod tests;
