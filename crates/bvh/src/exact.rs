@@ -96,3 +96,37 @@ impl Node64 {
         self.used().fold(Bounds::EMPTY, |all, k| all.union(&self.bounds(k)))
     }
 }
+
+/// A node of [`ExactBvh::flat`]: up to eight boxes with their children.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FlatNode {
+    /// The boxes.
+    pub bounds: [Bounds; WIDTH],
+    /// The children; `None` where a box is not in use. The boxes in use come first.
+    pub children: [Option<FlatChild>; WIDTH],
+}
+
+/// What a box of a [`FlatNode`] holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlatChild {
+    /// The node with this number, which is greater than that of its parent.
+    Node(u32),
+    /// The item at this place.
+    Item(u32),
+}
+
+impl ExactBvh {
+    /// The nodes in preorder, for other memories: a GPU buffer, a file. Node 0 is the root; there is none without items.
+    pub fn flat(&self) -> impl Iterator<Item = FlatNode> {
+        self.nodes.iter().map(|node| {
+            let child = |k: usize| match node.child[k] {
+                Child::NONE => None,
+                child => Some(child.as_node().map_or(FlatChild::Item(child.place()), FlatChild::Node)),
+            };
+            FlatNode {
+                bounds: std::array::from_fn(|k| node.bounds(k)),
+                children: std::array::from_fn(child),
+            }
+        })
+    }
+}

@@ -63,7 +63,7 @@ mod slabs;
 mod tree;
 
 pub use bundle::{Bundle, BundleSlabs, BundleTraversal, BundleWindow};
-pub use exact::ExactBvh;
+pub use exact::{ExactBvh, FlatChild, FlatNode};
 pub use frame::Probe;
 pub use front::FrontToBack;
 pub use node::WIDTH;

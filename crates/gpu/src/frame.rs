@@ -1,0 +1,186 @@
+//! Frames of the device: coordinates in which a group has a size of about 1, so that single precision resolves it.
+
+use rayweave_math::{Affine, UNIT_ROUNDOFF, Vec3};
+use rayweave_model::{Prototype, Rays};
+
+/// Half the width of the cube that the origins of rays on the device lie in, in units of the size of the model.
+pub(crate) const NEAR: f64 = 4.0;
+
+/// A frame with the origin `centre`, whose unit is `scale`, a power of two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Frame {
+    pub centre: Vec3,
+    pub scale: f64,
+}
+
+impl Frame {
+    /// The frame of a group: its finite leaves lie within a distance of 1 from the origin.
+    pub fn of(group: &Prototype) -> Frame {
+        // the ball has twice the radius of the leaves
+        let (centre, mut size) = (group.ball.centre, 0.5 * group.ball.radius);
+        if group.bounds.is_finite() && !group.bounds.is_empty() {
+            let corners = group.bounds.corners().into_iter().map(|corner| (corner - centre).length());
+            size = corners.fold(size, f64::max);
+        }
+        let scale = if size > 0.0 { power_of_two(size) } else { 1.0 };
+        Frame { centre, scale }
+    }
+
+    /// A point in this frame.
+    pub fn point(&self, p: Vec3) -> Vec3 {
+        (p - self.centre) / self.scale
+    }
+
+    /// The map from this frame to `inner`, where `map` takes the outer group's coordinates to the inner group's.
+    pub fn to(&self, map: &Affine, inner: &Frame) -> Affine {
+        let linear = map.linear * (self.scale / inner.scale);
+        Affine { linear, translation: inner.point(map.point(self.centre)) }
+    }
+}
+
+/// The least power of two that is not less than a positive number.
+fn power_of_two(size: f64) -> f64 {
+    let exponent = libm::ilogb(size);
+    let power = libm::ldexp(1.0, exponent);
+    if power < size { 2.0 * power } else { power }
+}
+
+/// A ray as the device receives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DeviceRay {
+    /// Origin in the frame of the model, and the start of the window, in device time.
+    pub origin: [f32; 3],
+    pub start: f32,
+    /// Unit direction, and the bound of the error of a component of the origin.
+    pub direction: [f32; 3],
+    pub error: f32,
+}
+
+/// The times of a ray from device times: `shift + t * rate`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Clock {
+    pub shift: f64,
+    pub rate: f64,
+}
+
+/// What happens to a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Sent {
+    /// The device traces it.
+    Device(DeviceRay, Clock),
+    /// It passes the model at a distance: no crossing, and it starts in the world.
+    Passes,
+    /// The CPU traces it: it starts too far away for the bounds to settle anything.
+    Cpu,
+}
+
+/// The rounding of rays into the frame of a model.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sender {
+    pub frame: Frame,
+    /// True if nothing of the model lies outside of the ball with radius 1 about the origin of the frame.
+    pub bounded: bool,
+    /// The greatest magnitude of a surface of the model itself.
+    pub magnitude: f64,
+}
+
+impl Sender {
+    /// Ray `i` of a batch, from t = 0 on.
+    ///
+    /// A ray from outside is moved to its point closest to the centre, in f64, so that the distance of its origin costs no
+    /// digits. The bound of the error of its origin includes, besides the rounding to f32, the tolerance of the CPU's
+    /// kernels: a root computed there lies within `64 u (|o| + |t| |d| + magnitude)` of the surface, for the times at which
+    /// the ray is near the model, and the shift has an error of the same form. Four times that leaves room for both.
+    pub fn send(&self, rays: &Rays<'_>, i: usize) -> Sent {
+        let ray = rays.get(i);
+        let Frame { centre, scale } = self.frame;
+        let largest = ray.direction.abs().max_element();
+        let scaled = ray.direction / largest;
+        let speed = scaled.length();
+        let unit = scaled / speed;
+        let offset = ray.origin - centre;
+        let distance = offset.length();
+        // the time of the moved origin, as a length
+        let shift = if distance <= NEAR * 0.5 * scale { 0.0 } else { -offset.dot(unit) };
+        let at = (offset + shift * unit) / scale;
+        let lengths = ray.origin.length() + centre.length() + 2.0 * distance + 16.0 * scale + self.magnitude;
+        let tolerance = 4.0 * 64.0 * UNIT_ROUNDOFF * lengths / scale;
+        // NaN compares false
+        if !(at.abs().max_element() <= NEAR && tolerance < 1e-3) {
+            let misses = self.bounded && tolerance < 1e-3 && at.is_finite();
+            return if misses { Sent::Passes } else { Sent::Cpu };
+        }
+        if shift < 0.0 && self.bounded && distance > 2.0 * scale {
+            // behind the start, and outside of everything
+            return Sent::Passes;
+        }
+        let start = -shift / scale;
+        if !self.bounded && start < -NEAR {
+            return Sent::Cpu;
+        }
+        let origin = at.to_array().map(|x| x as f32);
+        let error = (0..3).map(|k| (at[k] - f64::from(origin[k])).abs()).fold(0.0, f64::max);
+        let device = DeviceRay {
+            origin,
+            start: start as f32,
+            direction: unit.to_array().map(|x| x as f32),
+            error: above(error + tolerance),
+        };
+        let per_time = largest * speed;
+        Sent::Device(device, Clock { shift: shift / per_time, rate: scale / per_time })
+    }
+}
+
+/// A number of f32 that is not less than a non-negative one.
+pub(crate) fn above(x: f64) -> f32 {
+    let rounded = x as f32;
+    if f64::from(rounded) < x { rounded.next_up() } else { rounded }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rayweave_model::RayBatch;
+    use rayweave_shape::Ray;
+
+    fn sender(bounded: bool) -> Sender {
+        let frame = Frame { centre: Vec3::new(1.0, 2.0, 3.0), scale: 4.0 };
+        Sender { frame, bounded, magnitude: 10.0 }
+    }
+
+    fn send(bounded: bool, origin: Vec3, direction: Vec3) -> Sent {
+        sender(bounded).send(&RayBatch::from_iter([Ray::new(origin, direction)]).rays(), 0)
+    }
+
+    #[test]
+    fn times_of_the_device_lead_back_to_points_of_the_ray() {
+        for origin in [Vec3::new(2.0, 2.0, 2.0), Vec3::new(-900.0, 300.0, 40.0)] {
+            let direction = 7.0 * (Vec3::new(1.5, 2.0, 3.5) - origin);
+            let Sent::Device(ray, clock) = send(true, origin, direction) else { panic!("{origin}") };
+            let [o, d] = [ray.origin, ray.direction].map(|v| Vec3::from_array(v.map(f64::from)));
+            for t in [-1.0, 0.0, 2.0] {
+                let there = sender(true).frame.point(origin + (clock.shift + t * clock.rate) * direction);
+                let error = (o + t * d - there).abs().max_element();
+                assert!(error < f64::from(ray.error) + 1e-7 * t.abs(), "{origin} {t}: {error}");
+            }
+            // the window starts at t = 0
+            assert!((clock.shift + f64::from(ray.start) * clock.rate).abs() < 1e-6 * clock.rate.abs() * 300.0);
+        }
+    }
+
+    #[test]
+    fn rays_that_pass_or_come_from_too_far_are_not_sent() {
+        assert_eq!(send(true, Vec3::new(100.0, 100.0, 0.0), Vec3::X), Sent::Passes);
+        assert_eq!(send(true, Vec3::new(100.0, 2.0, 3.0), Vec3::X), Sent::Passes);
+        assert_eq!(send(false, Vec3::new(100.0, 100.0, 0.0), Vec3::X), Sent::Cpu);
+        assert_eq!(send(true, Vec3::new(1e14, 2.0, 3.0), -Vec3::X), Sent::Cpu);
+    }
+
+    #[test]
+    fn above_rounds_up() {
+        for x in [0.0, 1.0, 0.1, 1e-30, 0.3] {
+            assert!(f64::from(above(x)) >= x && f64::from(above(x)) <= x * (1.0 + 3e-7), "{x}");
+        }
+        assert_eq!([power_of_two(1.0), power_of_two(1.1), power_of_two(0.3)], [1.0, 2.0, 0.5]);
+    }
+}

@@ -1,0 +1,180 @@
+//! The compiled kernel of a program with its tables, and batches of rays that pass through it.
+
+use crate::adapter::Device;
+use crate::error::GpuError;
+use crate::frame::DeviceRay;
+use crate::layout::Layout;
+use crate::shader;
+use std::sync::mpsc;
+
+/// Bytes of a ray on its way to the device, and of its answer.
+pub(crate) const RAY_BYTES: usize = 32;
+pub(crate) const ANSWER_BYTES: usize = 16;
+
+/// Workgroups of a row of a dispatch; the limit of every implementation is 65535.
+const ROW: u32 = 32768;
+
+/// A kernel with the tables of its program.
+#[derive(Debug)]
+pub(crate) struct Kernel {
+    pub device: Device,
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    data: wgpu::Buffer,
+    tables: wgpu::Buffer,
+    starts: [u32; 8],
+    bounded: bool,
+}
+
+/// Buffers for batches of up to a number of rays.
+#[derive(Debug)]
+pub(crate) struct Slot {
+    rays: wgpu::Buffer,
+    answers: wgpu::Buffer,
+    back: wgpu::Buffer,
+    params: wgpu::Buffer,
+    group: wgpu::BindGroup,
+}
+
+/// A batch under way.
+#[derive(Debug)]
+pub(crate) struct Pending {
+    count: usize,
+    done: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
+}
+
+/// An answer of the device: see `answer` in the shader.
+pub(crate) type Answer = [u32; 4];
+
+impl Kernel {
+    pub fn new(device: Device, layout: &Layout, bounded: bool) -> Result<Kernel, GpuError> {
+        let source = shader::source(layout);
+        let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("nearest"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        device.check()?;
+        let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("nearest"),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                // every private variable is written before it is read
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
+            cache: None,
+        });
+        device.check()?;
+        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let upload = |what: &'static str, bytes: Vec<u8>| -> Result<wgpu::Buffer, GpuError> {
+            let buffer = device.buffer(what, bytes.len() as u64, storage)?;
+            device.queue.write_buffer(&buffer, 0, &bytes);
+            Ok(buffer)
+        };
+        let numbers = layout.data.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let data = upload("surfaces and boxes", numbers)?;
+        let words = layout.tables.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let tables = upload("leaves and gates", words)?;
+        let s = layout.starts;
+        let starts = [s.facets, s.atoms, s.gates, s.outputs, s.groups, s.items, s.media, s.nodes];
+        let bind = pipeline.get_bind_group_layout(0);
+        device.wait()?;
+        Ok(Kernel { device, pipeline, layout: bind, data, tables, starts, bounded })
+    }
+
+    /// Buffers for batches of up to `most` rays.
+    pub fn slot(&self, most: usize) -> Result<Slot, GpuError> {
+        use wgpu::BufferUsages as Usage;
+        let device = &self.device;
+        let rays = device.buffer("rays", (RAY_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_DST)?;
+        let answers = device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_SRC)?;
+        let back = device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::MAP_READ | Usage::COPY_DST)?;
+        let params = device.buffer("parameters", 48, Usage::UNIFORM | Usage::COPY_DST)?;
+        let buffers = [&self.data, &self.tables, &rays, &answers, &params];
+        let entries: Vec<_> = (0u32..)
+            .zip(buffers)
+            .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
+            .collect();
+        let group = device.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("nearest"),
+            layout: &self.layout,
+            entries: &entries,
+        });
+        device.check()?;
+        Ok(Slot { rays, answers, back, params, group })
+    }
+
+    /// Uploads rays.
+    pub fn upload(&self, slot: &Slot, rays: &[u8]) {
+        let count = (rays.len() / RAY_BYTES) as u32;
+        let mut params = self.starts.to_vec();
+        params.extend([count, ROW * shader::WORKGROUP, u32::from(self.bounded), 0]);
+        let params: Vec<u8> = params.into_iter().flat_map(u32::to_le_bytes).collect();
+        self.device.queue.write_buffer(&slot.params, 0, &params);
+        self.device.queue.write_buffer(&slot.rays, 0, rays);
+    }
+
+    /// Submits the kernel for the rays of a slot, `repeats` times.
+    pub fn run(&self, slot: &Slot, count: usize, repeats: usize, copy: bool) {
+        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for _ in 0..repeats {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&self.pipeline);
+            pass.set_bind_group(0, &slot.group, &[]);
+            let groups = (count as u32).div_ceil(shader::WORKGROUP);
+            pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
+        }
+        if copy {
+            encoder.copy_buffer_to_buffer(&slot.answers, 0, &slot.back, 0, (ANSWER_BYTES * count) as u64);
+        }
+        self.device.queue.submit([encoder.finish()]);
+    }
+
+    /// Uploads rays, traces them and asks for the answers.
+    pub fn start(&self, slot: &Slot, rays: &[u8]) -> Pending {
+        let count = rays.len() / RAY_BYTES;
+        self.upload(slot, rays);
+        self.run(slot, count, 1, true);
+        let (send, done) = mpsc::channel();
+        slot.back.map_async(wgpu::MapMode::Read, 0..(ANSWER_BYTES * count) as u64, move |result| {
+            // the receiver is gone only after an error
+            let _ = send.send(result);
+        });
+        Pending { count, done }
+    }
+
+    /// Waits for the answers of a batch.
+    pub fn finish(&self, slot: &Slot, pending: Pending, answers: &mut Vec<Answer>) -> Result<(), GpuError> {
+        self.device.wait()?;
+        let lost = |reason: String| GpuError::Lost { adapter: self.device.adapter.clone(), reason };
+        match pending.done.recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(lost(error.to_string())),
+            Err(error) => return Err(lost(error.to_string())),
+        }
+        let bytes = (ANSWER_BYTES * pending.count) as u64;
+        let view = slot.back.get_mapped_range(0..bytes).map_err(|error| lost(error.to_string()))?;
+        let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        answers.clear();
+        answers.extend(view.chunks_exact(ANSWER_BYTES).map(|bytes| {
+            [word(&bytes[..4]), word(&bytes[4..8]), word(&bytes[8..12]), word(&bytes[12..])]
+        }));
+        drop(view);
+        slot.back.unmap();
+        Ok(())
+    }
+}
+
+impl DeviceRay {
+    /// The ray as the kernel reads it.
+    pub fn bytes(&self) -> [u8; RAY_BYTES] {
+        let [ox, oy, oz] = self.origin;
+        let [dx, dy, dz] = self.direction;
+        let mut bytes = [0; RAY_BYTES];
+        let numbers = [ox, oy, oz, self.start, dx, dy, dz, self.error];
+        bytes.chunks_exact_mut(4).zip(numbers).for_each(|(place, x)| place.copy_from_slice(&x.to_le_bytes()));
+        bytes
+    }
+}

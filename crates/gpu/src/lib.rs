@@ -1,0 +1,24 @@
+//! Nearest crossings of models on graphics cards, through Vulkan, with the answers of the CPU.
+//!
+//! [`Gpu`] lists the adapters of the machine, [`GpuProgram`] is a compiled model on one of them, and
+//! [`GpuProgram::nearest`] finds the first crossing of each ray of a batch. The device computes in single precision, with error
+//! bounds that hold under the rounding rules of WGSL. A ray whose answer they do not settle is traced by the CPU, and the time of
+//! every other crossing is computed on the CPU by the kernel of the face that the device names. So all answers are those of
+//! [`rayweave_trace::Packets`], bit for bit. [`Report`] counts the rays that the CPU traced.
+//!
+//! The page `docs/concepts/gpu.md` derives the bounds.
+
+mod adapter;
+mod error;
+mod flat;
+mod frame;
+mod kernel;
+mod layout;
+mod program;
+mod shader;
+mod terms;
+mod twin;
+
+pub use adapter::{Adapter, AdapterKind, Gpu};
+pub use error::{GpuError, Unsupported};
+pub use program::{GpuProgram, Report};

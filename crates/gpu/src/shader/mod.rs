@@ -1,0 +1,43 @@
+//! The shader of a program: templates, specialised for what the program needs.
+
+use crate::layout::{Kind, Layout};
+
+/// Threads of a workgroup.
+pub(crate) const WORKGROUP: u32 = 64;
+
+/// The source of the shader for tables.
+pub(crate) fn source(layout: &Layout) -> String {
+    let kinds = [
+        (Kind::Sphere, "sphere"),
+        (Kind::Cylinder, "cylinder"),
+        (Kind::Quadric, "quadric"),
+        (Kind::Torus, "torus"),
+    ];
+    let cases: String = kinds
+        .into_iter()
+        .filter(|(kind, _)| layout.kinds[*kind as usize])
+        .map(|(kind, name)| format!("        case {}u: {{ roots = {name}(facet.x, r); }}\n", kind as u32))
+        .collect();
+    let placed = |used: bool, text: &str| if used { text.to_owned() } else { String::new() };
+    let main = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
+    let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), main];
+    let replacements = [
+        ("@KINDS@\n", cases),
+        ("@NETWORK@", (if layout.nodes > 32 { include_str!("network4.wgsl") } else { include_str!("network1.wgsl") }).to_owned()),
+        (
+            "@PLACED_ATOM@\n",
+            placed(layout.placed_atoms, "    if atom.z != NONE {\n        r = placed(atom.z, group_ray);\n    }\n"),
+        ),
+        (
+            "@PLACED_ITEM@\n",
+            placed(layout.placed_items, "            if row.y != NONE {\n                local = placed(row.y, r);\n            }\n"),
+        ),
+        ("@ATOMS@", format!("{}u", layout.atoms)),
+        ("@STACK@", format!("{}", layout.stack.max(1))),
+        ("@WORKGROUP@", WORKGROUP.to_string()),
+        ("@ROOM@", format!("{:?}", crate::twin::Bounds::default().room)),
+        ("@STEP@", format!("{:?}", crate::twin::Bounds::default().step)),
+        ("@DIRECTION_ERROR@", format!("{:?}", crate::twin::DIRECTION_ERROR)),
+    ];
+    replacements.iter().fold(parts.join("\n"), |text, (name, value)| text.replace(name, value))
+}

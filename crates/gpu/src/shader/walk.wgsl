@@ -1,0 +1,340 @@
+// Boundary events and the boolean network of one group.
+
+@group(0) @binding(0) var<storage, read> data: array<vec4f>;
+@group(0) @binding(1) var<storage, read> tables: array<vec4u>;
+@group(0) @binding(2) var<storage, read> rays: array<vec4f>;
+@group(0) @binding(3) var<storage, read_write> answers: array<vec4u>;
+@group(0) @binding(4) var<uniform> params: Params;
+
+// First rows of the tables, and the number of rays.
+struct Params {
+    facets: u32,
+    atoms: u32,
+    gates: u32,
+    outputs: u32,
+    groups: u32,
+    items: u32,
+    media: u32,
+    nodes: u32,
+    rays: u32,
+    row: u32,
+    bounded: u32,
+    pad: u32,
+}
+
+// A face that two facets compete for, and an interval in which an atom's side is not known.
+const EITHER: u32 = 0xfffffffeu;
+const HIDDEN: u32 = 0xfffffffdu;
+const ATOMS: u32 = @ATOMS@;
+
+// The events of an atom: its side before them, and up to two intervals with the facet crossed in each.
+struct Events {
+    inside: bool,
+    t: vec4f,
+    f0: u32,
+    f1: u32,
+}
+
+// The first change of value of a group after a time.
+struct Change {
+    // false if the value at that time is not certain
+    certain: bool,
+    // regions at that time, just before the change and after it
+    start: u32,
+    before: u32,
+    after: u32,
+    lo: f32,
+    hi: f32,
+    // the facet; NONE without a change, HIDDEN if the value is not certain from `lo` on
+    facet: u32,
+    atom: u32,
+}
+
+fn roots_of(facet: vec4u, r: Ray) -> Roots {
+    let kind = facet.y >> 1u;
+    var roots = unknown();
+    switch kind {
+        case 1u: { roots = plane(facet.x, r); }
+@KINDS@
+        default: {}
+    }
+    // a facet with inside = 0 lies where f > 0
+    roots.inside = roots.inside == ((facet.y & 1u) == 1u);
+    return roots;
+}
+
+fn events_of(k: u32, group_ray: Ray) -> Events {
+    let atom = tables[params.atoms + k];
+    var r = group_ray;
+@PLACED_ATOM@
+    var enter = vec2f(-BIG, -BIG);
+    var leave = vec2f(BIG, BIG);
+    var fe = NONE;
+    var fl = NONE;
+    var hidden = false;
+    for (var i = 0u; i < atom.y; i++) {
+        let roots = roots_of(tables[params.facets + atom.x + i], r);
+        let id = atom.x + i;
+        if roots.n == UNKNOWN {
+            if atom.y == 1u {
+                return Events(roots.inside, vec4f(roots.lo0, roots.hi0, BIG, BIG), HIDDEN, NONE);
+            }
+            // outside of the interval a facet with f < 0 does not hold
+            if !roots.inside {
+                enter = max(enter, vec2f(roots.lo0));
+                leave = min(leave, vec2f(roots.hi0));
+            }
+            hidden = true;
+            continue;
+        }
+        if roots.n == 0u {
+            if roots.inside {
+                continue;
+            }
+            return Events(false, vec4f(BIG), NONE, NONE);
+        }
+        if roots.n == 2u && roots.inside {
+            if atom.y == 1u {
+                return Events(true, vec4f(roots.lo0, roots.hi0, roots.lo1, roots.hi1), id, id);
+            }
+            hidden = true;
+            continue;
+        }
+        if roots.n == 2u || !roots.inside {
+            // the later of both entries
+            if roots.lo0 > enter.y {
+                enter = vec2f(roots.lo0, roots.hi0);
+                fe = id;
+            } else if roots.hi0 >= enter.x {
+                enter = max(enter, vec2f(roots.lo0, roots.hi0));
+                fe = EITHER;
+            }
+        }
+        if roots.n == 2u || roots.inside {
+            let out = select(vec2f(roots.lo0, roots.hi0), vec2f(roots.lo1, roots.hi1), roots.n == 2u);
+            if out.y < leave.x {
+                leave = out;
+                fl = id;
+            } else if out.x <= leave.y {
+                leave = min(leave, out);
+                fl = EITHER;
+            }
+        }
+        if enter.x > leave.y {
+            return Events(false, vec4f(BIG), NONE, NONE);
+        }
+    }
+    if hidden || enter.y >= leave.x {
+        return Events(false, vec4f(enter.x, leave.y, BIG, BIG), HIDDEN, NONE);
+    }
+    return Events(fe == NONE, vec4f(enter, leave), fe, fl);
+}
+
+// The key of a facet: equal for facets in one surface at one placement.
+fn key_of(facet: u32) -> u32 {
+    if facet >= HIDDEN {
+        return facet;
+    }
+    return tables[params.facets + facet].z;
+}
+
+@NETWORK@
+
+// The last region that is inside; 0 if none is.
+fn owner(group: vec4u, outputs: vec4u, bits: Bits) -> u32 {
+    let nodes = evaluated(group, bits);
+    for (var i = outputs.y; i > 0u; i--) {
+        let out = tables[params.outputs + outputs.x + i - 1u];
+        if holds(nodes, out.x) {
+            return out.y;
+        }
+    }
+    return 0u;
+}
+
+fn medium_of(region: u32) -> u32 {
+    return tables[params.media + (region >> 2u)][region & 3u];
+}
+
+var<private> times: array<vec4f, ATOMS>;
+var<private> first: array<u32, ATOMS>;
+var<private> second: array<u32, ATOMS>;
+
+fn unsure(start: u32, lo: f32) -> Change {
+    return Change(true, start, start, start, lo, BIG, HIDDEN, 0u);
+}
+
+// The first change of medium (of value, for a placed group) of a group after `from`, a certain time in an interval.
+fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
+    let group = tables[params.groups + 2u * g];
+    let outputs = tables[params.groups + 2u * g + 1u];
+    var bits = no_bits();
+    var certain = true;
+    for (var k = 0u; k < group.y; k++) {
+        var e = events_of(group.x + k, r);
+        var inside = e.inside;
+        if e.f0 != NONE {
+            if e.t.y <= from_.x {
+                inside = inside != (e.f0 != HIDDEN);
+                e.f0 = NONE;
+            } else if e.t.x <= from_.y {
+                certain = false;
+            }
+        }
+        if e.f1 != NONE {
+            if e.t.w <= from_.x {
+                inside = !inside;
+                e.f1 = NONE;
+            } else if e.t.z <= from_.y {
+                certain = false;
+            }
+        }
+        times[k] = e.t;
+        first[k] = e.f0;
+        second[k] = e.f1;
+        if inside {
+            bits = flipped(bits, k);
+        }
+    }
+    if !certain {
+        return Change(false, 0u, 0u, 0u, from_.x, BIG, HIDDEN, 0u);
+    }
+    let start = owner(group, outputs, bits);
+    var region = start;
+    for (var step = 0u; step < 2u * ATOMS + 1u; step++) {
+        // the earliest event
+        var lo = BIG;
+        var hi = BIG;
+        var facet = NONE;
+        var atom = 0u;
+        for (var k = 0u; k < group.y; k++) {
+            if first[k] != NONE && times[k].x < lo {
+                lo = times[k].x;
+                hi = times[k].y;
+                facet = first[k];
+                atom = k;
+            }
+            if second[k] != NONE && times[k].z < lo {
+                lo = times[k].z;
+                hi = times[k].w;
+                facet = second[k];
+                atom = k;
+            }
+        }
+        if facet == NONE {
+            return Change(true, start, region, region, BIG, BIG, NONE, 0u);
+        }
+        if facet == HIDDEN {
+            return unsure(start, lo);
+        }
+        // events at the same time: those of the same surface are exact ties, others leave the order open
+        let key = key_of(facet);
+        var ties = no_bits();
+        var count = 0u;
+        for (var k = 0u; k < group.y; k++) {
+            var mine = 0u;
+            if first[k] != NONE && times[k].x <= hi {
+                mine += 1u;
+                if key_of(first[k]) != key || (facet == EITHER && k != atom) {
+                    return unsure(start, lo);
+                }
+                first[k] = NONE;
+            }
+            if second[k] != NONE && times[k].z <= hi {
+                mine += 1u;
+                if key_of(second[k]) != key || (facet == EITHER && k != atom) {
+                    return unsure(start, lo);
+                }
+                second[k] = NONE;
+            }
+            if mine > 1u {
+                return unsure(start, lo);
+            }
+            if mine == 1u {
+                ties = flipped(ties, k);
+                count += 1u;
+            }
+        }
+        let next_bits = both(bits, ties);
+        let next = owner(group, outputs, next_bits);
+        let medium = medium_in(outputs, region);
+        let next_medium = medium_in(outputs, next);
+        if medium != next_medium {
+            if facet == EITHER {
+                return unsure(start, lo);
+            }
+            if count > 1u {
+                atom = NONE;
+                for (var k = 0u; k < group.y; k++) {
+                    if !has(ties, k) {
+                        continue;
+                    }
+                    // a placed solid is one leaf, whose own face the CPU determines
+                    if tables[params.atoms + group.x + k].w != 0u {
+                        return unsure(start, lo);
+                    }
+                    if atom == NONE
+                        && (medium_in(outputs, owner(group, outputs, flipped(bits, k))) != medium
+                            || medium_in(outputs, owner(group, outputs, flipped(next_bits, k))) != next_medium) {
+                        atom = k;
+                    }
+                }
+                if atom == NONE {
+                    return unsure(start, lo);
+                }
+                facet = facet_with(group.x + atom, key);
+            }
+            return Change(true, start, region, next, lo, hi, facet, group.x + atom);
+        }
+        bits = next_bits;
+        region = next;
+    }
+    return unsure(start, -BIG);
+}
+
+// The medium of a region of the model; the value itself in a placed group.
+fn medium_in(outputs: vec4u, region: u32) -> u32 {
+    if outputs.z == 1u {
+        return region;
+    }
+    return medium_of(region);
+}
+
+// The facet of an atom with a key.
+fn facet_with(atom: u32, key: u32) -> u32 {
+    let a = tables[params.atoms + atom];
+    for (var i = 0u; i < a.y; i++) {
+        if tables[params.facets + a.x + i].z == key {
+            return a.x + i;
+        }
+    }
+    return a.x;
+}
+
+fn ray_of(i: u32) -> Ray {
+    let o = rays[2u * i];
+    let d = rays[2u * i + 1u];
+    return Ray(o.xyz, d.xyz, d.w, @DIRECTION_ERROR@);
+}
+
+// The start of the window as an interval of times.
+fn start_of(i: u32) -> vec2f {
+    let t = max(rays[2u * i].w, -FAR);
+    return vec2f(t - 4.0 * EPS * abs(t), t + 4.0 * EPS * abs(t));
+}
+
+const UNCERTAIN: u32 = 0x80000000u;
+const MISS: u32 = 0x40000000u;
+
+fn answer(i: u32, c: Change, item: u32) {
+    if !c.certain || c.facet == HIDDEN || (limited && params.bounded == 0u && c.hi > FAR) {
+        answers[i] = vec4u(UNCERTAIN, 0u, 0u, 0u);
+        return;
+    }
+    if c.facet == NONE {
+        answers[i] = vec4u(MISS, 0u, (c.start << 16u) | c.start, 0u);
+        return;
+    }
+    let regions = (c.before << 16u) | c.after;
+    answers[i] = vec4u(c.facet, item, regions, bitcast<u32>(0.5 * (c.lo + c.hi)));
+}

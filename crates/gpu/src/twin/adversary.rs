@@ -1,0 +1,78 @@
+//! Arithmetic of WGSL with an adversary, who chooses the neighbour to which each operation rounds.
+
+/// Rounds the operations one after the other as `choices` say: true for the neighbour above the exact result. Missing choices
+/// are false.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Adversary {
+    pub choices: Vec<bool>,
+    next: usize,
+}
+
+/// A vector of three numbers.
+pub(crate) type V3 = [f32; 3];
+
+impl Adversary {
+    pub fn new(choices: Vec<bool>) -> Adversary {
+        Adversary { choices, next: 0 }
+    }
+
+    /// The number of choices so far.
+    pub fn count(&self) -> usize {
+        self.next
+    }
+
+    /// The next choice.
+    pub fn choice(&mut self) -> bool {
+        let choice = self.choices.get(self.next).copied().unwrap_or(false);
+        self.next += 1;
+        choice
+    }
+
+    /// `exact`, the result of an operation, as one of the two neighbouring numbers.
+    fn round(&mut self, exact: f64) -> f32 {
+        let up = self.choice();
+        let near = exact as f32;
+        let (below, above) = match f64::from(near).total_cmp(&exact) {
+            std::cmp::Ordering::Equal => (near, near),
+            std::cmp::Ordering::Less => (near, near.next_up()),
+            std::cmp::Ordering::Greater => (near.next_down(), near),
+        };
+        if up { above } else { below }
+    }
+
+    pub fn add(&mut self, a: f32, b: f32) -> f32 {
+        self.round(f64::from(a) + f64::from(b))
+    }
+
+    pub fn sub(&mut self, a: f32, b: f32) -> f32 {
+        self.round(f64::from(a) - f64::from(b))
+    }
+
+    pub fn mul(&mut self, a: f32, b: f32) -> f32 {
+        self.round(f64::from(a) * f64::from(b))
+    }
+
+    /// A quotient, within 2.5 units in the last place.
+    pub fn div(&mut self, a: f32, b: f32) -> f32 {
+        let sign = if self.choice() { 1.0 } else { -1.0 };
+        (f64::from(a) / f64::from(b) * (1.0 + sign * 2.4 * f64::from(f32::EPSILON) / 2.0)) as f32
+    }
+
+    pub fn map(&mut self, a: V3, b: V3, mut op: impl FnMut(&mut Adversary, f32, f32) -> f32) -> V3 {
+        [op(self, a[0], b[0]), op(self, a[1], b[1]), op(self, a[2], b[2])]
+    }
+
+    pub fn product(&mut self, a: V3, b: V3) -> V3 {
+        self.map(a, b, Adversary::mul)
+    }
+
+    pub fn sum(&mut self, v: V3) -> f32 {
+        let first = self.add(v[0], v[1]);
+        self.add(first, v[2])
+    }
+
+    pub fn dot(&mut self, a: V3, b: V3) -> f32 {
+        let product = self.product(a, b);
+        self.sum(product)
+    }
+}

@@ -1,0 +1,131 @@
+//! Nearest crossings on an adapter, against the CPU, bit for bit. Skipped with a message where there is no adapter.
+
+use rayweave_conformance::{Model, Random, Style, rays};
+use rayweave_gpu::{Gpu, GpuError, GpuProgram, Report};
+use rayweave_math::{Affine, Vec3};
+use rayweave_model::{Evaluator, FirstHits, Program, RayBatch, Region, Solid, Window};
+use rayweave_shape::Ray;
+use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::Packets;
+use std::sync::Arc;
+
+/// The best adapter, or a message that says why the test is skipped.
+fn adapter() -> Option<rayweave_gpu::Adapter> {
+    match Gpu::new().adapter(0) {
+        Ok(adapter) => Some(adapter.clone()),
+        Err(problem) => {
+            println!("skipped: {problem}");
+            None
+        }
+    }
+}
+
+struct Columns {
+    t: Vec<f64>,
+    face: Vec<i32>,
+    placement: Vec<u32>,
+    before: Vec<u32>,
+    after: Vec<u32>,
+    normal: [Vec<f64>; 3],
+}
+
+impl Columns {
+    fn new(count: usize) -> Columns {
+        let normal = std::array::from_fn(|_| vec![0.0; count]);
+        let numbers = || vec![77; count];
+        Columns {
+            t: vec![0.0; count],
+            face: vec![77; count],
+            placement: numbers(),
+            before: numbers(),
+            after: numbers(),
+            normal,
+        }
+    }
+
+    fn hits(&mut self) -> FirstHits<'_> {
+        let [x, y, z] = &mut self.normal;
+        FirstHits {
+            t: &mut self.t,
+            face: &mut self.face,
+            placement: &mut self.placement,
+            before: &mut self.before,
+            after: &mut self.after,
+            normal: Some([x, y, z]),
+        }
+    }
+
+    /// The answer for a ray, as bits.
+    fn bits(&self, i: usize) -> (u64, i32, [u32; 3], [u64; 3]) {
+        let normal = std::array::from_fn(|k| self.normal[k][i].to_bits());
+        (self.t[i].to_bits(), self.face[i], [self.placement[i], self.before[i], self.after[i]], normal)
+    }
+}
+
+/// Compares all rays; returns what the query cost.
+fn check(adapter: &rayweave_gpu::Adapter, program: &Arc<Program>, rays: &RayBatch, what: &str) -> Option<Report> {
+    let gpu = match GpuProgram::new(adapter, program.clone()) {
+        Ok(gpu) => gpu,
+        Err(GpuError::Unsupported(_)) => return None,
+        Err(problem) => panic!("{what}: {problem}"),
+    };
+    let (mut ours, mut theirs) = (Columns::new(rays.len()), Columns::new(rays.len()));
+    let report = gpu.nearest(rays.rays(), &mut ours.hits()).unwrap();
+    let cpu = Packets::new(program.clone());
+    let window = Window::new(0.0, f64::INFINITY).unwrap();
+    cpu.nearest(rays.rays(), window, &mut cpu.scratch(), &mut theirs.hits());
+    for i in 0..rays.len() {
+        assert_eq!(ours.bits(i), theirs.bits(i), "{what}: ray {i}, {:?}", rays.rays().get(i));
+    }
+    assert_eq!(report.contradicted, 0, "{what}");
+    Some(report)
+}
+
+fn shape(name: &str, arguments: &[(&str, Value)]) -> Solid {
+    build(name, arguments).unwrap().into()
+}
+
+fn sphere(radius: f64, at: Vec3) -> Solid {
+    shape("sphere", &[("radius", radius.into())]).apply(Affine::translate(at))
+}
+
+/// Rays between random points of a cube of half width `size`.
+fn chords(rng: &mut Random, size: f64, count: usize) -> RayBatch {
+    let mut ray = || {
+        let (a, b) = (rng.point(2.0 * size), rng.point(size));
+        Ray::new(a, b - a)
+    };
+    (0..count).map(|_| ray()).collect()
+}
+
+#[test]
+fn random_models_give_the_bits_of_the_cpu() {
+    let Some(adapter) = adapter() else { return };
+    let mut total = Report::default();
+    let mut refused = 0;
+    for seed in 0..60 {
+        let mut rng = Random::new(seed);
+        let style = [Style::Generic, Style::Grid, Style::Generic, Style::Planes][seed as usize % 4];
+        let model = Model::random(&mut rng, style);
+        let program = model.compile().unwrap();
+        let rays = rays::batch(&rays::rays(&mut rng, style, &model.frame, 2000));
+        match check(&adapter, &program, &rays, &format!("seed {seed}")) {
+            Some(report) => total.add(report),
+            None => refused += 1,
+        }
+    }
+    println!("{total:?}, {refused} models refused, share of the CPU {:.4}", total.cpu_share());
+}
+
+#[test]
+fn spheres_in_a_hierarchy() {
+    let Some(adapter) = adapter() else { return };
+    let mut rng = Random::new(3);
+    let balls: Vec<Solid> = (0..2000).map(|_| sphere(rng.between(0.005, 0.04), rng.point(1.0))).collect();
+    let program = Arc::new(Program::compile(&Solid::union(balls)).unwrap());
+    let rays = chords(&mut rng, 1.0, 50_000);
+    let report = check(&adapter, &program, &rays, "spheres").unwrap();
+    println!("{report:?}");
+    assert!(report.cpu_share() < 0.01, "{report:?}");
+    let _ = Region { name: String::new(), solid: sphere(1.0, Vec3::ZERO), medium: 1 };
+}
