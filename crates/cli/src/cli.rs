@@ -58,6 +58,8 @@ pub enum Command {
     Diff(Diff),
     Thickness(Thickness),
     Info(Info),
+    #[cfg(feature = "gpu")]
+    Devices(crate::command::Devices),
     #[cfg(feature = "bench")]
     Bench(crate::command::Bench),
     Shapes(Shapes),
@@ -85,6 +87,8 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
         Command::Section(section) => section.run(global),
         Command::Thickness(thickness) => thickness.run(global),
         Command::Info(info) => info.run(),
+        #[cfg(feature = "gpu")]
+        Command::Devices(devices) => devices.run(),
         #[cfg(feature = "bench")]
         Command::Bench(bench) => bench.run(global),
         Command::Shapes(shapes) => shapes.run(),

@@ -119,8 +119,9 @@ impl Adapter {
             required_limits: self.adapter.limits(),
             ..wgpu::DeviceDescriptor::default()
         };
-        let (device, queue) = block_on(self.adapter.request_device(&descriptor))
-            .map_err(|error| GpuError::Open { adapter: adapter.clone(), reason: one_line(&error.to_string()) })?;
+        let (device, queue) = block_on(self.adapter.request_device(&descriptor)).map_err(|error| {
+            GpuError::Open { adapter: adapter.clone(), reason: one_line(&error.to_string()) }
+        })?;
         let problem = Arc::new(Mutex::new(None));
         let (lost, failed) = (problem.clone(), problem.clone());
         device.set_device_lost_callback(move |_, reason| note(&lost, &reason));
@@ -153,19 +154,29 @@ impl Device {
     /// Waits for all submitted work.
     pub fn wait(&self) -> Result<(), GpuError> {
         self.check()?;
-        self.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|error| GpuError::Lost { adapter: self.adapter.clone(), reason: one_line(&error.to_string()) })?;
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost {
+            adapter: self.adapter.clone(),
+            reason: one_line(&error.to_string()),
+        })?;
         self.check()
     }
 
     /// A buffer of the device.
-    pub fn buffer(&self, what: &'static str, bytes: u64, usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, GpuError> {
+    pub fn buffer(
+        &self,
+        what: &'static str,
+        bytes: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
         if bytes > self.limit {
             return Err(GpuError::TooLarge { what, bytes, limit: self.limit });
         }
-        let descriptor =
-            wgpu::BufferDescriptor { label: Some(what), size: bytes.max(16), usage, mapped_at_creation: false };
+        let descriptor = wgpu::BufferDescriptor {
+            label: Some(what),
+            size: bytes.max(16),
+            usage,
+            mapped_at_creation: false,
+        };
         let buffer = self.device.create_buffer(&descriptor);
         self.check()?;
         Ok(buffer)

@@ -38,7 +38,9 @@ pub enum GpuError {
         reason: String,
     },
     /// The device cannot hold the model.
-    #[error("the model does not fit on the GPU: {what} needs {bytes} bytes, the limit is {limit}. Trace it on the CPU.")]
+    #[error(
+        "the model does not fit on the GPU: {what} needs {bytes} bytes, the limit is {limit}. Trace it on the CPU."
+    )]
     TooLarge {
         /// The table.
         what: &'static str,
@@ -60,9 +62,7 @@ pub enum GpuError {
 #[non_exhaustive]
 pub enum Unsupported {
     /// A part has too many leaves and gates.
-    #[error(
-        "a part that is not a union of smaller ones has more than {limit} leaves and gates"
-    )]
+    #[error("a part that is not a union of smaller ones has more than {limit} leaves and gates")]
     Nodes {
         /// The greatest number.
         limit: usize,

@@ -4,9 +4,7 @@
 //! of degree two at most, inside or outside. A leaf is the conjunction of its atoms.
 
 use crate::error::Unsupported;
-use rayweave_model::{
-    Edge, LeafFacet, LeafId, LeafKind, Place, Program, Prototype, PrototypeId, Rule,
-};
+use rayweave_model::{Edge, LeafFacet, LeafId, LeafKind, Place, Program, Prototype, PrototypeId, Rule};
 use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
 
@@ -169,7 +167,8 @@ impl Flat {
                 let (convex, single): (Vec<FlatFacet>, Vec<FlatFacet>) =
                     facets.into_iter().partition(|f| is_convex(program, f.facet));
                 let first = self.atoms.len();
-                let parts = [convex].into_iter().filter(|c| !c.is_empty()).chain(single.into_iter().map(|f| vec![f]));
+                let parts =
+                    [convex].into_iter().filter(|c| !c.is_empty()).chain(single.into_iter().map(|f| vec![f]));
                 self.atoms.extend(parts.map(|facets| Atom { facets, frame, placement }));
                 let atoms: Vec<Operand> =
                     (first..self.atoms.len()).map(|atom| Operand::Atom(atom, false)).collect();

@@ -164,7 +164,9 @@ mod tests {
                 assert!(error < f64::from(ray.error) + 1e-7 * t.abs(), "{origin} {t}: {error}");
             }
             // the window starts at t = 0
-            assert!((clock.shift + f64::from(ray.start) * clock.rate).abs() < 1e-6 * clock.rate.abs() * 300.0);
+            assert!(
+                (clock.shift + f64::from(ray.start) * clock.rate).abs() < 1e-6 * clock.rate.abs() * 300.0
+            );
         }
     }
 

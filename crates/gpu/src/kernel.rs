@@ -89,8 +89,10 @@ impl Kernel {
         use wgpu::BufferUsages as Usage;
         let device = &self.device;
         let rays = device.buffer("rays", (RAY_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_DST)?;
-        let answers = device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_SRC)?;
-        let back = device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::MAP_READ | Usage::COPY_DST)?;
+        let answers =
+            device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_SRC)?;
+        let back =
+            device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::MAP_READ | Usage::COPY_DST)?;
         let params = device.buffer("parameters", 48, Usage::UNIFORM | Usage::COPY_DST)?;
         let buffers = [&self.data, &self.tables, &rays, &answers, &params];
         let entries: Vec<_> = (0u32..)
@@ -118,7 +120,8 @@ impl Kernel {
 
     /// Submits the kernel for the rays of a slot, `repeats` times.
     pub fn run(&self, slot: &Slot, count: usize, repeats: usize, copy: bool) {
-        let mut encoder = self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder =
+            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for _ in 0..repeats {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
@@ -158,9 +161,11 @@ impl Kernel {
         let view = slot.back.get_mapped_range(0..bytes).map_err(|error| lost(error.to_string()))?;
         let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         answers.clear();
-        answers.extend(view.chunks_exact(ANSWER_BYTES).map(|bytes| {
-            [word(&bytes[..4]), word(&bytes[4..8]), word(&bytes[8..12]), word(&bytes[12..])]
-        }));
+        answers.extend(
+            view.chunks_exact(ANSWER_BYTES).map(|bytes| {
+                [word(&bytes[..4]), word(&bytes[4..8]), word(&bytes[8..12]), word(&bytes[12..])]
+            }),
+        );
         drop(view);
         slot.back.unmap();
         Ok(())

@@ -50,6 +50,8 @@ pub(crate) struct Layout {
     pub nodes: usize,
     /// True if some atom lies in a frame of its own.
     pub placed_atoms: bool,
+    /// True if some atom has a ball around it.
+    pub balls: bool,
     /// True if some item lies in a frame of its own.
     pub placed_items: bool,
     /// Entries of the stack of the traversal; 0 if the model is a single group.
@@ -129,7 +131,8 @@ impl Layout {
 impl Builder {
     /// The regions that the numbers on the device stand for.
     fn regions(&mut self, program: &Program, regions: Vec<u32>) {
-        self.media = regions.iter().map(|&region| program.medium_of(rayweave_model::RegionId(region))).collect();
+        self.media =
+            regions.iter().map(|&region| program.medium_of(rayweave_model::RegionId(region))).collect();
         self.layout.regions = regions;
     }
 
@@ -173,15 +176,20 @@ impl Builder {
         let layout = &mut self.layout;
         layout.atoms = layout.atoms.max(flat.atoms.len()).max(1);
         layout.nodes = layout.nodes.max(flat.nodes());
-        let frames: Vec<(u32, Frame)> =
-            flat.frames.iter().map(|FlatFrame { places, group }| {
+        let frames: Vec<(u32, Frame)> = flat
+            .frames
+            .iter()
+            .map(|FlatFrame { places, group }| {
                 (self.map(program, places, *group, frame), Frame::of(program.prototype(*group)))
-            }).collect();
-        let first_atom = self.atoms.len() as u32;
+            })
+            .collect();
+        let first_atom = self.atoms.len() as u32 / 2;
         for atom in &flat.atoms {
             let (map, own) = atom.frame.map_or((NONE, *frame), |k| frames[k]);
             self.layout.placed_atoms |= map != NONE;
             self.atom(program, atom, map, &own);
+            let ball = if flat.atoms.len() > 2 { self.ball(program, atom, flat, frame) } else { NONE };
+            self.atoms.push([ball, 0, 0, 0]);
         }
         let first_gate = self.gates.len() as u32;
         let count = flat.atoms.len();
@@ -227,7 +235,8 @@ impl Builder {
             let (row, kind) = self.surface(program, surface.0, frame);
             self.layout.kinds[kind as usize] = true;
             // surfaces of one placement with equal numbers are one surface; placed ones have keys of their own
-            let key = if atom.placement == 0 { surface.0 } else { 1 << 30 | (self.layout.faces.len() as u32) };
+            let key =
+                if atom.placement == 0 { surface.0 } else { 1 << 30 | (self.layout.faces.len() as u32) };
             self.facets.push([row, (kind as u32) << 1 | u32::from(facet.facet.inside()), key, 0]);
             self.layout.faces.push(Face {
                 leaf: LeafId(facet.leaf.0),
@@ -237,6 +246,28 @@ impl Builder {
             });
         }
         self.atoms.push([first, atom.facets.len() as u32, map, atom.placement]);
+    }
+
+    /// The row of a ball around an atom, in the frame of its group; `NONE` if the kernels of its facets are as fast as its test,
+    /// or if it has none.
+    fn ball(&mut self, program: &Program, atom: &Atom, flat: &Flat, frame: &Frame) -> u32 {
+        let [first, rest @ ..] = &atom.facets[..] else { return NONE };
+        let is_whole = rest.len() + 1 == program.leaf(first.leaf).facets().len();
+        let bounds = program.leaf_bounds(first.leaf);
+        if !is_whole || !bounds.is_finite() || bounds.is_empty() || (rest.is_empty() && atom.frame.is_none())
+        {
+            return NONE;
+        }
+        let places = atom.frame.map_or(&[][..], |k| &flat.frames[k].places[..]);
+        let Some(outer) = outer_from_inner(places) else { return NONE };
+        let centre = frame.point(outer.point(bounds.centre()));
+        let corners =
+            bounds.corners().into_iter().map(|corner| (frame.point(outer.point(corner)) - centre).length());
+        // far more than the rounding of the centre and the CPU's tolerance
+        let radius = corners.fold(0.0, f64::max) + 1e-4;
+        self.layout.balls = true;
+        self.layout.data.push(row(centre, f64::from(up(radius * radius))));
+        self.layout.data.len() as u32 - 1
     }
 
     /// The rows of a surface in a frame.
@@ -252,7 +283,13 @@ impl Builder {
     }
 
     /// The rows of the map from the frame of a group into that of a solid placed in it.
-    fn map(&mut self, program: &Program, places: &[rayweave_model::Place], group: PrototypeId, outer: &Frame) -> u32 {
+    fn map(
+        &mut self,
+        program: &Program,
+        places: &[rayweave_model::Place],
+        group: PrototypeId,
+        outer: &Frame,
+    ) -> u32 {
         let inner = Frame::of(program.prototype(group));
         let mut map = Affine::IDENTITY;
         // lengths that the CPU's tolerance counts, in the inner frame
@@ -305,9 +342,9 @@ impl Builder {
                 });
             }
             let halves = planes.iter().chain([&children]);
-            self.layout.data.extend(halves.flat_map(|row| {
-                [[row[0], row[1], row[2], row[3]], [row[4], row[5], row[6], row[7]]]
-            }));
+            self.layout.data.extend(
+                halves.flat_map(|row| [[row[0], row[1], row[2], row[3]], [row[4], row[5], row[6], row[7]]]),
+            );
         }
         // a node replaces its entry by up to eight
         self.layout.stack = 7 * depths.into_iter().max().unwrap_or(1) + 2;
@@ -400,6 +437,12 @@ fn up(x: f64) -> f32 {
     crate::frame::above(x)
 }
 
+/// The map from the frame of a placed solid to that of the group, given the maps on the way into it.
+fn outer_from_inner(places: &[rayweave_model::Place]) -> Option<Affine> {
+    let down = places.iter().fold(Affine::IDENTITY, |map, place| map.then(&place.local_from_world));
+    down.inverse().ok()
+}
+
 /// The error of numbers that are rounded to f32, as a number of f32.
 fn rounding(numbers: &[f64]) -> f32 {
     up(numbers.iter().map(|&x| (x - f64::from(x as f32)).abs()).fold(0.0, f64::max))
@@ -449,7 +492,14 @@ fn surface_rows(surface: &Surface, frame: &Frame, data: &mut Vec<Row>) -> Kind {
         }
         Surface::Quadric(s) => {
             let linear = Vec3::from_array(s.axes.map(|e| e.dot(s.linear))) / scale;
-            return quadric_rows(frame.point(s.centre), s.axes, s.weights, linear, s.constant / scale / scale, data);
+            return quadric_rows(
+                frame.point(s.centre),
+                s.axes,
+                s.weights,
+                linear,
+                s.constant / scale / scale,
+                data,
+            );
         }
         Surface::AffineTorus(_) | Surface::Object(_) => return Kind::Other,
     };

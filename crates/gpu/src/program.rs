@@ -10,8 +10,8 @@ use crate::terms::Top;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
-    Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, RayBatch, Rays, RegionId, Window,
-    attributes,
+    Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, RayBatch, Rays, RegionId,
+    Window, attributes,
 };
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
@@ -174,21 +174,33 @@ impl GpuProgram {
     fn prepare(&self, rays: &Rays<'_>) -> Vec<u8> {
         let mut bytes = vec![0; RAY_BYTES * rays.len()];
         let chunks = bytes.chunks_mut(RAY_BYTES * CHUNK).enumerate();
-        run(rays.len(), chunks, || (), |(), (chunk, bytes): (usize, &mut [u8])| {
-            for (k, place) in bytes.chunks_exact_mut(RAY_BYTES).enumerate() {
-                if let Sent::Device(ray, _) = self.sender.send(rays, chunk * CHUNK + k) {
-                    place.copy_from_slice(&ray.bytes());
+        run(
+            rays.len(),
+            chunks,
+            || (),
+            |(), (chunk, bytes): (usize, &mut [u8])| {
+                for (k, place) in bytes.chunks_exact_mut(RAY_BYTES).enumerate() {
+                    if let Sent::Device(ray, _) = self.sender.send(rays, chunk * CHUNK + k) {
+                        place.copy_from_slice(&ray.bytes());
+                    }
                 }
-            }
-        });
+            },
+        );
         bytes
     }
 
     /// Completes the answers of a batch that starts at ray `first`.
-    fn complete(&self, rays: &Rays<'_>, first: usize, answers: &[Answer], hits: &mut FirstHits<'_>) -> Report {
+    fn complete(
+        &self,
+        rays: &Rays<'_>,
+        first: usize,
+        answers: &[Answer],
+        hits: &mut FirstHits<'_>,
+    ) -> Report {
         let parts = parts(hits, first, answers.len());
         let mut report = Report { rays: answers.len() as u64, ..Report::default() };
-        let scratch = || Completion { scratch: self.cpu.scratch(), again: Vec::new(), batch: RayBatch::default() };
+        let scratch =
+            || Completion { scratch: self.cpu.scratch(), again: Vec::new(), batch: RayBatch::default() };
         let costs = run(answers.len(), parts.into_iter(), scratch, |memory, mut part: Part<'_>| {
             let at = part.first - first;
             self.complete_part(rays, &answers[at..at + part.t.len()], &mut part, memory)
@@ -197,7 +209,13 @@ impl GpuProgram {
         report
     }
 
-    fn complete_part(&self, rays: &Rays<'_>, answers: &[Answer], part: &mut Part<'_>, memory: &mut Completion) -> Report {
+    fn complete_part(
+        &self,
+        rays: &Rays<'_>,
+        answers: &[Answer],
+        part: &mut Part<'_>,
+        memory: &mut Completion,
+    ) -> Report {
         let mut report = Report::default();
         memory.again.clear();
         for (k, answer) in answers.iter().enumerate() {
@@ -313,7 +331,10 @@ impl GpuProgram {
             part.before[k] = before[n];
             part.after[k] = after[n];
             if let Some(columns) = &mut part.normal {
-                columns.iter_mut().enumerate().for_each(|(axis, column)| column[k] = normal[axis * count + n]);
+                columns
+                    .iter_mut()
+                    .enumerate()
+                    .for_each(|(axis, column)| column[k] = normal[axis * count + n]);
             }
         }
     }
@@ -334,7 +355,11 @@ fn miss(part: &mut Part<'_>, k: usize, region: u32) {
 pub(crate) fn compile(program: &Program) -> Result<(Layout, Sender), GpuError> {
     let model = program.prototype(PrototypeId(0));
     let frame = Frame::of(model);
-    let sent = Sender { frame, bounded: is_bounded(program, &frame), magnitude: magnitude_of(program, PrototypeId(0)) };
+    let sent = Sender {
+        frame,
+        bounded: is_bounded(program, &frame),
+        magnitude: magnitude_of(program, PrototypeId(0)),
+    };
     if program.regions().len() > 0xfffe {
         return Err(GpuError::Unsupported(Unsupported::Regions));
     }
@@ -386,9 +411,10 @@ fn parts<'a>(hits: &'a mut FirstHits<'_>, first: usize, count: usize) -> Vec<Par
     let mut placement = hits.placement[range.clone()].chunks_mut(CHUNK);
     let mut before = hits.before[range.clone()].chunks_mut(CHUNK);
     let mut after = hits.after[range.clone()].chunks_mut(CHUNK);
-    let mut normal = hits.normal.as_mut().map(|columns| {
-        columns.each_mut().map(|column| column[range.clone()].chunks_mut(CHUNK))
-    });
+    let mut normal = hits
+        .normal
+        .as_mut()
+        .map(|columns| columns.each_mut().map(|column| column[range.clone()].chunks_mut(CHUNK)));
     let mut parts = Vec::new();
     while let (Some(t), Some(face), Some(placement), Some(before), Some(after)) =
         (t.next(), face.next(), placement.next(), before.next(), after.next())

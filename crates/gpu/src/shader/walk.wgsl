@@ -64,8 +64,9 @@ fn roots_of(facet: vec4u, r: Ray) -> Roots {
 }
 
 fn events_of(k: u32, group_ray: Ray) -> Events {
-    let atom = tables[params.atoms + k];
+    let atom = tables[params.atoms + 2u * k];
     var r = group_ray;
+@BALLS@
 @PLACED_ATOM@
     var enter = vec2f(-BIG, -BIG);
     var leave = vec2f(BIG, BIG);
@@ -138,6 +139,18 @@ fn key_of(facet: u32) -> u32 {
     return tables[params.facets + facet].z;
 }
 
+// True if a ray passes a ball at a distance. data: centre, squared radius.
+fn passes(at: u32, r: Ray) -> bool {
+    let m = data[at];
+    let q = r.o - m.xyz;
+    let s = -sum(q * r.d) / sum(r.d * r.d);
+    let sd = s * r.d;
+    let p = q + sd;
+    let ep = ROOM * (EPS * (largest(q) + largest(sd) + largest(p)) + r.eo + abs(s) * r.ed) + TINY;
+    let pp = sum(p * p);
+    return pp - m.w > ROOM * (2.0 * l1(p) * ep + EPS * (4.0 * pp + 3.0 * m.w)) + TINY;
+}
+
 @NETWORK@
 
 // The last region that is inside; 0 if none is.
@@ -159,6 +172,8 @@ fn medium_of(region: u32) -> u32 {
 var<private> times: array<vec4f, ATOMS>;
 var<private> first: array<u32, ATOMS>;
 var<private> second: array<u32, ATOMS>;
+// the atoms with events after the start, by their number in the group
+var<private> which: array<u32, ATOMS>;
 
 fn unsure(start: u32, lo: f32) -> Change {
     return Change(true, start, start, start, lo, BIG, HIDDEN, 0u);
@@ -170,6 +185,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
     let outputs = tables[params.groups + 2u * g + 1u];
     var bits = no_bits();
     var certain = true;
+    var live = 0u;
     for (var k = 0u; k < group.y; k++) {
         var e = events_of(group.x + k, r);
         var inside = e.inside;
@@ -189,9 +205,13 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
                 certain = false;
             }
         }
-        times[k] = e.t;
-        first[k] = e.f0;
-        second[k] = e.f1;
+        if e.f0 != NONE || e.f1 != NONE {
+            times[live] = e.t;
+            first[live] = e.f0;
+            second[live] = e.f1;
+            which[live] = k;
+            live += 1u;
+        }
         if inside {
             bits = flipped(bits, k);
         }
@@ -207,7 +227,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
         var hi = BIG;
         var facet = NONE;
         var atom = 0u;
-        for (var k = 0u; k < group.y; k++) {
+        for (var k = 0u; k < live; k++) {
             if first[k] != NONE && times[k].x < lo {
                 lo = times[k].x;
                 hi = times[k].y;
@@ -231,7 +251,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
         let key = key_of(facet);
         var ties = no_bits();
         var count = 0u;
-        for (var k = 0u; k < group.y; k++) {
+        for (var k = 0u; k < live; k++) {
             var mine = 0u;
             if first[k] != NONE && times[k].x <= hi {
                 mine += 1u;
@@ -251,10 +271,11 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
                 return unsure(start, lo);
             }
             if mine == 1u {
-                ties = flipped(ties, k);
+                ties = flipped(ties, which[k]);
                 count += 1u;
             }
         }
+        atom = which[atom];
         let next_bits = both(bits, ties);
         let next = owner(group, outputs, next_bits);
         let medium = medium_in(outputs, region);
@@ -270,7 +291,7 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
                         continue;
                     }
                     // a placed solid is one leaf, whose own face the CPU determines
-                    if tables[params.atoms + group.x + k].w != 0u {
+                    if tables[params.atoms + 2u * (group.x + k)].w != 0u {
                         return unsure(start, lo);
                     }
                     if atom == NONE
@@ -302,7 +323,7 @@ fn medium_in(outputs: vec4u, region: u32) -> u32 {
 
 // The facet of an atom with a key.
 fn facet_with(atom: u32, key: u32) -> u32 {
-    let a = tables[params.atoms + atom];
+    let a = tables[params.atoms + 2u * atom];
     for (var i = 0u; i < a.y; i++) {
         if tables[params.facets + a.x + i].z == key {
             return a.x + i;

@@ -66,9 +66,15 @@ impl Adversary {
         self.map(a, b, Adversary::mul)
     }
 
+    /// A sum in an order of the adversary's: WGSL may reassociate.
+    pub fn total(&mut self, terms: &[f32]) -> f32 {
+        let chosen = (0..3).fold(0, |n, bit| n | usize::from(self.choice()) << bit);
+        let at = |k: usize| terms[(chosen + k) % terms.len()];
+        (1..terms.len()).fold(at(0), |sum, k| self.add(sum, at(k)))
+    }
+
     pub fn sum(&mut self, v: V3) -> f32 {
-        let first = self.add(v[0], v[1]);
-        self.add(first, v[2])
+        self.total(&v)
     }
 
     pub fn dot(&mut self, a: V3, b: V3) -> f32 {

@@ -38,8 +38,7 @@ pub(crate) fn plane(m: &mut Adversary, room: f32, p: [f32; 4], e: [f32; 2], r: &
     let normal = [p[0], p[1], p[2]];
     let no = m.product(normal, r.o);
     let nd = m.product(normal, r.d);
-    let along = m.sum(no);
-    let h = m.sub(p[3], along);
+    let h = m.total(&[p[3], -no[0], -no[1], -no[2]]);
     let v = m.sum(nd);
     let n1 = l1(normal) + 3.0 * e[0];
     let eh = room * (EPS * (4.0 * l1(no) + 3.0 * p[3].abs()) + e[1] + e[0] * l1(r.o) + n1 * r.eo) + TINY;
@@ -48,7 +47,13 @@ pub(crate) fn plane(m: &mut Adversary, room: f32, p: [f32; 4], e: [f32; 2], r: &
 }
 
 /// `[a, b, c]` of a sphere about the time s, and s.
-pub(crate) fn sphere(m: &mut Adversary, room: f32, c: [f32; 4], e: [f32; 2], r: &TwinRay) -> ([Bounded; 3], f32) {
+pub(crate) fn sphere(
+    m: &mut Adversary,
+    room: f32,
+    c: [f32; 4],
+    e: [f32; 2],
+    r: &TwinRay,
+) -> ([Bounded; 3], f32) {
     let q = m.map(r.o, [c[0], c[1], c[2]], Adversary::sub);
     let dd = m.product(r.d, r.d);
     let a = m.sum(dd);
@@ -59,8 +64,7 @@ pub(crate) fn sphere(m: &mut Adversary, room: f32, c: [f32; 4], e: [f32; 2], r: 
     let ep = room * (EPS * (largest(q) + largest(sd) + largest(p)) + e[0] + r.eo + s.abs() * r.ed) + TINY;
     let pp = m.product(p, p);
     let pd = m.product(p, r.d);
-    let square = m.sum(pp);
-    let k = m.sub(square, c[3]);
+    let k = m.total(&[pp[0], pp[1], pp[2], -c[3]]);
     let b = m.sum(pd);
     let ec = room * (2.0 * l1(p) * ep + 3.0 * ep * ep + EPS * (4.0 * l1(pp) + 3.0 * c[3]) + e[1]) + TINY;
     let eb = room * (l1(p) * r.ed + l1(r.d) * ep + 3.0 * ep * r.ed + EPS * 3.0 * l1(pd)) + TINY;
@@ -69,7 +73,12 @@ pub(crate) fn sphere(m: &mut Adversary, room: f32, c: [f32; 4], e: [f32; 2], r: 
 }
 
 /// `[a, b, c]` of a quadric about the time s, and s. The rows are those of the shader.
-pub(crate) fn quadric(m: &mut Adversary, room: f32, rows: &[[f32; 4]; 6], r: &TwinRay) -> ([Bounded; 3], f32) {
+pub(crate) fn quadric(
+    m: &mut Adversary,
+    room: f32,
+    rows: &[[f32; 4]; 6],
+    r: &TwinRay,
+) -> ([Bounded; 3], f32) {
     let xyz = |k: usize| [rows[k][0], rows[k][1], rows[k][2]];
     let (axes, w, l) = ([xyz(1), xyz(2), xyz(3)], xyz(4), xyz(5));
     let [em, ee, ew, el, constant, ek] = std::array::from_fn(|k| rows[k][3]);
@@ -83,18 +92,15 @@ pub(crate) fn quadric(m: &mut Adversary, room: f32, rows: &[[f32; 4]; 6], r: &Tw
     let n1 = axes.map(|axis| l1(axis) + 3.0 * ee);
     let p = axes.map(|axis| m.dot(axis, z));
     let y = axes.map(|axis| m.dot(axis, r.d));
-    let error = |k: usize, v: V3, e: f32| {
-        room * (n1[k] * e + ee * l1(v) + EPS * 3.0 * l1(times(axes[k], v))) + TINY
-    };
+    let error =
+        |k: usize, v: V3, e: f32| room * (n1[k] * e + ee * l1(v) + EPS * 3.0 * l1(times(axes[k], v))) + TINY;
     let ep: V3 = std::array::from_fn(|k| error(k, z, ez));
     let ey: V3 = std::array::from_fn(|k| error(k, r.d, r.ed));
     let (aw, al) = (w.map(|x| x.abs() + ew), l.map(|x| x.abs() + el));
     let wp = m.product(w, p);
     let wpp = m.product(wp, p);
     let lp = m.product(l, p);
-    let (squares, linear) = (m.sum(wpp), m.sum(lp));
-    let both = m.add(squares, linear);
-    let c = m.add(both, constant);
+    let c = m.total(&[wpp[0], wpp[1], wpp[2], lp[0], lp[1], lp[2], constant]);
     let two = |p: V3, e: V3| -> V3 { std::array::from_fn(|k| 2.0 * p[k].abs() * e[k] + e[k] * e[k]) };
     let ec = room
         * (l1(times(aw, two(p, ep)))
@@ -106,8 +112,8 @@ pub(crate) fn quadric(m: &mut Adversary, room: f32, rows: &[[f32; 4]; 6], r: &Tw
         + TINY;
     let wpy = m.product(wp, y);
     let ly = m.product(l, y);
-    let (mixed, rise) = (m.sum(wpy), m.sum(ly));
-    let b = m.add(mixed, 0.5 * rise);
+    let half = ly.map(|x| 0.5 * x);
+    let b = m.total(&[wpy[0], wpy[1], wpy[2], half[0], half[1], half[2]]);
     let cross: V3 = std::array::from_fn(|k| abs(p)[k] * ey[k] + abs(y)[k] * ep[k] + ep[k] * ey[k]);
     let eb = room
         * (l1(times(aw, cross))
@@ -123,7 +129,12 @@ pub(crate) fn quadric(m: &mut Adversary, room: f32, rows: &[[f32; 4]; 6], r: &Tw
 }
 
 /// `[a, b, c]` of a cylinder about the time s, and s. The rows are those of the shader.
-pub(crate) fn cylinder(m: &mut Adversary, room: f32, rows: &[[f32; 4]; 4], r: &TwinRay) -> ([Bounded; 3], f32) {
+pub(crate) fn cylinder(
+    m: &mut Adversary,
+    room: f32,
+    rows: &[[f32; 4]; 4],
+    r: &TwinRay,
+) -> ([Bounded; 3], f32) {
     let xyz = |k: usize| [rows[k][0], rows[k][1], rows[k][2]];
     let (axes, ee, rr) = ([xyz(1), xyz(2)], rows[1][3], rows[2][3]);
     let q = m.map(r.o, xyz(0), Adversary::sub);

@@ -144,7 +144,10 @@ fn measure(scene: &Scene, adapter: &Adapter, options: &Options) -> Result<Row, F
     let rays = rays(scene, options.rays);
     let mut ours = Columns::new(rays.len());
     // once to warm up
-    gpu.nearest(rays.rays().slice(0..rays.len().min(1 << 16)), &mut Columns::new(rays.len().min(1 << 16)).hits())?;
+    gpu.nearest(
+        rays.rays().slice(0..rays.len().min(1 << 16)),
+        &mut Columns::new(rays.len().min(1 << 16)).hits(),
+    )?;
     let clock = Instant::now();
     let report = gpu.nearest(rays.rays(), &mut ours.hits())?;
     let whole = rays.len() as f64 / clock.elapsed().as_secs_f64();
@@ -183,15 +186,22 @@ fn on_the_cpu(scene: &Scene, rays: Rays<'_>, columns: &mut Columns) -> (usize, f
         cpu.nearest(rays.slice(range.clone()), window, scratch, &mut part.hits());
         (range, part)
     };
-    let merged = drive(thread_count(None), &Cancel::new(), chunks, || cpu.scratch(), work, |(range, part)| {
-        done = range.end;
-        columns.t[range.clone()].copy_from_slice(&part.t);
-        columns.face[range.clone()].copy_from_slice(&part.face);
-        columns.placement[range.clone()].copy_from_slice(&part.placement);
-        columns.before[range.clone()].copy_from_slice(&part.before);
-        columns.after[range].copy_from_slice(&part.after);
-        Ok::<(), std::convert::Infallible>(())
-    });
+    let merged = drive(
+        thread_count(None),
+        &Cancel::new(),
+        chunks,
+        || cpu.scratch(),
+        work,
+        |(range, part)| {
+            done = range.end;
+            columns.t[range.clone()].copy_from_slice(&part.t);
+            columns.face[range.clone()].copy_from_slice(&part.face);
+            columns.placement[range.clone()].copy_from_slice(&part.placement);
+            columns.before[range.clone()].copy_from_slice(&part.before);
+            columns.after[range].copy_from_slice(&part.after);
+            Ok::<(), std::convert::Infallible>(())
+        },
+    );
     debug_assert!(merged.is_ok());
     (done, done as f64 / clock.elapsed().as_secs_f64())
 }
