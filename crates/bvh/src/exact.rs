@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 /// A bounding volume hierarchy of single items with exact boxes, which may be empty or unbounded.
 ///
-/// Its queries are [`ExactBvh::visit`] and [`BundleTraversal`](crate::BundleTraversal).
+/// Its queries are [`ExactBvh::visit`], [`BundleTraversal`](crate::BundleTraversal) and [`RayTraversals`](crate::RayTraversals).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExactBvh {
     pub(crate) nodes: Vec<Node64>,

@@ -6,6 +6,7 @@ use crate::property::wavelength_nm;
 use crate::volume::VolumePaths;
 use rayweave_model::Face;
 use rayweave_table::{Chunk, Column, DType, Schema, TableError, Values};
+use std::sync::Arc;
 
 /// The genstep of photons of other sources.
 const NO_GENSTEP: i64 = -1;
@@ -144,7 +145,8 @@ impl Hits {
         columns.extend(self.direction.iter().chain(&self.polarisation).cloned().map(Values::from));
         columns.push(self.wavelength_nm.clone().into());
         columns.push(self.steps.clone().into());
-        columns.push(self.sensor.clone().into());
+        let paths: Vec<Arc<str>> = self.paths().iter().map(|path| path.as_str().into()).collect();
+        columns.push(Values::Text(self.sensor.iter().map(|&sensor| paths[sensor as usize].clone()).collect()));
         columns.extend(self.genstep.iter().cloned().map(Values::from));
         Chunk::new(columns)
     }
@@ -152,19 +154,19 @@ impl Hits {
 
 /// The columns of a table of hits: `event`, `photon`; `x`, `y`, `z` in mm; `time` in ns; the direction `dx`, `dy`, `dz`; the
 /// polarisation `px`, `py`, `pz`; `wavelength_nm`; `steps`; `sensor`, a path; and for a run of gensteps `genstep`, the number of
-/// the genstep.
+/// the genstep. The parts of a run have rows of one table.
 ///
 /// # Errors
 ///
 /// None: the names are fixed.
-pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
+pub fn hit_schema(has_gensteps: bool) -> Result<Schema, TableError> {
     let mut columns = vec![Column::new("event", DType::I64), Column::new("photon", DType::I64)];
     columns.extend(["x", "y", "z"].map(|name| Column::new(name, DType::F64).unit("mm")));
     columns.push(Column::new("time", DType::F64).unit("ns"));
     columns.extend(["dx", "dy", "dz", "px", "py", "pz"].map(|name| Column::new(name, DType::F64)));
     columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
     columns.push(Column::new("steps", DType::I64));
-    columns.push(Column::names("sensor", hits.paths().into()));
-    columns.extend(hits.genstep.is_some().then(|| Column::new("genstep", DType::I64)));
+    columns.push(Column::new("sensor", DType::Text));
+    columns.extend(has_gensteps.then(|| Column::new("genstep", DType::I64)));
     Schema::new(columns)
 }
