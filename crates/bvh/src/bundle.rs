@@ -14,10 +14,10 @@ use rayweave_math::{Bounds, Vec3};
 /// Eight rays prepared for slab tests.
 #[derive(Clone, Copy, Debug)]
 pub struct BundleSlabs<S: Simd> {
-    origin: [f64x8<S>; 3],
-    inverse: [f64x8<S>; 3],
+    pub(crate) origin: [f64x8<S>; 3],
+    pub(crate) inverse: [f64x8<S>; 3],
     /// The growth of the boxes.
-    margin: f64x8<S>,
+    pub(crate) margin: f64x8<S>,
 }
 
 /// The inverse of a component of a direction, kept finite: a component of 1e-100 moves the ray by less than
@@ -157,10 +157,10 @@ pub struct BundleTraversal(Vec<Place>);
 
 /// One box of a node.
 #[derive(Clone, Copy, Debug)]
-struct Place {
-    enter: f64,
-    node: u32,
-    lane: u32,
+pub(crate) struct Place {
+    pub enter: f64,
+    pub node: u32,
+    pub lane: u32,
 }
 
 impl BundleTraversal {

@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 
 /// A bounding volume hierarchy with one item per leaf and exact boxes, which may be empty or unbounded.
 ///
-/// Its queries are [`ExactBvh::visit`] and [`BundleTraversal`](crate::BundleTraversal).
+/// Its queries are [`ExactBvh::visit`], [`BundleTraversal`](crate::BundleTraversal) and [`RayTraversals`](crate::RayTraversals).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ExactBvh {
     pub(crate) nodes: Vec<Node64>,

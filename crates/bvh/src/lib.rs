@@ -21,7 +21,7 @@
 //! | type | boxes | queries | users |
 //! | --- | --- | --- | --- |
 //! | [`Bvh`] | `f32`, rounded outwards | rays in any order or [front to back](FrontToBack), boxes, nearest items | `trace`, `mesh` |
-//! | [`ExactBvh`] | `f64`, as given | a condition on boxes, in list order; [bundles of eight rays](BundleTraversal) | `trace`, `optics` |
+//! | [`ExactBvh`] | `f64`, as given | a condition on boxes, in list order; [bundles of eight rays](BundleTraversal), [eight rays, each on its own](RayTraversals) | `trace`, `optics` |
 //!
 //! Both are a flat array of nodes in preorder; [`ExactBvh`] has the topology that the builder made for the other.
 //!
@@ -59,6 +59,7 @@ mod exact;
 mod frame;
 mod front;
 mod node;
+mod rays;
 mod slabs;
 mod tree;
 
@@ -67,4 +68,5 @@ pub use exact::{ExactBvh, FlatChild, FlatNode};
 pub use frame::Probe;
 pub use front::FrontToBack;
 pub use node::WIDTH;
+pub use rays::RayTraversals;
 pub use tree::Bvh;

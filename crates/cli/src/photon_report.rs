@@ -1,7 +1,7 @@
 //! Report of a photon run: how photons end, processes, sequences.
 
 use crate::terminal;
-use rayweave::photon::{Detector, End, Histories, PhotonPart, PhotonRun, Process, sequence_text};
+use rayweave::photon::{Detector, End, Histories, Hits, PhotonPart, PhotonRun, Process, sequence_text};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -11,7 +11,10 @@ const BARE: &str = "(none)";
 
 /// The results of a run.
 pub struct PhotonReport {
+    /// The counts of the run, and its hits if they are kept.
     pub run: PhotonRun,
+    hits: u64,
+    keeps_hits: bool,
     pub duration: Duration,
     detection: &'static str,
     /// Processes and events at surfaces, if they are reported.
@@ -22,15 +25,18 @@ pub struct PhotonReport {
 }
 
 impl PhotonReport {
-    /// A report without photons. `sequences` is the number of sequences to report.
+    /// A report without photons. `sequences` is the number of sequences to report. Hits are counted, and kept if `keeps_hits`.
     pub fn new(
         detector: &Detector,
         detection: &'static str,
         counts: bool,
         sequences: Option<usize>,
+        keeps_hits: bool,
     ) -> PhotonReport {
         PhotonReport {
             run: PhotonRun::default(),
+            hits: 0,
+            keeps_hits,
             duration: Duration::ZERO,
             detection,
             counts: counts.then(Histories::default),
@@ -40,7 +46,11 @@ impl PhotonReport {
     }
 
     /// Adds a part of the run.
-    pub fn add(&mut self, part: PhotonPart) {
+    pub fn add(&mut self, mut part: PhotonPart) {
+        self.hits += part.run.hits.len() as u64;
+        if !self.keeps_hits {
+            part.run.hits = Hits::default();
+        }
         self.run.append(part.run);
         let Some(histories) = part.histories else { return };
         if let Some((found, _)) = &mut self.sequences {
@@ -64,7 +74,7 @@ impl PhotonReport {
             .collect();
         let mut report = json!({
             "photons": self.run.photons,
-            "hits": self.run.hits.len(),
+            "hits": self.hits,
             "steps": self.run.steps,
             "seconds": terminal::rounded(self.duration.as_secs_f64(), 6),
             "detection": self.detection,

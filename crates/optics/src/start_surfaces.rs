@@ -21,6 +21,8 @@ pub struct StartSurfaces {
     boxes: Vec<Bounds>,
     cores: Vec<Core>,
     surfaces: Vec<SurfaceId>,
+    /// For each entry of the list of surfaces, a box in which no other surface is within reach; may be empty.
+    alone: Vec<Bounds>,
     frames: Vec<Frame>,
     tree: ExactBvh,
     neighbours: Neighbours,
@@ -62,6 +64,8 @@ struct Neighbours {
     /// The first cluster of each placement, and for each surface the position of its cluster in that placement.
     of_placement: Vec<u32>,
     of_surface: Vec<u32>,
+    /// For each surface, its position in the list of its cluster.
+    rank: Vec<u32>,
     /// The margin by which all boxes in the lists are grown.
     slack: f64,
 }
@@ -78,6 +82,9 @@ pub enum ExitSide {
 /// Number of neighbours above which the tree is faster than a list.
 const FEW: usize = 16;
 
+/// Number of boxes that touch a face above which no part of the face is searched that is far from all of them.
+const MANY: usize = 64;
+
 /// The margin of boxes in lists of neighbours, relative to the size of the model; it covers the tolerances of rays up to
 /// 10^5 times as long as the model.
 const SLACK: f64 = 1e-6;
@@ -91,6 +98,7 @@ impl StartSurfaces {
     pub fn new(program: &Program) -> StartSurfaces {
         let mut found = StartSurfaces::default();
         let mut of_surface = vec![0; program.surfaces().len()];
+        let mut rank = vec![0; program.surfaces().len()];
         let mut of_placement = Vec::new();
         let mut matters = HashMap::new();
         for placement in (0..program.prototypes()[0].placements).map(PlacementId) {
@@ -118,7 +126,8 @@ impl StartSurfaces {
             found.frames.push(Frame::new(program, placement));
             for same in placed.chunk_by(|a, b| a.0 == b.0) {
                 let first = found.surfaces.len() as u32;
-                for (_, surface) in same {
+                for (k, (_, surface)) in (0..).zip(same) {
+                    rank[surface.index()] = k;
                     of_surface[surface.index()] =
                         found.clusters.len() as u32 - of_placement[placement.index()];
                     found.surfaces.push(*surface);
@@ -129,8 +138,9 @@ impl StartSurfaces {
         }
         found.tree = ExactBvh::listed(&found.boxes);
         found.neighbours =
-            Neighbours { of_placement, of_surface, ..Neighbours::new(&found.boxes, &found.tree) };
+            Neighbours { of_placement, of_surface, rank, ..Neighbours::new(&found.boxes, &found.tree) };
         found.cores = (0..found.clusters.len()).map(|k| found.core(program, k)).collect();
+        found.alone = (0..found.clusters.len()).flat_map(|k| found.alone_in(k)).collect();
         found
     }
 
@@ -178,6 +188,68 @@ impl StartSurfaces {
             core.beyond[side] = (counts[side] == 1).then_some(surface);
         }
         core
+    }
+
+    /// For each surface of a cluster, a box in which all other surfaces are out of reach: the part of its face that is far
+    /// from the edges of its cluster and from its neighbours. Empty where no such box is found.
+    fn alone_in(&self, k: usize) -> Vec<Bounds> {
+        let slack = self.neighbours.slack;
+        let Core { bounds: core, beyond } = self.cores[k];
+        let surfaces = self.surfaces_of(&self.clusters[k]);
+        let own = self.boxes[k].grown(slack);
+        let alone = surfaces.iter().map(|surface| {
+            let mut face = match surfaces {
+                [_] => own,
+                _ => {
+                    let Some(side) = beyond.iter().position(|other| *other == Some(*surface)) else {
+                        return Bounds::EMPTY;
+                    };
+                    let (mut face, axis) = (core, side % 3);
+                    // the plane is `slack` beyond the core
+                    match side < 3 {
+                        true => (face.lo[axis], face.hi[axis]) = (core.lo[axis] - 2.0 * slack, core.lo[axis]),
+                        false => (face.lo[axis], face.hi[axis]) = (core.hi[axis], core.hi[axis] + 2.0 * slack),
+                    }
+                    face.intersection(&own)
+                }
+            };
+            // twice, for the rounding of the sums
+            let (wide, mut near) = (face.grown(2.0 * slack), Vec::new());
+            let is_near = |other: &Bounds| !other.intersection(&wide).is_empty();
+            let all = self.tree.visit(is_near, |other| {
+                near.push(other);
+                if near.len() > MANY { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            });
+            if all.is_break() {
+                return Bounds::EMPTY;
+            }
+            for other in near.into_iter().filter(|&other| other != k) {
+                face = self.without(face, other);
+            }
+            face
+        });
+        alone.collect()
+    }
+
+    /// A large part of a box that a cluster does not reach.
+    fn without(&self, face: Bounds, other: usize) -> Bounds {
+        let around = self.boxes[other].grown(self.neighbours.slack);
+        if face.is_empty() || face.intersection(&around).is_empty() {
+            return face;
+        }
+        let mut parts = vec![face.intersection(&self.cores[other].bounds)];
+        for axis in 0..3 {
+            let (mut below, mut above) = (face, face);
+            below.hi[axis] = below.hi[axis].min(around.lo[axis].next_down());
+            above.lo[axis] = above.lo[axis].max(around.hi[axis].next_up());
+            parts.extend([below, above]);
+        }
+        let volume = |part: &Bounds| {
+            let size = (part.hi - part.lo).max(Vec3::ZERO);
+            size.x * size.y * size.z
+        };
+        let largest = parts.into_iter().filter(|part| !part.is_empty());
+        largest.max_by(|a, b| volume(a).total_cmp(&volume(b))).unwrap_or(Bounds::EMPTY)
     }
 
     fn surfaces_of(&self, cluster: &Cluster) -> &[SurfaceId] {
@@ -236,9 +308,12 @@ impl StartSurfaces {
         // far above every tolerance: a surface whose grown box does not contain the point is out of
         // reach
         let margin = 1e3 * delta_of(lengths);
+        let own = starts.get(first).copied();
+        if margin <= self.neighbours.slack && own.is_some_and(|own| self.is_alone(&own, point)) {
+            return;
+        }
         let is_around = |bounds: &Bounds| bounds.grown(margin).contains(point);
         let at = Departure { program, ray, t, point, lengths, side };
-        let own = starts.get(first).copied();
         let is_core = |k: usize| {
             let same = own.filter(|own| own.placement == self.clusters[k].placement);
             let except = same.map(|own| own.surface);
@@ -262,6 +337,13 @@ impl StartSurfaces {
                 });
             }
         }
+    }
+
+    /// True if no other surface is within reach of a point on a surface, for tolerances within the slack.
+    fn is_alone(&self, own: &Start, point: Vec3) -> bool {
+        let cluster = &self.clusters[self.neighbours.cluster(own)];
+        let at = cluster.surfaces.start + self.neighbours.rank[own.surface.index()];
+        self.alone[at as usize].contains(point)
     }
 
     /// Appends the surfaces of a cluster that are within the tolerance.
@@ -396,10 +478,14 @@ impl Neighbours {
 
     /// The cluster of a surface and its neighbours, itself included; `None` if it has too many.
     fn of(&self, start: &Start) -> Option<(usize, &[u32])> {
-        let own =
-            (self.of_placement[start.placement.index()] + self.of_surface[start.surface.index()]) as usize;
+        let own = self.cluster(start);
         let list = &self.lists[self.first[own] as usize..self.first[own + 1] as usize];
         (!list.is_empty()).then_some((own, list))
+    }
+
+    /// The cluster of a surface.
+    fn cluster(&self, start: &Start) -> usize {
+        (self.of_placement[start.placement.index()] + self.of_surface[start.surface.index()]) as usize
     }
 
     /// True if the neighbours of a box include all clusters whose boxes, grown by a margin, contain a point.
@@ -533,7 +619,7 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1u64 << 53) as f64
         };
-        let (mut longest, mut by_list, mut by_core, mut by_own_core) = (0, 0, 0, 0);
+        let (mut longest, mut by_list, mut by_core, mut by_own_core, mut alone) = (0, 0, 0, 0, 0);
         for k in 0..all.clusters.len() {
             let (cluster, bounds) = (&all.clusters[k], all.boxes[k]);
             let (up, _) = program.placement(cluster.placement);
@@ -580,10 +666,11 @@ mod tests {
                     assert_eq!(starts, expected, "at {point} on {own:?}");
                     longest = longest.max(starts.len());
                     by_list += usize::from(all.neighbours.of(&own).is_some());
+                    alone += usize::from(all.is_alone(&own, point));
                 }
             }
         }
         assert!(longest >= 6 && by_list > 1000, "{longest} {by_list}");
-        assert!(by_core > 1000 && by_own_core > 1000, "{by_core} {by_own_core}");
+        assert!(by_core > 1000 && by_own_core > 1000 && alone > 1000, "{by_core} {by_own_core} {alone}");
     }
 }

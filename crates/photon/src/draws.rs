@@ -1,11 +1,15 @@
-//! The first random numbers of a step for all photons of a batch, eight photons at a time.
+//! The first random numbers of a step for all photons of a batch, and random directions of new photons, eight photons at a
+//! time.
 //!
 //! They are those of [`Stream`], bit for bit. The loops over eight lanes are compiled for the instruction set of the
 //! processor.
 
 use crate::flight::Flight;
-use crate::philox::{MULTIPLIERS, PURPOSE_SHIFT, Purpose, ROUNDS, Stream, UNIT, WEYL};
+use crate::philox::{COSINE, MULTIPLIERS, PURPOSE_SHIFT, Purpose, ROUNDS, SINE, Stream, UNIT, WEYL};
+use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
+use rayweave_math::Vec3;
+use rayweave_shape::lanes::{Lanes, Mask, Vec3Lanes, splat};
 
 /// The number of photons that are processed together.
 const LANES: usize = 8;
@@ -49,6 +53,95 @@ impl Draws {
     pub fn boundary(&self, i: usize, seed: u64, flight: &Flight) -> Stream {
         Stream::new(seed, flight.number, flight.steps, Purpose::Boundary).with_block(self.boundary[i])
     }
+}
+
+/// Isotropic directions of photons and random polarisations, from the streams of their emission: those of
+/// [`Stream::direction`] and then of [`Stream::polarisation`].
+pub(crate) fn isotropic(seed: u64, numbers: &[u64]) -> Vec<[Vec3; 2]> {
+    let mut found = vec![[Vec3::ZERO; 2]; numbers.len()];
+    let level = Level::new();
+    dispatch!(level, simd => isotropic_lanes(simd, seed, numbers, &mut found));
+    found
+}
+
+#[inline(always)]
+fn isotropic_lanes<S: Simd>(simd: S, seed: u64, numbers: &[u64], found: &mut [[Vec3; 2]]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let key = [seed as u32, (seed >> 32) as u32];
+            for (numbers, found) in numbers.chunks(LANES).zip(found.chunks_mut(LANES)) {
+                let mut counter = [[0; LANES]; 4];
+                for (lane, number) in numbers.iter().enumerate() {
+                    counter[0][lane % LANES] = (number >> 32) as u32;
+                    counter[1][lane % LANES] = *number as u32;
+                }
+                let purpose = (Purpose::Emission as u32) << PURPOSE_SHIFT;
+                counter[3] = [purpose; LANES];
+                let first = blocks(counter, key);
+                counter[3] = [purpose + 1; LANES];
+                let second = blocks(counter, key);
+                let load = |values: [f64; LANES]| Lanes::load_array(simd, values);
+                let cosine = load(uniforms(&first[0], &first[1])) * 2.0 - 1.0;
+                let axis = Vec3Lanes::splat(simd, Vec3::Z);
+                let direction = around(simd, axis, cosine, load(uniforms(&first[2], &first[3])));
+                let turns = load(uniforms(&second[0], &second[1]));
+                let polarisation = around(simd, direction, splat(simd, 0.0), turns);
+                for (lane, found) in found.iter_mut().enumerate() {
+                    *found = [direction, polarisation].map(|vector| {
+                        let at = |values: Lanes<S>| values.as_slice()[lane % LANES];
+                        Vec3::new(at(vector.x), at(vector.y), at(vector.z))
+                    });
+                }
+            }
+        },
+    );
+}
+
+/// Eight uniform numbers from their upper and lower words, as [`Stream::uniform`].
+#[inline(always)]
+fn uniforms(high: &Words, low: &Words) -> [f64; LANES] {
+    let mut values = [0.0; LANES];
+    for lane in 0..LANES {
+        let bits = u64::from(high[lane]) << 21 | u64::from(low[lane]) >> 11;
+        values[lane] = (bits as f64 + 0.5) * UNIT;
+    }
+    values
+}
+
+/// [`Stream::around`], with the azimuth in turns.
+#[inline(always)]
+fn around<S: Simd>(simd: S, axis: Vec3Lanes<S>, cosine: Lanes<S>, turns: Lanes<S>) -> Vec3Lanes<S> {
+    let (one, zero) = (splat(simd, 1.0), splat(simd, 0.0));
+    let sine = (one - cosine * cosine).max(zero).sqrt();
+    let (cos, sin) = cos_sin_turns(simd, turns);
+    // as `philox::perpendicular`
+    let sign = one.copysign(axis.z);
+    let a = -one / (sign + axis.z);
+    let b = axis.x * axis.y * a;
+    let x = Vec3Lanes { x: one + sign * axis.x * axis.x * a, y: sign * b, z: -sign * axis.x };
+    let y = Vec3Lanes { x: b, y: sign + axis.y * axis.y * a, z: -axis.y };
+    let across = x.times(cos).plus(y.times(sin));
+    let sum = across.times(sine).plus(axis.times(cosine));
+    sum.times(one / sum.length_squared().sqrt())
+}
+
+/// [`cos_sin_turns`](crate::philox::cos_sin_turns) for eight numbers.
+#[inline(always)]
+fn cos_sin_turns<S: Simd>(simd: S, turns: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    let quarters = (turns * 4.0 + 0.5).floor();
+    let is = |value: f64| quarters.simd_eq(splat(simd, value));
+    let angle = (turns * 4.0 - quarters) * std::f64::consts::FRAC_PI_2;
+    let square = angle * angle;
+    let series = |coefficients: &[f64; 7]| {
+        coefficients.iter().rev().fold(splat(simd, 0.0), |sum, &c| sum * square + c)
+    };
+    let sin = angle + angle * square * series(&SINE);
+    let cos = splat(simd, 1.0) - square * (splat(simd, 0.5) - square * series(&COSINE));
+    let is_odd: Mask<S> = is(1.0) | is(3.0);
+    let (x, y) = (is_odd.select(sin, cos), is_odd.select(cos, sin));
+    let x = (is(1.0) | is(2.0)).select(-x, x);
+    (x, (is(2.0) | is(3.0)).select(-y, y))
 }
 
 /// Exponentially distributed numbers with mean 1, the first two of which are known.
@@ -129,10 +222,9 @@ fn blocks(mut counter: [Words; 4], mut key: [u32; 2]) -> [Words; 4] {
 /// [`Stream::exponential`] from the upper and the lower words of eight uniform numbers.
 #[inline(always)]
 fn exponentials(high: &Words, low: &Words) -> [f64; LANES] {
-    let mut values = [0.0; LANES];
-    for lane in 0..LANES {
-        let bits = u64::from(high[lane]) << 21 | u64::from(low[lane]) >> 11;
-        values[lane] = -log((bits as f64 + 0.5) * UNIT);
+    let mut values = uniforms(high, low);
+    for value in &mut values {
+        *value = -log(*value);
     }
     values
 }
@@ -174,7 +266,6 @@ const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 mod tests {
     use super::*;
     use crate::photon::Photon;
-    use rayweave_math::Vec3;
 
     fn flight(number: u64) -> Flight {
         let photon = Photon {
@@ -204,6 +295,24 @@ mod tests {
                     assert_eq!(known.uniform(), expected.uniform());
                     assert_eq!(paths.0.draw().to_bits(), paths.1.exponential().to_bits());
                 }
+            }
+        }
+    }
+
+    /// Directions and polarisations of lists of several lengths are those of the streams.
+    #[test]
+    fn directions_are_those_of_the_streams() {
+        let seed = 0xfedc_ba98_7654_3210;
+        for count in [0, 1, 7, 8, 29, 4000] {
+            let numbers: Vec<u64> = (0..count).map(|k| k * 0x1_0000_0001 + 3).collect();
+            let found = isotropic(seed, &numbers);
+            assert_eq!(found.len(), numbers.len());
+            for (number, [direction, polarisation]) in numbers.into_iter().zip(found) {
+                let mut stream = Stream::new(seed, number, 0, Purpose::Emission);
+                let expected = stream.direction();
+                let bits = |vector: Vec3| vector.to_array().map(f64::to_bits);
+                assert_eq!(bits(direction), bits(expected), "{number}");
+                assert_eq!(bits(polarisation), bits(stream.polarisation(expected)), "{number}");
             }
         }
     }

@@ -157,12 +157,12 @@ impl Hits {
 
 /// The columns of a table of hits: `event`, `photon`; `x`, `y`, `z` in mm; `time` in ns; the direction `dx`, `dy`, `dz`; the
 /// polarisation `px`, `py`, `pz`; `wavelength_nm`; `steps`; `sensor`, a path; and for a run of gensteps `genstep`, the number of
-/// the genstep.
+/// the genstep. The parts of a run have rows of one table.
 ///
 /// # Errors
 ///
 /// None: the names are fixed.
-pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
+pub fn hit_schema(has_gensteps: bool) -> Result<Schema, TableError> {
     let mut columns = vec![Column::new("event", DType::I64), Column::new("photon", DType::I64)];
     columns.extend(["x", "y", "z"].map(|name| Column::new(name, DType::F64).unit("mm")));
     columns.push(Column::new("time", DType::F64).unit("ns"));
@@ -170,6 +170,6 @@ pub fn hit_schema(hits: &Hits) -> Result<Schema, TableError> {
     columns.push(Column::new("wavelength_nm", DType::F64).unit("nm"));
     columns.push(Column::new("steps", DType::I64));
     columns.push(Column::new("sensor", DType::Text));
-    columns.extend(hits.genstep.is_some().then(|| Column::new("genstep", DType::I64)));
+    columns.extend(has_gensteps.then(|| Column::new("genstep", DType::I64)));
     Schema::new(columns)
 }

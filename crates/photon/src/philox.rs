@@ -166,7 +166,7 @@ impl Stream {
 
 /// The cosine and the sine of a number of turns between 0 and 1: Taylor polynomials within an eighth of a turn from a quarter,
 /// which a multiplication by 4 separates exactly. The error is below 2^-52.
-fn cos_sin_turns(turns: f64) -> (f64, f64) {
+pub(crate) fn cos_sin_turns(turns: f64) -> (f64, f64) {
     let quarters = (4.0 * turns + 0.5) as u32;
     let angle = (4.0 * turns - f64::from(quarters)) * std::f64::consts::FRAC_PI_2;
     let square = angle * angle;
@@ -180,7 +180,7 @@ fn cos_sin_turns(turns: f64) -> (f64, f64) {
 
 /// The coefficients of the Taylor series of the sine from x^3, and of the cosine from x^4. The first terms that are left out
 /// are below (pi/4)^17 / 17! = 5e-17.
-const SINE: [f64; 7] = [
+pub(crate) const SINE: [f64; 7] = [
     -1.0 / 6.0,
     1.0 / 120.0,
     -1.0 / 5_040.0,
@@ -189,7 +189,7 @@ const SINE: [f64; 7] = [
     1.0 / 6_227_020_800.0,
     -1.0 / 1_307_674_368_000.0,
 ];
-const COSINE: [f64; 7] = [
+pub(crate) const COSINE: [f64; 7] = [
     1.0 / 24.0,
     -1.0 / 720.0,
     1.0 / 40_320.0,

@@ -60,7 +60,7 @@ impl PyPhotonHits {
     #[pyo3(signature = (path))]
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let write = || -> Result<(), TableError> {
-            let mut table = TableWriter::create(&path, &hit_schema(&self.0)?)?;
+            let mut table = TableWriter::create(&path, &hit_schema(self.0.genstep.is_some())?)?;
             table.write(&self.0.to_rows()?)?;
             table.finish().map(|_| ())
         };

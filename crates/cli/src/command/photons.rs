@@ -86,7 +86,8 @@ pub struct Simulation {
     #[arg(long, value_name = "NS", default_value_t = f64::INFINITY)]
     max_time: f64,
 
-    /// Table of hits: .csv, .npy (with a table of names) or .parquet (if built in); - writes CSV to standard output
+    /// Table of hits: .csv, .npy (with a table of names) or .parquet (if built in); - writes CSV to standard output. It is written
+    /// during the run: memory does not grow with the number of photons, unless hits are drawn
     #[arg(short, long, value_name = "TABLE")]
     out: Option<PathBuf>,
 
@@ -211,8 +212,8 @@ impl Simulation {
                 .try_for_each(|(_, path)| TableWriter::check_part(path))?;
         }
         if let Some(path) = self.out.as_deref().filter(|_| !is_piped) {
-            // a path that cannot be written is reported before the run, not after it; the unfinished file is removed
-            TableWriter::create(path, &hit_schema(&Hits::default())?)?;
+            // a path that cannot be written is reported before the detector is read; the unfinished file is removed
+            TableWriter::create(path, &hit_schema(false)?)?;
         }
         let (document, scene) = self.model.load_document()?;
         let detector = Detector::with_tables(&scene, &document, &self.tables.tables()?)?;
@@ -245,11 +246,6 @@ impl Simulation {
             note(&text);
         }
         let report = self.simulate(global, (&detector, &source), &settings, &parts)?;
-        if let Some(path) = &self.out {
-            let mut table = TableWriter::create(path, &hit_schema(&report.run.hits)?)?;
-            table.write(&report.run.hits.to_rows()?)?;
-            finish(table, path, &parts)?;
-        }
         self.draw_tracks(&detector, &source, &settings)?;
         self.draw_hits(&report.run.hits)?;
         match () {
@@ -367,7 +363,7 @@ impl Simulation {
         drawing::save(path, &histograms_svg(&[time, wavelength], &format!("Hits: {name}")))
     }
 
-    /// Runs the simulation; writes the table of steps meanwhile.
+    /// Runs the simulation; writes the tables of hits, steps and histories meanwhile.
     fn simulate(
         &self,
         global: &GlobalArguments,
@@ -376,6 +372,9 @@ impl Simulation {
         parts: &[(&Path, Part)],
     ) -> Result<PhotonReport, Failure> {
         let evaluator = Packets::new(detector.program().clone());
+        let has_gensteps = matches!(source, Source::Gensteps(_));
+        let create = |path: &Path| TableWriter::create(path, &hit_schema(has_gensteps)?);
+        let mut hits = self.out.as_deref().map(create).transpose()?;
         let steps = self.steps.as_deref().map(|path| TableWriter::create(path, &step_schema(detector)?));
         let mut steps = steps.transpose()?;
         let create = |path: &Path| TableWriter::create(path, &history_schema()?);
@@ -383,11 +382,16 @@ impl Simulation {
         let is_recorded = steps.is_some() || ends.is_some();
         let options = HistoryOptions { steps: is_recorded, sequences: self.sequences.is_some() };
         let histories = (options != HistoryOptions::default() || self.counts).then_some(options);
-        let mut report = PhotonReport::new(detector, self.detect.rule().1, self.counts, self.sequences);
+        let is_drawn = self.map.is_some() || self.spectra.is_some();
+        let mut report =
+            PhotonReport::new(detector, self.detect.rule().1, self.counts, self.sequences, is_drawn);
         let Range { start, end } = settings.photons;
         let bar = terminal::progress_bar(Some(end - start), Unit::Percent, global.quiet);
         let begin = Instant::now();
         let done = simulate_parts(detector, &evaluator, source, settings, histories, |part| {
+            if let Some(table) = &mut hits {
+                table.write(&part.run.hits.to_rows()?)?;
+            }
             if let (Some(table), Some(histories)) = (&mut steps, &part.histories) {
                 table.write(&histories.to_rows()?)?;
             }
@@ -401,7 +405,7 @@ impl Simulation {
         bar.finish_and_clear();
         done?;
         report.duration = begin.elapsed();
-        for (table, path) in [(steps, &self.steps), (ends, &self.histories)] {
+        for (table, path) in [(hits, &self.out), (steps, &self.steps), (ends, &self.histories)] {
             if let (Some(table), Some(path)) = (table, path) {
                 finish(table, path, parts)?;
             }

@@ -58,7 +58,7 @@ impl Boundary<'_> {
         };
         self.run(&mut process);
         (self.direction, self.polarisation) =
-            (process.direction.normalize(), process.polarisation.normalize());
+            (renormalised(process.direction), renormalised(process.polarisation));
         (process.event, self.direction.dot(self.normal) < 0.0)
     }
 
@@ -100,4 +100,11 @@ impl Boundary<'_> {
             (_, behind) => process.dielectric(self.index, behind.unwrap_or(self.index)),
         }
     }
+}
+
+/// The unit vector along a vector that is one up to rounding: a Newton step for the inverse of its length, whose error is
+/// 3/8 of the square of the deviation of the squared length from 1.
+fn renormalised(vector: Vec3) -> Vec3 {
+    let square = vector.length_squared();
+    if (square - 1.0).abs() < 1e-8 { vector * (1.5 - 0.5 * square) } else { vector.normalize() }
 }

@@ -4,6 +4,7 @@ mod torch;
 mod volume;
 
 use crate::detector::Detector;
+use crate::draws::isotropic;
 use crate::error::PhotonError;
 use crate::genstep::Gensteps;
 use crate::philox::{Purpose, Stream};
@@ -56,7 +57,15 @@ impl Source {
         let first = photons.len();
         match self {
             Source::Torch(torch) => {
-                photons.extend(numbers.clone().map(|number| torch.photon(&mut stream(number))));
+                match torch.template() {
+                    Some(template) => {
+                        let streams: Vec<u64> = numbers.clone().map(|number| key.number(number)).collect();
+                        photons.extend(isotropic(key.seed, &streams).into_iter().map(
+                            |[direction, polarisation]| Photon { direction, polarisation, ..template },
+                        ));
+                    }
+                    None => photons.extend(numbers.clone().map(|number| torch.photon(&mut stream(number)))),
+                }
                 if let Some(volume) = torch.volume() {
                     volume.place(evaluator, scratch, key, numbers.start, &mut photons[first..]);
                 }

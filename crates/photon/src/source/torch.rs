@@ -245,6 +245,24 @@ impl Torch {
         if let Origin::Volume(volume) = &self.origin { Some(volume) } else { None }
     }
 
+    /// The photon without its direction and polarisation, if these are random and everything else is equal for all
+    /// photons; one of a volume is at the origin.
+    pub(super) fn template(&self) -> Option<Photon> {
+        let WavelengthDistribution::Single(nm) = self.wavelengths else { return None };
+        let Pulse { interval: [from, to], deviation, decay } = self.pulse;
+        let is_plain = self.directions == Directions::Isotropic && self.polarisation.is_none();
+        if !is_plain || to > from || deviation > 0.0 || decay > 0.0 {
+            return None;
+        }
+        let position = match self.origin {
+            Origin::Point(position) => position,
+            Origin::Volume(_) => Vec3::ZERO,
+            Origin::Line(..) | Origin::Disc { .. } => return None,
+        };
+        let (direction, polarisation, energy) = (Vec3::ZERO, Vec3::ZERO, HC_MEV_NM / nm);
+        Some(Photon { position, direction, polarisation, energy, time: from + 0.0 })
+    }
+
     /// A photon; one of a volume is at the origin.
     pub(super) fn photon(&self, stream: &mut Stream) -> Photon {
         let energy = HC_MEV_NM / self.wavelengths.sample(stream);

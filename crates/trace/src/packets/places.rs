@@ -2,11 +2,12 @@
 
 use super::group::whole;
 use super::normal::{Slope, scaled_to_unit};
+use fearless_simd::prelude::*;
 use fearless_simd::Simd;
 use rayweave_bvh::BundleSlabs;
 use rayweave_math::Affine;
 use rayweave_model::{MARGIN, Place, Program};
-use rayweave_shape::lanes::{LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
+use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
 
 /// A transform on the path into the frame of a placed solid.
@@ -43,6 +44,40 @@ impl<S: Simd> Carried<S> {
         ray
     }
 
+    /// Like [`Carried::new`], with transforms of its own for each ray: equally many for all.
+    #[inline(always)]
+    pub fn each(
+        simd: S,
+        origin: Vec3Lanes<S>,
+        direction: Vec3Lanes<S>,
+        steps: &[&[Step]; LANES],
+    ) -> Self {
+        let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
+        for depth in 0..steps[0].len() {
+            let row = |k: usize| Vec3Lanes {
+                x: column(simd, steps, depth, |step| step.place.local_from_world.linear.x_axis[k]),
+                y: column(simd, steps, depth, |step| step.place.local_from_world.linear.y_axis[k]),
+                z: column(simd, steps, depth, |step| step.place.local_from_world.linear.z_axis[k]),
+            };
+            let rows = [row(0), row(1), row(2)];
+            let turned = |v: Vec3Lanes<S>| {
+                let [x, y, z] = rows.map(|row| v.dot(row));
+                Vec3Lanes { x, y, z }
+            };
+            let [x, y, z] = [0, 1, 2].map(|k| {
+                column(simd, steps, depth, |step| step.place.local_from_world.translation[k])
+            });
+            let path = column(simd, steps, depth, |step| step.place.path);
+            let norm = column(simd, steps, depth, |step| step.norm);
+            ray = Carried {
+                origin: turned(ray.origin).plus(Vec3Lanes { x, y, z }),
+                direction: turned(ray.direction),
+                magnitude: (ray.origin.taxicab() + path + ray.magnitude) * norm,
+            };
+        }
+        ray
+    }
+
     /// Prepares slab tests against the boxes of a group with this condition.
     #[inline(always)]
     pub fn slabs(&self, simd: S, condition: f64) -> BundleSlabs<S> {
@@ -67,6 +102,17 @@ pub(super) fn slabs<S: Simd>(
 ) -> BundleSlabs<S> {
     let components = |v: Vec3Lanes<S>| [v.x, v.y, v.z];
     BundleSlabs::new(simd, components(origin), components(direction), margin)
+}
+
+/// A number of one of the transforms of each ray.
+#[inline(always)]
+fn column<S: Simd>(
+    simd: S,
+    steps: &[&[Step]; LANES],
+    depth: usize,
+    value: impl Fn(&Step) -> f64,
+) -> Lanes<S> {
+    Lanes::load_array(simd, steps.map(|steps| steps.get(depth).map_or(0.0, &value)))
 }
 
 /// The images of vectors, as [`Affine::vector`].

@@ -10,10 +10,10 @@ use super::super::group::{BundleEvaluation, CODE, Memory, Row, whole};
 use super::super::normal::Hits;
 use super::super::places::{Carried, slabs};
 use super::super::plan::Plan;
-use super::{First, Method, Object, Objects, Part, Search, latest};
+use super::{First, Method, Objects, Part, Search, latest};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use rayweave_bvh::{BundleTraversal, BundleWindow};
+use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, RayTraversals};
 use rayweave_math::Vec3;
 use rayweave_model::{Crossing, Evaluator, MARGIN, Program, Query, Rays, RegionId, Start, attributes};
 use rayweave_shape::lanes::{LANES, LaneRay, LaneStarts, Lanes, Mask, Vec3Lanes, splat};
@@ -22,17 +22,20 @@ use rayweave_shape::lanes::{LANES, LaneRay, LaneStarts, Lanes, Mask, Vec3Lanes, 
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Walk {
     ahead: BundleTraversal,
+    apart: RayTraversals,
     met: Vec<Met>,
     starts: Starts,
     /// The rays in the order in which they are traced, as sort keys in the upper half and numbers in the lower one.
     order: Vec<u64>,
 }
 
-/// A solid that some ray of a bundle may pass.
+/// For each ray of a bundle, a solid that it may pass.
 #[derive(Clone, Copy, Debug)]
 struct Met {
-    object: u32,
-    region: f64,
+    /// The indices of the solids; undefined for none.
+    object: Row,
+    /// The regions of the solids; 0 for none.
+    region: Row,
     /// The times of the first two changes after the start, +inf for none, and the face of the first one.
     first: Row,
     second: Row,
@@ -41,8 +44,30 @@ struct Met {
     inside: u64,
     /// Bit mask of the rays that graze a surface.
     grazes: u64,
-    /// True if there are no more than two changes.
+    /// Bit mask of the rays with no more than two changes.
+    single: u64,
+}
+
+/// The ways of eight rays through solids with one part.
+struct Passage<S: Simd> {
+    /// As in [`Met`].
+    first: Lanes<S>,
+    second: Lanes<S>,
+    face: Lanes<S>,
+    inside: Mask<S>,
+    grazes: Mask<S>,
+    /// The rays that fall back to the weave.
+    uncertain: Mask<S>,
     is_single: bool,
+}
+
+/// The rays of a bundle that are traced, with the surfaces on which they start and the intervals of t.
+struct Departures<'e, S: Simd> {
+    ray: &'e LaneRay<S>,
+    starts: &'e Starts,
+    queried: Mask<S>,
+    from: Lanes<S>,
+    t_max: f64,
 }
 
 /// The surfaces that eight rays start on: the first of each ray in lanes, and a list of the others.
@@ -108,6 +133,9 @@ struct Eight<'n, S: Simd> {
     from: Lanes<S>,
 }
 
+/// The lowest bit of a sort key that belongs to the place, not to the direction.
+const PLACE_SHIFT: u32 = 32 + 15;
+
 fn number(entry: u64) -> usize {
     (entry & u64::from(u32::MAX)) as usize
 }
@@ -130,6 +158,12 @@ impl<'n, S: Simd> Eight<'n, S> {
             direction: vectors(rays.directions),
             from: Lanes::load_array(simd, std::array::from_fn(from)),
         }
+    }
+
+    /// True if the rays start so close to each other that they have most boxes in common.
+    fn is_together(&self) -> bool {
+        let places = [self.numbers.first(), self.numbers.last()].map(|entry| entry.map(|key| key >> PLACE_SHIFT));
+        places[0] == places[1]
     }
 }
 
@@ -224,7 +258,7 @@ impl Objects {
         order.extend((0..rays.len()).map(|ray| {
             let places = place(0, ray) | place(1, ray) | place(2, ray);
             let directions = towards(0, ray) | towards(1, ray) | towards(2, ray);
-            (places << 15 | directions) << 32 | ray as u64
+            places << PLACE_SHIFT | directions << 32 | ray as u64
         }));
         order.sort_unstable();
     }
@@ -240,7 +274,7 @@ impl Objects {
         query: &Query<'_>,
     ) -> First {
         let simd = group.simd;
-        let Walk { ahead, met, starts, .. } = walk;
+        let Walk { ahead, apart, met, starts, .. } = walk;
         met.clear();
         starts.read(query, eight.numbers);
         let (ray, uncertain) = LaneRay::new(simd, eight.origin, eight.direction, &self.model.limits);
@@ -248,30 +282,24 @@ impl Objects {
         let slabs = slabs(simd, ray.origin, ray.direction, margin);
         let behind = splat(simd, BEHIND * self.model.limits.radius) / ray.direction.taxicab();
         let some = (1 << eight.numbers.len()) - 1;
-        let bundle = slabs.bundle(simd, some);
         let window = query.window;
-        let (from, end) = (eight.from, splat(simd, window.t_max()));
-        let low = window.t_min();
+        let (from, t_max) = (eight.from, window.t_max());
         let queried = Mask::from_bitmask(simd, some);
-        let mut intervals = BundleWindow { rays: queried, from: (from, low), until: (end, window.t_max()) };
+        let intervals = BundleWindow {
+            rays: queried,
+            from: (from, window.t_min()),
+            until: (splat(simd, t_max), t_max),
+        };
         let mut progress = Progress {
             owner: splat(simd, 0.0),
             bound: splat(simd, f64::INFINITY),
             uncertain: uncertain.always,
         };
-        ahead.begin(simd, &self.boxes, &bundle, &intervals);
-        while let Some(item) = ahead.next(simd, &self.boxes, (&slabs, &bundle), &intervals) {
-            if met.len() == MAX_MET {
-                progress.uncertain = queried;
-                break;
-            }
-            let limits = (eight.from, window.t_max());
-            let found = self.meet(group, item, (&ray, starts, queried), limits, &mut progress);
-            if let Some(found) = found {
-                met.push(found);
-                let until = (progress.bound + behind).min(end);
-                intervals.until = (until, latest(queried.select(until, from)));
-            }
+        let rays = Departures { ray: &ray, starts, queried, from, t_max };
+        let boxes = (&slabs, intervals, behind);
+        match self.is_few || eight.is_together() {
+            true => self.pass_together(group, ahead, &rays, boxes, met, &mut progress),
+            false => self.pass_apart(group, apart, &rays, boxes, met, &mut progress),
         }
         let (search, before, after) = first_change(simd, met, &progress, queried);
         let mut first = self.found(simd, &ray, &search, behind, (program, window));
@@ -279,76 +307,254 @@ impl Objects {
         first
     }
 
-    /// Intersects one solid; `None` if no ray passes it.
+    /// Finds the solids that the rays may pass by a common way through the tree.
+    #[inline(always)]
+    fn pass_together<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        ahead: &mut BundleTraversal,
+        rays: &Departures<'_, S>,
+        (slabs, mut intervals, behind): (&BundleSlabs<S>, BundleWindow<S>, Lanes<S>),
+        met: &mut Vec<Met>,
+        progress: &mut Progress<S>,
+    ) {
+        let simd = group.simd;
+        let bundle = slabs.bundle(simd, rays.queried.to_bitmask());
+        let end = splat(simd, rays.t_max);
+        ahead.begin(simd, &self.boxes, &bundle, &intervals);
+        while let Some(item) = ahead.next(simd, &self.boxes, (slabs, &bundle), &intervals) {
+            if met.len() == MAX_MET {
+                progress.uncertain = rays.queried;
+                break;
+            }
+            if let Some(found) = self.meet(group, item, rays, progress) {
+                met.push(found);
+                let until = (progress.bound + behind).min(end);
+                intervals.until = (until, latest(rays.queried.select(until, rays.from)));
+            }
+        }
+    }
+
+    /// Finds the solids that the rays may pass, each ray on its own way through the tree. In each round every ray
+    /// meets its next solid; those that are copies of one solid are intersected together.
+    #[inline(always)]
+    fn pass_apart<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        apart: &mut RayTraversals,
+        rays: &Departures<'_, S>,
+        (slabs, intervals, behind): (&BundleSlabs<S>, BundleWindow<S>, Lanes<S>),
+        met: &mut Vec<Met>,
+        progress: &mut Progress<S>,
+    ) {
+        let simd = group.simd;
+        let end = splat(simd, rays.t_max);
+        let (mut until, mut left) = (Row([rays.t_max; LANES]), rays.queried.to_bitmask());
+        apart.begin(simd, &self.boxes, slabs, &intervals);
+        let mut items = [0; LANES];
+        loop {
+            for lane in lanes_of(left) {
+                match apart.next(simd, &self.boxes, lane, until.0[lane]) {
+                    Some(item) => items[lane] = item,
+                    None => left &= !(1 << lane),
+                }
+            }
+            if left == 0 {
+                break;
+            }
+            if met.len() == MAX_MET {
+                progress.uncertain |= Mask::from_bitmask(simd, left);
+                break;
+            }
+            let first = items[left.trailing_zeros() as usize % LANES];
+            let found = match lanes_of(left).all(|lane| items[lane] == first) {
+                true => self.meet(group, first, rays, progress),
+                false => self.meet_each(group, &items, left, rays, progress),
+            };
+            if let Some(found) = found {
+                met.push(found);
+                until = Row((progress.bound + behind).min(end).to_array());
+            }
+        }
+    }
+
+    /// Intersects one solid with all rays; `None` if no ray passes it.
     #[inline(always)]
     fn meet<S: Simd>(
         &self,
         group: &mut BundleEvaluation<'_, S>,
         item: u32,
-        (ray, starts, queried): (&LaneRay<S>, &Starts, Mask<S>),
-        (from, t_max): (Lanes<S>, f64),
+        rays: &Departures<'_, S>,
         progress: &mut Progress<S>,
     ) -> Option<Met> {
         let simd = group.simd;
         let object = &self.objects[item as usize];
         let part = &self.parts[object.part as usize];
-        let (listed, several) = listed(simd, object, part, starts);
+        let placement = Row([f64::from(object.placement); LANES]);
+        let (listed, several) = listed(simd, &placement, part, rays.starts);
         progress.uncertain |= Mask::from_bitmask(simd, several);
-        let (mut always, mut carried_ray) = (Mask::splat(simd, false), *ray);
         let steps = self.steps(object);
+        let carried = Carried::new(simd, rays.ray.origin, rays.ray.direction, steps);
+        let (mut always, mut ray) = (Mask::splat(simd, false), *rays.ray);
         if !steps.is_empty() {
-            let carried = Carried::new(simd, ray.origin, ray.direction, steps);
-            let (ray, uncertain) = carried.ready(simd, &part.limits);
-            (always, carried_ray) = (uncertain.always, ray);
+            let (carried, uncertain) = carried.ready(simd, &part.limits);
+            (always, ray) = (uncertain.always, carried);
         }
+        let passage = pass(group, part, &ray, listed.as_ref(), (rays.from, rays.t_max));
+        progress.uncertain |= (always | passage.uncertain) & rays.queried;
+        let solids = (splat(simd, f64::from(item)), splat(simd, object.region));
+        progress.meet(simd, solids, &passage, rays.queried, passage.is_single.then_some(u64::MAX))
+    }
+
+    /// Intersects the solids of a list with the rays in a bit mask, each solid with one ray; `None` if no ray passes its
+    /// solid.
+    #[inline(always)]
+    fn meet_each<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        items: &[u32; LANES],
+        some: u64,
+        rays: &Departures<'_, S>,
+        progress: &mut Progress<S>,
+    ) -> Option<Met> {
+        let simd = group.simd;
         let (infinity, never) = (splat(simd, f64::INFINITY), Mask::splat(simd, false));
-        let (first, second, face, inside, grazes, is_single);
-        match &part.method {
-            Method::Plan(plan) if is_single_span(plan) => {
-                let (span, uncertain) = group.only_span(plan, &carried_ray, listed.as_ref());
-                let is_some = span.is_some() & span.to.simd_gt(from);
-                inside = is_some & span.from.simd_le(from);
-                let earliest = inside.select(span.to, span.from);
-                let comes = is_some & earliest.simd_lt(t_max);
-                first = comes.select(earliest, infinity);
-                second = (comes & !inside & span.to.simd_lt(t_max)).select(span.to, infinity);
-                face = inside.select(span.to_face, span.from_face);
-                always |= uncertain.always;
-                (grazes, is_single) = (uncertain.grazes, true);
+        let mut all = Passage {
+            first: infinity,
+            second: infinity,
+            face: infinity,
+            inside: never,
+            grazes: never,
+            uncertain: never,
+            is_single: true,
+        };
+        let (mut left, mut single, mut region) = (some, 0, Row([0.0; LANES]));
+        while left != 0 {
+            let lead = &self.objects[items[left.trailing_zeros() as usize % LANES] as usize];
+            let part = &self.parts[lead.part as usize];
+            let (mut here, mut steps, mut placement) = (0u64, [self.steps(lead); LANES], Row([NOWHERE; LANES]));
+            for lane in lanes_of(left) {
+                let object = &self.objects[items[lane] as usize];
+                if object.part == lead.part && object.steps.len() == lead.steps.len() {
+                    here |= 1 << lane;
+                    steps[lane] = self.steps(object);
+                    placement.0[lane] = f64::from(object.placement);
+                    region.0[lane] = object.region;
+                }
             }
-            Method::Plan(plan) => {
-                let (uncertain, starts_inside) =
-                    group.enter_from(plan, &carried_ray, listed.as_ref(), (from, t_max));
-                always |= uncertain.always;
-                (inside, grazes, is_single) = (starts_inside, uncertain.grazes, false);
-                (first, second, face) = first_two(group);
+            left &= !here;
+            let lanes = Mask::from_bitmask(simd, here);
+            let (listed, several) = listed(simd, &placement, part, rays.starts);
+            let mut ray = *rays.ray;
+            let mut uncertain = Mask::from_bitmask(simd, several);
+            if !steps[0].is_empty() {
+                let carried = Carried::each(simd, rays.ray.origin, rays.ray.direction, &steps);
+                let (carried, unready) = carried.ready(simd, &part.limits);
+                (ray, uncertain) = (carried, uncertain | unready.always);
             }
-            Method::Carved(_) => {
-                // no kernel for rays that start on it
-                always = !never;
-                (inside, grazes, is_single) = (never, never, false);
-                (first, second, face) = (infinity, infinity, infinity);
-            }
+            let found = pass(group, part, &ray, listed.as_ref(), (rays.from, rays.t_max));
+            progress.uncertain |= (uncertain | found.uncertain) & lanes;
+            all.first = lanes.select(found.first, all.first);
+            all.second = lanes.select(found.second, all.second);
+            all.face = lanes.select(found.face, all.face);
+            all.inside |= found.inside & lanes;
+            all.grazes |= found.grazes & lanes;
+            single |= if found.is_single { here } else { 0 };
         }
-        progress.uncertain |= always & queried;
-        if !(first.simd_lt(infinity) | inside).any_true() {
+        let object = Lanes::load_array(simd, items.map(f64::from));
+        let solids = (object, Lanes::load_array_ref(simd, &region.0));
+        progress.meet(simd, solids, &all, rays.queried, Some(single))
+    }
+}
+
+impl<S: Simd> Progress<S> {
+    /// Adds the ways of the rays through solids, given by their indices and regions; `None` if no ray passes its solid.
+    #[inline(always)]
+    fn meet(
+        &mut self,
+        simd: S,
+        (object, region): (Lanes<S>, Lanes<S>),
+        passage: &Passage<S>,
+        queried: Mask<S>,
+        single: Option<u64>,
+    ) -> Option<Met> {
+        let &Passage { first, second, face, inside, grazes, .. } = passage;
+        if !(first.simd_lt(splat(simd, f64::INFINITY)) | inside).any_true() {
             return None;
         }
-        let region = splat(simd, object.region);
-        let owns = inside & region.simd_gt(progress.owner);
-        let enters = !inside & region.simd_gt(progress.owner);
-        progress.bound = (owns | enters).select(progress.bound.min(first), progress.bound);
-        progress.owner = owns.select(region, progress.owner);
+        let owns = inside & region.simd_gt(self.owner);
+        let enters = !inside & region.simd_gt(self.owner);
+        self.bound = (owns | enters).select(self.bound.min(first), self.bound);
+        self.owner = owns.select(region, self.owner);
         Some(Met {
-            object: item,
-            region: object.region,
+            object: Row(object.to_array()),
+            region: Row(region.to_array()),
             first: Row(first.to_array()),
             second: Row(second.to_array()),
             face: Row(face.to_array()),
             inside: (inside & queried).to_bitmask(),
             grazes: grazes.to_bitmask(),
-            is_single,
+            single: single.unwrap_or(0),
         })
+    }
+}
+
+/// No placement.
+const NOWHERE: f64 = -2.0;
+
+/// The lanes in a bit mask.
+fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = (mask != 0).then(|| mask.trailing_zeros() as usize % LANES);
+        mask &= mask.wrapping_sub(1);
+        lane
+    })
+}
+
+/// The ways of eight rays, in the frame of a part, through the part.
+#[inline(always)]
+fn pass<S: Simd>(
+    group: &mut BundleEvaluation<'_, S>,
+    part: &Part,
+    ray: &LaneRay<S>,
+    listed: Option<&LaneStarts<S>>,
+    (from, t_max): (Lanes<S>, f64),
+) -> Passage<S> {
+    let simd = group.simd;
+    let (infinity, never) = (splat(simd, f64::INFINITY), Mask::splat(simd, false));
+    match &part.method {
+        Method::Plan(plan) if is_single_span(plan) => {
+            let (span, uncertain) = group.only_span(plan, ray, listed);
+            let is_some = span.is_some() & span.to.simd_gt(from);
+            let inside = is_some & span.from.simd_le(from);
+            let earliest = inside.select(span.to, span.from);
+            let comes = is_some & earliest.simd_lt(t_max);
+            Passage {
+                first: comes.select(earliest, infinity),
+                second: (comes & !inside & span.to.simd_lt(t_max)).select(span.to, infinity),
+                face: inside.select(span.to_face, span.from_face),
+                inside,
+                grazes: uncertain.grazes,
+                uncertain: uncertain.always,
+                is_single: true,
+            }
+        }
+        Method::Plan(plan) => {
+            let (uncertain, inside) = group.enter_from(plan, ray, listed, (from, t_max));
+            let (first, second, face) = first_two(group);
+            let (grazes, uncertain) = (uncertain.grazes, uncertain.always);
+            Passage { first, second, face, inside, grazes, uncertain, is_single: false }
+        }
+        // no kernel for rays that start on it
+        Method::Carved(_) => Passage {
+            first: infinity,
+            second: infinity,
+            face: infinity,
+            inside: never,
+            grazes: never,
+            uncertain: !never,
+            is_single: false,
+        },
     }
 }
 
@@ -375,12 +581,17 @@ fn is_single_span(plan: &Plan) -> bool {
 }
 
 /// The surface of a solid on which each of eight rays starts, if there are any, and a bit mask of the rays that start on several
-/// of its surfaces.
+/// of its surfaces. The solids of the rays are copies of one part in several placements.
 #[inline(always)]
-fn listed<S: Simd>(simd: S, object: &Object, part: &Part, starts: &Starts) -> (Option<LaneStarts<S>>, u64) {
+fn listed<S: Simd>(
+    simd: S,
+    placement: &Row,
+    part: &Part,
+    starts: &Starts,
+) -> (Option<LaneStarts<S>>, u64) {
     let Starts { first, others } = starts;
-    let placement = splat(simd, f64::from(object.placement));
-    let mut left = Lanes::load_array_ref(simd, &first.placement.0).simd_eq(placement).to_bitmask();
+    let here = Lanes::load_array_ref(simd, &placement.0);
+    let mut left = Lanes::load_array_ref(simd, &first.placement.0).simd_eq(here).to_bitmask();
     let (mut surface, mut inside, mut known, mut several) = (Row([-1.0; LANES]), first.inside, 0u64, 0);
     while left != 0 {
         let lane = left.trailing_zeros() as usize % LANES;
@@ -392,7 +603,8 @@ fn listed<S: Simd>(simd: S, object: &Object, part: &Part, starts: &Starts) -> (O
         }
     }
     for &LaneStart { lane, start } in others {
-        if start.placement.0 == object.placement && part.surfaces.contains(&start.surface.0) {
+        let is_here = f64::from(start.placement.0) == placement.0[lane % LANES];
+        if is_here && part.surfaces.contains(&start.surface.0) {
             several |= known & 1 << lane;
             known |= 1 << lane;
             surface.0[lane % LANES] = f64::from(start.surface.0);
@@ -436,7 +648,7 @@ fn first_change<S: Simd>(
     search.queried = queried;
     let (mut owns, mut again) = (Mask::splat(simd, false), infinity);
     for solid in met {
-        let (t, region) = (Lanes::load_array_ref(simd, &solid.first.0), splat(simd, solid.region));
+        let [t, region] = [&solid.first, &solid.region].map(|row| Lanes::load_array_ref(simd, &row.0));
         let inside = Mask::from_bitmask(simd, solid.inside);
         let is_own = region.simd_eq(owner);
         // two copies of one region overlap
@@ -447,7 +659,7 @@ fn first_change<S: Simd>(
         let closer = changes & t.simd_lt(search.first);
         search.first = closer.select(t, search.first);
         search.face = closer.select(Lanes::load_array_ref(simd, &solid.face.0), search.face);
-        search.object = closer.select(splat(simd, f64::from(solid.object)), search.object);
+        search.object = closer.select(Lanes::load_array_ref(simd, &solid.object.0), search.object);
         search.grazes = (closer & Mask::from_bitmask(simd, solid.grazes)) | (search.grazes & !closer);
     }
     let (first, object) = (search.first, search.object);
@@ -456,22 +668,22 @@ fn first_change<S: Simd>(
     search.always |= (is_hit & again.simd_le(first)) | progress.bound.simd_lt(first);
     let mut after = splat(simd, 0.0);
     for solid in met {
-        let region = splat(simd, solid.region);
-        let [t, second] = [&solid.first, &solid.second].map(|row| Lanes::load_array_ref(simd, &row.0));
+        let [t, second, region, own] = [&solid.first, &solid.second, &solid.region, &solid.object]
+            .map(|row| Lanes::load_array_ref(simd, &row.0));
         let inside = Mask::from_bitmask(simd, solid.inside);
         let begun = first.simd_ge(t);
         let holds = (inside & !begun) | (!inside & begun & first.simd_lt(second));
         after = (holds & region.simd_gt(after)).select(region, after);
-        let is_other = !object.simd_eq(splat(simd, f64::from(solid.object)));
+        let is_other = !object.simd_eq(own);
         search.always |= is_hit & is_other & (t.simd_eq(first) | second.simd_eq(first));
-        if !solid.is_single {
-            search.always |= is_hit & first.simd_ge(second);
-        }
+        let is_multiple = Mask::from_bitmask(simd, !solid.single);
+        search.always |= is_hit & is_multiple & first.simd_ge(second);
     }
     for solid in met {
-        let [t, second] = [&solid.first, &solid.second].map(|row| Lanes::load_array_ref(simd, &row.0));
+        let [t, second, region] = [&solid.first, &solid.second, &solid.region]
+            .map(|row| Lanes::load_array_ref(simd, &row.0));
         let next = t.simd_gt(first).select(t, second.simd_gt(first).select(second, infinity));
-        let matters = splat(simd, solid.region).simd_ge(after);
+        let matters = region.simd_ge(after);
         search.second = search.second.min(matters.select(next, infinity));
     }
     (search, owner, is_hit.select(after, owner))

@@ -1,0 +1,108 @@
+//! Traversal by eight rays, each on its own way through the tree: for rays that have few boxes in common. All boxes of
+//! a node are tested at once against one ray.
+
+use crate::bundle::{BundleSlabs, BundleWindow, Place};
+use crate::exact::ExactBvh;
+use crate::node::{Node64, WIDTH};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f64x8};
+
+/// Number of rays.
+const RAYS: usize = 8;
+
+/// State of the traversals by eight rays: for each one a stack of boxes that it has yet to enter, the nearest one of
+/// each node on top.
+#[derive(Clone, Debug, Default)]
+pub struct RayTraversals {
+    rays: [SlabRay; RAYS],
+    open: [Vec<Place>; RAYS],
+}
+
+/// A ray prepared for slab tests.
+#[derive(Clone, Copy, Debug, Default)]
+struct SlabRay {
+    origin: [f64; 3],
+    inverse: [f64; 3],
+    margin: f64,
+    from: f64,
+}
+
+impl RayTraversals {
+    /// Starts the traversals of the rays of a window.
+    #[inline(always)]
+    pub fn begin<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: &ExactBvh,
+        slabs: &BundleSlabs<S>,
+        window: &BundleWindow<S>,
+    ) {
+        let rays = window.rays.to_bitmask();
+        for lane in 0..RAYS {
+            let at = |values: &f64x8<S>| values.as_slice()[lane];
+            self.rays[lane] = SlabRay {
+                origin: slabs.origin.each_ref().map(at),
+                inverse: slabs.inverse.each_ref().map(at),
+                margin: at(&slabs.margin),
+                from: at(&window.from.0),
+            };
+            self.open[lane].clear();
+            if rays >> lane & 1 == 1 && !tree.nodes.is_empty() {
+                self.open(simd, tree, 0, lane, at(&window.until.0));
+            }
+        }
+    }
+
+    /// The place of the next item whose box a ray passes before a time. The order is approximately front to back.
+    #[inline(always)]
+    pub fn next<S: Simd>(&mut self, simd: S, tree: &ExactBvh, lane: usize, until: f64) -> Option<u32> {
+        while let Some(Place { enter, node, lane: child }) = self.open[lane % RAYS].pop() {
+            if enter > until {
+                continue;
+            }
+            let child = tree.nodes[node as usize].child[child as usize % WIDTH];
+            match child.as_node() {
+                None => return Some(child.place()),
+                Some(node) => self.open(simd, tree, node, lane % RAYS, until),
+            }
+        }
+        None
+    }
+
+    #[inline(always)]
+    fn open<S: Simd>(&mut self, simd: S, tree: &ExactBvh, node: u32, lane: usize, until: f64) {
+        let (enter, mut touched) = self.rays[lane].enter(simd, &tree.nodes[node as usize], until);
+        let open = &mut self.open[lane];
+        let first = open.len();
+        while touched != 0 {
+            let child = touched.trailing_zeros();
+            touched &= touched - 1;
+            let here = Place { enter: enter.as_slice()[child as usize % WIDTH], node, lane: child };
+            open.push(here);
+            // insertion sort: there are rarely more than three
+            let mut at = open.len() - 1;
+            while at > first && open[at - 1].enter < here.enter {
+                open[at] = open[at - 1];
+                at -= 1;
+            }
+            open[at] = here;
+        }
+    }
+}
+
+impl SlabRay {
+    /// The entry times into the boxes of a node, grown by the margin, and a bit mask of the boxes that the ray passes.
+    #[inline(always)]
+    fn enter<S: Simd>(&self, simd: S, node: &Node64, until: f64) -> (f64x8<S>, u64) {
+        let (mut enter, mut leave) = (f64x8::splat(simd, self.from), f64x8::splat(simd, until));
+        for k in 0..3 {
+            let low = f64x8::load_array_ref(simd, &node.planes[k].0) - self.margin - self.origin[k];
+            let high = f64x8::load_array_ref(simd, &node.planes[k + 3].0) + self.margin - self.origin[k];
+            // in this order, so that the ray misses empty boxes, from +inf to -inf
+            let (near, far) = if self.inverse[k] > 0.0 { (low, high) } else { (high, low) };
+            enter = enter.max(near * self.inverse[k]);
+            leave = leave.min(far * self.inverse[k]);
+        }
+        (enter, enter.simd_le(leave).to_bitmask())
+    }
+}
