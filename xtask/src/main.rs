@@ -16,6 +16,7 @@ mod process;
 mod python;
 mod report;
 mod repository;
+mod site;
 mod slowest;
 mod stage;
 mod stub;
@@ -44,6 +45,7 @@ Commands:
   stub [--accept]      compare the stub of the Python package with the sources of the binding, or write it
   mutants [NAME]...    break the physics of photons on purpose, and see a test fail (all mutants, or those named)
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
+  docs [--keep]        build the documentation site in target/site; --keep uses the Python environment of the last run again
   dist                 build the release command and the wheel into dist/, with checksums
   help                 print this text
 
@@ -105,6 +107,7 @@ fn run() -> Result<ExitCode, String> {
             lean::run(&Repository::find()?)?;
             features::run(&Repository::find()?)?;
         }
+        "docs" => site::run(&Repository::find()?, arguments)?,
         "dist" => {
             finish(arguments)?;
             dist::run(&Repository::find()?)?;
