@@ -16,6 +16,7 @@ mod process;
 mod python;
 mod report;
 mod repository;
+mod site;
 mod slowest;
 mod stage;
 mod stub;
@@ -45,6 +46,7 @@ Commands:
   mutants [TEXT]...    check that a test fails for each deliberate error in the physics of photons: for all mutants,
                        or those whose names contain a text
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
+  docs [--keep]        build the documentation site in target/site; --keep uses the Python environment of the last run again
   dist                 build the release command and the wheel into dist/, with checksums
   help                 print this text
 
@@ -106,6 +108,7 @@ fn run() -> Result<ExitCode, String> {
             lean::run(&Repository::find()?)?;
             features::run(&Repository::find()?)?;
         }
+        "docs" => site::run(&Repository::find()?, arguments)?,
         "dist" => {
             finish(arguments)?;
             dist::run(&Repository::find()?)?;

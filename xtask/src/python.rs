@@ -21,6 +21,8 @@ const PROBE: &str = "import sys\nif sys.version_info < (3, 11): sys.exit('old')\
 pub struct Python {
     root: PathBuf,
     target: PathBuf,
+    /// The name of the folder of the environment.
+    name: &'static str,
     environment: Option<Result<PathBuf, String>>,
     package: Option<Result<(), String>>,
 }
@@ -31,9 +33,22 @@ impl Python {
         Python {
             root: repository.root.clone(),
             target: repository.target(),
+            name: "venv",
             environment: None,
             package: None,
         }
+    }
+
+    /// The handle of an environment of another name, which the tests do not use. With `keep`, an existing environment stays,
+    /// with the package that is installed in it.
+    pub fn named(repository: &Repository, name: &'static str, keep: bool) -> Python {
+        let mut python = Python { name, ..Python::new(repository) };
+        let folder = python.target.join(name);
+        if keep && folder.is_dir() {
+            python.environment = Some(Ok(folder));
+            python.package = Some(Ok(()));
+        }
+        python
     }
 
     /// A program of the environment, such as `python` or `maturin`.
@@ -56,7 +71,7 @@ impl Python {
     /// The folder of the environment; the first call creates it.
     fn environment(&mut self) -> Result<PathBuf, String> {
         if self.environment.is_none() {
-            self.environment = Some(make_environment(&self.target.join("venv")));
+            self.environment = Some(make_environment(&self.target.join(self.name)));
         }
         self.environment.clone().unwrap_or_else(|| Err("no environment".to_owned()))
     }

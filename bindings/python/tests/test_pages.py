@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+import rayweave
+
 ROOT = Path(__file__).resolve().parents[3]
 BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MODEL = re.compile(r"^```(?:toml|xml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -43,3 +45,9 @@ def test_python_of_a_page(page, tmp_path, monkeypatch):
         # line numbers are those of the page, so that a failure refers to it
         code = compile("\n" * (line - 1) + block, str(page), "exec")
         exec(code, names)
+
+
+def test_the_reference_has_every_public_name():
+    text = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs/reference/python").glob("*.md"))
+    documented = set(re.findall(r"^\.\. auto\w+:: (?:rayweave\.)?(\w+)$", text, re.MULTILINE))
+    assert set(rayweave.__all__) - documented == set()

@@ -6,7 +6,9 @@ use rayweave::formats::{self, Format, Imported, LossKind, Options};
 use rayweave::scene::{Document, Scene, Unit};
 use rayweave::table::{ContentHash, Part};
 use rayweave::{Bounds, Vec3};
+use std::ffi::OsStr;
 use std::fmt::{self, Write};
+use std::io::Read;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -77,7 +79,22 @@ fn model_help() -> String {
             false => format!(".{extensions} ({format})"),
         }
     });
-    format!("Model file: {}", formats.collect::<Vec<_>>().join(", "))
+    let formats = formats.collect::<Vec<_>>().join(", ");
+    format!("Model file: {formats}; - is standard input, in the format of --format")
+}
+
+/// The name of standard input as a model file.
+const STANDARD_INPUT: &str = "-";
+
+/// The text on standard input.
+fn standard_input() -> Result<String, Failure> {
+    let mut bytes = Vec::new();
+    let read = std::io::stdin().lock().read_to_end(&mut bytes);
+    read.map_err(|error| Failure::Input(format!("standard input cannot be read: {error}.")))?;
+    String::from_utf8(bytes).map_err(|_| {
+        let problem = "standard input is not text: binary models are read from files only";
+        Failure::Input(format!("{problem}. Give the name of the file."))
+    })
 }
 
 impl ModelArguments {
@@ -158,7 +175,13 @@ impl ModelArguments {
             unit: unit.and_then(Unit::parse),
             scene_only,
         };
-        let imported = formats::load(path, format.and_then(Format::from_name), definitions, &options);
+        let format = format.and_then(Format::from_name);
+        let imported = match path == Path::new(STANDARD_INPUT) {
+            true => {
+                formats::parse(&standard_input()?, format.unwrap_or(Format::Native), definitions, &options)
+            }
+            false => formats::load(path, format, definitions, &options),
+        };
         let imported = imported.map_err(rayweave::Error::from)?;
         crate::terminal::warn(&imported.scene.warnings);
         Ok(imported)
@@ -170,9 +193,20 @@ impl ModelArguments {
         Ok((imported.document(), imported.scene))
     }
 
+    /// The name of the file without its extension, for output files.
+    pub fn stem(&self) -> &OsStr {
+        match self.model == Path::new(STANDARD_INPUT) {
+            true => OsStr::new("model"),
+            false => self.model.file_stem().unwrap_or_default(),
+        }
+    }
+
     /// The name of the file, for headings.
     pub fn name(&self) -> String {
-        self.model.display().to_string()
+        match self.model == Path::new(STANDARD_INPUT) {
+            true => "standard input".to_owned(),
+            false => self.model.display().to_string(),
+        }
     }
 }
 

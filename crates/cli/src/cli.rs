@@ -2,8 +2,8 @@
 
 use crate::arguments::GlobalArguments;
 use crate::command::{
-    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Merge, Optics, Photons, Probe, Render,
-    Schema, Section, Shapes, Thickness, Trace, Volume,
+    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Merge, New, Optics, Photons, Probe, Render, Schema,
+    Section, Shapes, Thickness, Trace, Volume,
 };
 use crate::failure::Failure;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -21,6 +21,7 @@ Environment:
   NO_COLOR          if set, messages have no colours
 
 Examples:
+  rayweave new lens.toml lens
   rayweave render lens.toml
   rayweave probe lens.toml --from -100,0,0 --to 100,0,0
   rayweave trace lens.toml --rays rays.csv -o hits.csv
@@ -43,6 +44,7 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 pub enum Command {
+    New(New),
     Render(Render),
     Probe(Probe),
     Trace(Trace),
@@ -72,6 +74,7 @@ pub enum Command {
 pub fn run(cli: &Cli) -> Result<(), Failure> {
     let global = &cli.global;
     match &cli.command {
+        Command::New(new) => new.run(global),
         Command::Render(render) => render.run(global),
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(global),

@@ -305,3 +305,8 @@ struct Readme;
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/concepts/algebra.md")]
 struct Algebra;
+
+/// The Rust code of the tutorial for Rust programmers, compiled and run with the documentation tests.
+#[cfg(all(doctest, feature = "scene"))]
+#[doc = include_str!("../../../docs/tutorials/rust.md")]
+struct Tutorial;

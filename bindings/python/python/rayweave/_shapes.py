@@ -23,7 +23,7 @@ def _docstring(page: dict[str, Any]) -> str:
     summary, _, rest = page["text"].partition("\n")
     rest = "\n".join(line for line in rest.splitlines() if not line.startswith("|"))
     parameters = "".join(map(_describe, page["parameters"]))
-    return f"{summary}\n\nParameters\n----------\n{parameters}\n{rest.strip()}\n"
+    return f"{summary}\n\nParameters\n----------\n{parameters}\nNotes\n-----\n{rest.strip()}\n"
 
 
 def _signature(parameter: dict[str, Any]) -> str:

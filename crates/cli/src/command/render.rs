@@ -212,8 +212,7 @@ impl Render {
             return Err(Failure::Usage(format!("--kind {kind} on a sheet: {why}. Leave it out.")));
         }
         let Some(out) = &self.out else {
-            let name = self.model.model.file_stem().unwrap_or_default();
-            return Ok(Path::new(name).with_added_extension("png"));
+            return Ok(Path::new(self.model.stem()).with_added_extension("png"));
         };
         if self.sheet().is_some() {
             return drawing::check(out).map(|()| out.clone());

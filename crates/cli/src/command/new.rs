@@ -1,0 +1,77 @@
+//! `rayweave new`: a commented model to start from.
+
+use crate::arguments::GlobalArguments;
+use crate::failure::Failure;
+use crate::terminal;
+use clap::{Args, ValueEnum};
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Write a commented model file to start from
+///
+/// An existing file is never overwritten.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  rayweave new part.toml
+  rayweave new lens.toml lens
+  rayweave new -                     # print it")]
+pub struct New {
+    /// The file to write; - is standard output
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+
+    /// What the model describes
+    #[arg(value_name = "KIND", default_value = "part")]
+    kind: Kind,
+}
+
+/// The models to start from.
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// A plate with holes and a slot
+    Part,
+    /// An angle bracket
+    Bracket,
+    /// A lens with a beam of light and a screen
+    Lens,
+    /// Crystal tiles on a sensor board
+    Detector,
+}
+
+impl Kind {
+    fn text(self) -> &'static str {
+        match self {
+            Kind::Part => include_str!("../starters/part.toml"),
+            Kind::Bracket => include_str!("../starters/bracket.toml"),
+            Kind::Lens => include_str!("../starters/lens.toml"),
+            Kind::Detector => include_str!("../starters/detector.toml"),
+        }
+    }
+}
+
+impl New {
+    pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
+        let name = self.file.display().to_string();
+        if self.file == Path::new("-") {
+            return terminal::print(&self.kind.text().replace("FILE", "FILE.toml"));
+        }
+        // a line break in the name would end the comment
+        let shown = if name.contains(char::is_control) { "FILE.toml" } else { &name };
+        let text = self.kind.text().replace("FILE", shown);
+        let create = || OpenOptions::new().write(true).create_new(true).open(&self.file);
+        create().and_then(|mut file| file.write_all(text.as_bytes())).map_err(|error| {
+            match error.kind() {
+                ErrorKind::AlreadyExists => Failure::Run(format!(
+                    "cannot write {name}: the file exists. Choose another name or remove it."
+                )),
+                _ => Failure::Run(format!("cannot write {name}: {error}.")),
+            }
+        })?;
+        match global.quiet {
+            true => Ok(()),
+            false => terminal::print(&format!("{name}\n")),
+        }
+    }
+}
