@@ -40,6 +40,7 @@ mod space;
 mod subject;
 mod thickness;
 mod timeline;
+mod to_mesh;
 mod triangulate;
 mod vectors;
 

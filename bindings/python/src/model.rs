@@ -22,7 +22,7 @@ use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
 use crate::save::{format_of, save_scene};
 use crate::solid::{PySolid, bounds_array};
-use crate::triangulate::to_mesh;
+use crate::to_mesh::to_mesh;
 use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.

@@ -20,7 +20,7 @@ use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
 use crate::save::save_scene;
 use crate::solid_scene::scene_of;
-use crate::triangulate::to_mesh;
+use crate::to_mesh::to_mesh;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
 use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 

@@ -30,8 +30,3 @@ pub fn mesh_parts<'py>(subject: &Bound<'py, PyAny>, tolerance: Option<f64>) -> P
     };
     parts.into_iter().map(part).collect()
 }
-
-/// The method `to_mesh` of solids and models.
-pub fn to_mesh<'py>(subject: &Bound<'py, PyAny>, tolerance: Option<f64>) -> PyResult<Bound<'py, PyAny>> {
-    subject.py().import("rayweave._mesh")?.getattr("mesh_of")?.call1((subject, tolerance))
-}

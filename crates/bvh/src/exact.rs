@@ -123,10 +123,7 @@ impl ExactBvh {
                 Child::NONE => None,
                 child => Some(child.as_node().map_or(FlatChild::Item(child.place()), FlatChild::Node)),
             };
-            FlatNode {
-                bounds: std::array::from_fn(|k| node.bounds(k)),
-                children: std::array::from_fn(child),
-            }
+            FlatNode { bounds: std::array::from_fn(|k| node.bounds(k)), children: std::array::from_fn(child) }
         })
     }
 }

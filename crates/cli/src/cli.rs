@@ -2,8 +2,8 @@
 
 use crate::arguments::GlobalArguments;
 use crate::command::{
-    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Merge, New, Optics, Photons, Probe, Render, Schema,
-    Section, Shapes, Thickness, Trace, Volume,
+    Check, Completions, Convert, Diff, Export, Infill, Info, Man, Merge, New, Optics, Photons, Probe, Render,
+    Schema, Section, Shapes, Thickness, Trace, Volume,
 };
 use crate::failure::Failure;
 use clap::{CommandFactory, Parser, Subcommand};

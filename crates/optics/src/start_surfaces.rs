@@ -208,7 +208,9 @@ impl StartSurfaces {
                     // the plane is `slack` beyond the core
                     match side < 3 {
                         true => (face.lo[axis], face.hi[axis]) = (core.lo[axis] - 2.0 * slack, core.lo[axis]),
-                        false => (face.lo[axis], face.hi[axis]) = (core.hi[axis], core.hi[axis] + 2.0 * slack),
+                        false => {
+                            (face.lo[axis], face.hi[axis]) = (core.hi[axis], core.hi[axis] + 2.0 * slack)
+                        }
                     }
                     face.intersection(&own)
                 }

@@ -260,6 +260,8 @@ pub use rayweave_analysis::{AnalysisError, check, diff, hits, measure, thickness
 pub use rayweave_draw::{self as draw, DrawError, layout, picture};
 #[cfg(feature = "formats")]
 pub use rayweave_formats as formats;
+#[cfg(feature = "gpu")]
+pub use rayweave_gpu as gpu;
 #[cfg(feature = "lens")]
 pub use rayweave_lens as lens;
 pub use rayweave_mesh as mesh;
@@ -267,8 +269,6 @@ pub use rayweave_mesh as mesh;
 pub use rayweave_mesh_io as mesh_io;
 #[cfg(feature = "optics")]
 pub use rayweave_optics as optics;
-#[cfg(feature = "gpu")]
-pub use rayweave_gpu as gpu;
 #[cfg(feature = "photon")]
 pub use rayweave_photon as photon;
 #[cfg(feature = "space")]

@@ -43,7 +43,9 @@ pub fn tests(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
 pub fn gpu(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     let has_driver = |folder: &&str| std::fs::read_dir(folder).is_ok_and(|mut files| files.next().is_some());
     if std::env::var_os("VK_DRIVER_FILES").is_none() && !DRIVERS.iter().any(has_driver) {
-        println!("SKIPPED: no Vulkan driver is installed. The Debian packages libvulkan1 and mesa-vulkan-drivers provide one.");
+        println!(
+            "SKIPPED: no Vulkan driver is installed. The Debian packages libvulkan1 and mesa-vulkan-drivers provide one."
+        );
         counts.skipped += 1;
         return Ok(());
     }

@@ -341,11 +341,7 @@ fn shape(
 }
 
 /// A mesh from a file, which replaces all parameters.
-fn mesh(
-    context: &mut Context,
-    arguments: &Table,
-    file: &Spanned<Datum>,
-) -> Option<Solid> {
+fn mesh(context: &mut Context, arguments: &Table, file: &Spanned<Datum>) -> Option<Solid> {
     let Datum::Text(name) = &file.value else {
         return wrong_type(context, "file", &file.value, "the name of a file", file.span);
     };
