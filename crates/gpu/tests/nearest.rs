@@ -3,10 +3,11 @@
 use rayweave_conformance::{Model, Random, Style, rays};
 use rayweave_gpu::{Gpu, GpuError, GpuProgram, Report};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Evaluator, FirstHits, Program, RayBatch, Solid, Window};
+use rayweave_model::{Collected, Evaluator, FirstHits, Program, Query, RayBatch, Solid, Window};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Packets;
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 /// The best adapter, or a message that says why the test is skipped.
@@ -105,7 +106,7 @@ fn chords(rng: &mut Random, size: f64, count: usize) -> RayBatch {
 
 #[test]
 fn random_models_give_the_bits_of_the_cpu() {
-    random_models(12, 1000);
+    random_models(6, 1000);
 }
 
 #[test]
@@ -125,7 +126,10 @@ fn random_models(count: u64, rays: usize) {
         let program = model.compile().unwrap();
         let rays = rays::batch(&rays::rays(&mut rng, style, &model.frame, rays));
         match check(&adapter, &program, &rays, &format!("seed {seed}")) {
-            Some(report) => totals[style as usize].add(report),
+            Some(report) => {
+                println!("seed {seed}, {style:?}: {report:?}");
+                totals[style as usize].add(report);
+            }
             None => refused += 1,
         }
     }
@@ -146,4 +150,34 @@ fn spheres_in_a_hierarchy() {
     let report = check(&adapter, &program, &rays, "spheres").unwrap();
     println!("{report:?}");
     assert!(report.cpu_share() < 0.01, "{report:?}");
+}
+
+/// All crossings of random models, and those of a hierarchy.
+#[test]
+fn all_crossings_give_the_bits_of_the_cpu() {
+    let Some(adapter) = adapter() else { return };
+    let query = Query { window: Window::new(0.0, f64::INFINITY).unwrap(), ..Query::default() };
+    let mut total = Report::default();
+    for seed in [2, 5, 90] {
+        let mut rng = Random::new(seed);
+        let (program, rays) = if seed == 90 {
+            let balls: Vec<Solid> =
+                (0..500).map(|_| sphere(rng.between(0.02, 0.1), rng.point(1.0))).collect();
+            (Arc::new(Program::compile(&Solid::union(balls)).unwrap()), chords(&mut rng, 1.0, 20_000))
+        } else {
+            let model = Model::random(&mut rng, Style::Generic);
+            let rays = rays::rays(&mut rng, Style::Generic, &model.frame, 3000);
+            (model.compile().unwrap(), rays::batch(&rays))
+        };
+        let gpu = GpuProgram::new(&adapter, program.clone()).unwrap();
+        let (ours, report) = gpu.crossings(rays.rays(), NonZeroUsize::new(12).unwrap()).unwrap();
+        let theirs = Packets::new(program).collect(rays.rays(), &query).unwrap();
+        let bits = |list: &Collected| -> Vec<u64> { list.crossings.iter().map(|c| c.t.to_bits()).collect() };
+        assert_eq!(ours, theirs, "seed {seed}");
+        assert_eq!(bits(&ours), bits(&theirs), "seed {seed}");
+        assert_eq!(report.contradicted, 0);
+        assert!(report.rays == rays.len() as u64 && report.uncertain < report.rays, "{report:?}");
+        total.add(report);
+    }
+    println!("{total:?}");
 }

@@ -225,13 +225,13 @@ fn quadric(at: u32, r: Ray) -> Roots {
     return quadratic(a, b, c, ea, eb, ec, s);
 }
 
-// The ball around a torus: outside of it f > 0, inside of it the CPU decides.
-fn torus(at: u32, r: Ray) -> Roots {
-    let ball = sphere(at, r);
-    if ball.n == 2u {
-        return Roots(UNKNOWN, false, ball.lo0, ball.hi1, BIG, BIG);
+// The ball around a leaf that has facets without a kernel: the leaf is not outside of it, and inside of it the CPU decides.
+fn ball(at: u32, r: Ray) -> Roots {
+    let roots = sphere(at, r);
+    if roots.n == 2u {
+        return Roots(UNKNOWN, false, roots.lo0, roots.hi1, BIG, BIG);
     }
-    return ball;
+    return roots;
 }
 
 // A ray in the frame of a placed solid. data: three rows of the map, (error of a coefficient, error of a translation)
