@@ -18,14 +18,14 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The frame of a group: its finite leaves lie within a distance of 1 from the origin.
+    /// The frame of a group. A bounded group lies within a distance of 1 from the origin, and so do the finite leaves of others.
     pub fn of(group: &Prototype) -> Frame {
-        // the ball has twice the radius of the leaves
-        let (centre, mut size) = (group.ball.centre, 0.5 * group.ball.radius);
-        if group.bounds.is_finite() && !group.bounds.is_empty() {
-            let corners = group.bounds.corners().into_iter().map(|corner| (corner - centre).length());
-            size = corners.fold(size, f64::max);
-        }
+        let bounds = &group.bounds;
+        let (centre, size) = match bounds.is_finite() && !bounds.is_empty() {
+            true => (bounds.centre(), 0.5 * bounds.size().length()),
+            // the ball has twice the radius of the finite leaves
+            false => (group.ball.centre, 0.5 * group.ball.radius),
+        };
         let scale = if size > 0.0 { power_of_two(size) } else { 1.0 };
         Frame { centre, scale }
     }

@@ -106,8 +106,8 @@ fn quadratic(a: f32, b: f32, c: f32, ea: f32, eb: f32, ec: f32, s: f32) -> Roots
         let x1 = c / q;
         let first = min(x0, x1);
         let last = max(x0, x1);
-        let w0 = @STEP@ * (abs(value(a, b, c, first)) + value_error(a, b, c, ea, eb, ec, first)) / (2.0 * root);
-        let w1 = @STEP@ * (abs(value(a, b, c, last)) + value_error(a, b, c, ea, eb, ec, last)) / (2.0 * root);
+        let w0 = @STEP@ * (abs(value(a, b, c, first)) + value_error(a, b, c, ea, eb, ec, first)) / (2.0 * root) + EPS * abs(first);
+        let w1 = @STEP@ * (abs(value(a, b, c, last)) + value_error(a, b, c, ea, eb, ec, last)) / (2.0 * root) + EPS * abs(last);
         let p = vec4f(first - w0, first + w0, last - w1, last + w1);
         let sa = select(-1.0, 1.0, a > 0.0);
         // the signs at the ends are certain, and a quadratic has no more than two sign changes

@@ -370,7 +370,8 @@ fn lost() -> Found {
 fn packed(found: Found) -> vec4u {
     let c = found.change;
     if !c.certain || c.facet == HIDDEN || (limited && params.bounded == 0u && (c.hi > FAR || early)) {
-        return vec4u(UNCERTAIN, 0u, 0u, 0u);
+        // the time shows where the answer is open
+        return vec4u(UNCERTAIN, u32(c.certain), 0u, bitcast<u32>(c.lo));
     }
     if c.facet == NONE {
         return vec4u(MISS, 0u, (c.start << 16u) | c.start, 0u);
