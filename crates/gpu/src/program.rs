@@ -50,7 +50,7 @@ pub struct GpuProgram {
 
 /// What a query cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Report {
+pub struct GpuReport {
     /// The number of rays.
     pub rays: u64,
     /// Rays that the bounds did not settle, so that the CPU traced them.
@@ -64,9 +64,9 @@ pub struct Report {
     pub bytes: u64,
 }
 
-impl Report {
+impl GpuReport {
     /// Adds the costs of another query.
-    pub fn add(&mut self, other: Report) {
+    pub fn add(&mut self, other: GpuReport) {
         self.rays += other.rays;
         self.uncertain += other.uncertain;
         self.distant += other.distant;
@@ -149,9 +149,9 @@ impl GpuProgram {
     ///
     /// [`GpuError::Ray`] for the first ray out of range, [`GpuError::Lost`] if the device fails. The columns are then
     /// incomplete.
-    pub fn nearest(&self, rays: Rays<'_>, hits: &mut FirstHits<'_>) -> Result<Report, GpuError> {
+    pub fn nearest(&self, rays: Rays<'_>, hits: &mut FirstHits<'_>) -> Result<GpuReport, GpuError> {
         self.program.check_rays(rays)?;
-        let mut report = Report::default();
+        let mut report = GpuReport::default();
         let mut waiting = None;
         let mut answers = Vec::new();
         for (k, first) in (0..rays.len()).step_by(self.batch).enumerate() {
@@ -178,13 +178,13 @@ impl GpuProgram {
     /// # Errors
     ///
     /// [`GpuError::Ray`], [`GpuError::Lost`] and [`GpuError::TooLarge`], like [`GpuProgram::nearest`].
-    pub fn crossings(&self, rays: Rays<'_>, most: NonZeroUsize) -> Result<(Collected, Report), GpuError> {
+    pub fn crossings(&self, rays: Rays<'_>, most: NonZeroUsize) -> Result<(Collected, GpuReport), GpuError> {
         self.program.check_rays(rays)?;
         let mut all = self.all.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if all.as_ref().is_none_or(|all| all.most != most.get()) {
             *all = Some(self.all(most.get())?);
         }
-        let (mut collected, mut report) = (Collected::default(), Report::default());
+        let (mut collected, mut report) = (Collected::default(), GpuReport::default());
         let Some(All { kernel, slot, batch, .. }) = &*all else { return Ok((collected, report)) };
         let mut answers = Vec::new();
         for first in (0..rays.len()).step_by(*batch) {
@@ -220,8 +220,8 @@ impl GpuProgram {
         answers: &[Answer],
         rows: usize,
         scratch: &mut <Packets as Evaluator>::Scratch,
-    ) -> (Collected, Report) {
-        let (mut found, mut report) = (Collected::default(), Report::default());
+    ) -> (Collected, GpuReport) {
+        let (mut found, mut report) = (Collected::default(), GpuReport::default());
         let mut crossings = Vec::new();
         for (i, answer) in answers.chunks_exact(rows).enumerate() {
             report.rays += 1;
@@ -323,9 +323,9 @@ impl GpuProgram {
         first: usize,
         answers: &[Answer],
         hits: &mut FirstHits<'_>,
-    ) -> Report {
+    ) -> GpuReport {
         let parts = parts(hits, first, answers.len());
-        let mut report = Report { rays: answers.len() as u64, ..Report::default() };
+        let mut report = GpuReport { rays: answers.len() as u64, ..GpuReport::default() };
         let scratch =
             || Completion { scratch: self.cpu.scratch(), again: Vec::new(), batch: RayBatch::default() };
         let costs = run(answers.len(), parts.into_iter(), scratch, |memory, mut part: Part<'_>| {
@@ -342,8 +342,8 @@ impl GpuProgram {
         answers: &[Answer],
         part: &mut Part<'_>,
         memory: &mut Completion,
-    ) -> Report {
-        let mut report = Report::default();
+    ) -> GpuReport {
+        let mut report = GpuReport::default();
         memory.again.clear();
         for (k, answer) in answers.iter().enumerate() {
             let i = part.first + k;

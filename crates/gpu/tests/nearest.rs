@@ -1,9 +1,9 @@
 //! Nearest crossings on an adapter, against the CPU, bit for bit. Skipped with a message where there is no adapter.
 
 use rayweave_conformance::{Model, Random, Style, rays};
-use rayweave_gpu::{Gpu, GpuError, GpuProgram, Report};
+use rayweave_gpu::{Gpu, GpuError, GpuProgram, GpuReport};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Collected, Evaluator, FirstHits, Program, Query, RayBatch, Solid, Window};
+use rayweave_model::{Collected, Evaluator, FirstHits, Program, Query, RayBatch, Region, Solid, Window};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Packets;
@@ -69,7 +69,7 @@ fn check(
     program: &Arc<Program>,
     rays: &RayBatch,
     what: &str,
-) -> Option<Report> {
+) -> Option<GpuReport> {
     let gpu = match GpuProgram::new(adapter, program.clone()) {
         Ok(gpu) => gpu,
         Err(GpuError::Unsupported(_)) => return None,
@@ -117,7 +117,7 @@ fn long_random_models_give_the_bits_of_the_cpu() {
 
 fn random_models(count: u64, rays: usize) {
     let Some(adapter) = adapter() else { return };
-    let mut totals = [Report::default(); 3];
+    let mut totals = [GpuReport::default(); 3];
     let mut refused = 0;
     for seed in 0..count {
         let mut rng = Random::new(seed);
@@ -157,7 +157,7 @@ fn spheres_in_a_hierarchy() {
 fn all_crossings_give_the_bits_of_the_cpu() {
     let Some(adapter) = adapter() else { return };
     let query = Query { window: Window::new(0.0, f64::INFINITY).unwrap(), ..Query::default() };
-    let mut total = Report::default();
+    let mut total = GpuReport::default();
     for seed in [2, 5, 90] {
         let mut rng = Random::new(seed);
         let (program, rays) = if seed == 90 {
@@ -180,4 +180,34 @@ fn all_crossings_give_the_bits_of_the_cpu() {
         total.add(report);
     }
     println!("{total:?}");
+}
+
+/// Overlapping regions in a hierarchy, and placed solids with all kinds of surfaces; a third of the rays start inside.
+#[test]
+fn regions_and_placed_solids_in_a_hierarchy() {
+    let Some(adapter) = adapter() else { return };
+    let mut rng = Random::new(11);
+    let mut region = |k: u32| {
+        let balls: Vec<Solid> = (0..100).map(|_| sphere(rng.between(0.05, 0.2), rng.point(1.0))).collect();
+        Region { name: format!("r{k}"), solid: Solid::union(balls), medium: 1 + k % 2 }
+    };
+    let regions = [region(0), region(1), region(2)];
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let report = check(&adapter, &program, &chords(&mut rng, 1.0, 20_000), "regions").unwrap();
+    assert!(report.cpu_share() < 0.01, "{report:?}");
+
+    let cone = shape("cone", &[("radius", 0.12.into()), ("height", 0.2.into())]);
+    let rod = shape("cylinder", &[("radius", 0.03.into()), ("height", 1.0.into())]);
+    let egg = sphere(0.1, Vec3::ZERO).apply(Affine::scale(Vec3::new(1.0, 0.5, 1.2)));
+    let part = (cone | egg.apply(Affine::translate(0.08 * Vec3::X))) - rod;
+    let maps: Vec<Affine> = (0..150)
+        .map(|_| {
+            let turn = Affine::rotation(rng.direction(), rng.between(-180.0, 180.0));
+            turn.then(&Affine::translate(rng.point(1.0)))
+        })
+        .collect();
+    let program = Arc::new(Program::compile(&part.place(maps)).unwrap());
+    let report = check(&adapter, &program, &chords(&mut rng, 1.0, 20_000), "placed").unwrap();
+    println!("{report:?}");
+    assert!(report.cpu_share() < 0.01, "{report:?}");
 }

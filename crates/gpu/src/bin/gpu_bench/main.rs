@@ -10,7 +10,7 @@
 mod models;
 
 use models::{Numbers, SCENES, Scene};
-use rayweave_gpu::{Adapter, Gpu, GpuProgram, Report};
+use rayweave_gpu::{Adapter, Gpu, GpuProgram, GpuReport};
 use rayweave_model::drive::{Cancel, drive, thread_count};
 use rayweave_model::{Evaluator, FirstHits, RayBatch, Rays, Window};
 use rayweave_shape::Ray;
@@ -31,7 +31,7 @@ struct Options {
 struct Row {
     name: &'static str,
     faces: usize,
-    report: Report,
+    report: GpuReport,
     compared: usize,
     differing: usize,
     table_bytes: u64,
