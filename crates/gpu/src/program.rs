@@ -242,7 +242,7 @@ impl GpuProgram {
                     crossings.extend(predicted.map_while(|row| self.polished_between(&ray, row, clock)));
                     let ordered = crossings.windows(2).all(|pair: &[Crossing]| pair[0].t < pair[1].t);
                     let complete = ordered && crossings.len() == answer[0][0] as usize;
-                    let shared = answer.iter().skip(1).take(answer[0][0] as usize).any(|row| is_between(row));
+                    let shared = answer.iter().skip(1).take(answer[0][0] as usize).any(is_between);
                     match (complete, shared) {
                         (true, _) => self.layout.regions.get(answer[0][1] as usize).copied(),
                         (false, shared) => {
