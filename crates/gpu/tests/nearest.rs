@@ -196,7 +196,7 @@ fn regions_and_placed_solids_in_a_hierarchy() {
     let report = check(&adapter, &program, &chords(&mut rng, 1.0, 20_000), "regions").unwrap();
     assert!(report.cpu_share() < 0.01, "{report:?}");
 
-    let cone = shape("cone", &[("radius", 0.12.into()), ("height", 0.2.into())]);
+    let cone = shape("cone", &[("radius1", 0.12.into()), ("radius2", 0.04.into()), ("height", 0.2.into())]);
     let rod = shape("cylinder", &[("radius", 0.03.into()), ("height", 1.0.into())]);
     let egg = sphere(0.1, Vec3::ZERO).apply(Affine::scale(Vec3::new(1.0, 0.5, 1.2)));
     let part = (cone | egg.apply(Affine::translate(0.08 * Vec3::X))) - rod;
