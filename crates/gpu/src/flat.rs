@@ -164,8 +164,10 @@ impl Flat {
                     placement,
                 };
                 let facets: Vec<FlatFacet> = leaf.facets().iter().enumerate().map(facet).collect();
+                // the CPU decides about the leaf as a whole if it decides about one of its facets
+                let is_known = facets.iter().all(|f| has_kernel(program, f.facet));
                 let (convex, single): (Vec<FlatFacet>, Vec<FlatFacet>) =
-                    facets.into_iter().partition(|f| is_convex(program, f.facet));
+                    facets.into_iter().partition(|f| !is_known || is_convex(program, f.facet));
                 let first = self.atoms.len();
                 let parts =
                     [convex].into_iter().filter(|c| !c.is_empty()).chain(single.into_iter().map(|f| vec![f]));
@@ -222,4 +224,10 @@ fn is_convex(program: &Program, facet: LeafFacet) -> bool {
         Surface::Quadric(quadric) => facet.inside() && quadric.weights.min_element() >= 0.0,
         _ => false,
     }
+}
+
+/// True if the device computes the roots of a facet.
+pub(crate) fn has_kernel(program: &Program, facet: LeafFacet) -> bool {
+    let surface = &program.surface(facet.surface()).surface;
+    !matches!(surface, Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_))
 }

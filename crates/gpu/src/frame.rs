@@ -6,6 +6,10 @@ use rayweave_model::{Prototype, Rays};
 /// Half the width of the cube that the origins of rays on the device lie in, in units of the size of the model.
 pub(crate) const NEAR: f64 = 4.0;
 
+/// The greatest tolerance of the CPU, in units of the size of the model, that the margins of boxes and balls leave room for. It
+/// grows with the distance of a ray's origin and reaches this at some 1e7 sizes.
+const MOST_TOLERANCE: f64 = 1e-6;
+
 /// A frame with the origin `centre`, whose unit is `scale`, a power of two.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Frame {
@@ -14,14 +18,14 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// The frame of a group: its finite leaves lie within a distance of 1 from the origin.
+    /// The frame of a group. A bounded group lies within a distance of 1 from the origin, and so do the finite leaves of others.
     pub fn of(group: &Prototype) -> Frame {
-        // the ball has twice the radius of the leaves
-        let (centre, mut size) = (group.ball.centre, 0.5 * group.ball.radius);
-        if group.bounds.is_finite() && !group.bounds.is_empty() {
-            let corners = group.bounds.corners().into_iter().map(|corner| (corner - centre).length());
-            size = corners.fold(size, f64::max);
-        }
+        let bounds = &group.bounds;
+        let (centre, size) = match bounds.is_finite() && !bounds.is_empty() {
+            true => (bounds.centre(), 0.5 * bounds.size().length()),
+            // the ball has twice the radius of the finite leaves
+            false => (group.ball.centre, 0.5 * group.ball.radius),
+        };
         let scale = if size > 0.0 { power_of_two(size) } else { 1.0 };
         Frame { centre, scale }
     }
@@ -106,8 +110,8 @@ impl Sender {
         let lengths = ray.origin.length() + centre.length() + 2.0 * distance + 16.0 * scale + self.magnitude;
         let tolerance = 4.0 * 64.0 * UNIT_ROUNDOFF * lengths / scale;
         // NaN compares false
-        if !(at.abs().max_element() <= NEAR && tolerance < 1e-3) {
-            let misses = self.bounded && tolerance < 1e-3 && at.is_finite();
+        if !(at.abs().max_element() <= NEAR && tolerance < MOST_TOLERANCE) {
+            let misses = self.bounded && tolerance < MOST_TOLERANCE && at.is_finite();
             return if misses { Sent::Passes } else { Sent::Cpu };
         }
         if shift < 0.0 && self.bounded && distance > 2.0 * scale {
@@ -115,9 +119,6 @@ impl Sender {
             return Sent::Passes;
         }
         let start = -shift / scale;
-        if !self.bounded && start < -NEAR {
-            return Sent::Cpu;
-        }
         let origin = at.to_array().map(|x| x as f32);
         let error = (0..3).map(|k| (at[k] - f64::from(origin[k])).abs()).fold(0.0, f64::max);
         let device = DeviceRay {
@@ -175,6 +176,7 @@ mod tests {
         assert_eq!(send(true, Vec3::new(100.0, 100.0, 0.0), Vec3::X), Sent::Passes);
         assert_eq!(send(true, Vec3::new(100.0, 2.0, 3.0), Vec3::X), Sent::Passes);
         assert_eq!(send(false, Vec3::new(100.0, 100.0, 0.0), Vec3::X), Sent::Cpu);
+        assert!(matches!(send(false, Vec3::new(100.0, 2.0, 3.0), Vec3::X), Sent::Device(..)));
         assert_eq!(send(true, Vec3::new(1e14, 2.0, 3.0), -Vec3::X), Sent::Cpu);
     }
 

@@ -5,7 +5,7 @@ use crate::error::GpuError;
 use crate::frame::DeviceRay;
 use crate::layout::Layout;
 use crate::shader;
-use std::sync::mpsc;
+use std::sync::{Arc, mpsc};
 
 /// Bytes of a ray on its way to the device, and of its answer.
 pub(crate) const RAY_BYTES: usize = 32;
@@ -14,16 +14,25 @@ pub(crate) const ANSWER_BYTES: usize = 16;
 /// Workgroups of a row of a dispatch; the limit of every implementation is 65535.
 const ROW: u32 = 32768;
 
-/// A kernel with the tables of its program.
-#[derive(Debug)]
-pub(crate) struct Kernel {
-    pub device: Device,
-    pipeline: wgpu::ComputePipeline,
-    layout: wgpu::BindGroupLayout,
+/// The tables of a program on a device.
+#[derive(Clone, Debug)]
+pub(crate) struct Tables {
+    pub device: Arc<Device>,
     data: wgpu::Buffer,
     tables: wgpu::Buffer,
     starts: [u32; 8],
+    children: u32,
     bounded: bool,
+}
+
+/// A kernel with the tables of its program.
+#[derive(Debug)]
+pub(crate) struct Kernel {
+    pub tables: Tables,
+    pipeline: wgpu::ComputePipeline,
+    layout: wgpu::BindGroupLayout,
+    /// Rows of an answer.
+    pub rows: usize,
 }
 
 /// Buffers for batches of up to a number of rays.
@@ -46,27 +55,9 @@ pub(crate) struct Pending {
 /// An answer of the device: see `answer` in the shader.
 pub(crate) type Answer = [u32; 4];
 
-impl Kernel {
-    pub fn new(device: Device, layout: &Layout, bounded: bool) -> Result<Kernel, GpuError> {
-        let source = shader::source(layout);
-        let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("nearest"),
-            source: wgpu::ShaderSource::Wgsl(source.into()),
-        });
-        device.check()?;
-        let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("nearest"),
-            layout: None,
-            module: &module,
-            entry_point: Some("main"),
-            compilation_options: wgpu::PipelineCompilationOptions {
-                // every private variable is written before it is read
-                zero_initialize_workgroup_memory: false,
-                ..Default::default()
-            },
-            cache: None,
-        });
-        device.check()?;
+impl Tables {
+    /// Uploads the tables of a program.
+    pub fn new(device: Device, layout: &Layout, bounded: bool) -> Result<Tables, GpuError> {
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
         let upload = |what: &'static str, bytes: Vec<u8>| -> Result<wgpu::Buffer, GpuError> {
             let buffer = device.buffer(what, bytes.len() as u64, storage)?;
@@ -77,24 +68,56 @@ impl Kernel {
         let data = upload("surfaces and boxes", numbers)?;
         let words = layout.tables.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         let tables = upload("leaves and gates", words)?;
+        device.wait()?;
         let s = layout.starts;
         let starts = [s.facets, s.atoms, s.gates, s.outputs, s.groups, s.items, s.media, s.nodes];
+        Ok(Tables { device: Arc::new(device), data, tables, starts, children: s.children, bounded })
+    }
+}
+
+impl Kernel {
+    /// The kernel for first crossings, or for up to `most` crossings of each ray.
+    pub fn new(tables: Tables, layout: &Layout, most: Option<usize>) -> Result<Kernel, GpuError> {
+        let device = &tables.device;
+        let source = shader::source(layout, most);
+        let module = device.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("crossings"),
+            source: wgpu::ShaderSource::Wgsl(source.into()),
+        });
+        device.check()?;
+        let pipeline = device.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("crossings"),
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        device.check()?;
         let bind = pipeline.get_bind_group_layout(0);
-        device.wait()?;
-        Ok(Kernel { device, pipeline, layout: bind, data, tables, starts, bounded })
+        Ok(Kernel { tables, pipeline, layout: bind, rows: 1 + most.unwrap_or(0) })
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Device {
+        &self.tables.device
+    }
+
+    /// Bytes of an answer.
+    pub fn answer_bytes(&self) -> usize {
+        ANSWER_BYTES * self.rows
     }
 
     /// Buffers for batches of up to `most` rays.
     pub fn slot(&self, most: usize) -> Result<Slot, GpuError> {
         use wgpu::BufferUsages as Usage;
-        let device = &self.device;
+        let device = self.device();
+        let answer = (self.answer_bytes() * most) as u64;
         let rays = device.buffer("rays", (RAY_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_DST)?;
-        let answers =
-            device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::STORAGE | Usage::COPY_SRC)?;
-        let back =
-            device.buffer("answers", (ANSWER_BYTES * most) as u64, Usage::MAP_READ | Usage::COPY_DST)?;
+        let answers = device.buffer("answers", answer, Usage::STORAGE | Usage::COPY_SRC)?;
+        let back = device.buffer("answers", answer, Usage::MAP_READ | Usage::COPY_DST)?;
         let params = device.buffer("parameters", 48, Usage::UNIFORM | Usage::COPY_DST)?;
-        let buffers = [&self.data, &self.tables, &rays, &answers, &params];
+        let buffers = [&self.tables.data, &self.tables.tables, &rays, &answers, &params];
         let entries: Vec<_> = (0u32..)
             .zip(buffers)
             .map(|(binding, buffer)| wgpu::BindGroupEntry { binding, resource: buffer.as_entire_binding() })
@@ -111,17 +134,17 @@ impl Kernel {
     /// Uploads rays.
     pub fn upload(&self, slot: &Slot, rays: &[u8]) {
         let count = (rays.len() / RAY_BYTES) as u32;
-        let mut params = self.starts.to_vec();
-        params.extend([count, ROW * shader::WORKGROUP, u32::from(self.bounded), 0]);
+        let mut params = self.tables.starts.to_vec();
+        params.extend([count, ROW * shader::WORKGROUP, u32::from(self.tables.bounded), self.tables.children]);
         let params: Vec<u8> = params.into_iter().flat_map(u32::to_le_bytes).collect();
-        self.device.queue.write_buffer(&slot.params, 0, &params);
-        self.device.queue.write_buffer(&slot.rays, 0, rays);
+        self.device().queue.write_buffer(&slot.params, 0, &params);
+        self.device().queue.write_buffer(&slot.rays, 0, rays);
     }
 
     /// Submits the kernel for the rays of a slot, `repeats` times.
     pub fn run(&self, slot: &Slot, count: usize, repeats: usize, copy: bool) {
         let mut encoder =
-            self.device.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            self.device().device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for _ in 0..repeats {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             pass.set_pipeline(&self.pipeline);
@@ -130,9 +153,15 @@ impl Kernel {
             pass.dispatch_workgroups(groups.min(ROW), groups.div_ceil(ROW), 1);
         }
         if copy {
-            encoder.copy_buffer_to_buffer(&slot.answers, 0, &slot.back, 0, (ANSWER_BYTES * count) as u64);
+            encoder.copy_buffer_to_buffer(
+                &slot.answers,
+                0,
+                &slot.back,
+                0,
+                (self.answer_bytes() * count) as u64,
+            );
         }
-        self.device.queue.submit([encoder.finish()]);
+        self.device().queue.submit([encoder.finish()]);
     }
 
     /// Uploads rays, traces them and asks for the answers.
@@ -141,7 +170,7 @@ impl Kernel {
         self.upload(slot, rays);
         self.run(slot, count, 1, true);
         let (send, done) = mpsc::channel();
-        slot.back.map_async(wgpu::MapMode::Read, 0..(ANSWER_BYTES * count) as u64, move |result| {
+        slot.back.map_async(wgpu::MapMode::Read, 0..(self.answer_bytes() * count) as u64, move |result| {
             // the receiver is gone only after an error
             let _ = send.send(result);
         });
@@ -150,14 +179,14 @@ impl Kernel {
 
     /// Waits for the answers of a batch.
     pub fn finish(&self, slot: &Slot, pending: Pending, answers: &mut Vec<Answer>) -> Result<(), GpuError> {
-        self.device.wait()?;
-        let lost = |reason: String| GpuError::Lost { adapter: self.device.adapter.clone(), reason };
+        self.device().wait()?;
+        let lost = |reason: String| GpuError::Lost { adapter: self.device().adapter.clone(), reason };
         match pending.done.recv() {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),
             Err(error) => return Err(lost(error.to_string())),
         }
-        let bytes = (ANSWER_BYTES * pending.count) as u64;
+        let bytes = (self.answer_bytes() * pending.count) as u64;
         let view = slot.back.get_mapped_range(0..bytes).map_err(|error| lost(error.to_string()))?;
         let word = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         answers.clear();

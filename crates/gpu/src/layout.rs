@@ -1,7 +1,7 @@
 //! The tables of a program in the memory of the device.
 
 use crate::error::Unsupported;
-use crate::flat::{Atom, Flat, FlatFrame, FlatGate, MOST_NODES, Operand};
+use crate::flat::{Atom, Flat, FlatFacet, FlatFrame, FlatGate, MOST_NODES, Operand, has_kernel};
 use crate::frame::Frame;
 use crate::terms::{Item, Top};
 use rayweave_bvh::{ExactBvh, FlatChild, WIDTH};
@@ -27,6 +27,7 @@ pub(crate) struct Starts {
     pub items: u32,
     pub media: u32,
     pub nodes: u32,
+    pub children: u32,
 }
 
 /// The tables, and what the shader is specialised for.
@@ -68,7 +69,8 @@ pub(crate) enum Kind {
     Sphere = 2,
     Cylinder = 3,
     Quadric = 4,
-    Torus = 5,
+    /// The ball around a leaf that has facets without a kernel.
+    Ball = 5,
 }
 
 impl Kind {
@@ -93,6 +95,8 @@ struct Builder {
     outputs: Vec<[u32; 4]>,
     groups: Vec<GroupRow>,
     items: Vec<[u32; 4]>,
+    /// Two rows per node of the hierarchy.
+    children: Vec<[u32; 4]>,
     media: Vec<u32>,
     /// Rows of data of surfaces, by surface and frame.
     surfaces: HashMap<(u32, [u64; 4]), (u32, Kind)>,
@@ -245,7 +249,27 @@ impl Builder {
                 placement: PlacementId(facet.placement),
             });
         }
-        self.atoms.push([first, atom.facets.len() as u32, map, atom.placement]);
+        if let Some(facet) = atom.facets.iter().find(|f| !has_kernel(program, f.facet)) {
+            self.around(program, facet, frame);
+        }
+        self.atoms.push([first, self.facets.len() as u32 - first, map, atom.placement]);
+    }
+
+    /// Adds a facet in place of those without a kernel: the ball around their leaf, outside of which the leaf is not.
+    fn around(&mut self, program: &Program, facet: &FlatFacet, frame: &Frame) {
+        let bounds = program.leaf_bounds(facet.leaf);
+        if !bounds.is_finite() || bounds.is_empty() {
+            return;
+        }
+        let centre = frame.point(bounds.centre());
+        let radius = 0.5 * bounds.size().length() / frame.scale + 1e-4;
+        let row_number = self.layout.data.len() as u32;
+        self.layout.data.push(row(centre, f64::from(up(radius * radius))));
+        self.layout.data.push([up(f64::from(rounding(&centre.to_array())) + 1e-15), 0.0, 0.0, 0.0]);
+        self.layout.kinds[Kind::Ball as usize] = true;
+        self.facets.push([row_number, (Kind::Ball as u32) << 1 | 1, NONE, 0]);
+        let Some(&last) = self.layout.faces.last() else { return };
+        self.layout.faces.push(last);
     }
 
     /// The row of a ball around an atom, in the frame of its group; `NONE` if the kernels of its facets are as fast as its test,
@@ -325,23 +349,25 @@ impl Builder {
         let mut depths = vec![1usize];
         for (number, node) in tree.flat().enumerate() {
             let mut planes = [[0f32; WIDTH]; 6];
-            let mut children = [f32::from_bits(NONE); WIDTH];
+            let mut children = [NONE; WIDTH];
             for (k, child) in node.children.iter().enumerate() {
                 let Some(child) = child else { break };
                 for axis in 0..3 {
                     planes[axis][k] = grown(node.bounds[k].lo[axis], -1.0);
                     planes[axis + 3][k] = grown(node.bounds[k].hi[axis], 1.0);
                 }
-                children[k] = f32::from_bits(match *child {
+                children[k] = match *child {
                     FlatChild::Node(inner) => {
                         depths.resize(depths.len().max(inner as usize + 1), 0);
                         depths[inner as usize] = depths[number] + 1;
                         inner
                     }
                     FlatChild::Item(place) => 1 << 31 | place,
-                });
+                };
             }
-            let halves = planes.iter().chain([&children]);
+            let [a, b, c, d, e, f, g, h] = children;
+            self.children.extend([[a, b, c, d], [e, f, g, h]]);
+            let halves = planes.iter();
             self.layout.data.extend(
                 halves.flat_map(|row| [[row[0], row[1], row[2], row[3]], [row[4], row[5], row[6], row[7]]]),
             );
@@ -369,6 +395,7 @@ impl Builder {
             [[a, b, c, d], [e, f, u32::from(!g.is_model), 0]]
         };
         starts.groups = put(self.groups.iter().flat_map(group).collect());
+        starts.children = put(std::mem::take(&mut self.children));
         starts.items = put(std::mem::take(&mut self.items));
         let medium = |chunk: &[u32]| std::array::from_fn(|k| chunk.get(k).copied().unwrap_or(0));
         starts.media = put(self.media.chunks(4).map(medium).collect());
@@ -425,9 +452,9 @@ pub(crate) fn magnitude_of(program: &Program, group: PrototypeId) -> f64 {
     facets.map(|facet| program.surface(facet.surface()).magnitude).fold(0.0, f64::max)
 }
 
-/// A plane of a box, moved outwards by more than the roundings of the slab test: coordinates and times are at most 16, so each
-/// of the dozen roundings is at most `2^-19`, and errors of origins that pass are below 1e-3 only in models whose rays are
-/// rejected otherwise.
+/// A plane of a box, moved outwards by more than the errors of the slab test, about 1e-5: coordinates are at most 8 and times at
+/// most 16, so that the difference to the origin is rounded by 1e-6, the time by 6 EPS of itself, and the errors of origin and
+/// direction add 2e-6.
 fn grown(x: f64, sign: f64) -> f32 {
     let moved = (x + sign * 3e-5).clamp(-1e6, 1e6) as f32;
     if sign > 0.0 { moved.next_up() } else { moved.next_down() }
@@ -469,7 +496,6 @@ fn surface_rows(surface: &Surface, frame: &Frame, data: &mut Vec<Row>) -> Kind {
             return Kind::Plane;
         }
         Surface::Sphere(s) => (s.centre, s.radius / scale, Kind::Sphere),
-        Surface::Torus(s) => (s.centre, (s.major + s.minor) / scale * (1.0 + 1e-6), Kind::Torus),
         Surface::Cylinder(s) => {
             let (point, square) = (frame.point(s.point), (s.radius / scale) * (s.radius / scale));
             let side = any_perpendicular(s.axis);
@@ -501,7 +527,7 @@ fn surface_rows(surface: &Surface, frame: &Frame, data: &mut Vec<Row>) -> Kind {
                 data,
             );
         }
-        Surface::AffineTorus(_) | Surface::Object(_) => return Kind::Other,
+        Surface::Torus(_) | Surface::AffineTorus(_) | Surface::Object(_) => return Kind::Other,
     };
     let (centre, radius, kind) = kind;
     let (centre, square) = (frame.point(centre), radius * radius);

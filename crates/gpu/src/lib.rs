@@ -4,7 +4,7 @@
 //! [`GpuProgram::nearest`] finds the first crossing of each ray of a batch. The device computes in single precision, with error
 //! bounds that hold under the rounding rules of WGSL. A ray whose answer they do not settle is traced by the CPU, and the time of
 //! every other crossing is computed on the CPU by the kernel of the face that the device names. So all answers are those of
-//! [`rayweave_trace::Packets`], bit for bit. [`Report`] counts the rays that the CPU traced.
+//! [`rayweave_trace::Packets`], bit for bit. [`GpuReport`] counts the rays that the CPU traced.
 //!
 //! The page `docs/concepts/gpu.md` derives the bounds.
 
@@ -21,4 +21,4 @@ mod twin;
 
 pub use adapter::{Adapter, AdapterKind, Gpu};
 pub use error::{GpuError, Unsupported};
-pub use program::{GpuProgram, Report};
+pub use program::{GpuProgram, GpuReport};

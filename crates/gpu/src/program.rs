@@ -4,18 +4,19 @@ use crate::adapter::Adapter;
 use crate::error::{GpuError, Unsupported};
 use crate::flat::{Flat, MOST_NODES};
 use crate::frame::{Clock, Frame, Sender, Sent};
-use crate::kernel::{ANSWER_BYTES, Answer, Kernel, RAY_BYTES, Slot};
+use crate::kernel::{Answer, Kernel, RAY_BYTES, Slot, Tables};
 use crate::layout::{Layout, magnitude_of};
 use crate::terms::Top;
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::weld::local_ray;
 use rayweave_model::{
-    Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, RayBatch, Rays, RegionId,
-    Window, attributes,
+    Collected, Crossing, Evaluator, Face, FirstHits, PlacementId, Program, PrototypeId, Query, RayAnswer,
+    RayBatch, Rays, RegionId, Sink, Window, attributes,
 };
+use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Rays that are on the device at a time, per slot.
 const BATCH: usize = 1 << 20;
@@ -26,6 +27,8 @@ const CHUNK: usize = 1 << 14;
 /// Bits of the first word of an answer.
 const UNCERTAIN: u32 = 1 << 31;
 const MISS: u32 = 1 << 30;
+const SHARED: u32 = 1 << 29;
+const MORE: u32 = 1 << 28;
 
 /// A compiled model on a device.
 ///
@@ -41,11 +44,13 @@ pub struct GpuProgram {
     layout: Layout,
     slots: [Slot; 2],
     batch: usize,
+    /// The kernel for all crossings, with its buffers, compiled on first use.
+    all: Mutex<Option<All>>,
 }
 
 /// What a query cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Report {
+pub struct GpuReport {
     /// The number of rays.
     pub rays: u64,
     /// Rays that the bounds did not settle, so that the CPU traced them.
@@ -59,9 +64,9 @@ pub struct Report {
     pub bytes: u64,
 }
 
-impl Report {
+impl GpuReport {
     /// Adds the costs of another query.
-    pub fn add(&mut self, other: Report) {
+    pub fn add(&mut self, other: GpuReport) {
         self.rays += other.rays;
         self.uncertain += other.uncertain;
         self.distant += other.distant;
@@ -73,6 +78,15 @@ impl Report {
     pub fn cpu_share(&self) -> f64 {
         (self.uncertain + self.distant + self.contradicted) as f64 / self.rays.max(1) as f64
     }
+}
+
+/// The kernel for all crossings.
+#[derive(Debug)]
+struct All {
+    most: usize,
+    kernel: Kernel,
+    slot: Slot,
+    batch: usize,
 }
 
 /// Columns of a chunk of rays.
@@ -102,10 +116,20 @@ impl GpuProgram {
     /// memory, [`GpuError::Open`] and [`GpuError::Lost`] for problems of the device.
     pub fn new(adapter: &Adapter, program: Arc<Program>) -> Result<GpuProgram, GpuError> {
         let (layout, sender) = compile(&program)?;
-        let kernel = Kernel::new(adapter.open()?, &layout, sender.bounded)?;
-        let batch = BATCH.min((kernel.device.limit / RAY_BYTES as u64) as usize);
+        let tables = Tables::new(adapter.open()?, &layout, sender.bounded)?;
+        let kernel = Kernel::new(tables, &layout, None)?;
+        let batch = BATCH.min((kernel.device().limit / RAY_BYTES as u64) as usize);
         let slots = [kernel.slot(batch)?, kernel.slot(batch)?];
-        Ok(GpuProgram { cpu: Packets::new(program.clone()), program, kernel, sender, layout, slots, batch })
+        Ok(GpuProgram {
+            cpu: Packets::new(program.clone()),
+            program,
+            kernel,
+            sender,
+            layout,
+            slots,
+            batch,
+            all: Mutex::new(None),
+        })
     }
 
     /// The program.
@@ -125,16 +149,16 @@ impl GpuProgram {
     ///
     /// [`GpuError::Ray`] for the first ray out of range, [`GpuError::Lost`] if the device fails. The columns are then
     /// incomplete.
-    pub fn nearest(&self, rays: Rays<'_>, hits: &mut FirstHits<'_>) -> Result<Report, GpuError> {
+    pub fn nearest(&self, rays: Rays<'_>, hits: &mut FirstHits<'_>) -> Result<GpuReport, GpuError> {
         self.program.check_rays(rays)?;
-        let mut report = Report::default();
+        let mut report = GpuReport::default();
         let mut waiting = None;
         let mut answers = Vec::new();
         for (k, first) in (0..rays.len()).step_by(self.batch).enumerate() {
             let count = self.batch.min(rays.len() - first);
             let bytes = self.prepare(&rays.slice(first..first + count));
             let pending = self.kernel.start(&self.slots[k % 2], &bytes);
-            report.bytes += (count * (RAY_BYTES + ANSWER_BYTES)) as u64;
+            report.bytes += (count * (RAY_BYTES + self.kernel.answer_bytes())) as u64;
             if let Some((slot, first, pending)) = waiting.replace((k % 2, first, pending)) {
                 self.kernel.finish(&self.slots[slot], pending, &mut answers)?;
                 report.add(self.complete(&rays, first, &answers, hits));
@@ -145,6 +169,109 @@ impl GpuProgram {
             report.add(self.complete(&rays, first, &answers, hits));
         }
         Ok(report)
+    }
+
+    /// All crossings after t = 0 of every ray, as [`Evaluator::collect`] computes them with the window from 0 on. Rays with more
+    /// than `most` crossings are traced by the CPU and counted as uncertain. The kernel for a number is compiled when that number is
+    /// first used after another.
+    ///
+    /// # Errors
+    ///
+    /// [`GpuError::Ray`], [`GpuError::Lost`] and [`GpuError::TooLarge`], like [`GpuProgram::nearest`].
+    pub fn crossings(&self, rays: Rays<'_>, most: NonZeroUsize) -> Result<(Collected, GpuReport), GpuError> {
+        self.program.check_rays(rays)?;
+        let mut all = self.all.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        if all.as_ref().is_none_or(|all| all.most != most.get()) {
+            *all = Some(self.all(most.get())?);
+        }
+        let (mut collected, mut report) = (Collected::default(), GpuReport::default());
+        let Some(All { kernel, slot, batch, .. }) = &*all else { return Ok((collected, report)) };
+        let mut answers = Vec::new();
+        for first in (0..rays.len()).step_by(*batch) {
+            let part = rays.slice(first..rays.len().min(first + batch));
+            let pending = kernel.start(slot, &self.prepare(&part));
+            kernel.finish(slot, pending, &mut answers)?;
+            report.bytes += (part.len() * (RAY_BYTES + kernel.answer_bytes())) as u64;
+            let ranges = (0..part.len()).step_by(CHUNK).map(|at| at..part.len().min(at + CHUNK));
+            let work = |scratch: &mut _, range: std::ops::Range<usize>| {
+                let rows = &answers[range.start * kernel.rows..range.end * kernel.rows];
+                self.collect_part(&part.slice(range), rows, kernel.rows, scratch)
+            };
+            for (found, cost) in run(part.len(), ranges, || self.cpu.scratch(), work) {
+                collected.append(&found);
+                report.add(cost);
+            }
+        }
+        Ok((collected, report))
+    }
+
+    fn all(&self, most: usize) -> Result<All, GpuError> {
+        let kernel = Kernel::new(self.kernel.tables.clone(), &self.layout, Some(most))?;
+        let fits = (kernel.device().limit / kernel.answer_bytes() as u64) as usize;
+        let batch = (BATCH / kernel.rows).clamp(1, fits.max(1));
+        let slot = kernel.slot(batch)?;
+        Ok(All { most, kernel, slot, batch })
+    }
+
+    /// The crossings of some rays from the rows of their answers.
+    fn collect_part(
+        &self,
+        rays: &Rays<'_>,
+        answers: &[Answer],
+        rows: usize,
+        scratch: &mut <Packets as Evaluator>::Scratch,
+    ) -> (Collected, GpuReport) {
+        let (mut found, mut report) = (Collected::default(), GpuReport::default());
+        let mut crossings = Vec::new();
+        for (i, answer) in answers.chunks_exact(rows).enumerate() {
+            report.rays += 1;
+            crossings.clear();
+            let start = match self.sender.send(rays, i) {
+                Sent::Passes => Some(0),
+                Sent::Cpu => {
+                    report.distant += 1;
+                    None
+                }
+                Sent::Device(..) if answer[0][0] & (UNCERTAIN | MORE) != 0 => {
+                    report.uncertain += 1;
+                    None
+                }
+                Sent::Device(_, clock) => {
+                    let ray = rays.get(i);
+                    let predicted = answer.iter().skip(1).take(answer[0][0] as usize);
+                    crossings.extend(predicted.map_while(|row| self.polished_between(&ray, row, clock)));
+                    let ordered = crossings.windows(2).all(|pair: &[Crossing]| pair[0].t < pair[1].t);
+                    let complete = ordered && crossings.len() == answer[0][0] as usize;
+                    let shared = answer.iter().skip(1).take(answer[0][0] as usize).any(is_between);
+                    match (complete, shared) {
+                        (true, _) => self.layout.regions.get(answer[0][1] as usize).copied(),
+                        (false, shared) => {
+                            let count = if shared { &mut report.uncertain } else { &mut report.contradicted };
+                            *count += 1;
+                            None
+                        }
+                    }
+                }
+            };
+            match start {
+                Some(start) => {
+                    let start = RegionId(start);
+                    found.ray(RayAnswer { ray: i, start, crossings: &crossings });
+                }
+                None => {
+                    let Ok(window) = Window::new(0.0, f64::INFINITY) else { continue };
+                    let query = Query { window, ..Query::default() };
+                    self.cpu.crossings(rays.slice(i..i + 1), &query, scratch, &mut found);
+                }
+            }
+        }
+        (found, report)
+    }
+
+    /// Like [`GpuProgram::polished`]; `None` also for a crossing between two regions at which several leaves change: each side
+    /// may have a face of its own.
+    fn polished_between(&self, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
+        if is_between(answer) { None } else { self.polished(ray, answer, clock) }
     }
 
     /// Seconds that the kernel alone takes for a batch that is already on the device, the least of several runs, and the number
@@ -159,12 +286,12 @@ impl GpuProgram {
         let bytes = self.prepare(&rays.slice(0..count));
         self.kernel.upload(&self.slots[0], &bytes);
         self.kernel.run(&self.slots[0], count, 1, false);
-        self.kernel.device.wait()?;
+        self.kernel.device().wait()?;
         let mut best = f64::INFINITY;
         for _ in 0..3 {
             let clock = std::time::Instant::now();
             self.kernel.run(&self.slots[0], count, repeats, false);
-            self.kernel.device.wait()?;
+            self.kernel.device().wait()?;
             best = best.min(clock.elapsed().as_secs_f64() / repeats as f64);
         }
         Ok((best, count))
@@ -196,9 +323,9 @@ impl GpuProgram {
         first: usize,
         answers: &[Answer],
         hits: &mut FirstHits<'_>,
-    ) -> Report {
+    ) -> GpuReport {
         let parts = parts(hits, first, answers.len());
-        let mut report = Report { rays: answers.len() as u64, ..Report::default() };
+        let mut report = GpuReport { rays: answers.len() as u64, ..GpuReport::default() };
         let scratch =
             || Completion { scratch: self.cpu.scratch(), again: Vec::new(), batch: RayBatch::default() };
         let costs = run(answers.len(), parts.into_iter(), scratch, |memory, mut part: Part<'_>| {
@@ -215,8 +342,8 @@ impl GpuProgram {
         answers: &[Answer],
         part: &mut Part<'_>,
         memory: &mut Completion,
-    ) -> Report {
-        let mut report = Report::default();
+    ) -> GpuReport {
+        let mut report = GpuReport::default();
         memory.again.clear();
         for (k, answer) in answers.iter().enumerate() {
             let i = part.first + k;
@@ -234,7 +361,7 @@ impl GpuProgram {
                         continue;
                     }
                     if answer[0] & MISS == 0 {
-                        match self.polished(rays, i, answer, clock) {
+                        match self.polished(&rays.get(i), answer, clock) {
                             Some(crossing) => self.put(rays, part, k, &crossing),
                             None => {
                                 report.contradicted += 1;
@@ -259,18 +386,17 @@ impl GpuProgram {
     }
 
     /// The crossing that an answer predicts, with the time of the CPU's kernel; `None` if that has no such root.
-    fn polished(&self, rays: &Rays<'_>, i: usize, answer: &Answer, clock: Clock) -> Option<Crossing> {
-        let face = *self.layout.faces.get(answer[0] as usize)?;
+    fn polished(&self, ray: &Ray, answer: &Answer, clock: Clock) -> Option<Crossing> {
+        let face = *self.layout.faces.get((answer[0] & !SHARED) as usize)?;
         let placement = PlacementId(face.placement.0 + self.layout.placements.get(answer[1] as usize)?);
         let face = Face { placement, ..face };
         let region = |number: u32| self.layout.regions.get(number as usize).copied().map(RegionId);
         let (before, after) = (region(answer[2] >> 16)?, region(answer[2] & 0xffff)?);
-        let ray = rays.get(i);
         let surface = &self.program.surface(face.surface).surface;
         let crossings = if placement.0 == 0 {
-            surface.crossings(&ray)
+            surface.crossings(ray)
         } else {
-            surface.crossings(&local_ray(&self.program, &ray, placement).0)
+            surface.crossings(&local_ray(&self.program, ray, placement).0)
         };
         let predicted = clock.shift + f64::from(f32::from_bits(answer[3])) * clock.rate;
         let times = crossings.times();
@@ -338,6 +464,11 @@ impl GpuProgram {
             }
         }
     }
+}
+
+/// True if several leaves change at a crossing between two regions.
+fn is_between(answer: &Answer) -> bool {
+    answer[0] & SHARED != 0 && answer[2] >> 16 != 0 && answer[2] & 0xffff != 0
 }
 
 fn miss(part: &mut Part<'_>, k: usize, region: u32) {

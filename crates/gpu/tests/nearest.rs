@@ -1,12 +1,13 @@
 //! Nearest crossings on an adapter, against the CPU, bit for bit. Skipped with a message where there is no adapter.
 
 use rayweave_conformance::{Model, Random, Style, rays};
-use rayweave_gpu::{Gpu, GpuError, GpuProgram, Report};
+use rayweave_gpu::{Gpu, GpuError, GpuProgram, GpuReport};
 use rayweave_math::{Affine, Vec3};
-use rayweave_model::{Evaluator, FirstHits, Program, RayBatch, Solid, Window};
+use rayweave_model::{Collected, Evaluator, FirstHits, Program, Query, RayBatch, Region, Solid, Window};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
 use rayweave_trace::Packets;
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 /// The best adapter, or a message that says why the test is skipped.
@@ -68,7 +69,7 @@ fn check(
     program: &Arc<Program>,
     rays: &RayBatch,
     what: &str,
-) -> Option<Report> {
+) -> Option<GpuReport> {
     let gpu = match GpuProgram::new(adapter, program.clone()) {
         Ok(gpu) => gpu,
         Err(GpuError::Unsupported(_)) => return None,
@@ -105,7 +106,7 @@ fn chords(rng: &mut Random, size: f64, count: usize) -> RayBatch {
 
 #[test]
 fn random_models_give_the_bits_of_the_cpu() {
-    random_models(12, 1000);
+    random_models(6, 1000);
 }
 
 #[test]
@@ -116,7 +117,7 @@ fn long_random_models_give_the_bits_of_the_cpu() {
 
 fn random_models(count: u64, rays: usize) {
     let Some(adapter) = adapter() else { return };
-    let mut totals = [Report::default(); 3];
+    let mut totals = [GpuReport::default(); 3];
     let mut refused = 0;
     for seed in 0..count {
         let mut rng = Random::new(seed);
@@ -125,7 +126,10 @@ fn random_models(count: u64, rays: usize) {
         let program = model.compile().unwrap();
         let rays = rays::batch(&rays::rays(&mut rng, style, &model.frame, rays));
         match check(&adapter, &program, &rays, &format!("seed {seed}")) {
-            Some(report) => totals[style as usize].add(report),
+            Some(report) => {
+                println!("seed {seed}, {style:?}: {report:?}");
+                totals[style as usize].add(report);
+            }
             None => refused += 1,
         }
     }
@@ -144,6 +148,66 @@ fn spheres_in_a_hierarchy() {
     let program = Arc::new(Program::compile(&Solid::union(balls)).unwrap());
     let rays = chords(&mut rng, 1.0, 50_000);
     let report = check(&adapter, &program, &rays, "spheres").unwrap();
+    println!("{report:?}");
+    assert!(report.cpu_share() < 0.01, "{report:?}");
+}
+
+/// All crossings of random models, and those of a hierarchy.
+#[test]
+fn all_crossings_give_the_bits_of_the_cpu() {
+    let Some(adapter) = adapter() else { return };
+    let query = Query { window: Window::new(0.0, f64::INFINITY).unwrap(), ..Query::default() };
+    let mut total = GpuReport::default();
+    for seed in [2, 5, 90] {
+        let mut rng = Random::new(seed);
+        let (program, rays) = if seed == 90 {
+            let balls: Vec<Solid> =
+                (0..500).map(|_| sphere(rng.between(0.02, 0.1), rng.point(1.0))).collect();
+            (Arc::new(Program::compile(&Solid::union(balls)).unwrap()), chords(&mut rng, 1.0, 20_000))
+        } else {
+            let model = Model::random(&mut rng, Style::Generic);
+            let rays = rays::rays(&mut rng, Style::Generic, &model.frame, 3000);
+            (model.compile().unwrap(), rays::batch(&rays))
+        };
+        let gpu = GpuProgram::new(&adapter, program.clone()).unwrap();
+        let (ours, report) = gpu.crossings(rays.rays(), NonZeroUsize::new(12).unwrap()).unwrap();
+        let theirs = Packets::new(program).collect(rays.rays(), &query).unwrap();
+        let bits = |list: &Collected| -> Vec<u64> { list.crossings.iter().map(|c| c.t.to_bits()).collect() };
+        assert_eq!(ours, theirs, "seed {seed}");
+        assert_eq!(bits(&ours), bits(&theirs), "seed {seed}");
+        assert_eq!(report.contradicted, 0);
+        assert!(report.rays == rays.len() as u64 && report.uncertain < report.rays, "{report:?}");
+        total.add(report);
+    }
+    println!("{total:?}");
+}
+
+/// Overlapping regions in a hierarchy, and placed solids with all kinds of surfaces; a third of the rays start inside.
+#[test]
+fn regions_and_placed_solids_in_a_hierarchy() {
+    let Some(adapter) = adapter() else { return };
+    let mut rng = Random::new(11);
+    let mut region = |k: u32| {
+        let balls: Vec<Solid> = (0..100).map(|_| sphere(rng.between(0.05, 0.2), rng.point(1.0))).collect();
+        Region { name: format!("r{k}"), solid: Solid::union(balls), medium: 1 + k % 2 }
+    };
+    let regions = [region(0), region(1), region(2)];
+    let program = Arc::new(Program::compile_regions(&regions).unwrap());
+    let report = check(&adapter, &program, &chords(&mut rng, 1.0, 20_000), "regions").unwrap();
+    assert!(report.cpu_share() < 0.01, "{report:?}");
+
+    let cone = shape("cone", &[("radius1", 0.12.into()), ("radius2", 0.04.into()), ("height", 0.2.into())]);
+    let rod = shape("cylinder", &[("radius", 0.03.into()), ("height", 1.0.into())]);
+    let egg = sphere(0.1, Vec3::ZERO).apply(Affine::scale(Vec3::new(1.0, 0.5, 1.2)));
+    let part = (cone | egg.apply(Affine::translate(0.08 * Vec3::X))) - rod;
+    let maps: Vec<Affine> = (0..150)
+        .map(|_| {
+            let turn = Affine::rotation(rng.direction(), rng.between(-180.0, 180.0));
+            turn.then(&Affine::translate(rng.point(1.0)))
+        })
+        .collect();
+    let program = Arc::new(Program::compile(&part.place(maps)).unwrap());
+    let report = check(&adapter, &program, &chords(&mut rng, 1.0, 20_000), "placed").unwrap();
     println!("{report:?}");
     assert!(report.cpu_share() < 0.01, "{report:?}");
 }

@@ -7,16 +7,10 @@ fn reciprocal(d: f32) -> f32 {
     return 1.0 / select(d, select(-1e-12, 1e-12, d >= 0.0), abs(d) < 1e-12);
 }
 
-@compute @workgroup_size(@WORKGROUP@)
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let i = id.x + id.y * params.row;
-    if i >= params.rays {
-        return;
-    }
-    limited = false;
-    let r = ray_of(i);
+// The first change of medium after `start`.
+fn find(r: Ray, start: vec2f) -> Found {
+    var from_ = start;
     let inverse = vec3f(reciprocal(r.d.x), reciprocal(r.d.y), reciprocal(r.d.z));
-    var from_ = start_of(i);
     var stack: array<vec2u, STACK>;
     var began = NONE;
     for (var step = 0u; step < STEPS; step++) {
@@ -37,35 +31,37 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 continue;
             }
             if (entry.x & 0x80000000u) == 0u {
-                // an inner node: 12 rows of planes, 2 of children
-                let at = params.nodes + 14u * entry.x;
+                // an inner node: 12 rows of planes
+                let at = params.nodes + 12u * entry.x;
                 let base = depth;
-                for (var k = 0u; k < 8u; k++) {
-                    let child = bitcast<u32>(data[at + 12u + (k >> 2u)][k & 3u]);
-                    if child == NONE {
+                for (var half = 0u; half < 2u; half++) {
+                    // four boxes at a time
+                    let children = tables[params.children + 2u * entry.x + half];
+                    if children.x == NONE {
                         break;
                     }
-                    let half = k >> 2u;
-                    let lane = k & 3u;
-                    let lo = vec3f(data[at + half][lane], data[at + 2u + half][lane], data[at + 4u + half][lane]);
-                    let hi = vec3f(data[at + 6u + half][lane], data[at + 8u + half][lane], data[at + 10u + half][lane]);
-                    let a = (lo - r.o) * inverse;
-                    let b = (hi - r.o) * inverse;
-                    let near = min(a, b);
-                    let far = max(a, b);
-                    let enter = max(max(near.x, near.y), max(near.z, from_.x));
-                    let leave = min(far.x, min(far.y, far.z));
-                    if enter > leave || enter > best.hi {
-                        continue;
+                    let ax = (data[at + half] - r.o.x) * inverse.x;
+                    let ay = (data[at + 2u + half] - r.o.y) * inverse.y;
+                    let az = (data[at + 4u + half] - r.o.z) * inverse.z;
+                    let bx = (data[at + 6u + half] - r.o.x) * inverse.x;
+                    let by = (data[at + 8u + half] - r.o.y) * inverse.y;
+                    let bz = (data[at + 10u + half] - r.o.z) * inverse.z;
+                    let near = max(max(min(ax, bx), min(ay, by)), max(min(az, bz), vec4f(from_.x)));
+                    let far = min(min(max(ax, bx), max(ay, by)), max(az, bz));
+                    for (var lane = 0u; lane < 4u; lane++) {
+                        let enter = near[lane];
+                        if children[lane] == NONE || enter > far[lane] || enter > best.hi {
+                            continue;
+                        }
+                        // sorted: the nearest child on top
+                        var place = depth;
+                        while place > base && bitcast<f32>(stack[place - 1u].y) < enter {
+                            stack[place] = stack[place - 1u];
+                            place -= 1u;
+                        }
+                        stack[place] = vec2u(children[lane], bitcast<u32>(enter));
+                        depth += 1u;
                     }
-                    // sorted: the nearest child on top
-                    var place = depth;
-                    while place > base && bitcast<f32>(stack[place - 1u].y) < enter {
-                        stack[place] = stack[place - 1u];
-                        place -= 1u;
-                    }
-                    stack[place] = vec2u(child, bitcast<u32>(enter));
-                    depth += 1u;
                 }
                 continue;
             }
@@ -75,8 +71,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 @PLACED_ITEM@
             let c = walk(row.x, local, from_);
             if !c.certain {
-                answers[i] = vec4u(UNCERTAIN, 0u, 0u, 0u);
-                return;
+                return lost();
             }
             if c.start != 0u {
                 if row.z > region {
@@ -101,22 +96,20 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             began = region;
         }
         if item == NONE {
-            answer(i, Change(true, began, region, region, BIG, BIG, NONE, 0u), 0u);
-            return;
+            return Found(Change(true, began, region, region, BIG, BIG, NONE, 0u), 0u);
         }
         if best.facet == HIDDEN || other <= best.hi {
-            answers[i] = vec4u(UNCERTAIN, 0u, 0u, 0u);
-            return;
+            return lost();
         }
         let own = tables[params.items + item].z;
         let after = select(select(region, below, item == holder), max(region, own), best.start == 0u);
         if medium_of(region) != medium_of(after) {
             best.before = region;
             best.after = after;
-            answer(i, best, item);
-            return;
+            best.start = began;
+            return Found(best, item);
         }
         from_ = vec2f(best.hi, best.hi);
     }
-    answers[i] = vec4u(UNCERTAIN, 0u, 0u, 0u);
+    return lost();
 }

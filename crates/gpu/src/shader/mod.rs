@@ -5,13 +5,13 @@ use crate::layout::{Kind, Layout};
 /// Threads of a workgroup.
 pub(crate) const WORKGROUP: u32 = 64;
 
-/// The source of the shader for tables.
-pub(crate) fn source(layout: &Layout) -> String {
+/// The source of the shader for tables: for first crossings, or for up to `most` crossings of each ray.
+pub(crate) fn source(layout: &Layout, most: Option<usize>) -> String {
     let kinds = [
         (Kind::Sphere, "sphere"),
         (Kind::Cylinder, "cylinder"),
         (Kind::Quadric, "quadric"),
-        (Kind::Torus, "torus"),
+        (Kind::Ball, "ball"),
     ];
     let cases: String = kinds
         .into_iter()
@@ -19,8 +19,9 @@ pub(crate) fn source(layout: &Layout) -> String {
         .map(|(kind, name)| format!("        case {}u: {{ roots = {name}(facet.x, r); }}\n", kind as u32))
         .collect();
     let placed = |used: bool, text: &str| if used { text.to_owned() } else { String::new() };
-    let main = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
-    let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), main];
+    let find = if layout.stack > 0 { include_str!("large.wgsl") } else { include_str!("small.wgsl") };
+    let main = if most.is_some() { include_str!("all.wgsl") } else { include_str!("nearest.wgsl") };
+    let parts = [include_str!("surfaces.wgsl"), include_str!("walk.wgsl"), find, main];
     let replacements = [
         ("@KINDS@\n", cases),
         (
@@ -32,7 +33,7 @@ pub(crate) fn source(layout: &Layout) -> String {
             "@BALLS@\n",
             placed(
                 layout.balls,
-                "    let ball = tables[params.atoms + 2u * k + 1u].x;\n    if ball != NONE && passes(ball, r) {\n        \
+                "    let near = tables[params.atoms + 2u * k + 1u].x;\n    if near != NONE && passes(near, r) {\n        \
                  return Events(false, vec4f(BIG), NONE, NONE);\n    }\n",
             ),
         ),
@@ -52,6 +53,7 @@ pub(crate) fn source(layout: &Layout) -> String {
         ),
         ("@ATOMS@", format!("{}u", layout.atoms)),
         ("@STACK@", format!("{}", layout.stack.max(1))),
+        ("@MOST@", format!("{}u", most.unwrap_or(0))),
         ("@WORKGROUP@", WORKGROUP.to_string()),
         ("@ROOM@", format!("{:?}", crate::twin::Bounds::default().room)),
         ("@STEP@", format!("{:?}", crate::twin::Bounds::default().step)),

@@ -106,8 +106,8 @@ fn quadratic(a: f32, b: f32, c: f32, ea: f32, eb: f32, ec: f32, s: f32) -> Roots
         let x1 = c / q;
         let first = min(x0, x1);
         let last = max(x0, x1);
-        let w0 = @STEP@ * (abs(value(a, b, c, first)) + value_error(a, b, c, ea, eb, ec, first)) / (2.0 * root);
-        let w1 = @STEP@ * (abs(value(a, b, c, last)) + value_error(a, b, c, ea, eb, ec, last)) / (2.0 * root);
+        let w0 = @STEP@ * (abs(value(a, b, c, first)) + value_error(a, b, c, ea, eb, ec, first)) / (2.0 * root) + EPS * abs(first);
+        let w1 = @STEP@ * (abs(value(a, b, c, last)) + value_error(a, b, c, ea, eb, ec, last)) / (2.0 * root) + EPS * abs(last);
         let p = vec4f(first - w0, first + w0, last - w1, last + w1);
         let sa = select(-1.0, 1.0, a > 0.0);
         // the signs at the ends are certain, and a quadratic has no more than two sign changes
@@ -225,13 +225,13 @@ fn quadric(at: u32, r: Ray) -> Roots {
     return quadratic(a, b, c, ea, eb, ec, s);
 }
 
-// The ball around a torus: outside of it f > 0, inside of it the CPU decides.
-fn torus(at: u32, r: Ray) -> Roots {
-    let ball = sphere(at, r);
-    if ball.n == 2u {
-        return Roots(UNKNOWN, false, ball.lo0, ball.hi1, BIG, BIG);
+// The ball around a leaf that has facets without a kernel: the leaf is not outside of it, and inside of it the CPU decides.
+fn ball(at: u32, r: Ray) -> Roots {
+    let roots = sphere(at, r);
+    if roots.n == 2u {
+        return Roots(UNKNOWN, false, roots.lo0, roots.hi1, BIG, BIG);
     }
-    return ball;
+    return roots;
 }
 
 // A ray in the frame of a placed solid. data: three rows of the map, (error of a coefficient, error of a translation)

@@ -19,7 +19,7 @@ struct Params {
     rays: u32,
     row: u32,
     bounded: u32,
-    pad: u32,
+    children: u32,
 }
 
 // A face that two facets compete for, and an interval in which an atom's side is not known.
@@ -47,6 +47,7 @@ struct Change {
     hi: f32,
     // the facet; NONE without a change, HIDDEN if the value is not certain from `lo` on
     facet: u32,
+    // the atom; NONE if several change in the same surface
     atom: u32,
 }
 
@@ -304,8 +305,9 @@ fn walk(g: u32, r: Ray, from_: vec2f) -> Change {
                     return unsure(start, lo);
                 }
                 facet = facet_with(group.x + atom, key);
+                atom = NONE;
             }
-            return Change(true, start, region, next, lo, hi, facet, group.x + atom);
+            return Change(true, start, region, next, lo, hi, facet, atom);
         }
         bits = next_bits;
         region = next;
@@ -338,24 +340,42 @@ fn ray_of(i: u32) -> Ray {
     return Ray(o.xyz, d.xyz, d.w, @DIRECTION_ERROR@);
 }
 
+// True if the window starts before -FAR.
+var<private> early: bool;
+
 // The start of the window as an interval of times.
 fn start_of(i: u32) -> vec2f {
-    let t = max(rays[2u * i].w, -FAR);
+    // nothing of a bounded model lies before -FAR
+    let t = max(rays[2u * i].w, select(-BIG, -FAR, params.bounded == 1u));
+    early = t < -FAR;
     return vec2f(t - 4.0 * EPS * abs(t), t + 4.0 * EPS * abs(t));
 }
 
 const UNCERTAIN: u32 = 0x80000000u;
 const MISS: u32 = 0x40000000u;
 
-fn answer(i: u32, c: Change, item: u32) {
-    if !c.certain || c.facet == HIDDEN || (limited && params.bounded == 0u && c.hi > FAR) {
-        answers[i] = vec4u(UNCERTAIN, 0u, 0u, 0u);
-        return;
+// More than one leaf changes at the crossing.
+const SHARED: u32 = 0x20000000u;
+
+struct Found {
+    change: Change,
+    item: u32,
+}
+
+fn lost() -> Found {
+    return Found(Change(false, 0u, 0u, 0u, -BIG, BIG, HIDDEN, 0u), 0u);
+}
+
+// A change as the CPU reads it: facet and flags, item, regions before and after, time.
+fn packed(found: Found) -> vec4u {
+    let c = found.change;
+    if !c.certain || c.facet == HIDDEN || (limited && params.bounded == 0u && (c.hi > FAR || early)) {
+        // the time shows where the answer is open
+        return vec4u(UNCERTAIN, u32(c.certain), 0u, bitcast<u32>(c.lo));
     }
     if c.facet == NONE {
-        answers[i] = vec4u(MISS, 0u, (c.start << 16u) | c.start, 0u);
-        return;
+        return vec4u(MISS, 0u, (c.start << 16u) | c.start, 0u);
     }
-    let regions = (c.before << 16u) | c.after;
-    answers[i] = vec4u(c.facet, item, regions, bitcast<u32>(0.5 * (c.lo + c.hi)));
+    let flags = select(0u, SHARED, c.atom == NONE);
+    return vec4u(c.facet | flags, found.item, (c.before << 16u) | c.after, bitcast<u32>(0.5 * (c.lo + c.hi)));
 }

@@ -10,7 +10,7 @@
 mod models;
 
 use models::{Numbers, SCENES, Scene};
-use rayweave_gpu::{Adapter, Gpu, GpuProgram, Report};
+use rayweave_gpu::{Adapter, Gpu, GpuProgram, GpuReport};
 use rayweave_model::drive::{Cancel, drive, thread_count};
 use rayweave_model::{Evaluator, FirstHits, RayBatch, Rays, Window};
 use rayweave_shape::Ray;
@@ -31,7 +31,7 @@ struct Options {
 struct Row {
     name: &'static str,
     faces: usize,
-    report: Report,
+    report: GpuReport,
     compared: usize,
     differing: usize,
     table_bytes: u64,
@@ -210,7 +210,7 @@ fn line(row: &Row) -> String {
     let Row { name, faces, report, compared, differing, table_bytes, compile, kernel, whole, cpu } = row;
     let share = 100.0 * report.uncertain as f64 / report.rays.max(1) as f64;
     format!(
-        "| {name} | {faces} | {:.1} | {:.1} | {:.1} | {share:.4} | {} | {differing} of {compared} | {} | {:.1} | {compile:.2} |",
+        "| {name} | {faces} | {:.3} | {:.3} | {:.3} | {share:.4} | {} | {differing} of {compared} | {} | {:.1} | {compile:.2} |",
         kernel / 1e6,
         whole / 1e6,
         cpu / 1e6,

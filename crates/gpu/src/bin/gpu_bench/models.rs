@@ -14,8 +14,11 @@ pub struct Scene {
 
 type Made = Result<Scene, Box<dyn std::error::Error>>;
 
-/// The names of all models with the functions that build them.
-pub const SCENES: &[(&str, fn() -> Made)] = &[
+/// The name of a model with the function that builds it.
+type Entry = (&'static str, fn() -> Made);
+
+/// All models.
+pub const SCENES: &[Entry] = &[
     ("die", die),
     ("lens", lens),
     ("boxes", boxes),
