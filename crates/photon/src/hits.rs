@@ -146,7 +146,8 @@ impl Hits {
         columns.push(self.wavelength_nm.clone().into());
         columns.push(self.steps.clone().into());
         let paths: Vec<Arc<str>> = self.paths().iter().map(|path| path.as_str().into()).collect();
-        columns.push(Values::Text(self.sensor.iter().map(|&sensor| paths[sensor as usize].clone()).collect()));
+        columns
+            .push(Values::Text(self.sensor.iter().map(|&sensor| paths[sensor as usize].clone()).collect()));
         columns.extend(self.genstep.iter().cloned().map(Values::from));
         Chunk::new(columns)
     }

@@ -60,9 +60,11 @@ impl Source {
                 match torch.template() {
                     Some(template) => {
                         let streams: Vec<u64> = numbers.clone().map(|number| key.number(number)).collect();
-                        photons.extend(isotropic(key.seed, &streams).into_iter().map(
-                            |[direction, polarisation]| Photon { direction, polarisation, ..template },
-                        ));
+                        photons.extend(
+                            isotropic(key.seed, &streams).into_iter().map(|[direction, polarisation]| {
+                                Photon { direction, polarisation, ..template }
+                            }),
+                        );
                     }
                     None => photons.extend(numbers.clone().map(|number| torch.photon(&mut stream(number)))),
                 }

@@ -2,8 +2,8 @@
 
 use super::group::whole;
 use super::normal::{Slope, scaled_to_unit};
-use fearless_simd::prelude::*;
 use fearless_simd::Simd;
+use fearless_simd::prelude::*;
 use rayweave_bvh::BundleSlabs;
 use rayweave_math::Affine;
 use rayweave_model::{MARGIN, Place, Program};
@@ -46,12 +46,7 @@ impl<S: Simd> Carried<S> {
 
     /// Like [`Carried::new`], with transforms of its own for each ray: equally many for all.
     #[inline(always)]
-    pub fn each(
-        simd: S,
-        origin: Vec3Lanes<S>,
-        direction: Vec3Lanes<S>,
-        steps: &[&[Step]; LANES],
-    ) -> Self {
+    pub fn each(simd: S, origin: Vec3Lanes<S>, direction: Vec3Lanes<S>, steps: &[&[Step]; LANES]) -> Self {
         let mut ray = Carried { origin, direction, magnitude: splat(simd, 0.0) };
         for depth in 0..steps[0].len() {
             let row = |k: usize| Vec3Lanes {
@@ -64,9 +59,8 @@ impl<S: Simd> Carried<S> {
                 let [x, y, z] = rows.map(|row| v.dot(row));
                 Vec3Lanes { x, y, z }
             };
-            let [x, y, z] = [0, 1, 2].map(|k| {
-                column(simd, steps, depth, |step| step.place.local_from_world.translation[k])
-            });
+            let [x, y, z] = [0, 1, 2]
+                .map(|k| column(simd, steps, depth, |step| step.place.local_from_world.translation[k]));
             let path = column(simd, steps, depth, |step| step.place.path);
             let norm = column(simd, steps, depth, |step| step.norm);
             ray = Carried {

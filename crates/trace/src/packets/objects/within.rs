@@ -162,7 +162,8 @@ impl<'n, S: Simd> Eight<'n, S> {
 
     /// True if the rays start so close to each other that they have most boxes in common.
     fn is_together(&self) -> bool {
-        let places = [self.numbers.first(), self.numbers.last()].map(|entry| entry.map(|key| key >> PLACE_SHIFT));
+        let places =
+            [self.numbers.first(), self.numbers.last()].map(|entry| entry.map(|key| key >> PLACE_SHIFT));
         places[0] == places[1]
     }
 }
@@ -285,11 +286,8 @@ impl Objects {
         let window = query.window;
         let (from, t_max) = (eight.from, window.t_max());
         let queried = Mask::from_bitmask(simd, some);
-        let intervals = BundleWindow {
-            rays: queried,
-            from: (from, window.t_min()),
-            until: (splat(simd, t_max), t_max),
-        };
+        let intervals =
+            BundleWindow { rays: queried, from: (from, window.t_min()), until: (splat(simd, t_max), t_max) };
         let mut progress = Progress {
             owner: splat(simd, 0.0),
             bound: splat(simd, f64::INFINITY),
@@ -432,7 +430,8 @@ impl Objects {
         while left != 0 {
             let lead = &self.objects[items[left.trailing_zeros() as usize % LANES] as usize];
             let part = &self.parts[lead.part as usize];
-            let (mut here, mut steps, mut placement) = (0u64, [self.steps(lead); LANES], Row([NOWHERE; LANES]));
+            let (mut here, mut steps, mut placement) =
+                (0u64, [self.steps(lead); LANES], Row([NOWHERE; LANES]));
             for lane in lanes_of(left) {
                 let object = &self.objects[items[lane] as usize];
                 if object.part == lead.part && object.steps.len() == lead.steps.len() {
@@ -583,12 +582,7 @@ fn is_single_span(plan: &Plan) -> bool {
 /// The surface of a solid on which each of eight rays starts, if there are any, and a bit mask of the rays that start on several
 /// of its surfaces. The solids of the rays are copies of one part in several placements.
 #[inline(always)]
-fn listed<S: Simd>(
-    simd: S,
-    placement: &Row,
-    part: &Part,
-    starts: &Starts,
-) -> (Option<LaneStarts<S>>, u64) {
+fn listed<S: Simd>(simd: S, placement: &Row, part: &Part, starts: &Starts) -> (Option<LaneStarts<S>>, u64) {
     let Starts { first, others } = starts;
     let here = Lanes::load_array_ref(simd, &placement.0);
     let mut left = Lanes::load_array_ref(simd, &first.placement.0).simd_eq(here).to_bitmask();
@@ -680,8 +674,8 @@ fn first_change<S: Simd>(
         search.always |= is_hit & is_multiple & first.simd_ge(second);
     }
     for solid in met {
-        let [t, second, region] = [&solid.first, &solid.second, &solid.region]
-            .map(|row| Lanes::load_array_ref(simd, &row.0));
+        let [t, second, region] =
+            [&solid.first, &solid.second, &solid.region].map(|row| Lanes::load_array_ref(simd, &row.0));
         let next = t.simd_gt(first).select(t, second.simd_gt(first).select(second, infinity));
         let matters = region.simd_ge(after);
         search.second = search.second.min(matters.select(next, infinity));
