@@ -24,6 +24,9 @@ pub struct StartSurfaces {
     /// For each entry of the list of surfaces, a box in which no other surface is within reach; may be empty.
     alone: Vec<Bounds>,
     frames: Vec<Frame>,
+    /// The maps into the frame of each placement, outermost first, one list after the other, and the first of each list.
+    maps: Vec<Affine>,
+    first_map: Vec<u32>,
     tree: ExactBvh,
     neighbours: Neighbours,
 }
@@ -124,6 +127,8 @@ impl StartSurfaces {
             }
             of_placement.push(found.clusters.len() as u32);
             found.frames.push(Frame::new(program, placement));
+            found.first_map.push(found.maps.len() as u32);
+            found.maps.extend(program.descend(placement).map(|place| place.local_from_world));
             for same in placed.chunk_by(|a, b| a.0 == b.0) {
                 let first = found.surfaces.len() as u32;
                 for (k, (_, surface)) in (0..).zip(same) {
@@ -136,6 +141,7 @@ impl StartSurfaces {
                 found.boxes.push(same[0].0);
             }
         }
+        found.first_map.push(found.maps.len() as u32);
         found.tree = ExactBvh::listed(&found.boxes);
         found.neighbours =
             Neighbours { of_placement, of_surface, rank, ..Neighbours::new(&found.boxes, &found.tree) };
@@ -256,6 +262,15 @@ impl StartSurfaces {
 
     fn surfaces_of(&self, cluster: &Cluster) -> &[SurfaceId] {
         &self.surfaces[cluster.surfaces.start as usize..cluster.surfaces.end as usize]
+    }
+
+    /// [`Contact::new`], without a search for the maps of the placement.
+    #[must_use]
+    pub fn contact<'a>(&'a self, program: &'a Program, ray: &'a Ray, crossing: &Crossing) -> Contact<'a> {
+        let k = crossing.face.placement.index();
+        let maps = &self.maps[self.first_map[k] as usize..self.first_map[k + 1] as usize];
+        let local = maps.iter().fold(*ray, |local, map| local.transformed(map));
+        Contact { listed: maps, ..Contact::at(program, ray, crossing, &local) }
     }
 
     /// Appends the start list of a ray that leaves a point of an incident ray: the surface of the
@@ -513,7 +528,8 @@ pub struct Contact<'a> {
     program: &'a Program,
     ray: &'a Ray,
     crossing: Crossing,
-    /// The maps into the frame of the surface, outermost first.
+    /// The maps into the frame of the surface, outermost first: those of a list, or found by a search.
+    listed: &'a [Affine],
     places: [Option<Affine>; KEPT],
     deeper: Vec<Affine>,
     /// The surface's function at the point, and its gradient, in that frame.
@@ -533,13 +549,19 @@ impl<'a> Contact<'a> {
                 None => deeper.push(place.local_from_world),
             }
         }
+        Contact { places, deeper, ..Contact::at(program, ray, crossing, &local) }
+    }
+
+    /// A contact without maps, from the ray in the frame of the surface.
+    fn at(program: &'a Program, ray: &'a Ray, crossing: &Crossing, local: &Ray) -> Contact<'a> {
         let surface = &program.surface(crossing.face.surface).surface;
         let (value, gradient) = surface.value_and_gradient(local.at(crossing.t));
-        Contact { program, ray, crossing: *crossing, places, deeper, value, gradient }
+        let (listed, places, deeper) = (&[][..], [None; KEPT], Vec::new());
+        Contact { program, ray, crossing: *crossing, listed, places, deeper, value, gradient }
     }
 
     fn maps(&self) -> impl DoubleEndedIterator<Item = &Affine> {
-        self.places.iter().flatten().chain(&self.deeper)
+        self.listed.iter().chain(self.places.iter().flatten()).chain(&self.deeper)
     }
 
     /// The slope along the ray of the surface's function, up to a positive factor, like that of

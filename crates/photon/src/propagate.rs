@@ -23,7 +23,7 @@ use rayweave_model::memory::{Growth, Shortage};
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, PlacementId, Query, RayBatch, RegionId, Start, StartLists,
 };
-use rayweave_optics::start_surfaces::{Contact, ExitSide};
+use rayweave_optics::start_surfaces::ExitSide;
 use rayweave_shape::Ray;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -467,7 +467,7 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         if crossing.after.0 == 0 {
             return self.end(&flight, End::Escaped, None);
         }
-        let contact = Contact::new(&detector.program, ray, crossing);
+        let contact = detector.starts.contact(&detector.program, ray, crossing);
         flight.photon.position = contact.project(normal);
         let energy = flight.photon.energy;
         let [own, other] =

@@ -3,7 +3,9 @@
 use crate::common::{ALL, Ray, around, lists, passes, rays, scattered};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f64x8, mask64x8};
-use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, Bvh, ExactBvh, FrontToBack, Probe};
+use rayweave_bvh::{
+    BundleSlabs, BundleTraversal, BundleWindow, Bvh, ExactBvh, FrontToBack, Probe, RayTraversals,
+};
 use rayweave_math::{Bounds, UNIT_ROUNDOFF, Vec3};
 
 fn probe<const LEAF: usize>(tree: &Bvh<LEAF>, ray: &Ray) -> Probe {
@@ -127,15 +129,14 @@ fn a_ray_that_is_none_passes_no_box() {
     }
 }
 
-/// The items that a bundle of up to eight rays visits, in each lane those of the bundle.
-fn in_a_bundle(tree: &ExactBvh, order: &[u32], rays: &[Ray], size: f64) -> Vec<u32> {
-    dispatch!(Level::new(), simd => visited_by(simd, tree, rays, size))
-        .iter()
-        .map(|&k| order[k as usize])
-        .collect()
+/// The items that a bundle of up to eight rays visits, and those that each of its rays visits on its own.
+fn in_a_bundle(tree: &ExactBvh, order: &[u32], rays: &[Ray], size: f64) -> (Vec<u32>, Vec<Vec<u32>>) {
+    let (bundle, apart) = dispatch!(Level::new(), simd => visited_by(simd, tree, rays, size));
+    let items = |places: Vec<u32>| sorted(places.into_iter().map(|k| order[k as usize]).collect());
+    (items(bundle), apart.into_iter().map(items).collect())
 }
 
-fn visited_by<S: Simd>(simd: S, tree: &ExactBvh, rays: &[Ray], size: f64) -> Vec<u32> {
+fn visited_by<S: Simd>(simd: S, tree: &ExactBvh, rays: &[Ray], size: f64) -> (Vec<u32>, Vec<Vec<u32>>) {
     let lanes = |of: &dyn Fn(&Ray) -> f64| {
         let last = rays.len() - 1;
         f64x8::load_array(simd, std::array::from_fn(|lane| of(&rays[lane.min(last)])))
@@ -162,7 +163,14 @@ fn visited_by<S: Simd>(simd: S, tree: &ExactBvh, rays: &[Ray], size: f64) -> Vec
     while let Some(place) = traversal.next(simd, tree, (&slabs, &bundle), &window) {
         found.push(place);
     }
-    found
+    let mut apart = RayTraversals::default();
+    apart.begin(simd, tree, &slabs, &window);
+    let each = rays
+        .iter()
+        .enumerate()
+        .map(|(lane, ray)| std::iter::from_fn(|| apart.next(simd, tree, lane, ray.window[1])).collect());
+    let each = each.collect();
+    (found, each)
 }
 
 #[test]
@@ -178,22 +186,33 @@ fn a_bundle_visits_a_superset_of_the_exact_answers_of_its_rays() {
         let (tree, order) = ExactBvh::sorted(&boxes);
         for (k, bundle) in rays(seed as u64 + 200, &boxes, 72).chunks(8).enumerate() {
             let bundle = &bundle[..=k % 8];
-            let found = sorted(in_a_bundle(&tree, &order, bundle, size));
-            assert!(found.windows(2).all(|pair| pair[0] < pair[1]), "an item is found twice");
-            for ray in bundle {
+            let (found, apart) = in_a_bundle(&tree, &order, bundle, size);
+            let lists = std::iter::once(&found).chain(&apart);
+            for list in lists {
+                assert!(list.windows(2).all(|pair| pair[0] < pair[1]), "an item is found twice");
+            }
+            for (ray, own) in bundle.iter().zip(&apart) {
                 for item in on_the_way(ray, &boxes) {
                     assert!(found.binary_search(&item).is_ok(), "list {seed}: {ray:?} misses {item}");
+                    assert!(own.binary_search(&item).is_ok(), "list {seed}: {ray:?} alone misses {item}");
                     met += 1;
                 }
             }
             // each bounded item that is found is on the path of a ray, up to the growth of the boxes
-            let is_near = |item: &&u32| {
-                let grown = boxes[**item as usize].grown(1e-9 * (size + around(&boxes).size().max_element()));
-                bundle.iter().any(|ray| passes(&Ray { window: ALL, ..*ray }, &grown))
+            let growth = 1e-9 * (size + around(&boxes).size().max_element());
+            let is_near = |ray: &Ray, item: &u32| {
+                passes(&Ray { window: ALL, ..*ray }, &boxes[*item as usize].grown(growth))
             };
             let far = bundle.iter().map(|ray| ray.origin.length()).fold(0.0, f64::max) > 1e3 * size;
-            for item in found.iter().filter(|&&item| !far && boxes[item as usize].is_finite()) {
-                assert!(is_near(&item), "list {seed}: {:?} for {bundle:?}", boxes[*item as usize]);
+            let is_bounded = |item: &&u32| !far && boxes[**item as usize].is_finite();
+            for item in found.iter().filter(is_bounded) {
+                let is_near = bundle.iter().any(|ray| is_near(ray, item));
+                assert!(is_near, "list {seed}: {:?} for {bundle:?}", boxes[*item as usize]);
+            }
+            for (ray, own) in bundle.iter().zip(&apart) {
+                for item in own.iter().filter(is_bounded) {
+                    assert!(is_near(ray, item), "list {seed}: {:?} for {ray:?}", boxes[*item as usize]);
+                }
             }
         }
     }
