@@ -42,8 +42,10 @@ fn cuboid(lo: [f64; 3], hi: [f64; 3]) -> Mesh {
 #[test]
 fn pipes() {
     let folder = Folder::new("pipes");
-    let [file, pipe] = ["box.stl", "pipe.stl"].map(|name| folder.0.join(name));
-    save(&file, &cuboid([0.0; 3], [1.0, 2.0, 3.0]), None, &MeshWriteOptions::default()).unwrap();
+    // regions have the names of the files
+    let [file, pipe] = ["box.stl", "pipe/box.stl"].map(|name| folder.0.join(name));
+    std::fs::create_dir(folder.0.join("pipe")).unwrap();
+    save(&cuboid([0.0; 3], [1.0, 2.0, 3.0]), &file, None, MeshWriteOptions::default()).unwrap();
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let bytes = std::fs::read(&file).unwrap();
     let own = pipe.clone();

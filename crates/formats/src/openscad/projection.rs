@@ -247,7 +247,7 @@ mod tests {
         let total = |contours: &Contours| contours.iter().map(|contour| area(contour)).sum::<f64>();
         for turn in 0..20 {
             let axis = Vec3::new(1.0, 0.3 * f64::from(turn), 0.1).normalize();
-            let map = Affine::rotate(axis, f64::from(17 * turn));
+            let map = Affine::rotation(axis, f64::from(17 * turn));
             let points: Vec<Point> = vertices.iter().map(|p| map.point(*p)).map(|p| [p.x, p.y]).collect();
             let chains = silhouette(&points, &triangles).expect("a closed surface");
             let mut all: Contours =

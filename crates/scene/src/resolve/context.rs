@@ -76,7 +76,7 @@ mod tests {
         assert!(context.count_copies(u64::from(MAX_COPIES), span) && context.problems.is_empty());
         assert!(!context.count_copies(1, span) && !context.count_copies(u64::MAX, span));
         assert!(!context.has_copies_left());
-        let message = context.problems.iter().map(ToString::to_string).collect::<String>();
+        let message = format!("{:?}", context.problems);
         assert!(context.problems.len() == 1 && message.contains("more than 2097152 copies"), "{message}");
         let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
         let [first, same] = ["Cargo.toml", "src/../Cargo.toml"].map(|name| manifest.join(name));
