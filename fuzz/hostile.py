@@ -9,13 +9,10 @@ and prints CPU seconds, peak memory, exit code and the first line of the message
 import json
 import math
 import os
-import resource
-import signal
 import struct
 import subprocess
 import sys
 import tempfile
-import time
 import zipfile
 import zlib
 from base64 import b64encode
@@ -645,25 +642,39 @@ def lens_cases():
     glass("quotes", "yml", 'a: "' + "\\" * 900_000)
 
 
+# Runs a command in a small process of its own and prints how it ended. The peak memory of a child includes that of its parent at the
+# start, and this script holds all inputs.
+LAUNCHER = """
+import os, resource, signal, sys, time
+child = os.fork()
+if child == 0:
+    resource.setrlimit(resource.RLIMIT_CPU, (8, 8))
+    os.execv(sys.argv[1], sys.argv[1:])
+deadline = time.monotonic() + 120
+while True:
+    done, status, usage = os.wait4(child, os.WNOHANG)
+    if done:
+        break
+    if time.monotonic() > deadline:
+        os.kill(child, signal.SIGKILL)
+    time.sleep(0.005)
+with open("usage", "w") as out:
+    print(os.waitstatus_to_exitcode(status), usage.ru_utime + usage.ru_stime, usage.ru_maxrss, file=out)
+"""
+
+
 def run(program, arguments, folder):
     """Exit code or signal, CPU seconds, peak memory in MB, and the first line of the messages."""
     with open(os.path.join(folder, "out"), "w") as out, open(os.path.join(folder, "err"), "w") as err:
-        child = subprocess.Popen([program, *arguments], cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err,
-                                 preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (8, 8)))
-        deadline = time.monotonic() + 120
-        while True:
-            done, status, usage = os.wait4(child.pid, os.WNOHANG)
-            if done:
-                break
-            if time.monotonic() > deadline:
-                os.kill(child.pid, signal.SIGKILL)
-            time.sleep(0.01)
-    child.returncode = os.waitstatus_to_exitcode(status)
+        launched = [sys.executable, "-S", "-c", LAUNCHER, program, *arguments]
+        subprocess.run(launched, cwd=folder, stdin=subprocess.DEVNULL, stdout=out, stderr=err, check=True)
+    with open(os.path.join(folder, "usage")) as usage:
+        code, seconds, peak = usage.read().split()
     with open(os.path.join(folder, "err"), errors="replace") as err:
         lines = [line.strip() for line in err.read(100_000).splitlines() if "error" in line or "warning" in line]
     errors = [line for line in lines if "error" in line] or lines
-    memory = usage.ru_maxrss / (1e6 if sys.platform == "darwin" else 1e3)
-    return child.returncode, usage.ru_utime + usage.ru_stime, memory, (errors or [""])[0]
+    memory = int(peak) / (1e6 if sys.platform == "darwin" else 1e3)
+    return int(code), float(seconds), memory, (errors or [""])[0]
 
 
 def main():

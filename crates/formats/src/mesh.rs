@@ -14,11 +14,12 @@ use rayweave_mesh::{Diagnosis, Mesh, MeshError, PairBudget, Polyhedron, Repair};
 use rayweave_mesh_io::{self as mesh_io, FileError, LoadedMesh, MeshFormat, ReadOptions};
 use rayweave_model::{Solid, memory};
 use rayweave_scene::{
-    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit,
+    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit, read_bytes,
 };
 use rayweave_shape::primitive::{self, Primitive};
 use rayweave_table::AllowedFiles;
 use std::collections::{HashMap, HashSet};
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -26,8 +27,14 @@ use std::sync::Arc;
 pub(crate) fn load(path: &Path, format: MeshFormat, options: &Options) -> Result<Imported, Diagnostics> {
     let source = Arc::new(Source::new(Some(path.to_owned()), String::new()));
     let limits = limits();
-    let files = AllowedFiles::of_model(Some(path), &options.allow);
-    let loaded = mesh_io::read_allowed(path, Some(format), &limits, &files);
+    let loaded = if path.metadata().is_ok_and(|kind| !kind.is_file() && !kind.is_dir()) {
+        // pipes and devices have neither a length nor a folder
+        let bytes = read_bytes(path).map_err(|reason| FileError::Io(io::Error::other(reason)));
+        bytes.and_then(|bytes| mesh_io::read_bytes(&bytes, format, &limits))
+    } else {
+        let files = AllowedFiles::of_model(Some(path), &options.allow);
+        mesh_io::read_allowed(path, Some(format), &limits, &files)
+    };
     Import::new(&source, format, options).scene(loaded, &limits)
 }
 

@@ -37,6 +37,26 @@ fn cuboid(lo: [f64; 3], hi: [f64; 3]) -> Mesh {
     Mesh::new((0..8).map(corner).collect(), triangles).unwrap()
 }
 
+/// A mesh that comes from a pipe, of which neither the length nor the folder is known.
+#[cfg(unix)]
+#[test]
+fn pipes() {
+    let folder = Folder::new("pipes");
+    // regions have the names of the files
+    let [file, pipe] = ["box.stl", "pipe/box.stl"].map(|name| folder.0.join(name));
+    std::fs::create_dir(folder.0.join("pipe")).unwrap();
+    save(&cuboid([0.0; 3], [1.0, 2.0, 3.0]), &file, None, MeshWriteOptions::default()).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let bytes = std::fs::read(&file).unwrap();
+    let own = pipe.clone();
+    let writer = std::thread::spawn(move || std::fs::write(own, bytes));
+    let piped = load(&pipe, None, &[], &Options::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    writer.join().unwrap().unwrap();
+    let direct = load(&file, None, &[], &Options::default()).unwrap_or_else(|problems| panic!("{problems}"));
+    assert_eq!(piped.scene.regions.len(), 1);
+    assert_eq!(piped.scene.regions[0].solid, direct.scene.regions[0].solid);
+}
+
 fn obj(objects: &[(&str, &Mesh)]) -> String {
     let (mut text, mut first) = (String::new(), 1);
     for (name, mesh) in objects {

@@ -225,7 +225,7 @@ impl<'d> Reader<'d> {
 
     fn within<T>(&mut self, ask: impl FnOnce(&mut Context, &Numbers) -> T) -> T {
         let problems = std::mem::take(&mut self.problems.list);
-        let mut context = Context { document: self.document, problems, unreadable: &self.unreadable };
+        let mut context = Context::new(self.document, problems, &self.unreadable);
         let answer = ask(&mut context, &self.numbers);
         self.problems.list = context.problems;
         answer

@@ -285,11 +285,11 @@ fn placements() {
     );
     check(
         &place("solid = 's', grid = [2, 2.5, 0], step = [1, 1, 1]"),
-        "5:35 the number is 2.5: it must be a whole number from 1 to 4194304.\n5:40 the number is 0: it must be a whole number from 1 to 4194304.",
+        "5:35 the number is 2.5: it must be a whole number from 1 to 2097152.\n5:40 the number is 0: it must be a whole number from 1 to 2097152.",
     );
     check(
         &place("solid = 's', grid = [4000, 4000, 4000], step = [1, 1, 1]"),
-        "5:32 the grid has 64000000000 copies: the maximum is 4194304.",
+        "5:32 the grid has 64000000000 copies: the maximum is 2097152.",
     );
     check(&place("solid = 's', ring = 3"), "5:9 `place` has no `radius`: it is required.");
     check(

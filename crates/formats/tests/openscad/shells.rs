@@ -71,6 +71,29 @@ fn shadows() {
     check(false, &format!("difference() {{ {plate} {} }}", hole(1.0)), false, 100.0);
 }
 
+/// The shadow of a ball with three conical bores, as in example021 of OpenSCAD, which has thousands of facets, against a sum over
+/// the points of the plane.
+#[test]
+fn shadows_of_many_facets() {
+    let bore = "cylinder($fn = 0, $fa = 30, $fs = 2, h = 62.5, r1 = 12.5, r2 = 6.25, center = true);";
+    let along = |rows: &str| format!("multmatrix([{rows}, [0, 0, 0, 1]]) {bore}");
+    let thing = format!(
+        "difference() {{ sphere($fn = 0, $fa = 30, $fs = 2, r = 25); {bore} {} {} }}",
+        along("[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0]"),
+        along("[0, 0, 1, 0], [0, 1, 0, 0], [-1, 0, 0, 0]"),
+    );
+    // the upper end of the ball above a point is left if it is above all three bores
+    let is_dark = |x: f64, y: f64| {
+        let top = 625.0 - x * x - y * y;
+        let along_y = (9.375 + 0.1 * y).powi(2) - x * x;
+        let along_x = (9.375 - 0.1 * x).powi(2) - y * y;
+        top > 0.0 && top > along_x.max(along_y) && 9.375 - 0.1 * top.sqrt() < x.hypot(y)
+    };
+    let at = |k: i32| -25.0 + 0.05 * (f64::from(k) + 0.5);
+    let dark = (0..1_000_000).filter(|k| is_dark(at(k / 1000), at(k % 1000))).count();
+    check(false, &thing, false, 0.05 * 0.05 * dark as f64);
+}
+
 #[test]
 fn sizes() {
     check_volume("resize(newsize = [10, 0, 0], auto = [0, 0, 0]) cube([2, 3, 4]);", false, 120.0, NEAR);

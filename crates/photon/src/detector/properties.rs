@@ -8,11 +8,16 @@ use std::collections::HashMap;
 use std::fmt;
 use std::sync::Arc;
 
+/// The largest number of values of all properties of a detector: some 500 MB with the tables that are computed from them.
+const MAX_VALUES: usize = 20_000_000;
+
 /// Reads properties and collects problems and notes.
 pub(crate) struct PropertyReader {
     matrices: HashMap<String, Matrix>,
     /// The native model file that the properties come from.
     source: Option<Arc<Source>>,
+    /// The number of values that all properties have so far: a matrix counts for each use.
+    values: usize,
     /// Invalid input.
     pub problems: Vec<Remark>,
     /// Ignored input.
@@ -83,7 +88,8 @@ impl PropertyReader {
             Some((name, Matrix { columns, values: values.collect() }))
         };
         let matrices = table.list("matrix").filter_map(matrix).collect();
-        PropertyReader { matrices, source: source.cloned(), problems: Vec::new(), notes: Vec::new() }
+        let (problems, notes) = (Vec::new(), Vec::new());
+        PropertyReader { matrices, source: source.cloned(), values: 0, problems, notes }
     }
 
     /// The properties in a row of the table.
@@ -142,7 +148,22 @@ impl Properties<'_> {
             }
             Datum::Number(value) => Some(Matrix { columns: 1, values: vec![value] }),
             // an unknown matrix was reported by the reader of the file
-            Datum::Text(matrix) => self.reader.matrices.get(&matrix).cloned(),
+            Datum::Text(matrix) => {
+                let matrix = self.reader.matrices.get(&matrix)?;
+                let before = self.reader.values;
+                self.reader.values = before.saturating_add(matrix.values.len());
+                if self.reader.values <= MAX_VALUES {
+                    return Some(matrix.clone());
+                }
+                // once, not for each further property
+                if before <= MAX_VALUES {
+                    let reason = format!(
+                        "the properties up to here have more than {MAX_VALUES} values: a matrix counts for each use"
+                    );
+                    self.problem(name, &reason);
+                }
+                None
+            }
             _ => None,
         }
     }

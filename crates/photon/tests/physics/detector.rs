@@ -48,6 +48,30 @@ fn surfaces_between_equal_materials_act() {
     assert_eq!(count(&run, End::Detected), 100);
 }
 
+/// A large matrix that many materials use would take gigabytes.
+#[test]
+fn uses_of_matrices_are_counted() {
+    let rows: String = (0..20_000).map(|k| format!("{}e-9 1.5 ", 1500 + k)).collect();
+    let matrix = format!(r#"<matrix name="LONG" coldim="2" values="{rows}"/></define>"#);
+    let material = |k: usize| {
+        format!(
+            r#"<material name="m{k}" Z="1"><property name="RINDEX" ref="LONG"/><D value="1"/><atom value="1"/></material>"#
+        )
+    };
+    let with = |count: usize| {
+        let materials: String = (0..count).map(material).collect();
+        let text = CLEAR.text().replace("</define>", &matrix);
+        detector(&text.replace("</materials>", &format!("{materials}</materials>"))).map(drop)
+    };
+    with(100).unwrap();
+    let message = with(800).unwrap_err().to_string();
+    assert_eq!(message.lines().count(), 1, "{message}");
+    assert!(
+        message.contains("`RINDEX` of material `m") && message.contains("more than 20000000 values"),
+        "{message}"
+    );
+}
+
 /// With skins on the mother and on its daughter, that of the daughter acts on what enters it.
 #[test]
 fn the_skin_of_a_daughter_has_priority() {

@@ -6,6 +6,7 @@ mod expression;
 mod glass;
 mod imported;
 mod model_file;
+mod photons;
 mod trees;
 
 use std::fs;
@@ -90,6 +91,11 @@ fn drawings_in_dumps() {
 #[test]
 fn meshes() {
     replay("fuzz/corpus/mesh", imported::mesh);
+}
+
+#[test]
+fn photons_in_detectors() {
+    replay("fuzz/corpus/photons", photons::run);
 }
 
 #[test]

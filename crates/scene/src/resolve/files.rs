@@ -18,10 +18,13 @@ const MAX_NUMBERS: u64 = 1 << 26;
 /// Reads the maps of a file in the folder of the model file: float64, (N, 3) translations or (N, 4, 4) matrices.
 pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Option<Vec<Affine>> {
     let files = context.document.files();
-    match read(&files, &files.folder().join(&file.value))
-        .and_then(|(numbers, shape)| to_maps(&numbers, &shape))
-    {
-        Ok(maps) => Some(maps),
+    let path = files.folder().join(&file.value);
+    let is_new = context.is_new_file(&path);
+    if !is_new && !context.has_copies_left() {
+        return None;
+    }
+    match read(&files, &path).and_then(|(numbers, shape)| to_maps(&numbers, &shape)) {
+        Ok(maps) => (is_new || context.count_copies(maps.len() as u64, file.span)).then_some(maps),
         Err(reason) => {
             let problem = Diagnostic::error(format!("the placements in `{}` cannot be used", file.value));
             context.push(problem.why(reason), file.span);

@@ -52,7 +52,7 @@ fn evaluate(
     unreadable: &HashSet<String>,
     problems: Vec<Diagnostic>,
 ) -> Result<Scene, Diagnostics> {
-    let mut context = Context { document, problems, unreadable };
+    let mut context = Context::new(document, problems, unreadable);
     let mut numbers = Numbers::new(&mut context, overrides);
     let solids = solids::build(&mut context, &mut numbers, &names, definitions);
     let (media, regions) = regions::build(&mut context, &mut numbers, &solids);

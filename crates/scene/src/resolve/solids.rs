@@ -1,6 +1,6 @@
 //! Evaluation of named solids, each once and after its parts.
 
-use super::context::Context;
+use super::context::{Context, MAX_COPIES};
 use super::files;
 use super::numbers::{Numbers, cycle_text};
 use crate::datum::{Datum, Table};
@@ -16,9 +16,6 @@ use rayweave_model::{Copies, Solid};
 use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
-
-/// The maximum number of copies of one placement.
-const MAX_COPIES: u32 = 1 << 22;
 
 /// The definitions of all solids.
 pub(super) enum Definitions<'d> {
@@ -512,7 +509,8 @@ fn layout(context: &mut Context, numbers: &Numbers, layout: &Layout) -> Option<V
             let copies = numbers.whole(context, count, 1, MAX_COPIES);
             let radius = numbers.finite(context, radius);
             let start = start.as_ref().map_or(Some(0.0), |start| numbers.finite(context, start));
-            Some(ring(copies?, radius?, start?))
+            let (copies, radius, start) = (copies?, radius?, start?);
+            context.count_copies(u64::from(copies), count.span).then(|| ring(copies, radius, start))
         }
         Layout::At(places) => {
             let maps: Vec<_> = places.iter().map(|place| numbers.vector(context, place)).collect();
@@ -563,6 +561,9 @@ fn grid(context: &mut Context, numbers: &Numbers, entry: &Grid) -> Option<Vec<Af
         let problem = Diagnostic::error(format!("the grid has {copies} copies"));
         let reason = format!("the maximum is {MAX_COPIES}");
         context.push(problem.why(reason), count[0].span.to(count[2].span));
+        return None;
+    }
+    if !context.count_copies(copies as u64, count[0].span.to(count[2].span)) {
         return None;
     }
     let at = |i: u32, j: u32, k: u32| origin + step * Vec3::new(f64::from(i), f64::from(j), f64::from(k));
