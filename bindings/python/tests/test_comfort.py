@@ -286,3 +286,15 @@ def test_pictures_are_saved(tmp_path):
     assert np.array_equal(np.round(read * 255).astype(np.uint8), picture)
     with pytest.raises(rw.RayweaveError, match=r"a file needs \(h, w, 4\)"):
         picture[..., 0].save(tmp_path / "red.png")
+
+
+def test_light_and_columns_are_tables_in_notebooks():
+    lens = rw.optics.biconvex_lens(50, 50, 6, aperture=25, material="N-BK7")
+    screen = rw.optics.detector(10, name="screen").translate([0, 0, 47])
+    light = rw.optics.beam(20, 10, wavelength_nm=587.6).translate([0, 0, -20])
+    trace = rw.optics.System([lens, screen]).trace(light)
+    html = trace._repr_html_()
+    assert "<td>screen</td>" in html or "<td>lens</td>" in html
+    assert html.count("<tr>") == 13 and "more rows" in html
+    columns = rw.optics.Columns({"radius": [1.0, 2.0]}, {"radius": "mm"})
+    assert "<th>radius [mm]</th>" in columns._repr_html_()

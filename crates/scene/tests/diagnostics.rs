@@ -281,7 +281,7 @@ fn placements() {
     check(&place("solid = 'x', at = []"), "5:19 unknown solid `x`: there is no [solid.x].");
     check(
         &place("solid = 's'"),
-        "5:9 `place` has 0 lists of positions: it needs exactly one of grid, ring, at, matrices and file.",
+        "5:9 `place` has no positions: it needs exactly one of grid, ring, at, matrices and file. Write `grid = [3, 2, 1], step = [10, 10, 0]`, for example.",
     );
     check(
         &place("solid = 's', grid = [2, 2.5, 0], step = [1, 1, 1]"),
@@ -296,6 +296,14 @@ fn placements() {
     check(
         &place("solid = 's', file = 'none.npy'"),
         "5:31 the placements in `none.npy` cannot be used: there is no such file.",
+    );
+    check(
+        &place("solid = 's', at = [1, 2, 3]"),
+        "5:29 `at` is one point: it must be a list of points. Write `at = [[x, y, z]]`.",
+    );
+    check(
+        &place("solid = 's', at = [[0, 0, 0]], ring = 3"),
+        "5:9 `place` has the positions of ring and at: it needs exactly one of grid, ring, at, matrices and file.",
     );
     check(
         &place("solid = 's', at = [[0, 0]]"),

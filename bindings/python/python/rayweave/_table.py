@@ -181,5 +181,6 @@ def _short(entry: Any) -> str:
     if isinstance(entry, np.ndarray):
         return "(" + ", ".join(_short(part.item()) for part in entry.ravel()) + ")"
     if isinstance(entry, float):
-        return f"{entry:.6g}"
+        # plus zero: -0 is printed as 0
+        return f"{entry + 0.0:.6g}"
     return str(entry)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass
+from rayweave._table import Rows
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium
 from rayweave.optics._given import all_of, array, flag, package, real, text, unknown, whole
@@ -311,6 +312,11 @@ class Trace(Mapping[str, NDArray[Any]]):
 
     def __repr__(self) -> str:
         return f"<Trace of {self.rows} segments, {len(self.columns)} columns>"
+
+    def _repr_html_(self) -> str:
+        names = {"element": [*self.system.element_names, None], "surface": [*self.system.surface_names, None]}
+        names["event"] = [*_core.event_names(), None]
+        return Rows(self.columns, {name: names[name] for name in names if name in self.columns})._repr_html_()
 
     def at(self, element: str, *, event: str | None = None) -> Trace:
         """The segments that end at an element, optionally only those with this event."""
