@@ -298,3 +298,15 @@ def test_light_and_columns_are_tables_in_notebooks():
     assert html.count("<tr>") == 13 and "more rows" in html
     columns = rw.optics.Columns({"radius": [1.0, 2.0]}, {"radius": "mm"})
     assert "<th>radius [mm]</th>" in columns._repr_html_()
+
+
+def test_systems_become_models(tmp_path):
+    lens = rw.optics.biconvex_lens(50, 50, 6, aperture=25, material="N-BK7").translate([0, 0, 10])
+    flat = rw.optics.element(rw.box([4, 4, 1]), 1.5, name="plate")
+    system = rw.optics.System([lens, flat, rw.optics.detector(10, name="screen").translate([0, 0, 47])])
+    model = system.to_model()
+    assert [region.name for region in model] == ["lens", "plate"]
+    assert model["lens"].solid.contains([0, 0, 12.9]).all() and not model["lens"].solid.contains([0, 0, 13.1]).any()
+    assert model.media[1].index == pytest.approx(1.5168, abs=1e-4) and model.media[2].index == 1.5
+    rw.convert(system, tmp_path / "system.stl", tolerance=0.1)
+    assert rw.load(tmp_path / "system.stl").bounds()[1, 2] == pytest.approx(13)
