@@ -51,6 +51,13 @@ def test_a_built_model_answers_like_one_from_text(model):
     assert model.media[1].numbers == {"density": 1.0} and model.unit == "mm"
 
 
+@pytest.mark.parametrize("unit", ["mm", "in"])
+def test_parts_of_a_model_build_an_equal_one(model, unit):
+    same = rw.Model(model.regions, model.media, unit=unit)
+    assert (same == model) == (unit == "mm") and same.media == model.media
+    assert rw.Model({region.name: region for region in model}, model.media) == model
+
+
 def test_regions_are_found_by_name_and_number(model):
     assert len(model) == 2 and [region.name for region in model] == ["tank", "ball"]
     assert model["ball"] == model[1] == model[-1]
