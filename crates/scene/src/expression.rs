@@ -268,8 +268,8 @@ fn call(name: &str, count: usize, span: Span) -> Result<ExpressionItem, Fault> {
     let reason = format!("the functions of solids are {}", names.join(", "));
     let span = Span::new(span.start(), span.start() + name.len());
     let suggestion = match name {
-        "difference" | "subtract" | "minus" | "cut" => Some("Write `a - b`".to_owned()),
-        "complement" | "not" | "invert" => Some("Write `~a`".to_owned()),
+        "difference" | "subtract" | "minus" | "cut" => Some("Write `a - b`.".to_owned()),
+        "complement" | "not" | "invert" => Some("Write `~a`.".to_owned()),
         _ => did_you_mean(name, names),
     };
     Err(Fault::new(span, problem, reason).suggest(suggestion))
