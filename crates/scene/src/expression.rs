@@ -376,10 +376,22 @@ mod tests {
     #[test]
     fn faults() {
         check_fault("a &", (3, 3), "the expression ends too early: the name of a solid is missing.");
-        check_fault("a b", (2, 3), "an operator is missing before this: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).");
+        check_fault(
+            "a b",
+            (2, 3),
+            "an operator is missing before this: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).",
+        );
         check_fault("a & | b", (4, 5), "unexpected `|`: the name of a solid is missing before it.");
-        check_fault("a + b", (2, 3), "unexpected operator `+`: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).");
-        check_fault("a ~ b", (2, 3), "unexpected operator `~`: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).");
+        check_fault(
+            "a + b",
+            (2, 3),
+            "unexpected operator `+`: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).",
+        );
+        check_fault(
+            "a ~ b",
+            (2, 3),
+            "unexpected operator `~`: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).",
+        );
         check_fault("!a", (0, 1), "unexpected character `!`: it has no meaning here. Did you mean `~`?");
         check_fault("(a | b", (0, 1), "unmatched `(`: there is no `)` after it.");
         check_fault("'a", (0, 2), "the quoted name is not terminated: the closing `'` is missing.");

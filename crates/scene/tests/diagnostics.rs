@@ -315,9 +315,7 @@ fn placements() {
 fn regions_and_media() {
     let model = |text: &str| format!("[solid.lens]\nsphere = {{ radius = 1 }}\n{text}");
     check(
-        &model(
-            "[[region]]\nsolid = 'lnes'\nmedium = 'galss'\ncolour = 'bleu'\n[medium.glass]\nindex = 0\n",
-        ),
+        &model("[[region]]\nsolid = 'lnes'\nmedium = 'galss'\ncolour = 'bleu'\n[medium.glass]\nindex = 0\n"),
         "5:9 unknown solid `lnes`: there is no [solid.lnes]. Did you mean `lens`?\n6:10 unknown medium `galss`: there is no [medium.galss]. Did you mean `glass`?\n7:10 `bleu` is not a colour: colours are names such as `red`, or #rgb, #rrggbb or #rrggbbaa in hexadecimal digits. Did you mean `blue`?\n9:9 the number is 0: it must be finite and greater than 0.",
     );
     check(

@@ -547,8 +547,10 @@ fn place(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Place> {
             true => "`place` has no positions".to_owned(),
             false => format!("`place` has the positions of {}", names.join(" and ")),
         };
-        let problem = Diagnostic::error(problem).why("it needs exactly one of grid, ring, at, matrices and file");
-        let example = names.is_empty().then(|| "Write `grid = [3, 2, 1], step = [10, 10, 0]`, for example".to_owned());
+        let problem =
+            Diagnostic::error(problem).why("it needs exactly one of grid, ring, at, matrices and file");
+        let example =
+            names.is_empty().then(|| "Write `grid = [3, 2, 1], step = [10, 10, 0]`, for example".to_owned());
         fields.problems.push(problem.suggest(example), span);
         return None;
     }
