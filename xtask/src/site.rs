@@ -36,7 +36,7 @@ pub fn run(repository: &Repository, mut arguments: lexopt::Parser) -> Outcome {
     build(repository, &mut python)
 }
 
-/// Runs Sphinx, which executes the examples of the gallery. Warnings, such as links without a target, are errors.
+/// Runs Sphinx, which executes the examples of the gallery, and checks the links within the site. Warnings are errors.
 fn build(repository: &Repository, python: &mut Python) -> Outcome {
     let (source, site) = (repository.root.join("docs"), repository.target().join("site"));
     remove_old(&site)?;
@@ -44,6 +44,7 @@ fn build(repository: &Repository, python: &mut Python) -> Outcome {
     sphinx.args(["-m", "sphinx", "-b", "html", "-W", "--keep-going", "--quiet", "-d"]);
     sphinx.arg(repository.target().join("site-doctrees")).args([&source, &site]);
     process::run(&mut sphinx)?;
+    process::run(python.program("python")?.arg(source.join("check_links.py")).arg(&site))?;
     println!("{}", site.join("index.html").display());
     Ok(())
 }

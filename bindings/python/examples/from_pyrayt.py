@@ -5,6 +5,7 @@ Hit arrays of PyRayT
 PyRayT's function `array_csg`, with one import changed: many rays at a time through a biconvex lens.
 """
 
+# sphinx_gallery_thumbnail_path = "guides/images/pyrayt-collimator.png"
 import numpy as np
 
 from rayweave import Operation, array_csg, sphere, timeline

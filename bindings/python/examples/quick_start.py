@@ -5,6 +5,7 @@ A die
 A die, traced along a few rays: times, faces, normals, a picture.
 """
 
+# sphinx_gallery_thumbnail_path = "../models/die.png"
 import numpy as np
 
 import rayweave as rw

@@ -19,6 +19,13 @@ use crate::subject::{bounds, scene};
 /// Plane section of a model: areas and contours of each medium or region.
 ///
 /// A notebook shows it as a picture.
+///
+/// >>> import rayweave as rw
+/// >>> cut = rw.section(rw.box([2, 3, 4]), "z=1")
+/// >>> cut.names, cut.areas
+/// (['solid'], array([6.]))
+/// >>> [contour.shape for contour in cut.contours("solid")]
+/// [(4, 2)]
 #[pyclass(frozen, module = "rayweave", name = "Section")]
 pub struct PySection {
     section: CrossSection,

@@ -26,6 +26,13 @@ use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
 
 /// A solid: a boolean combination of shapes under affine maps. It never changes.
 ///
+/// >>> import rayweave as rw
+/// >>> washer = (rw.cylinder(5, 1) - rw.cylinder(2)).translate([0, 0, 0.5])
+/// >>> washer.contains([3, 0, 0.5])
+/// array([ True])
+/// >>> washer.hits([-9, 0, 0.5], [1, 0, 0]).ravel()
+/// array([ 4.,  7., 11., 14.])
+///
 /// Create solids with the functions `sphere`, `box`, ... and combine them with `|` (union), `&` (intersection), `-`
 /// (difference), `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new
 /// solid; matrices are world_from_local and act on columns.

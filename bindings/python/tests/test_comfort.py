@@ -51,6 +51,13 @@ def test_a_built_model_answers_like_one_from_text(model):
     assert model.media[1].numbers == {"density": 1.0} and model.unit == "mm"
 
 
+@pytest.mark.parametrize("unit", ["mm", "in"])
+def test_parts_of_a_model_build_an_equal_one(model, unit):
+    same = rw.Model(model.regions, model.media, unit=unit)
+    assert (same == model) == (unit == "mm") and same.media == model.media
+    assert rw.Model({region.name: region for region in model}, model.media) == model
+
+
 def test_regions_are_found_by_name_and_number(model):
     assert len(model) == 2 and [region.name for region in model] == ["tank", "ball"]
     assert model["ball"] == model[1] == model[-1]
@@ -286,3 +293,27 @@ def test_pictures_are_saved(tmp_path):
     assert np.array_equal(np.round(read * 255).astype(np.uint8), picture)
     with pytest.raises(rw.RayweaveError, match=r"a file needs \(h, w, 4\)"):
         picture[..., 0].save(tmp_path / "red.png")
+
+
+def test_light_and_columns_are_tables_in_notebooks():
+    lens = rw.optics.biconvex_lens(50, 50, 6, aperture=25, material="N-BK7")
+    screen = rw.optics.detector(10, name="screen").translate([0, 0, 47])
+    light = rw.optics.beam(20, 10, wavelength_nm=587.6).translate([0, 0, -20])
+    trace = rw.optics.System([lens, screen]).trace(light)
+    html = trace._repr_html_()
+    assert "<td>screen</td>" in html or "<td>lens</td>" in html
+    assert html.count("<tr>") == 13 and "more rows" in html
+    columns = rw.optics.Columns({"radius": [1.0, 2.0]}, {"radius": "mm"})
+    assert "<th>radius [mm]</th>" in columns._repr_html_()
+
+
+def test_systems_become_models(tmp_path):
+    lens = rw.optics.biconvex_lens(50, 50, 6, aperture=25, material="N-BK7").translate([0, 0, 10])
+    flat = rw.optics.element(rw.box([4, 4, 1]), 1.5, name="plate")
+    system = rw.optics.System([lens, flat, rw.optics.detector(10, name="screen").translate([0, 0, 47])])
+    model = system.to_model()
+    assert [region.name for region in model] == ["lens", "plate"]
+    assert model["lens"].solid.contains([0, 0, 12.9]).all() and not model["lens"].solid.contains([0, 0, 13.1]).any()
+    assert model.media[1].index == pytest.approx(1.5168, abs=1e-4) and model.media[2].index == 1.5
+    rw.convert(system, tmp_path / "system.stl", tolerance=0.1)
+    assert rw.load(tmp_path / "system.stl").bounds()[1, 2] == pytest.approx(13)

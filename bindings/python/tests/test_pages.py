@@ -51,3 +51,9 @@ def test_the_reference_has_every_public_name():
     text = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs/reference/python").glob("*.md"))
     documented = set(re.findall(r"^\.\. auto\w+:: (?:rayweave\.)?(\w+)$", text, re.MULTILINE))
     assert set(rayweave.__all__) - documented == set()
+
+
+def test_the_example_of_the_model_file_is_a_model():
+    text = (ROOT / "docs/reference/model-file.md").read_text(encoding="utf-8")
+    model = rayweave.loads(MODEL.search(text)[1], strict=True)
+    assert model["lens"].solid.volume > 0 and model["lens"].medium == "glass"

@@ -70,6 +70,7 @@ def test_errors(bar, tmp_path):
         rp.compare(3, tmp_path / "b.csv")
     with pytest.raises(RayweaveError, match="at least 1"):
         rp.compare(simulate(bar, 1, 100).histories, simulate(bar, 2, 100).histories, least=0)
+    (tmp_path / "b.csv").write_text("")
     with pytest.raises(RayweaveError, match=r"photons of Opticks have \(n, 4, 4\)"):
         rp.compare(np.zeros((3, 4), np.float32), tmp_path / "b.csv")
 

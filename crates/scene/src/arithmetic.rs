@@ -244,6 +244,14 @@ impl Operation {
 mod tests {
     use super::*;
 
+    #[test]
+    fn the_page_of_the_model_file_lists_every_function() {
+        let page = include_str!("../../../docs/reference/model-file.md");
+        for function in FUNCTIONS {
+            assert!(page.contains(&format!("`{}`", function.name)), "{}", function.name);
+        }
+    }
+
     fn value(text: &str) -> Result<f64, Vec<Fault>> {
         let parameter = |name: &str| match name {
             "R" => 50.0,

@@ -25,7 +25,7 @@ static GRAMMAR: Grammar = Grammar {
     },
     prefix: |symbol| (symbol == "~").then_some(Operator::Complement.power()),
     operand: "the name of a solid",
-    operators: "| & - ^ ~",
+    operators: "| (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement)",
 };
 
 /// A boolean operation.
@@ -267,7 +267,12 @@ fn call(name: &str, count: usize, span: Span) -> Result<ExpressionItem, Fault> {
     let problem = format!("unknown function `{name}`");
     let reason = format!("the functions of solids are {}", names.join(", "));
     let span = Span::new(span.start(), span.start() + name.len());
-    Err(Fault::new(span, problem, reason).suggest(did_you_mean(name, names)))
+    let suggestion = match name {
+        "difference" | "subtract" | "minus" | "cut" => Some("Write `a - b`.".to_owned()),
+        "complement" | "not" | "invert" => Some("Write `~a`.".to_owned()),
+        _ => did_you_mean(name, names),
+    };
+    Err(Fault::new(span, problem, reason).suggest(suggestion))
 }
 
 #[cfg(test)]
@@ -371,9 +376,17 @@ mod tests {
     #[test]
     fn faults() {
         check_fault("a &", (3, 3), "the expression ends too early: the name of a solid is missing.");
-        check_fault("a b", (2, 3), "an operator is missing before this: the operators are | & - ^ ~.");
+        check_fault(
+            "a b",
+            (2, 3),
+            "an operator is missing before this: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).",
+        );
         check_fault("a & | b", (4, 5), "unexpected `|`: the name of a solid is missing before it.");
-        check_fault("a + b", (2, 3), "unexpected operator `+`: the operators are | & - ^ ~.");
+        check_fault(
+            "a + b",
+            (2, 3),
+            "unexpected operator `+`: the operators are | (union), & (intersection), - (difference), ^ (symmetric difference) and ~ (complement).",
+        );
         check_fault(
             "a ~ b",
             (2, 3),
@@ -382,6 +395,11 @@ mod tests {
         check_fault("!a", (0, 1), "unexpected character `!`: it has no meaning here. Did you mean `~`?");
         check_fault("(a | b", (0, 1), "unmatched `(`: there is no `)` after it.");
         check_fault("'a", (0, 2), "the quoted name is not terminated: the closing `'` is missing.");
+        check_fault(
+            "difference(a, b)",
+            (0, 10),
+            "unknown function `difference`: the functions of solids are union, intersection, symmetric_difference. Write `a - b`.",
+        );
         check_fault(
             "unoin(a)",
             (0, 5),

@@ -281,7 +281,7 @@ fn placements() {
     check(&place("solid = 'x', at = []"), "5:19 unknown solid `x`: there is no [solid.x].");
     check(
         &place("solid = 's'"),
-        "5:9 `place` has 0 lists of positions: it needs exactly one of grid, ring, at, matrices and file.",
+        "5:9 `place` has no positions: it needs exactly one of grid, ring, at, matrices and file. Write `grid = [3, 2, 1], step = [10, 10, 0]`, for example.",
     );
     check(
         &place("solid = 's', grid = [2, 2.5, 0], step = [1, 1, 1]"),
@@ -301,6 +301,14 @@ fn placements() {
         "5:31 the placements in `none.npy` cannot be used: there is no such file.",
     );
     check(
+        &place("solid = 's', at = [1, 2, 3]"),
+        "5:29 `at` is one point: it must be a list of points. Write `at = [[x, y, z]]`.",
+    );
+    check(
+        &place("solid = 's', at = [[0, 0, 0]], ring = 3"),
+        "5:9 `place` has the positions of ring and at: it needs exactly one of grid, ring, at, matrices and file.",
+    );
+    check(
         &place("solid = 's', at = [[0, 0]]"),
         "5:30 `at` is a list of 2 values: it must be a list of 3 numbers.",
     );
@@ -310,10 +318,8 @@ fn placements() {
 fn regions_and_media() {
     let model = |text: &str| format!("[solid.lens]\nsphere = {{ radius = 1 }}\n{text}");
     check(
-        &model(
-            "[[region]]\nsolid = 'lnes'\nmedium = 'galss'\ncolour = 'blueish'\n[medium.glass]\nindex = 0\n",
-        ),
-        "5:9 unknown solid `lnes`: there is no [solid.lnes]. Did you mean `lens`?\n6:10 unknown medium `galss`: there is no [medium.galss]. Did you mean `glass`?\n7:10 `blueish` is not a colour: colours are names such as `red`, or #rgb, #rrggbb or #rrggbbaa in hexadecimal digits. Did you mean `blue`?\n9:9 the number is 0: it must be finite and greater than 0.",
+        &model("[[region]]\nsolid = 'lnes'\nmedium = 'galss'\ncolour = 'bleu'\n[medium.glass]\nindex = 0\n"),
+        "5:9 unknown solid `lnes`: there is no [solid.lnes]. Did you mean `lens`?\n6:10 unknown medium `galss`: there is no [medium.galss]. Did you mean `glass`?\n7:10 `bleu` is not a colour: colours are names such as `red`, or #rgb, #rrggbb or #rrggbbaa in hexadecimal digits. Did you mean `blue`?\n9:9 the number is 0: it must be finite and greater than 0.",
     );
     check(
         &model("[[region]]\ncolor = '#fff'\n"),

@@ -7,10 +7,11 @@ from os import PathLike
 
 from rayweave._core import Model, Solid, load
 from rayweave._model import Subject
+from rayweave.optics import System
 
 
 def convert(
-    source: str | PathLike[str] | Subject,
+    source: str | PathLike[str] | Subject | System,
     target: str | PathLike[str],
     parameters: dict[str, float | str] | None = None,
     *,
@@ -36,6 +37,8 @@ def convert(
     'dropped: colours and names of faces'
     """
     if not isinstance(source, (str, PathLike)):
+        if isinstance(source, System):
+            source = source.to_model()
         if isinstance(source, (Solid, Model)):
             return source.save(target, format=to, tolerance=tolerance, text=text)
         return Model(source).save(target, format=to, tolerance=tolerance, text=text)

@@ -357,7 +357,7 @@ class Model:
     def contains(
         self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
     ) -> NDArray[np.bool_]:
-        """Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,)."""
+        """Whether points (N, 3) or (3,) are in a medium other than that of the world: bool (N,), or (...) for a grid (..., 3)."""
 
     def occurrence_paths(
         self, occurrences: NDArray[np.integer[Any]] | Sequence[int], *, placed: bool = False
@@ -1207,6 +1207,13 @@ class Section:
     """Plane section of a model: areas and contours of each medium or region.
 
     A notebook shows it as a picture.
+
+    >>> import rayweave as rw
+    >>> cut = rw.section(rw.box([2, 3, 4]), "z=1")
+    >>> cut.names, cut.areas
+    (['solid'], array([6.]))
+    >>> [contour.shape for contour in cut.contours("solid")]
+    [(4, 2)]
     """
 
     @property
@@ -1288,12 +1295,19 @@ def shape(name: str, values: Sequence[Any]) -> Solid:
 class Solid:
     """A solid: a boolean combination of shapes under affine maps. It never changes.
 
+    >>> import rayweave as rw
+    >>> washer = (rw.cylinder(5, 1) - rw.cylinder(2)).translate([0, 0, 0.5])
+    >>> washer.contains([3, 0, 0.5])
+    array([ True])
+    >>> washer.hits([-9, 0, 0.5], [1, 0, 0]).ravel()
+    array([ 4.,  7., 11., 14.])
+
     Create solids with the functions `sphere`, `box`, ... and combine them with `|` (union), `&` (intersection), `-`
     (difference), `^` (symmetric difference) and `~` (complement). Transforms are about the origin and return a new
     solid; matrices are world_from_local and act on columns.
 
-    Queries take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other; `t` is in units of
-    the direction, which need not be of unit length. `t_min` and `t_max` restrict every ray to the open window between
+    Queries take `origins` and `directions` of shape (N, 3) or (3,), broadcast against each other, or grids (..., 3), whose rays are
+    numbered in row-major order; `t` is in units of the direction, which need not be of unit length. `t_min` and `t_max` restrict every ray to the open window between
     them. `evaluator` is "packets" (the default), "weave" (one sweep per ray), "reference" (slow and simple) or
     "single_hit" (crossing by crossing); all give bit-identical answers. `threads` is by default the environment
     variable RAYWEAVE_THREADS, or the number of cores; answers do not depend on it.
@@ -1435,7 +1449,7 @@ class Solid:
     def contains(
         self, points: ArrayLike, *, evaluator: str | None = None, threads: int | None = None
     ) -> NDArray[np.bool_]:
-        """Whether points (N, 3) or (3,) are inside: bool (N,). A point on the surface has the side of
+        """Whether points (N, 3) or (3,) are inside: bool (N,), or (...) for a grid (..., 3). A point on the surface has the side of
         a ray that lies in the surface.
         """
 

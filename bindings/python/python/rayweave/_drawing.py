@@ -17,7 +17,7 @@ def show(picture: Any, data: bytes, ending: str) -> None:
     """Shows a picture in the notebook, or the data of its file in the browser."""
     shell = sys.modules.get("IPython")
     if shell is not None and type(shell.get_ipython()).__name__ == "ZMQInteractiveShell":
-        sys.modules["IPython.display"].display(picture)  # type: ignore[attr-defined]
+        sys.modules["IPython.display"].display(picture)
         return
     # the browser reads the file later, so that it cannot be removed here
     with tempfile.NamedTemporaryFile(prefix="rayweave-", suffix=ending, delete=False) as file:

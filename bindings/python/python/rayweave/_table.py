@@ -21,6 +21,15 @@ class Table:
 
     ``table["t"]`` is a column, ``table[3]`` a row as a dict with names instead of numbers, ``table[mask]`` and
     ``table[2:5]`` are the selected rows. A loop goes through the rows. `to_pandas` and `to_arrow` return data frames.
+
+    >>> import rayweave as rw
+    >>> found = rw.box(2).crossings([[-3, 0, 0], [-3, 0.5, 0], [-3, 9, 0]], [1, 0, 0])
+    >>> len(found), found["t"]
+    (4, array([2., 4., 2., 4.]))
+    >>> found[1]["surface"]
+    'box.x+'
+    >>> found[found["enters"]]["ray"]
+    array([0, 1])
     """
 
     #: The attributes that have an entry for each row, in order.
@@ -181,5 +190,6 @@ def _short(entry: Any) -> str:
     if isinstance(entry, np.ndarray):
         return "(" + ", ".join(_short(part.item()) for part in entry.ravel()) + ")"
     if isinstance(entry, float):
-        return f"{entry:.6g}"
+        # plus zero: -0 is printed as 0
+        return f"{entry + 0.0:.6g}"
     return str(entry)

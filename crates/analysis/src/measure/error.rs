@@ -7,7 +7,9 @@ use rayweave_error::{Classified, ErrorKind};
 #[non_exhaustive]
 pub enum MeasureError {
     /// A region is unbounded.
-    #[error("{name} is unbounded in {axes}: it has no volume. Measure it within a box.")]
+    #[error(
+        "{name} is unbounded in {axes}: it has no volume. Intersect it with a box, or measure it within one."
+    )]
     Unbounded {
         /// The region.
         name: String,

@@ -33,7 +33,7 @@ impl Export {
         let is_pov = self.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("pov"));
         if !is_pov && self.out != Path::new("-") {
             return Err(Failure::Usage(format!(
-                "{}: unknown format: models are exported as .pov.",
+                "{}: unknown format: models are exported as .pov. `rayweave convert` writes other formats.",
                 self.out.display()
             )));
         }

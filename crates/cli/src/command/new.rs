@@ -60,18 +60,25 @@ impl New {
         // a line break in the name would end the comment
         let shown = if name.contains(char::is_control) { "FILE.toml" } else { &name };
         let text = self.kind.text().replace("FILE", shown);
-        let create = || OpenOptions::new().write(true).create_new(true).open(&self.file);
-        create().and_then(|mut file| file.write_all(text.as_bytes())).map_err(|error| {
-            match error.kind() {
-                ErrorKind::AlreadyExists => Failure::Run(format!(
-                    "cannot write {name}: the file exists. Choose another name or remove it."
-                )),
-                _ => Failure::Run(format!("cannot write {name}: {error}.")),
-            }
+        self.create(&text).map_err(|error| {
+            let reason = match error.kind() {
+                ErrorKind::AlreadyExists => "the file exists. Choose another name or remove it".to_owned(),
+                _ => error.to_string(),
+            };
+            Failure::Run(format!("cannot write {name}: {reason}."))
         })?;
         match global.quiet {
             true => Ok(()),
             false => terminal::print(&format!("{name}\n")),
         }
+    }
+
+    /// Writes the file if it does not exist yet: completely or not at all.
+    fn create(&self, text: &str) -> std::io::Result<()> {
+        let mut file = OpenOptions::new().write(true).create_new(true).open(&self.file)?;
+        file.write_all(text.as_bytes()).inspect_err(|_| {
+            // the error of the write is reported, not one of the removal
+            std::fs::remove_file(&self.file).ok();
+        })
     }
 }

@@ -20,6 +20,9 @@ fn a_scene_for_pov_ray() {
 fn other_formats_are_refused() {
     let bench = Bench::new();
     let message = bench.fails(2, &["export", "ball.toml", "ball.obj"]);
-    assert_eq!(message, "error: ball.obj: unknown format: models are exported as .pov.\n");
+    assert_eq!(
+        message,
+        "error: ball.obj: unknown format: models are exported as .pov. `rayweave convert` writes other formats.\n"
+    );
     assert!(bench.fails(3, &["export", "none.toml", "ball.pov"]).contains("none.toml"));
 }

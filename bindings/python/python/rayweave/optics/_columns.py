@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rayweave.optics._given import package
+from rayweave._package import package
+from rayweave._table import Rows
 
 
 class Columns(Mapping[str, NDArray[Any]]):
@@ -38,6 +39,11 @@ class Columns(Mapping[str, NDArray[Any]]):
     def __repr__(self) -> str:
         units = (f"{name} [{unit}]" if unit else name for name, unit in self.units.items())
         return f"<{type(self).__name__} of {self.rows} rows: {', '.join(units)}>"
+
+    def _repr_html_(self) -> str:
+        names = {name: f"{name} [{unit}]" if unit else name for name, unit in self.units.items()}
+        columns = {names[name]: column for name, column in self.columns.items() if column.ndim == 1}
+        return Rows(columns, {})._repr_html_()
 
     def to_pandas(self) -> Any:
         """The columns as a pandas DataFrame; the units are in its `attrs`."""

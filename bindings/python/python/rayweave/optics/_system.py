@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
-from rayweave._core import Glass
+from rayweave._core import Glass, Model, Solid
+from rayweave._model import Medium, Region
+from rayweave._table import Rows
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
-from rayweave.optics._elements import Element, _medium
+from rayweave.optics._elements import Element, _medium, _yellow
 from rayweave.optics._given import all_of, array, flag, package, real, text, unknown, whole
 from rayweave.optics._sources import Source
 from rayweave.optics._stream import Progress, Stream, record_batch, reporter, write
@@ -92,6 +94,19 @@ class System:
     def surface_names(self) -> list[str]:
         """The names of the surfaces, by their numbers in results."""
         return self._compiled.surface_names
+
+    def to_model(self) -> Model:
+        """The solids of the system as a model, for pictures, sections and files. Sheets have no volume and are left out.
+
+        A medium has the name of its material; `index` is that in yellow light, where the material has one.
+        """
+        regions, media = [], {}
+        for element in self.elements:
+            if isinstance(element.body, Solid):
+                name, index = _named_material(element.material)
+                media[name] = Medium(name, index)
+                regions.append(Region(element.name, element.body, medium=name))
+        return Model(regions, list(media.values()), unit=self.unit)
 
     def trace(
         self,
@@ -332,6 +347,11 @@ class Trace(Mapping[str, NDArray[Any]]):
     def __repr__(self) -> str:
         return f"<Trace of {self.rows} segments, {len(self.columns)} columns>"
 
+    def _repr_html_(self) -> str:
+        names = {"element": [*self.system.element_names, None], "surface": [*self.system.surface_names, None]}
+        names["event"] = [*_core.event_names(), None]
+        return Rows(self.columns, {name: names[name] for name in names if name in self.columns})._repr_html_()
+
     def at(self, element: str, *, event: str | None = None) -> Trace:
         """The segments that end at an element, optionally only those with this event."""
         names = self.system.element_names
@@ -434,6 +454,18 @@ class Trace(Mapping[str, NDArray[Any]]):
         from rayweave.optics._drawing import draw
 
         return draw(self, view, color, axis, ray_width, whole(rays, "rays", least=1), escape)
+
+
+def _named_material(material: Any) -> tuple[str, float | None]:
+    """The name of a material, and its index if it has one."""
+    if isinstance(material, str) and material in ("mirror", "absorber"):
+        return material, None
+    medium = _medium(material)
+    if isinstance(medium, Glass):
+        return medium.name, _yellow(medium)[0]
+    if isinstance(medium, tuple):
+        return f"index {medium[0]:g}", float(medium[0])
+    return "graded medium", None
 
 
 def _local(trace: Trace, element: str) -> NDArray[np.float64]:

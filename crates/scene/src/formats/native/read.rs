@@ -542,8 +542,16 @@ fn place(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Place> {
         found.extend(fields.take_entry(key));
     }
     if found.len() != 1 {
-        let problem = Diagnostic::error(format!("`place` has {} lists of positions", found.len()));
-        fields.problems.push(problem.why("it needs exactly one of grid, ring, at, matrices and file"), span);
+        let names: Vec<&str> = found.iter().map(|(key, _)| key.value.as_str()).collect();
+        let problem = match names.is_empty() {
+            true => "`place` has no positions".to_owned(),
+            false => format!("`place` has the positions of {}", names.join(" and ")),
+        };
+        let problem =
+            Diagnostic::error(problem).why("it needs exactly one of grid, ring, at, matrices and file");
+        let example =
+            names.is_empty().then(|| "Write `grid = [3, 2, 1], step = [10, 10, 0]`, for example".to_owned());
+        fields.problems.push(problem.suggest(example), span);
         return None;
     }
     let (key, datum) = found.remove(0);
@@ -583,9 +591,22 @@ fn layout(fields: &mut Fields, key: &str, datum: Spanned<Datum>) -> Option<Layou
             let (count, radius) = (count?, radius?);
             Some(Layout::Ring { count, radius, start })
         }
+        "at" if is_point(&datum.value) => {
+            let problem = Diagnostic::error("`at` is one point").why("it must be a list of points");
+            fields.problems.push(problem.suggest(Some("Write `at = [[x, y, z]]`".to_owned())), datum.span);
+            None
+        }
         "at" => list(fields.problems, key, datum, Problems::numbers).map(Layout::At),
         "matrices" => list(fields.problems, key, datum, Problems::matrix).map(Layout::Matrices),
         _ => fields.problems.text(key, datum).map(Layout::File),
+    }
+}
+
+/// True for a list of three values none of which is a list.
+fn is_point(datum: &Datum) -> bool {
+    match datum {
+        Datum::List(list) => list.len() == 3 && !list.iter().any(|item| matches!(item.value, Datum::List(_))),
+        _ => false,
     }
 }
 
