@@ -57,7 +57,7 @@ def test_detectors_and_sources_pickle():
         rp.point([0, 0, 0], 550, towards=[0, 0, 1], cone_degrees=20),
         rp.disc([0, 0, 0], 3, ("uniform", 500, 600), normal=[0, 1, 0]),
         rp.photons([[0, 0, 0]] * 50, [[0, 0, 1]] * 50, wavelengths_nm=550),
-        rp.volume(detector, "Crystal", 550),
+        rp.volume(detector, "Bar", 550),
     ):
         twin, copy = again((detector, source))
         a, b = detector.simulate(source, 50, seed=1).hits, twin.simulate(copy, 50, seed=1).hits

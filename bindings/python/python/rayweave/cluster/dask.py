@@ -1,4 +1,4 @@
-"""Jobs on Dask's distributed scheduler, and arrays of rays in `dask.array`."""
+"""Jobs on Dask's distributed scheduler."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ def run(job: Job, client: Any, *, pieces: int | None = None, done: Mapping[Range
 
     threads = sum(client.nthreads().values())
     todo, known = planned(job, pieces or 4 * max(threads, 1), done)
-    packed = client.scatter(Packed(job), broadcast=True)
+    # a task, unlike scattered data, is repeated if all workers that have its result die
+    packed = client.submit(_kept, Packed(job), pure=False)
     # a key of the contents alone would return the result of an earlier run
     waiting = {client.submit(_part, packed, span, pure=False): span for span in todo}
     reason = "workers died"
@@ -29,6 +30,10 @@ def run(job: Job, client: Any, *, pieces: int | None = None, done: Mapping[Range
         else:
             raise failure
     return joined(job, known, reason)
+
+
+def _kept(packed: Packed) -> Packed:
+    return packed
 
 
 def _part(packed: Packed, span: Range) -> Any:
