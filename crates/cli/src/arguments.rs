@@ -285,7 +285,8 @@ pub struct SamplingArguments {
     #[arg(long, value_name = "C", default_value_t = 0.99)]
     pub confidence: f64,
 
-    /// Trace at most this many rays for a region, after a first round for all regions
+    /// Trace at most this many rays for a region, or for all regions together in a model of more than 32 regions; a first round for all
+    /// regions does not count
     #[arg(long, value_name = "N", default_value_t = 1 << 24)]
     pub rays: u64,
 

@@ -102,15 +102,15 @@ pub enum OpticsError {
     /// A range of rays that is not one of whole chunks.
     #[error(
         "the range of rays is {}:{}: it must lie in 0:{count}, and start and end at multiples of {} or at {count}.",
-        range.start, range.end, chunk
+        range.start, range.end, step
     )]
     Range {
         /// The range.
         range: Range<usize>,
         /// The number of rays.
         count: usize,
-        /// The number of rays of a whole chunk.
-        chunk: usize,
+        /// The number whose multiples are allowed.
+        step: usize,
     },
     /// The segments of the light do not fit into memory.
     #[error(

@@ -82,7 +82,7 @@ impl TraceSettings {
         let is_cut = |at: usize| at == count || at.is_multiple_of(TraceSettings::CHUNK);
         match range.start <= range.end && range.end <= count && is_cut(range.start) && is_cut(range.end) {
             true => Ok(range),
-            false => Err(OpticsError::Range { range, count, chunk: TraceSettings::CHUNK }),
+            false => Err(OpticsError::Range { range, count, step: TraceSettings::CHUNK }),
         }
     }
 

@@ -930,9 +930,14 @@ def load_detector(
     """Reads a detector from a GDML file, or from a native model converted from one."""
 
 def loads_detector(
-    text: str, tables: PhotonTables, *, allow: Sequence[str | PathLike[str]] = ..., strict: bool = False
+    text: str,
+    tables: PhotonTables,
+    *,
+    allow: Sequence[str | PathLike[str]] = ...,
+    strict: bool = False,
+    native: bool = False,
 ) -> CompiledDetector:
-    """Reads a detector from the text of a GDML file."""
+    """Reads a detector from the text of a GDML file, or of a native model."""
 
 @final
 class PhotonHistories:

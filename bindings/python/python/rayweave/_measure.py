@@ -80,7 +80,8 @@ def measure(
     """Measure the regions of a model, a solid, or several solids, by stratified rays.
 
     Rays are added until half the width of each volume's interval, at the level of `confidence`, is at most `precision`
-    times the volume, or `most_rays` have been traced for a region. Parts that later regions cover do not count.
+    times the volume, or `most_rays` have been traced for a region, or for all regions
+    together in a model of more than 32. Parts that later regions cover do not count.
     `within` (2, 3), the corners of a box, restricts the measurement to the box. Equal seeds give equal results,
     regardless of the number of threads.
 

@@ -123,11 +123,6 @@ impl PyDetector {
         self.warnings.clone()
     }
 
-    /// The detector as the text of a native model.
-    fn to_toml(&self, py: Python<'_>) -> String {
-        py.detach(|| self.parts.imported.document().to_toml())
-    }
-
     /// The ignored properties and surfaces, one sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {

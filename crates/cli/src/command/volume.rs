@@ -109,8 +109,9 @@ impl Volume {
         }
         if !imprecise.is_empty() {
             let (names, most) = (imprecise.join(", "), self.total.unwrap_or(self.sampling.rays));
+            let option = if self.total.is_some() { "--total" } else { "--rays" };
             terminal::note(&format!(
-                "note: {names}: the requested precision is not reached after {most} rays. See --rays."
+                "note: {names}: the requested precision is not reached after {most} rays. See {option}."
             ));
         }
         Ok(())

@@ -53,7 +53,8 @@ fn slicings(
             bench.says(&merge.chain(["-o", &merged]).collect::<Vec<_>>());
             let whole = format!("whole-{name}");
             assert!(bench.bytes(&merged) == bench.bytes(&whole), "{name}, slicing {time}: {cuts:?}");
-            if name.ends_with(".npy") {
+            // a table without texts has no names
+            if name.ends_with(".npy") && bench.path(&whole.replace(".npy", ".names.json")).exists() {
                 let names = [&merged, &whole].map(|name| bench.bytes(&name.replace(".npy", ".names.json")));
                 assert!(names[0] == names[1], "names of {name}, slicing {time}: {cuts:?}");
             }
@@ -93,7 +94,7 @@ fn tables_of_light() {
     let bench = Bench::new();
     bench.write("plate.toml", optics::PLATE.replace("rays = 5000", "rays = 9000"));
     for table in ["light.csv", "light.npy"] {
-        let arguments = ["optics", "plate.toml", "--branches", "both"];
+        let arguments = ["optics", "plate.toml", "--branches", "random"];
         slicings(&bench, &arguments, &[("--out", table)], (9000, 2048), 2);
     }
     let unaligned = ["optics", "plate.toml", "--out", "x.csv", "--range", "0:1000"];
@@ -140,7 +141,7 @@ fn tables_of_thickness() {
 fn sums_of_volumes() {
     let bench = Bench::new();
     // 3 * 40^2 cells
-    let arguments = ["volume", "cemented.toml", "--total", "9600", "--seed", "4"];
+    let arguments = ["volume", "cemented.toml", "--total", "9600", "--precision", "0.5", "--seed", "4"];
     bench.says(&[&arguments[..], &["--range", "0:4800", "-o", "whole.sums"]].concat());
     let mut random = ChaCha8Rng::seed_from_u64(11);
     for _ in 0..4 {
@@ -164,7 +165,8 @@ fn sums_of_volumes() {
         let [value, width] = ["value", "half_width"].map(|name| own[name].as_f64().unwrap());
         assert!((value - volume).abs() <= width && width < 0.2 * volume, "{own}");
     }
-    let text = bench.fails(3, &[&arguments[..], &["--seed", "5", "--sums", "merged.sums"]].concat());
+    let other = ["volume", "cemented.toml", "--total", "9600", "--seed", "5", "--sums", "merged.sums"];
+    let text = bench.fails(3, &other);
     assert!(text.contains("merged.sums has other sums"), "{text}");
 }
 
@@ -180,7 +182,7 @@ fn missing_ranges_are_computed() {
         assert_eq!(run(range, out, &[]).code, 0);
     }
     let parts = ["a.csv", "b.csv", "c.csv"];
-    let missing = || bench.says(&[&["merge", "--missing", "2000"], &parts[..]].concat());
+    let missing = || bench.says(&[&["merge", "--missing", "2000", "-q"], &parts[..]].concat());
     assert_eq!(missing(), "500:1200\n");
     let text = bench.fails(3, &["merge", "a.csv", "c.csv", "-o", "hits.csv"]);
     assert!(text.contains("the ranges 500:1200 of 2000 are missing"), "{text}");

@@ -1,4 +1,4 @@
-"""Jobs on Dask's distributed scheduler, and arrays of rays in `dask.array`."""
+"""Jobs on Dask's distributed scheduler."""
 
 from __future__ import annotations
 
@@ -6,21 +6,22 @@ from collections.abc import Mapping
 from typing import Any
 
 from rayweave.cluster._job import Job, Packed, Range, joined, planned
+from rayweave.optics._given import package
 
 
 def run(job: Job, client: Any, *, pieces: int | None = None, done: Mapping[Range, Any] | None = None) -> Any:
     """Runs a job on the workers of a `distributed.Client` in `pieces` ranges, by default four for each thread of the workers, and returns
     the joined result. Each worker receives the job once. Dask repeats parts of workers that die; if it gives up, the error is an
     `Incomplete`."""
-    from distributed import as_completed
-
+    distributed = package("distributed", "jobs on Dask")
     threads = sum(client.nthreads().values())
     todo, known = planned(job, pieces or 4 * max(threads, 1), done)
-    packed = client.scatter(Packed(job), broadcast=True)
+    # a task, unlike scattered data, is repeated if all workers that have its result die
+    packed = client.submit(_kept, Packed(job), pure=False)
     # a key of the contents alone would return the result of an earlier run
     waiting = {client.submit(_part, packed, span, pure=False): span for span in todo}
     reason = "workers died"
-    for future in as_completed(waiting):
+    for future in distributed.as_completed(waiting):
         failure = future.exception()
         if failure is None:
             known[waiting[future]] = future.result()
@@ -29,6 +30,10 @@ def run(job: Job, client: Any, *, pieces: int | None = None, done: Mapping[Range
         else:
             raise failure
     return joined(job, known, reason)
+
+
+def _kept(packed: Packed) -> Packed:
+    return packed
 
 
 def _part(packed: Packed, span: Range) -> Any:

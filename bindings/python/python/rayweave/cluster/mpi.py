@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from rayweave.cluster._job import Job, Packed, ranges
+from rayweave.optics._given import package
 
 
 def run(job: Job | None, comm: Any = None, *, pieces: int | None = None) -> Any:
@@ -14,9 +15,7 @@ def run(job: Job | None, comm: Any = None, *, pieces: int | None = None) -> Any:
     the command.
     """
     if comm is None:
-        from mpi4py import MPI
-
-        comm = MPI.COMM_WORLD
+        comm = package("mpi4py.MPI", "jobs on MPI").COMM_WORLD
     packed, total, step = comm.bcast(None if job is None else (Packed(job), job.total, job.step))
     own = ranges(total, pieces or 4 * comm.size, step=step)[comm.rank :: comm.size]
     found = comm.gather([(span, packed.part(span)) for span in own])

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from rayweave.cluster._job import Job, Packed, Range, joined, planned
+from rayweave.optics._given import package
 
 
 def run(job: Job, *, pieces: int | None = None, done: Mapping[Range, Any] | None = None) -> Any:
     """Runs a job on the Ray cluster that `ray.init` has connected to, in `pieces` ranges, by default four for each processor, and
     returns the joined result. The job is stored once in Ray's object store. Ray repeats tasks of workers that die; if it gives up,
     the error is an `Incomplete`."""
-    import ray
-
+    ray = package("ray", "jobs on Ray")
     todo, known = planned(job, pieces or 4 * max(int(ray.cluster_resources().get("CPU", 1)), 1), done)
     packed = ray.put(Packed(job))
     task = ray.remote(_part)

@@ -153,9 +153,17 @@ class Findings(Columns):
 class Detector:
     """A detector: exact geometry with optical materials, surfaces and sensors. `load` and `loads` make detectors."""
 
-    def __init__(self, compiled: _core.CompiledDetector, name: str, tables: SurfaceTables | None = None) -> None:
+    def __init__(
+        self,
+        compiled: _core.CompiledDetector,
+        name: str,
+        text: str = "",
+        tables: SurfaceTables | None = None,
+        *,
+        is_native: bool = False,
+    ) -> None:
         self.compiled = compiled
-        self._tables = tables
+        self._made_of = text, tables, name, is_native
         self.name = name
         self.materials = tuple(Material(*_described(row)) for row in compiled.materials())
         """The materials; the first one is that of the world outside of all volumes."""
@@ -171,7 +179,8 @@ class Detector:
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _again, (self.compiled.to_toml(), self._tables, self.name)
+        # the text of the file: a model converted from it would have other names of volumes
+        return _again, self._made_of
 
     @property
     def sensors(self) -> dict[str, str]:
@@ -369,7 +378,9 @@ def load(
     array([1.79, 1.79])
     """
     compiled = _core.load_detector(path, _tables(tables), allow=list(allow), strict=strict)
-    return Detector(compiled, Path(path).name, tables)
+    file = Path(path)
+    kept = file.read_text(encoding="utf-8", errors="surrogateescape")
+    return Detector(compiled, file.name, kept, tables, is_native=file.suffix.lower() != ".gdml")
 
 
 def loads(
@@ -380,12 +391,14 @@ def loads(
     strict: bool = False,
 ) -> Detector:
     """As `load`, from the text of a GDML file. Names of files are relative to the current folder."""
-    return Detector(_core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict), "detector", tables)
+    compiled = _core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict)
+    return Detector(compiled, "detector", text, tables)
 
 
-def _again(text: str, tables: SurfaceTables | None, name: str) -> Detector:
-    """A detector from its pickled parts."""
-    return Detector(_core.loads_detector(text, _tables(tables), native=True), name, tables)
+def _again(text: str, tables: SurfaceTables | None, name: str, is_native: bool) -> Detector:
+    """A detector from its pickled parts. Other files that the text names must be in the current folder or below."""
+    compiled = _core.loads_detector(text, _tables(tables), native=is_native)
+    return Detector(compiled, name, text, tables, is_native=is_native)
 
 
 def _tables(tables: SurfaceTables | None) -> _core.PhotonTables:
