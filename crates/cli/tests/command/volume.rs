@@ -78,7 +78,11 @@ fn text_for_people() {
 fn within_a_box_a_rod_has_an_end() {
     let bench = bench();
     let failed = bench.fails(3, &["volume", "block.toml", "--solid", "rod"]);
-    assert!(failed.contains("unbounded in z") && failed.contains("within a box."), "{failed}");
+    assert!(
+        failed.contains("unbounded in z")
+            && failed.contains("Intersect it with a box, or measure it within one."),
+        "{failed}"
+    );
     let within = ["--within", "-2,-2,0", "2,2,5", "--json"];
     let json = bench.json(&[&["volume", "block.toml", "--solid", "rod"], &within[..]].concat());
     assert!(holds(&json["regions"][0]["volume"], 5.0 * PI), "{json}");
