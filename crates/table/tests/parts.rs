@@ -144,7 +144,7 @@ fn parts_that_do_not_fit_are_refused_by_name() {
     write(&a, &part(0..40, 100), &mut random);
     write(&b, &part(60..100, 100), &mut random);
     let set = PartSet::read(&[b.clone(), a.clone()]).unwrap();
-    assert_eq!(set.missing(100), [40..60]);
+    assert_eq!(set.missing(100).as_slice(), std::slice::from_ref(&(40..60)));
     let text = refusal(set.merge_tables(&merged));
     assert!(text.contains("the ranges 40:60 of 100 are missing") && !merged.exists(), "{text}");
     write(&c, &part(30..60, 100), &mut random);
@@ -196,7 +196,8 @@ fn incomplete_and_damaged_parts_are_refused() {
     fs::remove_file(Part::path(&b)).unwrap();
     assert!(refusal(PartSet::read(&[a.clone(), b.clone()])).contains("the file is not a part: there is no"));
     let (set, errors) = PartSet::read_complete(&[a, b, folder.file("absent.npy")]).unwrap();
-    assert_eq!((set.missing(100), errors.len()), (vec![40..100], 2));
+    assert_eq!(set.missing(100).as_slice(), std::slice::from_ref(&(40..100)));
+    assert_eq!(errors.len(), 2);
 }
 
 #[test]
@@ -205,6 +206,6 @@ fn a_part_needs_a_file() {
     let table = TableWriter::create(folder.file("a.csv"), &schema()).unwrap();
     table.finish_part(&part(0..0, 0)).unwrap();
     assert!(refusal(TableWriter::check_part(Path::new("-"))).contains("a part cannot be written here"));
-    assert_eq!(missing_ranges([], 3), [0..3]);
+    assert_eq!(missing_ranges([], 3).as_slice(), std::slice::from_ref(&(0..3)));
     assert_eq!(missing_ranges([1..1, 0..3], 3), []);
 }

@@ -96,7 +96,7 @@ impl PartSet {
 /// ```
 pub fn missing_ranges(ranges: impl IntoIterator<Item = Range<u64>>, total: u64) -> Vec<Range<u64>> {
     let (mut missing, mut next) = (Vec::new(), 0);
-    for range in ranges.into_iter().filter(|range| !range.is_empty()).chain([total..total]) {
+    for range in ranges.into_iter().filter(|range| !range.is_empty()).chain(std::iter::once(total..total)) {
         if next < range.start.min(total) {
             missing.push(next..range.start.min(total));
         }
