@@ -7,6 +7,7 @@ use rayweave_bvh::{Bvh, FrontToBack, Probe};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::thread_count;
 use rayweave_model::{GroupPoint, GroupRay, MARGIN, Program, Prototype, Window};
+use rayweave_shape::Ray;
 
 /// A BVH of the leaves of a group, with those that have no finite box.
 #[derive(Clone, Debug)]
@@ -67,6 +68,10 @@ impl Accel {
     /// Appends the leaves whose boxes contain a point.
     pub fn around(&self, point: &GroupPoint, out: &mut Vec<u32>) {
         out.extend_from_slice(self.unbounded());
+        // no model extends that far; computations with boxes would overflow
+        if !point.point.to_array().iter().all(|x| x.abs() <= Ray::MAX_COMPONENT) {
+            return;
+        }
         let margin = self.condition * ray_margin(point.point, point.magnitude);
         let place = Bounds { lo: point.point, hi: point.point };
         self.tree.overlapping(&place, margin, |leaf| out.push(leaf.start as u32));

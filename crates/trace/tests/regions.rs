@@ -3,9 +3,10 @@
 mod everyone;
 
 use rayweave_math::Vec3;
-use rayweave_model::{Crossing, Face, Program, Region, Solid};
+use rayweave_model::{Crossing, Evaluator, Face, Program, Region, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
+use rayweave_trace::{Packets, Weave};
 use std::sync::Arc;
 
 fn shape(name: &str, arguments: &[(&str, f64)]) -> Solid {
@@ -39,6 +40,22 @@ fn passes(crossings: &[Crossing]) -> Vec<(f64, u32, u32)> {
 
 fn face_name(program: &Program, face: Face) -> String {
     program.leaf(face.leaf).face_name(face.facet as usize)
+}
+
+/// Points so far away that computations with boxes overflow.
+#[test]
+fn distant_points_are_outside() {
+    fn regions<E: Evaluator>(evaluator: &E) -> Vec<RegionId> {
+        let xs = [0.5, 1e150, -1e300, f64::MAX];
+        let mut found = vec![RegionId(9); xs.len()];
+        evaluator.regions_at([&xs, &[0.0; 4], &[0.0; 4]], &mut evaluator.scratch(), &mut found);
+        found
+    }
+    let (one, other) = (cube("one", 0.0), cube("other", 5.0));
+    let program = model(&[(&one, 1), (&other, 2)]);
+    let expected = [1, 0, 0, 0].map(RegionId);
+    assert_eq!(regions(&Weave::new(program.clone())), expected);
+    assert_eq!(regions(&Packets::new(program)), expected);
 }
 
 #[test]
