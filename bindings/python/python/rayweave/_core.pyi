@@ -493,8 +493,8 @@ def optical_component(
     off_axis: tuple[float, float] = ...,
     terms: Sequence[tuple[Sequence[float], Sequence[float]]] = ...,
 ) -> list[Solid]:
-    """The solids of a component, usually one: `numbers` are the parameters of the function of that
-    name in their order, without the apertures.
+    """The solids of a component, usually one: the kinds and the order of `numbers` are those of the match below; `terms` are the
+    even and odd coefficients of each aspheric face, `outline` is the aperture, `off_axis` the offset of a mirror.
     """
 
 def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
@@ -507,7 +507,7 @@ class Sheet:
     def __new__(
         cls, outline: _Outline, opening: _Outline | None = None, curvature: float = 0.0, conic: float = 0.0
     ) -> Sheet:
-        """`curvature` is that of the surface at its vertex, 1 over its radius; an opening turns it into a stop."""
+        """`curvature` is that of the surface at its vertex, 1 over its radius. With an opening, the sheet is a stop."""
 
     @staticmethod
     def from_solids(surface: Solid, trim: Solid) -> Sheet:
@@ -517,7 +517,7 @@ class Sheet:
         """The sheet moved by an affine map, a 4 x 4 matrix."""
 
     def solids(self) -> tuple[Solid, Solid]:
-        """Its surface and its trim."""
+        """The solid whose boundary is the surface, and the solid that trims it."""
 
 def tolerance(
     lens: CompiledPrescription,
@@ -662,16 +662,16 @@ class CompiledPrescription:
         """The surfaces, as the constructor takes them."""
 
     def frame(self) -> dict[str, Any]:
-        """The numbers that belong to no single surface, in the form that the constructor takes."""
+        """Aperture, fields, wavelengths, stop and image, in the form that the constructor takes."""
 
     def first_order(self, wavelength_nm: float, along: str) -> dict[str, Any]:
-        """First-order data at a wavelength by name, with the matrix (a, b, c, d); pupils are (position, diameter)."""
+        """A dict of first-order data at a wavelength, with the matrix (a, b, c, d); pupils are (position, diameter)."""
 
     def seidel(self) -> dict[str, NDArray[np.float64]]:
         """The Seidel sums of every surface, as columns."""
 
     def parts(self) -> list[tuple[str, Any, Any, Any, Any]]:
-        """Its solids, stop and image."""
+        """The solids, stop and image of the prescription."""
 
     def semi_diameters(self) -> NDArray[np.float64]:
         """The clear semi-diameters of the surfaces and of the image."""
@@ -679,7 +679,9 @@ class CompiledPrescription:
     def rays(
         self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Origins and directions of the rays of a field through points of the pupil, (N, 2)."""
+        """Origins and directions, both (N, 3), of the rays of a field through points of the pupil, (N, 2), in units of its
+        semi-diameter.
+        """
 
     def arrivals(
         self, field: int, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool
@@ -689,12 +691,12 @@ class CompiledPrescription:
     def fan(
         self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """A ray fan: points of the pupil and transverse errors, both (N, 2)."""
+        """A ray fan: points of the pupil and transverse ray aberrations, both (N, 2)."""
 
     def wavefront(
         self, field: int, wavelength_nm: float, pupil: ArrayLike, aimed: bool
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """A wavefront: points of the pupil (N, 2) and differences in waves (N,)."""
+        """A wavefront: points of the pupil (N, 2) and optical path differences in waves (N,)."""
 
     def chief_ray_pupil_point(self, field: int, wavelength_nm: float) -> tuple[float, float]:
         """The point of the paraxial entrance pupil through which the chief ray passes."""
@@ -706,17 +708,17 @@ class CompiledPrescription:
         """The heights of the real and the paraxial chief ray on the image, and the tangential and the sagittal focus."""
 
     def axial_focus(self, wavelength_nm: float, height: float) -> float:
-        """The intersection with the axis of the ray of the first field, on the axis, through a height
-        in the pupil.
+        """The distance from the image to the axis crossing of the ray at a height in the pupil, in units of its
+        semi-diameter. The first field must be on the axis.
         """
 
     def lateral_colour(self, field: int, wavelength_nm: float) -> float:
-        """The height of the chief ray less that at the primary wavelength."""
+        """The height of the chief ray on the image minus that at the primary wavelength."""
 
 def coordinate_break(
     decentre: tuple[float, float], tilt_degrees: tuple[float, float, float], tilts_first: bool
 ) -> list[list[float]]:
-    """The matrix of a coordinate break: coordinates in front of it from those behind, row by row."""
+    """The matrix of a coordinate break, row by row: it maps coordinates behind the break to those in front of it."""
 
 def pupil_points(kind: str, count: int) -> NDArray[np.float64]:
     """Points of a pupil by kind: "hexapolar" with a number of rings, "square", "fan_x" or "fan_y" with a number of points
@@ -870,7 +872,7 @@ def compare_photons(
     """Compares two files of photons: see `rayweave.photons.compare`."""
 
 def photon_property_svg(title: str, curves: Sequence[tuple[str, Sequence[tuple[float, float]]]]) -> str:
-    """Curves by wavelength as SVG: the name with the unit, and pairs of a wavelength in nm and a value."""
+    """Plots properties against wavelength as SVG; a curve is its label with the unit, and pairs of a wavelength in nm and a value."""
 
 @final
 class CompiledDetector:
