@@ -75,7 +75,7 @@ fn invalid_breaks_are_rejected() {
     let tilt = |before| CoordinateBreak::new(before, [0.0; 2], [1.0, 0.0, 0.0]);
     assert_eq!(
         message(doublet().broken(tilt(2))),
-        "surfaces 1 and 2 are tilted or decentred against each other, with glass between them: a lens has one axis."
+        "surfaces 1 and 2 are tilted or decentred relative to each other, with glass between them: a lens has one axis."
     );
     assert_eq!(
         message(doublet().broken(tilt(5))),
