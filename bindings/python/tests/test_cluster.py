@@ -167,6 +167,35 @@ def test_killed_workers_leave_missing_ranges(tmp_path):
         np.testing.assert_array_equal(cluster.futures.run(job, executor, pieces=10, done=done), np.arange(100))
 
 
+def failing(marks, first, last):
+    """A function with a bug; leaves a mark for each part that is computed."""
+    Path(marks, str(first)).touch()
+    raise RuntimeError(f"a bug at {first}")
+
+
+def test_an_error_of_the_job_is_no_dead_worker(tmp_path):
+    job = cluster.Call(failing, str(tmp_path), total=1000)
+    with processes(1) as executor, pytest.raises(RuntimeError, match="a bug at 0"):
+        cluster.futures.run(job, executor, pieces=1000)
+    # parts that had not started were cancelled
+    assert len(list(tmp_path.iterdir())) < 500
+
+
+def test_results_that_overlap_are_rejected():
+    job = cluster.Call(squares, total=10)
+    with processes(1) as executor:
+        with pytest.raises(RayweaveError, match="the ranges 0:5 and 3:10: they overlap"):
+            cluster.futures.run(job, executor, done={(0, 5): squares(0, 5), (3, 10): squares(3, 10)})
+        with pytest.raises(RayweaveError, match="done reaches 12: the job has 10 items"):
+            cluster.futures.run(job, executor, done={(3, 12): squares(3, 12)})
+
+
+def test_incomplete_results_pickle():
+    error = cluster.Incomplete([(0, 5)], {(5, 7): np.arange(2)}, "a worker died")
+    found = again(error)
+    assert str(found) == str(error) and found.missing == [(0, 5)] and list(found.done) == [(5, 7)]
+
+
 def test_errors_of_parts_pass_through():
     with processes(1) as executor, pytest.raises(RayweaveError, match="0 to 9000"):
         job = photon_job()

@@ -86,6 +86,11 @@ def test_regions_get_names():
         ([rw.sphere(1)], {"m": -1}, rw.RayweaveError, "index of the medium 'm' is -1"),
         ([rw.sphere(1)], {"m": {"density": math.nan}}, rw.RayweaveError, "density of the medium 'm' is nan"),
         ([rw.sphere(1)], {"m": "x"}, TypeError, r"media\['m'\] is of type str"),
+        ([rw.sphere(1)], {"m": {"index": "1.5"}}, TypeError, "the index of the medium 'm' is '1.5': it must be a number"),
+        ([rw.sphere(1)], {"m": {"color": "red"}}, TypeError, "color of the medium 'm' is 'red': .* The key of the colour is 'colour'"),
+        ({1: rw.sphere(1)}, None, TypeError, "regions has the key 1: keys are the names of regions"),
+        # the medium of the world has no boundary to the outside
+        ({"world": rw.box(10), "ball": rw.sphere(1)}, None, rw.RayweaveError, "the region 'world' has no medium"),
         ([rw.sphere(1)], [1.5], TypeError, r"media\[0\] is of type float"),
         ([rw.sphere(1)], [rw.Medium("m"), rw.Medium("m")], rw.RayweaveError, r"media\[1\] has the name 'm'"),
     ],

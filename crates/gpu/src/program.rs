@@ -16,7 +16,7 @@ use rayweave_model::{
 use rayweave_shape::Ray;
 use rayweave_trace::Packets;
 use std::num::NonZeroUsize;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Rays that are on the device at a time, per slot.
 const BATCH: usize = 1 << 20;
@@ -42,7 +42,8 @@ pub struct GpuProgram {
     kernel: Kernel,
     sender: Sender,
     layout: Layout,
-    slots: [Slot; 2],
+    /// One query at a time uses them.
+    slots: Mutex<[Slot; 2]>,
     batch: usize,
     /// The kernel for all crossings, with its buffers, compiled on first use.
     all: Mutex<Option<All>>,
@@ -126,7 +127,7 @@ impl GpuProgram {
             kernel,
             sender,
             layout,
-            slots,
+            slots: Mutex::new(slots),
             batch,
             all: Mutex::new(None),
         })
@@ -151,21 +152,22 @@ impl GpuProgram {
     /// incomplete.
     pub fn nearest(&self, rays: Rays<'_>, hits: &mut FirstHits<'_>) -> Result<GpuReport, GpuError> {
         self.program.check_rays(rays)?;
+        let slots = self.slots();
         let mut report = GpuReport::default();
         let mut waiting = None;
         let mut answers = Vec::new();
         for (k, first) in (0..rays.len()).step_by(self.batch).enumerate() {
             let count = self.batch.min(rays.len() - first);
             let bytes = self.prepare(&rays.slice(first..first + count));
-            let pending = self.kernel.start(&self.slots[k % 2], &bytes);
+            let pending = self.kernel.start(&slots[k % 2], &bytes);
             report.bytes += (count * (RAY_BYTES + self.kernel.answer_bytes())) as u64;
             if let Some((slot, first, pending)) = waiting.replace((k % 2, first, pending)) {
-                self.kernel.finish(&self.slots[slot], pending, &mut answers)?;
+                self.kernel.finish(&slots[slot], pending, &mut answers)?;
                 report.add(self.complete(&rays, first, &answers, hits));
             }
         }
         if let Some((slot, first, pending)) = waiting {
-            self.kernel.finish(&self.slots[slot], pending, &mut answers)?;
+            self.kernel.finish(&slots[slot], pending, &mut answers)?;
             report.add(self.complete(&rays, first, &answers, hits));
         }
         Ok(report)
@@ -284,17 +286,24 @@ impl GpuProgram {
         self.program.check_rays(rays)?;
         let count = rays.len().min(self.batch);
         let bytes = self.prepare(&rays.slice(0..count));
-        self.kernel.upload(&self.slots[0], &bytes);
-        self.kernel.run(&self.slots[0], count, 1, false);
+        let slots = self.slots();
+        self.kernel.upload(&slots[0], &bytes);
+        self.kernel.run(&slots[0], count, 1, false);
         self.kernel.device().wait()?;
         let mut best = f64::INFINITY;
         for _ in 0..3 {
             let clock = std::time::Instant::now();
-            self.kernel.run(&self.slots[0], count, repeats, false);
+            self.kernel.run(&slots[0], count, repeats, false);
             self.kernel.device().wait()?;
             best = best.min(clock.elapsed().as_secs_f64() / repeats as f64);
         }
         Ok((best, count))
+    }
+
+    /// The buffers of batches, for one query.
+    fn slots(&self) -> MutexGuard<'_, [Slot; 2]> {
+        // a query that panicked left no answer that a later one reads
+        self.slots.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The rays as the kernel reads them. A ray that is not sent has an error bound that leaves it uncertain.

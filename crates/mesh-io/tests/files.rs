@@ -120,7 +120,11 @@ fn errors_give_the_line() {
         (Obj, "v 0 0 0\nf 1 0 1\n", "line 2: `0` is not a corner"),
         (Obj, "{\"asset\": 1}", "line 1: the file is not OBJ: a line does not begin with a statement"),
         (Off, "OFF\n99999999 3 0\n", "line 2: the mesh has 99999999 vertices: the limit is 20000000."),
-        (Off, "OFF\n9999999 3 0\n", "line 2: the file announces 9999999 vertices: its 16 bytes cannot hold them."),
+        (
+            Off,
+            "OFF\n9999999 3 0\n",
+            "line 2: the file announces 9999999 vertices: its 16 bytes cannot hold them.",
+        ),
         (Off, "OFF\n1 1 0\n0 0 0\n4000000000 0 0", "line 4: the file announces 4000000000 corners: its "),
         (Off, "4OFF\n", "line 1: the file is not three-dimensional OFF"),
         (Off, "OFF BINARY\n", "line 1: the file is binary OFF"),

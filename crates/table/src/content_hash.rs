@@ -2,15 +2,12 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, Read};
 use std::path::Path;
 use twox_hash::XxHash3_128;
 
 /// The size of the pieces of a file that are read at once.
 const BLOCK: usize = 1 << 16;
-
-/// The number of pieces of a large file that [`ContentHash::sample`] reads.
-const SAMPLES: u64 = 64;
 
 /// A running hash: XXH3 with 128 bits (Y. Collet, *xxHash fast digest algorithm*, version 0.8), which tells contents apart but does
 /// not protect against forgery.
@@ -75,32 +72,6 @@ impl ContentHash {
         }
     }
 
-    /// Appends the length of a regular file and 64 pieces of 64 KiB at equal distances, the first and the last piece among
-    /// them; all of a file of up to 4 MiB. Tells input files apart without reading gigabytes; a change between the pieces goes
-    /// unnoticed.
-    ///
-    /// # Errors
-    ///
-    /// If the file cannot be read.
-    pub fn sample(&mut self, path: &Path) -> io::Result<()> {
-        let mut file = File::open(path)?;
-        let length = file.metadata()?.len();
-        self.bytes(&length.to_le_bytes());
-        let block = BLOCK as u64;
-        if length <= SAMPLES * block {
-            return self.file(path).map(|_| ());
-        }
-        let mut piece = vec![0; BLOCK];
-        for k in 0..SAMPLES {
-            // u128: the product of a length and a number may exceed u64
-            let start = u128::from(length - block) * u128::from(k) / u128::from(SAMPLES - 1);
-            file.seek(SeekFrom::Start(start as u64))?;
-            file.read_exact(&mut piece)?;
-            self.bytes(&piece);
-        }
-        Ok(())
-    }
-
     /// The hash as 32 hexadecimal digits.
     pub fn finish(&self) -> String {
         format!("{:032x}", self.0.finish_128())
@@ -120,29 +91,24 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn samples_notice_the_length_and_both_ends() {
-        let path = std::env::temp_dir().join(format!("rayweave-sample-{}", std::process::id()));
-        let sampled = |bytes: &[u8]| {
+    fn every_byte_of_a_file_counts() {
+        let path = std::env::temp_dir().join(format!("rayweave-content-{}", std::process::id()));
+        let hash = |bytes: &[u8]| {
             fs::write(&path, bytes).unwrap();
             let mut hash = ContentHash::new();
-            hash.sample(&path).unwrap();
+            assert_eq!(hash.file(&path).unwrap(), bytes.len() as u64);
             hash.finish()
         };
-        let mut bytes = vec![7; 5 << 20];
-        let first = sampled(&bytes);
-        assert_eq!(first, sampled(&bytes));
-        for at in [0, bytes.len() / 63, bytes.len() - 1] {
+        let mut bytes = vec![7; 3 * BLOCK + 5];
+        let first = hash(&bytes);
+        for at in [0, BLOCK - 1, BLOCK, 2 * BLOCK + 700, 3 * BLOCK + 4] {
             bytes[at] = 8;
-            assert_ne!(first, sampled(&bytes), "{at}");
+            assert_ne!(first, hash(&bytes), "{at}");
             bytes[at] = 7;
         }
+        assert_eq!(first, hash(&bytes));
         bytes.push(7);
-        assert_ne!(first, sampled(&bytes));
-        // every byte of a short file counts
-        let short = sampled(&[1; 1000]);
-        let mut other = [1; 1000];
-        other[700] = 2;
-        assert_ne!(short, sampled(&other));
+        assert_ne!(first, hash(&bytes));
         fs::remove_file(&path).unwrap();
     }
 }

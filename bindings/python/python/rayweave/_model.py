@@ -70,6 +70,10 @@ def parts(regions: Regions, media: Media | None) -> tuple[list[_RegionRow], list
     rows = []
     for region in given:
         medium = region.medium or region.name
+        if not region.medium and medium == "world":
+            raise _core.RayweaveError(
+                "the region 'world' has no medium: 'world' is the medium outside of all regions. Give it another name, or a medium."
+            )
         if medium not in numbers:
             if media is not None and region.medium:
                 _reject_medium(region, list(numbers))
@@ -92,6 +96,9 @@ def _regions(regions: Regions) -> list[Region]:
     if isinstance(regions, (_core.Solid, Region)):
         regions = [regions]
     if isinstance(regions, Mapping):
+        for name in regions:
+            if not isinstance(name, str):
+                raise TypeError(f"regions has the key {name!r}: keys are the names of regions. Use a list for regions without names.")
         named = [_region(item, f"regions[{name!r}]", name) for name, item in regions.items()]
     elif isinstance(regions, Iterable):
         named = [_region(item, f"regions[{k}]", None) for k, item in enumerate(regions)]
@@ -158,13 +165,22 @@ def _media(media: Media | None) -> list[_MediumRow]:
 
 
 def _check_medium(medium: Medium) -> None:
-    if medium.index is not None and not (isfinite(medium.index) and medium.index > 0):
+    if medium.index is not None and not (_is_number(medium.index, "the index", medium) and medium.index > 0):
         raise _core.RayweaveError(
             f"the index of the medium '{medium.name}' is {medium.index}: it must be finite and greater than 0."
         )
     for name, value in medium.numbers.items():
-        if not isfinite(value):
+        if not _is_number(value, name, medium):
             raise _core.RayweaveError(f"{name} of the medium '{medium.name}' is {value}: it must be finite.")
+
+
+def _is_number(value: Any, name: str, medium: Medium) -> bool:
+    """Whether a number is finite."""
+    try:
+        return isfinite(value)
+    except TypeError:
+        hint = " The key of the colour is 'colour'." if name == "color" else ""
+        raise TypeError(f"{name} of the medium '{medium.name}' is {value!r}: it must be a number.{hint}") from None
 
 
 def _medium(name: str, value: float | Medium | Mapping[str, Any]) -> Medium:

@@ -1,8 +1,9 @@
 //! Measurement by a fixed number of rays, whose cells are divided into ranges that run anywhere.
 //!
 //! One set of rays serves all regions, as in the first round of [`measure`](super::measure). Contributions of cells are rounded
-//! towards zero to multiples of 2^-61 of the greatest possible one and summed as integers, so that the sums do not depend on how
-//! the cells are divided. This rounding is far below that of the contributions themselves, of 2^-53.
+//! towards zero to multiples of a unit and summed as integers, so that the sums do not depend on how the cells are divided. The
+//! unit is 2^-61 of the greatest possible contribution, far below its rounding of 2^-53. For products of moments it is 2^-92, so
+//! that the variance of a region as thin as a rounding error of the model is not lost; 2^35 cells fit.
 
 use super::MeasureError;
 use super::cells::Cells;
@@ -28,7 +29,7 @@ const STREAMS: u64 = 1 << 32;
 const SUMS: usize = MOMENTS + 2 + ENTRIES;
 
 /// The first line of the text of a share.
-const HEADER: &str = "rayweave measure share 1, cells across";
+const HEADER: &str = "rayweave measure share 2, cells across";
 
 /// The number of cells, of two rays each, of a measurement with about `rays` rays: three cross-sections of equal numbers of cells.
 pub fn cell_count(rays: u64) -> u64 {
@@ -52,6 +53,12 @@ struct Sums {
     sums: [i128; SUMS],
     longest: MeasuredChord,
 }
+
+/// The unit of moments, areas and squares of areas (which are large at grazing rays): two to this power, relative to the greatest possible contribution.
+const LINEAR: i32 = -61;
+
+/// The unit of products of two moments.
+const PRODUCT: i32 = -92;
 
 /// The units of the sums: powers of two, so that scaling is exact.
 struct Scale {
@@ -81,13 +88,13 @@ impl Scale {
     }
 
     /// The unit of quantities with this power of the length.
-    fn unit(&self, degree: i32) -> f64 {
-        two_to(self.exponent * degree - 61)
+    fn unit(&self, degree: i32, unit: i32) -> f64 {
+        two_to(self.exponent * degree + unit)
     }
 
     /// The quantity as a multiple of its unit.
-    fn whole(&self, value: f64, degree: i32) -> i128 {
-        (value * two_to(61 - self.exponent * degree)) as i128
+    fn whole(&self, value: f64, degree: i32, unit: i32) -> i128 {
+        (value * two_to(-unit - self.exponent * degree)) as i128
     }
 }
 
@@ -100,16 +107,16 @@ impl Sums {
     fn cell(&mut self, scale: &Scale, a: &RayContribution, b: &RayContribution) {
         let mut half = [0.0; MOMENTS];
         for k in 0..MOMENTS {
-            self.sums[k] += scale.whole(0.5 * (a.moments[k] + b.moments[k]), degree(k));
+            self.sums[k] += scale.whole(0.5 * (a.moments[k] + b.moments[k]), degree(k), LINEAR);
             half[k] = 0.5 * (a.moments[k] - b.moments[k]);
         }
-        self.sums[MOMENTS] += scale.whole(0.5 * (a.area + b.area), 0);
+        self.sums[MOMENTS] += scale.whole(0.5 * (a.area + b.area), 0, LINEAR);
         let difference = 0.5 * (a.area - b.area);
-        self.sums[MOMENTS + 1] += scale.whole(difference * difference, 0);
+        self.sums[MOMENTS + 1] += scale.whole(difference * difference, 0, LINEAR);
         let mut entry = MOMENTS + 2;
         for i in 0..MOMENTS {
             for j in i..MOMENTS {
-                self.sums[entry] += scale.whole(half[i] * half[j], degree(i) + degree(j));
+                self.sums[entry] += scale.whole(half[i] * half[j], degree(i) + degree(j), PRODUCT);
                 entry += 1;
             }
         }
@@ -123,11 +130,12 @@ impl Sums {
     }
 
     fn tally(&self, scale: &Scale) -> Tally {
-        let value = |sum: usize, degree: i32| self.sums[sum] as f64 * scale.unit(degree);
-        let moments: Moments = std::array::from_fn(|k| value(k, degree(k)));
-        let area = [value(MOMENTS, 0), value(MOMENTS + 1, 0)];
+        let value = |sum: usize, degree: i32, unit: i32| self.sums[sum] as f64 * scale.unit(degree, unit);
+        let moments: Moments = std::array::from_fn(|k| value(k, degree(k), LINEAR));
+        let area = [value(MOMENTS, 0, LINEAR), value(MOMENTS + 1, 0, LINEAR)];
         let mut degrees = (0..MOMENTS).flat_map(|i| (i..MOMENTS).map(move |j| degree(i) + degree(j)));
-        let covariance = std::array::from_fn(|k| value(MOMENTS + 2 + k, degrees.next().unwrap_or_default()));
+        let covariance =
+            std::array::from_fn(|k| value(MOMENTS + 2 + k, degrees.next().unwrap_or_default(), PRODUCT));
         Tally::of_sums(moments, area, covariance, self.longest)
     }
 }

@@ -268,3 +268,23 @@ fn many_regions_far_apart_have_rounds_of_their_own() {
     let missed = found.regions.iter().filter(|own| !own.volume.contains(PI / 6.0)).count();
     assert!(found.regions.iter().all(|own| own.is_reached) && missed <= 4, "{missed}: {found:?}");
 }
+
+/// The relative half width of shells does not depend on their thickness, down to a thousandth of a rounding error of squares.
+#[test]
+fn shares_of_thin_shells_have_intervals() {
+    let settings = MeasureSettings::default();
+    let relative = |thickness: f64| {
+        let shell = &sphere(1000.0) - &sphere(1000.0 - thickness);
+        let evaluator = Packets::new(Arc::new(Program::compile(&shell).unwrap()));
+        let cells = 0..cell_count(6000);
+        let share = MeasureShare::trace(&evaluator, &settings, 6000, cells, &mut |_| ()).unwrap();
+        let volume = share.report(&evaluator, &settings).unwrap().regions[0].volume;
+        assert!(volume.contains(4e6 * PI * thickness), "{thickness}: {volume:?}");
+        volume.half_width / volume.value
+    };
+    let thick = relative(1e-2);
+    for thickness in [1e-5, 1e-8] {
+        let ratio = relative(thickness) / thick;
+        assert!((0.5..2.0).contains(&ratio), "{thickness}: {ratio}");
+    }
+}

@@ -105,7 +105,7 @@ impl Trace {
             return Err(Failure::Usage(text.to_owned()));
         }
         let mut rays = ContentHash::new();
-        rays.sample(&self.rays)
+        rays.file(&self.rays)
             .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", self.rays.display())))?;
         let bound = |t: Option<f64>| t.map_or_else(|| "default".to_owned(), |t| t.to_string());
         let settings = [

@@ -244,7 +244,10 @@ fn refusals() {
     assert!(message(surface(20.0, biconic(9.0)).even(even)).contains("even terms in r: a biconic has none"));
     assert!(message(surface(20.0, Figure::Toroidal { turn: f64::NAN })).contains("turn"));
     // a circle rotated about an axis closer than its centre
-    assert!(message(surface(20.0, Figure::Toroidal { turn: 15.0 })).contains("a radius of rotation of at least its radius"));
+    assert!(
+        message(surface(20.0, Figure::Toroidal { turn: 15.0 }))
+            .contains("a radius of rotation of at least its radius")
+    );
     assert!(message(surface(20.0, polynomial(0.0, &[1.0]))).contains("norm_radius"));
     assert!(message(surface(20.0, polynomial(1.0, &[f64::INFINITY]))).contains("coefficient"));
     assert!(message(surface(20.0, polynomial(9.0, &vec![1e-9; 500]))).contains("degree 31"));

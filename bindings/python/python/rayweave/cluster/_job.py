@@ -135,7 +135,10 @@ class Incomplete(RayweaveError):
     def __init__(self, missing: list[Range], done: dict[Range, Any], reason: str) -> None:
         listed = ", ".join(f"{first}:{last}" for first, last in missing)
         super().__init__(f"the ranges {listed} are missing: {reason}. Run the job again with done=error.done.")
-        self.missing, self.done = missing, done
+        self.missing, self.done, self._reason = missing, done, reason
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.missing, self.done, self._reason)
 
 
 def ranges(total: int, pieces: int, *, step: int = 1) -> list[Range]:
@@ -198,6 +201,12 @@ class Packed:
 def planned(job: Job, pieces: int, done: Mapping[Range, Any] | None) -> tuple[list[Range], dict[Range, Any]]:
     """The ranges to compute, and the results so far."""
     known = dict(done or {})
+    spans = sorted(span for span in known if span[0] < span[1])
+    for (a, b), (c, d) in zip(spans, spans[1:]):
+        if c < b:
+            raise RayweaveError(f"done has the ranges {a}:{b} and {c}:{d}: they overlap. Leave one of them out.")
+    if spans and spans[-1][1] > job.total:
+        raise RayweaveError(f"done reaches {spans[-1][1]}: the job has {job.total} items.")
     todo = []
     for first, last in missing(job.total, known) if known else [(0, job.total)]:
         share = max(1, round(pieces * (last - first) / max(job.total, 1)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Mapping
-from concurrent.futures import Executor, as_completed
+from concurrent.futures import BrokenExecutor, Executor, as_completed
 from pathlib import Path
 from typing import Any
 
@@ -44,13 +44,17 @@ def run(
         except RuntimeError as error:
             # the executor is broken
             reason = f"a part could not be started ({error})"
-        for future in as_completed(waiting):
-            failure = future.exception()
-            if failure is None:
-                known[waiting[future]] = future.result()
-            elif isinstance(failure, RuntimeError):
-                # BrokenExecutor
-                reason = f"a worker died ({failure})"
-            else:
-                raise failure
+        try:
+            for future in as_completed(waiting):
+                failure = future.exception()
+                if failure is None:
+                    known[waiting[future]] = future.result()
+                elif isinstance(failure, BrokenExecutor):
+                    reason = f"a worker died ({failure})"
+                else:
+                    raise failure
+        finally:
+            # after an error or an interrupt, parts that have not started are not computed
+            for future in waiting:
+                future.cancel()
     return joined(job, known, reason)

@@ -24,7 +24,12 @@ def run(job: Job, *, pieces: int | None = None, done: Mapping[Range, Any] | None
         span = waiting.pop(ready)
         try:
             known[span] = ray.get(ready)
-        except (ray.exceptions.WorkerCrashedError, ray.exceptions.NodeDiedError) as error:
+        except ray.exceptions.RayTaskError:
+            # the job itself failed
+            for other in waiting:
+                ray.cancel(other)
+            raise
+        except ray.exceptions.RayError as error:
             reason = f"a worker died ({type(error).__name__})"
     return joined(job, known, reason)
 
