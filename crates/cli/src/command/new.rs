@@ -57,6 +57,13 @@ impl New {
         if self.file == Path::new("-") {
             return terminal::print(&self.kind.text().replace("FILE", "FILE.toml"));
         }
+        // with another ending, the file would be read as a different format
+        if !self.file.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+            let text = format!(
+                "cannot write {name}: the model is written as TOML. Choose a name that ends in .toml."
+            );
+            return Err(Failure::Usage(text));
+        }
         // a line break in the name would end the comment
         let shown = if name.contains(char::is_control) { "FILE.toml" } else { &name };
         let text = self.kind.text().replace("FILE", shown);

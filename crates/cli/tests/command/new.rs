@@ -31,6 +31,14 @@ fn existing_files_are_kept() {
     assert!(message.contains("cannot write ball.toml: the file exists"), "{message}");
     assert_eq!(bench.read("ball.toml"), BALL);
     assert!(bench.fails(2, &["new", "a.toml", "teapot"]).contains("bracket"));
+    for name in ["a.gdml", "a"] {
+        let message = bench.fails(2, &["new", name, "detector"]);
+        assert!(
+            message.contains(&format!("cannot write {name}: the model is written as TOML.")),
+            "{message}"
+        );
+        assert!(!bench.path(name).exists());
+    }
     assert!(bench.fails(1, &["new", "none/a.toml"]).contains("cannot write none/a.toml"));
 }
 
