@@ -1,7 +1,7 @@
 //! Scenes of models that are built in Python.
 
 use pyo3::prelude::*;
-use rayweave::scene::{Colour, Medium, RenderSettings, Scene, SceneRegion, Unit};
+use rayweave::scene::{Colour, Medium, Scene, SceneRegion, Unit};
 
 use crate::error::bad_value;
 use crate::solid::PySolid;
@@ -23,17 +23,7 @@ pub fn scene_of_parts(
     let media = media.into_iter().map(medium).collect::<PyResult<Vec<_>>>()?;
     let region = |(number, parts): (usize, RegionParts<'_>)| region(number, parts, &media);
     let regions = regions.into_iter().enumerate().map(region).collect::<PyResult<Vec<_>>>()?;
-    Ok(Scene {
-        unit,
-        parameters: Vec::new(),
-        solids: regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect(),
-        regions,
-        media,
-        camera: None,
-        lights: Vec::new(),
-        render: RenderSettings::default(),
-        warnings: Default::default(),
-    })
+    Ok(Scene::from_regions(unit, regions, media))
 }
 
 fn medium((name, index, text, numbers): MediumParts) -> PyResult<Medium> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayweave::Compiled;
 use rayweave::model::{Program, Solid};
-use rayweave::scene::{Colour, Medium, RenderSettings, Scene, SceneRegion, Unit};
+use rayweave::scene::{Colour, Medium, Scene, SceneRegion, Unit};
 
 /// A compiled solid as a model of one region.
 pub fn compiled_of(program: Arc<Program>) -> Compiled {
@@ -15,17 +15,6 @@ pub fn compiled_of(program: Arc<Program>) -> Compiled {
 pub fn scene_of(solid: &Solid) -> Scene {
     let name = "solid".to_owned();
     let medium = |name: &str| Medium { name: name.to_owned(), ..Medium::default() };
-    let region =
-        SceneRegion { name: name.clone(), solid: solid.clone(), medium: 1, colour: Colour::PALETTE[0] };
-    Scene {
-        unit: Unit::default(),
-        parameters: Vec::new(),
-        solids: vec![(name, solid.clone())],
-        regions: vec![region],
-        media: vec![medium("world"), medium("solid")],
-        camera: None,
-        lights: Vec::new(),
-        render: RenderSettings::default(),
-        warnings: Default::default(),
-    }
+    let region = SceneRegion { name, solid: solid.clone(), medium: 1, colour: Colour::PALETTE[0] };
+    Scene::from_regions(Unit::default(), vec![region], vec![medium("world"), medium("solid")])
 }

@@ -13,9 +13,7 @@ use rayweave_math::Vec3;
 use rayweave_mesh::{Diagnosis, Mesh, MeshError, PairBudget, Polyhedron, Repair};
 use rayweave_mesh_io::{self as mesh_io, FileError, LoadedMesh, MeshFormat, ReadOptions};
 use rayweave_model::{Solid, memory};
-use rayweave_scene::{
-    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Source, Unit, read_bytes,
-};
+use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, Scene, SceneRegion, Source, Unit, read_bytes};
 use rayweave_shape::primitive::{self, Primitive};
 use rayweave_table::AllowedFiles;
 use std::collections::{HashMap, HashSet};
@@ -203,17 +201,7 @@ fn scene(solids: Vec<(String, Polyhedron)>, unit: Unit) -> Scene {
         let colour = Colour::numbered(number);
         regions.push(SceneRegion { name, solid, medium: number as u32 + 1, colour });
     }
-    Scene {
-        unit,
-        parameters: Vec::new(),
-        solids: regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect(),
-        regions,
-        media,
-        camera: None,
-        lights: Vec::new(),
-        render: RenderSettings::default(),
-        warnings: Diagnostics::default(),
-    }
+    Scene::from_regions(unit, regions, media)
 }
 
 /// The names of regions in use.

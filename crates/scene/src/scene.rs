@@ -45,6 +45,21 @@ impl PartialEq for Scene {
 }
 
 impl Scene {
+    /// A scene of regions, whose solids have the names of the regions, without parameters, camera and lights.
+    pub fn from_regions(unit: Unit, regions: Vec<SceneRegion>, media: Vec<Medium>) -> Scene {
+        Scene {
+            unit,
+            parameters: Vec::new(),
+            solids: regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect(),
+            regions,
+            media,
+            camera: None,
+            lights: Vec::new(),
+            render: RenderSettings::default(),
+            warnings: Diagnostics::default(),
+        }
+    }
+
     /// A solid by its name.
     pub fn solid(&self, name: &str) -> Option<&Solid> {
         self.solids.iter().find(|(own, _)| own == name).map(|(_, solid)| solid)

@@ -44,19 +44,7 @@ pub(super) fn scene(context: &mut Context, graph: &Graph, world: usize) -> Optio
         regions.push(SceneRegion { name, solid, medium, colour });
     }
     let table = table(graph, world, &order, &names, &media.names);
-    let solids = regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect();
-    let scene = Scene {
-        unit: Unit::Millimetre,
-        parameters: Vec::new(),
-        solids,
-        regions,
-        media: media.list,
-        camera: None,
-        lights: Vec::new(),
-        render: Default::default(),
-        warnings: Default::default(),
-    };
-    Some((scene, table))
+    Some((Scene::from_regions(Unit::Millimetre, regions, media.list), table))
 }
 
 /// True for a world that the writer added around the regions of a scene.

@@ -23,9 +23,7 @@ use crate::kernel::Body;
 use crate::{LossKind, Report};
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::Solid;
-use rayweave_scene::{
-    Colour, Diagnostic, Diagnostics, Medium, RenderSettings, Scene, SceneRegion, Severity, Unit,
-};
+use rayweave_scene::{Colour, Diagnostic, Diagnostics, Medium, Scene, SceneRegion, Severity, Unit};
 
 impl<'a> Reader<'a> {
     /// The scene of all items, with one region per colour.
@@ -603,19 +601,8 @@ fn scene(pieces: Vec<Piece<Solid>>) -> Scene {
         let solid = piece.body.named(&name);
         regions.push(SceneRegion { name, solid, medium, colour });
     }
-    let solids = regions.iter().map(|region| (region.name.clone(), region.solid.clone())).collect();
-    Scene {
-        // a dump has no unit; 3D printing assumes millimetres
-        unit: Unit::Millimetre,
-        parameters: Vec::new(),
-        solids,
-        regions,
-        media,
-        camera: None,
-        lights: Vec::new(),
-        render: RenderSettings::default(),
-        warnings: Diagnostics::default(),
-    }
+    // a dump has no unit; 3D printing assumes millimetres
+    Scene::from_regions(Unit::Millimetre, regions, media)
 }
 
 /// `model` for the piece without a colour, else the colour.

@@ -214,6 +214,36 @@ def planned(job: Job, pieces: int, done: Mapping[Range, Any] | None) -> tuple[li
     return todo, known
 
 
+def part_of(packed: Packed, span: Range) -> Any:
+    """The result of a range, as a function that engines send to workers."""
+    return packed.part(span)
+
+
+def collected(
+    waiting: Mapping[Any, Range],
+    finished: Iterable[Any],
+    known: dict[Range, Any],
+    is_dead: Callable[[BaseException], bool],
+    reason: str = "workers died",
+) -> str:
+    """Adds the results of futures to `known`, in the order in which they finish. Returns why some are missing, by default `reason`. An
+    error that is not the death of a worker is raised; then, or after an interrupt, parts that have not started are cancelled."""
+    try:
+        for future in finished:
+            failure = future.exception()
+            if failure is None:
+                known[waiting[future]] = future.result()
+            elif is_dead(failure):
+                reason = f"a worker died ({failure})"
+            else:
+                raise failure
+    finally:
+        for future in waiting:
+            if not future.done():
+                future.cancel()
+    return reason
+
+
 def joined(job: Job, done: Mapping[Range, Any], reason: str) -> Any:
     """The whole; an error that names the missing ranges."""
     gaps = missing(job.total, done)

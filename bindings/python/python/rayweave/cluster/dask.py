@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rayweave.cluster._job import Job, Packed, Range, joined, planned
+from rayweave.cluster._job import Job, Packed, Range, collected, joined, part_of, planned
 from rayweave.optics._given import package
 
 
@@ -19,22 +19,10 @@ def run(job: Job, client: Any, *, pieces: int | None = None, done: Mapping[Range
     # a task, unlike scattered data, is repeated if all workers that have its result die
     packed = client.submit(_kept, Packed(job), pure=False)
     # a key of the contents alone would return the result of an earlier run
-    waiting = {client.submit(_part, packed, span, pure=False): span for span in todo}
-    reason = "workers died"
-    for future in distributed.as_completed(waiting):
-        failure = future.exception()
-        if failure is None:
-            known[waiting[future]] = future.result()
-        elif type(failure).__name__ == "KilledWorker":
-            reason = f"a worker died ({failure})"
-        else:
-            raise failure
-    return joined(job, known, reason)
+    waiting = {client.submit(part_of, packed, span, pure=False): span for span in todo}
+    finished = distributed.as_completed(waiting)
+    return joined(job, known, collected(waiting, finished, known, lambda failure: type(failure).__name__ == "KilledWorker"))
 
 
 def _kept(packed: Packed) -> Packed:
     return packed
-
-
-def _part(packed: Packed, span: Range) -> Any:
-    return packed.part(span)

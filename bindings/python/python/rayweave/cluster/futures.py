@@ -9,7 +9,7 @@ from concurrent.futures import BrokenExecutor, Executor, as_completed
 from pathlib import Path
 from typing import Any
 
-from rayweave.cluster._job import Job, Packed, Range, joined, planned
+from rayweave.cluster._job import Job, Packed, Range, collected, joined, planned
 
 
 class _InFile(Packed):
@@ -44,17 +44,9 @@ def run(
         except RuntimeError as error:
             # the executor is broken
             reason = f"a part could not be started ({error})"
-        try:
-            for future in as_completed(waiting):
-                failure = future.exception()
-                if failure is None:
-                    known[waiting[future]] = future.result()
-                elif isinstance(failure, BrokenExecutor):
-                    reason = f"a worker died ({failure})"
-                else:
-                    raise failure
-        finally:
-            # after an error or an interrupt, parts that have not started are not computed
-            for future in waiting:
-                future.cancel()
+        reason = collected(waiting, as_completed(waiting), known, _is_dead, reason)
     return joined(job, known, reason)
+
+
+def _is_dead(failure: BaseException) -> bool:
+    return isinstance(failure, BrokenExecutor)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rayweave.cluster._job import Job, Packed, Range, joined, planned
+from rayweave.cluster._job import Job, Packed, Range, joined, part_of, planned
 from rayweave.optics._given import package
 
 
@@ -16,7 +16,7 @@ def run(job: Job, *, pieces: int | None = None, done: Mapping[Range, Any] | None
     ray = package("ray", "jobs on Ray")
     todo, known = planned(job, pieces or 4 * max(int(ray.cluster_resources().get("CPU", 1)), 1), done)
     packed = ray.put(Packed(job))
-    task = ray.remote(_part)
+    task = ray.remote(part_of)
     waiting = {task.remote(packed, span): span for span in todo}
     reason = "workers died"
     while waiting:
@@ -32,7 +32,3 @@ def run(job: Job, *, pieces: int | None = None, done: Mapping[Range, Any] | None
         except ray.exceptions.RayError as error:
             reason = f"a worker died ({type(error).__name__})"
     return joined(job, known, reason)
-
-
-def _part(packed: Packed, span: Range) -> Any:
-    return packed.part(span)
