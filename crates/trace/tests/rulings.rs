@@ -8,6 +8,7 @@ use rayweave_math::{Affine, PERTURBATION_DIRECTION, Vec3};
 use rayweave_model::{Collected, Evaluator, Program, RegionId, Solid};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::{Value, build};
+use rayweave_shape::surface::delta;
 use rayweave_trace::Reference;
 use std::sync::Arc;
 
@@ -67,6 +68,40 @@ fn tangent_cones_end_at_their_own_apexes() {
     assert_eq!([0.25, 0.75, 1.25].map(|t| inside(&longer, t)), [false, is_in, is_in]);
     assert_eq!([0.25, 0.75, 1.25].map(|t| inside(&(&longer - &cone), t)), [false, false, is_in]);
     assert_eq!([0.25, 0.75, 1.25].map(|t| inside(&(&cone - &longer), t)), [is_in, false, false]);
+}
+
+/// The time at which a ray along a ruling changes sides is as accurate as other crossings, however far away the ray starts.
+#[test]
+fn turning_points_of_distant_rays_are_within_the_tolerance() {
+    let cone = numbers("cone", &[("radius1", 3.0), ("radius2", 0.0), ("height", 4.0)]);
+    let saddle = Solid::from(
+        build(
+            "quadric",
+            &[("matrix", [[0.0, 0.5, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0], [0.0; 4], [0.0; 4]].as_slice().into())],
+        )
+        .unwrap(),
+    );
+    let ball = numbers("sphere", &[("radius", 1.0)]).translate([0.0, 9.0, 9.0]);
+    let w = PERTURBATION_DIRECTION;
+    // a point and the direction of a ruling, and the time from the point to the zero of w . grad f
+    let cases = [
+        // the cone ends at its apex
+        (&cone, Vec3::new(-3.0, 0.0, -2.0), Vec3::new(3.0, 0.0, 4.0), 1.0),
+        // grad f = (2, 2 t, -2 t)
+        (&hyperboloid(), Vec3::X, Vec3::new(0.0, 1.0, 1.0), -w.x / (w.y - w.z)),
+        // grad f = (0, 1 + t, 0)
+        (&saddle, Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, -0.25), -1.0),
+    ];
+    for (solid, point, direction, turn) in cases {
+        for away in [0.0, 3.0, 4096.0, 131_072.0, 1_048_576.0] {
+            let ray = Ray::new(point - away * direction, direction);
+            let answer = trace(&(solid ^ &ball), ray);
+            let tolerance = delta(20.0, &ray, away + turn) / direction.length();
+            let times: Vec<f64> = answer.crossings.iter().map(|crossing| crossing.t).collect();
+            let nearest = times.iter().map(|t| (t - (away + turn)).abs()).fold(f64::INFINITY, f64::min);
+            assert!(nearest <= tolerance, "{away}: {times:?}, {nearest:e} > {tolerance:e}");
+        }
+    }
 }
 
 /// Random models around a cone or hyperboloid, and rays along its rulings: at every time the answer is whether the

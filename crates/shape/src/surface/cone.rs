@@ -73,6 +73,12 @@ impl Cone {
         (offset.length_squared() - radius * radius, gradient)
     }
 
+    /// The change of the gradient per unit of time along a line with this direction.
+    pub(super) fn gradient_rate(&self, direction: Vec3) -> Vec3 {
+        let (rise, along) = self.split(Vector::from(direction));
+        Vec3::from(along.without(rise * self.slope, self.axis).times_number(2.0))
+    }
+
     /// The image: a circular cone under a similarity, possibly with a scale along the axis, else an elliptic cone.
     pub fn transformed(&self, to: &Transform) -> Surface {
         let map = &to.world_from_local;

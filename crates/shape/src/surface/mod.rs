@@ -258,8 +258,8 @@ impl Surface {
                 tolerance::perturbed_crossings(self, self.magnitude(), &ray, perturbation, (0.0, end));
             let ahead = turns.times().last().copied().filter(|&t| t > 0.0);
             departure.times = Crossings::new(false, ahead.as_slice());
-        }
-        if self.degree() == 2 {
+        } else if self.degree() == 2 {
+            // along a ruling both f and its rate are rounding errors
             departure = departure.polished(newton);
         }
         departure.crossings(inside_after, along_w).scaled(rate)
@@ -337,6 +337,16 @@ impl Surface {
     /// hyperbolic paraboloids, but not in planes and along cylinders.
     pub fn turns_along_rulings(&self) -> bool {
         matches!(self, Surface::Cone(_) | Surface::Quadric(_))
+    }
+
+    /// The change of the gradient per unit of time along a line with this direction, for surfaces with a linear gradient
+    /// that [turns along rulings](Surface::turns_along_rulings); zero for all others.
+    fn gradient_rate(&self, direction: Vec3) -> Vec3 {
+        match self {
+            Surface::Cone(s) => s.gradient_rate(direction),
+            Surface::Quadric(s) => s.gradient_rate(direction),
+            _ => Vec3::ZERO,
+        }
     }
 
     /// Upper bound of the lengths that describe the surface, including its position relative to the origin.

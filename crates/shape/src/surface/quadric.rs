@@ -132,6 +132,11 @@ impl Quadric {
         (value, slope.times_number(2.0).plus_all(self.linear))
     }
 
+    /// The change of the gradient per unit of time along a line with this direction.
+    pub(super) fn gradient_rate(&self, direction: Vec3) -> Vec3 {
+        2.0 * self.along_axes(self.weights * self.coordinates(direction))
+    }
+
     /// True unless all weights have the same sign (an ellipsoid, a point or nothing).
     pub fn is_ruled(&self) -> bool {
         !(self.weights.cmpgt(Vec3::ZERO).all() || self.weights.cmplt(Vec3::ZERO).all())

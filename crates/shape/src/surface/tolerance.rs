@@ -216,6 +216,11 @@ fn gradient_noise(surface: &Surface, magnitude: f64, ray: &Ray, (a, b): (f64, f6
 /// middle determines one side. Along a ruling of a cone the sign changes at the apex, along a ruling of a hyperboloid at one
 /// point. (One side for the whole ruling would depend on the point at which the gradient is computed, and thus on other
 /// parts of the model.) A change of `w . grad f` within the rounding error of the gradient counts as 0.
+///
+/// The zero of the linear function is found from its value at t = 0 and its rate, the second derivative of f along w and
+/// the direction of the ray: its error is that of the gradient at the origin of the ray, which is within `gradient_noise`,
+/// over the rate. A rate from two values on the piece between `a` and `b` would multiply that error by |t| / (b - a), a
+/// large number if the ray starts far away.
 pub(super) fn perturbed_crossings(
     surface: &Surface,
     magnitude: f64,
@@ -228,13 +233,12 @@ pub(super) fn perturbed_crossings(
     if !surface.turns_along_rulings() {
         return SurfaceCrossings::constant(perturbation.leads_inside(middle));
     }
-    let (first, last) = (gradient(a), gradient(b));
+    let (first, rates) = (gradient(0.0), surface.gradient_rate(ray.direction));
     let noise = gradient_noise(surface, magnitude, ray, (a, b));
     for w in perturbation.directions() {
-        let rise = w.dot(last) - w.dot(first);
-        if rise.abs() > 2.0 * noise * w.length() {
-            // extrapolated from t = 0, so that the zero does not depend on the ends if it is at the origin of the ray
-            return SurfaceCrossings::new(rise > 0.0, &[-w.dot(gradient(0.0)) / rise * (b - a)]);
+        let rate = w.dot(rates);
+        if rate.abs() * (b - a) > 2.0 * noise * w.length() {
+            return SurfaceCrossings::new(rate > 0.0, &[-w.dot(first) / rate]);
         }
         let slope = w.dot(middle);
         if slope != 0.0 {
