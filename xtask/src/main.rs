@@ -3,6 +3,7 @@
 mod accepted;
 mod allow;
 mod cycles;
+mod dependencies;
 mod dist;
 mod features;
 mod layers;
@@ -47,7 +48,7 @@ Commands:
                        or those whose names contain a text
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   docs [--keep]        build the documentation site in target/site; --keep uses the Python environment of the last run again
-  dist                 build the release command and the wheel into dist/, with checksums
+  dist [OPTIONS]       build the files of a release in dist/, and check each as its user: it runs the examples of the README
   help                 print this text
 
 Options of test:
@@ -56,6 +57,12 @@ Options of test:
   --only STAGE         run only this stage; may be repeated
   --skip STAGE         omit this stage; may be repeated
   --list               print the selected stages and what each does, instead of running them
+
+Options of dist:
+  --only PART          build only this part: command, wheel, sdist or sbom; may be repeated
+  --target TRIPLE      build the command or the wheel for this target of Rust; may be repeated
+  --check              only check the files that are in dist/
+  --no-check           only build
 ";
 
 fn main() -> ExitCode {
@@ -109,10 +116,7 @@ fn run() -> Result<ExitCode, String> {
             features::run(&Repository::find()?)?;
         }
         "docs" => site::run(&Repository::find()?, arguments)?,
-        "dist" => {
-            finish(arguments)?;
-            dist::run(&Repository::find()?)?;
-        }
+        "dist" => dist::run(&Repository::find()?, arguments)?,
         "help" => print!("{HELP}"),
         other => return Err(usage(&format!("no command '{other}'"))),
     }

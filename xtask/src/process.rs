@@ -49,7 +49,8 @@ pub fn output(command: &mut Command) -> Result<String, String> {
 /// The first executable of this name on the PATH.
 pub fn on_path(name: &str) -> Option<PathBuf> {
     let folders = env::var_os("PATH")?;
-    env::split_paths(&folders).map(|folder| folder.join(name)).find(|file| file.is_file())
+    let name = format!("{name}{}", env::consts::EXE_SUFFIX);
+    env::split_paths(&folders).map(|folder| folder.join(&name)).find(|file| file.is_file())
 }
 
 /// The command line, without the folder of the program.

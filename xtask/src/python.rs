@@ -54,7 +54,7 @@ impl Python {
     /// A program of the environment, such as `python` or `maturin`.
     pub fn program(&mut self, name: &str) -> Result<Command, String> {
         let folder = self.environment()?;
-        let mut command = Command::new(folder.join("bin").join(name));
+        let mut command = Command::new(scripts(&folder).join(name));
         command.current_dir(&self.root).env("VIRTUAL_ENV", &folder);
         // environment variables of the user's Python must not affect the tests
         command.env_remove("PYTHONPATH").env_remove("PYTHONHOME").env_remove("CONDA_PREFIX");
@@ -103,13 +103,18 @@ impl Python {
             return Err(format!("{BINDING}/pyproject.toml: no such file: the package is built from it."));
         }
         self.install(&["maturin>=1.16,<2"])?;
-        let interpreter = self.environment()?.join("bin").join("python");
+        let interpreter = scripts(&self.environment()?).join("python");
         let mut maturin = self.program("maturin")?;
         maturin.current_dir(self.root.join(BINDING));
         maturin.args(["build", "--release", "--interpreter"]).arg(interpreter).arg("--out").arg(folder);
         process::run(configure(&mut maturin))?;
         the_wheel(folder)
     }
+}
+
+/// The folder of the programs of a virtual environment.
+pub fn scripts(environment: &Path) -> PathBuf {
+    environment.join(if cfg!(windows) { "Scripts" } else { "bin" })
 }
 
 /// The first interpreter that is new enough and can create virtual environments.
