@@ -14,6 +14,7 @@ mod mutants;
 mod new_primitive;
 mod outcome;
 mod process;
+mod publish;
 mod python;
 mod report;
 mod repository;
@@ -23,6 +24,7 @@ mod stage;
 mod stub;
 mod suite;
 mod tidy;
+mod workflows;
 mod workshop;
 
 use std::process::ExitCode;
@@ -48,6 +50,9 @@ Commands:
                        or those whose names contain a text
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   docs [--keep]        build the documentation site in target/site; --keep uses the Python environment of the last run again
+  workflows            check the workflows of continuous integration with actionlint
+  publish [--dry-run]  publish all crates in the order of their dependencies, or try it without uploading
+  semver               compare the interface of the library with that of the last release
   dist [OPTIONS]       build the files of a release in dist/, and check each as its user: it runs the examples of the README
   help                 print this text
 
@@ -61,6 +66,7 @@ Options of test:
 Options of dist:
   --only PART          build only this part: command, wheel, sdist or sbom; may be repeated
   --target TRIPLE      build the command or the wheel for this target of Rust; may be repeated
+  --add-targets        install missing standard libraries of targets with rustup
   --check              only check the files that are in dist/
   --no-check           only build
 ";
@@ -117,6 +123,15 @@ fn run() -> Result<ExitCode, String> {
         }
         "docs" => site::run(&Repository::find()?, arguments)?,
         "dist" => dist::run(&Repository::find()?, arguments)?,
+        "workflows" => {
+            finish(arguments)?;
+            workflows::run(&Repository::find()?, &mut report::Counts::default())?;
+        }
+        "publish" => publish::run(&Repository::find()?, arguments)?,
+        "semver" => {
+            finish(arguments)?;
+            publish::compare_interface(&Repository::find()?)?;
+        }
         "help" => print!("{HELP}"),
         other => return Err(usage(&format!("no command '{other}'"))),
     }

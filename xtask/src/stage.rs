@@ -9,7 +9,7 @@ mod primitive;
 use crate::outcome::Outcome;
 use crate::report::Counts;
 use crate::workshop::Workshop;
-use crate::{features, layers, lean, licences, mutants, tidy};
+use crate::{features, layers, lean, licences, mutants, tidy, workflows};
 
 pub use primitive::alone;
 
@@ -29,6 +29,9 @@ pub struct Stage {
 pub const STAGES: &[Stage] = &[
     stage("fmt", "the code is formatted", cargo::fmt),
     stage("tidy", "the text of all files", |workshop, _| tidy::run(workshop.repository)),
+    stage("workflows", "the workflows of continuous integration", |workshop, counts| {
+        workflows::run(workshop.repository, counts)
+    }),
     stage("layers", "the crates' dependencies", |workshop, _| {
         layers::run(workshop.repository)?;
         lean::run(workshop.repository)?;

@@ -1,6 +1,6 @@
 """Archives and checksums. The same files give the same bytes: entries are sorted, and without times, users and groups.
 
-Usage: archive.py pack FOLDER ARCHIVE | unpack ARCHIVE FOLDER | sums FOLDER | verify FOLDER
+Usage: archive.py pack FOLDER ARCHIVE | unpack ARCHIVE FOLDER | sums FOLDER FILE | verify FOLDER FILE
 """
 
 import gzip
@@ -61,18 +61,19 @@ def unpack(archive: Path, folder: Path) -> None:
 
 
 def digests(folder: Path) -> str:
-    """The SHA-256 of all files in the folder, in the form of `sha256sum`."""
-    paths = [path for path in files(folder) if path.name != "SHA256SUMS"]
-    return "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}\n" for path in paths)
+    """The SHA-256 of all files in the folder and below, in the form of `sha256sum`."""
+    paths = [path for path in files(folder) if not path.name.startswith("SHA256SUMS")]
+    entries = [(hashlib.sha256(path.read_bytes()).hexdigest(), path.relative_to(folder).as_posix()) for path in paths]
+    return "".join(f"{digest}  {name}\n" for digest, name in entries)
 
 
-def sums(folder: Path) -> None:
-    (folder / "SHA256SUMS").write_text(digests(folder), encoding="utf-8", newline="\n")
+def sums(folder: Path, target: Path) -> None:
+    target.write_text(digests(folder), encoding="utf-8", newline="\n")
 
 
-def verify(folder: Path) -> None:
-    if (folder / "SHA256SUMS").read_text(encoding="utf-8") != digests(folder):
-        sys.exit(f"{folder}: the checksums are not those of the files.")
+def verify(folder: Path, target: Path) -> None:
+    if target.read_text(encoding="utf-8") != digests(folder):
+        sys.exit(f"{target}: the checksums are not those of the files.")
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{Dist, make};
+use super::{Dist, files, make};
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::{Python, remove_old, scripts};
@@ -22,34 +22,36 @@ const FAST_BUILD: [(&str, &str); 3] = [
 
 /// Checks the files in `dist/` that run on this machine, and names those that do not.
 pub fn run(dist: &mut Dist<'_>) -> Outcome {
-    let folder = dist.folder.clone();
-    process::run(dist.script("archive.py")?.arg("verify").arg(&folder))?;
+    let (folder, sums, for_python) = (dist.folder.clone(), dist.checksums(), dist.for_python());
+    process::run(dist.script("archive.py")?.arg("verify").args([&folder, &sums]))?;
     let mut checked = Vec::new();
     if dist.has("command") {
-        for archive in [dist.files("-musl.tar.gz")?, dist.files("-darwin.tar.gz")?, dist.files("-msvc.zip")?].concat() {
+        for archive in [files(&folder, ".tar.gz")?, files(&folder, ".zip")?].concat() {
             checked.push(command(dist, &archive)?);
         }
     }
     if dist.has("wheel") {
-        for path in dist.files(".whl")? {
+        for path in files(&for_python, ".whl")? {
             checked.push(wheel(dist, &path)?);
         }
     }
-    let sources = dist.folder.join(format!("rayweave-{}.tar.gz", dist.version));
+    let sources = for_python.join(format!("rayweave-{}.tar.gz", dist.version));
     if dist.has("sdist") && sources.is_file() {
         checked.push(sdist(dist, &sources)?);
     }
     checked.iter().for_each(|line| println!("checked: {line}"));
-    match checked.is_empty() && !(dist.parts == ["sbom"]) {
+    match checked.is_empty() && dist.parts != ["sbom"] {
         false => Ok(()),
-        true => Err(format!("{}: nothing to check. Run cargo xtask dist first.", dist.folder.display())),
+        true => Err(format!("{}: nothing to check. Run cargo xtask dist first.", folder.display())),
     }
 }
 
 /// Unpacks the command and runs the commands of the README.
 fn command(dist: &mut Dist<'_>, archive: &Path) -> Result<String, String> {
     let title = title(archive);
-    let Some(runner) = runner(&title) else { return Ok(format!("{title}: only built, it does not run here")) };
+    let Some(runner) = runner(&title) else {
+        return Ok(format!("{title}: only built, it does not run here"));
+    };
     let scratch = empty(dist, "check-command")?;
     process::run(dist.script("archive.py")?.arg("unpack").args([archive, &scratch]))?;
     let name = title.trim_end_matches(".tar.gz").trim_end_matches(".zip");
@@ -76,7 +78,16 @@ fn wheel(dist: &mut Dist<'_>, path: &Path) -> Result<String, String> {
     let mut python = fresh(dist)?;
     let path = path.to_string_lossy();
     let mut pip = python.program("python")?;
-    pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", &path]);
+    pip.args([
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--only-binary",
+        ":all:",
+        &path,
+    ]);
     process::run(without_rust(pip.args(PACKAGES), &empty(dist, "check-path")?))?;
     run_readme(dist, &mut python)?;
     Ok(format!("{title}: installs without Rust, and runs the Python of the README"))
@@ -92,7 +103,8 @@ fn sdist(dist: &mut Dist<'_>, archive: &Path) -> Result<String, String> {
     let sources = scratch.join(format!("rayweave-{}", dist.version));
     let sysroot = process::output(Command::new("rustc").args(["--print", "sysroot"]))?;
     let mut pip = python.program("python")?;
-    pip.args(["-m", "pip", "install", "--no-index", "--no-build-isolation", "--no-deps", "--verbose"]).arg(&sources);
+    pip.args(["-m", "pip", "install", "--no-index", "--no-build-isolation", "--no-deps", "--verbose"])
+        .arg(&sources);
     let cut_off = process::output(Command::new("unshare").args(["--net", "true"])).is_ok();
     let mut pip = if cut_off { inside("unshare", &["--net"], &pip) } else { pip };
     // the folder of the environment's programs holds maturin
@@ -105,14 +117,18 @@ fn sdist(dist: &mut Dist<'_>, archive: &Path) -> Result<String, String> {
     pip.env_remove("RUSTFLAGS").env_remove("CARGO_ENCODED_RUSTFLAGS").current_dir(&scratch);
     process::run(&mut pip)?;
     run_readme(dist, &mut python)?;
-    let network = if cut_off { "without a network" } else { "with an empty CARGO_HOME and CARGO_NET_OFFLINE" };
+    let network =
+        if cut_off { "without a network" } else { "with an empty CARGO_HOME and CARGO_NET_OFFLINE" };
     Ok(format!("{}: builds {network}, and runs the Python of the README", title(archive)))
 }
 
 /// Runs the Python of the README in an environment.
 fn run_readme(dist: &Dist<'_>, python: &mut Python) -> Outcome {
     let mut readme = python.program("python")?;
-    readme.arg(dist.repository.root.join("xtask/src/dist/readme.py")).arg("python").arg(&dist.repository.root);
+    readme
+        .arg(dist.repository.root.join("xtask/src/dist/readme.py"))
+        .arg("python")
+        .arg(&dist.repository.root);
     clean(&mut readme, &empty(dist, "check-home")?).env("MPLBACKEND", "Agg");
     process::run(readme.current_dir(empty(dist, "check-run")?))
 }
@@ -203,13 +219,13 @@ mod tests {
     #[test]
     fn calls_move_into_another_program() {
         let mut command = Command::new("pip");
-        command.args(["install", "x"]).env("A", "1").env_remove("B").current_dir("/tmp");
+        command.args(["install", "x"]).env("A", "1").env_remove("B").current_dir("below");
         let outer = inside("unshare", &["--net"], &command);
         assert_eq!(outer.get_program(), "unshare");
         assert_eq!(outer.get_args().collect::<Vec<_>>(), ["--net", "pip", "install", "x"]);
         let expected = [("A".as_ref(), Some("1".as_ref())), ("B".as_ref(), None)];
         assert_eq!(outer.get_envs().collect::<Vec<_>>(), expected);
-        assert_eq!(outer.get_current_dir(), Some(Path::new("/tmp")));
+        assert_eq!(outer.get_current_dir(), Some(Path::new("below")));
     }
 
     #[test]

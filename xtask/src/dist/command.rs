@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::{Dist, copy, elf, make, need_target, runs_here, write};
+use super::{Dist, copy, elf, make, runs_here, write};
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::remove_old;
@@ -20,8 +20,12 @@ const FILES: [&str; 5] = [
 ];
 
 /// Shells, with the names of their completion scripts.
-const COMPLETIONS: [(&str, &str); 4] =
-    [("bash", "rayweave.bash"), ("zsh", "_rayweave"), ("fish", "rayweave.fish"), ("powershell", "rayweave.ps1")];
+const COMPLETIONS: [(&str, &str); 4] = [
+    ("bash", "rayweave.bash"),
+    ("zsh", "_rayweave"),
+    ("fish", "rayweave.fish"),
+    ("powershell", "rayweave.ps1"),
+];
 
 /// The targets of this system: on Linux, static programs for both processors, the own one first.
 pub fn targets() -> Vec<String> {
@@ -40,7 +44,7 @@ fn name(dist: &Dist<'_>, target: &str) -> String {
 }
 
 pub fn build(dist: &mut Dist<'_>, target: &str) -> Outcome {
-    need_target(target)?;
+    dist.need_target(target)?;
     let mut cargo = Command::new("cargo");
     cargo.current_dir(&dist.repository.root);
     cargo.args(["build", "--release", "--locked", "--package", "rayweave-cli", "--target", target]);

@@ -20,9 +20,9 @@ use std::process::Command;
 
 use lexopt::prelude::*;
 
-use crate::layers;
 use crate::outcome::{Outcome, usage};
 use crate::process;
+use crate::publish;
 use crate::python::{Python, remove_old};
 use crate::repository::Repository;
 use local_paths::LocalPaths;
@@ -42,12 +42,14 @@ struct Dist<'a> {
     version: String,
     parts: Vec<String>,
     targets: Vec<String>,
+    /// True if missing standard libraries are installed.
+    add_targets: bool,
 }
 
 /// Builds and checks the parts that the command line selects.
 pub fn run(repository: &Repository, mut arguments: lexopt::Parser) -> Outcome {
     let (mut parts, mut targets) = (Vec::new(), Vec::new());
-    let (mut build, mut check) = (true, true);
+    let (mut build, mut check, mut add_targets) = (true, true, false);
     let text = |value: Result<std::ffi::OsString, lexopt::Error>| -> Result<String, String> {
         value.and_then(|value| value.string()).map_err(|error| usage(&error.to_string()))
     };
@@ -55,12 +57,13 @@ pub fn run(repository: &Repository, mut arguments: lexopt::Parser) -> Outcome {
         match argument {
             Long("only") => parts.push(known_part(text(arguments.value())?)?),
             Long("target") => targets.push(text(arguments.value())?),
+            Long("add-targets") => add_targets = true,
             Long("check") => build = false,
             Long("no-check") => check = false,
             other => return Err(usage(&other.unexpected().to_string())),
         }
     }
-    let mut dist = Dist::new(repository, parts, targets)?;
+    let mut dist = Dist { add_targets, ..Dist::new(repository, parts, targets)? };
     if build {
         dist.build()?;
     }
@@ -81,18 +84,16 @@ impl Dist<'_> {
     fn new(repository: &Repository, parts: Vec<String>, targets: Vec<String>) -> Result<Dist<'_>, String> {
         let work = repository.target().join("dist");
         fs::create_dir_all(&work).map_err(|error| format!("{}: {error}.", work.display()))?;
-        let metadata = layers::metadata(repository)?;
-        let packages = metadata["packages"].as_array().into_iter().flatten();
-        let version = packages.filter(|package| package["name"] == "rayweave").find_map(|p| p["version"].as_str());
         Ok(Dist {
             repository,
             folder: repository.root.join("dist"),
             local: LocalPaths::find(repository, &work)?,
             python: Python::named(repository, "dist-venv", false),
-            version: version.ok_or("the workspace has no package rayweave.")?.to_owned(),
+            version: publish::version(repository)?,
             work,
             parts,
             targets,
+            add_targets: false,
         })
     }
 
@@ -110,7 +111,7 @@ impl Dist<'_> {
         if self.parts.is_empty() && self.targets.is_empty() {
             remove_old(&self.folder)?;
         }
-        make(&self.folder)?;
+        make(&self.for_python())?;
         if self.has("sbom") {
             self.write_sboms()?;
         }
@@ -127,8 +128,18 @@ impl Dist<'_> {
         if self.has("sdist") {
             sdist::build(self)?;
         }
-        let folder = self.folder.clone();
-        process::run(self.script("archive.py")?.arg("sums").arg(&folder))
+        let (folder, sums) = (self.folder.clone(), self.checksums());
+        process::run(self.script("archive.py")?.arg("sums").args([folder, sums]))
+    }
+
+    /// The file of checksums. Its name says for which system, since a release joins the files that several systems made.
+    fn checksums(&self) -> PathBuf {
+        self.folder.join(format!("SHA256SUMS-{}", env::consts::OS))
+    }
+
+    /// The folder of the wheels and of the source distribution: all files that belong into an index of Python packages.
+    fn for_python(&self) -> PathBuf {
+        self.folder.join("python")
     }
 
     /// The lists of the crates in the command and in the Python package.
@@ -153,25 +164,33 @@ impl Dist<'_> {
         Ok(python)
     }
 
-    /// The finished files whose names end with a text, sorted.
-    fn files(&self, ending: &str) -> Result<Vec<PathBuf>, String> {
-        let entries = fs::read_dir(&self.folder)
-            .map_err(|error| format!("{}: {error}. Run cargo xtask dist first.", self.folder.display()))?;
-        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-        let mut paths: Vec<PathBuf> =
-            paths.filter(|path| path.to_string_lossy().ends_with(ending)).collect();
-        paths.sort();
-        Ok(paths)
+    /// Fails with the remedy if the standard library of a target is not installed.
+    fn need_target(&self, target: &str) -> Outcome {
+        if self.add_targets {
+            process::run(Command::new("rustup").args(["target", "add", target]))?;
+        }
+        need_target(target)
     }
 }
 
-/// Fails with the remedy if the standard library of a target is not installed.
+/// The files of a folder whose names end with a text, sorted.
+fn files(folder: &Path, ending: &str) -> Result<Vec<PathBuf>, String> {
+    let entries = fs::read_dir(folder)
+        .map_err(|error| format!("{}: {error}. Run cargo xtask dist first.", folder.display()))?;
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut paths: Vec<PathBuf> = paths.filter(|path| path.to_string_lossy().ends_with(ending)).collect();
+    paths.sort();
+    Ok(paths)
+}
+
 fn need_target(target: &str) -> Outcome {
-    let folder = process::output(Command::new("rustc").args(["--print", "target-libdir", "--target", target]))?;
+    let folder =
+        process::output(Command::new("rustc").args(["--print", "target-libdir", "--target", target]))?;
     match Path::new(folder.trim()).is_dir() {
         true => Ok(()),
         false => Err(format!(
-            "{target}: its standard library is not installed. Run rustup target add {target}, or select other targets with --target."
+            "{target}: its standard library is not installed. Run rustup target add {target} or add the option \
+             --add-targets, or select other targets with --target."
         )),
     }
 }
@@ -194,7 +213,9 @@ fn write(path: &Path, text: &str) -> Outcome {
 }
 
 fn copy(from: &Path, to: &Path) -> Outcome {
-    fs::copy(from, to).map(|_| ()).map_err(|error| format!("{} to {}: {error}.", from.display(), to.display()))
+    fs::copy(from, to)
+        .map(|_| ())
+        .map_err(|error| format!("{} to {}: {error}.", from.display(), to.display()))
 }
 
 #[cfg(test)]

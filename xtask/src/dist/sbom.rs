@@ -37,11 +37,7 @@ pub fn write(metadata: &Value, lock: &str, root: &str) -> Result<Value, String> 
     }))
 }
 
-fn component(
-    package: &Value,
-    kind: &str,
-    checksums: &BTreeMap<(&str, &str), &str>,
-) -> Result<Value, String> {
+fn component(package: &Value, kind: &str, checksums: &BTreeMap<(&str, &str), &str>) -> Result<Value, String> {
     let (name, version) = (word(package, "name"), word(package, "version"));
     let mut component = json!({
         "type": kind,
@@ -122,7 +118,9 @@ mod tests {
 
     #[test]
     fn unknown_packages_and_missing_checksums_are_errors() {
-        assert!(write(&metadata(), LOCK, "no-such").unwrap_err().starts_with("no-such: the workspace has no"));
+        assert!(
+            write(&metadata(), LOCK, "no-such").unwrap_err().starts_with("no-such: the workspace has no")
+        );
         let message = write(&metadata(), "", "main").unwrap_err();
         assert_eq!(message, "glass 2.0.0+a: not in Cargo.lock.");
     }

@@ -33,7 +33,7 @@ pub fn build(dist: &mut Dist<'_>) -> Outcome {
     make(&sources.join(".cargo"))?;
     write(&sources.join(".cargo/config.toml"), &configuration)?;
     dist.local.check(&sources)?;
-    let archive = dist.folder.join(format!("{name}.tar.gz"));
+    let archive = dist.for_python().join(format!("{name}.tar.gz"));
     process::run(dist.script("archive.py")?.arg("pack").args([sources, archive]))
 }
 
@@ -111,9 +111,13 @@ mod tests {
 
     #[test]
     fn the_flags_of_the_repository_stay() {
-        let text = "[alias]\nxtask = \"run\"\n\n# why\n[target.'cfg(unix)']\nrustflags = [\"--cfg\", \"x\"]\n";
+        let text =
+            "[alias]\nxtask = \"run\"\n\n# why\n[target.'cfg(unix)']\nrustflags = [\"--cfg\", \"x\"]\n";
         let found = configuration(text);
-        assert!(found.contains("directory = \"vendor\"\n\n# why\n[target.'cfg(unix)']\nrustflags"), "{found}");
+        assert!(
+            found.contains("directory = \"vendor\"\n\n# why\n[target.'cfg(unix)']\nrustflags"),
+            "{found}"
+        );
         assert!(!found.contains("alias") && !found.contains("xtask"), "{found}");
     }
 
@@ -136,7 +140,8 @@ mod tests {
         assert_eq!(left, [".cargo-checksum.json", "Cargo.toml", "src"]);
         assert_eq!(read(&folder.join("src/lib.rs")).unwrap(), "");
         assert_eq!(entries(&folder.join("src")).unwrap().len(), 1);
-        let recorded: Value = serde_json::from_str(&read(&folder.join(".cargo-checksum.json")).unwrap()).unwrap();
+        let recorded: Value =
+            serde_json::from_str(&read(&folder.join(".cargo-checksum.json")).unwrap()).unwrap();
         assert_eq!(recorded, json!({"files": {}, "package": "cd"}));
         remove_old(&folder).unwrap();
     }

@@ -2,7 +2,7 @@
 
 use std::env;
 
-use super::{Dist, copy, need_target};
+use super::{Dist, copy};
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::remove_old;
@@ -22,7 +22,7 @@ pub fn targets() -> Vec<String> {
 }
 
 pub fn build(dist: &mut Dist<'_>, target: &str) -> Outcome {
-    need_target(target)?;
+    dist.need_target(target)?;
     if target.contains("linux") {
         dist.python.install(&["ziglang", "auditwheel"])?;
     }
@@ -40,5 +40,5 @@ pub fn build(dist: &mut Dist<'_>, target: &str) -> Outcome {
     process::run(dist.script("archive.py")?.arg("unpack").args([&wheel, &unpacked]))?;
     dist.local.check(&unpacked)?;
     let name = wheel.file_name().ok_or("a wheel without a name.")?;
-    copy(&wheel, &dist.folder.join(name))
+    copy(&wheel, &dist.for_python().join(name))
 }
