@@ -13,6 +13,7 @@ mod masked;
 mod mutants;
 mod new_primitive;
 mod outcome;
+mod platforms;
 mod process;
 mod publish;
 mod python;
@@ -51,13 +52,14 @@ Commands:
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   docs [--keep]        build the documentation site in target/site; --keep uses the Python environment of the last run again
   workflows            check the workflows of continuous integration with actionlint
+  platforms            check that the code compiles for Windows and macOS
   publish [--dry-run]  publish all crates in the order of their dependencies, or try it without uploading
   semver               compare the interface of the library with that of the last release
   dist [OPTIONS]       build the files of a release in dist/, and check each as its user: it runs the examples of the README
   help                 print this text
 
 Options of test:
-  --long               also run the stages long (the ignored tests) and mutants
+  --long               also run the stages long (the ignored tests), platforms and mutants
   --fail-fast          stop at the first stage that fails
   --only STAGE         run only this stage; may be repeated
   --skip STAGE         omit this stage; may be repeated
@@ -126,6 +128,10 @@ fn run() -> Result<ExitCode, String> {
         "workflows" => {
             finish(arguments)?;
             workflows::run(&Repository::find()?, &mut report::Counts::default())?;
+        }
+        "platforms" => {
+            finish(arguments)?;
+            platforms::run(&Repository::find()?, &mut report::Counts::default())?;
         }
         "publish" => publish::run(&Repository::find()?, arguments)?,
         "semver" => {

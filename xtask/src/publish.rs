@@ -104,6 +104,16 @@ mod tests {
     }
 
     #[test]
+    fn all_files_state_the_same_version() {
+        let repository = Repository::find().unwrap();
+        let version = version(&repository).unwrap();
+        for path in ["CITATION.cff", "packaging/conda/recipe.yaml"] {
+            let text = repository.source(path).unwrap().unwrap().text;
+            assert!(text.lines().any(|line| line.trim() == format!("version: {version}")), "{path}");
+        }
+    }
+
+    #[test]
     fn the_release_before_this_one_is_the_baseline() {
         assert_eq!(last_before("v0.1.0\nv0.2.0\nv0.3.0\n", "0.3.0"), Some("v0.2.0"));
         assert_eq!(last_before("v0.1.0\nv0.2.0\n", "0.3.0"), Some("v0.2.0"));
