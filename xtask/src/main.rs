@@ -71,6 +71,7 @@ Options of dist:
   --add-targets        install missing standard libraries of targets with rustup
   --check              only check the files that are in dist/
   --no-check           only build
+  --fast               a trial without optimisation: builds take less time, and the programs are slow
 ";
 
 fn main() -> ExitCode {

@@ -11,6 +11,9 @@ use crate::repository::Repository;
 /// The folder of the bindings, relative to the root.
 pub const BINDING: &str = "bindings/python";
 
+/// The program that builds the package, as a requirement of pip.
+pub const MATURIN: &str = "maturin>=1.16,<2";
+
 /// Names of interpreters on the PATH, in the order in which they are tried.
 const INTERPRETERS: [&str; 6] = ["python3", "python3.14", "python3.13", "python3.12", "python3.11", "python"];
 
@@ -18,6 +21,7 @@ const INTERPRETERS: [&str; 6] = ["python3", "python3.14", "python3.13", "python3
 const PROBE: &str = "import sys\nif sys.version_info < (3, 11): sys.exit('old')\nimport ensurepip, venv\n";
 
 /// A virtual environment that is created at the first use in a run, and replaced in the next run.
+#[derive(Clone)]
 pub struct Python {
     root: PathBuf,
     target: PathBuf,
@@ -102,7 +106,7 @@ impl Python {
         if !project.is_file() {
             return Err(format!("{BINDING}/pyproject.toml: no such file: the package is built from it."));
         }
-        self.install(&["maturin>=1.16,<2"])?;
+        self.install(&[MATURIN])?;
         let interpreter = scripts(&self.environment()?).join("python");
         let mut maturin = self.program("maturin")?;
         maturin.current_dir(self.root.join(BINDING));

@@ -5,20 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{Dist, files, make};
+use super::{Dist, FAST_BUILD, files, make};
 use crate::outcome::Outcome;
 use crate::process;
-use crate::python::{Python, remove_old, scripts};
+use crate::python::{MATURIN, Python, remove_old, scripts};
 
 /// The packages that the examples of the README use.
 const PACKAGES: [&str; 3] = ["matplotlib", "pandas", "pyarrow"];
-
-/// The settings of an optimised build that take longest, for the check that the sources compile.
-const FAST_BUILD: [(&str, &str); 3] = [
-    ("CARGO_PROFILE_RELEASE_LTO", "off"),
-    ("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1"),
-    ("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16"),
-];
 
 /// Checks the files in `dist/` that run on this machine, and names those that do not.
 pub fn run(dist: &mut Dist<'_>) -> Outcome {
@@ -66,6 +59,7 @@ fn command(dist: &mut Dist<'_>, archive: &Path) -> Result<String, String> {
 fn wheel(dist: &mut Dist<'_>, path: &Path) -> Result<String, String> {
     let title = title(path);
     if title.contains("linux") {
+        dist.python.install(&["auditwheel"])?;
         let report = process::output(dist.python.program("auditwheel")?.arg("show").arg(path))?;
         println!("{report}");
         if !report.contains("manylinux_2_17_") {
@@ -96,7 +90,7 @@ fn wheel(dist: &mut Dist<'_>, path: &Path) -> Result<String, String> {
 /// Builds the Python package from its sources, without a network where the system can cut it off, and runs the Python of the README.
 fn sdist(dist: &mut Dist<'_>, archive: &Path) -> Result<String, String> {
     let mut python = fresh(dist)?;
-    python.install(&["maturin>=1.16,<2", "numpy"])?;
+    python.install(&[MATURIN, "numpy"])?;
     python.install(&PACKAGES)?;
     let scratch = empty(dist, "check-sdist")?;
     process::run(dist.script("archive.py")?.arg("unpack").args([archive, &scratch]))?;

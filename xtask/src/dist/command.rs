@@ -53,7 +53,7 @@ pub fn build(dist: &mut Dist<'_>, target: &str) -> Outcome {
         let variable = format!("CARGO_TARGET_{}_LINKER", target.to_uppercase().replace('-', "_"));
         cargo.env(variable, "rust-lld");
     }
-    process::run(dist.local.hide(&mut cargo, &dist.work))?;
+    process::run(dist.configure(&mut cargo))?;
     let file = if target.contains("windows") { "rayweave.exe" } else { "rayweave" };
     let program = dist.work.join(target).join("release").join(file);
     dist.local.check(&program)?;

@@ -30,6 +30,13 @@ use local_paths::LocalPaths;
 /// The parts of a release.
 const PARTS: [&str; 4] = ["command", "wheel", "sdist", "sbom"];
 
+/// Other values of the settings of an optimised build that take longest.
+const FAST_BUILD: [(&str, &str); 3] = [
+    ("CARGO_PROFILE_RELEASE_LTO", "off"),
+    ("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0"),
+    ("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16"),
+];
+
 /// The files of a release in the making.
 struct Dist<'a> {
     repository: &'a Repository,
@@ -44,12 +51,14 @@ struct Dist<'a> {
     targets: Vec<String>,
     /// True if missing standard libraries are installed.
     add_targets: bool,
+    /// True for a trial, without optimisation: builds take less time, and the programs are slow.
+    fast: bool,
 }
 
 /// Builds and checks the parts that the command line selects.
 pub fn run(repository: &Repository, mut arguments: lexopt::Parser) -> Outcome {
     let (mut parts, mut targets) = (Vec::new(), Vec::new());
-    let (mut build, mut check, mut add_targets) = (true, true, false);
+    let (mut build, mut check, mut add_targets, mut fast) = (true, true, false, false);
     let text = |value: Result<std::ffi::OsString, lexopt::Error>| -> Result<String, String> {
         value.and_then(|value| value.string()).map_err(|error| usage(&error.to_string()))
     };
@@ -58,12 +67,13 @@ pub fn run(repository: &Repository, mut arguments: lexopt::Parser) -> Outcome {
             Long("only") => parts.push(known_part(text(arguments.value())?)?),
             Long("target") => targets.push(text(arguments.value())?),
             Long("add-targets") => add_targets = true,
+            Long("fast") => fast = true,
             Long("check") => build = false,
             Long("no-check") => check = false,
             other => return Err(usage(&other.unexpected().to_string())),
         }
     }
-    let mut dist = Dist { add_targets, ..Dist::new(repository, parts, targets)? };
+    let mut dist = Dist { add_targets, fast, ..Dist::new(repository, parts, targets)? };
     if build {
         dist.build()?;
     }
@@ -94,6 +104,7 @@ impl Dist<'_> {
             parts,
             targets,
             add_targets: false,
+            fast: false,
         })
     }
 
@@ -140,6 +151,14 @@ impl Dist<'_> {
     /// The folder of the wheels and of the source distribution: all files that belong into an index of Python packages.
     fn for_python(&self) -> PathBuf {
         self.folder.join("python")
+    }
+
+    /// Completes a call of cargo or maturin: paths of this machine are replaced, and a trial is not optimised.
+    fn configure<'a>(&self, cargo: &'a mut Command) -> &'a mut Command {
+        if self.fast {
+            cargo.envs(FAST_BUILD);
+        }
+        self.local.hide(cargo, &self.work)
     }
 
     /// The lists of the crates in the command and in the Python package.

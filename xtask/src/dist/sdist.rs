@@ -15,12 +15,12 @@ use super::{Dist, make, write};
 use crate::dependencies::{Graph, Kind, is_external};
 use crate::outcome::Outcome;
 use crate::process;
-use crate::python::{BINDING, remove_old};
+use crate::python::{BINDING, MATURIN, remove_old};
 
 pub fn build(dist: &mut Dist<'_>) -> Outcome {
     let scratch = dist.work.join("sdist");
     remove_old(&scratch)?;
-    dist.python.install(&["maturin>=1.16,<2"])?;
+    dist.python.install(&[MATURIN])?;
     let mut maturin = dist.python.program("maturin")?;
     maturin.current_dir(dist.repository.root.join(BINDING)).args(["sdist", "--out"]).arg(&scratch);
     process::run(&mut maturin)?;

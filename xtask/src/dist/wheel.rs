@@ -5,7 +5,7 @@ use std::env;
 use super::{Dist, copy};
 use crate::outcome::Outcome;
 use crate::process;
-use crate::python::remove_old;
+use crate::python::{MATURIN, remove_old};
 
 /// The oldest Linux systems that the wheels run on: glibc 2.17 (PEP 599), the oldest that Rust supports.
 const COMPATIBILITY: &str = "manylinux2014";
@@ -23,18 +23,16 @@ pub fn targets() -> Vec<String> {
 
 pub fn build(dist: &mut Dist<'_>, target: &str) -> Outcome {
     dist.need_target(target)?;
-    if target.contains("linux") {
-        dist.python.install(&["ziglang", "auditwheel"])?;
-    }
+    dist.python.install(if target.contains("linux") { &[MATURIN, "ziglang"] } else { &[MATURIN] })?;
     let folder = dist.work.join("wheel").join(target);
     remove_old(&folder)?;
-    let (local, work) = (&dist.local, &dist.work);
-    let wheel = dist.python.build_wheel(&folder, |maturin| {
+    let mut python = dist.python.clone();
+    let wheel = python.build_wheel(&folder, |maturin| {
         maturin.args(["--locked", "--target", target]);
         if target.contains("linux") {
             maturin.args(["--zig", "--compatibility", COMPATIBILITY]);
         }
-        local.hide(maturin, work)
+        dist.configure(maturin)
     })?;
     let unpacked = folder.join("unpacked");
     process::run(dist.script("archive.py")?.arg("unpack").args([&wheel, &unpacked]))?;
