@@ -1,6 +1,7 @@
 //! Python for the tests: an interpreter, a fresh virtual environment, and the package built and
 //! installed in it.
 
+use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -58,7 +59,12 @@ impl Python {
     /// A program of the environment, such as `python` or `maturin`.
     pub fn program(&mut self, name: &str) -> Result<Command, String> {
         let folder = self.environment()?;
-        let mut command = Command::new(scripts(&folder).join(name));
+        let programs = scripts(&folder);
+        let mut command = Command::new(programs.join(name));
+        // the programs that this one calls are those of the environment, too, such as the linker zig
+        let path = env::var_os("PATH").unwrap_or_default();
+        let path = env::join_paths(std::iter::once(programs).chain(env::split_paths(&path)));
+        command.env("PATH", path.map_err(|error| format!("PATH: {error}."))?);
         command.current_dir(&self.root).env("VIRTUAL_ENV", &folder);
         // environment variables of the user's Python must not affect the tests
         command.env_remove("PYTHONPATH").env_remove("PYTHONHOME").env_remove("CONDA_PREFIX");
