@@ -4,14 +4,12 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use lexopt::prelude::*;
 use serde_json::Value;
 
-use crate::dependencies::{Graph, Kind, is_external};
+use crate::dependencies::{self, Graph, Kind, is_external};
 use crate::outcome::{Outcome, usage};
-use crate::process;
 use crate::repository::Repository;
 
 /// The folder of the Python package: packagers take licence files from there only.
@@ -64,7 +62,10 @@ pub fn check(repository: &Repository, accept: bool) -> Outcome {
             }
         }
     }
-    println!("licences: {} external crates are linked", linked(&metadata(repository)?)?.len());
+    println!(
+        "licences: {} external crates are linked",
+        linked(repository, &dependencies::metadata(&repository.root)?)?.len()
+    );
     Ok(())
 }
 
@@ -72,22 +73,17 @@ fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-fn metadata(repository: &Repository) -> Result<Value, String> {
-    let mut cargo = Command::new("cargo");
-    cargo.current_dir(&repository.root).args(["metadata", "--format-version", "1", "--locked"]);
-    serde_json::from_str(&process::output(&mut cargo)?).map_err(|error| error.to_string())
-}
-
 /// The external packages that are linked into the binaries, on any platform.
-fn linked(metadata: &Value) -> Result<Vec<&Value>, String> {
-    let packages = Graph::new(metadata)?.reachable(&BINARIES, Kind::Linked);
+fn linked<'a>(repository: &Repository, metadata: &'a Value) -> Result<Vec<&'a Value>, String> {
+    let compiled = dependencies::compiled(&repository.root, &BINARIES)?;
+    let packages = Graph::new(metadata, &compiled)?.reachable(&BINARIES, Kind::Linked);
     Ok(packages.into_iter().filter(|package| is_external(package)).collect())
 }
 
 /// All licences, each text once with the crates that it belongs to.
 fn third_party(repository: &Repository) -> Result<String, String> {
-    let metadata = metadata(repository)?;
-    let packages = linked(&metadata)?;
+    let metadata = dependencies::metadata(&repository.root)?;
+    let packages = linked(repository, &metadata)?;
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut list = String::new();
     for package in packages {

@@ -20,6 +20,7 @@ use std::process::Command;
 
 use lexopt::prelude::*;
 
+use crate::dependencies;
 use crate::outcome::{Outcome, usage};
 use crate::process;
 use crate::publish;
@@ -163,14 +164,12 @@ impl Dist<'_> {
 
     /// The lists of the crates in the command and in the Python package.
     fn write_sboms(&self) -> Outcome {
-        let mut cargo = Command::new("cargo");
-        cargo.current_dir(&self.repository.root).args(["metadata", "--format-version", "1", "--locked"]);
-        let metadata: serde_json::Value =
-            serde_json::from_str(&process::output(&mut cargo)?).map_err(|error| error.to_string())?;
+        let root = &self.repository.root;
+        let metadata = dependencies::metadata(root)?;
         let lock = self.repository.source("Cargo.lock")?.ok_or("Cargo.lock is not text.")?.text;
         for (package, name) in [("rayweave-cli", "command"), ("rayweave-python", "python")] {
             let path = self.folder.join(format!("rayweave-{}-{name}.cdx.json", self.version));
-            let list = sbom::write(&metadata, &lock, package)?;
+            let list = sbom::write(&metadata, &dependencies::compiled(root, &[package])?, &lock, package)?;
             write(&path, &(serde_json::to_string_pretty(&list).map_err(|error| error.to_string())? + "\n"))?;
         }
         Ok(())

@@ -3,15 +3,16 @@
 //! The specification is <https://cyclonedx.org/docs/1.5/json/>. The list names each crate with its version, licence and package URL,
 //! and with the SHA-256 of its published archive, which Cargo.lock records.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 
 use crate::dependencies::{Graph, Kind, is_external};
 
-/// The list of the program that the package `root` builds. `metadata` is the output of `cargo metadata`, `lock` the text of Cargo.lock.
-pub fn write(metadata: &Value, lock: &str, root: &str) -> Result<Value, String> {
-    let graph = Graph::new(metadata)?;
+/// The list of the program that the package `root` builds. `metadata` is the output of `cargo metadata`, `compiled` names the packages
+/// that its build compiles, and `lock` is the text of Cargo.lock.
+pub fn write(metadata: &Value, compiled: &BTreeSet<String>, lock: &str, root: &str) -> Result<Value, String> {
+    let graph = Graph::new(metadata, compiled)?;
     let packages = graph.reachable(&[root], Kind::Linked);
     let main = packages.iter().find(|package| package["name"] == root);
     let main = main.ok_or(format!("{root}: the workspace has no such package."))?;
@@ -99,9 +100,13 @@ mod tests {
         })
     }
 
+    fn compiled() -> BTreeSet<String> {
+        ["main 0.1.0", "glass 2.0.0+a"].map(str::to_owned).into()
+    }
+
     #[test]
     fn linked_crates_have_versions_licences_and_checksums() {
-        let list = write(&metadata(), LOCK, "main").unwrap();
+        let list = write(&metadata(), &compiled(), LOCK, "main").unwrap();
         assert_eq!(list["metadata"]["component"]["bom-ref"], "pkg:cargo/main@0.1.0");
         let expected = json!([{
             "type": "library", "bom-ref": "pkg:cargo/glass@2.0.0%2Ba", "name": "glass", "version": "2.0.0+a",
@@ -119,9 +124,11 @@ mod tests {
     #[test]
     fn unknown_packages_and_missing_checksums_are_errors() {
         assert!(
-            write(&metadata(), LOCK, "no-such").unwrap_err().starts_with("no-such: the workspace has no")
+            write(&metadata(), &compiled(), LOCK, "no-such")
+                .unwrap_err()
+                .starts_with("no-such: the workspace has no")
         );
-        let message = write(&metadata(), "", "main").unwrap_err();
+        let message = write(&metadata(), &compiled(), "", "main").unwrap_err();
         assert_eq!(message, "glass 2.0.0+a: not in Cargo.lock.");
     }
 }

@@ -12,7 +12,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 
 use super::{Dist, make, write};
-use crate::dependencies::{Graph, Kind, is_external};
+use crate::dependencies::{self, Graph, Kind, is_external, title};
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::{BINDING, MATURIN, remove_old};
@@ -42,14 +42,12 @@ fn vendor(sources: &Path) -> Outcome {
     let folder = sources.join("vendor");
     let mut cargo = Command::new("cargo");
     process::output(cargo.current_dir(sources).args(["vendor", "--quiet", "--versioned-dirs"]).arg(&folder))?;
-    let mut cargo = Command::new("cargo");
-    cargo.current_dir(sources).args(["metadata", "--format-version", "1", "--locked"]);
-    let metadata: Value =
-        serde_json::from_str(&process::output(&mut cargo)?).map_err(|error| error.to_string())?;
-    let compiled = Graph::new(&metadata)?.reachable(&["rayweave-python"], Kind::Compiled);
-    let word = |package: &Value, key: &str| package[key].as_str().unwrap_or_default().to_owned();
+    const PACKAGE: [&str; 1] = ["rayweave-python"];
+    let metadata = dependencies::metadata(sources)?;
+    let compiled = Graph::new(&metadata, &dependencies::compiled(sources, &PACKAGE)?)?;
+    let compiled = compiled.reachable(&PACKAGE, Kind::Compiled);
     let compiled: BTreeSet<String> = (compiled.into_iter().filter(|package| is_external(package)))
-        .map(|package| format!("{}-{}", word(package, "name"), word(package, "version")))
+        .map(|package| title(package).replace(' ', "-"))
         .collect();
     let mut names: BTreeSet<String> = entries(&folder)?.iter().map(|path| name(path)).collect();
     if let Some(missing) = compiled.iter().find(|name| !names.contains(*name)) {
