@@ -28,11 +28,12 @@ pub fn build(dist: &mut Dist<'_>) -> Outcome {
     let packed = scratch.join(format!("{name}.tar.gz"));
     process::run(dist.script("archive.py")?.arg("unpack").args([&packed, &scratch]))?;
     let sources = scratch.join(&name);
+    // before the sources of others are there, whose texts may contain anything
+    dist.local.check(&sources)?;
     vendor(&sources)?;
     let configuration = configuration(&read(&dist.repository.root.join(".cargo/config.toml"))?);
     make(&sources.join(".cargo"))?;
     write(&sources.join(".cargo/config.toml"), &configuration)?;
-    dist.local.check(&sources)?;
     let archive = dist.for_python().join(format!("{name}.tar.gz"));
     process::run(dist.script("archive.py")?.arg("pack").args([sources, archive]))
 }
