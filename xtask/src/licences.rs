@@ -1,16 +1,15 @@
 //! `cargo xtask licences`: the licences that the Python package carries: our own, and those of the crates that are linked into it
 //! and into the command.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use lexopt::prelude::*;
 use serde_json::Value;
 
+use crate::dependencies::{self, Graph, Kind, is_external};
 use crate::outcome::{Outcome, usage};
-use crate::process;
 use crate::repository::Repository;
 
 /// The folder of the Python package: packagers take licence files from there only.
@@ -63,7 +62,10 @@ pub fn check(repository: &Repository, accept: bool) -> Outcome {
             }
         }
     }
-    println!("licences: {} external crates are linked", linked(&metadata(repository)?)?.len());
+    println!(
+        "licences: {} external crates are linked",
+        linked(repository, &dependencies::metadata(&repository.root)?)?.len()
+    );
     Ok(())
 }
 
@@ -71,50 +73,17 @@ fn read(path: &Path) -> Result<String, String> {
     fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-fn metadata(repository: &Repository) -> Result<Value, String> {
-    let mut cargo = Command::new("cargo");
-    cargo.current_dir(&repository.root).args(["metadata", "--format-version", "1", "--locked"]);
-    serde_json::from_str(&process::output(&mut cargo)?).map_err(|error| error.to_string())
-}
-
-/// The external packages that are linked into the binaries, on any platform: no procedural macros, build scripts and tests.
-fn linked(metadata: &Value) -> Result<Vec<&Value>, String> {
-    let list = |value: &'_ Value| value.as_array().cloned().unwrap_or_default();
-    let packages: BTreeMap<&str, &Value> =
-        (metadata["packages"].as_array().ok_or("cargo metadata has no packages")?.iter())
-            .filter_map(|package| Some((package["id"].as_str()?, package)))
-            .collect();
-    let nodes = metadata["resolve"]["nodes"].as_array().ok_or("cargo metadata has no graph")?;
-    let nodes: BTreeMap<&str, &Value> =
-        nodes.iter().filter_map(|node| Some((node["id"].as_str()?, node))).collect();
-    let is_macro = |package: &Value| {
-        list(&package["targets"])
-            .iter()
-            .any(|target| list(&target["kind"]).iter().any(|kind| kind == "proc-macro"))
-    };
-    let is_binary = |package: &Value| BINARIES.iter().any(|name| package["name"] == *name);
-    let mut waiting: Vec<&str> =
-        packages.iter().filter(|(_, package)| is_binary(package)).map(|(id, _)| *id).collect();
-    let mut met: BTreeSet<&str> = waiting.iter().copied().collect();
-    while let Some(id) = waiting.pop() {
-        for dependency in nodes.get(id).and_then(|node| node["deps"].as_array()).into_iter().flatten() {
-            let is_normal = list(&dependency["dep_kinds"]).iter().any(|kind| kind["kind"].is_null());
-            let Some(other) = dependency["pkg"].as_str() else { continue };
-            if is_normal && !is_macro(packages[other]) && met.insert(other) {
-                waiting.push(other);
-            }
-        }
-    }
-    let mut external: Vec<&Value> =
-        met.into_iter().map(|id| packages[id]).filter(|package| !package["source"].is_null()).collect();
-    external.sort_by_key(|package| (package["name"].to_string(), package["version"].to_string()));
-    Ok(external)
+/// The external packages that are linked into the binaries, on any platform.
+fn linked<'a>(repository: &Repository, metadata: &'a Value) -> Result<Vec<&'a Value>, String> {
+    let compiled = dependencies::compiled(&repository.root, &BINARIES)?;
+    let packages = Graph::new(metadata, &compiled)?.reachable(&BINARIES, Kind::Linked);
+    Ok(packages.into_iter().filter(|package| is_external(package)).collect())
 }
 
 /// All licences, each text once with the crates that it belongs to.
 fn third_party(repository: &Repository) -> Result<String, String> {
-    let metadata = metadata(repository)?;
-    let packages = linked(&metadata)?;
+    let metadata = dependencies::metadata(&repository.root)?;
+    let packages = linked(repository, &metadata)?;
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let mut list = String::new();
     for package in packages {

@@ -3,6 +3,7 @@
 mod accepted;
 mod allow;
 mod cycles;
+mod dependencies;
 mod dist;
 mod features;
 mod layers;
@@ -12,7 +13,9 @@ mod masked;
 mod mutants;
 mod new_primitive;
 mod outcome;
+mod platforms;
 mod process;
+mod publish;
 mod python;
 mod report;
 mod repository;
@@ -22,6 +25,7 @@ mod stage;
 mod stub;
 mod suite;
 mod tidy;
+mod workflows;
 mod workshop;
 
 use std::process::ExitCode;
@@ -47,15 +51,27 @@ Commands:
                        or those whose names contain a text
   licences [--accept]  compare the licence files of the Python package with the dependencies, or write them
   docs [--keep]        build the documentation site in target/site; --keep uses the Python environment of the last run again
-  dist                 build the release command and the wheel into dist/, with checksums
+  workflows            check the workflows of continuous integration with actionlint
+  platforms            check that the code compiles for Windows and macOS
+  publish [--dry-run]  publish all crates in the order of their dependencies, or try it without uploading
+  semver               compare the interface of the library with that of the last release
+  dist [OPTIONS]       build the files of a release in dist/, and check each as its user: it runs the examples of the README
   help                 print this text
 
 Options of test:
-  --long               also run the stages long (the ignored tests) and mutants
+  --long               also run the stages long (the ignored tests), platforms and mutants
   --fail-fast          stop at the first stage that fails
   --only STAGE         run only this stage; may be repeated
   --skip STAGE         omit this stage; may be repeated
   --list               print the selected stages and what each does, instead of running them
+
+Options of dist:
+  --only PART          build only this part: command, wheel, sdist or sbom; may be repeated
+  --target TRIPLE      build the command or the wheel for this target of Rust; may be repeated
+  --add-targets        install missing standard libraries of targets with rustup
+  --check              only check the files that are in dist/
+  --no-check           only build
+  --fast               a trial without optimisation: builds take less time, and the programs are slow
 ";
 
 fn main() -> ExitCode {
@@ -109,9 +125,19 @@ fn run() -> Result<ExitCode, String> {
             features::run(&Repository::find()?)?;
         }
         "docs" => site::run(&Repository::find()?, arguments)?,
-        "dist" => {
+        "dist" => dist::run(&Repository::find()?, arguments)?,
+        "workflows" => {
             finish(arguments)?;
-            dist::run(&Repository::find()?)?;
+            workflows::run(&Repository::find()?, &mut report::Counts::default())?;
+        }
+        "platforms" => {
+            finish(arguments)?;
+            platforms::run(&Repository::find()?, &mut report::Counts::default())?;
+        }
+        "publish" => publish::run(&Repository::find()?, arguments)?,
+        "semver" => {
+            finish(arguments)?;
+            publish::compare_interface(&Repository::find()?)?;
         }
         "help" => print!("{HELP}"),
         other => return Err(usage(&format!("no command '{other}'"))),

@@ -49,7 +49,8 @@ pub fn output(command: &mut Command) -> Result<String, String> {
 /// The first executable of this name on the PATH.
 pub fn on_path(name: &str) -> Option<PathBuf> {
     let folders = env::var_os("PATH")?;
-    env::split_paths(&folders).map(|folder| folder.join(name)).find(|file| file.is_file())
+    let name = format!("{name}{}", env::consts::EXE_SUFFIX);
+    env::split_paths(&folders).map(|folder| folder.join(&name)).find(|file| file.is_file())
 }
 
 /// The command line, without the folder of the program.
@@ -75,6 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
+    #[cfg(unix)] // for its programs
     fn exit_codes_are_judged() {
         assert_eq!(run(&mut Command::new("true")), Ok(()));
         let message = run(&mut Command::new("false")).unwrap_err();
@@ -88,6 +90,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(unix)] // for its programs
     fn lines_are_read_even_when_the_program_fails() {
         let mut lines = Vec::new();
         let mut command = Command::new("sh");
@@ -98,6 +101,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg(unix)] // for its programs
     fn the_path_is_searched() {
         assert!(on_path("sh").is_some());
         assert!(on_path("no-such-program").is_none());

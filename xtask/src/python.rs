@@ -1,6 +1,7 @@
 //! Python for the tests: an interpreter, a fresh virtual environment, and the package built and
 //! installed in it.
 
+use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,6 +12,9 @@ use crate::repository::Repository;
 /// The folder of the bindings, relative to the root.
 pub const BINDING: &str = "bindings/python";
 
+/// The program that builds the package, as a requirement of pip.
+pub const MATURIN: &str = "maturin>=1.16,<2";
+
 /// Names of interpreters on the PATH, in the order in which they are tried.
 const INTERPRETERS: [&str; 6] = ["python3", "python3.14", "python3.13", "python3.12", "python3.11", "python"];
 
@@ -18,6 +22,7 @@ const INTERPRETERS: [&str; 6] = ["python3", "python3.14", "python3.13", "python3
 const PROBE: &str = "import sys\nif sys.version_info < (3, 11): sys.exit('old')\nimport ensurepip, venv\n";
 
 /// A virtual environment that is created at the first use in a run, and replaced in the next run.
+#[derive(Clone)]
 pub struct Python {
     root: PathBuf,
     target: PathBuf,
@@ -54,7 +59,12 @@ impl Python {
     /// A program of the environment, such as `python` or `maturin`.
     pub fn program(&mut self, name: &str) -> Result<Command, String> {
         let folder = self.environment()?;
-        let mut command = Command::new(folder.join("bin").join(name));
+        let programs = scripts(&folder);
+        let mut command = Command::new(programs.join(name));
+        // the programs that this one calls are those of the environment, too, such as the linker zig
+        let path = env::var_os("PATH").unwrap_or_default();
+        let path = env::join_paths(std::iter::once(programs).chain(env::split_paths(&path)));
+        command.env("PATH", path.map_err(|error| format!("PATH: {error}."))?);
         command.current_dir(&self.root).env("VIRTUAL_ENV", &folder);
         // environment variables of the user's Python must not affect the tests
         command.env_remove("PYTHONPATH").env_remove("PYTHONHOME").env_remove("CONDA_PREFIX");
@@ -102,14 +112,19 @@ impl Python {
         if !project.is_file() {
             return Err(format!("{BINDING}/pyproject.toml: no such file: the package is built from it."));
         }
-        self.install(&["maturin>=1.16,<2"])?;
-        let interpreter = self.environment()?.join("bin").join("python");
+        self.install(&[MATURIN])?;
+        let interpreter = scripts(&self.environment()?).join("python");
         let mut maturin = self.program("maturin")?;
         maturin.current_dir(self.root.join(BINDING));
         maturin.args(["build", "--release", "--interpreter"]).arg(interpreter).arg("--out").arg(folder);
         process::run(configure(&mut maturin))?;
         the_wheel(folder)
     }
+}
+
+/// The folder of the programs of a virtual environment.
+pub fn scripts(environment: &Path) -> PathBuf {
+    environment.join(if cfg!(windows) { "Scripts" } else { "bin" })
 }
 
 /// The first interpreter that is new enough and can create virtual environments.

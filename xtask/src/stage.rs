@@ -9,7 +9,7 @@ mod primitive;
 use crate::outcome::Outcome;
 use crate::report::Counts;
 use crate::workshop::Workshop;
-use crate::{features, layers, lean, licences, mutants, tidy};
+use crate::{features, layers, lean, licences, mutants, platforms, tidy, workflows};
 
 pub use primitive::alone;
 
@@ -29,6 +29,9 @@ pub struct Stage {
 pub const STAGES: &[Stage] = &[
     stage("fmt", "the code is formatted", cargo::fmt),
     stage("tidy", "the text of all files", |workshop, _| tidy::run(workshop.repository)),
+    stage("workflows", "the workflows of continuous integration", |workshop, counts| {
+        workflows::run(workshop.repository, counts)
+    }),
     stage("layers", "the crates' dependencies", |workshop, _| {
         layers::run(workshop.repository)?;
         lean::run(workshop.repository)?;
@@ -45,6 +48,12 @@ pub const STAGES: &[Stage] = &[
     stage("gpu", "the crate for graphics cards, where a Vulkan driver is installed", cargo::gpu),
     stage("primitive", "a new primitive, added as CONTRIBUTING.md says, compiles and works", primitive::run),
     Stage { name: "long", what: "the ignored tests of the long mode", long: true, run: cargo::long_tests },
+    Stage {
+        name: "platforms",
+        what: "the code compiles for Windows and macOS",
+        long: true,
+        run: |workshop, counts| platforms::run(workshop.repository, counts),
+    },
     Stage {
         name: "mutants",
         what: "each process of photons, broken on purpose, fails a test",

@@ -143,7 +143,7 @@ impl Source {
         (line + 1, before.chars().count() + 1)
     }
 
-    /// The whole lines that a range overlaps, without the last line end, and the range relative to
+    /// The whole lines that a range overlaps, without the last line end (LF or CRLF), and the range relative to
     /// their start.
     pub(crate) fn lines_of(&self, span: Span) -> (usize, &str, Span) {
         let first = self.line_index(span.start());
@@ -151,6 +151,7 @@ impl Source {
         let start = self.line_starts()[first];
         let end = self.line_starts().get(last + 1).map_or(self.text.len(), |next| next - 1);
         let text = self.text.get(start..end).unwrap_or_default();
+        let text = text.strip_suffix('\r').unwrap_or(text);
         let within = |at: usize| at.saturating_sub(start).min(text.len());
         (first + 1, text, Span::new(within(span.start()), within(span.end())))
     }

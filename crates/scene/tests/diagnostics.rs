@@ -446,6 +446,12 @@ fn a_byte_order_mark_and_line_ends_of_windows_are_read() {
     assert_eq!(scene.solids.len(), 1);
     let problems = parse(&text.replace("radius = 1", "radius = 0")).unwrap_err();
     assert_eq!(problems.iter().next().unwrap().line_column(), Some((4, 21)));
+    // messages show the same lines, also where the place is longer than a line
+    for wrong in ["radius = 0", "radius = 1, radius =\n\"\"\"a\nb\"\"\""] {
+        let unix = "rayweave = 1\n[solid.s]\nsphere = { radius = 1 }\n".replace("radius = 1", wrong);
+        let message = |text: &str| parse(text).unwrap_err().to_string();
+        assert_eq!(message(&unix.replace('\n', "\r\n")), message(&unix));
+    }
 }
 
 #[test]

@@ -186,6 +186,7 @@ pub fn number(field: &str) -> f64 {
 pub const RAYS: &str = "ox,oy,oz,dx,dy,dz\n";
 
 /// True if the folder contains a file whose name contains `part`.
+#[cfg(target_os = "linux")]
 pub fn holds(folder: &Path, part: &str) -> bool {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).any(|name| name.contains(part))

@@ -11,6 +11,7 @@ mod info;
 mod interrupt;
 mod memory;
 mod new;
+mod newlines;
 mod optics;
 mod pages;
 mod parts;

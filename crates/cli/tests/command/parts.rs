@@ -262,8 +262,10 @@ fn killed_runs_leave_no_part() {
 }
 
 /// Unmounts a file system at the end.
+#[cfg(target_os = "linux")]
 struct Mounted<'a>(&'a Path);
 
+#[cfg(target_os = "linux")]
 impl Drop for Mounted<'_> {
     fn drop(&mut self) {
         let _ = Command::new("umount").arg(self.0).status();

@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{Seek, SeekFrom, Write};
 
-use rayweave_table::{AtomicFile, TableError};
+use rayweave_table::AtomicFile;
 
 use crate::folder::Folder;
 
@@ -131,7 +131,7 @@ fn a_failed_write_cannot_be_finished() {
     assert!(file.write_all(&[0; 1 << 20]).is_err());
     let error = file.finish().unwrap_err();
     assert_eq!(error.to_string(), "cannot write /dev/full: an earlier write failed.");
-    assert!(matches!(error, TableError::Io { action: "write", .. }));
+    assert!(matches!(error, rayweave_table::TableError::Io { action: "write", .. }));
 }
 
 #[cfg(target_os = "linux")]

@@ -1,5 +1,4 @@
-//! `cargo xtask dist`: the release builds of the command and of the Python package in `dist/`, without paths of this machine, and
-//! their checksums.
+//! Folders of this machine, which must not be in the programs that are distributed.
 //!
 //! The compiler embeds the paths of source files in panic messages: those of dependencies are in Cargo's folder, which
 //! reveals the name of the user. Cargo's `trim-paths` is not stable, and the compiler's flag that replaces paths needs
@@ -12,52 +11,14 @@ use std::process::Command;
 
 use crate::outcome::Outcome;
 use crate::process;
-use crate::python::{Python, remove_old};
 use crate::repository::Repository;
 
 /// Folders of this machine, with the paths that replace them. If several contain a path, the last one applies.
 #[derive(Debug, PartialEq)]
-struct LocalPaths(Vec<(PathBuf, &'static str)>);
-
-/// Script that writes the SHA-256 of all files in a folder, in the form of `sha256sum`.
-const CHECKSUMS: &str = "\
-import hashlib, pathlib, sys
-folder = pathlib.Path(sys.argv[1])
-digest = lambda path: hashlib.sha256(path.read_bytes()).hexdigest()
-lines = [f'{digest(path)}  {path.name}\\n' for path in sorted(folder.iterdir())]
-(folder / 'SHA256SUMS').write_text(''.join(lines))
-";
-
-/// Builds and checks everything.
-pub fn run(repository: &Repository) -> Outcome {
-    let (folder, target) = (repository.root.join("dist"), repository.target().join("dist"));
-    let local = LocalPaths::find(repository, &target)?;
-    remove_old(&folder)?;
-    fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}.", folder.display()))?;
-
-    let mut cargo = Command::new("cargo");
-    cargo.current_dir(&repository.root).args(["build", "--release", "--locked", "--package", "rayweave-cli"]);
-    process::run(local.hide(&mut cargo, &target))?;
-    let name = format!("rayweave{}", env::consts::EXE_SUFFIX);
-    let command = folder.join(&name);
-    fs::copy(target.join("release").join(&name), &command)
-        .map_err(|error| format!("{}: {error}.", command.display()))?;
-
-    let mut python = Python::new(repository);
-    let wheel = python.build_wheel(&folder, |maturin| local.hide(maturin.arg("--locked"), &target))?;
-    let unpacked = target.join("wheel");
-    remove_old(&unpacked)?;
-    process::run(python.program("python")?.args(["-m", "zipfile", "-e"]).args([&wheel, &unpacked]))?;
-
-    local.check(&command)?;
-    local.check(&unpacked)?;
-    process::run(python.program("python")?.args(["-c", CHECKSUMS]).arg(&folder))?;
-    println!("{}: the command, the wheel and SHA256SUMS", folder.display());
-    Ok(())
-}
+pub struct LocalPaths(Vec<(PathBuf, &'static str)>);
 
 impl LocalPaths {
-    fn find(repository: &Repository, target: &Path) -> Result<LocalPaths, String> {
+    pub fn find(repository: &Repository, target: &Path) -> Result<LocalPaths, String> {
         let home = env::home_dir().filter(|home| home.parent().is_some());
         let cargo = env::var_os("CARGO_HOME").map(PathBuf::from);
         let cargo = cargo.or_else(|| home.as_ref().map(|home| home.join(".cargo")));
@@ -73,7 +34,7 @@ impl LocalPaths {
     }
 
     /// Makes a cargo build replace these paths, also in the C code of dependencies.
-    fn hide<'a>(&self, cargo: &'a mut Command, target: &Path) -> &'a mut Command {
+    pub fn hide<'a>(&self, cargo: &'a mut Command, target: &Path) -> &'a mut Command {
         let flags = |flag: &str| -> Vec<String> {
             self.0.iter().map(|(path, short)| format!("{flag}={}={short}", path.display())).collect()
         };
@@ -88,7 +49,7 @@ impl LocalPaths {
     }
 
     /// Fails if one of these paths is in a file, or in a file of a folder.
-    fn check(&self, path: &Path) -> Outcome {
+    pub fn check(&self, path: &Path) -> Outcome {
         let unreadable = |error: std::io::Error| format!("{}: {error}.", path.display());
         if path.is_dir() {
             let entries = fs::read_dir(path).map_err(unreadable)?;
@@ -114,6 +75,7 @@ impl LocalPaths {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::python::remove_old;
 
     fn paths() -> LocalPaths {
         LocalPaths(vec![("/users/ann".into(), "/anon"), ("/users/ann/.cargo".into(), "/cargo")])
