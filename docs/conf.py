@@ -24,7 +24,7 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "gallery/README.rst"]
+exclude_patterns = ["_build", "**/README.rst"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 default_role = "py:obj"
 nitpicky = False
@@ -59,12 +59,38 @@ autosummary_imported_members = True
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 
-# ---- the gallery: the examples of the package, executed ----
+# ---- the gallery and the notebooks: programs of the package, executed ----
 
 os.environ.setdefault("MPLBACKEND", "Agg")
+
+
+class DrawingScraper:
+    """Shows the drawings of Rayweave that a block of an example assigns to a name, as SVG."""
+
+    def __init__(self):
+        self.shown = set()
+
+    def __repr__(self):
+        return "DrawingScraper()"
+
+    def __call__(self, block, block_vars, gallery_conf):
+        import rayweave
+        from sphinx_gallery.scrapers import figure_rst
+
+        paths = []
+        for name, item in block_vars["example_globals"].items():
+            key = (block_vars["src_file"], name, id(item))
+            if isinstance(item, (rayweave.Drawing, rayweave.Timeline)) and key not in self.shown:
+                self.shown.add(key)
+                path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
+                path.write_text(item.svg, encoding="utf-8")
+                paths.append(str(path))
+        return figure_rst(paths, gallery_conf["src_dir"])
+
+
 sphinx_gallery_conf = {
-    "examples_dirs": "../bindings/python/examples",
-    "gallery_dirs": "gallery",
+    "examples_dirs": ["../bindings/python/examples", "../bindings/python/notebooks"],
+    "gallery_dirs": ["gallery", "notebooks"],
     "filename_pattern": r"\.py$",
     # it writes the pictures of models/optics
     "ignore_pattern": r"draw_designs\.py$",
@@ -73,7 +99,7 @@ sphinx_gallery_conf = {
     "plot_gallery": True,
     "abort_on_example_error": True,
     "remove_config_comments": True,
-    "image_scrapers": ("matplotlib",),
+    "image_scrapers": ("matplotlib", DrawingScraper()),
 }
 
 # ---- pages that lie elsewhere in the repository, and links to files of the repository ----
