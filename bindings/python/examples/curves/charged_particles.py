@@ -1,184 +1,92 @@
-track,particle,cell,tile,t_ns,x_mm,y_mm,z_mm
-0,pi+,layer1,0,0.3384,77.935,-62.659,-8.601
-0,pi+,layer2,0,0.6771,151.860,-130.148,-17.210
-0,pi+,layer3,0,1.0164,221.540,-202.287,-25.836
-0,pi+,layer4,0,1.3568,286.735,-278.896,-34.487
-0,pi+,tile,22,1.7160,350.152,-364.026,-43.617
-1,pi-,layer1,0,0.4432,-38.472,92.303,-79.089
-1,pi-,layer2,0,0.8892,-91.488,177.848,-158.686
-1,pi-,layer3,0,1.3411,-158.435,254.751,-239.329
-1,pi-,layer4,0,1.8023,-238.657,321.003,-321.622
-1,pi-,tile,10,2.3046,-337.162,377.016,-411.269
-2,p,layer1,0,5.7918,-9.933,-99.505,-269.442
-3,pbar,layer1,0,0.5463,-36.569,93.074,14.701
-3,pbar,layer2,0,1.0935,-80.749,182.974,29.427
-3,pbar,layer3,0,1.6425,-132.373,269.216,44.203
-3,pbar,layer4,0,2.1944,-191.269,351.307,59.055
-3,pbar,tile,9,2.7786,-260.808,432.546,74.777
-4,pi+,layer1,0,0.3519,-91.447,40.466,-2.093
-4,pi+,layer2,0,0.7056,-176.608,93.859,-4.198
-4,pi+,layer3,0,1.0631,-253.996,159.644,-6.324
-4,pi+,layer4,0,1.4263,-322.040,237.256,-8.485
-4,pi+,tile,10,1.8213,-382.190,331.988,-10.834
-5,pi-,layer1,0,0.3423,99.998,0.690,-16.106
-5,pi-,layer2,0,0.6851,199.823,8.420,-32.231
-5,pi-,layer3,0,1.0286,299.102,23.201,-48.397
-5,pi-,layer4,0,1.3735,397.456,45.044,-64.624
-5,pi-,tile,2,1.7483,502.287,76.610,-82.257
-6,p,layer1,0,0.5068,99.492,-10.069,-58.038
-6,p,layer2,0,1.0141,198.250,-26.398,-116.133
-6,p,layer3,0,1.5225,295.976,-48.969,-174.344
-6,p,layer4,0,2.0323,392.369,-77.759,-232.731
-6,p,tile,24,2.5713,492.064,-114.763,-294.450
-7,pbar,layer1,0,1.1639,-68.696,-72.670,28.881
-7,pbar,layer2,0,2.3412,-120.985,-159.256,58.095
-7,pbar,layer3,0,3.5469,-154.101,-257.396,88.013
-7,pbar,layer4,0,4.7993,-164.920,-364.419,119.090
-7,pbar,tile,18,6.1964,-148.012,-483.155,153.756
-9,pi-,layer1,0,0.3354,-67.216,-74.041,2.464
-9,pi-,layer2,0,0.6709,-131.181,-150.969,4.928
-9,pi-,layer3,0,1.0068,-191.798,-230.681,7.396
-9,pi-,layer4,0,1.3432,-248.968,-313.073,9.866
-10,p,layer1,0,0.5261,5.451,99.851,5.717
-10,p,layer2,0,1.0530,18.676,199.126,11.443
-10,p,layer3,0,1.5815,39.667,297.366,17.186
-10,p,layer4,0,2.1124,68.419,394.105,22.955
-10,p,tile,6,2.6767,107.190,494.093,29.087
-11,pbar,layer1,0,1.0600,-26.959,-96.297,96.878
-11,pbar,layer2,0,2.1289,-35.992,-196.735,194.574
-11,pbar,layer3,0,3.2165,-26.162,-298.857,293.973
-11,pbar,layer4,0,4.3339,3.553,-399.984,396.100
-11,pbar,tile,19,5.5967,59.661,-505.000,511.515
-12,pi+,layer1,0,0.3749,99.962,-2.773,45.309
-12,pi+,layer2,0,0.7507,199.375,-15.797,90.737
-12,pi+,layer3,0,1.1286,297.442,-39.089,136.407
-12,pi+,layer4,0,1.5095,393.343,-72.671,182.447
-12,pi+,tile,24,1.9145,490.903,-119.097,231.403
-13,pi-,layer1,0,0.3773,-21.845,97.585,12.120
-13,pi-,layer2,0,0.7592,-65.039,189.129,24.389
-13,pi-,layer3,0,1.1509,-129.153,270.776,36.974
-13,pi-,layer4,0,1.5589,-213.701,338.130,50.080
-13,pi-,tile,10,2.0232,-326.005,388.172,64.997
-13,pi-,tile,17,8.6578,-263.449,-465.662,278.138
-13,pi-,layer4,0,9.2498,-134.562,-377.006,297.154
-13,pi-,layer3,0,9.6578,-66.779,-292.781,310.262
-14,p,layer1,0,0.5184,54.167,-84.059,2.895
-14,p,layer2,0,1.0376,101.859,-172.118,5.794
-14,p,layer3,0,1.5583,142.827,-263.819,8.702
-14,p,layer4,0,2.0812,176.817,-358.798,11.622
-14,p,tile,21,2.6491,205.371,-464.553,14.794
-15,pbar,layer1,0,0.4410,82.448,56.590,22.908
-15,pbar,layer2,0,0.8823,161.820,117.534,45.832
-15,pbar,layer3,0,1.3242,237.938,182.718,68.789
-15,pbar,layer4,0,1.7671,310.620,252.022,91.795
-15,pbar,tile,4,2.2398,383.998,330.180,116.354
-16,pi+,layer1,0,0.4239,66.258,-74.899,76.344
-16,pi+,layer2,0,0.8484,126.700,-154.749,152.800
-16,pi+,layer3,0,1.2741,181.021,-239.231,229.479
-16,pi+,layer4,0,1.7018,228.913,-328.023,306.498
-16,pi+,tile,21,2.1557,272.125,-426.012,388.262
-17,pi-,layer1,0,0.3376,91.911,39.400,2.437
-17,pi-,layer2,0,0.6755,181.146,84.771,4.877
-17,pi-,layer3,0,1.0141,267.404,135.996,7.322
-17,pi-,layer4,0,1.3539,350.382,192.957,9.775
-17,pi-,tile,3,1.7124,433.682,258.841,12.364
-18,p,layer1,0,0.7026,63.262,77.447,39.542
-18,p,layer2,0,1.4076,135.298,147.291,79.217
-18,p,layer3,0,2.1174,215.507,208.703,119.163
-18,p,layer4,0,2.8346,303.267,260.824,159.525
-18,p,tile,3,3.6907,415.152,308.970,207.702
-19,pbar,layer1,0,0.6641,99.651,-8.346,71.932
-19,pbar,layer2,0,1.3299,199.888,-6.692,144.045
-19,pbar,layer3,0,1.9991,299.957,5.065,216.523
-19,pbar,layer4,0,2.6734,399.086,27.027,289.559
-20,pi+,layer1,0,0.3411,-67.138,-74.111,-14.991
-20,pi+,layer2,0,0.6825,-139.003,-143.799,-29.998
-20,pi+,layer3,0,1.0246,-215.390,-208.823,-45.036
-20,pi+,layer4,0,1.3679,-296.093,-268.941,-60.122
-20,pi+,tile,16,1.7358,-386.761,-327.417,-76.296
-21,pi-,layer1,0,0.4343,-96.556,26.017,-64.827
-21,pi-,layer2,0,0.8742,-197.756,29.875,-130.483
-21,pi-,layer3,0,1.3259,-299.830,10.091,-197.898
-21,pi-,layer4,0,1.7972,-398.463,-35.033,-268.238
-21,pi-,tile,14,2.3271,-492.716,-112.328,-347.339
-22,p,layer1,0,0.6231,84.711,53.142,54.243
-22,p,layer2,0,1.2476,174.271,98.131,108.608
-22,p,layer3,0,1.8749,268.121,134.577,163.219
-22,p,layer4,0,2.5066,365.690,162.083,218.206
-22,p,tile,2,3.1935,474.253,181.235,278.008
-23,pbar,layer1,0,0.9454,-39.732,-91.768,53.709
-23,pbar,layer2,0,1.8974,-63.872,-189.527,107.791
-23,pbar,layer3,0,2.8630,-71.402,-291.379,162.647
-23,pbar,layer4,0,3.8502,-61.233,-395.285,218.726
-23,pbar,tile,19,4.9295,-29.813,-505.000,280.042
-24,pi+,layer1,0,0.3355,-54.327,-83.956,-2.216
-24,pi+,layer2,0,0.6713,-112.449,-165.394,-4.432
-24,pi+,layer3,0,1.0073,-174.284,-244.182,-6.651
-24,pi+,layer4,0,1.3439,-239.751,-320.187,-8.874
-24,pi+,tile,16,1.7100,-314.812,-399.366,-11.291
-25,pi-,layer1,0,0.3366,94.848,-31.684,-7.698
-25,pi-,layer2,0,0.6733,191.134,-58.888,-15.400
-25,pi-,layer3,0,1.0104,288.701,-81.557,-23.110
-25,pi-,layer4,0,1.3481,387.393,-99.634,-30.833
-25,pi-,tile,24,1.7046,492.364,-113.643,-38.986
-26,p,layer1,0,0.5189,63.736,77.056,52.180
-26,p,layer2,0,1.0384,132.677,149.655,104.422
-26,p,layer3,0,1.5592,206.608,217.516,156.787
-26,p,layer4,0,2.0818,285.308,280.356,209.338
-26,p,tile,4,2.6360,373.278,340.900,265.063
-27,pbar,layer1,0,0.4028,-93.928,-34.314,7.581
-27,pbar,layer2,0,0.8057,-186.338,-72.651,15.165
-27,pbar,layer3,0,1.2091,-277.098,-114.964,22.756
-27,pbar,layer4,0,1.6130,-366.076,-161.209,30.358
-27,pbar,tile,15,2.0454,-459.039,-214.921,38.497
-28,pi+,layer1,0,0.3457,-64.711,-76.240,-25.096
-28,pi+,layer2,0,0.6916,-132.823,-149.526,-50.205
-28,pi+,layer3,0,1.0378,-204.240,-219.741,-75.339
-28,pi+,layer4,0,1.3846,-278.865,-286.765,-100.511
-28,pi+,tile,16,1.7495,-360.588,-353.590,-127.004
-29,pi-,layer1,0,0.3948,-87.317,48.742,58.760
-29,pi-,layer2,0,0.7907,-179.330,88.547,117.670
-29,pi-,layer3,0,1.1885,-275.386,119.006,176.883
-29,pi-,layer4,0,1.5895,-374.812,139.699,236.559
-29,pi-,tile,12,2.0168,-482.500,150.454,300.156
-30,p,layer1,0,3.1040,48.296,-87.564,193.314
-30,p,layer2,0,6.5140,37.085,-196.532,405.690
-31,pbar,layer1,0,0.4989,-46.969,88.283,-0.192
-31,pbar,layer2,0,0.9983,-100.158,173.114,-0.384
-31,pbar,layer3,0,1.4991,-159.399,254.149,-0.577
-31,pbar,layer4,0,2.0018,-224.524,331.042,-0.770
-31,pbar,tile,9,2.5483,-301.374,409.125,-0.981
-32,pi+,layer1,0,0.7651,-40.222,91.554,122.731
-32,pi+,layer2,0,1.6556,-0.448,199.999,265.558
-33,pi-,layer1,0,0.4144,99.721,-7.459,-40.145
-33,pi-,layer2,0,0.8362,199.647,11.885,-81.009
-33,pi-,layer3,0,1.2741,294.097,59.220,-123.435
-33,pi-,layer4,0,1.7402,376.173,135.992,-168.587
-33,pi-,tile,3,2.2815,438.500,250.496,-221.030
-33,pi-,tile,9,7.4235,-295.151,447.359,-719.190
-34,p,layer1,0,0.6643,-99.455,-10.427,100.407
-34,p,layer2,0,1.3299,-199.644,-11.928,201.016
-34,p,layer3,0,1.9982,-299.968,-4.412,302.031
-34,p,layer4,0,2.6706,-399.814,12.213,403.664
-34,p,tile,13,3.3934,-505.000,40.069,512.926
-35,pbar,layer1,0,0.6618,-81.275,-58.261,11.228
-35,pbar,layer2,0,1.3256,-155.925,-125.249,22.489
-35,pbar,layer3,0,1.9934,-223.183,-200.473,33.819
-35,pbar,layer4,0,2.6673,-282.255,-283.430,45.253
-35,pbar,tile,16,3.3909,-334.994,-379.184,57.528
-36,pi+,layer1,0,0.3457,-99.776,-6.690,-10.933
-36,pi+,layer2,0,0.6923,-199.981,-2.749,-21.896
-36,pi+,layer3,0,1.0409,-299.763,11.926,-32.923
-36,pi+,layer4,0,1.3926,-398.244,37.439,-44.045
-36,pi+,tile,12,1.7772,-502.101,77.303,-56.208
-37,pi-,layer1,0,0.3437,56.442,82.549,-22.665
-37,pi-,layer2,0,0.6876,109.238,167.532,-45.341
-37,pi-,layer3,0,1.0319,158.304,254.833,-68.039
-37,pi-,layer4,0,1.3766,203.555,344.333,-90.769
-37,pi-,tile,5,1.7394,246.886,440.584,-114.693
-38,p,layer1,0,6.0516,-50.524,-86.298,-578.644
-39,pbar,layer1,0,1.3647,-92.547,37.881,117.730
-39,pbar,layer2,0,2.7500,-192.984,52.510,237.230
-39,pbar,layer3,0,4.1792,-297.110,41.540,360.526
-39,pbar,layer4,0,5.6832,-399.994,2.215,490.266
-39,pbar,tile,14,7.4473,-502.346,-76.390,642.450
+"""
+Charged particles
+=================
+
+Traces charged particles through a detector of tubes and tiles in a magnetic field, and lists and draws when and where
+they hit its cells.
+
+Lengths in mm, times in ns, momenta in GeV/c. The table is printed and, if a path is given, written there as CSV.
+"""
+
+import csv
+import sys
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import rayweave as rw
+import rayweave.space as rs
+
+LIGHT = 299.792458  # mm / ns
+FIELD = 2.0  # tesla, along +z
+PION, PROTON = 0.13957, 0.93827  # GeV / c^2
+
+# four layers of silicon around the beam, and a ring of 24 scintillating tiles
+LAYERS = [100.0, 200.0, 300.0, 400.0]
+layers = rw.union(
+    rw.tube(radius + 0.3, radius, 1200).named(f"layer{k + 1}") for k, radius in enumerate(LAYERS)
+)
+tile = rw.box([30, 120, 1500]).translate([520, 0, 0]).named("tile")
+turns = np.tile(np.eye(4), (24, 1, 1))
+angles = np.radians(np.arange(24) * 15)
+turns[:, 0, 0] = turns[:, 1, 1] = np.cos(angles)
+turns[:, 1, 0] = np.sin(angles)
+turns[:, 0, 1] = -np.sin(angles)
+detector = layers | rw.place(tile, turns)
+
+
+def particle(mass: float, charge: int, momentum: np.ndarray) -> rs.Helix:
+    """The path from the centre: gyro radius = momentum across the field / (charge * field)."""
+    energy = np.sqrt(mass**2 + momentum @ momentum)
+    velocity = LIGHT * momentum / energy
+    radius = np.hypot(momentum[0], momentum[1]) / (1e-6 * LIGHT * charge * FIELD)
+    return rs.Helix([0, 0, 0], velocity, [0, 0, 1], radius)
+
+
+rng = np.random.default_rng(7)
+kinds = [("pi+", PION, 1), ("pi-", PION, -1), ("p", PROTON, 1), ("pbar", PROTON, -1)]
+names, helices = [], []
+for k in range(40):
+    name, mass, charge = kinds[k % 4]
+    across, azimuth, along = rng.uniform(0.05, 1.5), rng.uniform(0, 2 * np.pi), rng.normal(0, 0.3)
+    momentum = np.array([across * np.cos(azimuth), across * np.sin(azimuth), along])
+    names.append(name)
+    helices.append(particle(mass, charge, momentum))
+
+found = detector.crossings_along(helices, 0.0, 10.0)
+rows = []
+for ray, t, point, surface, placement, enters in zip(
+    found.ray, found.t, found.point, found.surface, found.placement, found.enters, strict=True
+):
+    if enters:
+        cell = found.surface_names[surface].split(".")[0]
+        rows.append([ray, names[ray], cell, max(placement, 0), f"{t:.4f}", *(f"{x:.3f}" for x in point)])
+
+header = ["track", "particle", "cell", "tile", "t_ns", "x_mm", "y_mm", "z_mm"]
+for row in [header, *rows[:12]]:
+    print("  ".join(f"{entry!s:>9}" for entry in row))
+print(f"... {len(rows)} cells are hit by {len(helices)} particles in 10 ns")
+if len(sys.argv) > 1 and sys.argv[1].endswith(".csv"):
+    with open(sys.argv[1], "w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([header, *rows])
+
+# a circle of radius R through the axis intersects the cylinder of radius r after an angle of 2 asin(r / 2R)
+slow = particle(PION, 1, np.array([0.2, 0.0, 0.0]))
+first = detector.crossings_along(slow, 0.0, 10.0)
+radius = 0.2 / (1e-6 * LIGHT * FIELD)
+speed = np.linalg.norm(slow.velocity(0.0))
+assert np.isclose(first.t[0], 2 * radius * np.arcsin(LAYERS[0] / (2 * radius)) / speed, rtol=1e-12)
+# half of that momentum gives a circle 334 mm across, which crosses three layers again and again
+curl = detector.crossings_along(particle(PION, -1, np.array([0.1, 0.0, 0.0])), 0.0, 10.0)
+assert {found.surface_names[k].split(".")[0] for k in curl.surface} == {"layer1", "layer2", "layer3"}
+
+figure, axis = plt.subplots(figsize=(5.5, 5.5), layout="constrained")
+for contour in rw.section(detector, "xy").contours("solid"):
+    axis.plot(*np.vstack([contour, contour[:1]]).T, color="gray", lw=0.6)
+times = np.linspace(0, 10, 600)
+for name, helix in zip(names, helices, strict=True):
+    path = np.array([helix.position(t) for t in times])
+    path = path[np.hypot(path[:, 0], path[:, 1]) < 560]
+    axis.plot(path[:, 0], path[:, 1], lw=0.8, color="C0" if "+" in name or name == "p" else "C1")
+axis.plot(found.point[:, 0], found.point[:, 1], "k.", ms=2)
+axis.set(aspect="equal", xlabel="x in mm", ylabel="y in mm")
