@@ -40,7 +40,7 @@ html_theme_options = {
     "show_toc_level": 2,
     "github_url": REPOSITORY,
     "navigation_with_keys": False,
-    "header_links_before_dropdown": 7,
+    "header_links_before_dropdown": 8,
 }
 html_show_sourcelink = False
 
