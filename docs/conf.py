@@ -2,6 +2,7 @@
 
 import os
 import re
+import sys
 import tomllib
 from pathlib import Path
 
@@ -9,6 +10,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 MANIFEST = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
 REPOSITORY = MANIFEST["repository"]
+sys.path.insert(0, str(DOCS))
 
 project = "Rayweave"
 author = "the Rayweave developers"
@@ -62,32 +64,6 @@ napoleon_use_rtype = False
 # ---- the gallery and the notebooks: programs of the package, executed ----
 
 os.environ.setdefault("MPLBACKEND", "Agg")
-
-
-class DrawingScraper:
-    """Shows the drawings of Rayweave that a block of an example assigns to a name, as SVG."""
-
-    def __init__(self):
-        self.shown = set()
-
-    def __repr__(self):
-        return "DrawingScraper()"
-
-    def __call__(self, block, block_vars, gallery_conf):
-        import rayweave
-        from sphinx_gallery.scrapers import figure_rst
-
-        paths = []
-        for name, item in block_vars["example_globals"].items():
-            key = (block_vars["src_file"], name, id(item))
-            if isinstance(item, (rayweave.Drawing, rayweave.Timeline)) and key not in self.shown:
-                self.shown.add(key)
-                path = Path(next(block_vars["image_path_iterator"])).with_suffix(".svg")
-                path.write_text(item.svg, encoding="utf-8")
-                paths.append(str(path))
-        return figure_rst(paths, gallery_conf["src_dir"])
-
-
 sphinx_gallery_conf = {
     "examples_dirs": ["../bindings/python/examples", "../bindings/python/notebooks"],
     "gallery_dirs": ["gallery", "notebooks"],
@@ -99,7 +75,8 @@ sphinx_gallery_conf = {
     "plot_gallery": True,
     "abort_on_example_error": True,
     "remove_config_comments": True,
-    "image_scrapers": ("matplotlib", DrawingScraper()),
+    # docs/drawings.py
+    "image_scrapers": ("matplotlib", "drawings"),
 }
 
 # ---- pages that lie elsewhere in the repository, and links to files of the repository ----
