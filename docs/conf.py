@@ -68,6 +68,11 @@ sphinx_gallery_conf = {
     "examples_dirs": ["../bindings/python/examples", "../bindings/python/notebooks"],
     "gallery_dirs": ["gallery", "notebooks"],
     "filename_pattern": r"\.py$",
+    "subsection_order": [
+        f"../bindings/python/examples/{name}"
+        for name in ("solids", "analysis", "algebra", "curves", "data", "light", "photons")
+    ],
+    "within_subsection_order": "FileNameSortKey",
     # it writes the pictures of models/optics
     "ignore_pattern": r"draw_designs\.py$",
     "download_all_examples": False,

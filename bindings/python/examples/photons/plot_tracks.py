@@ -57,7 +57,7 @@ with tempfile.TemporaryDirectory() as folder:
     detector = photons.load(path)
 
 source = photons.point([0, 0, 0], ("uniform", 420, 640))
-histories = detector.simulate(source, n=12, seed=4, record="steps").histories
+histories = detector.simulate(source, n=12, seed=6, record="steps").histories
 drawing = histories.plot("yz")
 
 many = detector.simulate(source, n=20_000, seed=4, record="sequences").histories
