@@ -1,10 +1,13 @@
 """Configuration of the documentation site: `cargo xtask docs` builds it into target/site."""
 
+import inspect
 import os
 import re
 import sys
 import tomllib
 from pathlib import Path
+
+from sphinx.pycode import ModuleAnalyzer
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -186,10 +189,23 @@ def _docstring(app, what, name, item, options, lines):
         pieces[::2] = [re.sub(r"(?<!\*)\*(?!\*)|\|", r"\\\g<0>", piece) for piece in pieces[::2]]
         parts[k] = _TERM.sub(term, "".join(pieces))
     lines[:] = "".join(parts).split("\n")
+    if what in ("attribute", "property"):
+        # napoleon takes the text before a colon in the first line for a type
+        lines.insert(0, "")
+
+
+def _skip(app, what, name, item, skip, options):
+    """Leaves out fields of data classes without a text of their own: the signature of the class lists them."""
+    owner = getattr(item, "__objclass__", None)
+    if owner is None or not inspect.ismemberdescriptor(item):
+        return None
+    texts = ModuleAnalyzer.for_module(owner.__module__).find_attr_docs()
+    return None if (owner.__qualname__, name) in texts else True
 
 
 def setup(app):
     app.connect("source-read", _read)
     # before napoleon
     app.connect("autodoc-process-docstring", _docstring, priority=400)
+    app.connect("autodoc-skip-member", _skip)
     return {"parallel_read_safe": True}

@@ -58,8 +58,8 @@ axis.set(aspect="equal", title="z = 3")
 # Beside the window and the edges the wall may be thin. ``check`` finds the thinnest place below a limit.
 
 report = rw.check(model, wall=5, cells=64)
-for finding in report:
-    print(finding.kind, "-", finding.text, f"- {finding.size:.2f} mm")
+for finding in report.of("thin"):
+    print(f"{finding.text}: {finding.size:.2f} mm at {finding.at.round(2)}")
 
 # %%
 # Layers
