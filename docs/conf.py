@@ -1,13 +1,10 @@
 """Configuration of the documentation site: `cargo xtask docs` builds it into target/site."""
 
-import inspect
 import os
 import re
 import sys
 import tomllib
 from pathlib import Path
-
-from sphinx.pycode import ModuleAnalyzer
 
 ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
@@ -56,7 +53,8 @@ myst_heading_anchors = 5
 
 # ---- the Python package ----
 
-autodoc_default_options = {"members": True, "undoc-members": False, "show-inheritance": False}
+# an option that is False counts as given
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autosummary_generate = True
@@ -190,22 +188,22 @@ def _docstring(app, what, name, item, options, lines):
         parts[k] = _TERM.sub(term, "".join(pieces))
     lines[:] = "".join(parts).split("\n")
     if what in ("attribute", "property"):
-        # napoleon takes the text before a colon in the first line for a type
-        lines.insert(0, "")
+        _texts[name] = list(lines)
 
 
-def _skip(app, what, name, item, skip, options):
-    """Leaves out fields of data classes without a text of their own: the signature of the class lists them."""
-    owner = getattr(item, "__objclass__", None)
-    if owner is None or not inspect.ismemberdescriptor(item):
-        return None
-    texts = ModuleAnalyzer.for_module(owner.__module__).find_attr_docs()
-    return None if (owner.__qualname__, name) in texts else True
+#: The documentation strings of properties, by their full names.
+_texts: dict[str, list[str]] = {}
+
+
+def _restore(app, what, name, item, options, lines):
+    """Undoes the work of napoleon on properties: it takes the text before a colon in the first line for a type."""
+    lines[:] = _texts.pop(name, lines)
 
 
 def setup(app):
     app.connect("source-read", _read)
     # before napoleon
     app.connect("autodoc-process-docstring", _docstring, priority=400)
-    app.connect("autodoc-skip-member", _skip)
+    # after napoleon
+    app.connect("autodoc-process-docstring", _restore, priority=600)
     return {"parallel_read_safe": True}
