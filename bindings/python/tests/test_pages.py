@@ -32,9 +32,11 @@ def test_pages_are_found():
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_python_of_a_page(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    for block in MODEL.finditer(page.read_text(encoding="utf-8")):
-        if (name := FILE.match(block[1])) is not None:
-            (tmp_path / name[1]).write_text(block[1], encoding="utf-8")
+    # pages may use files of other pages; a file of the page itself comes last
+    for source in [*PAGES, page]:
+        for block in MODEL.finditer(source.read_text(encoding="utf-8")):
+            if (name := FILE.match(block[1])) is not None:
+                (tmp_path / name[1]).write_text(block[1], encoding="utf-8")
     names = {"__name__": "page"}
     for line, block in blocks(page):
         # line numbers are those of the page, so that a failure refers to it
