@@ -2,6 +2,7 @@
 
 import os
 import re
+import sys
 import tomllib
 from pathlib import Path
 
@@ -9,6 +10,7 @@ ROOT = Path(__file__).resolve().parent.parent
 DOCS = ROOT / "docs"
 MANIFEST = tomllib.loads((ROOT / "Cargo.toml").read_text(encoding="utf-8"))["workspace"]["package"]
 REPOSITORY = MANIFEST["repository"]
+sys.path.insert(0, str(DOCS))
 
 project = "Rayweave"
 author = "the Rayweave developers"
@@ -24,7 +26,7 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "gallery/README.rst"]
+exclude_patterns = ["_build", "**/README.rst"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 default_role = "py:obj"
 nitpicky = False
@@ -40,7 +42,7 @@ html_theme_options = {
     "show_toc_level": 2,
     "github_url": REPOSITORY,
     "navigation_with_keys": False,
-    "header_links_before_dropdown": 7,
+    "header_links_before_dropdown": 8,
 }
 html_show_sourcelink = False
 
@@ -51,7 +53,8 @@ myst_heading_anchors = 5
 
 # ---- the Python package ----
 
-autodoc_default_options = {"members": True, "undoc-members": False, "show-inheritance": False}
+# an option that is False counts as given
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 autosummary_generate = True
@@ -59,13 +62,18 @@ autosummary_imported_members = True
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 
-# ---- the gallery: the examples of the package, executed ----
+# ---- the gallery and the notebooks: programs of the package, executed ----
 
 os.environ.setdefault("MPLBACKEND", "Agg")
 sphinx_gallery_conf = {
-    "examples_dirs": "../bindings/python/examples",
-    "gallery_dirs": "gallery",
+    "examples_dirs": ["../bindings/python/examples", "../bindings/python/notebooks"],
+    "gallery_dirs": ["gallery", "notebooks"],
     "filename_pattern": r"\.py$",
+    "subsection_order": [
+        f"../bindings/python/examples/{name}"
+        for name in ("solids", "analysis", "algebra", "curves", "data", "light", "photons")
+    ],
+    "within_subsection_order": "FileNameSortKey",
     # it writes the pictures of models/optics
     "ignore_pattern": r"draw_designs\.py$",
     "download_all_examples": False,
@@ -73,7 +81,8 @@ sphinx_gallery_conf = {
     "plot_gallery": True,
     "abort_on_example_error": True,
     "remove_config_comments": True,
-    "image_scrapers": ("matplotlib",),
+    # docs/drawings.py
+    "image_scrapers": ("matplotlib", "drawings"),
 }
 
 # ---- pages that lie elsewhere in the repository, and links to files of the repository ----
@@ -178,10 +187,23 @@ def _docstring(app, what, name, item, options, lines):
         pieces[::2] = [re.sub(r"(?<!\*)\*(?!\*)|\|", r"\\\g<0>", piece) for piece in pieces[::2]]
         parts[k] = _TERM.sub(term, "".join(pieces))
     lines[:] = "".join(parts).split("\n")
+    if what in ("attribute", "property"):
+        _texts[name] = list(lines)
+
+
+#: The documentation strings of properties, by their full names.
+_texts: dict[str, list[str]] = {}
+
+
+def _restore(app, what, name, item, options, lines):
+    """Undoes the work of napoleon on properties: it takes the text before a colon in the first line for a type."""
+    lines[:] = _texts.pop(name, lines)
 
 
 def setup(app):
     app.connect("source-read", _read)
     # before napoleon
     app.connect("autodoc-process-docstring", _docstring, priority=400)
+    # after napoleon
+    app.connect("autodoc-process-docstring", _restore, priority=600)
     return {"parallel_read_safe": True}

@@ -12,8 +12,6 @@ BLOCK = re.compile(r"^```python\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 MODEL = re.compile(r"^```(?:toml|xml)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 #: The first line of a block that is a file.
 FILE = re.compile(r"(?:# |<!-- )file: (\S+)")
-#: Pages whose code reads their first model, and the file name used there.
-MODELS = {"docs/guides/optics-files.md": "lens.toml", "docs/guides/photons.md": "bar.gdml"}
 PAGES = sorted([ROOT / "README.md", ROOT / "bindings/python/README.md", *ROOT.glob("docs/**/*.md")])
 
 
@@ -34,12 +32,11 @@ def test_pages_are_found():
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_python_of_a_page(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    model = MODELS.get(page.relative_to(ROOT).as_posix())
-    if model is not None:
-        (tmp_path / model).write_text(MODEL.search(page.read_text(encoding="utf-8"))[1], encoding="utf-8")
-    for block in MODEL.finditer(page.read_text(encoding="utf-8")):
-        if (name := FILE.match(block[1])) is not None:
-            (tmp_path / name[1]).write_text(block[1], encoding="utf-8")
+    # pages may use files of other pages; a file of the page itself comes last
+    for source in [*PAGES, page]:
+        for block in MODEL.finditer(source.read_text(encoding="utf-8")):
+            if (name := FILE.match(block[1])) is not None:
+                (tmp_path / name[1]).write_text(block[1], encoding="utf-8")
     names = {"__name__": "page"}
     for line, block in blocks(page):
         # line numbers are those of the page, so that a failure refers to it

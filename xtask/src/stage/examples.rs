@@ -10,6 +10,9 @@ use crate::report::Counts;
 use crate::workshop::Workshop;
 use crate::{layers, process};
 
+/// Runs all scripts in one process: loading the packages takes longer than most examples.
+const RUN: &str = include_str!("run_examples.py");
+
 /// An example of a crate.
 #[derive(Debug, PartialEq, Eq)]
 struct Example {
@@ -49,12 +52,17 @@ pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     // dependencies differently and build them again
     let mut all = cargo(workshop);
     process::run(all.args(["build", "--quiet", "--examples"]).args(NOT_BY_CARGO))?;
-    let failures = examples.iter().map(|example| example.command(workshop));
+    let commands = examples.iter().map(|example| example.command(workshop));
     let mut failures: Vec<String> =
-        failures.filter_map(|mut command| process::run(&mut command).err()).collect();
+        commands.filter_map(|mut command| process::run(&mut command).err()).collect();
     workshop.python.install_package()?;
-    for script in &scripts {
-        failures.extend(process::run(workshop.python.program("python")?.arg(script)).err());
+    let mut python = workshop.python.program("python")?;
+    let end = process::run_reading(python.args(["-c", RUN]).args(&scripts), |line| {
+        failures.extend(line.strip_prefix("example failed: ").map(|path| format!("{path} failed")));
+    });
+    if failures.is_empty() {
+        // an end without a failed script: the interpreter crashed
+        failures.extend(end.err());
     }
     counts.failed += failures.len() as u64;
     counts.passed += (examples.len() + scripts.len() - failures.len()) as u64;

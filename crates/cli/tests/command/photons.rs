@@ -32,7 +32,7 @@ pub fn run<'a>(more: &[&'a str]) -> Vec<&'a str> {
 fn the_guide() {
     let bench = bench();
     let arguments: Vec<&str> = block("sh").split_whitespace().skip(1).collect();
-    assert!(bench.says(&arguments).contains("100000 photons"));
+    assert!(bench.says(&arguments).contains("20000 photons"));
     let found = bench.json(&run(&["--json", "-o", "hits.csv"]));
     let ends = found["ends"].as_object().unwrap();
     assert_eq!(ends.values().filter_map(Value::as_u64).sum::<u64>(), 2000);

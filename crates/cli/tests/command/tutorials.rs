@@ -1,15 +1,21 @@
-//! The commands of the tutorials: every line of their `sh` blocks is run, in order, page by page.
+//! The commands of the tutorials and of guides with their own model: every line of their `sh` blocks is run, in order, page by
+//! page.
 
 use crate::bench::{Bench, done};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
+/// Guides whose commands use only files of the page.
+const GUIDES: [&str; 2] = ["optics-files.md", "photons.md"];
+
 fn pages() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/tutorials");
-    let mut pages: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let mut pages: Vec<PathBuf> =
+        fs::read_dir(docs.join("tutorials")).unwrap().map(|entry| entry.unwrap().path()).collect();
     pages.retain(|page| page.extension().is_some_and(|ending| ending == "md"));
     pages.sort();
+    pages.extend(GUIDES.map(|name| docs.join("guides").join(name)));
     pages
 }
 
@@ -45,7 +51,7 @@ fn words(line: &str) -> Vec<String> {
 }
 
 #[test]
-fn commands_of_the_tutorials_run() {
+fn commands_of_tutorials_and_guides_run() {
     let mut count = 0;
     for page in pages() {
         let text = fs::read_to_string(&page).unwrap();
@@ -68,5 +74,5 @@ fn commands_of_the_tutorials_run() {
             }
         }
     }
-    assert!(count >= 12, "{count} commands");
+    assert!(count >= 22, "{count} commands");
 }

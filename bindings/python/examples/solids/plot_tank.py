@@ -23,9 +23,9 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained
 left.imshow(rw.render(model, size=(480, 360), opacity={"tank": 0.3}))
 left.axis("off")
 cut = rw.section(model, "yz")
-for name in cut.names:
-    for contour in cut.contours(name):
-        right.fill(*contour.T, label=name, alpha=0.6)
+for colour, name in zip(("deepskyblue", "gold", "slategray"), cut.names, strict=True):
+    for number, contour in enumerate(cut.contours(name)):
+        right.fill(*contour.T, color=colour, label=name if number == 0 else None, alpha=0.6)
 right.set(aspect="equal", xlabel="y", ylabel="z", title="section x = 0")
 right.legend()
 

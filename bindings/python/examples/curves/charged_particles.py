@@ -2,8 +2,8 @@
 Charged particles
 =================
 
-Traces charged particles through a detector of tubes and tiles in a magnetic field, and prints when and where they
-hit its cells.
+Traces charged particles through a detector of tubes and tiles in a magnetic field, and lists and draws when and where
+they hit its cells.
 
 Lengths in mm, times in ns, momenta in GeV/c. The table is printed and, if a path is given, written there as CSV.
 """
@@ -11,6 +11,7 @@ Lengths in mm, times in ns, momenta in GeV/c. The table is printed and, if a pat
 import csv
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import rayweave as rw
@@ -65,7 +66,7 @@ header = ["track", "particle", "cell", "tile", "t_ns", "x_mm", "y_mm", "z_mm"]
 for row in [header, *rows[:12]]:
     print("  ".join(f"{entry!s:>9}" for entry in row))
 print(f"... {len(rows)} cells are hit by {len(helices)} particles in 10 ns")
-if len(sys.argv) > 1:
+if len(sys.argv) > 1 and sys.argv[1].endswith(".csv"):
     with open(sys.argv[1], "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([header, *rows])
 
@@ -78,3 +79,14 @@ assert np.isclose(first.t[0], 2 * radius * np.arcsin(LAYERS[0] / (2 * radius)) /
 # half of that momentum gives a circle 334 mm across, which crosses three layers again and again
 curl = detector.crossings_along(particle(PION, -1, np.array([0.1, 0.0, 0.0])), 0.0, 10.0)
 assert {found.surface_names[k].split(".")[0] for k in curl.surface} == {"layer1", "layer2", "layer3"}
+
+figure, axis = plt.subplots(figsize=(5.5, 5.5), layout="constrained")
+for contour in rw.section(detector, "xy").contours("solid"):
+    axis.plot(*np.vstack([contour, contour[:1]]).T, color="gray", lw=0.6)
+times = np.linspace(0, 10, 600)
+for name, helix in zip(names, helices, strict=True):
+    path = np.array([helix.position(t) for t in times])
+    path = path[np.hypot(path[:, 0], path[:, 1]) < 560]
+    axis.plot(path[:, 0], path[:, 1], lw=0.8, color="C0" if "+" in name or name == "p" else "C1")
+axis.plot(found.point[:, 0], found.point[:, 1], "k.", ms=2)
+axis.set(aspect="equal", xlabel="x in mm", ylabel="y in mm")
