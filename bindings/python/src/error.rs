@@ -15,7 +15,7 @@ pyo3::create_exception!(
      >>> rw.sphere(-1)\n\
      Traceback (most recent call last):\n\
      ...\n\
-     rayweave.RayweaveError: sphere: radius is -1: it must be finite and greater than 0."
+     rayweave.RayweaveError: sphere: radius is -1: radius must be finite and greater than 0. Did you mean 1?"
 );
 
 /// A `RayweaveError` with this message.

@@ -41,8 +41,7 @@ pub fn python_text(solid: &Solid) -> String {
             Task::Text(piece) => text.push_str(&piece),
             Task::Solid(solid, inside) => expand(&mut text, solid, inside, &mut tasks),
         }
-        // names and calls have to be closed, which is not done for a deep tree
-        if text.len() > MOST || tasks.len() > MOST {
+        if text.len() > MOST || tasks.len() > MOST && text.len() > SHORT {
             let start: String = text.chars().take(SHORT).collect();
             return format!("<Solid: {start}...>");
         }

@@ -262,7 +262,7 @@ def test_missing_files_are_named(tmp_path):
         (lambda: rw.cylinder(r=3, h=2), r"unexpected keyword argument 'r': .*Did you mean radius\?"),
         (lambda: rw.cylinder(3, h=2), r"Did you mean height\?"),
         (lambda: rw.box(sise=2), r"Did you mean size\?"),
-        (lambda: rw.box(2, center=True), r"Write box\(\.\.\.\)\.translate\(center\)"),
+        (lambda: rw.box(2, center=True), r"Did you mean box\(\.\.\.\)\.translate\(center\)\?"),
         (lambda: rw.render(rw.sphere(1), size="big"), "size is 'big': it must be two whole numbers"),
         (lambda: rw.render(rw.sphere(1), samples=1.5), "samples is 1.5: it must be a whole number"),
     ],

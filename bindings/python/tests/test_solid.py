@@ -263,8 +263,8 @@ def test_solids_do_not_change():
 
 
 def test_repr_reads_well():
-    assert repr(sphere(1.5)) == "Solid(sphere(radius=1.5))"
-    assert repr((half_space([0, 0, 1], 2) & ~sphere(1)).named("part")).startswith("Solid(part = half_space(")
+    assert repr(sphere(1.5)) == "sphere(radius=1.5)"
+    assert repr((half_space([0, 0, 1], 2) & ~sphere(1)).named("part")).startswith("(half_space(normal=[0, 0, 1], offset=2) & ~")
 
 
 def test_rays_from_too_far_are_rejected_with_their_number():

@@ -40,7 +40,7 @@ def everything():
         rw.intersection([A, B, C]),
         rw.empty() | rw.universe(),
         rw.cylinder(2, height=0.1 + 0.2),
-        rw.cylinder(1e-300, 1e300),
+        rw.cylinder(1e-50, 1e50),
         rw.torus(3, 1).rotate_z(30).rotate_x(-12.5).rotate_y(90),
         B.rotate([1, 2, 3], 40),
         B.scale(2).scale([1, -2, 3]).mirror([1, 1, 0]).scale(-1),

@@ -82,7 +82,7 @@ def array_csg(
     Examples
     --------
     >>> array_csg([1, 4, 5, 10], [0, 2, 3, 5], Operation.INTERSECT)
-    array([ 1.,  2.,  3.,  4., inf, inf, inf, inf])
+    array([ 1.,  2.,  3.,  4.,  5.,  5., inf, inf])
 
     The algorithm is that of R. Frazier's PyRayT ("Efficient CSG", 2021), with a stable sort.
     """

@@ -115,7 +115,7 @@ def _reject(shape: str, names: list[str], name: str) -> NoReturn:
         meant = f"{shape}(...).translate({name})"
     elif name in _MEANT and _MEANT[name][0] in names:
         meant = "".join(_MEANT[name])
-    elif shape == "box":
+    elif name in ("width", "depth", "length", "height", "x", "y", "z") and shape == "box":
         meant = "box([x, y, z])"
     raise TypeError(unexpected(f"{shape}", names, name, meant))
 

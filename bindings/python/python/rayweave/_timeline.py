@@ -51,6 +51,7 @@ def timeline(
 
     Examples
     --------
+    >>> from rayweave import Operation, array_csg, timeline
     >>> a, b = (1, 4, 5, 10), (0, 2, 3, 5, 6, 7)
     >>> drawing = timeline({"A": a, "B": b}, {"A & B": array_csg(a, b, Operation.INTERSECT)})
     >>> drawing.save("intersection.svg")

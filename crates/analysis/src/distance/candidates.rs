@@ -2,6 +2,7 @@
 
 use super::field::Field;
 use rayweave_math::{Mat3, Vec3};
+use rayweave_shape::surface::Surface;
 
 /// The number of Newton steps towards a candidate; each doubles the number of correct digits.
 const STEPS: usize = 8;
@@ -30,7 +31,26 @@ impl Field {
         meeting: &[u32],
         best: &mut Witness,
     ) {
-        let Some((foot, gradients)) = self.meeting_point(from, near, meeting) else { return };
+        // the gradient of a mesh leads from its nearest point, also where that is on an edge: the first step is exact
+        if let [single] = *meeting
+            && matches!(self.surface(single), Surface::Object(_))
+        {
+            self.try_after(1, from, is_inside, from, meeting, best);
+        }
+        self.try_after(STEPS, from, is_inside, near, meeting, best);
+    }
+
+    /// Tries the point after a number of Newton steps.
+    fn try_after(
+        &self,
+        steps: usize,
+        from: Vec3,
+        is_inside: bool,
+        near: Vec3,
+        meeting: &[u32],
+        best: &mut Witness,
+    ) {
+        let Some((foot, gradients)) = self.meeting_point(steps, from, near, meeting) else { return };
         let step = 4.0 * self.rounding(from.abs().max(foot.abs()));
         let length = (foot - from).length();
         if length - 2.0 * step >= best.distance {
@@ -55,10 +75,16 @@ impl Field {
 
     /// Newton's method for the point nearest to `from` at which all surfaces are 0: each step solves the linearised problem.
     /// Returns the point and the unit gradients.
-    fn meeting_point(&self, from: Vec3, near: Vec3, meeting: &[u32]) -> Option<(Vec3, Vec<Vec3>)> {
+    fn meeting_point(
+        &self,
+        steps: usize,
+        from: Vec3,
+        near: Vec3,
+        meeting: &[u32],
+    ) -> Option<(Vec3, Vec<Vec3>)> {
         let mut point = near;
         let mut units = Vec::with_capacity(meeting.len());
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             units.clear();
             let mut offsets = [0.0; 3];
             for (k, &number) in meeting.iter().enumerate() {

@@ -52,7 +52,7 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 
 /// Points per task of [`DistanceField::distances`].
-const POINTS_PER_TASK: usize = 256;
+const POINTS_PER_TASK: usize = 64;
 
 /// The number of nearest surfaces whose feet are tried before the subdivision.
 const NEAREST_SURFACES: usize = 12;

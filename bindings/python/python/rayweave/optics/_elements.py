@@ -340,7 +340,12 @@ def lens(
 def biconvex_lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
-    """A lens with two convex faces; both radii are positive. Faces: `front`, `back`, `edge`."""
+    """A lens with two convex faces; both radii are positive. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> float(ro.biconvex_lens(50, 50, 5, aperture=20).body.bounds[1, 2].round(3))
+    2.5
+    """
     return _component("biconvex", (_convex(r1, "r1", " Use lens(..)."), _convex(r2, "r2", " Use lens(..)."), thickness), name, material, aperture)
 
 
@@ -470,7 +475,12 @@ def cemented(
 
 
 def ball_lens(diameter: float, *, material: Material = "N-BK7", name: str = "ball") -> Element:
-    """A ball about the origin. Its face is `ball`."""
+    """A ball about the origin. Its face is `ball`.
+
+    >>> import rayweave.optics as ro
+    >>> round(ro.ball_lens(10).body.volume, 3)
+    523.599
+    """
     return _component("ball_lens", (diameter,), name, material)
 
 
