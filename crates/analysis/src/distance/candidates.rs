@@ -13,7 +13,7 @@ pub struct Witness {
     /// Its distance: an upper bound of the distance from the boundary.
     pub distance: f64,
     pub beyond: Vec3,
-    /// A boundary point next to it, if it is known.
+    /// A known boundary point next to it.
     pub on: Option<Vec3>,
 }
 

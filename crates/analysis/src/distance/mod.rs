@@ -86,7 +86,7 @@ pub struct Distance {
     pub is_inside: bool,
     /// The distance is at least this.
     pub lower: f64,
-    /// The distance is at most this; infinite if no boundary was found.
+    /// The distance is at most this; infinite without a known boundary point.
     pub upper: f64,
     /// A boundary point at the distance `upper`, up to rounding.
     pub nearest: Option<Vec3>,

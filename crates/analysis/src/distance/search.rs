@@ -15,7 +15,7 @@ type Cell = [Interval; 3];
 /// The greatest number of surfaces whose sign patterns are all evaluated.
 const MOST_PATTERNS: usize = 4;
 
-/// The tree that is left in a box once the surfaces with a constant sign are known.
+/// The rest of the tree in a box, without the surfaces that have a constant sign there.
 struct Part {
     tree: Tree,
     surfaces: Vec<u32>,

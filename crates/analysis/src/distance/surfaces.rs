@@ -5,7 +5,7 @@ use rayweave_shape::surface::{Cone, MeshForm, Object, Plane, Quadric, Surface, T
 use std::any::Any;
 
 /// A number with the sign of f at a point, whose magnitude is at most the distance from the surface. It is the distance, up to
-/// rounding, for planes, spheres, circular cylinders and cones, tori and meshes; 0 where no bound is known.
+/// rounding, for planes, spheres, circular cylinders and cones, tori and meshes; 0 without a bound.
 pub fn signed_bound(surface: &Surface, point: Vec3) -> f64 {
     match surface {
         Surface::Plane(s) => s.normal.dot(point) - s.offset,

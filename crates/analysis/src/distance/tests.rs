@@ -1,3 +1,5 @@
+//! Distances compared with closed forms, and bounds at little effort.
+
 use super::*;
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_model::Solid;

@@ -152,7 +152,7 @@ impl Tree {
         }
     }
 
-    /// The same function where some places of surfaces are known. `surfaces` has a place for each surface number of the tree.
+    /// The same function for known places of some surfaces. `surfaces` has a place for each surface number of the tree.
     pub fn reduced(&self, surfaces: &[Place], places: &mut Vec<Place>) -> Tree {
         self.places(surfaces, places);
         let value = |link: Link| places[link.node as usize].complement_if(link.is_complement);
@@ -190,7 +190,7 @@ impl Tree {
         tree
     }
 
-    /// A gate of which `inside` operands are known to be inside, over those that are not known.
+    /// A gate over its unknown operands; `inside` of the others lie inside.
     fn rest(&mut self, rule: Rule, inside: u32, open: &[Link]) -> Link {
         match (rule, open) {
             (Rule::AtLeast(_), [single]) => *single,
