@@ -383,8 +383,8 @@ def test_ctrl_c_stops_a_query(threads):
 
 # each takes seconds or more: a solid of two million leaves, and a file of a hundred thousand solids
 LONG_PREPARATIONS = {
-    "compile": "solid = rayweave.union([cell.translate([k, 0, 0]) for k in range(200_000)]); go(solid.bounds)",
-    "compile a model": "model = rayweave.loads(text); go(model.bounds)",
+    "compile": "solid = rayweave.union([cell.translate([k, 0, 0]) for k in range(200_000)]); go(lambda: solid.bounds)",
+    "compile a model": "model = rayweave.loads(text); go(lambda: model.bounds)",
     "loads": "go(lambda: rayweave.loads(text))",
     "load": "go(lambda: rayweave.load(path))",
 }

@@ -42,6 +42,7 @@ class Distances(Table):
     is_exact: NDArray[np.bool_]
     """(N,) whether both bounds agree within the requested precision, or there is no surface."""
     nearest: _Array
-    """(N, 3) a point of the surface at the distance `upper`; NaN if none was found."""
+    """(N, 3) a point of the surface at the distance `upper`, to the side of the nearest one by at most about the square root of the
+    precision times the distance; NaN if none was found."""
     point: _Array
     """(N, 3) the points."""
