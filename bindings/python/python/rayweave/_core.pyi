@@ -160,7 +160,7 @@ class RayweaveError(ValueError):
     >>> rw.sphere(-1)
     Traceback (most recent call last):
     ...
-    rayweave.RayweaveError: sphere: radius is -1: it must be finite and greater than 0.
+    rayweave.RayweaveError: sphere: radius is -1: radius must be finite and greater than 0. Did you mean 1?
     """
 
 @final
