@@ -39,7 +39,7 @@ def close_rays(model, make, count):
     """The number of crossings of `count` rays, the number of rays with close crossings, and the smallest distance of
     two crossings."""
     rng = np.random.default_rng(5)
-    low, high = np.asarray(model.bounds())
+    low, high = np.asarray(model.bounds)
     if not np.isfinite([low, high]).all():
         low, high = np.full(3, -FREE), np.full(3, FREE)
     middle, half = (low + high) / 2, (high - low) / 2

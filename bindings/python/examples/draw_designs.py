@@ -23,7 +23,7 @@ def draw(path: Path) -> Path:
     """Draws one design."""
     lens = Prescription.read_zmx(path)
     figure, axis = plt.subplots(figsize=(7.0, 3.0), layout="constrained")
-    lens.show(axis=axis, rays=5)
+    lens.show(ax=axis, rays=5)
     axis.tick_params(labelsize="x-small")
     picture = path.with_suffix(".png")
     figure.savefig(picture, dpi=80, metadata={"Software": None}, pil_kwargs={"optimize": True})

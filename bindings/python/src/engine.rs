@@ -15,7 +15,7 @@ use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave::model::{Crossing, Evaluator, LeafKind, Program, RegionId, Window};
 use rayweave::{AnyEvaluator, AnyScratch, Compiled};
 
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 
 /// The minimum number of rays per chunk: large enough to make the overhead negligible.
 const MIN_CHUNK: usize = 1024;
@@ -189,7 +189,7 @@ impl QueryOptions {
 pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
     let number: i64 = threads
         .extract()
-        .map_err(|_| bad_type(format!("threads is {}: it must be a whole number.", threads.get_type())))?;
+        .map_err(|_| bad_type(format!("threads is {}: it must be a whole number.", shown(threads))))?;
     usize::try_from(number)
         .ok()
         .and_then(NonZeroUsize::new)

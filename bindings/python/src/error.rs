@@ -10,7 +10,12 @@ pyo3::create_exception!(
     RayweaveError,
     PyValueError,
     "A value that cannot be used: the message says which one, where, and why.\n\n\
-     A wrong type is a TypeError."
+     A wrong type is a TypeError.\n\n\
+     >>> import rayweave as rw\n\
+     >>> rw.sphere(-1)\n\
+     Traceback (most recent call last):\n\
+     ...\n\
+     rayweave.RayweaveError: sphere: radius is -1: radius must be finite and greater than 0. Did you mean 1?"
 );
 
 /// A `RayweaveError` with this message.
@@ -21,6 +26,18 @@ pub fn bad_value(message: impl std::fmt::Display) -> PyErr {
 /// A `TypeError` with this message.
 pub fn bad_type(message: impl std::fmt::Display) -> PyErr {
     PyTypeError::new_err(message.to_string())
+}
+
+/// An argument in a message: its text, or its type if that is long.
+pub fn shown(object: &Bound<'_, PyAny>) -> String {
+    const LONG: usize = 40;
+    let text = object.repr().map(|text| text.to_string()).unwrap_or_default();
+    if text.len() <= LONG && !text.is_empty() && !text.contains(" at 0x") {
+        return text;
+    }
+    let kind =
+        object.get_type().name().map_or_else(|_| "an unknown type".to_owned(), |name| name.to_string());
+    format!("of type {kind}")
 }
 
 /// Rejects the path of an input file that does not exist, with a `FileNotFoundError`.

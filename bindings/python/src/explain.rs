@@ -24,6 +24,13 @@ macro_rules! record {
 }
 
 /// Explanation of the answer for one ray: printed as text, with the same contents as data in its attributes.
+///
+/// >>> import rayweave as rw
+/// >>> explanation = rw.box(2).named("die").explain([-3, 0, 0], [1, 0, 0])
+/// >>> [(passage.t, passage.face) for passage in explanation.crossings]
+/// [(2.0, 'die.x-'), (4.0, 'die.x+')]
+/// >>> explanation.start == "the world"
+/// True
 #[pyclass(frozen, module = "rayweave", name = "Explanation")]
 pub struct PyExplanation {
     explanation: Explanation,

@@ -11,7 +11,7 @@ use rayweave::rootray::hit_array::{self, CsgOptions, Float, HitArray, HitArrayEr
 
 use crate::arrays::{RealArray, contiguous, real_array, shape_text};
 use crate::engine::thread_argument;
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 
 type Array<'py, T> = Bound<'py, PyArrayDyn<T>>;
 
@@ -135,7 +135,7 @@ fn output<'a, 'py, T: Element>(out: &'a Bound<'py, PyAny>, shape: &[usize]) -> P
     let Ok(array) = out.cast::<PyArrayDyn<T>>() else {
         let found = match out.cast::<numpy::PyUntypedArray>() {
             Ok(array) => format!("an array of dtype {}", array.dtype()),
-            Err(_) => out.get_type().to_string(),
+            Err(_) => shown(out),
         };
         return Err(bad_type(format!(
             "out is {found}: it must be an array of dtype {}.",
@@ -179,7 +179,7 @@ fn regularize_from(object: &Bound<'_, PyAny>) -> PyResult<Regularize<f64>> {
         Ok(min_sep) => Ok(Regularize::Weld(min_sep)),
         Err(_) => Err(bad_type(format!(
             "regularize is {}: it must be True, False or the minimum length of a piece.",
-            object.get_type()
+            shown(object)
         ))),
     }
 }

@@ -13,7 +13,7 @@ use rayweave::model::memory::Growth;
 
 use crate::arrays::list;
 use crate::engine::{Engine, thread_argument};
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 use crate::model::PyModel;
 use crate::polygons::PyPolygons;
 use crate::solid::PySolid;
@@ -86,10 +86,9 @@ fn program_of(subject: &Bound<'_, PyAny>) -> PyResult<Arc<Program>> {
     }
     match subject.cast::<PyModel>() {
         Ok(model) => model.get().compiled(py).map(|(_, engine)| program(engine)),
-        Err(_) => Err(bad_type(format!(
-            "subject is {}: it must be a Solid, a Model or Polygons.",
-            subject.get_type()
-        ))),
+        Err(_) => {
+            Err(bad_type(format!("subject is {}: it must be a Solid, a Model or Polygons.", shown(subject))))
+        }
     }
 }
 

@@ -17,13 +17,13 @@ use rayweave::{Compiled, Message};
 use crate::build::scene_of_parts;
 use crate::drawing::{Subject, notebook_png, render_method};
 use crate::engine::{Engine, QueryOptions, computed};
-use crate::error::{bad_type, bad_value, require_file};
+use crate::error::{bad_type, bad_value, require_file, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
 use crate::save::{format_of, save_scene};
 use crate::solid::{PySolid, bounds_array};
 use crate::to_mesh::to_mesh;
-use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
+use crate::{along, crossings, distance, hits, nearest, occurrences, pickle, points};
 
 /// A model: an ordered list of regions, each a solid made of a medium. It never changes.
 ///
@@ -107,6 +107,11 @@ impl PyModel {
 /// `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
 /// of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
 /// files and folders in `allow`. With `strict`, warnings are errors.
+///
+/// >>> import rayweave as rw
+/// >>> _ = rw.Model({"die": rw.box(2)}).save("die.toml")
+/// >>> [region.name for region in rw.load("die.toml")]
+/// ['die']
 #[pyfunction]
 #[pyo3(name = "load", signature = (
     path, parameters: "dict[str, float | str] | None" = None, *, format = None, facets = false,
@@ -142,6 +147,17 @@ fn unit_of(symbol: &str) -> PyResult<Unit> {
 
 /// Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
 /// and below, and the files and folders in `allow`. With `strict`, warnings are errors.
+///
+/// >>> import rayweave as rw
+/// >>> model = rw.loads("""
+/// ... rayweave = 1
+/// ... [solid.die]
+/// ... box = { size = 2 }
+/// ... [[region]]
+/// ... solid = "die"
+/// ... """)
+/// >>> model["die"].solid
+/// box(size=[2, 2, 2]).named('die')
 #[pyfunction]
 #[pyo3(signature = (
     text, parameters: "dict[str, float | str] | None" = None, *, allow = Vec::new(), strict = false
@@ -168,7 +184,7 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
             Ok(number) => Ok(format!("{number:?}")),
             Err(_) => Err(bad_type(format!(
                 "parameters['{name}'] is {}: it must be a number or an arithmetic expression.",
-                value.get_type()
+                shown(value)
             ))),
         },
     };
@@ -425,7 +441,20 @@ impl PyModel {
         Ok(preparations.iter().map(|p| p.text(lines)).collect::<Vec<_>>().join("\n"))
     }
 
+    /// Signed distances of points from the surface between the medium of the world and all others: see `Solid.distance`.
+    #[pyo3(signature = (points: "ArrayLike", *, precision = 1e-9, threads: "int | None" = None) -> "Distances")]
+    fn distance<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        precision: f64,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        distance::distance(self.engine(points.py())?, points, precision, threads)
+    }
+
     /// A box around all regions: float64 (2, 3), the smallest and the largest coordinates.
+    #[getter]
+    #[cfg_attr(false, stub("() -> NDArray[np.float64]"))]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
     }

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyList, PyString};
 use rayweave::model::Program;
 
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 
 /// The path of each occurrence, or of the innermost placed solid around it; empty for -1.
 pub fn paths<'py>(
@@ -48,7 +48,7 @@ fn numbers(occurrences: &Bound<'_, PyAny>) -> PyResult<Vec<i64>> {
         return Ok(array.try_readonly().map_err(bad_value)?.as_array().to_vec());
     }
     let wrong = |_| {
-        let kind = occurrences.get_type();
+        let kind = shown(occurrences);
         bad_type(format!("occurrences is {kind}: it must be an array or a list of whole numbers."))
     };
     occurrences.extract().map_err(wrong)

@@ -1,6 +1,6 @@
 //! Polygonal regions of the plane as a Python class.
 
-use numpy::ndarray::Array2;
+use numpy::ndarray::{Array2, arr2};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -8,7 +8,7 @@ use rayweave::polygon::{Polygons, from_polygons};
 use rayweave::rootray::{RootRay, Side};
 
 use crate::arrays::{double_array, list, room, shape_text};
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 use crate::rootray::PyRootRay;
 use crate::solid::PySolid;
 use crate::space::kinds::polygon_numbers;
@@ -19,6 +19,13 @@ use crate::space::table;
 type Remake<'py> = (Bound<'py, PyAny>, (Bound<'py, PyTuple>, i64));
 
 /// A region of the plane bounded by polygons. Immutable; created by `from_polygons`.
+///
+/// >>> import rayweave as rw
+/// >>> frame = rw.from_polygons([[[0, 0], [4, 0], [4, 4], [0, 4]], [[1, 1], [1, 3], [3, 3], [3, 1]]])
+/// >>> frame.area, frame.contains([[0.5, 2], [2, 2]])
+/// (12.0, array([ True, False]))
+/// >>> round(frame.extrude(0, 2).volume)
+/// 24
 #[pyclass(frozen, module = "rayweave", name = "Polygons")]
 pub struct PyPolygons(Polygons);
 
@@ -31,6 +38,11 @@ impl PyPolygons {
 
 /// The region bounded by closed contours, arrays of shape (N, 2): islands go around counter-clockwise, holes clockwise.
 /// `outside` is +1 or, if the outermost contours are holes, -1.
+///
+/// >>> import rayweave as rw
+/// >>> triangle = rw.from_polygons([[[0, 0], [2, 0], [0, 2]]])
+/// >>> triangle.area
+/// 2.0
 #[pyfunction]
 #[pyo3(name = "from_polygons", signature = (contours: "Iterable[ArrayLike]", outside = 1))]
 pub fn region_from_polygons(
@@ -43,9 +55,9 @@ pub fn region_from_polygons(
         -1 => Side::Inside,
         other => return Err(bad_value(format!("outside is {other}: it must be +1 or -1."))),
     };
-    let each = contours.try_iter().map_err(|_| {
-        bad_type(format!("contours is {}: it must be a list of arrays.", contours.get_type()))
-    })?;
+    let each = contours
+        .try_iter()
+        .map_err(|_| bad_type(format!("contours is {}: it must be a list of arrays.", shown(contours))))?;
     let contours: Vec<Vec<[f64; 2]>> =
         each.enumerate().map(|(k, contour)| vertices(&contour?, k)).collect::<PyResult<_>>()?;
     py.detach(|| from_polygons(&contours, side)).map(PyPolygons).map_err(bad_value)
@@ -84,6 +96,20 @@ impl PyPolygons {
     #[getter]
     fn area(&self) -> f64 {
         self.0.area()
+    }
+
+    /// A box around the contours: float64 (2, 2), the smallest and the largest coordinates; (+inf, -inf) without contours.
+    #[getter]
+    #[cfg_attr(false, stub("() -> NDArray[np.float64]"))]
+    fn bounds<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        let (mut lo, mut hi) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for corner in self.0.contours().flat_map(|contour| contour.corners) {
+            for axis in 0..2 {
+                lo[axis] = lo[axis].min(corner[axis]);
+                hi[axis] = hi[axis].max(corner[axis]);
+            }
+        }
+        PyArray2::from_owned_array(py, arr2(&[lo, hi]))
     }
 
     /// The contours after simplification, without vertices that are not corners: arrays of shape

@@ -6,13 +6,20 @@ use rayweave::rootray::hit_array::{from_column, to_column};
 use rayweave::rootray::{RootRay, Side, min_sep, seed, surface_count, validate_times};
 
 use crate::arrays::list;
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 
 /// The parts of one trajectory inside one solid: the side on which it starts and the times at which it changes sides.
 ///
 /// `start` is +1 or "outside", -1 or "inside": the side as t goes to -inf. `roots` are the times of the crossings: finite and
 /// strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, and no comparison uses a
 /// tolerance. It unpacks and compares as the pair `(start, list of roots)`.
+///
+/// >>> import rayweave as rw
+/// >>> a, b = rw.RootRay("outside", [1, 4]), rw.RootRay("outside", [2, 3])
+/// >>> a - b
+/// RootRay(+1, [1.0, 2.0, 3.0, 4.0])
+/// >>> (a & b).spans(), (~a).starts_inside
+/// ([(2.0, 3.0)], True)
 #[pyclass(frozen, module = "rayweave", name = "RootRay", sequence)]
 pub struct PyRootRay(RootRay);
 
@@ -188,7 +195,7 @@ fn side(start: &Bound<'_, PyAny>) -> PyResult<Side> {
         let ray = seed::from_pair(sign, &[]);
         return ray.map(|ray| ray.start()).map_err(|error| bad_value(format!("start: {error}")));
     }
-    Err(bad_type(format!("start is {}: it must be +1 or 'outside', -1 or 'inside'.", start.get_type())))
+    Err(bad_type(format!("start is {}: it must be +1 or 'outside', -1 or 'inside'.", shown(start))))
 }
 
 /// The minimum separation of two root times: see `rayweave.rootray.min_sep`.

@@ -1,9 +1,11 @@
 //! Cross-sections as a Python class.
 
+use std::path::PathBuf;
+
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyIterator, PyTuple};
+use pyo3::types::{IntoPyDict, PyIterator, PyTuple};
 use rayweave::model::drive::Cancel;
 use rayweave::section::{
     By, CrossSection, SectionPart, SectionPlane, SectionRun, SectionSettings, cross_sections, section_dxf,
@@ -139,6 +141,30 @@ impl PySection {
     #[pyo3(signature = () -> "Any")]
     fn to_arrow<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         rows(slf)?.call_method0("to_arrow")
+    }
+
+    /// The parts as an xarray Dataset with the dimension `row`: name, area, perimeter.
+    #[pyo3(signature = () -> "Any")]
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        rows(slf)?.call_method0("to_xarray")
+    }
+
+    /// Writes the section as a picture (.svg) or as closed polylines (.dxf): see `rayweave.save_section`.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> rw.section(rw.sphere(1), "z=0").save("circle.svg")
+    #[pyo3(signature = (path, *, title = ""))]
+    fn save(slf: &Bound<'_, Self>, path: PathBuf, title: &str) -> PyResult<()> {
+        let module = slf.py().import("rayweave._section")?;
+        let options = [("title", title)].into_py_dict(slf.py())?;
+        module.getattr("save_section")?.call((slf, path), Some(&options)).map(|_| ())
+    }
+
+    /// Shows the section: in a notebook below the cell, otherwise in the browser.
+    fn show(slf: &Bound<'_, Self>) -> PyResult<()> {
+        let svg = slf.get()._repr_svg_();
+        let show = slf.py().import("rayweave._drawing")?.getattr("show")?;
+        show.call1((slf, svg.as_bytes(), ".svg")).map(|_| ())
     }
 
     fn _repr_svg_(&self) -> String {

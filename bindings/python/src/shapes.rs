@@ -6,7 +6,7 @@ use pyo3::types::{PyBool, PyDict, PyTuple};
 use rayweave::shape::primitive::{MANUALS, Manual, Parameter, ParameterKind, Value, build, manual};
 
 use crate::arrays::{double_array, shape_text};
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 use crate::solid::PySolid;
 
 /// The manual pages of all shapes: dicts with the fields `name`, `parameters`, `equation`, `faces` and `text`.
@@ -60,7 +60,7 @@ pub fn shape(name: &str, values: Vec<Bound<'_, PyAny>>) -> PyResult<PySolid> {
 fn value(shape: &str, parameter: &Parameter, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     let wrong = || {
         let (name, kind) = (parameter.name, parameter.kind);
-        bad_type(format!("{shape}: {name} is {}: it must be {kind}.", object.get_type()))
+        bad_type(format!("{shape}: {name} is {}: it must be {kind}.", shown(object)))
     };
     if object.is_instance_of::<PyBool>() {
         return Err(wrong());

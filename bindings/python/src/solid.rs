@@ -1,11 +1,11 @@
 //! The solid as a Python class.
 
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
 use numpy::PyArray2;
 use numpy::ndarray::arr2;
+use pyo3::exceptions::PyAttributeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyIterator, PyList, PyTuple};
 use rayweave::formats::WriteOptions;
@@ -15,14 +15,15 @@ use rayweave::scene::Document;
 
 use crate::drawing::{Subject, notebook_png, render_method};
 use crate::engine::{Engine, QueryOptions, computed};
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
+use crate::repr::python_text;
 use crate::save::save_scene;
 use crate::solid_scene::scene_of;
 use crate::to_mesh::to_mesh;
 use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
-use crate::{along, crossings, hits, nearest, occurrences, pickle, points};
+use crate::{along, crossings, distance, hits, nearest, occurrences, pickle, points};
 
 /// A solid: a boolean combination of shapes under affine maps. It never changes.
 ///
@@ -48,6 +49,32 @@ pub struct PySolid {
     /// Compiled at the first query.
     engine: OnceLock<Engine>,
 }
+
+/// Words of other programs for methods, with what to write.
+const WORDS: [(&str, &str); 22] = [
+    ("add", "a | b"),
+    ("bounding_box", "solid.bounds"),
+    ("bbox", "solid.bounds"),
+    ("center_mass", "solid.centroid"),
+    ("colour", "Region(name, solid, colour=...)"),
+    ("color", "Region(name, solid, colour=...)"),
+    ("cut", "a - b"),
+    ("difference", "a - b"),
+    ("export", "solid.save(path)"),
+    ("fuse", "a | b"),
+    ("intersect", "a & b"),
+    ("intersection", "a & b"),
+    ("intersects", "solid.crossings(origins, directions)"),
+    ("move", "solid.translate(v)"),
+    ("plot", "solid.render().show()"),
+    ("resize", "solid.scale(s)"),
+    ("show", "solid.render().show()"),
+    ("signed_distance", "solid.distance(points)"),
+    ("subtract", "a - b"),
+    ("trace", "solid.crossings(origins, directions)"),
+    ("union", "a | b"),
+    ("write", "solid.save(path)"),
+];
 
 /// The number of leaves that are compiled within a few milliseconds.
 const SMALL: u64 = 1000;
@@ -160,6 +187,13 @@ impl PySolid {
 
     fn __xor__(&self, other: PyRef<'_, Self>) -> Self {
         Self::from_solid(&self.solid ^ &other.solid)
+    }
+
+    /// Attributes that do not exist, with what other programs call them.
+    fn __getattr__(&self, name: &str) -> PyResult<Self> {
+        let meant = WORDS.iter().find(|(word, _)| *word == name);
+        let hint = meant.map_or(String::new(), |(_, write)| format!(": write {write}"));
+        Err(PyAttributeError::new_err(format!("a Solid has no attribute '{name}'{hint}")))
     }
 
     fn __invert__(&self) -> Self {
@@ -311,9 +345,36 @@ impl PySolid {
         points::contains(self.engine(points.py())?, points, &options)
     }
 
+    /// Signed distances of points (N, 3), (3,) or of a grid (..., 3) from the surface, and the nearest points on it, with bounds: see
+    /// `Distances`. Distances are negative inside. One whose bounds differ by at most `precision` times the distance (or by
+    /// rounding) counts as exact.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> found = (rw.box(2) - rw.sphere(0.5)).distance([[3, 2, 0], [0, 0, 0.8]])
+    /// >>> found.distance.round(9).tolist(), found.is_exact.tolist()
+    /// ([2.236067977, -0.2], [True, True])
+    /// >>> found.nearest.round(9).tolist()
+    /// [[1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    #[pyo3(signature = (points: "ArrayLike", *, precision = 1e-9, threads: "int | None" = None) -> "Distances")]
+    fn distance<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        precision: f64,
+        threads: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        distance::distance(self.engine(points.py())?, points, precision, threads)
+    }
+
     /// A box around the solid: float64 (2, 3), the smallest and the largest coordinates. The box
     /// of the empty solid is (+inf, -inf). The box is conservative and may be larger than the
     /// solid.
+    ///
+    /// >>> import rayweave as rw
+    /// >>> rw.sphere(2).bounds
+    /// array([[-2., -2., -2.],
+    ///        [ 2.,  2.,  2.]])
+    #[getter]
+    #[cfg_attr(false, stub("() -> NDArray[np.float64]"))]
     fn bounds<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         Ok(bounds_array(py, &self.engine(py)?.program.bounds()))
     }
@@ -411,7 +472,7 @@ impl PySolid {
     }
 
     fn __repr__(&self) -> String {
-        short_text(&self.solid)
+        python_text(&self.solid)
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
@@ -435,27 +496,6 @@ pub fn bounds_array<'py>(py: Python<'py>, bounds: &Bounds) -> Bound<'py, PyArray
     PyArray2::from_owned_array(py, arr2(&[bounds.lo.to_array(), bounds.hi.to_array()]))
 }
 
-/// A solid as text, truncated to a maximum length.
-pub fn short_text(solid: &Solid) -> String {
-    let mut text = Cut(String::new());
-    match write!(text, "{solid}") {
-        Ok(()) => format!("Solid({})", text.0),
-        Err(_) => format!("Solid({}...)", text.0),
-    }
-}
-
-/// A writer that fails beyond a number of characters, so that formatting a deep tree ends early.
-struct Cut(String);
-
-impl Write for Cut {
-    fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        const LONG: usize = 100;
-        let room = LONG - self.0.chars().count();
-        self.0.extend(text.chars().take(room));
-        if text.chars().nth(room).is_some() { Err(std::fmt::Error) } else { Ok(()) }
-    }
-}
-
 /// A solid from its pickled bytes.
 #[pyfunction]
 #[pyo3(signature = (data))]
@@ -464,12 +504,20 @@ pub fn solid_from_bytes(data: &[u8]) -> PyResult<PySolid> {
 }
 
 /// The empty solid: the neutral element of union.
+///
+/// >>> import rayweave as rw
+/// >>> rw.empty().contains([0, 0, 0])
+/// array([False])
 #[pyfunction]
 pub fn empty() -> PySolid {
     PySolid::from_solid(Solid::empty())
 }
 
 /// All of space: the neutral element of intersection.
+///
+/// >>> import rayweave as rw
+/// >>> (rw.universe() - rw.sphere(1)).contains([[0, 0, 0], [2, 0, 0]])
+/// array([False,  True])
 #[pyfunction]
 pub fn universe() -> PySolid {
     PySolid::from_solid(Solid::universe())
@@ -487,6 +535,10 @@ pub fn union(solids: &Bound<'_, PyTuple>) -> PyResult<PySolid> {
 }
 
 /// The intersection of solids, given one by one or as one iterable; `universe()` if there are none.
+///
+/// >>> import rayweave as rw
+/// >>> rw.intersection(rw.box(2), rw.sphere(1.2)).contains([0.9, 0, 0])
+/// array([ True])
 #[pyfunction]
 #[pyo3(signature = (*solids: "Solid | Iterable[Solid]"))]
 pub fn intersection(solids: &Bound<'_, PyTuple>) -> PyResult<PySolid> {
@@ -495,6 +547,11 @@ pub fn intersection(solids: &Bound<'_, PyTuple>) -> PyResult<PySolid> {
 
 /// The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The
 /// solid is compiled once, regardless of the number of maps.
+///
+/// >>> import rayweave as rw
+/// >>> row = rw.place(rw.sphere(1), [[0, 0, 0], [3, 0, 0], [6, 0, 0]])
+/// >>> row.hits([-2, 0, 0], [1, 0, 0]).ravel()
+/// array([1., 3., 4., 6., 7., 9.])
 #[pyfunction]
 #[pyo3(signature = (solid, transforms: "ArrayLike"))]
 pub fn place(solid: PyRef<'_, PySolid>, transforms: &Bound<'_, PyAny>) -> PyResult<PySolid> {
@@ -507,16 +564,15 @@ fn operands(arguments: &Bound<'_, PyTuple>) -> PyResult<Vec<Solid>> {
         1 if !arguments.get_item(0)?.is_instance_of::<PySolid>() => arguments.get_item(0)?,
         _ => arguments.clone().into_any(),
     };
-    let wrong = || bad_type(format!("solids is {}: it must be an iterable of solids.", solids.get_type()));
+    let wrong = || bad_type(format!("solids is {}: it must be an iterable of solids.", shown(&solids)));
     let solids: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
     solids?
         .enumerate()
         .map(|(k, item)| match item?.cast_into::<PySolid>() {
             Ok(solid) => Ok(solid.get().solid.clone()),
-            Err(error) => Err(bad_type(format!(
-                "solids[{k}] is {}: it must be a Solid.",
-                error.into_inner().get_type()
-            ))),
+            Err(error) => {
+                Err(bad_type(format!("solids[{k}] is {}: it must be a Solid.", shown(&error.into_inner()))))
+            }
         })
         .collect()
 }

@@ -6,7 +6,7 @@ use pyo3::types::{PyDict, PyList, PyTuple, PyType};
 use rayweave::scene::Scene;
 use rayweave::{Bounds, Vec3};
 
-use crate::error::bad_type;
+use crate::error::{bad_type, shown};
 use crate::model::PyModel;
 use crate::solid::PySolid;
 use crate::solid_scene::scene_of;
@@ -29,10 +29,9 @@ pub fn gathered<'py>(subject: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>>
     if is_several || subject.is_instance(REGION.import(py, "rayweave._model", "Region")?)? {
         return py.get_type::<PyModel>().call1((subject,));
     }
-    let kind = subject.get_type();
-    let kind = kind.name()?;
+    let given = shown(subject);
     Err(bad_type(format!(
-        "subject is of type {kind}: it must be a Solid, a Model, or a list or dict of solids or regions."
+        "subject is {given}: it must be a Solid, a Model, or a list or dict of solids or regions."
     )))
 }
 

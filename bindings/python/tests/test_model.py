@@ -70,7 +70,7 @@ def test_crossings_name_media(model):
 def test_hits_are_where_any_medium_begins_and_ends(model):
     assert np.array_equal(model.hits(START, X)[:, 0], [3, 7])
     assert bool(model.contains([1.5, 0, 0])) and not model.contains([5.0, 0, 0])
-    assert np.array_equal(model.bounds(), [[-2, -2, -2], [2, 2, 2]])
+    assert np.array_equal(model.bounds, [[-2, -2, -2], [2, 2, 2]])
 
 
 def test_partition_has_a_piece_for_each_medium(model):
@@ -151,7 +151,7 @@ def test_models_of_the_repository(path, tmp_path):
     again = pickle.loads(pickle.dumps(model))
     assert again == model and again.parameters == model.parameters
     rng = np.random.default_rng(5)
-    lo, hi = np.nan_to_num(model.bounds(), posinf=10, neginf=-10)
+    lo, hi = np.nan_to_num(model.bounds, posinf=10, neginf=-10)
     origins, directions = rng.uniform(lo, hi, (200, 3)), rng.normal(size=(200, 3))
     found = model.crossings(origins, directions)
     np.testing.assert_array_equal(again.crossings(origins, directions).t, found.t)
@@ -206,7 +206,7 @@ def test_openscad_models_are_read_by_ending_or_by_name(tmp_path: Path) -> None:
     text.write_text(DUMP)
     for model in (rw.load(dump), rw.load(text, format="openscad")):
         assert [region.name for region in model.regions] == ["model"]
-        np.testing.assert_allclose(model.bounds(), [[-2, -2, -2], [2, 2, 2]], rtol=1e-12)
+        np.testing.assert_allclose(model.bounds, [[-2, -2, -2], [2, 2, 2]], rtol=1e-12)
         assert model.warnings == []
         # exactly round: the chord of a ball
         hits = model.hits([-4, 0, 0.6], [1, 0, 0])

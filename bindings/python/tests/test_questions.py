@@ -298,7 +298,7 @@ def test_wrong_types_are_type_errors():
             ball.hits([0, 0, 0], bad)
         with pytest.raises(TypeError, match="points has dtype"):
             ball.contains(bad)
-    with pytest.raises(TypeError, match="threads is <class 'str'>"):
+    with pytest.raises(TypeError, match="threads is '"):
         ball.hits([0, 0, 0], [0, 0, 1], threads="all")
     with pytest.raises(TypeError):
         ball.hits([0, 0, 0], [0, 0, 1], 0, 1, True)
@@ -383,8 +383,8 @@ def test_ctrl_c_stops_a_query(threads):
 
 # each takes seconds or more: a solid of two million leaves, and a file of a hundred thousand solids
 LONG_PREPARATIONS = {
-    "compile": "solid = rayweave.union([cell.translate([k, 0, 0]) for k in range(200_000)]); go(solid.bounds)",
-    "compile a model": "model = rayweave.loads(text); go(model.bounds)",
+    "compile": "solid = rayweave.union([cell.translate([k, 0, 0]) for k in range(200_000)]); go(lambda: solid.bounds)",
+    "compile a model": "model = rayweave.loads(text); go(lambda: model.bounds)",
     "loads": "go(lambda: rayweave.loads(text))",
     "load": "go(lambda: rayweave.load(path))",
 }
@@ -431,9 +431,9 @@ def test_repeated_parts_are_rejected_before_they_are_copied():
         solid = solid | solid.translate([2.0**k, 0, 0])
     start = time.monotonic()
     with pytest.raises(ValueError, match="describe more than 16777216 leaves"):
-        solid.bounds()
+        solid.bounds
     assert time.monotonic() - start < 10
     same = rayweave.sphere(1)
     for _ in range(60):
         same = (same | same) & same.translate([0, 0, 0])
-    assert (same.bounds() == rayweave.sphere(1).bounds()).all()
+    assert (same.bounds == rayweave.sphere(1).bounds).all()

@@ -95,7 +95,7 @@ def test_points_are_inside_as_documented(name, rng):
     expected = inside(name, *points.T)
     np.testing.assert_array_equal(solid.contains(points), expected)
     assert expected.any() and not expected.all()
-    lo, hi = solid.bounds()
+    lo, hi = solid.bounds
     assert ((points[expected] >= lo) & (points[expected] <= hi)).all()
 
 

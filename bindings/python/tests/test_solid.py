@@ -41,9 +41,9 @@ def test_empty_and_universe():
     for full in (universe(), rayweave.intersection([]), ~empty()):
         assert full.contains(point)
         assert full.hits(point, [0, 0, 1]).tolist() == [[-INF], [INF]]
-    assert empty().bounds().tolist() == [[INF] * 3, [-INF] * 3]
-    assert universe().bounds().tolist() == [[-INF] * 3, [INF] * 3]
-    assert place(sphere(1), np.zeros((0, 3))).bounds().tolist() == empty().bounds().tolist()
+    assert empty().bounds.tolist() == [[INF] * 3, [-INF] * 3]
+    assert universe().bounds.tolist() == [[-INF] * 3, [INF] * 3]
+    assert place(sphere(1), np.zeros((0, 3))).bounds.tolist() == empty().bounds.tolist()
     assert not place(sphere(1), []).contains([0, 0, 0])
 
 
@@ -83,7 +83,7 @@ def test_transforms_move_points(rng, method, arguments, linear, shift):
 def test_the_first_transform_acts_first():
     # the bar along z is laid along -y, then moved
     bar = box([1, 1, 10]).rotate_x(90).translate([0, 0, 7])
-    assert bar.bounds().tolist() == [[-0.5, -5, 6.5], [0.5, 5, 7.5]]
+    assert bar.bounds.tolist() == [[-0.5, -5, 6.5], [0.5, 5, 7.5]]
 
 
 def test_place():
@@ -118,7 +118,7 @@ def test_occurrences_are_checked():
         sphere(1).occurrence_paths([0, 7])
     with pytest.raises(ValueError, match=r"occurrences\[0\] is -2"):
         sphere(1).occurrence_paths([-2])
-    with pytest.raises(TypeError, match="occurrences is <class 'float'>"):
+    with pytest.raises(TypeError, match="occurrences is 0.5"):
         sphere(1).occurrence_paths(0.5)
 
 
@@ -250,7 +250,7 @@ def test_wrong_types_are_type_errors(make):
 
 
 def test_operands_are_named():
-    with pytest.raises(TypeError, match=r"solids\[1\] is <class 'int'>: it must be a Solid\."):
+    with pytest.raises(TypeError, match=r"solids\[1\] is 3: it must be a Solid\."):
         union([sphere(1), 3])
 
 
@@ -263,8 +263,8 @@ def test_solids_do_not_change():
 
 
 def test_repr_reads_well():
-    assert repr(sphere(1.5)) == "Solid(sphere(radius=1.5))"
-    assert repr((half_space([0, 0, 1], 2) & ~sphere(1)).named("part")).startswith("Solid(part = half_space(")
+    assert repr(sphere(1.5)) == "sphere(radius=1.5)"
+    assert repr((half_space([0, 0, 1], 2) & ~sphere(1)).named("part")).startswith("(half_space(normal=[0, 0, 1], offset=2) & ~")
 
 
 def test_rays_from_too_far_are_rejected_with_their_number():

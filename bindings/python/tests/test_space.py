@@ -180,7 +180,7 @@ def test_solids_of_different_dimension_do_not_combine():
             join([flat, solid])
         with pytest.raises(RayweaveError, match="solids is empty"):
             join([])
-        with pytest.raises(TypeError, match=r"solids\[1\] is <class 'int'>"):
+        with pytest.raises(TypeError, match=r"solids\[1\] is 3"):
             join([flat, 3])
         with pytest.raises(TypeError, match="iterable of solids"):
             join(3)

@@ -108,7 +108,7 @@ def questions(solid: Solid) -> None:
     assert_type(crossings.surface_names, tuple[str, ...])
     assert_type(solid.nearest(*ray).enters, NDArray[np.bool_])
     assert_type(solid.contains([0, 0, 0]), NDArray[np.bool_])
-    assert_type(solid.bounds(), NDArray[np.float64])
+    assert_type(solid.bounds, NDArray[np.float64])
     explanation = solid.explain(*ray, 0.0)
     assert_type(explanation, rayweave.Explanation)
     assert_type(explanation.questions, tuple[rayweave.Question, ...])

@@ -4,6 +4,7 @@
 //! - [`section`](mod@section): cross-sections by planes;
 //! - [`thickness`]: path lengths of rays through media, and radiographs;
 //! - [`diff`](mod@diff): comparison of two models;
+//! - [`distance`](mod@distance): signed distances and nearest boundary points, with bounds;
 //! - [`check`](mod@check): detection of modelling errors;
 //! - [`infill`](mod@infill): parallel traces of a tool over a region of the plane, or the layers of a solid;
 //! - [`hits`]: streaming of ray files into tables of hits;
@@ -14,6 +15,7 @@
 
 pub mod check;
 pub mod diff;
+pub mod distance;
 mod error;
 pub mod hits;
 pub mod infill;

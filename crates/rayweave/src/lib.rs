@@ -255,7 +255,7 @@ pub mod detector {
 }
 
 #[cfg(feature = "analysis")]
-pub use rayweave_analysis::{AnalysisError, check, diff, hits, measure, thickness};
+pub use rayweave_analysis::{AnalysisError, check, diff, distance, hits, measure, thickness};
 #[cfg(feature = "draw")]
 pub use rayweave_draw::{self as draw, DrawError, layout, picture};
 #[cfg(feature = "formats")]

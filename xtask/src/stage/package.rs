@@ -15,7 +15,16 @@ const STUBTEST_ALLOWLIST: &str = "bindings/python/stubtest-allowlist.txt";
 
 pub fn run(workshop: &mut Workshop<'_>, counts: &mut Counts) -> Outcome {
     workshop.python.install_package()?;
-    workshop.python.install(&["pytest", "numpy", "mypy", "matplotlib", "pandas", "pyarrow", "polars"])?;
+    workshop.python.install(&[
+        "pytest",
+        "numpy",
+        "mypy",
+        "matplotlib",
+        "pandas",
+        "pyarrow",
+        "polars",
+        "xarray",
+    ])?;
     let outcomes = [
         tests(workshop, counts),
         types(workshop, counts),

@@ -27,8 +27,8 @@ const COMPARISONS: [&str; 6] = ["__eq__", "__ne__", "__lt__", "__le__", "__gt__"
 /// Methods with two underscores that Python calls like any other.
 const ORDINARY: [&str; 2] = ["__copy__", "__deepcopy__"];
 
-/// Methods that have the types of `object`.
-const INHERITED: [&str; 3] = ["__repr__", "__str__", "__reduce__"];
+/// Methods that have the types of `object`, and the one that only raises errors: in a stub it would permit every attribute.
+const INHERITED: [&str; 4] = ["__repr__", "__str__", "__reduce__", "__getattr__"];
 
 /// A function of the stub.
 pub struct Function {

@@ -26,7 +26,7 @@ best = places[int(np.argmin(radii))]
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
 screen = optics.detector(20, name="screen").translate([0, 0, best])
-optics.System([lens, screen]).trace(light).show(axis=left, rays=40)
+optics.System([lens, screen]).trace(light).show(ax=left, rays=40)
 right.plot(places, radii, ".-")
 right.set(xlabel="position of the screen in mm", ylabel="RMS radius of the spot in mm")
 

@@ -26,7 +26,7 @@ triplet = Prescription(
 )
 
 figure, axis = plt.subplots(figsize=(8, 3), layout="constrained")
-triplet.show(axis=axis, rays=5)
+triplet.show(ax=axis, rays=5)
 
 # %%
 # The spots of the three fields:

@@ -5,8 +5,10 @@ difference, ``~`` complement. Lengths have any unit you like; angles are in degr
 
 >>> import rayweave as rw
 >>> die = (rw.box(2) & rw.sphere(1.35)) - rw.cylinder(0.5)
->>> die.translate([0, 0, 5]).rotate_z(45).bounds().shape
+>>> die.translate([0, 0, 5]).rotate_z(45).bounds.shape
 (2, 3)
+>>> rw.box(2) - rw.cylinder(0.5).rotate_x(90)
+box(size=[2, 2, 2]) - cylinder(radius=0.5).rotate_x(90)
 
 Rays are arrays of origins and directions, which are broadcast against each other. `nearest` returns the first crossing
 of each ray, `crossings` all of them, `hits` only their times:
@@ -16,6 +18,11 @@ of each ray, `crossings` all of them, `hits` only their times:
 array([ 4., inf])
 >>> die.hits([-5, 0.8, 0], [1, 0, 0]).ravel()
 array([4., 6.])
+
+`distance` returns the signed distances of points, negative inside, with the nearest points of the surface:
+
+>>> die.distance([[0, 0, 3], [0.8, 0, 0]]).distance.round(3)
+array([ 2.062, -0.2  ])
 
 A `Model` has regions, each a solid made of a medium. Later regions have priority where solids overlap:
 
@@ -29,7 +36,7 @@ A `Model` has regions, each a solid made of a medium. Later regions have priorit
 >>> [(piece["medium"], piece["t_end"] - piece["t_start"]) for piece in model.partition([0, 0, -9], [0, 0, 1], 0)][1:4]
 [('water', 0.5), ('glass', 3.0), ('water', 0.5)]
 
-Tables of results have `to_pandas` and `to_arrow`; pictures and drawings have `save` and `show`:
+Tables of results have `to_pandas`, `to_arrow` and `to_xarray`; pictures and drawings have `save` and `show`:
 
 >>> rw.render(model, size=(320, 240)).save("tank.png")
 >>> rw.measure(model).to_pandas()[["regions", "media"]]
@@ -43,16 +50,19 @@ Tables of results have `to_pandas` and `to_arrow`; pictures and drawings have `s
 ========== ==========================================================================================================
 shapes     `sphere`, `box`, `cylinder`, `cone`, `torus`, `prism`, `mesh`, ...: ``help(rayweave.cone)``
 files      `load`, `loads`, `Model.save`, `convert`: model files, OpenSCAD, GDML, STL, OBJ, PLY, OFF, 3MF, glTF
-questions  `measure`, `check`, `section`, `thickness`, `diff`, `infill`, `Solid.explain`
+questions  `measure`, `check`, `section`, `thickness`, `diff`, `infill`, `Solid.distance`, `Solid.explain`
 pictures   `render`, `sheet`, `timeline`
 light      `rayweave.optics`: lenses, mirrors, sources, detectors, prescriptions
 photons    `rayweave.photons`: optical photons in detectors described in GDML
 curves     `rayweave.space`: crossings along curves, solids in 2 to 4 dimensions
+cluster    `rayweave.cluster`: runs on many processes or machines
 ========== ==========================================================================================================
 """
 
 from difflib import get_close_matches as _get_close_matches
+from importlib import import_module as _import_module
 from importlib.metadata import version
+from typing import TYPE_CHECKING as _TYPE_CHECKING
 
 from rayweave import optics, photons, rootray, space
 from rayweave._answers import Crossings, ModelCrossings, Partition
@@ -76,6 +86,7 @@ from rayweave._core import (
     empty,
 )
 from rayweave._diff import Diff, diff
+from rayweave._distance import Distances
 from rayweave._drawing import Drawing
 from rayweave._explain import Entry, Operand, Passage, Question
 from rayweave._hit_array import Operation, array_csg, count_array
@@ -110,6 +121,9 @@ from rayweave._table import Rows, Table
 from rayweave._thickness import Thickness, thickness
 from rayweave._timeline import Timeline, ray_timeline, timeline
 
+if _TYPE_CHECKING:
+    from rayweave import cluster
+
 __version__ = version("rayweave")
 
 __all__ = [
@@ -117,6 +131,7 @@ __all__ = [
     "Check",
     "Crossings",
     "Diff",
+    "Distances",
     "Drawing",
     "Entry",
     "Explanation",
@@ -148,6 +163,7 @@ __all__ = [
     "box",
     "box_from_corners",
     "check",
+    "cluster",
     "cone",
     "convert",
     "convex",
@@ -213,10 +229,28 @@ _MEANT = {
     "volume": "solid.volume or measure(solid)",
     "trace": "solid.crossings(origins, directions), or rayweave.optics for light",
     "extrude": "from_polygons(contours).extrude(lo, hi)",
+    "area": "solid.area or measure(solid)",
+    "bounds": "solid.bounds",
+    "disk": "cylinder(radius, height)",
+    "distance": "solid.distance(points)",
+    "hexagon": "prism(6, radius, height)",
+    "polygon": "from_polygons([points])",
+    "polyhedron": "mesh(vertices, faces)",
+    "ray": "solid.crossings(origins, directions)",
+    "rectangle": "box([x, y, z])",
+    "ring": "torus(major, minor) or tube(outer_radius, inner_radius, height)",
+    "show": "render(solid).show()",
+    "signed_distance": "solid.distance(points)",
+    "plot": "render(solid).show()",
+    "to_stl": "solid.save('part.stl')",
+    "write": "solid.save(path)",
 }
 
 
 def __getattr__(name: str) -> object:
+    if name == "cluster":
+        # loaded at its first use: most programs run on one machine
+        return _import_module("rayweave.cluster")
     if name in _MEANT:
         hint = f"write {_MEANT[name]}"
     else:

@@ -15,6 +15,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
 from rayweave._table import Rows
+from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
 
@@ -31,7 +32,13 @@ CheckRow: TypeAlias = tuple[
 
 @dataclass(frozen=True, eq=False)
 class Finding:
-    """A probable fault. Lengths are in the unit of the model; unknown numbers are NaN."""
+    """A probable fault. Lengths are in the unit of the model; unknown numbers are NaN.
+
+    >>> import rayweave as rw
+    >>> found = rw.check({"a": rw.box(2), "b": rw.box(2).translate([1.5, 0, 0])}, cells=16)
+    >>> found[0].kind, found[0].regions
+    ('overlap', ('a', 'b'))
+    """
 
     kind: str
     """overlap, outside, hidden, empty, absorbed, mesh, thin, gap or touch."""
@@ -62,7 +69,16 @@ _COLUMNS = ("kind", "regions", "text", "size", "volume", "area", "at", "is_prove
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """The findings and the scope of a check."""
+    """The findings and the scope of a check.
+
+    >>> import rayweave as rw
+    >>> found = rw.check({"a": rw.box(2), "b": rw.box(2).translate([1.5, 0, 0])}, cells=16)
+    >>> len(found), [finding.kind for finding in found]
+    (1, ['overlap'])
+    >>> found.to_pandas()[["kind", "regions"]]
+          kind regions
+    0  overlap    a, b
+    """
 
     findings: tuple[Finding, ...]
     unit: str
@@ -106,6 +122,10 @@ class Check:
         """The findings as an Arrow table."""
         return self._rows().to_arrow()
 
+    def to_xarray(self) -> Any:
+        """The findings as an xarray Dataset with the dimension `row`."""
+        return self._rows().to_xarray()
+
     def _repr_html_(self) -> str:
         return self._rows()._repr_html_()
 
@@ -121,6 +141,7 @@ class Check:
         return "\n".join(lines) + ">"
 
 
+@suggesting(thickness="wall", min_wall="wall", min_gap="gap", tolerance="distance")
 def check(
     subject: Subject,
     *,
@@ -141,6 +162,10 @@ def check(
     and overlaps deeper than `distance` (default: 1e-9 of it). Bounding boxes prove what they can; rays examine the
     rest. A finding is certain; the absence of findings is only as certain as the 6 `cells`^2 rays through the model
     are dense. Equal seeds give equal results.
+
+    >>> import rayweave as rw
+    >>> print(rw.check({"wall": rw.box([4, 4, 0.01])}, wall=0.1, cells=16)[0].text)
+    wall is thin, as 1024 rays found
     """
     rows, unit, scope = _core.check_rows(
         subject, wall, gap, distance, cells, confidence, most_pairs, corners(within), seed, pictures, threads

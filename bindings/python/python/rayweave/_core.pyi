@@ -10,6 +10,7 @@ from typing_extensions import disjoint_base
 
 from rayweave._answers import Crossings, ModelCrossings, Partition
 from rayweave._check import CheckRow
+from rayweave._distance import Distances
 from rayweave._explain import Passage, Question
 from rayweave._mesh import Mesh
 from rayweave._model import Media, Medium, Region, Regions, Subject
@@ -154,11 +155,25 @@ class RayweaveError(ValueError):
     """A value that cannot be used: the message says which one, where, and why.
 
     A wrong type is a TypeError.
+
+    >>> import rayweave as rw
+    >>> rw.sphere(-1)
+    Traceback (most recent call last):
+    ...
+    rayweave.RayweaveError: sphere: radius is -1: radius must be finite and greater than 0. Did you mean 1?
     """
 
 @final
 class Explanation:
-    """Explanation of the answer for one ray: printed as text, with the same contents as data in its attributes."""
+    """Explanation of the answer for one ray: printed as text, with the same contents as data in its attributes.
+
+    >>> import rayweave as rw
+    >>> explanation = rw.box(2).named("die").explain([-3, 0, 0], [1, 0, 0])
+    >>> [(passage.t, passage.face) for passage in explanation.crossings]
+    [(2.0, 'die.x-'), (4.0, 'die.x+')]
+    >>> explanation.start == "the world"
+    True
+    """
 
     @property
     def start(self) -> str:
@@ -380,6 +395,12 @@ class Model:
         of `rayweave info --explain`, with at most `lines` parts for each solid.
         """
 
+    def distance(
+        self, points: ArrayLike, *, precision: float = 1e-9, threads: int | None = None
+    ) -> Distances:
+        """Signed distances of points from the surface between the medium of the world and all others: see `Solid.distance`."""
+
+    @property
     def bounds(self) -> NDArray[np.float64]:
         """A box around all regions: float64 (2, 3), the smallest and the largest coordinates."""
 
@@ -448,6 +469,11 @@ def load(
     `repair`, meshes that are not solids are repaired as far as that is safe, and `warnings` list the changes. `unit` is the unit
     of files without one (STL, OBJ, PLY, OFF, OpenSCAD); default "mm". The model may read files in its folder and below, and the
     files and folders in `allow`. With `strict`, warnings are errors.
+
+    >>> import rayweave as rw
+    >>> _ = rw.Model({"die": rw.box(2)}).save("die.toml")
+    >>> [region.name for region in rw.load("die.toml")]
+    ['die']
     """
 
 def loads(
@@ -459,6 +485,17 @@ def loads(
 ) -> Model:
     """Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
     and below, and the files and folders in `allow`. With `strict`, warnings are errors.
+
+    >>> import rayweave as rw
+    >>> model = rw.loads(\"\"\"
+    ... rayweave = 1
+    ... [solid.die]
+    ... box = { size = 2 }
+    ... [[region]]
+    ... solid = "die"
+    ... \"\"\")
+    >>> model["die"].solid
+    box(size=[2, 2, 2]).named('die')
     """
 
 @final
@@ -502,7 +539,12 @@ def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
 
 @final
 class Sheet:
-    """A sheet: a surface trimmed by a solid, with its frame."""
+    """A sheet: a surface trimmed by a solid, with its frame.
+
+    >>> import rayweave.optics as ro
+    >>> type(ro.detector(25.0).body).__name__
+    'Sheet'
+    """
 
     def __new__(
         cls, outline: _Outline, opening: _Outline | None = None, curvature: float = 0.0, conic: float = 0.0
@@ -582,6 +624,13 @@ class Glass:
 
     `index(wavelength_nm)` and `extinction(wavelength_nm)` take a number or an array of vacuum wavelengths in nanometres. A
     wavelength that the data do not reach is an error; `extrapolated()` is the same material without that check.
+
+    >>> import rayweave.optics as ro
+    >>> glass = ro.Glass("N-BK7")
+    >>> round(glass.index(587.5618), 5), round(glass.abbe_number(), 2)
+    (1.5168, 64.17)
+    >>> glass.index([486.1, 656.3]).round(5)
+    array([1.52238, 1.51432])
     """
 
     def __new__(cls, name: str) -> Glass:
@@ -634,11 +683,22 @@ class Glass:
     def __ne__(self, other: object, /) -> bool: ...
 
 def glass_names() -> list[str]:
-    """The names of all materials of the catalogue."""
+    """The names of all materials of the catalogue.
+
+    >>> import rayweave.optics as ro
+    >>> "N-BK7" in ro.glass_names()
+    True
+    """
 
 @final
 class GradedMedium:
-    """A medium with a gradient: see `rayweave.optics.graded`."""
+    """A medium with a gradient: see `rayweave.optics.graded`.
+
+    >>> import rayweave.optics as ro
+    >>> rod = ro.graded(1.6, "selfoc", 0.1)
+    >>> round(rod.index(587.6, (1, 0, 0)), 5)
+    1.59198
+    """
 
     def __new__(cls, base: _Substance, law: _Spec, world_from_local: ArrayLike) -> GradedMedium: ...
 
@@ -1087,7 +1147,15 @@ class PhotonTables:
 
 @final
 class Polygons:
-    """A region of the plane bounded by polygons. Immutable; created by `from_polygons`."""
+    """A region of the plane bounded by polygons. Immutable; created by `from_polygons`.
+
+    >>> import rayweave as rw
+    >>> frame = rw.from_polygons([[[0, 0], [4, 0], [4, 4], [0, 4]], [[1, 1], [1, 3], [3, 3], [3, 1]]])
+    >>> frame.area, frame.contains([[0.5, 2], [2, 2]])
+    (12.0, array([ True, False]))
+    >>> round(frame.extrude(0, 2).volume)
+    24
+    """
 
     @property
     def outside(self) -> int:
@@ -1096,6 +1164,10 @@ class Polygons:
     @property
     def area(self) -> float:
         """The area, inf if the region is unbounded."""
+
+    @property
+    def bounds(self) -> NDArray[np.float64]:
+        """A box around the contours: float64 (2, 2), the smallest and the largest coordinates; (+inf, -inf) without contours."""
 
     @property
     def contours(self) -> tuple[NDArray[np.float64], ...]:
@@ -1125,6 +1197,11 @@ class Polygons:
 def from_polygons(contours: Iterable[ArrayLike], outside: int = 1) -> Polygons:
     """The region bounded by closed contours, arrays of shape (N, 2): islands go around counter-clockwise, holes clockwise.
     `outside` is +1 or, if the outermost contours are holes, -1.
+
+    >>> import rayweave as rw
+    >>> triangle = rw.from_polygons([[[0, 0], [2, 0], [0, 2]]])
+    >>> triangle.area
+    2.0
     """
 
 def render(subject: Subject, kind: str, arguments: Mapping[str, Any]) -> NDArray[Any]:
@@ -1143,6 +1220,13 @@ class RootRay:
     `start` is +1 or "outside", -1 or "inside": the side as t goes to -inf. `roots` are the times of the crossings: finite and
     strictly increasing. The operators `| & - ^ ~` are exact: equal times toggle together, and no comparison uses a
     tolerance. It unpacks and compares as the pair `(start, list of roots)`.
+
+    >>> import rayweave as rw
+    >>> a, b = rw.RootRay("outside", [1, 4]), rw.RootRay("outside", [2, 3])
+    >>> a - b
+    RootRay(+1, [1.0, 2.0, 3.0, 4.0])
+    >>> (a & b).spans(), (~a).starts_inside
+    ([(2.0, 3.0)], True)
     """
 
     def __new__(cls, start: int | Literal["outside", "inside"], roots: ArrayLike) -> RootRay: ...
@@ -1269,6 +1353,19 @@ class Section:
 
     def to_arrow(self) -> Any:
         """The parts as an Arrow table: name, area, perimeter."""
+
+    def to_xarray(self) -> Any:
+        """The parts as an xarray Dataset with the dimension `row`: name, area, perimeter."""
+
+    def save(self, path: str | PathLike[str], *, title: str = "") -> None:
+        """Writes the section as a picture (.svg) or as closed polylines (.dxf): see `rayweave.save_section`.
+
+        >>> import rayweave as rw
+        >>> rw.section(rw.sphere(1), "z=0").save("circle.svg")
+        """
+
+    def show(self) -> None:
+        """Shows the section: in a notebook below the cell, otherwise in the browser."""
 
     def _repr_svg_(self) -> str: ...
 
@@ -1460,10 +1557,31 @@ class Solid:
         a ray that lies in the surface.
         """
 
+    def distance(
+        self, points: ArrayLike, *, precision: float = 1e-9, threads: int | None = None
+    ) -> Distances:
+        """Signed distances of points (N, 3), (3,) or of a grid (..., 3) from the surface, and the nearest points on it, with bounds: see
+        `Distances`. Distances are negative inside. One whose bounds differ by at most `precision` times the distance (or by
+        rounding) counts as exact.
+
+        >>> import rayweave as rw
+        >>> found = (rw.box(2) - rw.sphere(0.5)).distance([[3, 2, 0], [0, 0, 0.8]])
+        >>> found.distance.round(9).tolist(), found.is_exact.tolist()
+        ([2.236067977, -0.2], [True, True])
+        >>> found.nearest.round(9).tolist()
+        [[1.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+        """
+
+    @property
     def bounds(self) -> NDArray[np.float64]:
         """A box around the solid: float64 (2, 3), the smallest and the largest coordinates. The box
         of the empty solid is (+inf, -inf). The box is conservative and may be larger than the
         solid.
+
+        >>> import rayweave as rw
+        >>> rw.sphere(2).bounds
+        array([[-2., -2., -2.],
+               [ 2.,  2.,  2.]])
         """
 
     def __eq__(self, other: object, /) -> bool:
@@ -1523,10 +1641,20 @@ def solid_from_bytes(data: bytes) -> Solid:
     """A solid from its pickled bytes."""
 
 def empty() -> Solid:
-    """The empty solid: the neutral element of union."""
+    """The empty solid: the neutral element of union.
+
+    >>> import rayweave as rw
+    >>> rw.empty().contains([0, 0, 0])
+    array([False])
+    """
 
 def universe() -> Solid:
-    """All of space: the neutral element of intersection."""
+    """All of space: the neutral element of intersection.
+
+    >>> import rayweave as rw
+    >>> (rw.universe() - rw.sphere(1)).contains([[0, 0, 0], [2, 0, 0]])
+    array([False,  True])
+    """
 
 def union(*solids: Solid | Iterable[Solid]) -> Solid:
     """The union of solids, given one by one or as one iterable; `empty()` if there are none.
@@ -1537,17 +1665,31 @@ def union(*solids: Solid | Iterable[Solid]) -> Solid:
     """
 
 def intersection(*solids: Solid | Iterable[Solid]) -> Solid:
-    """The intersection of solids, given one by one or as one iterable; `universe()` if there are none."""
+    """The intersection of solids, given one by one or as one iterable; `universe()` if there are none.
+
+    >>> import rayweave as rw
+    >>> rw.intersection(rw.box(2), rw.sphere(1.2)).contains([0.9, 0, 0])
+    array([ True])
+    """
 
 def place(solid: Solid, transforms: ArrayLike) -> Solid:
     """The union of the images of a solid under many maps: translations (N, 3) or matrices world_from_local (N, 4, 4). The
     solid is compiled once, regardless of the number of maps.
+
+    >>> import rayweave as rw
+    >>> row = rw.place(rw.sphere(1), [[0, 0, 0], [3, 0, 0], [6, 0, 0]])
+    >>> row.hits([-2, 0, 0], [1, 0, 0]).ravel()
+    array([1., 3., 4., 6., 7., 9.])
     """
 
 @disjoint_base
 class Curve:
     """A trajectory r(t) in R^d: the base class of `Line`, `Parabola`, `Arc`, `Helix` and `Spline`.
     Immutable.
+
+    >>> import rayweave.space as rs
+    >>> isinstance(rs.Line([0, 0], [1, 0]), rs.Curve)
+    True
     """
 
     @property
@@ -1578,6 +1720,11 @@ class Line(Curve):
 
     Both are of shape (d,), d = 2, 3 or 4. `t` is in units of the direction, which need not be of unit length; a
     direction of length zero is a point at rest. Raises `RayweaveError` for numbers that are not finite.
+
+    >>> import rayweave.space as rs
+    >>> rs.Line([0, 0], [1, 2]).position([0, 1])
+    array([[0., 0.],
+           [1., 2.]])
     """
 
     def __new__(cls, origin: ArrayLike, direction: ArrayLike) -> Line: ...
@@ -1588,6 +1735,11 @@ class Parabola(Curve):
 
     All are of shape (d,), d = 2, 3 or 4: position and velocity at t = 0, and the constant acceleration, in units of
     length and of t. Raises `RayweaveError` for numbers that are not finite.
+
+    >>> import rayweave.space as rs
+    >>> throw = rs.Parabola([0, 0], [2, 4], [0, -2])
+    >>> throw.position(2)
+    array([4., 4.])
     """
 
     def __new__(cls, position: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike) -> Parabola: ...
@@ -1600,6 +1752,13 @@ class Arc(Curve):
     `centre` is of shape (d,), d = 2, 3 or 4, `axes` of shape (2, d): two perpendicular axes whose length is the radius
     give a circle, others an ellipse (its conjugate semi-diameters). `speed` is in degrees per unit of t: with 1, the
     default, `t` is the angle in degrees. Raises `RayweaveError` for numbers that are not finite.
+
+    >>> import rayweave.space as rs
+    >>> circle = rs.Arc([0, 0], [[2, 0], [0, 2]])
+    >>> circle.position(90).round(6)
+    array([0., 2.])
+    >>> rs.half_space(0, 2).crossings_along(circle, 0, 360).t.round(6)
+    array([ 90., 270.])
     """
 
     def __new__(cls, centre: ArrayLike, axes: ArrayLike, speed: float = 1.0) -> Arc: ...
@@ -1619,6 +1778,11 @@ class Helix(Curve):
     turns clockwise as seen against the field, like a positive charge, a negative one counter-clockwise; an infinite
     radius is a straight line. For a particle of charge q and momentum p across a field B it is p / (q B). Raises
     `RayweaveError` for numbers that are not finite, an axis of length zero, a radius of 0.
+
+    >>> import rayweave.space as rs
+    >>> path = rs.Helix([0, 0, 0], [1, 0, 1], axis=[0, 0, 1], radius=2)
+    >>> path.position(0).tolist(), path.velocity(0).tolist()
+    ([0.0, 0.0, 0.0], [1.0, 0.0, 1.0])
     """
 
     def __new__(cls, position: ArrayLike, velocity: ArrayLike, axis: ArrayLike, radius: float) -> Helix: ...
@@ -1643,6 +1807,11 @@ class Spline(Curve):
     `knots` are (N,), at least two and strictly increasing, `points` (N, d), d = 2, 3 or 4. `ends` is "natural" (r'' = 0 at both
     ends), "periodic" (r' and r'' are equal at both ends, and the points must be) or "clamped", with `velocities` (2, d)
     at the two ends. Raises `RayweaveError` that names the first bad knot or point.
+
+    >>> import rayweave.space as rs
+    >>> path = rs.Spline([0, 1, 2], [[0, 0], [1, 1], [2, 0]])
+    >>> path.domain, path.position(1)
+    ((0.0, 2.0), array([1., 1.]))
     """
 
     def __new__(
@@ -1662,6 +1831,13 @@ class SpaceSolid:
     (difference), `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are
     about the origin and return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60
     and 1e60.
+
+    >>> import rayweave.space as rs
+    >>> ring = rs.ball(2, d=2) - rs.ball(1, d=2)
+    >>> ring.contains([[1.5, 0], [0, 0]])
+    array([ True, False])
+    >>> ring.rotate(0, 1, 90).dimension
+    2
     """
 
     @property

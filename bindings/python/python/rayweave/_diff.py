@@ -13,6 +13,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
 from rayweave._table import Table
+from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
 _Truths = NDArray[np.bool_]
@@ -24,6 +25,11 @@ class Diff(Table):
 
     P regions, media or whole models are compared. Lengths are in the unit of the first model. `x_half_width` is half
     the width of the confidence interval of `x`.
+
+    >>> import rayweave as rw
+    >>> found = rw.diff(rw.box(2), rw.box([2, 2, 2.5]), cells=16)
+    >>> found.is_same, found.thickness.round(3).tolist()
+    (False, [0.25])
     """
 
     _columns: ClassVar[tuple[str, ...]] = (
@@ -85,6 +91,7 @@ class Diff(Table):
         return _core.section_text([self.section], "svg", "A only, B only, both")
 
 
+@suggesting(tolerance="distance")
 def diff(
     a: Subject,
     b: Subject,
@@ -106,6 +113,12 @@ def diff(
     `distance` (default: 1e-9 of the diagonal) are ignored. Each part is tested with 6 `cells`^2 rays; volumes are
     measured until half the width of their interval is `precision` times the volume, with at most `most_rays` rays.
     Equal seeds give equal results.
+
+    >>> import rayweave as rw
+    >>> rw.diff(rw.box(2), rw.box([2, 2, 2]), cells=16).is_same
+    True
+    >>> rw.diff(rw.box(2), rw.sphere(1), cells=16).is_same
+    False
     """
     names, truths, numbers, (is_same, unit, limit, rays), section = _core.diff_columns(
         a, b, by, distance, cells, precision, confidence, most_rays, corners(within), seed, threads

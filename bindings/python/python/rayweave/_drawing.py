@@ -27,7 +27,14 @@ def show(picture: Any, data: bytes, ending: str) -> None:
 
 @dataclass(frozen=True, repr=False)
 class Drawing:
-    """A drawing; a notebook shows it."""
+    """A drawing; a notebook shows it.
+
+    >>> import rayweave as rw
+    >>> drawing = rw.ray_timeline(rw.box(2), [-3, 0, 0], [1, 0, 0])
+    >>> drawing.save("ray.svg")
+    >>> drawing.svg[:4]
+    '<svg'
+    """
 
     svg: str
     """The drawing as SVG."""

@@ -8,7 +8,15 @@ from typing import Literal
 
 @dataclass(frozen=True, kw_only=True)
 class Operand:
-    """An operand of a decision, with its answer."""
+    """An operand of a decision, with its answer.
+
+    >>> import rayweave as rw
+    >>> explanation = (rw.box(2) - rw.sphere(0.5)).explain([-3, 0, 0], [1, 0, 0])
+    >>> decision = next(entry for entry in explanation.questions[0].entries if entry.operands)
+    >>> operand = decision.operands[0]
+    >>> operand.node, operand.before, operand.t
+    ('box', 0, 2.0)
+    """
 
     node: str
     """Its name, without the complement."""
@@ -24,7 +32,13 @@ class Operand:
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """A shape that was queried, or a node of the tree that decided from the answers of its two operands."""
+    """A shape that was queried, or a node of the tree that decided from the answers of its two operands.
+
+    >>> import rayweave as rw
+    >>> question = rw.box(2).explain([-3, 0, 0], [1, 0, 0]).questions[0]
+    >>> question.entries[0].node, question.entries[0].verdict, question.entries[0].t
+    ('box', 'leaf', 2.0)
+    """
 
     node: str
     """Its name, without the complement."""
@@ -50,7 +64,13 @@ class Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """One query to the whole model: the next crossing after t_min."""
+    """One query to the whole model: the next crossing after t_min.
+
+    >>> import rayweave as rw
+    >>> question = rw.box(2).explain([-3, 0, 0], [1, 0, 0]).questions[0]
+    >>> question.before, question.after, question.t
+    ('the world', 'solid', 2.0)
+    """
 
     t_min: float
     """The time from which the query starts."""
@@ -70,7 +90,13 @@ class Question:
 
 @dataclass(frozen=True, kw_only=True)
 class Passage:
-    """A crossing, with names."""
+    """A crossing, with names.
+
+    >>> import rayweave as rw
+    >>> passage = rw.box(2).named("die").explain([-3, 0, 0], [1, 0, 0]).crossings[0]
+    >>> passage
+    Passage(t=2.0, before='the world', after='die', face='die.x-')
+    """
 
     t: float
     """The time t, in units of the ray's direction."""

@@ -12,7 +12,14 @@ from rayweave import _core
 
 
 class Operation(Enum):
-    """A boolean operation on two solids."""
+    """A boolean operation on two solids.
+
+    >>> import numpy as np
+    >>> import rayweave as rw
+    >>> a, b = np.array([[1.0], [4.0]]), np.array([[2.0], [3.0]])
+    >>> rw.array_csg(a, b, rw.Operation.DIFFERENCE).ravel()
+    array([1., 2., 3., 4.])
+    """
 
     UNION = 1
     """Inside either."""
@@ -75,7 +82,7 @@ def array_csg(
     Examples
     --------
     >>> array_csg([1, 4, 5, 10], [0, 2, 3, 5], Operation.INTERSECT)
-    array([ 1.,  2.,  3.,  4., inf, inf, inf, inf])
+    array([ 1.,  2.,  3.,  4.,  5.,  5., inf, inf])
 
     The algorithm is that of R. Frazier's PyRayT ("Efficient CSG", 2021), with a stable sort.
     """
@@ -92,6 +99,13 @@ def count_array(
 
     For `Operation.DIFFERENCE` the second solid is replaced by its complement. Shapes and errors are those of
     `array_csg`; the counts are between 0 and 2.
+
+    >>> import numpy as np
+    >>> import rayweave as rw
+    >>> a, b = np.array([[1.0], [4.0]]), np.array([[2.0], [3.0]])
+    >>> times, counts = rw.count_array(a, b, rw.Operation.UNION)
+    >>> times.ravel(), counts.ravel()
+    (array([1., 2., 3., 4.]), array([1, 2, 1, 0]))
     """
     return _core.count_array(array1, array2, _number(operation))
 

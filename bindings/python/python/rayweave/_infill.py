@@ -48,6 +48,12 @@ def infill(
     `layers`, or in the middle of layers that are `layer_height` thick, from its lower bound upwards; a region is one
     layer at z = 0. Each layer is rotated by `turn` degrees against the one before; with `alternate`, lines with odd
     numbers run backwards.
+
+    >>> import rayweave as rw
+    >>> square = rw.from_polygons([[[0, 0], [4, 0], [4, 4], [0, 4]]])
+    >>> traces = rw.infill(square, 1.0, phase=0.5)
+    >>> len(traces), float(traces["x1"][0] - traces["x0"][0])
+    (4, 4.0)
     """
     whole, numbers = _core.infill_columns(
         subject, spacing, angle, phase, turn, alternate, layers, layer_height, evaluator, threads

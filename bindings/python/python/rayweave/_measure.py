@@ -13,6 +13,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Solid
 from rayweave._model import Subject
 from rayweave._table import Table
+from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
 
@@ -23,6 +24,11 @@ class Measurement(Table):
 
     Lengths are in the unit of the document. Unknown values are NaN: the mass of a medium without a density, the volume
     by formula of anything but a single shape, the centre of a region that no ray has hit.
+
+    >>> import rayweave as rw
+    >>> found = rw.measure({"die": rw.box(2), "ball": rw.sphere(1).translate([5, 0, 0])})
+    >>> found["regions"].tolist(), found.volume_by_formula.round(4).tolist()
+    (['die', 'ball'], [8.0, 4.1888])
     """
 
     _columns: ClassVar[tuple[str, ...]] = (
@@ -66,6 +72,7 @@ class Measurement(Table):
         return f"<Measurement of volumes: {text}>"
 
 
+@suggesting(accuracy="precision", tolerance="precision", samples="most_rays", rays="most_rays")
 def measure(
     subject: Subject,
     *,
@@ -115,7 +122,7 @@ def measure(
 
 def value_of(solid: Solid, value: str) -> Any:
     """The volume, the area or the centre of a solid."""
-    if not np.isfinite(solid.bounds()).all() and solid.bounds()[0, 0] < np.inf:
+    if not np.isfinite(solid.bounds).all() and solid.bounds[0, 0] < np.inf:
         word = "centroid" if value == "centre" else value
         raise _core.RayweaveError(f"the solid is unbounded: it has no {word}. Intersect it with a box.")
     found = measure(solid)

@@ -59,6 +59,13 @@ class Mesh:
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
         return float(np.einsum("ij,ij", a, np.cross(b, c)) / 6)
 
+    @property
+    def centroid(self) -> _Array:
+        """(3,) the centre of the enclosed volume, by the divergence theorem."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        volumes = np.einsum("ij,ij->i", a, np.cross(b, c))
+        return np.asarray(volumes @ (a + b + c) / (4 * volumes.sum()))
+
     def _doubled(self) -> _Array:
         """(T, 3) normals with twice the areas as lengths."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
@@ -86,7 +93,17 @@ class Mesh:
 
 
 def from_trimesh(source: Any) -> Solid:
-    """The solid within a closed mesh of trimesh, or of any object with `vertices` (V, 3) and `faces` (T, 3)."""
+    """The solid within a closed mesh of trimesh, or of any object with `vertices` (V, 3) and `faces` (T, 3).
+
+    >>> import rayweave as rw
+    >>> solid = rw.from_trimesh(rw.box(2).to_mesh())
+    >>> solid.contains([0.5, 0.5, 0.5])
+    array([ True])
+    """
+    for name in ("vertices", "faces"):
+        if not hasattr(source, name):
+            kind = type(source).__name__
+            raise TypeError(f"source is of type {kind}, without {name}: it must be a mesh with vertices (V, 3) and faces (T, 3).")
     vertices: ArrayLike = source.vertices
     faces: ArrayLike = source.faces
     return mesh(vertices, faces)

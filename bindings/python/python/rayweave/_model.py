@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 
 from rayweave import _core
 from rayweave._core import Model, Solid
+from rayweave._words import suggesting
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,11 @@ class Medium:
     numbers: dict[str, float] = field(default_factory=dict)
     """Further numbers: ``density`` in g/cm^3, ``attenuation`` per length, or any other."""
 
+
+Region.__init__ = suggesting(color="colour", material="medium", shape="solid")(Region.__init__)  # type: ignore[method-assign]
+Medium.__init__ = suggesting(  # type: ignore[method-assign]
+    color="colour", n="index", density='numbers={"density": ...}', refractive_index="index"
+)(Medium.__init__)
 
 Regions: TypeAlias = Solid | Region | Sequence[Solid | Region] | Mapping[str, Solid | Region]
 """Regions of a model. The keys of a mapping are their names; solids without a name are numbered."""

@@ -17,6 +17,7 @@ from rayweave import _core
 from rayweave._drawing import Drawing, show
 from rayweave._model import Subject
 from rayweave._package import package
+from rayweave._words import suggesting
 
 View: TypeAlias = Literal["front", "back", "left", "right", "top", "bottom", "iso"]
 """Directions of view that show the whole model; z is up."""
@@ -28,7 +29,13 @@ Opacity: TypeAlias = float | Mapping[str, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Camera:
-    """A camera: perspective, or orthographic if `height` is given."""
+    """A camera: perspective, or orthographic if `height` is given.
+
+    >>> import rayweave as rw
+    >>> camera = rw.Camera(position=[8, -6, 4], field_of_view=20)
+    >>> rw.render(rw.box(2), size=(64, 48), camera=camera).shape
+    (48, 64, 4)
+    """
 
     position: ArrayLike
     """The position of the camera."""
@@ -139,6 +146,7 @@ def render(
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> NDArray[np.int32]: ...
+@suggesting(width="size=(width, height)", height="size=(width, height)", resolution="size=(width, height)", color="a Region with colour")
 def render(
     subject: Subject,
     *,
@@ -199,6 +207,8 @@ def render(
     >>> picture = render({"ball": sphere(1), "plate": box([3, 3, 0.2])}, size=(320, 240))
     >>> picture.save("ball.png")
     """
+    if camera is not None and not isinstance(camera, Camera):
+        raise TypeError(f"camera is of type {type(camera).__name__}: it must be a Camera. Write Camera(position=[x, y, z]).")
     if camera is not None and (view is not None or field_of_view is not None):
         raise _core.RayweaveError(
             "camera is given together with view or field_of_view: both define the view. Leave one of them out."
@@ -222,6 +232,7 @@ def render(
     return picture.view(Picture) if kind == "colour" else picture
 
 
+@suggesting(width="size=(width, height)", height="size=(width, height)")
 def sheet(
     subject: Subject,
     *,

@@ -15,6 +15,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
 from rayweave._table import Rows
+from rayweave._words import suggesting
 
 
 @overload
@@ -47,6 +48,7 @@ def section(
     evaluator: str | None = ...,
     threads: int | None = ...,
 ) -> list[Section]: ...
+@suggesting(z='plane="z=0"', x='plane="x=0"', y='plane="y=0"', origin="point")
 def section(
     subject: Subject,
     plane: str = "xy",
@@ -80,6 +82,14 @@ def section(
         The minimum number of rays that sweep the plane, 2 to 65536: parts thinner than their spacing may be missed.
     within
         (2, 3) corners of a box: only the part of the model within it is cut.
+
+    >>> import rayweave as rw
+    >>> cut = rw.section({"tank": rw.box(4), "ball": rw.sphere(1)}, "z=0")
+    >>> cut.names, cut.areas.round(2).tolist()
+    (['tank', 'ball'], [12.86, 3.14])
+    >>> stack = rw.section(rw.sphere(1), "xy", at=[-0.5, 0, 0.5])
+    >>> [part.areas.round(2).tolist() for part in stack]
+    [[2.36], [3.14], [2.36]]
     """
     if point is not None and normal is None:
         raise _core.RayweaveError("point is given without normal: a plane needs both. Pass normal, too.")
@@ -107,6 +117,10 @@ def save_section(
 
     A picture shows at most 100 planes, evenly chosen. Coordinates of a DXF file are those of the planes, in the unit of
     the model; the height is the offset of the plane.
+
+    >>> import rayweave as rw
+    >>> stack = rw.section(rw.sphere(1), "xy", at=[-0.5, 0, 0.5])
+    >>> rw.save_section(stack, "slices.dxf")
     """
     ending = Path(path).suffix.lower().lstrip(".")
     if ending not in ("svg", "dxf"):

@@ -20,7 +20,8 @@ class Table:
     """Rows with named columns.
 
     ``table["t"]`` is a column, ``table[3]`` a row as a dict with names instead of numbers, ``table[mask]`` and
-    ``table[2:5]`` are the selected rows. A loop goes through the rows. `to_pandas` and `to_arrow` return data frames.
+    ``table[2:5]`` are the selected rows. A loop goes through the rows. `to_pandas`,
+    `to_arrow` and `to_xarray` return data frames and datasets.
 
     >>> import rayweave as rw
     >>> found = rw.box(2).crossings([[-3, 0, 0], [-3, 0.5, 0], [-3, 9, 0]], [1, 0, 0])
@@ -129,6 +130,14 @@ class Table:
             table[name] = array
         return arrow.table(table)
 
+    def to_xarray(self) -> Any:
+        """The rows as an xarray Dataset with the dimension `row`: vectors have the dimension `axis`, too, and names are texts."""
+        columns = {}
+        for name in self._columns:
+            column = self._column(name)
+            columns[name] = np.array(self._names_of(name), dtype=object)[column] if name in self._names else column
+        return dataset(columns, {})
+
     def _texts(self, most: int) -> tuple[list[str], list[list[str]]]:
         """The names of the columns that have room, and the first rows as texts."""
         names = [name for name in self._columns if self._column(name).ndim <= 2]
@@ -162,8 +171,32 @@ class Table:
         return f"{heading}<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>{end}"
 
 
+def dataset(columns: Mapping[str, NDArray[Any]], units: Mapping[str, str]) -> Any:
+    """Columns as an xarray Dataset. The dimensions of vectors and matrices of up to four components are axes."""
+    xarray = package("xarray", "its datasets")
+    variables, coordinates = {}, {}
+    for name, column in columns.items():
+        dimensions = ["row"]
+        for k, size in enumerate(column.shape[1:]):
+            dimension = f"axis{k + 1 if k else ''}" if size <= 4 else f"{name}_{k}"
+            dimensions.append(dimension)
+            if size <= 4:
+                dimensions[-1] = dimension if size == 3 else f"{dimension}_{size}"
+                coordinates[dimensions[-1]] = list(_AXES[:size])
+        unit = units.get(name, "")
+        variables[name] = (dimensions, column, {"units": unit} if unit else {})
+    return xarray.Dataset(variables, coordinates)
+
+
 class Rows(Table):
-    """Selected rows of a table."""
+    """Selected rows of a table.
+
+    >>> import rayweave as rw
+    >>> found = rw.box(2).crossings([[-3, 0, 0], [-3, 0.5, 0]], [1, 0, 0])
+    >>> first = found[found["enters"]]
+    >>> type(first).__name__, first["t"].tolist()
+    ('Rows', [2.0, 2.0])
+    """
 
     def __init__(self, columns: Mapping[str, NDArray[Any]], names: Mapping[str, list[str | None]]) -> None:
         self._table = dict(columns)
@@ -177,6 +210,12 @@ class Rows(Table):
 
     def _names_of(self, column: str) -> list[str | None]:
         return self._labels[column]
+
+
+def table_of(heading: str, entries: Mapping[str, Any]) -> str:
+    """The HTML of names and values."""
+    rows = "".join(f"<tr><td>{escape(name)}</td><td>{escape(_short(value))}</td></tr>" for name, value in entries.items())
+    return f"<p>{escape(heading)}</p><table><tbody>{rows}</tbody></table>"
 
 
 def _count(number: int, noun: str) -> str:

@@ -2,21 +2,36 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from collections.abc import Iterator
 from dataclasses import dataclass
+from html import escape
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._model import Subject
+from rayweave._package import package
+from rayweave._picture import Picture
+from rayweave._table import Rows
+from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Thickness:
-    """The path length of the ray of each pixel in each of M media."""
+    """The path length of the ray of each pixel in each of M media.
+
+    >>> import rayweave as rw
+    >>> found = rw.thickness({"die": rw.box(2)}, view="front", size=(5, 3))
+    >>> float(found["die"].max().round(6))
+    2.0
+    >>> found.lengths.shape, found.media
+    ((3, 5, 2), ('world', 'die'))
+    """
 
     media: tuple[str, ...]
     """The names of the media; the first is that of the world."""
@@ -43,6 +58,36 @@ class Thickness:
             raise KeyError(f"there is no medium '{medium}': the media are {', '.join(self.media)}.")
         return self.lengths[..., self.media.index(medium)]
 
+    def to_pandas(self) -> Any:
+        """The path lengths as a pandas DataFrame, a row for each pixel and a column for each medium, with the column `radiograph`."""
+        return self._rows().to_pandas().set_index(["y", "x"])
+
+    def to_arrow(self) -> Any:
+        """The path lengths as an Arrow table, a row for each pixel: `y`, `x`, a column for each medium, `radiograph`."""
+        return self._rows().to_arrow()
+
+    def to_xarray(self) -> Any:
+        """The maps as an xarray Dataset: `lengths` (y, x, medium), `radiograph` (y, x) and `attenuation` (medium)."""
+        xarray = package("xarray", "its datasets")
+        variables = {
+            "lengths": (("y", "x", "medium"), self.lengths, {"units": self.unit}),
+            "radiograph": (("y", "x"), self.radiograph),
+            "attenuation": (("medium",), self.attenuation, {"units": f"1/{self.unit}"}),
+        }
+        return xarray.Dataset(variables, {"medium": list(self.media)})
+
+    def _rows(self) -> Rows:
+        y, x = np.indices(self.radiograph.shape)
+        media = {name: self.lengths[..., k].ravel() for k, name in enumerate(self.media)}
+        return Rows({"y": y.ravel(), "x": x.ravel(), **media, "radiograph": self.radiograph.ravel()}, {})
+
+    def _repr_html_(self) -> str:
+        """The radiograph as a picture."""
+        grey = np.nan_to_num(255 * np.clip(self.radiograph, 0, 1)).astype(np.uint8)
+        pixels = np.stack([grey, grey, grey, np.full_like(grey, 255)], axis=-1)
+        data = b64encode(pixels.view(Picture)._repr_png_()).decode()
+        return f'<p>{escape(repr(self)[1:-1])}</p><img alt="radiograph" src="data:image/png;base64,{data}">'
+
     def __repr__(self) -> str:
         height, width, _ = self.lengths.shape
         longest = [np.max(self.lengths[..., k], initial=0.0) for k in range(len(self.media))]
@@ -50,6 +95,7 @@ class Thickness:
         return f"<Thickness {width} x {height}, longest in {self.unit}: {media}>"
 
 
+@suggesting(width="size=(width, height)", height="size=(width, height)", axis="view")
 def thickness(
     subject: Subject,
     *,
@@ -64,6 +110,11 @@ def thickness(
     used. `size` is width and height in pixels. The radiograph uses the numbers `attenuation` (per length) of the media.
     Without these, attenuation is proportional to `density` or, without densities, equal for all media, scaled so that 5
     % pass where most is absorbed.
+
+    >>> import rayweave as rw
+    >>> found = rw.thickness({"ball": rw.sphere(1)}, view="top", size=(64, 64))
+    >>> float(found["ball"].max().round(2))
+    2.0
     """
     media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, size, evaluator, threads)
     return Thickness(tuple(media), lengths, radiograph, np.array(attenuation), unit)

@@ -18,7 +18,14 @@ Row: TypeAlias = RootRay | tuple[int, Sequence[float]] | NDArray[Any] | Sequence
 
 
 class Timeline(Drawing):
-    """A drawing over time."""
+    """A drawing over time.
+
+    >>> import rayweave as rw
+    >>> chart = rw.ray_timeline(rw.box(2) - rw.sphere(1), [-3, 0.5, 0], [1, 0, 0])
+    >>> type(chart).__name__
+    'Timeline'
+    >>> chart.save("timeline.svg")
+    """
 
 
 def timeline(
@@ -44,6 +51,7 @@ def timeline(
 
     Examples
     --------
+    >>> from rayweave import Operation, array_csg, timeline
     >>> a, b = (1, 4, 5, 10), (0, 2, 3, 5, 6, 7)
     >>> drawing = timeline({"A": a, "B": b}, {"A & B": array_csg(a, b, Operation.INTERSECT)})
     >>> drawing.save("intersection.svg")
@@ -60,7 +68,11 @@ def ray_timeline(
     title: str = "",
     window: tuple[float, float] | None = None,
 ) -> Timeline:
-    """Draws what happens along one ray: a row for each shape, their count, the result or the regions, the media."""
+    """Draws what happens along one ray: a row for each shape, their count, the result or the regions, the media.
+
+    >>> import rayweave as rw
+    >>> rw.ray_timeline(rw.box(2) - rw.sphere(1), [-3, 0.5, 0], [1, 0, 0]).save("timeline.svg")
+    """
     return Timeline(_core.ray_timeline_svg(subject, origin, direction, title, window))
 
 

@@ -44,12 +44,22 @@ NewPair: TypeAlias = tuple[int, list[float]]
 
 
 def vacuum() -> RootRay:
-    """The trajectory that is always outside, ``(+1, [])``: neutral for `union`, absorbing for `intersection`."""
+    """The trajectory that is always outside, ``(+1, [])``: neutral for `union`, absorbing for `intersection`.
+
+    >>> from rayweave import rootray
+    >>> rootray.vacuum()
+    RootRay(+1, [])
+    """
     return RootRay(+1, [])
 
 
 def plenum() -> RootRay:
-    """The trajectory that is always inside, ``(-1, [])``: neutral for `intersection`, absorbing for `union`."""
+    """The trajectory that is always inside, ``(-1, [])``: neutral for `intersection`, absorbing for `union`.
+
+    >>> from rayweave import rootray
+    >>> rootray.plenum()
+    RootRay(-1, [])
+    """
     return RootRay(-1, [])
 
 
@@ -58,7 +68,12 @@ def complement(f: RootRay) -> RootRay: ...
 @overload
 def complement(f: Pair) -> NewPair: ...
 def complement(f: RootRay | Pair) -> RootRay | NewPair:
-    """The root-ray of the complement: the same times, the opposite start side. Exact."""
+    """The root-ray of the complement: the same times, the opposite start side. Exact.
+
+    >>> from rayweave import rootray
+    >>> rootray.complement(rootray.RootRay("outside", [1, 3]))
+    RootRay(-1, [1.0, 3.0])
+    """
     return _like(~_root_ray(f, "f"), f)
 
 
@@ -69,7 +84,13 @@ def union(f1: Pair, f2: RootRay) -> RootRay: ...
 @overload
 def union(f1: Pair, f2: Pair) -> NewPair: ...
 def union(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
-    """The root-ray of the union; a very thin gap between the two disappears."""
+    """The root-ray of the union; a very thin gap between the two disappears.
+
+    >>> from rayweave import rootray
+    >>> a, b = rootray.RootRay("outside", [1, 3]), rootray.RootRay("outside", [2, 4])
+    >>> rootray.union(a, b)
+    RootRay(+1, [1.0, 4.0])
+    """
     return _combine(RootRay.__or__, f1, f2)
 
 
@@ -80,7 +101,13 @@ def intersection(f1: Pair, f2: RootRay) -> RootRay: ...
 @overload
 def intersection(f1: Pair, f2: Pair) -> NewPair: ...
 def intersection(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
-    """The root-ray of the intersection; a very thin layer where the two barely overlap disappears."""
+    """The root-ray of the intersection; a very thin layer where the two barely overlap disappears.
+
+    >>> from rayweave import rootray
+    >>> a, b = rootray.RootRay("outside", [1, 3]), rootray.RootRay("outside", [2, 4])
+    >>> rootray.intersection(a, b)
+    RootRay(+1, [2.0, 3.0])
+    """
     return _combine(RootRay.__and__, f1, f2)
 
 
@@ -91,7 +118,13 @@ def difference(f1: Pair, f2: RootRay) -> RootRay: ...
 @overload
 def difference(f1: Pair, f2: Pair) -> NewPair: ...
 def difference(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
-    """The root-ray of `f1` without `f2`; a very thin layer that is left over disappears."""
+    """The root-ray of `f1` without `f2`; a very thin layer that is left over disappears.
+
+    >>> from rayweave import rootray
+    >>> a, b = rootray.RootRay("outside", [1, 4]), rootray.RootRay("outside", [2, 3])
+    >>> rootray.difference(a, b)
+    RootRay(+1, [1.0, 2.0, 3.0, 4.0])
+    """
     return _combine(RootRay.__sub__, f1, f2)
 
 
@@ -102,12 +135,23 @@ def symmetric_difference(f1: Pair, f2: RootRay) -> RootRay: ...
 @overload
 def symmetric_difference(f1: Pair, f2: Pair) -> NewPair: ...
 def symmetric_difference(f1: RootRay | Pair, f2: RootRay | Pair) -> RootRay | NewPair:
-    """The root-ray of the points in exactly one of the two, without very thin pieces."""
+    """The root-ray of the points in exactly one of the two, without very thin pieces.
+
+    >>> from rayweave import rootray
+    >>> a, b = rootray.RootRay("outside", [1, 3]), rootray.RootRay("outside", [2, 4])
+    >>> rootray.symmetric_difference(a, b)
+    RootRay(+1, [1.0, 2.0, 3.0, 4.0])
+    """
     return _combine(RootRay.__xor__, f1, f2)
 
 
 def min_sep(t1: float, t2: float) -> float:
-    """The minimum separation of two distinct finite root times: symmetric, monotonic in ``abs(t1)`` and ``abs(t2)``."""
+    """The minimum separation of two distinct finite root times: symmetric, monotonic in ``abs(t1)`` and ``abs(t2)``.
+
+    >>> from rayweave import rootray
+    >>> 0 < rootray.min_sep(1.0, 2.0) < 1e-12
+    True
+    """
     return _core.min_sep(t1, t2)
 
 
@@ -117,7 +161,13 @@ def clip_time(f: RootRay, tmin: float, tmax: float) -> RootRay: ...
 def clip_time(f: Pair, tmin: float, tmax: float) -> NewPair: ...
 def clip_time(f: RootRay | Pair, tmin: float, tmax: float) -> RootRay | NewPair:
     """The part of `f` with ``tmin < t < tmax``; the side just after `tmin` becomes the start. Either end may be
-    infinite."""
+    infinite.
+
+    >>> from rayweave import rootray
+    >>> ray = rootray.RootRay("outside", [1, 3])
+    >>> rootray.clip_time(ray, 2, 5)
+    RootRay(-1, [3.0])
+    """
     return _like(_root_ray(f, "f").clip(tmin, tmax).weld(), f)
 
 
@@ -126,6 +176,12 @@ def validate(f: RootRay | Pair) -> list[str]:
 
     One message for each; an empty list if there are none. A pair may contain anything; in a `RootRay`, roots can only
     be too close.
+
+    >>> from rayweave import rootray
+    >>> rootray.validate((1, [1, 2]))
+    []
+    >>> rootray.validate((1, [2, 1]))
+    ['root 1 is 1, not greater than 2 before it']
     """
     if isinstance(f, RootRay):
         return _core.root_problems(f.roots)
@@ -136,7 +192,13 @@ def validate(f: RootRay | Pair) -> list[str]:
 
 def surface_count(rays: Iterable[RootRay | Pair]) -> tuple[int, list[tuple[float, int]]]:
     """The number of solids around a trajectory: as t goes to -inf, and as pairs (time, number just after it) for every
-    distinct time at which some solid is entered or left."""
+    distinct time at which some solid is entered or left.
+
+    >>> from rayweave import rootray
+    >>> a, b = rootray.RootRay("outside", [1, 3]), rootray.RootRay("outside", [2, 4])
+    >>> rootray.surface_count([a, b])
+    (0, [(1.0, 1), (2.0, 2), (3.0, 1), (4.0, 0)])
+    """
     return _core.surface_count([_root_ray(f, f"rays[{k}]") for k, f in enumerate(rays)])
 
 

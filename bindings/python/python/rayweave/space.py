@@ -62,6 +62,18 @@ class Trajectory(Protocol):
     The answers are correct if the curve is continuously differentiable and the bound holds. A violation that is
     detected raises a `RayweaveError` with the times; exceptions raised by these methods propagate unchanged. The
     optional attribute `domain`, a pair of times, states where the curve is defined; by default everywhere.
+
+    >>> import rayweave.space as rs
+    >>> class Fall:
+    ...     def position(self, t):
+    ...         return [0.0, 3.0 - t * t]
+    ...     def velocity(self, t):
+    ...         return [0.0, -2.0 * t]
+    ...     def acceleration_bound(self, t0, t1):
+    ...         return 2.0
+    ...
+    >>> rs.ball(1, d=2).crossings_along(Fall(), 0, 3).t.round(6)
+    array([1.414214, 2.      ])
     """
 
     def position(self, t: float, /) -> ArrayLike:
@@ -82,6 +94,15 @@ class PointCrossings(Table):
     """Crossings of lines or curves with the surface of a solid in R^d: M rows, sorted by ray, then t.
 
     A ray is a line or a curve. The rows of ray i are ``offsets[i]:offsets[i + 1]``.
+
+    >>> import rayweave.space as rs
+    >>> found = rs.ball(1, d=2).crossings([-2, 0], [2, 0])
+    >>> found.t, found.enters
+    (array([0.25, 0.75]), array([ True, False]))
+    >>> found.to_pandas()[["t", "point_x"]]
+          t  point_x
+    0  0.25     -1.0
+    1  0.75      1.0
     """
 
     _columns: ClassVar[tuple[str, ...]] = ("ray", "t", "point", "normal", "enters", "surface", "leaf")
@@ -117,17 +138,32 @@ class PointCrossings(Table):
 
 
 def empty(d: int) -> Solid:
-    """The empty solid in a space of d dimensions: the neutral element of union."""
+    """The empty solid in a space of d dimensions: the neutral element of union.
+
+    >>> import rayweave.space as rs
+    >>> rs.empty(2).contains([0, 0])
+    array([False])
+    """
     return _shape("empty", d)
 
 
 def universe(d: int) -> Solid:
-    """All of a space of d dimensions: the neutral element of intersection."""
+    """All of a space of d dimensions: the neutral element of intersection.
+
+    >>> import rayweave.space as rs
+    >>> rs.universe(4).contains([0, 0, 0, 0])
+    array([ True])
+    """
     return _shape("universe", d)
 
 
 def half_space(axis: int, d: int, *, offset: float = 0.0) -> Solid:
-    """The points whose coordinate along an axis, from 0 to d - 1, is less than `offset`."""
+    """The points whose coordinate along an axis, from 0 to d - 1, is less than `offset`.
+
+    >>> import rayweave.space as rs
+    >>> rs.half_space(0, 2, offset=1).contains([[0, 0], [2, 0]])
+    array([ True, False])
+    """
     normal = np.zeros(_whole(d, "d"))
     if not 0 <= _whole(axis, "axis") < d:
         raise RayweaveError(
@@ -138,18 +174,33 @@ def half_space(axis: int, d: int, *, offset: float = 0.0) -> Solid:
 
 
 def half_space_below(normal: ArrayLike, offset: float) -> Solid:
-    """The points p with normal . p < offset. The normal (d,) may have any length but 0."""
+    """The points p with normal . p < offset. The normal (d,) may have any length but 0.
+
+    >>> import rayweave.space as rs
+    >>> rs.half_space_below([1, 1], 1).contains([[0, 0], [1, 1]])
+    array([ True, False])
+    """
     normal = _vector(normal, "normal")
     return _shape("half_space", len(normal), (), [*normal, offset])
 
 
 def slab(axis: int, lo: float, hi: float, d: int) -> Solid:
-    """The points with lo < x < hi, x the coordinate along an axis; lo < hi."""
+    """The points with lo < x < hi, x the coordinate along an axis; lo < hi.
+
+    >>> import rayweave.space as rs
+    >>> rs.slab(1, -1, 1, d=3).contains([[5, 0, 5], [0, 2, 0]])
+    array([ True, False])
+    """
     return _shape("slab", d, [("axis", axis)], [lo, hi])
 
 
 def box(lo: ArrayLike, hi: ArrayLike) -> Solid:
-    """The box between two opposite corners (d,), the first less than the second in every coordinate."""
+    """The box between two opposite corners (d,), the first less than the second in every coordinate.
+
+    >>> import rayweave.space as rs
+    >>> rs.box([0, 0], [2, 1]).contains([[1, 0.5], [1, 2]])
+    array([ True, False])
+    """
     lo, hi = _vector(lo, "lo"), _vector(hi, "hi")
     if len(lo) != len(hi):
         raise RayweaveError(f"lo has {len(lo)} numbers and hi has {len(hi)}: they must have the same length.")
@@ -163,6 +214,10 @@ def quadric(n: int, m: int, bias: float, d: int | None = None) -> Solid:
     0 <= m <= n <= d; the other d - n coordinates are free; d is n unless it is given. n = m = d is a ball of radius
     sqrt(-bias), n = m < d a cylinder, m < n with bias 0 a cone, with bias < 0 a hyperboloid of one sheet if m > 1, with
     bias > 0 of two.
+
+    >>> import rayweave.space as rs
+    >>> rs.quadric(3, 2, -1).contains([[0.5, 0.5, 0], [2, 0, 0]])
+    array([ True, False])
     """
     return _shape("quadric", n if d is None else d, [("n", n), ("m", m)], [bias])
 
@@ -171,6 +226,10 @@ def cylinder(m: int, radius: float, d: int) -> Solid:
     """The points whose first m coordinates (1 <= m <= d) are in a ball of this radius (> 0), unbounded in the others.
 
     m = 2, d = 3 is the ordinary cylinder along z; m = 3, d = 4 is a ball at rest in space-time.
+
+    >>> import rayweave.space as rs
+    >>> rs.cylinder(2, 1, d=3).contains([[0.5, 0.5, 9], [1, 1, 0]])
+    array([ True, False])
     """
     return _shape("cylinder", d, [("m", m)], [radius])
 
@@ -181,12 +240,21 @@ def cone(m: int, slope: float, d: int) -> Solid:
 
     1 <= m < d, slope > 0. m = d - 1 is a cone about the last axis; with time last and slope c it is the light cone of
     the origin.
+
+    >>> import rayweave.space as rs
+    >>> rs.cone(2, 1, d=3).contains([[0.5, 0, 1], [0.5, 0, 0.2]])
+    array([ True, False])
     """
     return _shape("cone", d, [("m", m)], [slope])
 
 
 def ball(radius: float, d: int) -> Solid:
-    """The points nearer to the origin than radius (> 0)."""
+    """The points nearer to the origin than radius (> 0).
+
+    >>> import rayweave.space as rs
+    >>> rs.ball(2, d=4).contains([[1, 1, 1, 0.5], [1, 1, 1, 2]])
+    array([ True, False])
+    """
     return _shape("ball", d, (), [radius])
 
 
@@ -195,6 +263,10 @@ def prism(points: ArrayLike, d: int) -> Solid:
 
     The order of `points` (N, 2) may be clockwise or counter-clockwise. The face of the edge from point k to the next is
     named ``edge`` k. For holes and several contours see `rayweave.from_polygons`.
+
+    >>> import rayweave.space as rs
+    >>> rs.prism([[0, 0], [2, 0], [0, 2]], d=3).contains([[0.5, 0.5, 7], [2, 2, 0]])
+    array([ True, False])
     """
     array = np.asarray(points)
     if array.ndim != 2 or array.shape[1] != 2:
@@ -203,12 +275,22 @@ def prism(points: ArrayLike, d: int) -> Solid:
 
 
 def union(solids: Iterable[Solid]) -> Solid:
-    """The union of solids: at least one, all of the same dimension."""
+    """The union of solids: at least one, all of the same dimension.
+
+    >>> import rayweave.space as rs
+    >>> rs.union([rs.ball(1, d=2), rs.box([0, 0], [2, 2])]).contains([[1.5, 1.5], [-1.5, 0]])
+    array([ True, False])
+    """
     return _core.space_join("union", solids)
 
 
 def intersection(solids: Iterable[Solid]) -> Solid:
-    """The intersection of solids: at least one, all of the same dimension."""
+    """The intersection of solids: at least one, all of the same dimension.
+
+    >>> import rayweave.space as rs
+    >>> rs.intersection([rs.ball(1, d=2), rs.box([0, 0], [2, 2])]).contains([[0.5, 0.5], [-0.5, 0]])
+    array([ True, False])
+    """
     return _core.space_join("intersection", solids)
 
 
@@ -217,6 +299,10 @@ def trace(p: ArrayLike, q: ArrayLike, solid: Solid) -> RootRay:
 
     Raises `RayweaveError` if p and q are the same point, or for a coordinate that is not finite. For faces, points and
     normals, and for many lines at once, see `Solid.crossings`.
+
+    >>> import rayweave.space as rs
+    >>> rs.trace([-2, 0], [-1, 0], rs.ball(1, d=2))
+    RootRay(+1, [1.0, 3.0])
     """
     return _core.space_trace(p, q, solid)
 
@@ -227,6 +313,12 @@ def trace_along(curve: Trajectory, solid: Solid, t_min: float, t_max: float) -> 
     Raises `RayweaveError` for a window that is not finite, empty or beyond the curve's domain, for a curve of a
     different dimension, and for one that violates its bound (see `Trajectory`). For faces, points and normals, and for
     many curves at once, see `Solid.crossings_along`.
+
+    >>> import rayweave.space as rs
+    >>> arc = rs.Arc([0, 0], [[2, 0], [0, 2]])
+    >>> ray = rs.trace_along(arc, rs.half_space(0, 2), 0, 360)
+    >>> [round(t, 6) for t in ray.roots]
+    [90.0, 270.0]
     """
     return _core.space_trace_along(curve, solid, t_min, t_max)
 

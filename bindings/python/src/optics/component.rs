@@ -108,6 +108,10 @@ pub fn lensmaker(r1: f64, r2: f64, n: f64, thickness: f64) -> PyResult<f64> {
 }
 
 /// A sheet: a surface trimmed by a solid, with its frame.
+///
+/// >>> import rayweave.optics as ro
+/// >>> type(ro.detector(25.0).body).__name__
+/// 'Sheet'
 #[pyclass(frozen, module = "rayweave.optics", name = "Sheet")]
 pub struct PySheet(pub Sheet);
 

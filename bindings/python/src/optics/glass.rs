@@ -12,6 +12,13 @@ use crate::error::bad_value;
 ///
 /// `index(wavelength_nm)` and `extinction(wavelength_nm)` take a number or an array of vacuum wavelengths in nanometres. A
 /// wavelength that the data do not reach is an error; `extrapolated()` is the same material without that check.
+///
+/// >>> import rayweave.optics as ro
+/// >>> glass = ro.Glass("N-BK7")
+/// >>> round(glass.index(587.5618), 5), round(glass.abbe_number(), 2)
+/// (1.5168, 64.17)
+/// >>> glass.index([486.1, 656.3]).round(5)
+/// array([1.52238, 1.51432])
 #[pyclass(frozen, module = "rayweave.optics", name = "Glass", eq)]
 #[derive(Clone, PartialEq)]
 pub struct PyGlass(pub Glass);
@@ -120,6 +127,10 @@ impl PyGlass {
 }
 
 /// The names of all materials of the catalogue.
+///
+/// >>> import rayweave.optics as ro
+/// >>> "N-BK7" in ro.glass_names()
+/// True
 #[pyfunction]
 pub fn glass_names() -> Vec<String> {
     glasses().iter().map(|glass| glass.name().to_owned()).collect()

@@ -31,6 +31,11 @@ impl Substance<'_> {
 }
 
 /// A medium with a gradient: see `rayweave.optics.graded`.
+///
+/// >>> import rayweave.optics as ro
+/// >>> rod = ro.graded(1.6, "selfoc", 0.1)
+/// >>> round(rod.index(587.6, (1, 0, 0)), 5)
+/// 1.59198
 #[pyclass(frozen, module = "rayweave.optics", name = "GradedMedium")]
 pub struct PyGradedMedium(pub Medium);
 

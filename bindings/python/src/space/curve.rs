@@ -27,6 +27,10 @@ enum Argument {
 
 /// A trajectory r(t) in R^d: the base class of `Line`, `Parabola`, `Arc`, `Helix` and `Spline`.
 /// Immutable.
+///
+/// >>> import rayweave.space as rs
+/// >>> isinstance(rs.Line([0, 0], [1, 0]), rs.Curve)
+/// True
 #[pyclass(frozen, subclass, module = "rayweave.space", name = "Curve")]
 pub struct PyCurve {
     any: AnyCurve,
@@ -190,6 +194,11 @@ impl std::fmt::Display for Argument {
 ///
 /// Both are of shape (d,), d = 2, 3 or 4. `t` is in units of the direction, which need not be of unit length; a
 /// direction of length zero is a point at rest. Raises `RayweaveError` for numbers that are not finite.
+///
+/// >>> import rayweave.space as rs
+/// >>> rs.Line([0, 0], [1, 2]).position([0, 1])
+/// array([[0., 0.],
+///        [1., 2.]])
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Line")]
 pub struct PyLine;
 
@@ -211,6 +220,11 @@ impl PyLine {
 ///
 /// All are of shape (d,), d = 2, 3 or 4: position and velocity at t = 0, and the constant acceleration, in units of
 /// length and of t. Raises `RayweaveError` for numbers that are not finite.
+///
+/// >>> import rayweave.space as rs
+/// >>> throw = rs.Parabola([0, 0], [2, 4], [0, -2])
+/// >>> throw.position(2)
+/// array([4., 4.])
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Parabola")]
 pub struct PyParabola;
 
@@ -241,6 +255,13 @@ impl PyParabola {
 /// `centre` is of shape (d,), d = 2, 3 or 4, `axes` of shape (2, d): two perpendicular axes whose length is the radius
 /// give a circle, others an ellipse (its conjugate semi-diameters). `speed` is in degrees per unit of t: with 1, the
 /// default, `t` is the angle in degrees. Raises `RayweaveError` for numbers that are not finite.
+///
+/// >>> import rayweave.space as rs
+/// >>> circle = rs.Arc([0, 0], [[2, 0], [0, 2]])
+/// >>> circle.position(90).round(6)
+/// array([0., 2.])
+/// >>> rs.half_space(0, 2).crossings_along(circle, 0, 360).t.round(6)
+/// array([ 90., 270.])
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Arc")]
 pub struct PyArc;
 
@@ -300,6 +321,11 @@ impl PyArc {
 /// turns clockwise as seen against the field, like a positive charge, a negative one counter-clockwise; an infinite
 /// radius is a straight line. For a particle of charge q and momentum p across a field B it is p / (q B). Raises
 /// `RayweaveError` for numbers that are not finite, an axis of length zero, a radius of 0.
+///
+/// >>> import rayweave.space as rs
+/// >>> path = rs.Helix([0, 0, 0], [1, 0, 1], axis=[0, 0, 1], radius=2)
+/// >>> path.position(0).tolist(), path.velocity(0).tolist()
+/// ([0.0, 0.0, 0.0], [1.0, 0.0, 1.0])
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Helix")]
 pub struct PyHelix;
 
@@ -382,6 +408,11 @@ fn helix(
 /// `knots` are (N,), at least two and strictly increasing, `points` (N, d), d = 2, 3 or 4. `ends` is "natural" (r'' = 0 at both
 /// ends), "periodic" (r' and r'' are equal at both ends, and the points must be) or "clamped", with `velocities` (2, d)
 /// at the two ends. Raises `RayweaveError` that names the first bad knot or point.
+///
+/// >>> import rayweave.space as rs
+/// >>> path = rs.Spline([0, 1, 2], [[0, 0], [1, 1], [2, 0]])
+/// >>> path.domain, path.position(1)
+/// ((0.0, 2.0), array([1., 1.]))
 #[pyclass(frozen, extends = PyCurve, module = "rayweave.space", name = "Spline")]
 pub struct PySpline;
 

@@ -11,7 +11,7 @@ use super::own::{OwnCurve, is_curve};
 use super::{AnyCurve, Holds, Shared};
 use crate::arrays::{double_array, shape_text};
 use crate::engine::in_chunks;
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 use numpy::{PyArrayMethods, PyUntypedArrayMethods};
 
 /// Curves per chunk of a thread; a curve is expensive.
@@ -104,7 +104,7 @@ where
         let wrong = |_| {
             bad_type(format!(
                 "curves is {}: it must be a curve, which has position(t), velocity(t) and acceleration_bound(t0, t1), or a list of curves.",
-                object.get_type()
+                shown(object)
             ))
         };
         let all: Bound<'py, PyIterator> = object.try_iter().map_err(wrong)?;

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use rayweave::space::{Curve, Point};
 
 use crate::arrays::list;
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 
 /// Methods that an object must have to be a curve.
 const METHODS: [&str; 3] = ["position", "velocity", "acceleration_bound"];
@@ -38,7 +38,7 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
     pub fn new(object: Bound<'py, PyAny>) -> PyResult<Self> {
         for method in METHODS {
             if !object.hasattr(method)? {
-                let kind = object.get_type();
+                let kind = shown(&object);
                 return Err(bad_type(format!(
                     "a curve is {kind}, without {method}: it must have position(t), velocity(t) and acceleration_bound(t0, t1)."
                 )));
@@ -47,7 +47,7 @@ impl<'py, const D: usize> OwnCurve<'py, D> {
         let domain = match object.getattr_opt("domain")? {
             None => (f64::NEG_INFINITY, f64::INFINITY),
             Some(pair) => pair.extract().map_err(|_| {
-                bad_type(format!("domain of a curve is {}: it must be a pair of times.", pair.get_type()))
+                bad_type(format!("domain of a curve is {}: it must be a pair of times.", shown(&pair)))
             })?,
         };
         let memory = Memory { failed: None, position: None, velocity: None };
@@ -109,7 +109,7 @@ impl<const D: usize> Curve<D> for OwnCurve<'_, D> {
             return f64::NAN;
         }
         let called = self.object.call_method1(METHODS[2], (t0, t1)).and_then(|answer| {
-            let kind = answer.get_type();
+            let kind = shown(&answer);
             let wrong = move |_| {
                 bad_type(format!(
                     "acceleration_bound({t0:?}, {t1:?}) of the curve is {kind}: it must be a number."

@@ -16,7 +16,7 @@ use super::table::{PointTable, points};
 use super::{AnyCurve, AnySolid, Holds, Shared, each};
 use crate::arrays::{double_array, list, room, shape_text};
 use crate::engine::thread_argument;
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 use crate::rootray::PyRootRay;
 
 /// A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
@@ -26,6 +26,13 @@ use crate::rootray::PyRootRay;
 /// (difference), `^` (symmetric difference) and `~` (complement); both sides must be of the same dimension. Maps are
 /// about the origin and return a new solid. Axes are counted from 0. Lengths must be 0 or of a magnitude between 1e-60
 /// and 1e60.
+///
+/// >>> import rayweave.space as rs
+/// >>> ring = rs.ball(2, d=2) - rs.ball(1, d=2)
+/// >>> ring.contains([[1.5, 0], [0, 0]])
+/// array([ True, False])
+/// >>> ring.rotate(0, 1, 90).dimension
+/// 2
 #[pyclass(frozen, module = "rayweave.space", name = "Solid")]
 pub struct PySpaceSolid {
     any: AnySolid,
@@ -285,12 +292,12 @@ pub fn space_shape(
 #[pyo3(signature = (call, solids: "Iterable[SpaceSolid]"))]
 pub fn space_join(call: &str, solids: &Bound<'_, PyAny>) -> PyResult<PySpaceSolid> {
     let call = call_named(call).ok_or_else(|| bad_value(format!("there is no operator {call}")))?;
-    let wrong = || bad_type(format!("solids is {}: it must be an iterable of solids.", solids.get_type()));
+    let wrong = || bad_type(format!("solids is {}: it must be an iterable of solids.", shown(solids)));
     let all: PyResult<Bound<'_, PyIterator>> = solids.try_iter().map_err(|_| wrong());
     let mut operands = Vec::new();
     for (k, item) in all?.enumerate() {
         let solid = item?.cast_into::<PySpaceSolid>().map_err(|error| {
-            let found = error.into_inner().get_type();
+            let found = shown(&error.into_inner());
             bad_type(format!("solids[{k}] is {found}: it must be a Solid of rayweave.space."))
         })?;
         operands.push(solid);
@@ -392,7 +399,7 @@ fn contains<'py, const D: usize>(
 
 /// A non-negative integer, stored as f64 like all numbers of a recipe.
 fn count(object: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
-    let wrong = || bad_type(format!("{name} is {}: it must be a whole number.", object.get_type()));
+    let wrong = || bad_type(format!("{name} is {}: it must be a whole number.", shown(object)));
     if object.is_instance_of::<pyo3::types::PyBool>() {
         return Err(wrong());
     }

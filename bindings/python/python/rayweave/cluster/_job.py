@@ -29,10 +29,18 @@ _CHUNK = 2048
 
 
 class Job(ABC):
-    """A function of a range of numbers from 0 to `total`, whose ranges begin at multiples of `step`."""
+    """A function of a range of numbers from 0 to `total`, whose ranges begin at multiples of `step`.
+
+    >>> from rayweave import cluster
+    >>> issubclass(cluster.Light, cluster.Job)
+    True
+    """
 
     total: int
     step: int = 1
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.total} numbers, in multiples of {self.step}>"
 
     @abstractmethod
     def part(self, first: int, last: int) -> Any:
@@ -43,10 +51,18 @@ class Job(ABC):
         """The whole from the results of all ranges, in their order."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PhotonResult:
     """The detected photons of a run: columns as those of `rayweave.photons.Hits`, the paths that `sensor` counts, the number of
-    photons by way of ending, of all photons, and of their steps."""
+    photons by way of ending, of all photons, and of their steps.
+
+    >>> from rayweave import cluster
+    >>> from rayweave import photons
+    >>> job = cluster.Photons(photons.load("bar.gdml"), photons.point([0, 0, 0], 550), n=100)
+    >>> part = job.part(0, 100)
+    >>> part.photons
+    100
+    """
 
     hits: dict[str, NDArray[Any]]
     sensor_paths: list[str]
@@ -54,10 +70,21 @@ class PhotonResult:
     photons: int
     steps: int
 
+    def __repr__(self) -> str:
+        hits = len(next(iter(self.hits.values()), ()))
+        return f"<PhotonResult of {self.photons} photons: {hits} hits>"
+
 
 class Photons(Job):
     """Simulation of photons: `detector.simulate(source, n, **settings)`. The settings are those of `simulate` except `record`,
-    `range` and `progress`; `threads` counts those of each process, 1 by default."""
+    `range` and `progress`; `threads` counts those of each process, 1 by default.
+
+    >>> from rayweave import cluster
+    >>> from rayweave import photons
+    >>> job = cluster.Photons(photons.load("bar.gdml"), photons.point([0, 0, 0], 550), n=100)
+    >>> job.join([job.part(0, 50), job.part(50, 100)]).photons
+    100
+    """
 
     def __init__(self, detector: Detector, source: Source, n: int, **settings: Any) -> None:
         for name in ("record", "range", "progress"):
@@ -84,7 +111,16 @@ class Photons(Job):
 
 class Light(Job):
     """A trace of light: `system.trace(sources, **settings)`. The result is the columns of the trace. Ranges begin at multiples of 2,048
-    rays. `threads` counts those of each process, 1 by default."""
+    rays. `threads` counts those of each process, 1 by default.
+
+    >>> from rayweave import cluster
+    >>> import rayweave.optics as ro
+    >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
+    >>> job = cluster.Light(system, ro.beam(10.0, 100).translate([0, 0, -10]))
+    >>> columns = job.join([job.part(0, job.total)])
+    >>> len(columns["id"]) > 0
+    True
+    """
 
     step = _CHUNK
 
@@ -111,7 +147,14 @@ class Light(Job):
 
 class Call(Job):
     """Calls of a function of a module: `function(*args, first, last)` returns an array, or a mapping of arrays, with the results of
-    the items from `first` up to `last`; they are concatenated."""
+    the items from `first` up to `last`; they are concatenated.
+
+    >>> from rayweave import cluster
+    >>> import numpy as np
+    >>> job = cluster.Call(np.arange, total=10)
+    >>> job.join([job.part(0, 4), job.part(4, 10)])
+    array([0, 1, 2, 3, 4, 5, 6, 7, 8, 9])
+    """
 
     def __init__(self, function: Callable[..., Any], *args: Any, total: int, step: int = 1) -> None:
         self.function, self.args = function, args
@@ -130,7 +173,12 @@ def _concatenated(parts: Sequence[Mapping[str, NDArray[Any]]]) -> dict[str, NDAr
 
 class Incomplete(RayweaveError):
     """Parts of a job are missing, because workers failed. `missing` are their ranges, `done` the results by range: pass it to `run`
-    as `done` to compute only the missing ones."""
+    as `done` to compute only the missing ones.
+
+    >>> from rayweave import cluster
+    >>> issubclass(cluster.Incomplete, ValueError)
+    True
+    """
 
     def __init__(self, missing: list[Range], done: dict[Range, Any], reason: str) -> None:
         listed = ", ".join(f"{first}:{last}" for first, last in missing)
@@ -176,7 +224,14 @@ _LOCK = threading.Lock()
 
 
 class Packed:
-    """A job as bytes, which a process unpacks once."""
+    """A job as bytes, which a process unpacks once.
+
+    >>> from rayweave import cluster
+    >>> import numpy as np
+    >>> packed = cluster.Packed(cluster.Call(np.arange, total=10))
+    >>> packed.part((0, 3))
+    array([0, 1, 2])
+    """
 
     def __init__(self, job: Job) -> None:
         self.data = pickle.dumps(job, protocol=5)

@@ -1,6 +1,34 @@
 """Optics: light through lenses, mirrors, prisms and any other solids.
 
 The optical axis is z; lengths are in the unit of the system, angles in degrees, wavelengths in nanometres.
+
+A `System` has elements; light of a source is traced through it, and a detector shows where it arrives:
+
+>>> import rayweave.optics as ro
+>>> lens = ro.biconvex_lens(50, 50, 5, aperture=25.0)
+>>> screen = ro.detector(25.0).translate([0, 0, 49])
+>>> trace = ro.System([lens, screen]).trace(ro.beam(10.0, 1000).translate([0, 0, -10]))
+>>> spot = trace.spot("detector")
+>>> spot.points.shape, round(spot.rms_radius, 3)
+((1000, 2), 0.05)
+
+A `Prescription` has the surfaces of a lens from front to back, and analyses its image:
+
+>>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+>>> design = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+>>> round(design.first_order().focal_length, 3)
+49.213
+>>> design.spots().to_pandas().shape
+(2, 10)
+
+=========== ========================================================================================================
+elements    `lens`, `cemented`, `parabolic_mirror`, `prism`, `thin_lens`, `grating`, ..., or any solid by `element`
+faces       `polished`, `coated`, `reflecting`, `splitting`, `rough`, `diffuse`, `black`
+sources     `beam`, `point_source`, `lamp`, `source_of_rays`, `source_from_file`
+results     `Trace`: `Trace.spot`, `Trace.irradiance`, `Trace.paths`, `Trace.show`, `Trace.to_pandas`
+lens design `Prescription`, `optimise`, `tolerance`
+files       `load`, `Prescription.read_zmx`
+=========== ========================================================================================================
 """
 
 from rayweave._core import Glass, GradedMedium, Sheet, glass_names
@@ -99,7 +127,12 @@ from rayweave.optics._system import Balance, System, Trace
 
 
 def glass(name: str) -> Glass:
-    """A material of the built-in catalogue, by name."""
+    """A material of the built-in catalogue, by name.
+
+    >>> import rayweave.optics as ro
+    >>> round(ro.glass("N-BK7").index(587.5618), 4)
+    1.5168
+    """
     return Glass(name)
 
 

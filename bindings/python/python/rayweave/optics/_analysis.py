@@ -4,21 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave._core import RayweaveError
+from rayweave._table import Table
 from rayweave.optics._given import real, whole
 
 
-@dataclass(frozen=True)
-class Spot:
-    """Light on a sheet: points (N, 2) with their powers (N,), and quantities derived from them."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Spot(Table):
+    """Light on a sheet: points (N, 2) with their powers (N,), and quantities derived from them.
+
+    >>> import rayweave.optics as ro
+    >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
+    >>> trace = system.trace(ro.beam(10.0, 100).translate([0, 0, -10]))
+    >>> spot = trace.spot("detector")
+    >>> spot.points.shape, bool(spot.rms_radius < spot.geometric_radius)
+    ((100, 2), True)
+    """
+
+    _columns: ClassVar[tuple[str, ...]] = ("points", "power")
 
     points: NDArray[np.float64]
+    """(N, 2) the points."""
     power: NDArray[np.float64]
+    """(N,) the powers."""
+
+    def _heading(self) -> str:
+        return f"Spot of {len(self)} rays: RMS radius {self.rms_radius:.4g}, power {self.total:.4g}"
 
     @property
     def total(self) -> float:
@@ -83,7 +99,14 @@ def _lengths(size: Any) -> list[float]:
 
 @dataclass(frozen=True)
 class Path:
-    """A path of light through the system."""
+    """A path of light through the system.
+
+    >>> import rayweave.optics as ro
+    >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
+    >>> trace = system.trace(ro.beam(10.0, 100).translate([0, 0, -10]))
+    >>> [path.text for path in trace.paths()]
+    ['lens lens detector']
+    """
 
     text: str
     rays: int

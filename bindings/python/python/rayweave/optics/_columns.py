@@ -3,27 +3,67 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rayweave._package import package
-from rayweave._table import Rows
+from rayweave._table import Rows, dataset
 
 
 class Columns(Mapping[str, NDArray[Any]]):
     """Columns of equal length: a mapping from names to arrays. `units` has the unit of every column, "" for pure
-    numbers."""
+    numbers. A number selects a row; a slice, a mask or a list selects rows. Columns are attributes, too.
+
+    >>> import rayweave.optics as ro
+    >>> energy = ro.Columns({"radius": [1, 2], "fraction": [0.5, 1.0]}, {"radius": "mm"})
+    >>> energy
+    <Columns of 2 rows: radius [mm], fraction>
+    >>> energy["fraction"], energy.radius
+    (array([0.5, 1. ]), array([1, 2]))
+    >>> energy[energy.fraction < 1]
+    <Columns of 1 rows: radius [mm], fraction>
+    >>> energy.rows, energy.units["radius"]
+    (2, 'mm')
+    """
 
     def __init__(self, columns: Mapping[str, ArrayLike], units: Mapping[str, str] | None = None) -> None:
         self.columns = {name: np.asarray(column) for name, column in columns.items()}
         self.units = {name: (units or {}).get(name, "") for name in self.columns}
 
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in self.columns:
-            raise KeyError(f"there is no column {name!r}: the columns are {', '.join(self.columns)}.")
-        return self.columns[name]
+    @overload
+    def __getitem__(self, key: str) -> NDArray[Any]: ...
+    @overload
+    def __getitem__(self, key: int) -> dict[str, Any]: ...
+    @overload
+    def __getitem__(self, key: slice | NDArray[Any] | list[int] | list[bool]) -> Columns: ...
+    def __getitem__(self, key: Any) -> Any:
+        """A column by its name, a row by its number, or the rows of a slice, a mask or a list of numbers."""
+        if isinstance(key, str):
+            if key not in self.columns:
+                raise KeyError(f"there is no column {key!r}: the columns are {', '.join(self.columns)}.")
+            return self.columns[key]
+        if isinstance(key, (int, np.integer)):
+            if not -self.rows <= key < self.rows:
+                raise IndexError(f"there is no row {key}: there are {self.rows} rows, numbered from 0.")
+            return {name: column[key].item() if column.ndim == 1 else column[key] for name, column in self.columns.items()}
+        if not isinstance(key, (slice, list, np.ndarray)):
+            raise KeyError(f"there is no column {key!r}: the columns are {', '.join(self.columns)}.")
+        return Columns({name: column[key] for name, column in self.columns.items()}, self.units)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """Columns are attributes, too, except those with the name of a method."""
+            columns = self.__dict__.get("columns", {})
+            if name not in columns:
+                known = f": the columns are {', '.join(columns)}." if not name.startswith("_") else ""
+                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}{known}")
+            return columns[name]
+
+        def __dir__(self) -> list[str]:
+            return sorted({*super().__dir__(), *self.__dict__.get("columns", {})})
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -58,3 +98,7 @@ class Columns(Mapping[str, NDArray[Any]]):
         named = zip(self.columns, arrays, strict=True)
         fields = [arrow.field(name, array.type, metadata={"unit": self.units[name]}) for name, array in named]
         return arrow.table(arrays, schema=arrow.schema(fields))
+
+    def to_xarray(self) -> Any:
+        """The columns as an xarray Dataset with the dimension `row`; the units are in the attribute `units` of each variable."""
+        return dataset(self.columns, self.units)

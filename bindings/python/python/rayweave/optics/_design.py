@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
-from rayweave.optics._images import _axis, _labelled
+from rayweave.optics._images import _axes, _labelled
 from rayweave.optics._prescription import Prescription
 
 if TYPE_CHECKING:
@@ -27,16 +27,24 @@ Merit = Literal["spot", "wavefront", "focal length", "back focal distance", "ima
 class Sensitivities(Columns):
     """The effect of each `parameter` alone on the merit: `minus` and `plus`, the merits with the parameter too small
     and too large by its maximum or standard deviation `spread`, and `slope`, their difference divided by that of the
-    parameter."""
+    parameter.
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> found = ro.tolerance(lens, {"thickness 1": 0.1}, trials=20)
+    >>> found.sensitivities["parameter"].tolist()
+    ['thickness 1']
+    """
+
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the changes of the merit as bars; the parameter with the largest change is on top."""
-        axis = _axis(axis)
+        ax = _axes(ax)
         changes = [np.abs(self[name] - self["nominal"]) for name in ("minus", "plus")]
         order = np.argsort(np.maximum(*changes))
         for name in ("minus", "plus"):
-            axis.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
-        return _labelled(axis, "change of the merit", "")
+            ax.barh(self["parameter"][order], self[name][order] - self["nominal"][order], label=name, alpha=0.7)
+        return _labelled(ax, "change of the merit", "")
 
 
 class Trials(Columns):
@@ -44,7 +52,15 @@ class Trials(Columns):
     light or a parameter leaves its range; then all rays count as lost),
     `shift`, the distance by which the image was moved to refocus it, and `lost`, the number of rays of all fields and
     wavelengths that did not arrive. `nominal` is the merit without errors, `sensitivities` the effect of each
-    parameter."""
+    parameter.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> found = ro.tolerance(lens, {"thickness 1": 0.1}, trials=20)
+    >>> found.rows
+    20
+    """
 
     nominal: float
     sensitivities: Sensitivities
@@ -58,17 +74,17 @@ class Trials(Columns):
         """The number of trials without a merit."""
         return int(np.isnan(self["merit"]).sum())
 
-    def show(self, *, axis: Axes | None = None, bins: int = 40) -> Axes:
+    def show(self, *, ax: Axes | None = None, bins: int = 40) -> Axes:
         """Draws a histogram of the merits, with the merit without errors and the quantiles of 10, 50 and 90 percent."""
-        axis = _axis(axis)
+        ax = _axes(ax)
         merits = self["merit"][np.isfinite(self["merit"])]
-        axis.hist(merits, bins=bins, color="#a8d1f0")
-        axis.axvline(self.nominal, color="#202020", label="without errors")
+        ax.hist(merits, bins=bins, color="#a8d1f0")
+        ax.axvline(self.nominal, color="#202020", label="without errors")
         for fraction in (0.1, 0.5, 0.9):
             at = self.quantile(fraction)
-            axis.axvline(at, color="#c05020", linestyle="--", label=f"{100 * fraction:g} %: {at:.4g}")
+            ax.axvline(at, color="#c05020", linestyle="--", label=f"{100 * fraction:g} %: {at:.4g}")
         unit = self.units["merit"]
-        return _labelled(axis, f"merit, {unit}" if unit else "merit", "trials")
+        return _labelled(ax, f"merit, {unit}" if unit else "merit", "trials")
 
 
 def tolerance(
@@ -99,6 +115,13 @@ def tolerance(
     With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
     does not depend on the number of trials or threads, and appending parameters does not change the errors of earlier
     ones.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> found = ro.tolerance(lens, {"thickness 1": 0.1}, trials=20)
+    >>> len(found["merit"])
+    20
     """
     if not isinstance(errors, Mapping):
         raise TypeError(f"errors is {errors!r}: it must be a dict of parameters with their deviations.")
@@ -162,7 +185,12 @@ def _unit(name: str, unit: str) -> str:
 
 @dataclass(frozen=True)
 class Goal:
-    """An operand, its target, and the weight of its deviation; created by `goal`."""
+    """An operand, its target, and the weight of its deviation; created by `goal`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.goal("focal length", 50)
+    Goal(operand='focal length', numbers=(), target='equal', value=50.0, weight=1.0)
+    """
 
     operand: str
     numbers: tuple[float, ...]
@@ -193,6 +221,12 @@ def goal(
     "lateral colour"; a parameter by its name, such as "thickness 1"; "edge", the distance from a `surface` to the next
     one at a `height` from the axis. Operands of all rays of a `field` at a wavelength: "spot", whose sum of squares is
     the square of the RMS radius, and "wavefront", whose sum of squares is the square of the RMS in waves.
+
+    >>> import rayweave.optics as ro
+    >>> ro.goal("focal length", 50, weight=2).target
+    'equal'
+    >>> ro.goal("spot", field=0, wavelength_nm=587.6).operand
+    'spot'
     """
     text(operand, "operand")
     given = {"equal": equal, "least": at_least, "most": at_most}
@@ -215,7 +249,15 @@ def goal(
 class Optimum:
     """The result of an optimisation: the prescription `lens`, the `values` of its parameters, and the root of the sum
     of squares of all weighted deviations `before` and `after`. `has_converged` is true if no step improves it further,
-    and `reason` states why it ended."""
+    and `reason` states why it ended.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> best = ro.optimise(lens, ["curvature 2"], [ro.goal("focal length", 60)])
+    >>> round(best.lens.first_order().focal_length, 6), best.has_converged
+    (60.0, True)
+    """
 
     lens: Prescription
     values: dict[str, float]
@@ -264,6 +306,13 @@ def optimise(
     algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
     near the start, not the global one, and ends after `patience * (number of parameters + 1)` evaluations of the goals,
     not counting those for derivatives.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> best = ro.optimise(lens, ["curvature 2"], [ro.goal("focal length", 60)])
+    >>> bool(best.after < best.before)
+    True
     """
     rows = [goal._row() for goal in all_of(Goal, goals, "goals", "Make one with goal(operand, ..).")]
     names = [text(name, "a parameter") for name in ([parameters] if isinstance(parameters, str) else each(parameters, "parameters", "names"))]

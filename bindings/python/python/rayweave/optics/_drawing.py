@@ -24,30 +24,30 @@ _CURVED = _core.event_names().index("curved")
 
 
 def draw(
-    trace: Trace, view: str, color: str, axis: Axes | None, width: float, rays: int, escape: float | None
+    trace: Trace, view: str, color: str, ax: Axes | None, width: float, rays: int, escape: float | None
 ) -> Axes:
     plt = package("matplotlib.pyplot", "drawings")
     from matplotlib.collections import LineCollection
 
     if view not in _AXES:
         raise RayweaveError(f"view is {view!r}: it can be {', '.join(_AXES)}.")
-    if axis is None:
-        axis = plt.subplots(figsize=(10, 5))[1]
+    if ax is None:
+        ax = plt.subplots(figsize=(10, 5))[1]
     across, up = _AXES[view]
     starts, ends, chosen = _pieces(trace, rays)
     limits = _limits(trace.system, starts, ends, across, up)
     length = escape if escape is not None else 0.2 * float(limits[0][1] - limits[0][0])
     tilts = np.stack([trace[f"{k}_tilt"] for k in "xyz"], axis=1)[chosen]
     ends = np.where(np.isnan(ends), starts + length * tilts, ends)
-    _sections(trace.system, axis, across, up, limits)
+    _sections(trace.system, ax, across, up, limits)
     lines = [line[:, [across, up]] for line in _lines(trace, starts, ends, tilts, chosen)]
     shades = _colours(trace, color, chosen)
-    axis.add_collection(LineCollection(lines, colors=shades, linewidths=width, zorder=3))
-    axis.set_aspect("equal")
-    axis.set_xlabel(f"{'xyz'[across]} / {trace.system.unit}")
-    axis.set_ylabel(f"{'xyz'[up]} / {trace.system.unit}")
-    axis.autoscale_view()
-    return axis
+    ax.add_collection(LineCollection(lines, colors=shades, linewidths=width, zorder=3))
+    ax.set_aspect("equal")
+    ax.set_xlabel(f"{'xyz'[across]} / {trace.system.unit}")
+    ax.set_ylabel(f"{'xyz'[up]} / {trace.system.unit}")
+    ax.autoscale_view()
+    return ax
 
 
 def _pieces(trace: Trace, rays: int) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
@@ -106,7 +106,7 @@ def _limits(
 ) -> list[tuple[float, float]]:
     points = [starts, ends[~np.isnan(ends).any(axis=1)]]
     for body, _ in _bodies(system):
-        bounds = np.asarray(body.bounds())
+        bounds = np.asarray(body.bounds)
         if np.isfinite(bounds).all():
             points.append(bounds)
     cloud = np.concatenate(points)
@@ -119,7 +119,7 @@ def _limits(
 
 
 def _sections(
-    system: System, axis: Axes, across: int, up: int, limits: list[tuple[float, float]]
+    system: System, ax: Axes, across: int, up: int, limits: list[tuple[float, float]]
 ) -> None:
     """Draws every solid along lines in the plane of the section, filled between entry and exit."""
     from matplotlib.collections import LineCollection
@@ -131,18 +131,18 @@ def _sections(
     for body in system.elements:
         if isinstance(body.body, Sheet):
             surface, trim = body.body.solids()
-            _outline(axis, surface & trim, trim - surface, across, up, limits)
+            _outline(ax, surface & trim, trim - surface, across, up, limits)
             continue
         segments = _cuts(body.body, at, across, up, (low, high))
         shade = "#9aa0a6" if body.material in ("mirror", "absorber") else "#a8d1f0"
-        axis.add_collection(
-            LineCollection(segments, colors=shade, linewidths=_points(axis, spacing, right - left), zorder=1)
+        ax.add_collection(
+            LineCollection(segments, colors=shade, linewidths=_points(ax, spacing, right - left), zorder=1)
         )
         # cuts along the picture find the flat parts of the outline, cuts across it the steep ones
         steep = [ends[:, ::-1] for ends in _cuts(body.body, rows, up, across, (left, right))]
         if segments or steep:
             ends = np.concatenate(segments + steep)
-            axis.plot(ends[:, 0], ends[:, 1], ".", markersize=1.0, color="#30506a", zorder=2)
+            ax.plot(ends[:, 0], ends[:, 1], ".", markersize=1.0, color="#30506a", zorder=2)
 
 
 def _cuts(
@@ -161,15 +161,15 @@ def _cuts(
     return pieces
 
 
-def _points(axis: Axes, spacing: float, extent: float) -> float:
+def _points(ax: Axes, spacing: float, extent: float) -> float:
     """The width of a line, in points: slightly more than the spacing of the cuts in the picture."""
-    figure = axis.get_figure(root=True)
+    figure = ax.get_figure(root=True)
     inches = 10.0 if figure is None else float(figure.get_size_inches()[0])
     return 1.3 * spacing / extent * inches * 72.0
 
 
 def _outline(
-    axis: Axes, inner: Solid, outer: Solid, across: int, up: int, limits: list[tuple[float, float]]
+    ax: Axes, inner: Solid, outer: Solid, across: int, up: int, limits: list[tuple[float, float]]
 ) -> None:
     """Draws a sheet: the points where lines across the picture pass from one of its sides to the other."""
     (left, right), (low, high) = limits
@@ -185,7 +185,7 @@ def _outline(
         for second in ends[1]:
             both = np.isfinite(first) & np.isfinite(second)
             both[both] = np.abs(first[both] - second[both]) < 1e-9 * (right - left)
-            axis.plot(first[both], at[both], ".", markersize=1.2, color="#202020", zorder=4)
+            ax.plot(first[both], at[both], ".", markersize=1.2, color="#202020", zorder=4)
 
 
 def _colours(trace: Trace, color: str, chosen: NDArray[Any]) -> Any:

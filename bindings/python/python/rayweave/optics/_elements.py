@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, GradedMedium, Sheet, Solid
 from rayweave._recipe import record_all, recorded, reduced
+from rayweave._words import suggesting
 from rayweave.optics._given import each, finite, flag, numbers, pair, real, text, unknown, whole
 from rayweave.optics._place import Placed
 
@@ -37,6 +38,10 @@ class Finish:
 
     Where faces of two elements touch, the finish of the element that light enters applies or, if that is polished, the
     finish of the element that it leaves.
+
+    >>> import rayweave.optics as ro
+    >>> ro.reflecting(0.9)
+    Finish(kind='mirror', numbers=(0.9,))
     """
 
     kind: str
@@ -47,37 +52,72 @@ class Finish:
 
 
 def polished() -> Finish:
-    """Refraction and reflection as the two media require, by the Fresnel equations."""
+    """Refraction and reflection as the two media require, by the Fresnel equations.
+
+    >>> import rayweave.optics as ro
+    >>> ro.polished()
+    Finish(kind='polished', numbers=())
+    """
     return Finish("polished")
 
 
 def black() -> Finish:
-    """Absorbs all light."""
+    """Absorbs all light.
+
+    >>> import rayweave.optics as ro
+    >>> ro.black()
+    Finish(kind='absorber', numbers=())
+    """
     return Finish("absorber")
 
 
 def reflecting(reflectance: float = 1.0) -> Finish:
-    """Reflects a fraction of the power, from 0 to 1, and absorbs the rest."""
+    """Reflects a fraction of the power, from 0 to 1, and absorbs the rest.
+
+    >>> import rayweave.optics as ro
+    >>> ro.reflecting(0.95)
+    Finish(kind='mirror', numbers=(0.95,))
+    """
     return Finish("mirror", (real(reflectance, "reflectance"),))
 
 
 def splitting(reflectance: float = 0.5) -> Finish:
-    """Reflects a fraction of the power, from 0 to 1, and transmits the rest."""
+    """Reflects a fraction of the power, from 0 to 1, and transmits the rest.
+
+    >>> import rayweave.optics as ro
+    >>> ro.splitting(0.3)
+    Finish(kind='splitter', numbers=(0.3,))
+    """
     return Finish("splitter", (real(reflectance, "reflectance"),))
 
 
 def diffuse(reflectance: float = 1.0) -> Finish:
-    """Scatters a fraction of the power back by Lambert's cosine law and absorbs the rest."""
+    """Scatters a fraction of the power back by Lambert's cosine law and absorbs the rest.
+
+    >>> import rayweave.optics as ro
+    >>> ro.diffuse(0.9)
+    Finish(kind='diffuse', numbers=(0.9,))
+    """
     return Finish("diffuse", (real(reflectance, "reflectance"),))
 
 
 def rough(slope: float) -> Finish:
-    """Polished facets whose slopes have a Gaussian distribution of this standard deviation along each axis."""
+    """Polished facets whose slopes have a Gaussian distribution of this standard deviation along each axis.
+
+    >>> import rayweave.optics as ro
+    >>> ro.rough(0.05)
+    Finish(kind='rough', numbers=(0.05,))
+    """
     return Finish("rough", (real(slope, "slope"),))
 
 
 def coated(*films: tuple[complex, float]) -> Finish:
-    """Thin films, the outermost first: pairs of an index (complex if it absorbs) and a thickness in nanometres."""
+    """Thin films, the outermost first: pairs of an index (complex if it absorbs) and a thickness in nanometres.
+
+    >>> import rayweave.optics as ro
+    >>> ro.coated((1.38, 100.0))
+    Finish(kind='coated', numbers=(1.38, 0.0, 100.0))
+    """
     return Finish("coated", tuple(number for film in films for number in _film(film)))
 
 
@@ -89,7 +129,7 @@ def _film(film: tuple[complex, float]) -> _Numbers:
     raise TypeError(f"a film is {film!r}: it must be a pair of its index and its thickness in nanometres.")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Element(Placed):
     """A part of an optical system; created by `element`, `lens`, `spherical_mirror`, `detector`, ... Immutable.
 
@@ -97,6 +137,11 @@ class Element(Placed):
 
     Maps are about the origin and return a new element: `e.rotate_x(90).translate(v)` rotates first. The original
     element stays where it is.
+
+    >>> import rayweave.optics as ro
+    >>> lens = ro.biconvex_lens(50, 50, 5, aperture=25.0).named("eye").translate([0, 0, 10])
+    >>> lens.name, lens.place[:3, 3].tolist()
+    ('eye', [0.0, 0.0, 10.0])
     """
 
     name: str
@@ -120,6 +165,10 @@ class Element(Placed):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return reduced(self)
+
+    def __repr__(self) -> str:
+        kind = f"solid of {self.material!r}" if isinstance(self.body, Solid) else "sheet"
+        return f"<Element {self.name!r}: {kind}>"
 
     @recorded
     def named(self, name: str) -> Self:
@@ -263,29 +312,53 @@ def element(solid: Solid, material: Material, *, name: str = "element") -> Eleme
     A material with an extinction coefficient k above a tenth of its index n is a metal, which reflects according to the
     Fresnel equations and absorbs the rest; others are transparent, and absorb along the path. This is decided once, at
     587.5618 nm or, for a glass that has no index there, in the middle of its `range_nm`.
+
+    >>> import rayweave as rw
+    >>> import rayweave.optics as ro
+    >>> drop = ro.element(rw.sphere(2), 1.33, name="drop")
+    >>> drop.name, drop.material
+    ('drop', 1.33)
     """
     return Element(name, solid, material)
 
 
+@suggesting(diameter="aperture", size="aperture", glass="material", f="focal_length")
 def lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
     """A lens about the origin with its axis along z: radii of curvature are positive if the centre is on the side of
-    +z, inf for a plane; the thickness is that on the axis. Faces: `front`, `back` and the rim `edge`."""
+    +z, inf for a plane; the thickness is that on the axis. Faces: `front`, `back` and the rim `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.lens(50, -50, 5, aperture=25.0).name
+    'lens'
+    """
     return _component("lens", (r1, r2, thickness), name, material, aperture)
 
 
+@suggesting(diameter="aperture", size="aperture", glass="material", f="focal_length")
 def biconvex_lens(
     r1: float, r2: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
-    """A lens with two convex faces; both radii are positive. Faces: `front`, `back`, `edge`."""
+    """A lens with two convex faces; both radii are positive. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> float(ro.biconvex_lens(50, 50, 5, aperture=20).body.bounds[1, 2].round(3))
+    2.5
+    """
     return _component("biconvex", (_convex(r1, "r1", " Use lens(..)."), _convex(r2, "r2", " Use lens(..)."), thickness), name, material, aperture)
 
 
+@suggesting(diameter="aperture", size="aperture", glass="material", f="focal_length")
 def plano_convex_lens(
     r: float, thickness: float, *, aperture: Aperture, material: Material = "N-BK7", name: str = "lens"
 ) -> Element:
-    """A lens with a plane front and a convex back of radius r > 0. Faces: `front`, `back`, `edge`."""
+    """A lens with a plane front and a convex back of radius r > 0. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.plano_convex_lens(50, 5, aperture=25).material
+    'N-BK7'
+    """
     return _component("plano_convex", (_convex(r, "r", " Use lens(..)."), thickness), name, material, aperture)
 
 
@@ -301,7 +374,12 @@ def conic_lens(
     name: str = "lens",
 ) -> Element:
     """A lens whose faces are conics of revolution with the conic constants k (0 a sphere, -1 a paraboloid). Faces:
-    `front`, `back`, `edge`."""
+    `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.conic_lens(50, -1, -50, 0, 5, aperture=25, name="eyepiece").name
+    'eyepiece'
+    """
     return _component("conic_lens", (r1, k1, r2, k2, thickness), name, material, aperture)
 
 
@@ -313,6 +391,10 @@ class Asphere:
     coefficients of r^2, r^4, ..., r^16 and `odd` those of r, r^3, ..., r^15, as many as are needed; the coefficient of
     r^n has the unit of lengths to the power 1 - n. The sag is `c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2))` plus the sum of
     the terms (ISO 10110-12).
+
+    >>> import rayweave.optics as ro
+    >>> ro.Asphere(30, conic=-1, even=(0, 1e-6)).conic
+    -1
     """
 
     radius: float = float("inf")
@@ -334,7 +416,12 @@ def aspheric_lens(
     name: str = "lens",
 ) -> Element:
     """A lens whose faces are aspheres, or spheres given by their radii; otherwise like `lens`, with the same names of
-    faces."""
+    faces.
+
+    >>> import rayweave.optics as ro
+    >>> ro.aspheric_lens(ro.Asphere(30, conic=-1), -60, 5, aperture=20).name
+    'lens'
+    """
     faces = [_asphere(front), _asphere(back)]
     sizes = (faces[0].radius, faces[0].conic, faces[1].radius, faces[1].conic, thickness)
     terms = [face._terms() for face in faces]
@@ -350,7 +437,12 @@ def aspheric_mirror(
     name: str = "mirror",
 ) -> Element:
     """An aspheric mirror with its vertex at the origin that faces -z; concave if the radius is negative. The rim and
-    the back absorb. Faces: `front`, `back`, `edge`."""
+    the back absorb. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.aspheric_mirror(-100, 5, aperture=20).name
+    'mirror'
+    """
     face = _asphere(face)
     sizes = (face.radius, face.conic, thickness)
     return _faced("aspheric_mirror", sizes, name, aperture, off_axis, [face._terms()])
@@ -365,7 +457,12 @@ def cemented(
 ) -> list[Element]:
     """Lenses that share their inner faces: n thicknesses and n materials need n + 1 radii. Faces of each: `front`,
     `back`, `edge`. A cemented face is the back of one lens and the front of the next, either of which can have a finish
-    (see `Finish`)."""
+    (see `Finish`).
+
+    >>> import rayweave.optics as ro
+    >>> [part.name for part in ro.cemented([60, -45, -150], [6, 2], ["N-BK7", "N-SF5"], aperture=25)]
+    ['cemented1', 'cemented2']
+    """
     radii, thicknesses = numbers(radii, "radii"), numbers(thicknesses, "thicknesses")
     materials = each(materials, "materials", "materials")
     if not len(radii) - 1 == len(thicknesses) == len(materials):
@@ -378,14 +475,24 @@ def cemented(
 
 
 def ball_lens(diameter: float, *, material: Material = "N-BK7", name: str = "ball") -> Element:
-    """A ball about the origin. Its face is `ball`."""
+    """A ball about the origin. Its face is `ball`.
+
+    >>> import rayweave.optics as ro
+    >>> round(ro.ball_lens(10).body.volume, 3)
+    523.599
+    """
     return _component("ball_lens", (diameter,), name, material)
 
 
 def axicon(
     cone_degrees: float, thickness: float, diameter: float, *, material: Material = "N-BK7", name: str = "axicon"
 ) -> Element:
-    """A plane front and a conical back, inclined by an angle against the plane. Faces: `front`, `back`, `edge`."""
+    """A plane front and a conical back, inclined by an angle against the plane. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.axicon(10, 8, 25).name
+    'axicon'
+    """
     return _component("axicon", (cone_degrees, thickness, diameter), name, material)
 
 
@@ -393,10 +500,16 @@ def plane_mirror(
     thickness: float, *, aperture: Aperture, off_axis: tuple[float, float] = (0.0, 0.0), name: str = "mirror"
 ) -> Element:
     """A plane mirror in z = 0 that faces -z, its back at z = thickness. Faces: `front`, `back`, `edge`; all of them
-    reflect."""
+    reflect.
+
+    >>> import rayweave.optics as ro
+    >>> ro.plane_mirror(5, aperture=25).material
+    'mirror'
+    """
     return _component("plane_mirror", (thickness,), name, "mirror", aperture, off_axis)
 
 
+@suggesting(diameter="aperture", size="aperture", glass="material", f="focal_length")
 def spherical_mirror(
     radius: float,
     thickness: float,
@@ -406,10 +519,16 @@ def spherical_mirror(
     name: str = "mirror",
 ) -> Element:
     """A mirror with its vertex at the origin that faces -z; with a negative radius it is concave. The rim and the
-    back absorb. Faces: `front`, `back`, `edge`."""
+    back absorb. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.spherical_mirror(100, 5, aperture=25).name
+    'mirror'
+    """
     return _faced("spherical_mirror", (radius, thickness), name, aperture, off_axis)
 
 
+@suggesting(diameter="aperture", size="aperture", glass="material", f="focal_length")
 def parabolic_mirror(
     focal_length: float,
     thickness: float,
@@ -419,7 +538,12 @@ def parabolic_mirror(
     name: str = "mirror",
 ) -> Element:
     """A mirror with its vertex at the origin that faces -z and has its focus at z = -focal_length. The rim and the back
-    absorb. Faces: `front`, `back`, `edge`."""
+    absorb. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.parabolic_mirror(50, 5, aperture=25, off_axis=(0, 30)).name
+    'mirror'
+    """
     return _faced("parabolic_mirror", (focal_length, thickness), name, aperture, off_axis)
 
 
@@ -433,7 +557,12 @@ def elliptic_mirror(
     name: str = "mirror",
 ) -> Element:
     """A concave mirror with its vertex at the origin that faces -z; light from one focus, at z = -near, converges at
-    the other, at z = -far. The rim and the back absorb. Faces: `front`, `back`, `edge`."""
+    the other, at z = -far. The rim and the back absorb. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.elliptic_mirror(40, 100, 5, aperture=25).name
+    'mirror'
+    """
     return _faced("elliptic_mirror", (near, far, thickness), name, aperture, off_axis)
 
 
@@ -448,7 +577,12 @@ def hyperbolic_mirror(
 ) -> Element:
     """A convex mirror with its vertex at the origin that faces -z, such as the secondary of a Cassegrain telescope:
     light that converges to z = behind is focused at z = -in_front. The rim and the back absorb. Faces: `front`, `back`,
-    `edge`."""
+    `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.hyperbolic_mirror(40, 100, 5, aperture=20).name
+    'mirror'
+    """
     return _faced("hyperbolic_mirror", (behind, in_front, thickness), name, aperture, off_axis)
 
 
@@ -461,7 +595,12 @@ def toric_lens(
     material: Material = "N-BK7",
     name: str = "lens",
 ) -> Element:
-    """A lens whose faces have different radii of curvature along x and y. Faces: `front`, `back`, `edge`."""
+    """A lens whose faces have different radii of curvature along x and y. Faces: `front`, `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.toric_lens((50, 60), (-50, -50), 5, aperture=20).name
+    'lens'
+    """
     needed = "a pair of radii, along x and along y"
     faces = (*pair(front, "front", needed), *pair(back, "back", needed))
     return _component("toric_lens", (*faces, thickness), name, material, aperture)
@@ -478,7 +617,12 @@ def fresnel_lens(
     name: str = "lens",
 ) -> Element:
     """A Fresnel lens: a plane front, and behind it the rings of a convex surface of radius r > 0, each `pitch` wide.
-    Faces: `front`, the rings `back`, the steps between them `draft`, the rim `edge`."""
+    Faces: `front`, the rings `back`, the steps between them `draft`, the rim `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.fresnel_lens(50, 1, 3, 20).material
+    'PMMA'
+    """
     return _component("fresnel_lens", (_convex(r, "r"), conic, pitch, thickness, diameter), name, material)
 
 
@@ -493,7 +637,12 @@ def lenslet_array(
     name: str = "array",
 ) -> Element:
     """A plate of plano-convex lenses, columns along x and rows along y, each `pitch` wide and high. Faces: `front`, the
-    lenses `back`, `edge`."""
+    lenses `back`, `edge`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.lenslet_array(5, 2, 1, 4, 4).name
+    'array'
+    """
     counts = whole(columns, "columns", least=1), whole(rows, "rows", least=1)
     return _component("lenslet_array", (_convex(r, "r"), thickness, pitch, *counts), name, material)
 
@@ -513,7 +662,12 @@ def _faced(
 def equilateral_prism(
     side_length: float, width: float, *, material: Material = "N-BK7", name: str = "prism"
 ) -> Element:
-    """A prism of three equal faces: a "dispersing" `prism` of 60 degrees, with the same names of faces."""
+    """A prism of three equal faces: a "dispersing" `prism` of 60 degrees, with the same names of faces.
+
+    >>> import rayweave.optics as ro
+    >>> ro.equilateral_prism(20, 10).name
+    'prism'
+    """
     return _component("equilateral_prism", (side_length, width), name, material)
 
 
@@ -542,6 +696,10 @@ def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = 
     - "amici": along +y through `exit`, after the roof `roof1` and `roof2`.
 
     The sides across x are `left` and `right`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.prism("right_angle", 20, 20).name
+    'prism'
     """
     if kind not in list(_PRISMS):
         unknown("prism", kind, _PRISMS)
@@ -554,7 +712,12 @@ def prism(kind: str, *numbers: float, material: Material = "N-BK7", name: str = 
 def corner_cube(depth: float, *, material: Material = "N-BK7", name: str = "corner") -> Element:
     """A corner of a cube that reflects light back in the direction it came from. Light along +z enters through `front`
     in z = 0. The faces that meet at z = depth are `mirror1`, `mirror2` and `mirror3`; they reflect totally if the index
-    is large enough, and otherwise need a mirror finish."""
+    is large enough, and otherwise need a mirror finish.
+
+    >>> import rayweave.optics as ro
+    >>> ro.corner_cube(10).name
+    'corner'
+    """
     return _component("corner_cube", (depth,), name, material)
 
 
@@ -562,7 +725,12 @@ def beam_splitter_cube(
     side: float, *, reflectance: float = 0.5, material: Material = "N-BK7", name: str = "cube"
 ) -> list[Element]:
     """Two prisms that share a face, z = y, which reflects a fraction of the power of light along +z towards +y. Faces:
-    `front`, `exit` and `split` of the first, `back`, `bottom` and `split` of the second."""
+    `front`, `exit` and `split` of the first, `back`, `bottom` and `split` of the second.
+
+    >>> import rayweave.optics as ro
+    >>> [part.name for part in ro.beam_splitter_cube(20)]
+    ['cube1', 'cube2']
+    """
     first, second = _core.optical_component("beam_splitter_cube", [real(side, "side")])
     shared = splitting(reflectance)
     return [
@@ -577,22 +745,44 @@ def _sheet(name: str, action: Finish, aperture: Aperture, opening: Aperture | No
 
 
 def baffle(aperture: Aperture, *, name: str = "baffle") -> Element:
-    """A sheet in the plane z = 0 that absorbs."""
+    """A sheet in the plane z = 0 that absorbs.
+
+    >>> import rayweave.optics as ro
+    >>> ro.baffle((20, 10)).name
+    'baffle'
+    """
     return _sheet(name, Finish("absorb"), aperture)
 
 
 def aperture_stop(size: Aperture, opening: Aperture, *, name: str = "stop") -> Element:
-    """A sheet in the plane z = 0 with an opening about the axis; the rest absorbs."""
+    """A sheet in the plane z = 0 with an opening about the axis; the rest absorbs.
+
+    >>> import rayweave.optics as ro
+    >>> ro.aperture_stop(20.0, 5.0).name
+    'stop'
+    """
     return _sheet(name, Finish("absorb"), size, opening)
 
 
+@suggesting(diameter="aperture", size="aperture", glass="material", f="focal_length")
 def detector(aperture: Aperture, *, absorbs: bool = True, name: str = "detector") -> Element:
-    """A sheet in the plane z = 0 that records the light that hits it, and absorbs or transmits it."""
+    """A sheet in the plane z = 0 that records the light that hits it, and absorbs or transmits it.
+
+    >>> import rayweave.optics as ro
+    >>> ro.detector((24, 36)).named("film").name
+    'film'
+    """
     return _sheet(name, Finish("absorb" if flag(absorbs, "absorbs") else "record"), aperture)
 
 
+@suggesting(diameter="aperture", size="aperture", glass="material", f="focal_length")
 def thin_lens(focal_length: float, *, aperture: Aperture, name: str = "thin lens") -> Element:
-    """An ideal thin lens in the plane z = 0."""
+    """An ideal thin lens in the plane z = 0.
+
+    >>> import rayweave.optics as ro
+    >>> ro.thin_lens(100, aperture=25).name
+    'thin lens'
+    """
     return _sheet(name, Finish("thin_lens", (real(focal_length, "focal_length"),)), aperture)
 
 
@@ -600,7 +790,12 @@ def grating(
     lines: tuple[float, float], order: int, *, aperture: Aperture, reflects: bool = False, name: str = "grating"
 ) -> Element:
     """A plane grating in z = 0 that diffracts all light into one order. `lines` is a vector across the grooves; its
-    length is their number per unit of length."""
+    length is their number per unit of length.
+
+    >>> import rayweave.optics as ro
+    >>> ro.grating((0, 600), 1, aperture=25).name
+    'grating'
+    """
     needed = "a vector across the grooves, a pair of numbers along x and y"
     number = whole(order, "order", least=-(2**31), bits=31)
     action = Finish("grating", (*pair(lines, "lines", needed), number, flag(reflects, "reflects")))
@@ -608,14 +803,24 @@ def grating(
 
 
 def polariser(degrees: float, *, aperture: Aperture, name: str = "polariser") -> Element:
-    """Transmits light polarised along an axis in the plane z = 0, at an angle from +x towards +y."""
+    """Transmits light polarised along an axis in the plane z = 0, at an angle from +x towards +y.
+
+    >>> import rayweave.optics as ro
+    >>> ro.polariser(45, aperture=25).name
+    'polariser'
+    """
     angle = np.deg2rad(finite(degrees, "degrees"))
     return _sheet(name, Finish("polariser", (np.cos(angle), np.sin(angle))), aperture)
 
 
 def wave_plate(retardance_degrees: float, degrees: float, *, aperture: Aperture, name: str = "plate") -> Element:
     """Retards light polarised across the fast axis, which is at an angle from +x towards +y: by 90 degrees for a
-    quarter-wave plate."""
+    quarter-wave plate.
+
+    >>> import rayweave.optics as ro
+    >>> ro.wave_plate(90, 45, aperture=25).name
+    'plate'
+    """
     angle = np.deg2rad(finite(degrees, "degrees"))
     retardance = finite(retardance_degrees, "retardance_degrees")
     return _sheet(name, Finish("retarder", (np.cos(angle), np.sin(angle), retardance)), aperture)
@@ -623,7 +828,12 @@ def wave_plate(retardance_degrees: float, degrees: float, *, aperture: Aperture,
 
 def lensmaker(r1: float, r2: float, n: float, thickness: float) -> float:
     """The focal length of a thick lens of index n in air: 1/f = (n - 1) (1/r1 - 1/r2 + (n - 1) d / (n r1 r2)) (Hecht,
-    *Optics*, 5th edition, section 6.1)."""
+    *Optics*, 5th edition, section 6.1).
+
+    >>> import rayweave.optics as ro
+    >>> round(ro.lensmaker(50, -50, 1.5, 5), 3)
+    50.847
+    """
     return _core.lensmaker(real(r1, "r1"), real(r2, "r2"), real(n, "n"), real(thickness, "thickness"))
 
 

@@ -20,6 +20,33 @@ class OpticalModel:
 
     `settings` are arguments of `System.trace`. `trace`, `stream` and `trace_to` use them; keyword arguments override
     them.
+
+    >>> import rayweave.optics as ro
+    >>> text = '''
+    ... rayweave = 1
+    ... [solid.ball]
+    ... sphere = { radius = 5 }
+    ... [[region]]
+    ... solid = "ball"
+    ... medium = "glass"
+    ... [medium.glass]
+    ... index = 1.5
+    ... [optics.medium]
+    ... glass = "N-BK7"
+    ... [[optics.sheet]]
+    ... name = "screen"
+    ... circle = 20
+    ... action = "absorb"
+    ... transform = [{ translate = [0, 0, 8] }]
+    ... [[optics.source]]
+    ... beam = { circle = 2, rays = 100 }
+    ... transform = [{ translate = [0, 0, -10] }]
+    ... '''
+    >>> model = ro.loads(text)
+    >>> model.system.element_names, len(model.sources[0])
+    (['ball', 'screen'], 100)
+    >>> model.trace().spot("screen").points.shape
+    (100, 2)
     """
 
     system: System
@@ -52,7 +79,34 @@ def load(
 ) -> OpticalModel:
     """The `[optics]` tables of a model file. `parameters` overrides parameters of the file with numbers or arithmetic
     expressions. The model may read files in its folder and below, and the files and folders in `allow`. With `strict`,
-    warnings are errors. All problems are reported at once, each with file, line and column."""
+    warnings are errors. All problems are reported at once, each with file, line and column.
+
+    >>> from pathlib import Path
+    >>> import rayweave.optics as ro
+    >>> text = '''
+    ... rayweave = 1
+    ... [solid.ball]
+    ... sphere = { radius = 5 }
+    ... [[region]]
+    ... solid = "ball"
+    ... medium = "glass"
+    ... [medium.glass]
+    ... index = 1.5
+    ... [optics.medium]
+    ... glass = "N-BK7"
+    ... [[optics.sheet]]
+    ... name = "screen"
+    ... circle = 20
+    ... action = "absorb"
+    ... transform = [{ translate = [0, 0, 8] }]
+    ... [[optics.source]]
+    ... beam = { circle = 2, rays = 100 }
+    ... transform = [{ translate = [0, 0, -10] }]
+    ... '''
+    >>> _ = Path("ball.toml").write_text(text)
+    >>> ro.load("ball.toml").system.element_names
+    ['ball', 'screen']
+    """
     values = None if parameters is None else dict(parameters)
     return _model(_core.load_optics(path, values, allow=list(allow), strict=strict))
 
@@ -65,7 +119,32 @@ def loads(
     strict: bool = False,
 ) -> OpticalModel:
     """As `load`, from the text of a model file. The names of files are relative to the current folder; the model may
-    read files there and below."""
+    read files there and below.
+
+    >>> import rayweave.optics as ro
+    >>> text = '''
+    ... rayweave = 1
+    ... [solid.ball]
+    ... sphere = { radius = 5 }
+    ... [[region]]
+    ... solid = "ball"
+    ... medium = "glass"
+    ... [medium.glass]
+    ... index = 1.5
+    ... [optics.medium]
+    ... glass = "N-BK7"
+    ... [[optics.sheet]]
+    ... name = "screen"
+    ... circle = 20
+    ... action = "absorb"
+    ... transform = [{ translate = [0, 0, 8] }]
+    ... [[optics.source]]
+    ... beam = { circle = 2, rays = 100 }
+    ... transform = [{ translate = [0, 0, -10] }]
+    ... '''
+    >>> ro.loads(text).system.element_names
+    ['ball', 'screen']
+    """
     values = None if parameters is None else dict(parameters)
     return _model(_core.loads_optics(text, values, allow=list(allow), strict=strict))
 

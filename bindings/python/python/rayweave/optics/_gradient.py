@@ -32,6 +32,11 @@ def graded(
 
     Lengths are in the unit of the system. `world_from_local`, a 4 x 4 matrix, moves the law; by default the law holds
     in the frame of the world, independent of the position of the element.
+
+    >>> import rayweave.optics as ro
+    >>> rod = ro.graded(1.6, "selfoc", 0.1)
+    >>> round(rod.index(587.6, (0, 0, 0)), 6), round(rod.index(587.6, (1, 0, 0)), 6)
+    (1.6, 1.59198)
     """
     place = np.eye(4) if world_from_local is None else world_from_local
     known = [real(number, f"a number of the law {law!r}") for number in numbers]

@@ -21,23 +21,33 @@ Numbers = NDArray[np.float64]
 _ALONG: tuple[Literal["y", "x"], ...] = ("y", "x")
 
 
-def _axis(axis: Axes | None) -> Axes:
+def _axes(ax: Axes | None) -> Axes:
     plt = package("matplotlib.pyplot", "drawings")
-    return plt.subplots()[1] if axis is None else axis
+    return plt.subplots()[1] if ax is None else ax
 
 
-def _labelled(axis: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
-    axis.set_xlabel(across)
-    axis.set_ylabel(up)
+def _labelled(ax: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
+    ax.set_xlabel(across)
+    ax.set_ylabel(up)
     if legend:
-        axis.legend(fontsize="small")
-    return axis
+        ax.legend(fontsize="small")
+    return ax
 
 
 @dataclass(frozen=True)
 class SpotSize:
     """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the largest
-    distance from the centroid; rays are weighted by their power."""
+    distance from the centroid; rays are weighted by their power.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> lens.spots()["rms"].shape
+    (2,)
+    >>> size = lens.spots().images[0].spot()
+    >>> size.rays, round(size.rms, 3), round(size.geometric, 3)
+    (127, 0.074, 0.085)
+    """
 
     rays: int
     centroid: tuple[float, float]
@@ -53,6 +63,13 @@ class Rays(Columns):
     `id` is the number of the point of the pupil; `x`, `y`, `z` the position and `x_tilt`, `y_tilt`, `z_tilt` the unit
     direction; `path` the optical path from the start of the ray; `index` the refractive index in front of the image;
     `wavelength_nm`; `power`, the weight of the ray.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> image = lens.spots().images[0]
+    >>> image.rows, image.units["x"]
+    (127, 'mm')
     """
 
     def __init__(self, compiled: _core.Arrivals, unit: str) -> None:
@@ -95,7 +112,15 @@ class Rays(Columns):
 
 class Spots(Columns):
     """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays`; the centroid `x`, `y`; the RMS
-    radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. `images` has the rays of every field."""
+    radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. `images` has the rays of every field.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> spots = lens.spots()
+    >>> spots.rows, spots.units["rms"], spots["rms"].round(2)
+    (2, 'mm', array([0.07, 0.05]))
+    """
 
     images: list[Rays]
 
@@ -128,21 +153,32 @@ class Spots(Columns):
         if axes is None:
             axes = list(plt.subplots(1, count, figsize=(3.2 * count, 3.6), squeeze=False)[1][0])
         reach = 1.1 * float(self["geometric"].max()) or 1.0
-        for k, (axis, image) in enumerate(zip(axes, self.images, strict=False)):
+        for k, (ax, image) in enumerate(zip(axes, self.images, strict=False)):
             x, y = image["x"] - self["x"][k], image["y"] - self["y"][k]
-            axis.scatter(x, y, s=3.0, c=wavelength_rgb(image["wavelength_nm"]))
-            axis.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-            axis.set_title(f"field {k}, RMS {self['rms'][k]:.3g} {self.units['rms']}", fontsize="small")
-            _labelled(axis, f"x, {self.units['x']}", f"y, {self.units['y']}" if k == 0 else "", legend=False)
-            axis.tick_params(labelsize="small", labelleft=k == 0)
-            axis.locator_params(nbins=4)
+            ax.scatter(x, y, s=3.0, c=wavelength_rgb(image["wavelength_nm"]))
+            ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
+            ax.set_title(f"field {k}, RMS {self['rms'][k]:.3g} {self.units['rms']}", fontsize="small")
+            _labelled(ax, f"x, {self.units['x']}", f"y, {self.units['y']}" if k == 0 else "", legend=False)
+            ax.tick_params(labelsize="small", labelleft=k == 0)
+            ax.locator_params(nbins=4)
         return list(axes)
 
 
 class Fans(Columns):
     """Ray fans: `field`, `wavelength_nm`, `along` (0: rays in the pupil along x, 1: along y), `pupil`, the position
     there from -1 to 1, and the transverse aberrations `error_x` and `error_y`, measured from the point where the
-    chief ray of the same wavelength hits the image."""
+    chief ray of the same wavelength hits the image.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> fans = lens.fans()
+    >>> fans.units["error_y"]
+    'mm'
+    >>> pupil, error = fans.fan(0, lens.primary_nm, "y")
+    >>> float(pupil.min()), float(pupil.max())
+    (-1.0, 1.0)
+    """
 
     @classmethod
     def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str) -> Self:
@@ -177,15 +213,15 @@ class Fans(Columns):
             size = (8.0, 2.2 * len(fields) + 0.6)
             axes = plt.subplots(len(fields), 2, sharex=True, sharey=True, figsize=size, squeeze=False)[1]
         for row, field in zip(axes, fields.tolist(), strict=True):
-            for axis, along in zip(row, _ALONG, strict=True):
+            for ax, along in zip(row, _ALONG, strict=True):
                 for line in np.unique(self["wavelength_nm"]).tolist():
                     shade = wavelength_rgb(np.array([line]))
-                    axis.plot(*self.fan(field, line, along), color=shade[0], label=f"{line:g} nm")
-                axis.axhline(0.0, color="#a0a0a0", linewidth=0.6)
-                axis.set_title(f"field {field}, along {along}", fontsize="small")
+                    ax.plot(*self.fan(field, line, along), color=shade[0], label=f"{line:g} nm")
+                ax.axhline(0.0, color="#a0a0a0", linewidth=0.6)
+                ax.set_title(f"field {field}, along {along}", fontsize="small")
                 last = field == fields[-1]
                 up = f"error, {self.units['error_y']}" if along == "y" else ""
-                _labelled(axis, "pupil" if last else "", up, legend=field == fields[0] and along == "y")
+                _labelled(ax, "pupil" if last else "", up, legend=field == fields[0] and along == "y")
         axes[0][0].get_figure().tight_layout()
         return axes
 
@@ -193,7 +229,15 @@ class Fans(Columns):
 class Seidel(Columns):
     """The Seidel sums S_I to S_V and the chromatic sums C_I and C_II by `surface`, counted from 1: wavefront
     aberrations, twice to eight times their coefficients (W. T. Welford, Aberrations of Optical Systems, 1986, chapters
-    8 and 10)."""
+    8 and 10).
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> seidel = lens.seidel()
+    >>> seidel.rows, round(seidel.sum["spherical"], 6)
+    (2, 0.016136)
+    """
 
     @classmethod
     def of(cls, sums: dict[str, Numbers], unit: str) -> Self:
@@ -206,16 +250,16 @@ class Seidel(Columns):
         """The sums over all surfaces by name."""
         return {name: float(column.sum()) for name, column in self.items() if name != "surface"}
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the sums of every surface and of all of them as bars."""
-        axis, names = _axis(axis), list(self.sum)
+        ax, names = _axes(ax), list(self.sum)
         labels = [*map(str, self["surface"]), "sum"]
         width = 0.8 / len(names)
         for k, name in enumerate(names):
             places = np.arange(len(labels)) + (k - 0.5 * (len(names) - 1)) * width
-            axis.bar(places, [*self[name], self.sum[name]], width, label=name.replace("_", " "))
-        axis.set_xticks(range(len(labels)), labels)
-        return _labelled(axis, "surface", f"Seidel sum, {self.units['spherical']}")
+            ax.bar(places, [*self[name], self.sum[name]], width, label=name.replace("_", " "))
+        ax.set_xticks(range(len(labels)), labels)
+        return _labelled(ax, "surface", f"Seidel sum, {self.units['spherical']}")
 
 
 class ZernikeFit(Columns):
@@ -224,6 +268,13 @@ class ZernikeFit(Columns):
 
     The polynomials have a mean square of 1 over the unit disk, so a coefficient is the RMS that it adds (R. J. Noll, J.
     Opt. Soc. Am. 66, 207, 1976; ANSI Z80.28). `residual_rms` is the RMS of the residual.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> fit = lens.wavefront(0).zernike(11)
+    >>> fit.rows, fit["n"].tolist()
+    (11, [0, 1, 1, 2, 2, 2, 3, 3, 3, 3, 4])
     """
 
     residual_rms: float
@@ -235,18 +286,26 @@ class ZernikeFit(Columns):
         values = [c * _core.zernike_values((n, m), points) for n, m, c in terms]
         return np.asarray(np.sum(values, axis=0), float)
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the coefficients as bars, without piston and tilts."""
-        axis = _axis(axis)
+        ax = _axes(ax)
         wanted = self["n"] > 1
-        axis.bar(self["index"][wanted], self["coefficient"][wanted])
-        return _labelled(axis, "index", "coefficient, waves", legend=False)
+        ax.bar(self["index"][wanted], self["coefficient"][wanted])
+        return _labelled(ax, "index", "coefficient, waves", legend=False)
 
 
 class Wavefront(Columns):
     """Optical path differences: `pupil_x` and `pupil_y` in units of the pupil's semi-diameter, `waves` against a sphere
     about the point where the chief ray hits the image, through the paraxial exit pupil on the axis; positive where
-    the light is ahead (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2)."""
+    the light is ahead (W. T. Welford, Aberrations of Optical Systems, 1986, section 7.2).
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> front = lens.wavefront(0)
+    >>> front.units["waves"], round(front.rms, 2)
+    ('waves', 2.98)
+    """
 
     @classmethod
     def of(cls, pupil: Numbers, waves: Numbers) -> Self:
@@ -281,18 +340,18 @@ class Wavefront(Columns):
         fit.residual_rms = residual
         return fit
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the differences over the pupil."""
-        axis = _axis(axis)
+        ax = _axes(ax)
         reach = float(np.abs(self["waves"]).max()) or 1.0
         x, y, waves = self["pupil_x"], self["pupil_y"], self["waves"]
-        drawn = axis.scatter(x, y, c=waves, cmap="RdBu_r", vmin=-reach, vmax=reach, s=16.0, marker="s")
-        figure = axis.get_figure(root=True)
+        drawn = ax.scatter(x, y, c=waves, cmap="RdBu_r", vmin=-reach, vmax=reach, s=16.0, marker="s")
+        figure = ax.get_figure(root=True)
         if figure is not None:
-            figure.colorbar(drawn, ax=axis, label="waves")
-        axis.set_aspect("equal")
-        axis.set_title(f"RMS {self.rms:.3g} waves", fontsize="small")
-        return _labelled(axis, "pupil x", "pupil y", legend=False)
+            figure.colorbar(drawn, ax=ax, label="waves")
+        ax.set_aspect("equal")
+        ax.set_title(f"RMS {self.rms:.3g} waves", fontsize="small")
+        return _labelled(ax, "pupil x", "pupil y", legend=False)
 
 
 class _ByField(Columns):
@@ -302,19 +361,27 @@ class _ByField(Columns):
         """A column of one field."""
         return np.asarray(self[name][self["field"] == field])
 
-    def _show(self, axis: Axes | None, across: str, names: dict[str, str], up: str) -> Axes:
-        axis = _axis(axis)
+    def _show(self, ax: Axes | None, across: str, names: dict[str, str], up: str) -> Axes:
+        ax = _axes(ax)
         for field in np.unique(self["field"]).tolist():
             for name, style in names.items():
                 label = f"field {field}" + (f", {name}" if len(names) > 1 else "")
                 at = self.of_field(field, across)
-                axis.plot(at, self.of_field(field, name), style, color=f"C{field}", label=label)
+                ax.plot(at, self.of_field(field, name), style, color=f"C{field}", label=label)
         unit = self.units[across]
-        return _labelled(axis, f"{across}, {unit}" if unit else across, up)
+        return _labelled(ax, f"{across}, {unit}" if unit else across, up)
 
 
 class Energy(_ByField):
-    """The `fraction` of the power of every `field` within a `radius` about its centroid."""
+    """The `fraction` of the power of every `field` within a `radius` about its centroid.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> energy = lens.encircled_energy([0.01, 0.1, 1.0])
+    >>> energy.of_field(0, "fraction").round(2)
+    array([0.01, 1.  , 1.  ])
+    """
 
     @classmethod
     def of(cls, images: list[Rays], radii: Numbers, unit: str) -> Self:
@@ -326,14 +393,22 @@ class Energy(_ByField):
         }
         return cls(columns, {"radius": unit})
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the fractions over the radius."""
-        return self._show(axis, "radius", {"fraction": "-"}, "fraction of the power")
+        return self._show(ax, "radius", {"fraction": "-"}, "fraction of the power")
 
 
 class Modulation(_ByField):
     """The geometric MTF of every `field`, from rays without diffraction, by `frequency` in cycles per unit of length:
-    `tangential`, `sagittal`, and the diffraction `limit` of a lens without aberrations, on the axis."""
+    `tangential`, `sagittal`, and the diffraction `limit` of a lens without aberrations, on the axis.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> mtf = lens.geometric_mtf([0, 10, 20])
+    >>> mtf.of_field(0, "tangential").round(2)
+    array([1.  , 0.15, 0.15])
+    """
 
     @classmethod
     def of(
@@ -356,13 +431,13 @@ class Modulation(_ByField):
         }
         return cls(columns, {"frequency": f"1/{unit}"})
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the geometric MTF over the frequency, the diffraction limit in grey."""
-        axis = self._show(axis, "frequency", {"tangential": "-", "sagittal": "--"}, "geometric MTF (without diffraction)")
-        axis.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction limit, axis")
-        axis.set_ylim(0.0, 1.02)
-        axis.legend(fontsize="small")
-        return axis
+        ax = self._show(ax, "frequency", {"tangential": "-", "sagittal": "--"}, "geometric MTF (without diffraction)")
+        ax.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction limit, axis")
+        ax.set_ylim(0.0, 1.02)
+        ax.legend(fontsize="small")
+        return ax
 
 
 def _diffraction(share: Numbers) -> Numbers:
@@ -373,7 +448,15 @@ def _diffraction(share: Numbers) -> Numbers:
 
 
 class ThroughFocus(_ByField):
-    """The `rms` radius of the spot of every `field` on planes moved along the axis by `shift`."""
+    """The `rms` radius of the spot of every `field` on planes moved along the axis by `shift`.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> sweep = lens.through_focus([-1, 0, 1])
+    >>> sweep.of_field(0, "shift").tolist()
+    [-1.0, 0.0, 1.0]
+    """
 
     @classmethod
     def of(cls, images: list[Rays], shifts: Numbers, unit: str) -> Self:
@@ -383,9 +466,9 @@ class ThroughFocus(_ByField):
         columns = {"field": field, "shift": np.tile(shifts, len(images)), "rms": np.array(radii)}
         return cls(columns, {"shift": unit, "rms": unit})
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the radii over the shift."""
-        return self._show(axis, "shift", {"rms": "-"}, f"RMS radius, {self.units['rms']}")
+        return self._show(ax, "shift", {"rms": "-"}, f"RMS radius, {self.units['rms']}")
 
 
 @dataclass(frozen=True)
@@ -419,7 +502,15 @@ class _OverField(Columns):
 
 class Distortion(_OverField):
     """The height of the `real` chief ray on the image, that of the `paraxial` one, and their relative difference
-    `relative`, NaN on the axis."""
+    `relative`, NaN on the axis.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> distortion = lens.distortion()
+    >>> float(distortion["relative"][-1].round(5))
+    -0.0005
+    """
 
     @classmethod
     def of(cls, sweep: Sweep, found: Numbers) -> Self:
@@ -430,16 +521,24 @@ class Distortion(_OverField):
         columns = {"real": real, "paraxial": paraxial, "relative": relative}
         return cls._over(sweep, columns, dict.fromkeys(("real", "paraxial"), sweep.unit))
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the relative distortion in percent against the field."""
-        axis = _axis(axis)
-        axis.plot(100.0 * self["relative"], self._height())
-        axis.axvline(0.0, color="#a0a0a0", linewidth=0.6)
-        return _labelled(axis, "distortion, %", self._label(), legend=False)
+        ax = _axes(ax)
+        ax.plot(100.0 * self["relative"], self._height())
+        ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
+        return _labelled(ax, "distortion, %", self._label(), legend=False)
 
 
 class FieldCurvature(_OverField):
-    """The `tangential` and the `sagittal` focus, as distances from the image along the axis."""
+    """The `tangential` and the `sagittal` focus, as distances from the image along the axis.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> curvature = lens.field_curvature()
+    >>> float(curvature["tangential"][-1].round(3)), float(curvature["sagittal"][-1].round(3))
+    (0.947, 1.256)
+    """
 
     @classmethod
     def of(cls, sweep: Sweep, found: Numbers) -> Self:
@@ -447,34 +546,51 @@ class FieldCurvature(_OverField):
         columns = {"tangential": found[:, 2], "sagittal": found[:, 3]}
         return cls._over(sweep, columns, dict.fromkeys(columns, sweep.unit))
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the foci against the field."""
-        axis = _axis(axis)
-        axis.plot(self["tangential"], self._height(), label="tangential")
-        axis.plot(self["sagittal"], self._height(), "--", label="sagittal")
-        axis.axvline(0.0, color="#a0a0a0", linewidth=0.6)
-        return _labelled(axis, f"focus, {self.units['tangential']}", self._label())
+        ax = _axes(ax)
+        ax.plot(self["tangential"], self._height(), label="tangential")
+        ax.plot(self["sagittal"], self._height(), "--", label="sagittal")
+        ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
+        return _labelled(ax, f"focus, {self.units['tangential']}", self._label())
 
 
 class FocalShift(Columns):
     """The `focus` by `wavelength_nm`: where rays of the axial field point cross the axis, as a distance from the
-    image."""
+    image.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> shift = lens.focal_shift([486.1, 656.3])
+    >>> bool(shift["focus"][0] < shift["focus"][-1])
+    True
+    """
 
     @classmethod
     def of(cls, lines: Numbers, foci: list[float], unit: str) -> Self:
         """From wavelengths and foci."""
         return cls({"wavelength_nm": lines, "focus": foci}, {"wavelength_nm": "nm", "focus": unit})
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the focus against the wavelength."""
-        axis = _axis(axis)
-        axis.plot(self["focus"], self["wavelength_nm"])
-        return _labelled(axis, f"focus, {self.units['focus']}", "wavelength, nm", legend=False)
+        ax = _axes(ax)
+        ax.plot(self["focus"], self["wavelength_nm"])
+        return _labelled(ax, f"focus, {self.units['focus']}", "wavelength, nm", legend=False)
 
 
 class LateralColour(_OverField):
     """The `shift` of the chief ray on the image relative to that of the primary wavelength, by `wavelength_nm` and
-    field."""
+    field.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> lines = lens.replace(wavelengths_nm=[486.1, 656.3], primary=0)
+    >>> colour = lines.lateral_colour()
+    >>> sorted(set(colour["wavelength_nm"].tolist()))
+    [486.1, 656.3]
+    """
 
     @classmethod
     def of(cls, sweep: Sweep, lines: Sequence[float], found: Numbers) -> Self:
@@ -482,13 +598,13 @@ class LateralColour(_OverField):
         columns = {"wavelength_nm": np.repeat(lines, len(sweep.share)), "shift": found.ravel()}
         return cls._over(sweep, columns, {"wavelength_nm": "nm", "shift": sweep.unit}, len(lines))
 
-    def show(self, *, axis: Axes | None = None) -> Axes:
+    def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the shifts against the field, coloured by wavelength."""
         from rayweave.optics._drawing import wavelength_rgb
 
-        axis = _axis(axis)
+        ax = _axes(ax)
         for line in np.unique(self["wavelength_nm"]).tolist():
             wanted = self["wavelength_nm"] == line
             shade = wavelength_rgb(np.array([line]))[0]
-            axis.plot(self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
-        return _labelled(axis, f"lateral colour, {self.units['shift']}", self._label())
+            ax.plot(self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
+        return _labelled(ax, f"lateral colour, {self.units['shift']}", self._label())

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
+from rayweave._words import suggesting
 from rayweave.optics._elements import _D_NM, Element, Finish
 from rayweave.optics._given import (
     all_of,
@@ -56,7 +57,12 @@ _FieldKind = Literal["angle", "object height", "image height"]
 
 @dataclass(frozen=True)
 class Biconic:
-    """A different radius and conic constant along x; those of the surface are along y. It has no even or odd terms."""
+    """A different radius and conic constant along x; those of the surface are along y. It has no even or odd terms.
+
+    >>> import rayweave.optics as ro
+    >>> ro.Surface(50, figure=ro.Biconic(radius_x=60)).figure
+    Biconic(radius_x=60, conic_x=0.0)
+    """
 
     radius_x: float
     conic_x: float = 0.0
@@ -65,7 +71,12 @@ class Biconic:
 @dataclass(frozen=True)
 class Toroidal:
     """The radius, conic constant and even terms (of y) give a curve in the plane x = 0, which is revolved about a line
-    parallel to y, at the distance `turn` from the vertex along z; inf for a cylinder."""
+    parallel to y, at the distance `turn` from the vertex along z; inf for a cylinder.
+
+    >>> import rayweave.optics as ro
+    >>> ro.Surface(50, figure=ro.Toroidal(turn=80)).figure
+    Toroidal(turn=80)
+    """
 
     turn: float
 
@@ -73,7 +84,12 @@ class Toroidal:
 @dataclass(frozen=True)
 class XYPolynomial:
     """Coefficients, which are lengths, of x, y, x^2, x y, y^2, x^3, x^2 y, ...: degree by degree, up to 30; x and y are
-    divided by `norm_radius`."""
+    divided by `norm_radius`.
+
+    >>> import rayweave.optics as ro
+    >>> ro.Surface(50, figure=ro.XYPolynomial(10, (0, 0, 1e-3))).figure.norm_radius
+    10
+    """
 
     norm_radius: float
     coefficients: tuple[float, ...]
@@ -83,7 +99,12 @@ class XYPolynomial:
 class ZernikePolynomials:
     """Coefficients, which are lengths, of Zernike polynomials of x and y, divided by `norm_radius`, in order: "noll"
     (R. J. Noll, J. Opt. Soc. Am. 66 (1976) 207, from Z1, root mean square 1), "osa" (ANSI Z80.28, from 0) or "fringe"
-    (from 1, value 1 at the rim)."""
+    (from 1, value 1 at the rim).
+
+    >>> import rayweave.optics as ro
+    >>> ro.Surface(50, figure=ro.ZernikePolynomials(10, (0, 0, 0, 1e-3))).figure.order
+    'noll'
+    """
 
     norm_radius: float
     coefficients: tuple[float, ...]
@@ -151,6 +172,11 @@ class Surface:
     and does not enter first-order data.
 
     `figure` makes a surface that is not of revolution: `Biconic`, `Toroidal`, `XYPolynomial`, `ZernikePolynomials`.
+
+    >>> import rayweave.optics as ro
+    >>> front = ro.Surface(radius=50, thickness=5, behind="N-BK7")
+    >>> front.conic, front.semi_diameter is None
+    (0.0, True)
     """
 
     radius: float = float("inf")
@@ -177,6 +203,11 @@ class Surface:
         return cls(radius, thickness, behind, conic, semi_diameter, hole, tuple(even), tuple(odd), _figure_of(figure))
 
 
+Surface.__init__ = suggesting(  # type: ignore[method-assign]
+    glass="behind", material="behind", medium="behind", curvature="radius", distance="thickness", k="conic", aperture="semi_diameter"
+)(Surface.__init__)
+
+
 @dataclass(frozen=True)
 class CoordinateBreak:
     """A change of frame for a surface and all surfaces behind it. `before` is the number of this surface, from 1; the
@@ -186,6 +217,11 @@ class CoordinateBreak:
     the new z, each right-handed; with `tilts_first` it is rotated about z, y and x and then moved. Alternatively
     `matrix` is a rigid 4 x 4 matrix from the coordinates behind the break to those in front of it; `decentre` and the
     tilts are then ignored.
+
+    >>> import rayweave.optics as ro
+    >>> tilt = ro.CoordinateBreak(before=2, tilt_degrees=(45, 0, 0))
+    >>> tilt.before
+    2
     """
 
     before: int
@@ -209,7 +245,14 @@ class CoordinateBreak:
 @dataclass(frozen=True)
 class Pupil:
     """A pupil, the image of the stop: its position along z, with the vertex of surface 1 at 0, and its diameter; inf if
-    telecentric."""
+    telecentric.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> lens.first_order().entrance_pupil
+    Pupil(position=0.0, diameter=10.0)
+    """
 
     position: float
     diameter: float
@@ -222,6 +265,13 @@ class FirstOrder:
     Distances are along z: back distances from the last vertex, front distances from the first. `matrix` maps height and
     index times slope from the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of
     Born & Wolf, Principles of Optics, 7th edition, section 4.4.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> first = lens.first_order()
+    >>> round(first.focal_length, 3), round(first.f_number, 3)
+    (49.213, 4.921)
     """
 
     matrix: NDArray[np.float64]
@@ -244,7 +294,14 @@ def pupil_grid(
     kind: Literal["hexapolar", "square", "fan_x", "fan_y"], count: int
 ) -> NDArray[np.float64]:
     """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid
-    with `count` points across, or `count` points along one axis."""
+    with `count` points across, or `count` points along one axis.
+
+    >>> import rayweave.optics as ro
+    >>> ro.pupil_grid("hexapolar", 2).shape
+    (19, 2)
+    >>> ro.pupil_grid("fan_y", 3)[:, 1].tolist()
+    [-1.0, 0.0, 1.0]
+    """
     if kind not in _PUPILS:
         unknown("grid of a pupil", kind, _PUPILS)
     # a grid without rings consists of the centre only
@@ -266,8 +323,27 @@ class Prescription:
     `fields` are numbers along y, or pairs along x and y: angles in degrees from the axis, or heights of the object or
     of the paraxial image. `stop` is the number of the surface at the aperture stop. `breaks` fold and tilt the axis;
     first-order data are those of the surfaces on one axis.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> lens
+    <Prescription: 2 surfaces, 2 fields>
+    >>> round(lens.first_order().focal_length, 3)
+    49.213
+    >>> lens.spots()["rms"].shape
+    (2,)
     """
 
+    @suggesting(
+        epd="entrance_pupil_diameter",
+        fno="f_number",
+        wavelengths="wavelengths_nm",
+        wavelength="wavelengths_nm",
+        na="object_numerical_aperture",
+        aperture="entrance_pupil_diameter",
+        units="unit",
+    )
     def __init__(
         self,
         surfaces: Iterable[Surface],
@@ -626,7 +702,7 @@ class Prescription:
         found = [[shift(k, line) for k in range(count)] for line in self.wavelengths_nm]
         return LateralColour.of(sweep, self.wavelengths_nm, np.array(found))
 
-    def show(self, *, axis: Axes | None = None, rays: int = 5, **options: Any) -> Axes:
+    def show(self, *, ax: Axes | None = None, rays: int = 5, **options: Any) -> Axes:
         """Draws a section of the solids with rays of all fields in the plane x = 0, coloured by field; `options` are
         those of `Trace.show`."""
         elements = self.elements()
@@ -645,14 +721,14 @@ class Prescription:
             generation_limit=4 * len(self.surfaces) + 8,
             keep_escaped=False,
         )
-        axis = trace.show(axis=axis, **{"color": "source", "rays": len(origins), **options})
+        ax = trace.show(ax=ax, **{"color": "source", "rays": len(origins), **options})
         ends = np.concatenate([trace["y0"], trace["y1"][np.isfinite(trace["y1"])]])
         reach = 1.1 * max(float(self.semi_diameters()[:-1].max()), float(np.abs(ends).max()))
-        axis.set_ylim(-reach, reach)
-        axis.set_xlabel(f"z, {self.unit}")
-        axis.set_ylabel(f"y, {self.unit}")
-        axis.set_title(self.name)
-        return axis
+        ax.set_ylim(-reach, reach)
+        ax.set_xlabel(f"z, {self.unit}")
+        ax.set_ylabel(f"y, {self.unit}")
+        ax.set_title(self.name)
+        return ax
 
     def _wavelength(self, wavelength_nm: float | None) -> float:
         return self.primary_nm if wavelength_nm is None else real(wavelength_nm, "wavelength_nm")
@@ -749,7 +825,7 @@ def _drawn_in(
     elements: list[Element], origins: NDArray[np.float64], directions: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """The same rays, starting slightly in front of all elements."""
-    boxes = np.array([part.body.bounds() for part in elements if isinstance(part.body, Solid)])
+    boxes = np.array([part.body.bounds for part in elements if isinstance(part.body, Solid)])
     low, high = boxes[:, 0, 2].min(), boxes[:, 1, 2].max()
     length = (low - 0.2 * (high - low) - origins[:, 2]) / directions[:, 2]
     return np.asarray(origins + length[:, None] * directions)

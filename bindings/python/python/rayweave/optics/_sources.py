@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave.optics._elements import Aperture, _outline
 from rayweave._recipe import record_all, recorded, reduced
+from rayweave._words import suggesting
 from rayweave.optics._given import array, real, text, unknown, whole
 from rayweave.optics._place import Placed
 
@@ -21,10 +22,19 @@ from rayweave.optics._place import Placed
 Spectrum = float | dict[float, float] | tuple[str, *tuple[float, ...]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Source(Placed):
     """A source of light at the origin that emits along +z. Immutable: ray k is always the same. Transforms return a new
-    source; for other random rays create a source with a different seed."""
+    source; for other random rays create a source with a different seed.
+
+    >>> import rayweave.optics as ro
+    >>> light = ro.point_source(10, 50).translate([0, 0, -20])
+    >>> len(light)
+    50
+    >>> origins, directions, wavelength_nm, power = light.rays()
+    >>> origins.shape, float(power.sum().round(6))
+    ((50, 3), 1.0)
+    """
 
     compiled: _core.LightSource
     #: Whether its light is polarised; one from a model file does not tell.
@@ -32,6 +42,9 @@ class Source(Placed):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return reduced(self)
+
+    def __repr__(self) -> str:
+        return f"<Source of {len(self)} rays{', polarised' if self.is_polarised else ''}>"
 
     @recorded
     def transform(self, matrix: ArrayLike) -> Self:
@@ -115,31 +128,54 @@ _Power = float | tuple[Literal["total"], float]
 def line_of_rays(
     spacing: float, count: int, *, wavelength_nm: Spectrum = 633.0, power: _Power = 100.0
 ) -> Source:
-    """Parallel rays along +z, evenly spaced along y over a length."""
+    """Parallel rays along +z, evenly spaced along y over a length.
+
+    >>> import rayweave.optics as ro
+    >>> origins = ro.line_of_rays(10, 3).rays()[0]
+    >>> origins[:, 1].tolist()
+    [-5.0, 0.0, 5.0]
+    """
     return _source("line", (spacing,), count, wavelength_nm, power)
 
 
 def circle_of_rays(
     diameter: float, count: int, *, wavelength_nm: Spectrum = 633.0, power: _Power = 100.0
 ) -> Source:
-    """Parallel rays along +z, evenly spaced on a circle."""
+    """Parallel rays along +z, evenly spaced on a circle.
+
+    >>> import rayweave.optics as ro
+    >>> len(ro.circle_of_rays(10, 6))
+    6
+    """
     return _source("circle", (diameter,), count, wavelength_nm, power)
 
 
 def cone_of_rays(
     cone_degrees: float, count: int, *, wavelength_nm: Spectrum = 633.0, power: _Power = 100.0
 ) -> Source:
-    """Rays from the origin, all at one angle from +z."""
+    """Rays from the origin, all at one angle from +z.
+
+    >>> import rayweave.optics as ro
+    >>> len(ro.cone_of_rays(5, 8))
+    8
+    """
     return _source("cone", (cone_degrees,), count, wavelength_nm, power)
 
 
 def wedge_of_rays(
     degrees: float, count: int, *, wavelength_nm: Spectrum = 633.0, power: _Power = 100.0
 ) -> Source:
-    """Rays from the origin in the plane x = 0, evenly spread over an angle about +z."""
+    """Rays from the origin in the plane x = 0, evenly spread over an angle about +z.
+
+    >>> import rayweave.optics as ro
+    >>> directions = ro.wedge_of_rays(60, 3).rays()[1]
+    >>> directions[:, 1].round(3)
+    array([-0.5,  0. ,  0.5])
+    """
     return _source("wedge", (degrees,), count, wavelength_nm, power)
 
 
+@suggesting(wavelength="wavelength_nm", wavelengths="wavelength_nm", diameter="aperture", rays="count", n="count")
 def lamp(
     width: float,
     length: float,
@@ -151,10 +187,16 @@ def lamp(
     seed: int = 0,
 ) -> Source:
     """A rectangle that emits by Lambert's law, like PyRayT's lamp: directions are uniform in the cone, powers are
-    proportional to the cosine."""
+    proportional to the cosine.
+
+    >>> import rayweave.optics as ro
+    >>> len(ro.lamp(1, 2, 100, seed=1))
+    100
+    """
     return _source("lamp", (width, length, max_degrees), count, wavelength_nm, power, seed)
 
 
+@suggesting(wavelength="wavelength_nm", wavelengths="wavelength_nm", diameter="aperture", rays="count", n="count")
 def beam(
     aperture: Aperture,
     count: int,
@@ -172,11 +214,17 @@ def beam(
     spectrum with its numbers: ("uniform", lo, hi), ("black body", kelvin, lo, hi), ("table", w1, p1, w2, p2, ..) of
     densities p, interpolated linearly, ("lines", w1, p1, w2, p2, ..). `power` is that of each ray, or ("total", power)
     that of all rays together.
+
+    >>> import rayweave.optics as ro
+    >>> light = ro.beam(10.0, 100, wavelength_nm={486.1: 1, 656.3: 1})
+    >>> sorted(set(light.rays()[2].tolist()))
+    [486.1, 656.3]
     """
     numbers = () if waist is None else (waist,)
     return _source("beam", numbers, count, wavelength_nm, power, seed, aperture, sampling)
 
 
+@suggesting(wavelength="wavelength_nm", wavelengths="wavelength_nm", diameter="aperture", rays="count", n="count")
 def point_source(
     half_angle_degrees: float,
     count: int,
@@ -185,7 +233,12 @@ def point_source(
     power: _Power = ("total", 1.0),
     seed: int = 0,
 ) -> Source:
-    """Rays from the origin, uniform in solid angle in a cone about +z."""
+    """Rays from the origin, uniform in solid angle in a cone about +z.
+
+    >>> import rayweave.optics as ro
+    >>> len(ro.point_source(20, 100))
+    100
+    """
     return _source("point", (half_angle_degrees,), count, wavelength_nm, power, seed)
 
 
@@ -196,11 +249,18 @@ def source_of_rays(
     wavelength_nm: ArrayLike | Spectrum = 633.0,
     power: ArrayLike | tuple[Literal["total"], float] = 1.0,
 ) -> Source:
-    """Rays given one by one: origins (N, 3), and directions (N, 3) of any length but 0. Wavelengths are an array (N,),
-    or a spectrum from which they are drawn; powers an array (N,), one number for all rays, or ("total", power)."""
+    """Rays given one by one: origins (N, 3), and directions (N, 3) of any length but 0; grids (..., 3) of rays are numbered in
+    row-major order. Wavelengths are an array (N,), or a spectrum from which they are drawn; powers an array (N,), one number for all rays, or ("total", power).
+
+    >>> import rayweave.optics as ro
+    >>> light = ro.source_of_rays([[0, 0, 0], [0, 1, 0]], [[0, 0, 1], [0, 0, 1]], power=[1, 2])
+    >>> light.rays()[3]
+    array([1., 2.])
+    """
     lengths = _column(wavelength_nm, "wavelength_nm")
     powers = _column(power, "power")
-    compiled = _core.LightSource.listed(origins, directions, lengths, powers)
+    starts, ways = (_flat(given, name) for given, name in ((origins, "origins"), (directions, "directions")))
+    compiled = _core.LightSource.listed(starts, ways, lengths, powers)
     if lengths is None:
         compiled = compiled.with_spectrum(_spectrum(wavelength_nm))  # type: ignore[arg-type]
     return Source(compiled if powers is not None else _powered(compiled, power))
@@ -212,14 +272,27 @@ def source_from_file(
     wavelength_nm: Spectrum | None = None,
     power: float | tuple[Literal["total"], float] | None = None,
 ) -> Source:
-    """The rays of a file: `.csv` with the columns ox, oy, oz, dx, dy, dz and optionally wavelength_nm and power; or
+    r"""The rays of a file: `.csv` with the columns ox, oy, oz, dx, dy, dz and optionally wavelength_nm and power; or
     `.npy` of the shape (N, 6), (N, 7) with wavelengths or (N, 8) with both. `wavelength_nm` applies to files without
     wavelengths (default 633 nm). `power` is the power of each ray or, for files with powers, a factor on them (default
-    1)."""
+    1).
+
+    >>> from pathlib import Path
+    >>> import rayweave.optics as ro
+    >>> _ = Path("rays.csv").write_text("ox,oy,oz,dx,dy,dz\n0,0,0,0,0,1\n")
+    >>> len(ro.source_from_file("rays.csv"))
+    1
+    """
     compiled = _core.LightSource.from_file(path)
     if wavelength_nm is not None:
         compiled = compiled.with_spectrum(_spectrum(wavelength_nm))
     return Source(_powered(compiled, 1.0 if power is None else power))
+
+
+def _flat(given: ArrayLike, name: str) -> NDArray[np.float64]:
+    """The rows of a grid of vectors; other shapes are checked where they are used."""
+    rows = array(given, name)
+    return rows.reshape(-1, 3) if rows.ndim > 2 and rows.shape[-1] == 3 else rows
 
 
 def _column(given: Any, name: str) -> list[float] | None:
@@ -227,7 +300,7 @@ def _column(given: Any, name: str) -> list[float] | None:
     if isinstance(given, dict) or (isinstance(given, tuple) and any(isinstance(part, str) for part in given)):
         return None
     column = array(given, name)
-    return column.tolist() if column.ndim > 0 else None
+    return column.ravel().tolist() if column.ndim > 0 else None
 
 
 def _powered(compiled: _core.LightSource, power: Any) -> _core.LightSource:

@@ -32,6 +32,13 @@ class Stream:
     in the background, a few batches ahead. After the last batch `balance` contains the balance of power. Ending early
     (`close`, the end of a `with` block, or deletion of the stream) stops the run. Several threads may take batches from
     one stream: each batch goes to one of them, and all of them end when the run is over or the stream is closed.
+
+    >>> import rayweave.optics as ro
+    >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
+    >>> stream = system.stream(ro.beam(10.0, 100).translate([0, 0, -10]))
+    >>> rows = sum(batch.rows for batch in stream)
+    >>> rows, round(stream.balance.emitted, 9)
+    (300, 1.0)
     """
 
     def __init__(self, system: System, compiled: _core.SegmentStream, total: int, progress: Progress) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, Model, Solid
 from rayweave._model import Medium, Region
-from rayweave._table import Rows
+from rayweave._table import Rows, dataset, table_of
 from rayweave.optics._analysis import Path, Spot, irradiance_of, paths_of, spot_of
 from rayweave.optics._elements import Element, _medium, _yellow
 from rayweave.optics._given import all_of, array, flag, package, real, text, unknown, whole
@@ -32,7 +32,14 @@ _UNIT_NM = {"nm": 1.0, "um": 1e3, "mm": 1e6, "cm": 1e7, "m": 1e9, "in": 2.54e7}
 
 @dataclass(frozen=True)
 class Balance:
-    """The balance of power; `error` is the part unaccounted for, 0 except for rounding."""
+    """The balance of power; `error` is the part unaccounted for, 0 except for rounding.
+
+    >>> import rayweave.optics as ro
+    >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
+    >>> trace = system.trace(ro.beam(10.0, 100).translate([0, 0, -10]))
+    >>> round(trace.balance.emitted, 6), round(trace.balance.absorbed["detector"], 6)
+    (1.0, 0.998855)
+    """
 
     emitted: float
     absorbed: dict[str, float]
@@ -46,12 +53,25 @@ class Balance:
         ends = sum(self.absorbed.values()) + self.absorbed_in_media + self.escaped + self.dropped
         return self.emitted - ends
 
+    def _repr_html_(self) -> str:
+        absorbed = {f"absorbed by {name}": power for name, power in self.absorbed.items()}
+        rest = {"absorbed in media": self.absorbed_in_media, "escaped": self.escaped, "dropped": self.dropped}
+        return table_of("Balance of power", {"emitted": self.emitted, **absorbed, **rest, "error": self.error})
+
 
 class System:
     """An optical system: elements in a world, in which light is traced.
 
     Where solids overlap, the later one has priority; parts that touch need no gap. `world` is the medium outside all
     elements. `unit` is the unit of all lengths; it matters where wavelengths are compared with lengths.
+
+    >>> import rayweave.optics as ro
+    >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
+    >>> system.element_names
+    ['lens', 'detector']
+    >>> trace = system.trace(ro.beam(10.0, 100).translate([0, 0, -10]))
+    >>> trace.spot("detector").points.shape
+    (100, 2)
     """
 
     def __init__(
@@ -81,6 +101,14 @@ class System:
             raise _core.RayweaveError("the System cannot be pickled: it was read from a model file. Pickle the name of the file.")
         return _again, (self.elements, self._world, self.unit)
 
+    def __repr__(self) -> str:
+        names = ", ".join(self.element_names[:8]) + (", ..." if len(self.element_names) > 8 else "")
+        return f"<System in {self.unit}, {len(self.element_names)} elements: {names}>"
+
+    def _repr_html_(self) -> str:
+        materials = {f"{k}: {part.name}": _material_text(part) for k, part in enumerate(self.elements)}
+        return table_of(f"System in {self.unit}", materials)
+
     def _balance(self, accounts: dict[str, Any]) -> Balance:
         absorbed = dict(zip(self.element_names, accounts["absorbed"], strict=True))
         return Balance(**(accounts | {"absorbed": absorbed}))
@@ -107,6 +135,16 @@ class System:
                 media[name] = Medium(name, index)
                 regions.append(Region(element.name, element.body, medium=name))
         return Model(regions, list(media.values()), unit=self.unit)
+
+    def save(
+        self, path: str | PathLike[str], *, format: str | None = None, tolerance: float | None = None, text: bool = False
+    ) -> list[str]:
+        """Writes the solids of the system to a file in the format of its ending: see `Model.save`.
+
+        >>> import rayweave.optics as ro
+        >>> _ = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25)]).save("lens.stl")
+        """
+        return self.to_model().save(path, format=format, tolerance=tolerance, text=text)
 
     def trace(
         self,
@@ -313,6 +351,14 @@ class Trace(Mapping[str, NDArray[Any]]):
     `x_tilt`, `y_tilt`, `z_tilt` the direction cosines; `path` the optical path length from the source to the end (to the
     start for light that escapes); `element`, `surface` and
     `event` describe the end. `phase_s` and `phase_p` are present if requested by `phases`.
+
+    >>> import rayweave.optics as ro
+    >>> system = ro.System([ro.biconvex_lens(50, 50, 5, aperture=25), ro.detector(25.0).translate([0, 0, 49])])
+    >>> trace = system.trace(ro.beam(10.0, 100).translate([0, 0, -10]))
+    >>> trace["event"].dtype, trace.rows
+    (dtype('uint8'), 300)
+    >>> trace.to_pandas(names=True)["element"].value_counts().to_dict()
+    {'lens': 200, 'detector': 100}
     """
 
     def __init__(self, system: System, columns: dict[str, NDArray[Any]], balance: Balance | None) -> None:
@@ -348,9 +394,12 @@ class Trace(Mapping[str, NDArray[Any]]):
         return f"<Trace of {self.rows} segments, {len(self.columns)} columns>"
 
     def _repr_html_(self) -> str:
-        names = {"element": [*self.system.element_names, None], "surface": [*self.system.surface_names, None]}
-        names["event"] = [*_core.event_names(), None]
-        return Rows(self.columns, {name: names[name] for name in names if name in self.columns})._repr_html_()
+        return self._rows()._repr_html_()
+
+    def _rows(self) -> Rows:
+        """The segments as rows with the names of elements, surfaces and events."""
+        names = {"element": self.system.element_names, "surface": self.system.surface_names, "event": _core.event_names()}
+        return Rows(self.columns, {name: [*list_of, None] for name, list_of in names.items() if name in self.columns})
 
     def at(self, element: str, *, event: str | None = None) -> Trace:
         """The segments that end at an element, optionally only those with this event."""
@@ -418,10 +467,16 @@ class Trace(Mapping[str, NDArray[Any]]):
         """The end points of the segments, (rows, 3)."""
         return np.stack([self.columns[name] for name in ("x1", "y1", "z1")], axis=1)
 
-    def to_pandas(self) -> Any:
-        """The columns as a pandas DataFrame, with numbers of surfaces, elements and events; the system has their
-        names."""
+    def to_pandas(self, *, names: bool = False) -> Any:
+        """The columns as a pandas DataFrame, without copies; or, with `names`, elements, surfaces and events by name, as
+        categories."""
+        if names:
+            return self._rows().to_pandas()
         return package("pandas", "data frames").DataFrame(self.columns, copy=False)
+
+    def to_xarray(self, *, names: bool = False) -> Any:
+        """The columns as an xarray Dataset with the dimension `row`; or, with `names`, elements, surfaces and events by name."""
+        return self._rows().to_xarray() if names else dataset(self.columns, {})
 
     def to_arrow(self, *, names: bool = False) -> Any:
         """The columns as an Arrow table, without copies; or, with `names`, elements, surfaces and events by name."""
@@ -440,7 +495,7 @@ class Trace(Mapping[str, NDArray[Any]]):
         view: Literal["zx", "zy", "xy"] = "zy",
         *,
         color: Literal["wavelength", "source"] | str = "wavelength",
-        axis: Axes | None = None,
+        ax: Axes | None = None,
         ray_width: float = 0.8,
         rays: int = 200,
         escape: float | None = None,
@@ -453,7 +508,14 @@ class Trace(Mapping[str, NDArray[Any]]):
         """
         from rayweave.optics._drawing import draw
 
-        return draw(self, view, color, axis, ray_width, whole(rays, "rays", least=1), escape)
+        return draw(self, view, color, ax, ray_width, whole(rays, "rays", least=1), escape)
+
+
+def _material_text(element: Element) -> str:
+    """The material of an element, or that it is a sheet."""
+    if not isinstance(element.body, Solid):
+        return "sheet"
+    return _named_material(element.material)[0]
 
 
 def _named_material(material: Any) -> tuple[str, float | None]:
@@ -477,9 +539,9 @@ def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[np.float64
     vectors = []
     for name, given in (("origins", origins), ("directions", directions)):
         found = array(given, name)
-        if found.ndim not in (1, 2) or found.shape[-1] != 3:
-            raise _core.RayweaveError(f"{name} has shape {found.shape}: it must be (N, 3) or (3,).")
-        vectors.append(np.atleast_2d(found))
+        if found.ndim == 0 or found.shape[-1] != 3:
+            raise _core.RayweaveError(f"{name} has shape {found.shape}: it must be (N, 3), (3,), or a grid (..., 3).")
+        vectors.append(found.reshape(-1, 3))
     counts = {len(rows) for rows in vectors} - {1} or {1}
     if len(counts) > 1:
         lengths = f"origins has {len(vectors[0])} rows and directions {len(vectors[1])}"

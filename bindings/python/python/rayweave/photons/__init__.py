@@ -3,10 +3,10 @@
 Lengths are in mm, times in ns, energies in eV and wavelengths in nm.
 
 >>> import rayweave.photons
->>> detector = rayweave.photons.load("bar.gdml")  # doctest: +SKIP
->>> run = detector.simulate(rayweave.photons.point([0, 0, 0], 550), n=100_000)  # doctest: +SKIP
->>> run.hits.position.shape, run.ends["detected"]  # doctest: +SKIP
-((7480, 3), 7480)
+>>> detector = rayweave.photons.load("bar.gdml")
+>>> run = detector.simulate(rayweave.photons.point([0, 0, 0], 550), n=10_000)
+>>> run.hits.position.shape, run.ends["detected"]
+((545, 3), 545)
 """
 
 from rayweave.photons._compare import Bin, Comparison, FirstDifference, Quantity, compare

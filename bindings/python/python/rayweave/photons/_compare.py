@@ -7,12 +7,13 @@ import tempfile
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
+from rayweave._table import Rows
 from rayweave.photons._run import Histories, Hits
 
 CompareRow: TypeAlias = tuple[
@@ -32,7 +33,15 @@ Sample: TypeAlias = "str | PathLike[str] | Histories | Hits | NDArray[np.generic
 
 @dataclass(frozen=True)
 class Bin:
-    """A bin of a comparison."""
+    """A bin of a comparison.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> a, b = (detector.simulate(rp.point([0, 0, 0], 550), n=1000, seed=seed).hits for seed in (1, 2))
+    >>> found = rp.compare(a, b)
+    >>> sum(part.counts[0] for part in found["time"].bins) == a.rows
+    True
+    """
 
     label: str
     """A history, an end, a path or an interval."""
@@ -44,7 +53,15 @@ class Bin:
 
 @dataclass(frozen=True)
 class Quantity:
-    """The comparison of the distributions of a quantity."""
+    """The comparison of the distributions of a quantity.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> a, b = (detector.simulate(rp.point([0, 0, 0], 550), n=1000, seed=seed).hits for seed in (1, 2))
+    >>> found = rp.compare(a, b)
+    >>> found["time"].name, found["time"].z < 6
+    ('time', True)
+    """
 
     name: str
     """history, end, volume, time or wavelength."""
@@ -67,7 +84,15 @@ class Quantity:
 
 @dataclass(frozen=True)
 class FirstDifference:
-    """The first photon with different histories."""
+    """The first photon with different histories.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> a, b = (detector.simulate(rp.point([0, 0, 0], 550), n=1000, seed=seed).hits for seed in (1, 2))
+    >>> found = rp.compare(a, b)
+    >>> found.first_difference is None
+    True
+    """
 
     photon: int
     row: int
@@ -75,9 +100,17 @@ class FirstDifference:
     histories: tuple[str, str]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
-    """The comparison of two runs."""
+    """The comparison of two runs.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> a, b = (detector.simulate(rp.point([0, 0, 0], 550), n=1000, seed=seed).hits for seed in (1, 2))
+    >>> found = rp.compare(a, b)
+    >>> found.worst_z < 6
+    True
+    """
 
     names: tuple[str, str]
     photons: tuple[int, int]
@@ -103,6 +136,31 @@ class Comparison:
     def worst_z(self) -> float:
         """The largest z of the quantities."""
         return max(quantity.z for quantity in self.quantities.values())
+
+    def _rows(self) -> Rows:
+        columns: dict[str, NDArray[Any]] = {"quantity": np.array(list(self.quantities), dtype=object)}
+        for name in ("chi2", "ndf", "p", "z"):
+            columns[name] = np.array([getattr(own, name) for own in self.quantities.values()])
+        return Rows(columns, {})
+
+    def to_pandas(self) -> Any:
+        """The quantities as a pandas DataFrame."""
+        return self._rows().to_pandas()
+
+    def to_arrow(self) -> Any:
+        """The quantities as an Arrow table."""
+        return self._rows().to_arrow()
+
+    def to_xarray(self) -> Any:
+        """The quantities as an xarray Dataset with the dimension `row`."""
+        return self._rows().to_xarray()
+
+    def _repr_html_(self) -> str:
+        return self._rows()._repr_html_()
+
+    def __repr__(self) -> str:
+        worst = f", worst z {self.worst_z:.2f}" if self.quantities else ""
+        return f"<Comparison of {self.photons[0]} and {self.photons[1]} photons by {', '.join(self.quantities) or 'nothing'}{worst}>"
 
     def __str__(self) -> str:
         lines = [f"A {self.names[0]}: {self.photons[0]} photons", f"B {self.names[1]}: {self.photons[1]} photons"]
@@ -132,6 +190,13 @@ def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits
     ------
     RayweaveError
         A file is missing or damaged (with line or row, and column), a run has no photons, or the two have nothing in common.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> a, b = (detector.simulate(rp.point([0, 0, 0], 550), n=1000, seed=seed).hits for seed in (1, 2))
+    >>> found = rp.compare(a, b)
+    >>> found.worst_z < 6
+    True
     """
     with tempfile.TemporaryDirectory() as folder:
         paths = [_path(sample, Path(folder, name)) for sample, name in ((a, "a.npy"), (b, "b.npy"))]

@@ -6,13 +6,14 @@ import os
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._drawing import Drawing
+from rayweave._table import Table, dataset, table_of
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import package
 
@@ -79,6 +80,12 @@ class _Named(Columns):
             table = table.set_column(table.schema.get_field_index(column), column, values)
         return table
 
+    def to_xarray(self) -> Any:
+        """The columns as an xarray Dataset with the dimension `row`, with names as texts; the units are in the attribute `units` of
+        each variable."""
+        columns = {name: self.named(name) if name in self.names else self[name] for name in self}
+        return dataset(columns, self.units)
+
 
 def _save(columns: _Named, compiled: _core.PhotonHits | _core.PhotonHistories, path: str | PathLike[str]) -> None:
     target = Path(path)
@@ -105,6 +112,14 @@ class Hits(_Named):
     gensteps `genstep`, the number of the genstep.
 
     All photons of a wavelength shifter have the number of the absorbed one.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> run = detector.simulate(rp.point([0, 0, 0], 550), n=1000)
+    >>> len(run.hits["time"]) == run.ends["detected"]
+    True
+    >>> run.hits.to_pandas().columns[:4].tolist()
+    ['event', 'photon', 'x', 'y']
     """
 
     def __init__(self, compiled: _core.PhotonHits, title: str) -> None:
@@ -160,9 +175,19 @@ class Hits(_Named):
         return Drawing(self._compiled.spectra_svg(f"Hits: {self._title}"))
 
 
-@dataclass(frozen=True, eq=False)
-class Sequences:
-    """The histories of photons as Opticks' packed sequences."""
+@dataclass(frozen=True, eq=False, repr=False)
+class Sequences(Table):
+    """The histories of photons as Opticks' packed sequences.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> run = detector.simulate(rp.point([0, 0, 0], 550), n=100, record="steps")
+    >>> sequences = run.histories.sequences()
+    >>> len(sequences.texts) == len(sequences.photon)
+    True
+    """
+
+    _columns: ClassVar[tuple[str, ...]] = ("photon", "track", "texts", "words")
 
     photon: NDArray[np.int64]
     """(N,) the number of the photon in the run."""
@@ -173,6 +198,10 @@ class Sequences:
     lowest bits; 1 plus the number of the flag's bit in OpticksPhoton.h, and 0 after the end."""
     texts: list[str]
     """The sequences as texts, such as "TO BT SD"."""
+
+    def _column(self, name: str) -> NDArray[Any]:
+        column = getattr(self, name)
+        return np.array(column, dtype=object) if name == "texts" else np.asarray(column)
 
     def counts(self) -> dict[str, int]:
         """The number of photons of each sequence, the most frequent first."""
@@ -189,6 +218,14 @@ class Histories(_Named):
     shifter; `step`, the number of steps so far; `process`, an index of `process_names`; `x`, `y`, `z` in mm; `time` in ns; `dx`,
     `dy`, `dz`; `px`, `py`, `pz`; `wavelength_nm`; `volume`, the volume that the step led through, an index of `volume_paths`;
     `surface`, the optical surface at its end, an index of `surface_names`, -1 without one. The last row of a track is its end.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> run = detector.simulate(rp.point([0, 0, 0], 550), n=100, record="steps")
+    >>> run.histories.process_names[:2]
+    ['emission', 'cerenkov']
+    >>> run.histories.of(0).rows > 1
+    True
     """
 
     def __init__(self, compiled: _core.PhotonHistories, title: str) -> None:
@@ -256,7 +293,14 @@ class Histories(_Named):
 
 
 class Run:
-    """The result of a run."""
+    """The result of a run.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> run = detector.simulate(rp.point([0, 0, 0], 550), n=1000)
+    >>> run.photons, run.ends["detected"] == run.hits.rows
+    (1000, True)
+    """
 
     def __init__(self, compiled: _core.PhotonRun, title: str) -> None:
         self.photons: int = compiled.photons
@@ -277,6 +321,9 @@ class Run:
         if self._histories is None:
             raise _core.RayweaveError('no histories are recorded: simulate with record="steps", "sequences" or "counts".')
         return self._histories
+
+    def _repr_html_(self) -> str:
+        return table_of(f"Run of {self.photons} photons", self.ends)
 
     def __repr__(self) -> str:
         ends = ", ".join(f"{count} {end}" for end, count in self.ends.items() if count)

@@ -23,7 +23,12 @@ Time = float | tuple[float, float]
 
 class Source:
     """Photons by number: the photon of a number is a function of the seed, the event and the number alone. `point`, `disc`, `line`,
-    `surface`, `volume`, `gensteps`, `photons`, `from_opticks` and `from_optics` make sources."""
+    `surface`, `volume`, `gensteps`, `photons`, `from_opticks` and `from_optics` make sources.
+
+    >>> import rayweave.photons as rp
+    >>> rp.point([0, 0, 0], 550)
+    <Source: point, 550 nm>
+    """
 
     def __init__(self, compiled: _core.PhotonSource, description: str) -> None:
         self.compiled = compiled
@@ -44,6 +49,14 @@ class Source:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return reduced(self)
+
+
+def _compiled(detector: Detector) -> _core.CompiledDetector:
+    """The compiled detector."""
+    compiled = getattr(detector, "compiled", None)
+    if not isinstance(compiled, _core.CompiledDetector):
+        raise TypeError(f"detector is of type {type(detector).__name__}: it must be a Detector. Read one with load(path).")
+    return compiled
 
 
 def _light(
@@ -202,12 +215,12 @@ def volume(
     Examples
     --------
     >>> import rayweave.photons
-    >>> detector = rayweave.photons.load("bar.gdml")  # doctest: +SKIP
-    >>> rayweave.photons.volume(detector, "Bar", 420, time_decay=6)  # doctest: +SKIP
+    >>> detector = rayweave.photons.load("bar.gdml")
+    >>> rayweave.photons.volume(detector, "Bar", 420, time_decay=6)
     <Source: volume Bar, 420 nm>
     """
     light = _light(wavelength_nm, towards, cone_degrees, polarisation, time, time_deviation, time_decay)
-    compiled = detector.compiled.volume_source(text(name, "name"), False, light)
+    compiled = _compiled(detector).volume_source(text(name, "name"), False, light)
     return Source(compiled, f"volume {name}, {_named(light)}")
 
 
@@ -224,9 +237,16 @@ def surface(
     time_decay: float = 0.0,
 ) -> Source:
     """The boundary of a volume of a detector: photons start with equal probability per area, 1 nm inside the volume `name`, on its
-    faces towards its mother and its daughters. The other arguments are those of `point`."""
+    faces towards its mother and its daughters. The other arguments are those of `point`.
+
+    >>> import rayweave.photons as rp
+    >>> detector = rp.load("bar.gdml")
+    >>> source = rp.surface(detector, "Bar", 550)
+    >>> source
+    <Source: surface Bar, 550 nm>
+    """
     light = _light(wavelength_nm, towards, cone_degrees, polarisation, time, time_deviation, time_decay)
-    compiled = detector.compiled.volume_source(text(name, "name"), True, light)
+    compiled = _compiled(detector).volume_source(text(name, "name"), True, light)
     return Source(compiled, f"surface {name}, {_named(light)}")
 
 
@@ -255,13 +275,21 @@ def gensteps(detector: Detector, steps: ArrayLike, *, materials: Mapping[int, st
     """
     given = {} if materials is None else dict(materials)
     names = {whole(number, "a number in materials", bits=32): text(name, f"materials[{number}]") for number, name in given.items()}
-    compiled = detector.compiled.gensteps(steps, names)
+    compiled = _compiled(detector).gensteps(steps, names)
     return Source(compiled, f"{compiled.count} photons of gensteps")
 
 
 def from_opticks(photons: ArrayLike) -> Source:
     """Photons in the layout of Opticks (`sphoton.h`), (N, 4, 4): position in mm and time in ns; direction and weight; polarisation
-    and wavelength in nm; flags. Weights and flags are not used, and a polarisation of 0, 0, 0 means a random one."""
+    and wavelength in nm; flags. Weights and flags are not used, and a polarisation of 0, 0, 0 means a random one.
+
+    >>> import rayweave.photons as rp
+    >>> import numpy as np
+    >>> photons = np.zeros((1, 4, 4), np.float32)
+    >>> photons[0, 1, 2], photons[0, 2, 0], photons[0, 2, 3] = 1, 1, 550
+    >>> rp.from_opticks(photons).count
+    1
+    """
     compiled = _core.PhotonSource.from_opticks(photons)
     return Source(compiled, f"{compiled.count} photons")
 

@@ -1,0 +1,39 @@
+"""Suggestions for misspelt arguments, and for the words of other programs."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from difflib import get_close_matches
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def suggesting(**meant: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
+    """A decorator of functions: an unknown keyword argument is rejected with the known ones and a suggestion. `meant` has words
+    of other programs with what to write."""
+
+    def decorate(function: Callable[_P, _R]) -> Callable[_P, _R]:
+        names = [name for name in inspect.signature(function).parameters if name != "self"]
+
+        @wraps(function)
+        def checked(*values: _P.args, **named: _P.kwargs) -> _R:
+            for name in named:
+                if name not in names:
+                    raise TypeError(unexpected(function.__qualname__.removesuffix(".__init__"), names, name, meant.get(name)))
+            return function(*values, **named)
+
+        return checked
+
+    return decorate
+
+
+def unexpected(function: str, names: list[str], name: str, meant: str | None = None) -> str:
+    """The message about an unknown argument of a function with the given ones."""
+    near = get_close_matches(name, names, 1)
+    suggestion = meant or (near[0] if near else None)
+    hint = f" Did you mean {suggestion}?" if suggestion else ""
+    return f"{function}() got an unexpected keyword argument '{name}': its arguments are {', '.join(names)}.{hint}"
