@@ -121,8 +121,14 @@ impl<S: Simd> LaneRay<S> {
     /// `2 bend (|r - centre|)` for others. Both bounds are tested with a margin of at least a factor of 2.
     #[inline(always)]
     pub fn may_coincide(&self, a: Lanes<S>, b: Lanes<S>, limits: &LaneLimits) -> Mask<S> {
-        let step = b - a;
-        let lengths = self.lengths_at(a.abs().max(b.abs()));
+        self.may_piece_coincide(b - a, a.abs().max(b.abs()), limits)
+    }
+
+    /// [`LaneRay::may_coincide`] for the length of a piece and a bound of |t| at its ends. If it is false, it is
+    /// false for every longer piece with a lower bound: the shortest of several pieces represents them all.
+    #[inline(always)]
+    pub fn may_piece_coincide(&self, step: Lanes<S>, latest: Lanes<S>, limits: &LaneLimits) -> Mask<S> {
+        let lengths = self.lengths_at(latest);
         let delta = lengths * delta_of(1.0);
         // |d| is at least 0.57 times the taxicab length
         let plane = (step * self.speed * (0.5 * SLOW)).simd_le(delta * 4.0);

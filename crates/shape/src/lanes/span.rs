@@ -72,6 +72,21 @@ impl<S: Simd> LaneSpan<S> {
         earlier
     }
 
+    /// Clamps the span to another one; at equal times the old face stays. `ties` are the lanes in which two or more spans
+    /// so far have this start, and those in which they have this end. Returns the times at which one of the two spans ends
+    /// and the other begins, NaN for none.
+    #[inline(always)]
+    pub fn clamp_to(&mut self, other: &LaneSpan<S>, ties: &mut [Mask<S>; 2]) -> Lanes<S> {
+        let none = splat(self.from.simd, f64::NAN);
+        let contact = self.to.simd_eq(other.from).select(self.to, none);
+        let contact = self.from.simd_eq(other.to).select(self.from, contact);
+        let equal = [other.from.simd_eq(self.from), other.to.simd_eq(self.to)];
+        let later = self.begin_after(other.from, other.from_face);
+        let earlier = self.end_before(other.to, other.to_face);
+        *ties = [(ties[0] & !later) | equal[0], (ties[1] & !earlier) | equal[1]];
+        contact
+    }
+
     /// True if the span is not empty.
     #[inline(always)]
     pub fn is_some(&self) -> Mask<S> {

@@ -39,12 +39,17 @@ impl Default for Memory {
     }
 }
 
+/// The common span of the leaves of a plan, with the lanes in which several of them have its start, or its end.
+pub(super) type CommonSpan<S> = (LaneSpan<S>, [Mask<S>; 2]);
+
 /// A bundle of eight rays in evaluation.
 #[derive(Debug)]
 pub(super) struct BundleEvaluation<'m, S: Simd> {
     pub simd: S,
     pub memory: &'m mut Memory,
     values: [Mask<S>; STEPS],
+    /// The lanes in which several leaves have the start, or the end, of the common span.
+    common_ties: [Mask<S>; 2],
 }
 
 /// Result of a plan for eight rays.
@@ -61,7 +66,8 @@ pub(super) struct Found {
 impl<'m, S: Simd> BundleEvaluation<'m, S> {
     #[inline(always)]
     pub fn new(simd: S, memory: &'m mut Memory) -> Self {
-        BundleEvaluation { simd, memory, values: [Mask::splat(simd, false); STEPS] }
+        let never = Mask::splat(simd, false);
+        BundleEvaluation { simd, memory, values: [never; STEPS], common_ties: [never; 2] }
     }
 
     /// [`BundleEvaluation::run_here`] as a separate function, compiled once per instruction set instead of at each call.
@@ -87,11 +93,11 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     fn enter_here(&mut self, plan: &Plan, ray: &LaneRay<S>, window: Window) -> (Uncertain<S>, Mask<S>) {
         let never = Mask::splat(self.simd, false);
         let mut uncertain = Uncertain { always: never, grazes: never };
-        if !self.find_spans(plan, ray, None, &mut uncertain) {
+        let from = splat(self.simd, window.t_min());
+        if !self.find_spans(plan, ray, None, (from, window.t_max()), &mut uncertain) {
             self.no_changes();
             return (uncertain, never);
         }
-        let from = splat(self.simd, window.t_min());
         self.changes(plan, from, window.t_max(), true, &mut uncertain);
         let starts = Lanes::load_array(self.simd, self.starts_after(plan, window));
         (uncertain, starts.simd_gt(splat(self.simd, 0.0)))
@@ -111,7 +117,7 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             || {
                 let never = Mask::splat(simd, false);
                 let mut uncertain = Uncertain { always: never, grazes: never };
-                if !self.find_spans(plan, ray, starts, &mut uncertain) {
+                if !self.find_spans(plan, ray, starts, (from, t_max), &mut uncertain) {
                     self.no_changes();
                     return (uncertain, never);
                 }
@@ -122,30 +128,23 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         )
     }
 
-    /// The span of a single leaf without gaps, for rays that may start on its surfaces.
+    /// The span of a solid that is the common span of its leaves, for rays that may start on its surfaces; `None` if no ray
+    /// passes it.
     pub fn only_span(
         &mut self,
         plan: &Plan,
         ray: &LaneRay<S>,
         starts: Option<&LaneStarts<S>>,
-    ) -> (LaneSpan<S>, Uncertain<S>) {
+        window: (Lanes<S>, f64),
+    ) -> (Option<CommonSpan<S>>, Uncertain<S>) {
         let simd = self.simd;
         simd.vectorize(
             #[inline(always)]
             || {
                 let never = Mask::splat(simd, false);
                 let mut uncertain = Uncertain { always: never, grazes: never };
-                let mut span = LaneSpan::line(simd);
-                for facet in &plan.facets {
-                    match starts {
-                        Some(starts) => facet.narrow_from(simd, ray, starts, &mut span, &mut uncertain),
-                        None => facet.narrow(simd, ray, &mut span, &mut uncertain),
-                    };
-                    if !span.is_some().any_true() {
-                        break;
-                    }
-                }
-                (span, uncertain)
+                let span = self.common_span(plan, ray, starts, window, &mut uncertain);
+                (span.map(|span| (span, self.common_ties)), uncertain)
             },
         )
     }
@@ -158,11 +157,11 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         let limits = &plan.model.limits;
         let (origin, direction) = (load(simd, rays.origins, at), load(simd, rays.directions, at));
         let (ray, mut uncertain) = LaneRay::new(simd, origin, direction, limits);
-        if !self.find_spans(plan, &ray, None, &mut uncertain) {
+        let from = splat(simd, window.t_min());
+        if !self.find_spans(plan, &ray, None, (from, window.t_max()), &mut uncertain) {
             self.no_changes();
             return Found { uncertain: uncertain.always.to_bitmask(), most: 0, starts: [0.0; LANES] };
         }
-        let from = splat(simd, window.t_min());
         let most = self.changes(plan, from, window.t_max(), first, &mut uncertain);
         let unsure = self.unsure(plan, &ray, most, &uncertain);
         Found { uncertain: unsure, most, starts: self.starts_after(plan, window) }
@@ -172,10 +171,24 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     #[inline(always)]
     fn unsure(&self, plan: &Plan, ray: &LaneRay<S>, most: usize, uncertain: &Uncertain<S>) -> u64 {
         let mut unsure = uncertain.always;
+        if most < 2 {
+            return unsure.to_bitmask();
+        }
+        let limits = &plan.model.limits;
+        let is_piece = |b: Lanes<S>| b.simd_lt(f64::INFINITY);
+        unsure |= uncertain.grazes & is_piece(self.key(1));
+        let (mut shortest, mut latest) = (splat(self.simd, f64::INFINITY), self.key(0).abs());
         for k in 1..most {
             let (a, b) = (self.key(k - 1), self.key(k));
-            let near = ray.may_coincide(a, b, &plan.model.limits) | uncertain.grazes;
-            unsure |= near & b.simd_lt(f64::INFINITY);
+            shortest = is_piece(b).select(shortest.min(b - a), shortest);
+            latest = is_piece(b).select(latest.max(b.abs()), latest);
+        }
+        // nearly all bundles pass
+        if (ray.may_piece_coincide(shortest, latest, limits) & shortest.simd_lt(f64::INFINITY)).any_true() {
+            for k in 1..most {
+                let (a, b) = (self.key(k - 1), self.key(k));
+                unsure |= ray.may_coincide(a, b, limits) & is_piece(b);
+            }
         }
         unsure.to_bitmask()
     }
@@ -198,12 +211,12 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             surface: Lanes::load_array_ref(simd, &begin.surface.0),
             inside: Mask::from_bitmask(simd, begin.inside),
         };
-        if !self.find_spans(plan, &ray, Some(&starts), &mut uncertain) {
+        let from = Lanes::load_array_ref(simd, &begin.from.0);
+        if !self.find_spans(plan, &ray, Some(&starts), (from, begin.t_max), &mut uncertain) {
             self.no_changes();
             let uncertain = uncertain.always.to_bitmask() | begin.uncertain;
             return Found { uncertain, most: 0, starts: [0.0; LANES] };
         }
-        let from = Lanes::load_array_ref(simd, &begin.from.0);
         let most = self.changes(plan, from, begin.t_max, first, &mut uncertain);
         let uncertain = self.unsure(plan, &ray, most, &uncertain) | begin.uncertain;
         Found { uncertain, most, starts: self.starts(plan, from) }
@@ -216,16 +229,49 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         plan: &Plan,
         ray: &LaneRay<S>,
         starts: Option<&LaneStarts<S>>,
+        window: (Lanes<S>, f64),
         uncertain: &mut Uncertain<S>,
     ) -> bool {
-        for leaf in &plan.leaves {
-            let facets = &plan.facets[leaf.facets.clone()];
-            let is_met = self.leaf(facets, leaf.span, ray, starts, uncertain);
-            if leaf.is_needed && !is_met {
-                return false;
-            }
+        if plan.common > 0 {
+            let Some(span) = self.common_span(plan, ray, starts, window, uncertain) else { return false };
+            self.keep_span(plan.leaves[0].span, &span);
+        }
+        for leaf in &plan.leaves[plan.common..] {
+            self.leaf(plan.facets_of(leaf), leaf.span, ray, starts, uncertain);
         }
         true
+    }
+
+    /// The common span of the first leaves; `None` if it is empty on all rays.
+    #[inline(always)]
+    fn common_span(
+        &mut self,
+        plan: &Plan,
+        ray: &LaneRay<S>,
+        starts: Option<&LaneStarts<S>>,
+        (from, t_max): (Lanes<S>, f64),
+        uncertain: &mut Uncertain<S>,
+    ) -> Option<LaneSpan<S>> {
+        let never = Mask::splat(self.simd, false);
+        let (mut all, mut ties) = (LaneSpan::line(self.simd), [never; 2]);
+        for (number, leaf) in plan.leaves[..plan.common].iter().enumerate() {
+            let (span, is_met) = self.leaf_span(plan.facets_of(leaf), leaf.gaps, ray, starts, uncertain);
+            if !is_met {
+                return None;
+            }
+            if number == 0 {
+                all = span;
+                continue;
+            }
+            // the order of two changes at one time decides whether the solid has an inside between them
+            let contact = all.clamp_to(&span, &mut ties);
+            uncertain.always |= contact.simd_gt(from) & contact.simd_lt(t_max);
+            if !all.is_some().any_true() {
+                return None;
+            }
+        }
+        self.common_ties = ties;
+        Some(all)
     }
 
     /// Sets the keys so that no ray has a change.
@@ -236,17 +282,17 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         self.set_key(1, never);
     }
 
-    /// Computes the span of a leaf, with index `first`, and the gaps in it. Returns false if it is empty on
-    /// all rays; the gaps do not matter then.
+    /// The span of a leaf with these facets, and false if it is empty on all rays. Keeps its gaps, which do not matter in
+    /// that case: gap k has the index `gaps + k`.
     #[inline(always)]
-    pub fn leaf(
+    fn leaf_span(
         &mut self,
         facets: &[LaneFacet],
-        first: usize,
+        gaps: usize,
         ray: &LaneRay<S>,
         starts: Option<&LaneStarts<S>>,
         uncertain: &mut Uncertain<S>,
-    ) -> bool {
+    ) -> (LaneSpan<S>, bool) {
         let simd = self.simd;
         let (mut span, mut is_met) = (LaneSpan::line(simd), true);
         for facet in facets {
@@ -258,15 +304,35 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
                 && facet.gap != NONE
             {
                 let face = splat(simd, facet.face);
-                self.keep(first + facet.gap as usize, [gap.from, gap.to], [face, face]);
+                self.keep(gaps + facet.gap as usize, [gap.from, gap.to], [face, face]);
             }
             is_met = span.is_some().any_true();
             if !is_met {
                 break;
             }
         }
-        self.keep(first, [span.from, span.to], [span.from_face, span.to_face]);
+        (span, is_met)
+    }
+
+    /// Computes and keeps the span and the gaps of a leaf whose span has the index `first`, followed by its gaps. Returns
+    /// false if it is empty on all rays.
+    #[inline(always)]
+    pub fn leaf(
+        &mut self,
+        facets: &[LaneFacet],
+        first: usize,
+        ray: &LaneRay<S>,
+        starts: Option<&LaneStarts<S>>,
+        uncertain: &mut Uncertain<S>,
+    ) -> bool {
+        let (span, is_met) = self.leaf_span(facets, first, ray, starts, uncertain);
+        self.keep_span(first, &span);
         is_met
+    }
+
+    #[inline(always)]
+    fn keep_span(&mut self, number: usize, span: &LaneSpan<S>) {
+        self.keep(number, [span.from, span.to], [span.from_face, span.to_face]);
     }
 
     #[inline(always)]
@@ -304,15 +370,19 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         let simd = self.simd;
         let never = splat(simd, f64::INFINITY);
         let (mut earliest, mut second, mut tied, mut count) = (never, never, never, 0);
+        let common = plan.common_span();
         for (span, difference) in plan.differences.iter().enumerate() {
-            for code in [2 * span, 2 * span + 1] {
+            for (end, code) in [2 * span, 2 * span + 1].into_iter().enumerate() {
                 let t = self.end(code);
                 let queried = t.simd_gt(from) & t.simd_lt(t_max);
                 if !queried.any_true() {
                     // most rays miss most leaves
                     continue;
                 }
-                let (changes, ties) = self.difference(difference, t, queried);
+                let (changes, mut ties) = self.difference(difference, t, queried);
+                if span == common {
+                    ties |= self.common_ties[end] & queried;
+                }
                 let key = (t.to_bits() & !CODE) | code as u64;
                 let key = changes.select(Lanes::from_bits(key), never);
                 if first {

@@ -40,12 +40,16 @@ pub(super) const NONE: u32 = u32::MAX;
 ///
 /// Along a ray a leaf is one span, less the gaps that some of its facets cut out of it (the bore of a tube).
 /// All these spans and gaps are numbered; the boolean skeleton is a function of whether t lies in each of
-/// them.
+/// them. The leaves that contain the inside of the solid (all leaves of an intersection of convex solids, the
+/// minuend of a difference) have a common span, the intersection of theirs.
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     /// Data shared by all plans of the model.
     pub model: Arc<Common>,
+    /// The leaves with the common span come first.
     pub leaves: Vec<LeafPlan>,
+    /// The number of leaves with the common span.
+    pub common: usize,
     pub facets: Vec<LaneFacet>,
     /// For each span, the boolean difference of the owner with respect to it.
     pub differences: Vec<Difference>,
@@ -130,8 +134,10 @@ pub(super) struct LeafPlan {
     pub facets: std::ops::Range<usize>,
     /// The index of its span.
     pub span: usize,
+    /// The index of the span of its first gap, less 1.
+    pub gaps: usize,
     /// True if the inside of the solid lies within this leaf.
-    pub is_needed: bool,
+    is_needed: bool,
 }
 
 impl Plan {
@@ -154,9 +160,29 @@ impl Plan {
         outputs: &[Edge],
         is_plain: bool,
     ) -> Option<Plan> {
+        let plan = Plan::with_common_span(program, model, group, outputs, is_plain, &[])?;
+        let mut needed: Vec<usize> =
+            plan.leaves[..plan.common].iter().map(|leaf| leaf.facets.start).collect();
+        needed.sort_unstable();
+        match needed.len() {
+            0 | 1 => Some(plan),
+            _ => Plan::with_common_span(program, model, group, outputs, is_plain, &needed),
+        }
+    }
+
+    /// The plan in which the leaves with these first facets have a common span.
+    fn with_common_span(
+        program: &Program,
+        model: &Arc<Common>,
+        group: &Prototype,
+        outputs: &[Edge],
+        is_plain: bool,
+        needed: &[usize],
+    ) -> Option<Plan> {
         let mut plan = Plan {
             model: model.clone(),
             leaves: Vec::new(),
+            common: 0,
             facets: Vec::new(),
             differences: Vec::new(),
             regions: Tape::default(),
@@ -170,8 +196,10 @@ impl Plan {
             let id = LeafId(group.leaves.start + leaf.0);
             let LeafKind::Shape { facets } = program.leaf(id).kind() else { return None };
             let bounds = program.leaf_bounds(id);
-            bounded.extend((bounds.is_finite() || bounds.is_empty()).then_some(span_count));
-            plan.leaf(program, facets, logic, &mut span_count)
+            let wire = plan.leaf(program, facets, logic, &mut span_count, needed)?;
+            let span = plan.leaves.last()?.span;
+            bounded.extend((bounds.is_finite() || bounds.is_empty()).then_some(span));
+            Some(wire)
         })?;
         plan.differences = (0..span_count).map(|k| Difference::new(&logic, &outputs, k)).collect();
         plan.regions = logic.tape(&outputs);
@@ -190,25 +218,47 @@ impl Plan {
         }
         // rays that miss one of these need no other leaf
         plan.leaves.sort_by_key(|leaf| !leaf.is_needed);
+        plan.common = plan.leaves.iter().filter(|leaf| leaf.is_needed).count();
         Some(plan)
     }
 
-    /// Numbers the span and the gaps of a leaf. Returns the function "t is in the leaf".
+    /// Numbers the span and the gaps of a leaf. Returns the function "t is in the leaf". The first leaf of those with a
+    /// common span represents them all.
     fn leaf(
         &mut self,
         program: &Program,
         facets: std::ops::Range<u32>,
         logic: &mut Logic,
         span_count: &mut usize,
+        needed: &[usize],
     ) -> Option<Wire> {
-        let (span, first) = (take(span_count)?, self.facets.len());
-        let mut inside = logic.input(span);
+        let first = self.facets.len();
+        let is_common = |start: usize| needed.binary_search(&start).is_ok();
+        let represented = self.leaves.iter().find(|leaf| is_common(first) && is_common(leaf.facets.start));
+        let (span, mut inside) = match represented {
+            Some(leaf) => (leaf.span, Wire::TRUE),
+            None => {
+                let span = take(span_count)?;
+                (span, logic.input(span))
+            }
+        };
+        let gaps = *span_count - 1;
         for _ in 0..leaf_facets(program, facets, &mut self.facets)? {
             let wire = logic.input(take(span_count)?);
             inside = logic.and(inside, wire.not());
         }
-        self.leaves.push(LeafPlan { facets: first..self.facets.len(), span, is_needed: false });
+        self.leaves.push(LeafPlan { facets: first..self.facets.len(), span, gaps, is_needed: false });
         Some(inside)
+    }
+
+    /// The facets of a leaf.
+    pub fn facets_of(&self, leaf: &LeafPlan) -> &[LaneFacet] {
+        &self.facets[leaf.facets.clone()]
+    }
+
+    /// True if the inside of the solid along a ray is the common span.
+    pub fn is_single_span(&self) -> bool {
+        self.common == self.leaves.len() && self.span_count() == 1
     }
 
     /// Cost of a bundle: the number of comparisons with other spans, counted once for both ends of a span.
@@ -220,6 +270,11 @@ impl Plan {
     /// The owner where the spans in a bit mask contain t.
     pub fn owner(&self, holds: u64) -> u32 {
         self.owners.get(holds as usize).copied().unwrap_or_else(|| self.regions.owner(holds))
+    }
+
+    /// The index of the common span of several leaves; that of no span if there is none.
+    pub fn common_span(&self) -> usize {
+        if self.common > 1 { self.leaves[0].span } else { usize::MAX }
     }
 
     /// The number of spans.

@@ -9,7 +9,6 @@ use super::super::Firsts;
 use super::super::group::{BundleEvaluation, CODE, Memory, Row, whole};
 use super::super::normal::Hits;
 use super::super::places::{Carried, slabs};
-use super::super::plan::Plan;
 use super::{First, Method, Objects, Part, Search, latest};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -522,19 +521,25 @@ fn pass<S: Simd>(
     let simd = group.simd;
     let (infinity, never) = (splat(simd, f64::INFINITY), Mask::splat(simd, false));
     match &part.method {
-        Method::Plan(plan) if is_single_span(plan) => {
-            let (span, uncertain) = group.only_span(plan, ray, listed);
+        Method::Plan(plan) if plan.is_single_span() => {
+            let (span, uncertain) = group.only_span(plan, ray, listed, (from, t_max));
+            let (grazes, uncertain) = (uncertain.grazes, uncertain.always);
+            let Some((span, ties)) = span else {
+                let (first, second, face, inside) = (infinity, infinity, infinity, never);
+                return Passage { first, second, face, inside, grazes, uncertain, is_single: true };
+            };
             let is_some = span.is_some() & span.to.simd_gt(from);
             let inside = is_some & span.from.simd_le(from);
             let earliest = inside.select(span.to, span.from);
             let comes = is_some & earliest.simd_lt(t_max);
+            let is_tied = (inside & ties[1]) | (!inside & ties[0]);
             Passage {
                 first: comes.select(earliest, infinity),
                 second: (comes & !inside & span.to.simd_lt(t_max)).select(span.to, infinity),
                 face: inside.select(span.to_face, span.from_face),
                 inside,
-                grazes: uncertain.grazes,
-                uncertain: uncertain.always,
+                grazes,
+                uncertain: uncertain | (comes & is_tied),
                 is_single: true,
             }
         }
@@ -572,11 +577,6 @@ const fn spread() -> [u64; 32] {
         k += 1;
     }
     table
-}
-
-/// True if the solid is one leaf, whose span has no gaps.
-fn is_single_span(plan: &Plan) -> bool {
-    plan.leaves.len() == 1 && plan.span_count() == 1
 }
 
 /// The surface of a solid on which each of eight rays starts, if there are any, and a bit mask of the rays that start on several
