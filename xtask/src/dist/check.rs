@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::{Dist, FAST_BUILD, files, make};
+use super::release::{Dist, FAST_BUILD, files, make};
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::{MATURIN, Python, remove_old, scripts};

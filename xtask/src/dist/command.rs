@@ -5,7 +5,8 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use super::{Dist, copy, elf, make, runs_here, write};
+use super::elf;
+use super::release::{Dist, copy, make, runs_here, write};
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::remove_old;

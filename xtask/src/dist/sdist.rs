@@ -11,7 +11,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 
-use super::{Dist, make, write};
+use super::release::{Dist, make, write};
 use crate::dependencies::{self, Graph, Kind, is_external, title};
 use crate::outcome::Outcome;
 use crate::process;

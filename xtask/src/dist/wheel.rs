@@ -2,7 +2,7 @@
 
 use std::env;
 
-use super::{Dist, copy};
+use super::release::{Dist, copy};
 use crate::outcome::Outcome;
 use crate::process;
 use crate::python::{MATURIN, remove_old};
