@@ -17,7 +17,7 @@ import rayweave as rw
 # Shapes are functions, operators combine them. Shapes are centred at the origin, and methods return new solids.
 
 die = (rw.box(2).named("cube") & rw.sphere(1.35).named("ball")) - rw.cylinder(0.5).named("bore")
-print(die.bounds())
+print(die.bounds)
 
 # %%
 # One ray

@@ -36,7 +36,7 @@ data = triplet.first_order()
 print(f"focal length {data.focal_length:.3f} mm, f/{data.f_number:.2f}, back focus {data.back_focal_distance:.3f} mm")
 
 figure, axis = plt.subplots(figsize=(8, 3), layout="constrained")
-axis = triplet.show(axis=axis, rays=5)
+axis = triplet.show(ax=axis, rays=5)
 
 # %%
 # Aberrations
@@ -44,7 +44,7 @@ axis = triplet.show(axis=axis, rays=5)
 # Seidel sums show which surface contributes what; large contributions cancel each other.
 
 figure, axis = plt.subplots(figsize=(7, 3), layout="constrained")
-axis = triplet.seidel().show(axis=axis)
+axis = triplet.seidel().show(ax=axis)
 
 # %%
 # Spots
@@ -87,8 +87,8 @@ errors = {
 }
 trials = tolerance(found.lens, errors, "spot", trials=200, refocus=True)
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
-trials.show(axis=left)
-axis = trials.sensitivities.show(axis=right)
+trials.show(ax=left)
+axis = trials.sensitivities.show(ax=right)
 
 # %%
 # Ghosts

@@ -18,7 +18,7 @@ def gaps(distance: float) -> int:
     """The number of pieces of vacuum between tiles, over 20,000 rays."""
     tiles = [rw.box([1, 4, 4]).translate([(1 + distance) * k, 0, 0]).rotate_z(37.3).rotate_x(11.7) for k in range(10)]
     model = rw.Model([rw.Region(f"tile{k}", tile, medium=f"tile{k}") for k, tile in enumerate(tiles)])
-    axis = np.array(rw.box(1).translate([1, 0, 0]).rotate_z(37.3).rotate_x(11.7).bounds()).mean(axis=0)
+    axis = np.array(rw.box(1).translate([1, 0, 0]).rotate_z(37.3).rotate_x(11.7).bounds).mean(axis=0)
     origins = rng.normal(scale=0.3, size=(20_000, 3)) - 5 * axis
     pieces = model.partition(origins, axis, t_min=0, t_max=20)
     world = pieces.medium == pieces.medium_names.index("world")

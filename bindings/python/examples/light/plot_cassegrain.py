@@ -27,7 +27,7 @@ print(f"RMS radius on the axis {spots['rms'][0]:.1e} mm")
 assert abs(abs(focal_length) - 500 * m) < 1e-9 and spots["rms"][0] < 1e-9
 
 figure, axes = plt.subplots(1, 4, figsize=(11, 3.6), layout="constrained", width_ratios=(5, 1.5, 1.5, 1.5))
-telescope.show(axis=axes[0], rays=6)
+telescope.show(ax=axes[0], rays=6)
 for k, axis in enumerate(axes[1:]):
     rays = telescope.arrivals(k, rings=14)
     x, y = rays["x"] * 1e3, rays["y"] * 1e3

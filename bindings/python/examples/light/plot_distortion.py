@@ -21,9 +21,9 @@ lens = Prescription(
 distortion, curvature = lens.distortion(count=31), lens.field_curvature(count=31)
 
 figure, axes = plt.subplots(1, 3, figsize=(11, 3.4), layout="constrained")
-lens.show(axis=axes[0], rays=3)
-distortion.show(axis=axes[1])
-curvature.show(axis=axes[2])
+lens.show(ax=axes[0], rays=3)
+distortion.show(ax=axes[1])
+curvature.show(ax=axes[2])
 
 real, paraxial = distortion["real"], distortion["paraxial"]
 assert np.allclose(distortion["relative"][1:], real[1:] / paraxial[1:] - 1)

@@ -19,12 +19,12 @@ ball = optics.element(rw.sphere(10), optics.graded(1.0, "luneburg", 10.0), name=
 figure, axes = plt.subplots(1, 2, figsize=(10, 3.6), layout="constrained")
 parallel = optics.line_of_rays(0.3, 7).translate([0, 0, -35])
 trace = optics.System([rod]).trace(parallel)
-trace.show(axis=axes[0], escape=3)
+trace.show(ax=axes[0], escape=3)
 axes[0].set(aspect="auto", title="two periods of a rod")
 
 wide = optics.line_of_rays(2.2, 9).translate([0, 0, -15])
 focused = optics.System([ball]).trace(wide)
-focused.show(axis=axes[1], escape=4)
+focused.show(ax=axes[1], escape=4)
 axes[1].set_title("Luneburg's lens")
 
 # all rays leave the ball at (0, 0, 10)

@@ -15,7 +15,7 @@ for order in (-1, 0, 1, 2):
     grating = optics.grating((0, 600), order, aperture=10)
     light = optics.line_of_rays(0.5, 3, wavelength_nm={450: 1, 550: 1, 650: 1}).translate([0, -0.5, -10])
     trace = optics.System([grating]).trace(light)
-    trace.show(axis=axis, escape=25)
+    trace.show(ax=axis, escape=25)
     after = trace["generation"] == 1
     sine = order * 600 * trace["wavelength_nm"][after] * 1e-6
     assert np.allclose(np.abs(trace["y_tilt"][after]), np.abs(sine))

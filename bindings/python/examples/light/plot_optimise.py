@@ -22,5 +22,5 @@ assert abs(conic + 1.5**2) < 1e-6
 
 figure, axes = plt.subplots(1, 2, figsize=(9, 3), sharex=True, layout="constrained")
 for axis, (name, lens) in zip(axes, {"sphere": singlet, f"k = {conic:.4f}": found.lens}.items(), strict=True):
-    lens.show(axis=axis, rays=9)
+    lens.show(ax=axis, rays=9)
     axis.set_title(f"{name}: RMS radius {lens.spots()['rms'][0] * 1e3:.3g} um")

@@ -22,7 +22,7 @@ turned = prism.rotate_x(incidence - 30)
 wavelengths = np.array([430, 480, 530, 587.6, 630, 680])
 origins = np.tile([0.0, 0.0, -40.0], (len(wavelengths), 1))
 trace = optics.System([turned]).trace_rays(origins, [0, 0, 1], wavelengths)
-trace.show(axis=axis, escape=60)
+trace.show(ax=axis, escape=60)
 
 last = trace["generation"] == 2
 deviation = np.degrees(np.arccos(trace["z_tilt"][last]))

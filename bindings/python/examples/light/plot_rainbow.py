@@ -28,6 +28,6 @@ for n, colour in ((1.3311, "red"), (1.3429, "blueviolet")):
 
 fan = optics.line_of_rays(0.06, 15, wavelength_nm=650).translate([0, 0.5, -4])
 shown = optics.System([optics.ball_lens(2.0, material=1.3311)]).trace(fan, branches="both", threshold=1e-2, generation_limit=4)
-shown.show(axis=left, escape=3, rays=15)
+shown.show(ax=left, escape=3, rays=15)
 right.set(xlabel="angle from the direction back to the sun, degrees", ylabel="power")
 right.legend()

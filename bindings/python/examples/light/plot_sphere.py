@@ -27,7 +27,7 @@ print(f"through the port {found:.4f}, by formula {exact:.4f} for a port in the s
 assert abs(found - exact) < 4 * np.sqrt(exact / 5_000)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.8), layout="constrained")
-optics.System([sphere, screen]).trace(lamp, seed=1, generation_limit=8).show(axis=left, rays=3)
+optics.System([sphere, screen]).trace(lamp, seed=1, generation_limit=8).show(ax=left, rays=3)
 irradiance, x, y = trace.irradiance("screen", 40, size=(120, 120))
 right.pcolormesh(x, y, irradiance)
 right.set(aspect="equal", title="irradiance behind the port")

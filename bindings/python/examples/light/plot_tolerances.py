@@ -29,7 +29,7 @@ errors = {
 trials = optics.tolerance(doublet, errors, "spot", trials=300, refocus=True)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
-trials.show(axis=left)
-trials.sensitivities.show(axis=right)
+trials.show(ax=left)
+trials.sensitivities.show(ax=right)
 print(f"nominal {trials.nominal * 1e3:.2f} um, 90 % of the lenses are better than {trials.quantile(0.9) * 1e3:.2f} um")
 assert trials.nominal <= trials.quantile(0.9) and np.isfinite(trials["merit"]).all()

@@ -17,7 +17,7 @@ contours = [contour[:-1] for contour in text.to_polygons()]
 # outlines of this font are clockwise and holes counter-clockwise; `from_polygons` needs the opposite
 outline = rw.from_polygons([contour[::-1] for contour in contours])
 letters = outline.extrude(0, 2)
-low, high = letters.bounds()
+low, high = letters.bounds
 plate = rw.box_from_corners([low[0] - 2, low[1] - 2, -1], [high[0] + 2, high[1] + 2, 0.5])
 
 figure, axis = plt.subplots(figsize=(6, 3.6), layout="constrained")
