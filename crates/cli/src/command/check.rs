@@ -174,7 +174,7 @@ impl Check {
         for (number, finding) in (1..).zip(&report.findings) {
             if let Some(section) = finding_section(scene, finding, AnyEvaluator::maker(None), settings)? {
                 let svg = section_svg(&[section], &finding.text, report.unit.symbol());
-                drawing::save(&folder.join(format!("{number}-{}.svg", finding.kind.name())), &svg)?;
+                drawing::save(&folder.join(format!("{number}-{}.svg", finding.kind.name())), &svg, &finding.text)?;
             }
         }
         Ok(())

@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// Cut a model by a plane, or a stack of planes: areas, contours, pictures, DXF
 ///
-/// Contours follow the surfaces within a tolerance. The table lists the area of each medium. An .svg or .png file is a picture,
+/// Contours follow the surfaces within a tolerance. The table lists the area of each medium. An .svg, .pdf, .png or .jpg file is a picture,
 /// coloured by medium, with a legend. A .dxf file has closed polylines on a layer for each medium, at the height of the plane.
 /// Pictures of a stack show at most 100 planes; a .dxf file contains all planes.
 #[derive(Args)]
@@ -57,7 +57,7 @@ pub struct Section {
     #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u32).range(2..))]
     count: Option<u32>,
 
-    /// Output file: .svg, .png, .dxf. May be repeated
+    /// Output file: .svg, .pdf, .png, .jpg, .dxf. May be repeated
     #[arg(short, long, value_name = "OUT")]
     out: Vec<PathBuf>,
 
@@ -155,7 +155,7 @@ impl Section {
     fn save(&self, path: &Path, found: &[CrossSection], unit: &str) -> Result<(), Failure> {
         match is_dxf(path) {
             true => terminal::save(path, section_dxf(found, unit).as_bytes()),
-            false => drawing::save(path, &section_svg(found, &self.model.name(), unit)),
+            false => drawing::save(path, &section_svg(found, &self.model.name(), unit), &self.model.name()),
         }
     }
 
@@ -222,7 +222,7 @@ fn is_dxf(path: &Path) -> bool {
 fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown format: sections are written as .svg, .png or .dxf."))
+        Failure::Usage(format!("{path}: unknown format: sections are written as .svg, .pdf, .png, .jpg or .dxf."))
     };
     (is_dxf(path) || drawing::is_drawing(path)).then_some(()).ok_or_else(problem)
 }

@@ -25,3 +25,4 @@ mod trace;
 mod tutorials;
 mod usage;
 mod volume;
+mod watch;

@@ -169,7 +169,7 @@ fn wrong_views() {
     assert!(fails(&["--opacity", "glass=3"]).contains("from 0 to 1"));
     assert!(fails(&["--view", "sheet", "--kind", "depth"]).contains("are in colour"));
     assert!(fails(&["--view", "sheet", "--size", "40x40"]).contains("leave no room"));
-    assert!(fails(&["--legend", "-o", "a.pdf"]).contains(".svg or .png"));
+    assert!(fails(&["--legend", "-o", "a.gif"]).contains(".png or .jpg"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
 }
 
@@ -183,7 +183,7 @@ fn wrong_options() {
     assert!(fails(2, &["--samples", "0"]).contains("1..=16"));
     assert!(fails(2, &["--fov", "180"]).contains("the field of view is 180 degrees"));
     assert!(fails(2, &["--solid", "bell"]).contains("Did you mean `ball`?"));
-    assert!(fails(2, &["-o", "out.gif"]).contains("pictures are written as .png"));
+    assert!(fails(2, &["-o", "out.gif"]).contains("pictures are written as .png or .jpg"));
     assert!(fails(1, &["-o", "nowhere/out.png"]).contains("the folder nowhere does not exist"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
 }

@@ -71,6 +71,6 @@ fn refusals() {
     assert!(bench.fails(2, &placed).contains("--from and --to set the positions of a stack"));
     bench.fails(2, &["section", "ball.toml", "--from", "0", "--to", "1", "--step", "-1"]);
     let failed = bench.fails(2, &["section", "ball.toml", "-o", "b.pdf"]);
-    assert!(failed.contains(".svg, .png or .dxf"), "{failed}");
+    assert!(failed.contains(".svg, .pdf, .png, .jpg or .dxf"), "{failed}");
     bench.fails(3, &["section", "none.toml"]);
 }
