@@ -1,6 +1,7 @@
 //! Checks for operands without effect and for suspicious meshes.
 
 use super::probe::{FEW, Probe};
+use super::share::Outcome;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Affine;
@@ -123,10 +124,16 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             return self.leave_out(1);
         }
         self.probe.scope.operands += 1;
-        let effect = effect().apply(*map);
-        let bounds = Program::compile(&effect)?.bounds();
-        let is_proved = bounds.is_empty();
-        if is_proved || self.probe.is_there(&effect, &bounds, 2 * FEW)?.is_none() {
+        let outcome = self.probe.independent(|probe| {
+            let effect = effect().apply(*map);
+            let bounds = Program::compile(&effect)?.bounds();
+            match bounds.is_empty() {
+                true => Ok(Outcome::ProvedEmpty),
+                false => Ok(probe.is_there(&effect, &bounds, 2 * FEW)?.into()),
+            }
+        })?;
+        let is_proved = outcome == Outcome::ProvedEmpty;
+        if !matches!(outcome, Outcome::Found(_)) {
             let text = format!("{} {what} the rest of {}", label(own), self.region);
             let finding = Finding::new(FindingKind::Absorbed, &[self.region], text);
             let place = Program::compile(&own.apply(*map))?.bounds();

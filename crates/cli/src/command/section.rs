@@ -7,7 +7,7 @@ use crate::{drawing, interrupt};
 use clap::Args;
 use rayweave::scene::Scene;
 use rayweave::section::{
-    By, CrossSection, SectionPlane, SectionRun, SectionSettings, cross_sections, section_dxf, section_svg,
+    By, CrossSection, SectionPlane, SectionRun, SectionSettings, SectionStyle, cross_sections, section_drawing, section_dxf,
 };
 use rayweave::{AnyEvaluator, Vec3};
 use serde_json::{Value, json};
@@ -68,6 +68,14 @@ pub struct Section {
     /// Scan the plane with at least this many columns; parts thinner than the column spacing may be missed
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
     columns: u32,
+
+    /// Hatch the cut faces in pictures (ISO 128-50): each part in another direction or at another distance
+    #[arg(long)]
+    hatch: bool,
+
+    /// Add the overall width and height to the picture of a single plane (ISO 129-1)
+    #[arg(long, conflicts_with = "from")]
+    dimensions: bool,
 
     /// Do not merge regions with the same medium
     #[arg(long)]
@@ -155,7 +163,11 @@ impl Section {
     fn save(&self, path: &Path, found: &[CrossSection], unit: &str) -> Result<(), Failure> {
         match is_dxf(path) {
             true => terminal::save(path, section_dxf(found, unit).as_bytes()),
-            false => drawing::save(path, &section_svg(found, &self.model.name(), unit), &self.model.name()),
+            false => {
+                let style = SectionStyle { hatch: self.hatch, dimensions: self.dimensions };
+                let name = self.model.name();
+                drawing::save(path, &section_drawing(found, &name, unit, style), &name)
+            }
         }
     }
 
