@@ -38,6 +38,7 @@ mod compiled;
 mod datum;
 mod decompose;
 mod diagnostic;
+mod drawing;
 mod document;
 mod error;
 mod expression;

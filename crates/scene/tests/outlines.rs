@@ -103,3 +103,38 @@ fn problems_have_places() {
     let found = problems("extrude = { outline = [[0, 0], { at = [2, 0], fillet = 5 }, [0, 2]], height = 1 }");
     assert!(found.contains("3:32") && found.contains("a fillet or chamfer of 5 takes"), "{found}");
 }
+
+/// Drawings in the folder of the model.
+#[test]
+fn outlines_in_files() {
+    let folder = std::env::temp_dir().join(format!("rayweave-outlines-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\ncut\n10\n1\n20\n0\n40\n0.5\n0\nSPLINE\n8\nnotes\n0\nENDSEC\n0\nEOF\n");
+    write("a.svg", r#"<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0h2v1h-2z"/></svg>"#);
+    let load = |body: &str| {
+        write("m.toml", &format!("rayweave = 1\n[solid.s]\n{body}"));
+        rayweave_scene::load(folder.join("m.toml"), &[]).map(|(_, scene)| {
+            Weave::new(Arc::new(Program::compile(&scene.regions[0].solid).unwrap()))
+        })
+    };
+    let rod = load("extrude = { file = 'a.dxf', layer = 'cut', scale = 2, height = 1 }").unwrap();
+    assert!(rod.contains([2.9, 0.0, 0.5].into()) && !rod.contains([3.1, 0.0, 0.5].into()));
+    let ring = load("revolve = { file = 'a.dxf', layer = 'cut' }").unwrap();
+    assert!(ring.contains([0.0, 1.4, 0.1].into()) && !ring.contains([0.0, 0.4, 0.0].into()));
+    let block = load("extrude = { file = 'a.svg', z = [0, 3], fillet = 0.25 }").unwrap();
+    assert!(block.contains([1.0, -0.5, 2.0].into()) && !block.contains([0.01, -0.01, 2.0].into()));
+    for (body, expected) in [
+        ("extrude = { file = 'a.dxf', height = 1 }", "the outline in `a.dxf` cannot be used: it has an entity SPLINE"),
+        ("extrude = { file = 'b.dxf', height = 1 }", "there is no such file"),
+        ("extrude = { file = 'a.svg', layer = 'x', height = 1 }", "layers are selected in DXF files only"),
+        ("extrude = { file = '../a.svg', height = 1 }", "outside the folder of the model"),
+        ("extrude = { file = 'm.toml', height = 1 }", "outlines are read from .dxf and .svg files"),
+        ("extrude = { file = 'a.dxf', layer = 'none', height = 1 }", "it has no closed curves"),
+        ("extrude = { file = 'a.svg', outline = [], height = 1 }", "both given"),
+    ] {
+        let found = load(body).err().unwrap().to_string();
+        assert!(found.contains(expected), "{body}: {found}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}

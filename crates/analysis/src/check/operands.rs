@@ -6,6 +6,7 @@ use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Affine;
 use rayweave_model::{Evaluator, Node, Program, Region, Solid};
+use rayweave_polygon::is_outline_part;
 use rayweave_shape::primitive::Primitive;
 use std::collections::HashSet;
 
@@ -42,6 +43,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
                 continue;
             }
             match solid.node() {
+                Node::Named(name, _) if is_outline_part(name) => {}
                 Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
                 Node::Transformed(own, inner) => waiting.push((inner.clone(), own.then(&map))),
                 Node::Placed(inner, maps) => {
@@ -120,6 +122,10 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         map: &Affine,
         what: &str,
     ) -> Result<(), AnalysisError> {
+        // nobody wrote the half-spaces of an outline
+        if matches!(own.node(), Node::Named(name, _) if is_outline_part(name)) {
+            return Ok(());
+        }
         if self.is_full() {
             return self.leave_out(1);
         }

@@ -73,7 +73,7 @@ pub struct Section {
     #[arg(long)]
     hatch: bool,
 
-    /// Add the overall width and height to the picture of a single plane (ISO 129-1)
+    /// Add the overall width and height, rounded by the tolerance, to the picture of a single plane (ISO 129-1)
     #[arg(long, conflicts_with = "from")]
     dimensions: bool,
 

@@ -1,6 +1,7 @@
 //! Overall dimensions (ISO 129-1): a dimension line with filled arrows between extension lines, and the value above it, readable from
 //! below or from the right.
 
+use crate::axis::format_number;
 use crate::svg::Svg;
 
 /// The distance of a dimension line from the drawing, the gap before an extension line and the length beyond the arrows, in pixels.
@@ -21,6 +22,14 @@ pub(super) const STYLE: &str = "\
 .arrow { fill: currentColor }
 .value { font-size: 12.5px }
 ";
+
+/// The text of a length with this error: rounded to the power of ten that is at least the error.
+pub(super) fn value(length: f64, error: f64) -> String {
+    let step = libm::pow(10.0, libm::ceil(libm::log10(error.max(f64::MIN_POSITIVE))));
+    // dividing by a whole number keeps decimal fractions short
+    let rounded = if step < 1.0 { (length / step).round() / (1.0 / step).round() } else { (length / step).round() * step };
+    format_number(rounded, step)
+}
 
 /// Draws the width below a box and the height to its left. The box is given by its left, top, right and bottom in pixels.
 pub(super) fn draw(svg: &mut Svg, [left, top, right, bottom]: [f64; 4], width: &str, height: &str) {
@@ -52,4 +61,17 @@ pub(super) fn draw(svg: &mut Svg, [left, top, right, bottom]: [f64; 4], width: &
     svg.path("arrow", arrows.concat(), "");
     svg.middle_text("value", [0.5 * (left + right), y - ABOVE], 0.0, width);
     svg.middle_text("value", [x - ABOVE, 0.5 * (top + bottom)], -90.0, height);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_have_no_digits_below_their_error() {
+        assert_eq!(value(60.001, 0.012), "60");
+        assert_eq!(value(60.06, 0.012), "60.1");
+        assert_eq!(value(12.3456, 0.0001), "12.3456");
+        assert_eq!(value(1234.5, 20.0), "1200");
+    }
 }

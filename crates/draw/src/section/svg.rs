@@ -68,8 +68,7 @@ pub fn section_drawing(sections: &[CrossSection], title: &str, unit: &str, style
         if has_dimensions {
             let [left, top] = plan.position([lo[0], hi[1]]);
             let [right, bottom] = plan.position([hi[0], lo[1]]);
-            let [width, height] =
-                [0, 1].map(|k| crate::axis::format_number(hi[k] - lo[k], 2.0 * section.tolerance));
+            let [width, height] = [0, 1].map(|k| dimension::value(hi[k] - lo[k], 2.0 * section.tolerance));
             dimension::draw(&mut svg, [left, top, right, bottom], &width, &height);
         }
         if shown.len() > 1 {

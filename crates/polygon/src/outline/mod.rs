@@ -135,6 +135,14 @@ impl Outline {
     }
 }
 
+/// True for the names that [`Outline::extrude`] and [`Outline::revolve`] give to parts of their solids, such as `contour0.edge3` and
+/// `top.contour0.arc1`.
+pub fn is_outline_part(name: &str) -> bool {
+    let part = ["top.", "bottom."].iter().find_map(|rim| name.strip_prefix(rim)).unwrap_or(name);
+    let rest = part.strip_prefix("contour");
+    rest.is_some_and(|rest| rest.starts_with(|next: char| next.is_ascii_digit() || next == '.'))
+}
+
 /// The circle that two half circles form.
 fn circle(vertices: &[Vertex]) -> Option<(Point, f64)> {
     let [a, b] = vertices else { return None };

@@ -136,7 +136,7 @@ impl Outline {
         let turned = self.before_axis(larger)?;
         let (margin, height) = (0.25 * high[0].max(high[1] - low[1]), high[1] - low[1]);
         let rod = solid(Cylinder::new(high[0] + margin, height + 2.0 * margin))?;
-        let around = rod.translate([0.0, 0.0, 0.5 * (low[1] + high[1])]);
+        let around = rod.translate([0.0, 0.0, 0.5 * (low[1] + high[1])]).named("contour.around");
         let whole = turned.swept(&Revolved)? & around;
         Ok(match sweep == 360.0 {
             true => whole,

@@ -1,10 +1,12 @@
 //! Extrusions and revolutions of outlines: `extrude = { outline = .., height = .. }`, `revolve = { outline = .. }`.
 
 use super::context::Context;
+use super::files;
 use super::numbers::Numbers;
 use super::value::{scalar, wrong_type};
 use crate::datum::{Datum, Table};
 use crate::diagnostic::Diagnostic;
+use crate::drawing;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 use rayweave_model::Solid;
@@ -131,7 +133,7 @@ impl<'t, 'c, 'd> Keys<'t, 'c, 'd> {
 
 /// An extruded outline: `outline`, and `height` or `z = [lo, hi]`.
 pub(super) fn extrude(context: &mut Context, numbers: &Numbers, table: &Table, span: Span) -> Option<Solid> {
-    let known = ["outline", "height", "z", "fillet", "chamfer", "top", "bottom"];
+    let known = ["outline", "file", "layer", "scale", "height", "z", "fillet", "chamfer", "top", "bottom"];
     let mut keys = Keys::new(context, numbers, table, span, &known);
     let contours = contours(&mut keys);
     let (height, z) = (keys.number("height"), keys.pair("z"));
@@ -154,7 +156,7 @@ pub(super) fn extrude(context: &mut Context, numbers: &Numbers, table: &Table, s
 
 /// A revolved outline: `outline`, and `start` and `angle` for a part of a turn.
 pub(super) fn revolve(context: &mut Context, numbers: &Numbers, table: &Table, span: Span) -> Option<Solid> {
-    let mut keys = Keys::new(context, numbers, table, span, &["outline", "fillet", "chamfer", "start", "angle"]);
+    let mut keys = Keys::new(context, numbers, table, span, &["outline", "file", "layer", "scale", "fillet", "chamfer", "start", "angle"]);
     let contours = contours(&mut keys);
     let (start, angle) = (keys.number("start").unwrap_or(0.0), keys.number("angle").unwrap_or(360.0));
     if keys.is_complete && !(angle > 0.0 && angle <= 360.0) {
@@ -177,8 +179,12 @@ fn reported(
 /// The contours of `outline`, with the corners that `fillet` or `chamfer` beside it round.
 fn contours(keys: &mut Keys) -> Option<Contours> {
     let default = keys.corner();
+    if let Some(file) = keys.get("file") {
+        return drawn(keys, file, default);
+    }
     let Some(outline) = keys.get("outline") else {
-        keys.reject("there is no `outline`", "it is a list of points, such as [[0, 0], [4, 0], [0, 3]]");
+        let why = "it is a list of points, such as [[0, 0], [4, 0], [0, 3]]; or `file` is the name of a drawing";
+        keys.reject("there is no `outline`", why);
         return None;
     };
     let list = match &outline.value {
@@ -233,14 +239,55 @@ fn contour(keys: &mut Keys, datum: &Spanned<Datum>, default: Corner) -> Option<(
             }
         }
     }
-    // a corner for all applies where it can: between straight edges
+    give_corners(&mut vertices, default);
+    Some((vertices, list.iter().map(|item| item.span).collect()))
+}
+
+/// Gives all sharp corners between straight edges this form.
+fn give_corners(vertices: &mut [Vertex], corner: Corner) {
     for k in 0..vertices.len() {
         let before = vertices[(k + vertices.len() - 1) % vertices.len()];
         if vertices[k].corner == Corner::Sharp && vertices[k].bulge == 0.0 && before.bulge == 0.0 {
-            vertices[k].corner = default;
+            vertices[k].corner = corner;
         }
     }
-    Some((vertices, list.iter().map(|item| item.span).collect()))
+}
+
+/// The contours of a drawing: `file`, with `layer` and `scale`.
+fn drawn(keys: &mut Keys, file: &Spanned<Datum>, default: Corner) -> Option<Contours> {
+    if keys.get("outline").is_some() {
+        keys.reject("`outline` and `file` are both given", "an outline is given by one of them");
+        return None;
+    }
+    let Datum::Text(name) = &file.value else {
+        return wrong_type(keys.context, "file", &file.value, "the name of a file", file.span);
+    };
+    let layer = match keys.get("layer").map(|datum| (&datum.value, datum.span)) {
+        None => None,
+        Some((Datum::Text(layer), _)) => Some(layer.as_str()),
+        Some((other, span)) => return wrong_type(keys.context, "layer", other, "the name of a layer", span),
+    };
+    let scale = keys.number("scale").unwrap_or(1.0);
+    if scale <= 0.0 {
+        keys.reject("`scale` is not positive", "lengths of the drawing are multiplied by it");
+        return None;
+    }
+    let text = files::text(keys.context, name);
+    match text.and_then(|text| drawing::read(name, &text, layer)) {
+        Ok(mut vertices) => {
+            for contour in &mut vertices {
+                contour.iter_mut().for_each(|vertex| vertex.at = vertex.at.map(|x| scale * x));
+                give_corners(contour, default);
+            }
+            let places = vertices.iter().map(|contour| (file.span, vec![file.span; contour.len()])).collect();
+            Some(Contours { vertices, places })
+        }
+        Err(reason) => {
+            let problem = Diagnostic::error(format!("the outline in `{name}` cannot be used"));
+            keys.context.push(problem.why(reason), file.span);
+            None
+        }
+    }
 }
 
 /// `{ circle = radius, at = [x, y] }`; the centre is the origin by default.

@@ -1,6 +1,6 @@
 //! Schema of extruded and revolved outlines.
 
-use super::parts::{list, reference, table};
+use super::parts::{list, reference, table, text};
 use serde_json::{Value, json};
 
 /// The definitions that the schemas of this file refer to.
@@ -45,6 +45,9 @@ pub fn extrude() -> Value {
         "An outline extruded along z.",
         json!({
             "outline": reference("outline"),
+            "file": text("A DXF or SVG file in the folder of the model, instead of `outline`."),
+            "layer": text("The layer of a DXF file."),
+            "scale": reference("number"),
             "height": reference("number"),
             "z": reference("pair"),
             "fillet": reference("number"),
@@ -52,22 +55,28 @@ pub fn extrude() -> Value {
             "top": reference("rim"),
             "bottom": reference("rim"),
         }),
-        &["outline"],
+        &[],
     );
-    schema["oneOf"] = json!([{ "required": ["height"] }, { "required": ["z"] }]);
+    let forms = [("outline", "height"), ("outline", "z"), ("file", "height"), ("file", "z")];
+    schema["oneOf"] = forms.map(|(outline, height)| json!({ "required": [outline, height] })).to_vec().into();
     schema
 }
 
 pub fn revolve() -> Value {
-    table(
+    let mut schema = table(
         "An outline in the half-plane x >= 0, whose y becomes z, revolved about z.",
         json!({
             "outline": reference("outline"),
+            "file": text("A DXF or SVG file in the folder of the model, instead of `outline`."),
+            "layer": text("The layer of a DXF file."),
+            "scale": reference("number"),
             "fillet": reference("number"),
             "chamfer": reference("number"),
             "start": reference("number"),
             "angle": reference("number"),
         }),
-        &["outline"],
-    )
+        &[],
+    );
+    schema["oneOf"] = json!([{ "required": ["outline"] }, { "required": ["file"] }]);
+    schema
 }
