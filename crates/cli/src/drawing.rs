@@ -44,7 +44,9 @@ fn kind(path: &Path) -> Option<Kind> {
 pub fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown drawing format: drawings are written as .svg, .pdf, .png or .jpg."))
+        Failure::Usage(format!(
+            "{path}: unknown drawing format: drawings are written as .svg, .pdf, .png or .jpg."
+        ))
     };
     kind(path).map(|_| ()).ok_or_else(problem)
 }

@@ -72,15 +72,24 @@ fn areas_are_those_of_closed_forms() {
 fn prisms_contain_the_points_of_the_outline() {
     let (a, b, r) = (3.0, 2.0, 0.75);
     let outline = Outline::new(&[plate(a, b, r), Vertex::circle([1.0, 0.25], 0.8).to_vec()]).unwrap();
-    let flat = |p: [f64; 3]| from_plate([p[0], p[1]], a, b, r).max(0.8 - libm::hypot(p[0] - 1.0, p[1] - 0.25));
+    let flat =
+        |p: [f64; 3]| from_plate([p[0], p[1]], a, b, r).max(0.8 - libm::hypot(p[0] - 1.0, p[1] - 0.25));
     let prism = outline.extrude(-1.0, 1.5, [Rim::Sharp; 2]).unwrap();
     agrees(&prism, [3.5, 2.5, 2.0], 1, |p| flat(p).max(p[2] - 1.5).max(-1.0 - p[2]));
     // arcs that bulge inwards, and one of more than a half turn
     let at = |x: f64, y: f64, bulge: f64| Vertex { at: [x, y], bulge, corner: Corner::Sharp };
-    let key = vec![at(-2.0, -1.0, -0.4), at(2.0, -1.0, 0.0), at(2.0, 1.0, 0.0), at(0.5, 1.0, 2.0), at(-0.5, 1.0, 0.0), at(-2.0, 1.0, 0.0)];
+    let key = vec![
+        at(-2.0, -1.0, -0.4),
+        at(2.0, -1.0, 0.0),
+        at(2.0, 1.0, 0.0),
+        at(0.5, 1.0, 2.0),
+        at(-0.5, 1.0, 0.0),
+        at(-2.0, 1.0, 0.0),
+    ];
     let key = Outline::new(&[key]).unwrap();
     let disc = |p: [f64; 3], bulge: f64, y: f64, half: f64| {
-        let (radius, up) = (half * (1.0 + bulge * bulge) / (2.0 * bulge), half * (1.0 - bulge * bulge) / (2.0 * bulge));
+        let (radius, up) =
+            (half * (1.0 + bulge * bulge) / (2.0 * bulge), half * (1.0 - bulge * bulge) / (2.0 * bulge));
         libm::hypot(p[0], p[1] - y - up) - radius
     };
     agrees(&key.extrude(-1.0, 1.0, [Rim::Sharp; 2]).unwrap(), [2.5, 2.6, 1.2], 2, |p| {
@@ -97,7 +106,8 @@ fn prisms_contain_the_points_of_the_outline() {
 fn rims_follow_the_distance_from_the_walls() {
     let (a, b, r, w) = (3.0, 2.0, 0.9, 0.5);
     let outline = Outline::new(&[plate(a, b, r), Vertex::circle([0.75, 0.25], 0.6).to_vec()]).unwrap();
-    let flat = |p: [f64; 3]| from_plate([p[0], p[1]], a, b, r).max(0.6 - libm::hypot(p[0] - 0.75, p[1] - 0.25));
+    let flat =
+        |p: [f64; 3]| from_plate([p[0], p[1]], a, b, r).max(0.6 - libm::hypot(p[0] - 0.75, p[1] - 0.25));
     let solid = outline.extrude(-1.0, 1.0, [Rim::Chamfer(w), Rim::Fillet(w)]).unwrap();
     agrees(&solid, [3.2, 2.2, 1.2], 3, |p| {
         let wall = flat(p);
@@ -133,24 +143,30 @@ fn rims_meet_in_mitres() {
 fn revolved_outlines_are_cones_tori_and_spheres() {
     // a rounded rectangle around the point (3, 0) of the half-plane
     let (a, b, r) = (1.0, 1.5, 0.5);
-    let ring: Vec<Vertex> = plate(a, b, r).into_iter().map(|v| Vertex { at: [v.at[0] + 3.0, v.at[1]], ..v }).collect();
+    let ring: Vec<Vertex> =
+        plate(a, b, r).into_iter().map(|v| Vertex { at: [v.at[0] + 3.0, v.at[1]], ..v }).collect();
     let ring = Outline::new(&[ring]).unwrap();
     let radius = |p: [f64; 3]| libm::hypot(p[0], p[1]);
-    agrees(&ring.revolve(0.0, 360.0).unwrap(), [4.5, 4.5, 2.0], 5, |p| from_plate([radius(p) - 3.0, p[2]], a, b, r));
+    agrees(&ring.revolve(0.0, 360.0).unwrap(), [4.5, 4.5, 2.0], 5, |p| {
+        from_plate([radius(p) - 3.0, p[2]], a, b, r)
+    });
     // a quarter of it
     agrees(&ring.revolve(0.0, 90.0).unwrap(), [4.5, 4.5, 2.0], 6, |p| {
         from_plate([radius(p) - 3.0, p[2]], a, b, r).max(-p[0]).max(-p[1])
     });
     // a half disc, and one with a conical end
     let at = |x: f64, y: f64, bulge: f64| Vertex { at: [x, y], bulge, corner: Corner::Sharp };
-    let drop = Outline::new(&[vec![at(0.0, -2.0, 0.0), at(1.0, 0.0, 0.414_213_562_373_095_05), at(0.0, 1.0, 0.0)]]).unwrap();
+    let drop =
+        Outline::new(&[vec![at(0.0, -2.0, 0.0), at(1.0, 0.0, 0.414_213_562_373_095_05), at(0.0, 1.0, 0.0)]])
+            .unwrap();
     agrees(&drop.revolve(0.0, 360.0).unwrap(), [1.2, 1.2, 2.2], 7, |p| {
         let ball = libm::hypot(radius(p), p[2]) - 1.0;
         if p[2] > 0.0 { ball } else { radius(p) - 0.5 * (p[2] + 2.0) }
     });
     // an ogive: its arc has a centre beyond the axis, and is made of chords within 1e-6 of the height
     let bulge = libm::tan(0.25 * PI / 3.0);
-    let ogive = Outline::new(&[vec![at(0.0, 0.0, 0.0), at(1.0, 0.0, bulge), at(0.0, 3.0_f64.sqrt(), 0.0)]]).unwrap();
+    let ogive =
+        Outline::new(&[vec![at(0.0, 0.0, 0.0), at(1.0, 0.0, bulge), at(0.0, 3.0_f64.sqrt(), 0.0)]]).unwrap();
     let exact = |p: [f64; 3]| (libm::hypot(radius(p) + 1.0, p[2]) - 2.0).max(-p[2]);
     agrees(&ogive.revolve(0.0, 360.0).unwrap(), [1.1, 1.1, 2.0], 8, |p| {
         let depth = exact(p);
@@ -164,7 +180,10 @@ fn impossible_outlines_are_errors() {
     let fails = |contours: &[Vec<Vertex>]| Outline::new(contours).unwrap_err();
     assert!(matches!(fails(&[square(Corner::Fillet(2.5))]), OutlineError::NoRoom { vertex: 1, .. }));
     assert!(matches!(fails(&[square(Corner::Fillet(-1.0))]), OutlineError::NotPositive { vertex: 0, .. }));
-    assert!(matches!(fails(&[rounded(&[[0.0, 0.0], [1.0, 0.0]], Corner::Sharp)]), OutlineError::NoArea { contour: 0 }));
+    assert!(matches!(
+        fails(&[rounded(&[[0.0, 0.0], [1.0, 0.0]], Corner::Sharp)]),
+        OutlineError::NoArea { contour: 0 }
+    ));
     let bow = rounded(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]], Corner::Sharp);
     assert!(matches!(fails(&[bow]), OutlineError::Touching { first: (0, _), .. }));
     // a hole that reaches over an edge, by its arc only

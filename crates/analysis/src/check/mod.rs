@@ -99,7 +99,10 @@ pub fn check_share<E: Evaluator, X: Classified + Send + Sync + 'static>(
     operands::findings(&model.written, &mut probe)?;
     let total = probe.next_search;
     if range.end > total {
-        let message = Message::new(format!("the range ends at {}", range.end), format!("the check has {total} searches"));
+        let message = Message::new(
+            format!("the range ends at {}", range.end),
+            format!("the check has {total} searches"),
+        );
         return Err(AnalysisError::Value(message));
     }
     match probe.work {
@@ -196,7 +199,7 @@ fn frame(boxes: &[Bounds]) -> Result<Bounds, AnalysisError> {
         (true, true) => {
             let message =
                 Message::new("no region of the model is bounded", "rays cannot search all of space");
-            Err(AnalysisError::Solid(message.suggest("Check it within a box.")))
+            Err(AnalysisError::Solid(message.suggest("Check the part within a box: --within LO HI, in Python within=(lo, hi).")))
         }
         (false, true) => Ok(whole.grown(0.1 * whole.size().length())),
         (_, false) => Ok(whole),

@@ -6,7 +6,8 @@ use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
 use rayweave::check::{
-    CheckReport, CheckSettings, CheckShare, Finding, FindingKind, Hierarchy, check_share, check_with, finding_section,
+    CheckReport, CheckSettings, CheckShare, Finding, FindingKind, Hierarchy, check_share, check_with,
+    finding_section,
 };
 use rayweave::photon::lint;
 use rayweave::scene::Scene;
@@ -192,7 +193,11 @@ impl Check {
         for (number, finding) in (1..).zip(&report.findings) {
             if let Some(section) = finding_section(scene, finding, AnyEvaluator::maker(None), settings)? {
                 let svg = section_svg(&[section], &finding.text, report.unit.symbol());
-                drawing::save(&folder.join(format!("{number}-{}.svg", finding.kind.name())), &svg, &finding.text)?;
+                drawing::save(
+                    &folder.join(format!("{number}-{}.svg", finding.kind.name())),
+                    &svg,
+                    &finding.text,
+                )?;
             }
         }
         Ok(())

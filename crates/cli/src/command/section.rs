@@ -7,7 +7,8 @@ use crate::{drawing, interrupt};
 use clap::Args;
 use rayweave::scene::Scene;
 use rayweave::section::{
-    By, CrossSection, SectionPlane, SectionRun, SectionSettings, SectionStyle, cross_sections, section_drawing, section_dxf,
+    By, CrossSection, SectionPlane, SectionRun, SectionSettings, SectionStyle, cross_sections,
+    section_drawing, section_dxf,
 };
 use rayweave::{AnyEvaluator, Vec3};
 use serde_json::{Value, json};
@@ -234,7 +235,9 @@ fn is_dxf(path: &Path) -> bool {
 fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown format: sections are written as .svg, .pdf, .png, .jpg or .dxf."))
+        Failure::Usage(format!(
+            "{path}: unknown format: sections are written as .svg, .pdf, .png, .jpg or .dxf."
+        ))
     };
     (is_dxf(path) || drawing::is_drawing(path)).then_some(()).ok_or_else(problem)
 }

@@ -41,7 +41,8 @@ impl Watch {
                 }
             }
             if !global.quiet {
-                let files = if files.len() == 1 { "1 file".to_owned() } else { format!("{} files", files.len()) };
+                let files =
+                    if files.len() == 1 { "1 file".to_owned() } else { format!("{} files", files.len()) };
                 terminal::note(&format!("watching {files}; Ctrl-C ends"));
             }
             wait(&files)?;

@@ -24,7 +24,8 @@ pub fn of_pixels(pixels: &Pixmap) -> Result<Vec<u8>, String> {
 }
 
 fn encode(rgb: Vec<u8>, [width, height]: [usize; 2]) -> Result<Vec<u8>, String> {
-    let too_large = || format!("JPEG pictures have at most 65535 x 65535 pixels, this one has {width} x {height}");
+    let too_large =
+        || format!("JPEG pictures have at most 65535 x 65535 pixels, this one has {width} x {height}");
     let side = |length: usize| u16::try_from(length).map_err(|_| too_large());
     let (width, height) = (side(width)?, side(height)?);
     let mut bytes = Vec::new();

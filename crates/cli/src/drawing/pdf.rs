@@ -8,8 +8,8 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use resvg::tiny_skia::Pixmap;
 use resvg::usvg::tiny_skia_path::{PathSegment, Transform};
 use resvg::usvg::{
-    BlendMode, Color, Fill, FillRule, Group, Image, ImageKind, LineCap, LineJoin, Node, Paint, PaintOrder, Path,
-    Stroke, Tree,
+    BlendMode, Color, Fill, FillRule, Group, Image, ImageKind, LineCap, LineJoin, Node, Paint, PaintOrder,
+    Path, Stroke, Tree,
 };
 use std::io::Write;
 
@@ -317,7 +317,8 @@ mod tests {
         let file = pdf(r##"<rect width="9" height="9" fill="#f00" fill-opacity="0.5"/>"##).unwrap();
         assert!(file.starts_with(b"%PDF-") && has(&file, "/MediaBox [0 0 30 15]"));
         assert!(has(&file, "/ca 0.5") && has(&file, r"(a \(b\))"));
-        let group = pdf(r##"<g opacity="0.25"><rect width="9" height="9"/><rect width="5" height="5"/></g>"##);
+        let group =
+            pdf(r##"<g opacity="0.25"><rect width="9" height="9"/><rect width="5" height="5"/></g>"##);
         let group = group.unwrap();
         assert!(has(&group, "/Transparency") && has(&group, "/ca 0.25") && has(&group, "/BBox [0 0 40 20]"));
     }
@@ -327,8 +328,7 @@ mod tests {
         let gradient = r##"<linearGradient id="g"><stop stop-color="#f00"/><stop offset="1"/></linearGradient>
             <rect width="9" height="9" fill="url(#g)"/>"##;
         assert!(pdf(gradient).unwrap_err().contains("gradients"));
-        let clip =
-            r##"<clipPath id="c"><circle r="4"/></clipPath><rect width="9" height="9" clip-path="url(#c)"/>"##;
+        let clip = r##"<clipPath id="c"><circle r="4"/></clipPath><rect width="9" height="9" clip-path="url(#c)"/>"##;
         assert!(pdf(clip).unwrap_err().contains("clipping"));
     }
 }

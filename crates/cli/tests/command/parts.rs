@@ -307,7 +307,8 @@ fn searches_of_checks() {
     bench.write("row.toml", model);
     let arguments = ["check", "row.toml", "--cells", "16", "--seed", "5"];
     let report = bench.json(&[&arguments[..], &["--json"]].concat());
-    let kinds = |kind: &str| report["findings"].as_array().unwrap().iter().filter(|f| f["kind"] == kind).count();
+    let kinds =
+        |kind: &str| report["findings"].as_array().unwrap().iter().filter(|f| f["kind"] == kind).count();
     assert_eq!((kinds("overlap"), kinds("absorbed")), (5, 6));
     let said = bench.fails(2, &[&arguments[..], &["--range", "0:1000", "-o", "x"]].concat());
     let total: u64 = said.split("the check has ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();

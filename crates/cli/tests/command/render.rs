@@ -208,7 +208,9 @@ fn pictures_as_jpeg_and_pdf() {
     assert_eq!(jpeg_size(&bench.bytes("b.jpeg")), [160, 120]);
     bench.says(&["render", "ball.toml", "-o", "c.pdf", "--size", "160x120", "--legend"]);
     let pdf = String::from_utf8_lossy(&bench.bytes("c.pdf")).into_owned();
-    assert!(pdf.starts_with("%PDF-") && pdf.contains("/Subtype /Image") && pdf.contains("/MediaBox [0 0 120 90]"));
+    assert!(
+        pdf.starts_with("%PDF-") && pdf.contains("/Subtype /Image") && pdf.contains("/MediaBox [0 0 120 90]")
+    );
     let fails = |more: &[&str]| bench.fails(2, &[&["render", "ball.toml", "-o", "x.jpg"], more].concat());
     assert!(fails(&["--kind", "depth"]).contains("JPEG changes numbers"));
     assert!(fails(&["--range", "0:10"]).contains("cannot be joined"));

@@ -5,7 +5,9 @@ use crate::bench::Bench;
 /// A tetrahedron with an edge of this length along each axis.
 #[cfg(target_os = "linux")]
 fn corner(length: f64) -> String {
-    format!("OFF\n4 4 0\n0 0 0\n{length} 0 0\n0 {length} 0\n0 0 {length}\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n")
+    format!(
+        "OFF\n4 4 0\n0 0 0\n{length} 0 0\n0 {length} 0\n0 0 {length}\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"
+    )
 }
 
 /// The picture is drawn again after changes of the model and of a file that it includes. A model with an error leaves the picture
@@ -18,7 +20,8 @@ fn a_picture_follows_its_model_and_its_files() {
     use std::time::{Duration, Instant};
     let bench = Bench::new();
     let model = |scale: &str| {
-        let text = format!("rayweave = 1\n[solid.a]\nmesh.file = \"a.off\"\ntransform = {{ scale = {scale} }}\n");
+        let text =
+            format!("rayweave = 1\n[solid.a]\nmesh.file = \"a.off\"\ntransform = {{ scale = {scale} }}\n");
         bench.write("m.toml", text + "[camera]\nposition = [9, 8, 7]\nsize = [24, 16]\n");
     };
     model("1");

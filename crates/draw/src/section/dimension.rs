@@ -27,7 +27,11 @@ pub(super) const STYLE: &str = "\
 pub(super) fn value(length: f64, error: f64) -> String {
     let step = libm::pow(10.0, libm::ceil(libm::log10(error.max(f64::MIN_POSITIVE))));
     // dividing by a whole number keeps decimal fractions short
-    let rounded = if step < 1.0 { (length / step).round() / (1.0 / step).round() } else { (length / step).round() * step };
+    let rounded = if step < 1.0 {
+        (length / step).round() / (1.0 / step).round()
+    } else {
+        (length / step).round() * step
+    };
     format_number(rounded, step)
 }
 

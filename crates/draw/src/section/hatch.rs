@@ -70,7 +70,10 @@ mod tests {
                 assert!((if rises { x + y } else { x - y }).abs() < 0.03, "{a:?} {b:?}");
                 length += x.hypot(y);
                 let middle = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-                assert!(!(33.5..72.5).contains(&middle[0]) || !(35.5..74.5).contains(&middle[1]), "{middle:?}");
+                assert!(
+                    !(33.5..72.5).contains(&middle[0]) || !(35.5..74.5).contains(&middle[1]),
+                    "{middle:?}"
+                );
             }
             // the lines cover the area: 100^2 - 40^2 = spacing * length, to the error of the first and last line
             let area = length * SPACING * factor;

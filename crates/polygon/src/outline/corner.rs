@@ -131,7 +131,11 @@ fn joined(
             Some(edge) if is_used_up(&edge) => {}
             _ => {
                 let next = vertices[(vertex + 1) % vertices.len()].at;
-                pieces.push(Piece { from: at, arc: bulged(at, next, vertices[vertex].bulge), origin: vertex });
+                pieces.push(Piece {
+                    from: at,
+                    arc: bulged(at, next, vertices[vertex].bulge),
+                    origin: vertex,
+                });
             }
         }
     }

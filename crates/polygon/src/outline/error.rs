@@ -17,7 +17,9 @@ pub enum OutlineError {
         vertex: usize,
     },
     /// The size of a fillet or chamfer is not positive.
-    #[error("contour {contour}, point {vertex}: the size of the corner is {size}: it must be greater than 0.")]
+    #[error(
+        "contour {contour}, point {vertex}: the size of the corner is {size}: it must be greater than 0."
+    )]
     NotPositive {
         /// The index of the contour.
         contour: usize,
@@ -121,10 +123,12 @@ impl OutlineError {
     pub(super) fn of_polygons(error: PolygonError, origins: &[Vec<usize>]) -> OutlineError {
         match error {
             PolygonError::Touching { first, second } => {
-                let [first, second] = [first, second].map(|edge| (edge.contour, origins[edge.contour][edge.from]));
+                let [first, second] =
+                    [first, second].map(|edge| (edge.contour, origins[edge.contour][edge.from]));
                 OutlineError::Touching { first, second }
             }
-            PolygonError::NotFinite { contour, vertex, .. } | PolygonError::Extreme { contour, vertex, .. } => {
+            PolygonError::NotFinite { contour, vertex, .. }
+            | PolygonError::Extreme { contour, vertex, .. } => {
                 OutlineError::NotFinite { contour, vertex: origins[contour][vertex] }
             }
             // contours are oriented by their nesting: a contradiction is a contact

@@ -82,8 +82,10 @@ impl Outline {
             }
             all.push((circle(vertices), pieces));
         }
-        let rough: Vec<Vec<Point>> =
-            all.iter().map(|(_, pieces)| Edge::divide(pieces, 3).iter().map(|edge| edge.from).collect()).collect();
+        let rough: Vec<Vec<Point>> = all
+            .iter()
+            .map(|(_, pieces)| Edge::divide(pieces, 3).iter().map(|edge| edge.from).collect())
+            .collect();
         let is_island: Vec<bool> = (0..all.len())
             .map(|own| {
                 let around = (0..all.len()).filter(|other| *other != own);
@@ -92,7 +94,8 @@ impl Outline {
             .collect();
         let mut problem = None;
         for division in 0..DIVISIONS {
-            let edges: Vec<Vec<Edge>> = all.iter().map(|(_, pieces)| Edge::divide(pieces, division)).collect();
+            let edges: Vec<Vec<Edge>> =
+                all.iter().map(|(_, pieces)| Edge::divide(pieces, division)).collect();
             match simple(&edges, &is_island) {
                 Ok((polygons, bounds)) => {
                     let parents = polygons.contours().map(|contour| contour.parent);

@@ -171,7 +171,8 @@ impl End {
             (Rim::Fillet(size), _) => {
                 let path = if is_convex { radius - size } else { radius + size };
                 let inner = within(centre, 0.0, path)?;
-                let tube = if path > 0.0 { solid(Torus::new(path, size))? } else { solid(Sphere::new(size))? };
+                let tube =
+                    if path > 0.0 { solid(Torus::new(path, size))? } else { solid(Sphere::new(size))? };
                 let tube = tube.translate([centre[0], centre[1], self.z - self.up * size]);
                 let beyond = if is_convex { !inner } else { inner };
                 Ok(vec![wall, beyond, self.layer(size)?, !tube])

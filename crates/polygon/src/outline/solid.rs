@@ -154,7 +154,9 @@ impl Outline {
                 return Err(OutlineError::Axis { contour: number, x: left });
             }
             let edges = contour.edges.iter().flat_map(|edge| match edge.arc {
-                Some(arc) if arc.centre[0] < -AXIS_TOLERANCE * arc.radius => edge.chords(CHORD_TOLERANCE * larger),
+                Some(arc) if arc.centre[0] < -AXIS_TOLERANCE * arc.radius => {
+                    edge.chords(CHORD_TOLERANCE * larger)
+                }
                 _ => vec![*edge],
             });
             contour.edges = edges.collect();
@@ -164,7 +166,8 @@ impl Outline {
 
     /// The region as a set of space.
     fn swept(&self, sweep: &impl Sweep) -> Result<Solid, OutlineError> {
-        let inner: Vec<Solid> = (0..).zip(&self.contours).map(|(k, c)| c.swept(k, sweep)).collect::<Result<_, _>>()?;
+        let inner: Vec<Solid> =
+            (0..).zip(&self.contours).map(|(k, c)| c.swept(k, sweep)).collect::<Result<_, _>>()?;
         let islands = (0..inner.len()).filter(|k| self.contours[*k].is_island).map(|island| {
             let is_own = |k: &usize| !self.contours[*k].is_island && self.contours[*k].parent == Some(island);
             let holes: Vec<Solid> = (0..inner.len()).filter(is_own).map(|k| inner[k].clone()).collect();
@@ -185,8 +188,9 @@ impl Contour {
             return Ok(sweep.disc(centre, radius)?.named(&format!("contour{number}")));
         }
         let points: Vec<Point> = self.edges.iter().map(|edge| edge.from).collect();
-        let chords = from_polygons(&[points], Side::Outside)
-            .map_err(|error| OutlineError::of_polygons(error, &[self.edges.iter().map(|e| e.origin).collect()]))?;
+        let chords = from_polygons(&[points], Side::Outside).map_err(|error| {
+            OutlineError::of_polygons(error, &[self.edges.iter().map(|e| e.origin).collect()])
+        })?;
         let name = |kind: &str, origin: usize| format!("contour{number}.{kind}{origin}");
         let (mut problem, mut walls) = (None, vec![None; self.edges.len()]);
         let wall = |half_plane: HalfPlane| {

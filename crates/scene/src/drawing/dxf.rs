@@ -5,9 +5,8 @@ use rayweave_math::unit_vector_degrees;
 use rayweave_polygon::Vertex;
 
 /// Entities that are no curves.
-const IGNORED: [&str; 10] = [
-    "TEXT", "MTEXT", "DIMENSION", "POINT", "HATCH", "LEADER", "VIEWPORT", "IMAGE", "ATTDEF", "ATTRIB",
-];
+const IGNORED: [&str; 10] =
+    ["TEXT", "MTEXT", "DIMENSION", "POINT", "HATCH", "LEADER", "VIEWPORT", "IMAGE", "ATTDEF", "ATTRIB"];
 
 /// An entity: its kind and its pairs of group codes and values.
 struct Entity<'t> {
@@ -85,7 +84,8 @@ fn entities(text: &str) -> Result<Vec<Entity<'_>>, String> {
     let mut lines = text.lines().map(str::trim);
     let (mut all, mut section, mut is_name) = (Vec::<Entity>::new(), "", false);
     while let (Some(code), Some(value)) = (lines.next(), lines.next()) {
-        let code: i32 = code.parse().map_err(|_| format!("it is not a DXF file: `{code}` is not a group code"))?;
+        let code: i32 =
+            code.parse().map_err(|_| format!("it is not a DXF file: `{code}` is not a group code"))?;
         match (code, value) {
             (0, "SECTION") => is_name = true,
             (0, "ENDSEC" | "EOF") => section = "",
@@ -153,7 +153,9 @@ mod tests {
 
     fn file(entities: &str) -> String {
         let pairs = entities.split_whitespace().collect::<Vec<_>>().join("\n");
-        format!("0\nSECTION\n2\nHEADER\n9\n$X\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{pairs}\n0\nENDSEC\n0\nEOF\n")
+        format!(
+            "0\nSECTION\n2\nHEADER\n9\n$X\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n{pairs}\n0\nENDSEC\n0\nEOF\n"
+        )
     }
 
     fn area(entities: &str, layer: Option<&str>) -> f64 {

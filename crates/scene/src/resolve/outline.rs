@@ -67,7 +67,8 @@ impl<'t, 'c, 'd> Keys<'t, 'c, 'd> {
     /// A finite number; `None` if the key is missing or invalid.
     fn number(&mut self, key: &str) -> Option<f64> {
         let datum = self.get(key)?;
-        let value = scalar(self.context, self.numbers, key, datum).and_then(|value| self.finite(key, value, datum.span));
+        let value = scalar(self.context, self.numbers, key, datum)
+            .and_then(|value| self.finite(key, value, datum.span));
         self.is_complete &= value.is_some();
         value
     }
@@ -114,7 +115,8 @@ impl<'t, 'c, 'd> Keys<'t, 'c, 'd> {
         let Some(datum) = self.get(key) else { return Rim::Sharp };
         let Datum::Table(table) = &datum.value else {
             let wanted = "a table such as { fillet = 1 } or { chamfer = 1 }";
-            self.is_complete &= wrong_type::<()>(self.context, key, &datum.value, wanted, datum.span).is_some();
+            self.is_complete &=
+                wrong_type::<()>(self.context, key, &datum.value, wanted, datum.span).is_some();
             return Rim::Sharp;
         };
         let mut keys = Keys::new(self.context, self.numbers, table, datum.span, &["fillet", "chamfer"]);
@@ -147,23 +149,34 @@ pub(super) fn extrude(context: &mut Context, numbers: &Numbers, table: &Table, s
     if is_complete && lo >= hi {
         let problem = Diagnostic::error(format!("the extrusion reaches from z = {lo} to z = {hi}"));
         let place = table.iter().find(|(key, _)| key.value == "height" || key.value == "z");
-        context.push(problem.why("its height must be greater than 0"), place.map_or(span, |(_, value)| value.span));
+        context.push(
+            problem.why("its height must be greater than 0"),
+            place.map_or(span, |(_, value)| value.span),
+        );
         return None;
     }
-    let solid = is_complete.then(|| Outline::new(&contours.vertices).and_then(|o| o.extrude(lo, hi, rims)))?;
+    let solid =
+        is_complete.then(|| Outline::new(&contours.vertices).and_then(|o| o.extrude(lo, hi, rims)))?;
     reported(context, solid, &contours, span)
 }
 
 /// A revolved outline: `outline`, and `start` and `angle` for a part of a turn.
 pub(super) fn revolve(context: &mut Context, numbers: &Numbers, table: &Table, span: Span) -> Option<Solid> {
-    let mut keys = Keys::new(context, numbers, table, span, &["outline", "file", "layer", "scale", "fillet", "chamfer", "start", "angle"]);
+    let mut keys = Keys::new(
+        context,
+        numbers,
+        table,
+        span,
+        &["outline", "file", "layer", "scale", "fillet", "chamfer", "start", "angle"],
+    );
     let contours = contours(&mut keys);
     let (start, angle) = (keys.number("start").unwrap_or(0.0), keys.number("angle").unwrap_or(360.0));
     if keys.is_complete && !(angle > 0.0 && angle <= 360.0) {
         keys.reject(&format!("`angle` is {angle}"), "it must be greater than 0 and at most 360 degrees");
     }
     let (is_complete, contours) = (keys.is_complete, contours?);
-    let solid = is_complete.then(|| Outline::new(&contours.vertices).and_then(|o| o.revolve(start, angle)))?;
+    let solid =
+        is_complete.then(|| Outline::new(&contours.vertices).and_then(|o| o.revolve(start, angle)))?;
     reported(context, solid, &contours, span)
 }
 
@@ -173,7 +186,9 @@ fn reported(
     contours: &Contours,
     span: Span,
 ) -> Option<Solid> {
-    solid.map_err(|error| context.push(Diagnostic::error(error.to_string()), contours.place(&error, span))).ok()
+    solid
+        .map_err(|error| context.push(Diagnostic::error(error.to_string()), contours.place(&error, span)))
+        .ok()
 }
 
 /// The contours of `outline`, with the corners that `fillet` or `chamfer` beside it round.
@@ -183,7 +198,8 @@ fn contours(keys: &mut Keys) -> Option<Contours> {
         return drawn(keys, file, default);
     }
     let Some(outline) = keys.get("outline") else {
-        let why = "it is a list of points, such as [[0, 0], [4, 0], [0, 3]]; or `file` is the name of a drawing";
+        let why =
+            "it is a list of points, such as [[0, 0], [4, 0], [0, 3]]; or `file` is the name of a drawing";
         keys.reject("there is no `outline`", why);
         return None;
     };
@@ -220,7 +236,8 @@ fn contour(keys: &mut Keys, datum: &Spanned<Datum>, default: Corner) -> Option<(
         Datum::Table(table) => return circle(keys, table, datum.span),
         Datum::List(list) => list,
         other => {
-            let wanted = "a list of points, such as [[0, 0], [4, 0], [0, 3]], or a circle, such as { circle = 2 }";
+            let wanted =
+                "a list of points, such as [[0, 0], [4, 0], [0, 3]], or a circle, such as { circle = 2 }";
             return wrong_type(keys.context, "outline", other, wanted, datum.span);
         }
     };
@@ -295,7 +312,9 @@ fn circle(keys: &mut Keys, table: &Table, span: Span) -> Option<(Vec<Vertex>, Ve
     let mut own = Keys::new(keys.context, keys.numbers, table, span, &["circle", "at"]);
     let (radius, centre) = (own.number("circle"), own.pair("at").unwrap_or_default());
     match radius {
-        Some(radius) if radius <= 0.0 => own.reject("the circle has no area", "its radius must be greater than 0"),
+        Some(radius) if radius <= 0.0 => {
+            own.reject("the circle has no area", "its radius must be greater than 0")
+        }
         None if own.is_complete => own.reject("the contour has no `circle`", "it is the radius of a circle"),
         _ => {}
     }
@@ -341,7 +360,8 @@ fn pair(context: &mut Context, numbers: &Numbers, key: &str, datum: &Spanned<Dat
         if value.is_finite() {
             return Some(value);
         }
-        context.push(Diagnostic::error(format!("a coordinate is {value}")).why("it must be finite"), item.span);
+        context
+            .push(Diagnostic::error(format!("a coordinate is {value}")).why("it must be finite"), item.span);
         None
     };
     let (a, b) = (value(a), value(b));

@@ -2,8 +2,8 @@
 
 use super::context::{Context, MAX_COPIES};
 use super::files;
-use super::outline;
 use super::numbers::{Numbers, cycle_text};
+use super::outline;
 use super::value::{value, wrong_type};
 use crate::datum::{Datum, Table};
 use crate::diagnostic::Diagnostic;

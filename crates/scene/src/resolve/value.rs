@@ -8,7 +8,12 @@ use crate::source::{Span, Spanned};
 use rayweave_shape::primitive::Value;
 
 /// The value of a shape's parameter.
-pub(super) fn value(context: &mut Context, numbers: &Numbers, name: &str, datum: &Spanned<Datum>) -> Option<Value> {
+pub(super) fn value(
+    context: &mut Context,
+    numbers: &Numbers,
+    name: &str,
+    datum: &Spanned<Datum>,
+) -> Option<Value> {
     match &datum.value {
         Datum::List(list) if list.iter().any(|item| matches!(item.value, Datum::List(_))) => {
             let rows: Vec<_> = list.iter().map(|row| row_values(context, numbers, name, row)).collect();
@@ -35,7 +40,12 @@ fn row_values(
 }
 
 /// A number, given as a number or as an arithmetic expression.
-pub(super) fn scalar(context: &mut Context, numbers: &Numbers, name: &str, datum: &Spanned<Datum>) -> Option<f64> {
+pub(super) fn scalar(
+    context: &mut Context,
+    numbers: &Numbers,
+    name: &str,
+    datum: &Spanned<Datum>,
+) -> Option<f64> {
     match &datum.value {
         Datum::Number(value) => Some(*value),
         Datum::Text(text) => numbers.text(context, text, datum.span),
@@ -44,7 +54,13 @@ pub(super) fn scalar(context: &mut Context, numbers: &Numbers, name: &str, datum
 }
 
 /// Reports a value of a wrong type.
-pub(super) fn wrong_type<T>(context: &mut Context, name: &str, found: &Datum, wanted: &str, span: Span) -> Option<T> {
+pub(super) fn wrong_type<T>(
+    context: &mut Context,
+    name: &str,
+    found: &Datum,
+    wanted: &str,
+    span: Span,
+) -> Option<T> {
     let problem = Diagnostic::error(format!("`{name}` is {}", found.description()));
     context.push(problem.why(format!("it must be {wanted}")), span);
     None

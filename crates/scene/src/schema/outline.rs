@@ -16,7 +16,8 @@ pub fn definitions() -> [(&'static str, Value); 4] {
         }),
         &["at"],
     );
-    let circle = table("A circle.", json!({ "circle": reference("number"), "at": reference("pair") }), &["circle"]);
+    let circle =
+        table("A circle.", json!({ "circle": reference("number"), "at": reference("pair") }), &["circle"]);
     let points = json!({
         "type": "array",
         "minItems": 2,
