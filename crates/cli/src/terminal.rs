@@ -146,7 +146,7 @@ impl Sampling {
     /// Shows the number of rays and the precision reached.
     pub fn show(&self, rays: u64, precision: f64) {
         // half-widths decrease as the power -3/4 of the number of rays
-        let part = (self.goal / precision).powf(4.0 / 3.0).min(1.0);
+        let part = libm::pow(self.goal / precision, 4.0 / 3.0).min(1.0);
         self.bar.set_position((WHOLE * part) as u64);
         let [now, goal] = [precision, self.goal].map(|part| short(rounded(100.0 * part, 2)));
         self.bar.set_message(match precision.is_finite() {

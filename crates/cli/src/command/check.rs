@@ -267,7 +267,7 @@ impl Searches<'_> {
         let known = match &self.check.searches {
             Some(path) => {
                 let share = read_check_share(path)?;
-                // the number of all searches is known from the file itself
+                // a file of all searches has as many lines as there are searches
                 let part = self.part(0..share.len() as u64, share.len() as u64);
                 if !part.is_in(path) {
                     let path = path.display();
