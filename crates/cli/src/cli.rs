@@ -3,7 +3,7 @@
 use crate::arguments::GlobalArguments;
 use crate::command::{
     Check, Completions, Convert, Diff, Export, Infill, Info, Man, Merge, New, Optics, Photons, Probe, Render,
-    Schema, Section, Shapes, Thickness, Trace, Volume,
+    Schema, Section, Shapes, Thickness, Trace, Volume, Watch,
 };
 use crate::failure::Failure;
 use clap::{CommandFactory, Parser, Subcommand};
@@ -46,6 +46,7 @@ pub struct Cli {
 pub enum Command {
     New(New),
     Render(Render),
+    Watch(Watch),
     Probe(Probe),
     Trace(Trace),
     Optics(Optics),
@@ -76,6 +77,7 @@ pub fn run(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
         Command::New(new) => new.run(global),
         Command::Render(render) => render.run(global),
+        Command::Watch(watch) => watch.run(global),
         Command::Probe(probe) => probe.run(),
         Command::Trace(trace) => trace.run(global),
         Command::Optics(optics) => optics.run(global),

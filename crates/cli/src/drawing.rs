@@ -1,8 +1,11 @@
-//! Output of drawings to files: SVG directly, PNG by rasterisation.
+//! Output of drawings to files: SVG directly, PDF by conversion of the drawing, PNG and JPEG by rasterisation.
+
+mod jpeg;
+mod pdf;
 
 use crate::failure::Failure;
 use crate::terminal;
-use rayweave::picture::{PictureSheet, PlacedPicture};
+use rayweave::picture::{Picture, PictureSheet, PlacedPicture};
 use rayweave::render::Image;
 use resvg::tiny_skia::{ColorU8, IntSize, Pixmap, PixmapPaint, Transform};
 use resvg::usvg::{Options, Tree};
@@ -14,21 +17,25 @@ pub fn is_drawing(path: &Path) -> bool {
     kind(path).is_some()
 }
 
-/// The scale of PNG files: pixels per unit of the drawing.
+/// The scale of PNG and JPEG files: pixels per unit of the drawing.
 const ZOOM: f32 = 2.0;
 
 /// The kind of an output file.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Svg,
+    Pdf,
     Png,
+    Jpeg,
 }
 
 fn kind(path: &Path) -> Option<Kind> {
     let is = |extension: &str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(extension));
     match () {
         () if is("svg") || path == Path::new("-") => Some(Kind::Svg),
+        () if is("pdf") => Some(Kind::Pdf),
         () if is("png") => Some(Kind::Png),
+        () if is("jpg") || is("jpeg") => Some(Kind::Jpeg),
         () => None,
     }
 }
@@ -37,30 +44,51 @@ fn kind(path: &Path) -> Option<Kind> {
 pub fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown drawing format: drawings are written as .svg or .png."))
+        Failure::Usage(format!(
+            "{path}: unknown drawing format: drawings are written as .svg, .pdf, .png or .jpg."
+        ))
     };
     kind(path).map(|_| ()).ok_or_else(problem)
 }
 
-/// Writes a drawing as SVG, or as PNG with two pixels per unit of the drawing; `-` is SVG to
-/// standard output.
-pub fn save(path: &Path, svg: &str) -> Result<(), Failure> {
-    match kind(path) {
-        Some(Kind::Png) => terminal::save(path, &png(svg).map_err(Failure::Run)?),
-        _ => terminal::save(path, svg.as_bytes()),
+/// Writes a drawing as SVG or PDF, or as PNG or JPEG with two pixels per unit of the drawing; `-` is SVG to standard output.
+pub fn save(path: &Path, svg: &str, title: &str) -> Result<(), Failure> {
+    let bytes = match kind(path) {
+        Some(Kind::Pdf) => tree(svg).and_then(|tree| pdf::encode(&tree, title)),
+        Some(kind @ (Kind::Png | Kind::Jpeg)) => pixels(svg, ZOOM).and_then(|pixels| encoded(kind, &pixels)),
+        Some(Kind::Svg) | None => return terminal::save(path, svg.as_bytes()),
+    };
+    terminal::save(path, &bytes.map_err(|error| Failure::Run(failed(&error)))?)
+}
+
+/// Writes a sheet as SVG or PDF, or as PNG or JPEG with one pixel per unit; `-` is SVG to standard output.
+pub fn save_sheet(path: &Path, sheet: &PictureSheet, title: &str) -> Result<(), Failure> {
+    let Some(kind @ (Kind::Png | Kind::Jpeg)) = kind(path) else {
+        return save(path, &sheet.to_svg(title), title);
+    };
+    let bytes = pixels(&sheet.without_pictures(title), 1.0).and_then(|mut pixels| {
+        for PlacedPicture { x, y, image } in sheet.pictures() {
+            put(&mut pixels, [*x, *y], image);
+        }
+        encoded(kind, &pixels)
+    });
+    terminal::save(path, &bytes.map_err(|error| Failure::Run(failed(&error)))?)
+}
+
+/// Writes a picture as PNG or JPEG; `-` is PNG to standard output.
+pub fn save_picture(path: &Path, picture: &Picture) -> Result<(), Failure> {
+    match (kind(path), picture) {
+        (Some(Kind::Jpeg), Picture::Colour(image)) => {
+            let bytes = jpeg::of_image(image).map_err(|error| Failure::Run(failed(&error)))?;
+            terminal::save(path, &bytes)
+        }
+        _ => terminal::save(path, &picture.to_png()),
     }
 }
 
-/// Writes a sheet as SVG, or as PNG with one pixel per unit; `-` is SVG to standard output.
-pub fn save_sheet(path: &Path, sheet: &PictureSheet, title: &str) -> Result<(), Failure> {
-    if kind(path) != Some(Kind::Png) {
-        return terminal::save(path, sheet.to_svg(title).as_bytes());
-    }
-    let mut pixels = pixels(&sheet.without_pictures(title), 1.0).map_err(Failure::Run)?;
-    for PlacedPicture { x, y, image } in sheet.pictures() {
-        put(&mut pixels, [*x, *y], image);
-    }
-    terminal::save(path, &encoded(&pixels).map_err(Failure::Run)?)
+/// True if a file name has the extension of a JPEG image.
+pub fn is_jpeg(path: &Path) -> bool {
+    kind(path) == Some(Kind::Jpeg)
 }
 
 /// Copies a picture onto a pixel map.
@@ -75,19 +103,19 @@ fn put(pixels: &mut Pixmap, [x, y]: [usize; 2], image: &Image) {
     }
 }
 
-fn png(svg: &str) -> Result<Vec<u8>, String> {
-    encoded(&pixels(svg, ZOOM)?)
+fn encoded(kind: Kind, pixels: &Pixmap) -> Result<Vec<u8>, String> {
+    match kind {
+        Kind::Jpeg => jpeg::of_pixels(pixels),
+        _ => pixels.encode_png().map_err(|error| error.to_string()),
+    }
 }
 
-fn encoded(pixels: &Pixmap) -> Result<Vec<u8>, String> {
-    pixels.encode_png().map_err(|error| failed(&error))
-}
-
-fn failed(error: &dyn std::fmt::Display) -> String {
+fn failed(error: &str) -> String {
     format!("cannot draw the picture: {error}.")
 }
 
-fn pixels(svg: &str, zoom: f32) -> Result<Pixmap, String> {
+/// Reads a drawing and lays out its texts.
+fn tree(svg: &str) -> Result<Tree, String> {
     let mut options = Options { font_family: "sans-serif".to_owned(), ..Options::default() };
     let fonts = Arc::make_mut(&mut options.fontdb);
     fonts.load_system_fonts();
@@ -96,9 +124,13 @@ fn pixels(svg: &str, zoom: f32) -> Result<Pixmap, String> {
             "note: the picture has no text: no fonts are installed on this machine. Write it as .svg.",
         );
     }
-    let tree = Tree::from_str(svg, &options).map_err(|error| failed(&error))?;
-    let size = tree.size().to_int_size().scale_by(zoom).ok_or_else(|| failed(&"it has no size"))?;
-    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or_else(|| failed(&"it is too large"))?;
+    Tree::from_str(svg, &options).map_err(|error| error.to_string())
+}
+
+fn pixels(svg: &str, zoom: f32) -> Result<Pixmap, String> {
+    let tree = tree(svg)?;
+    let size = tree.size().to_int_size().scale_by(zoom).ok_or("it has no size")?;
+    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("it is too large")?;
     resvg::render(&tree, Transform::from_scale(zoom, zoom), &mut pixels.as_mut());
     Ok(pixels)
 }
@@ -109,11 +141,11 @@ mod tests {
 
     #[test]
     fn drawings_have_names() {
-        for name in ["a.svg", "b.PNG", "-"] {
+        for name in ["a.svg", "b.PNG", "c.jpg", "d.JPEG", "e.pdf", "-"] {
             assert!(check(Path::new(name)).is_ok(), "{name}");
         }
         assert!(
-            matches!(check(Path::new("a.pdf")), Err(Failure::Usage(text)) if text.contains(".svg or .png"))
+            matches!(check(Path::new("a.gif")), Err(Failure::Usage(text)) if text.contains(".svg, .pdf"))
         );
         assert!(check(Path::new("a")).is_err());
     }
@@ -123,13 +155,13 @@ mod tests {
     fn pixels_are_those_of_the_drawing() {
         let svg = r##"<svg xmlns="http://www.w3.org/2000/svg" width="20" height="10" viewBox="0 0 20 10">
             <rect width="20" height="10" fill="#fff"/><rect x="10" width="10" height="10" fill="#f00"/></svg>"##;
-        let picture = Pixmap::decode_png(&png(svg).unwrap()).unwrap();
+        let picture = Pixmap::decode_png(&encoded(Kind::Png, &pixels(svg, ZOOM).unwrap()).unwrap()).unwrap();
         assert_eq!((picture.width(), picture.height()), (40, 20));
         let channels = |x: u32| {
             let pixel = picture.pixel(x, 10).unwrap();
             [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()]
         };
         assert_eq!([channels(19), channels(20)], [[255; 4], [255, 0, 0, 255]]);
-        assert!(png("<svg").is_err());
+        assert!(pixels("<svg", ZOOM).is_err());
     }
 }

@@ -124,6 +124,43 @@ pub fn counter(what: &str, quiet: bool) -> ProgressBar {
     bar
 }
 
+/// A progress bar of sampling to a relative precision, with the time left and the precision reached.
+pub struct Sampling {
+    bar: ProgressBar,
+    goal: f64,
+}
+
+/// The length of the bar of [`Sampling`].
+const WHOLE: f64 = 1000.0;
+
+impl Sampling {
+    /// A bar, visible only on a terminal.
+    pub fn new(goal: f64, quiet: bool) -> Sampling {
+        let bar = progress_bar(Some(WHOLE as u64), Unit::Percent, quiet);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {percent} % {eta} left, {msg}") {
+            bar.set_style(style);
+        }
+        Sampling { bar, goal }
+    }
+
+    /// Shows the number of rays and the precision reached.
+    pub fn show(&self, rays: u64, precision: f64) {
+        // half-widths decrease as the power -3/4 of the number of rays
+        let part = libm::pow(self.goal / precision, 4.0 / 3.0).min(1.0);
+        self.bar.set_position((WHOLE * part) as u64);
+        let [now, goal] = [precision, self.goal].map(|part| short(rounded(100.0 * part, 2)));
+        self.bar.set_message(match precision.is_finite() {
+            true => format!("{rays} rays, precision {now} % of {goal} %"),
+            false => format!("{rays} rays"),
+        });
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
 /// Unit of a progress bar.
 #[derive(Clone, Copy)]
 pub enum Unit {

@@ -110,6 +110,18 @@ impl Svg {
         ));
     }
 
+    /// Adds a text whose middle is at a position, turned about it by an angle in degrees, clockwise as y points down.
+    pub fn middle_text(&mut self, class: &str, at: [f64; 2], degrees: f64, text: &str) {
+        let (x, y, text) = (Pixels(at[0]), Pixels(at[1]), escape(text));
+        let turn = match degrees == 0.0 {
+            true => String::new(),
+            false => format!(r#" transform="rotate({} {x} {y})""#, Pixels(degrees)),
+        };
+        self.line(format_args!(
+            r#"<text class="{class}" x="{x}" y="{y}" text-anchor="middle"{turn}>{text}</text>"#
+        ));
+    }
+
     fn line(&mut self, line: impl Display) {
         // writing to a string cannot fail
         let _ = writeln!(self.0, "{line}");

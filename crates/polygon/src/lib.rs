@@ -26,6 +26,7 @@ mod exact;
 mod formula;
 mod line;
 mod nest;
+mod outline;
 mod point;
 mod prism;
 mod sweep;
@@ -33,6 +34,7 @@ mod sweep;
 pub use error::{ContourEdge, LineError, PolygonError};
 pub use formula::{HalfPlane, Operator};
 pub use line::Scan;
+pub use outline::{Corner, Outline, OutlineError, Rim, Vertex, is_outline_part};
 pub use point::Point;
 
 use nest::{Nesting, nest};

@@ -225,7 +225,7 @@ pub mod section {
         SectionSettings, SectionWindow, cross_sections, section, section_with,
     };
     #[cfg(feature = "draw")]
-    pub use rayweave_draw::section::{section_dxf, section_svg};
+    pub use rayweave_draw::section::{SectionStyle, section_drawing, section_dxf, section_svg};
 }
 
 #[cfg(feature = "analysis")]

@@ -9,6 +9,12 @@ use crate::suggestion::did_you_mean;
 pub(crate) const STEPS: [&str; 8] =
     ["translate", "rotate_x", "rotate_y", "rotate_z", "rotate", "scale", "mirror", "matrix"];
 
+/// The keyword of extruded outlines.
+pub(crate) const EXTRUDE: &str = "extrude";
+
+/// The keyword of revolved outlines.
+pub(crate) const REVOLVE: &str = "revolve";
+
 /// The remaining keys of a table. After all known keys have been taken, the rest is unknown.
 #[derive(Clone, Debug)]
 pub struct Keys {

@@ -39,6 +39,7 @@ mod datum;
 mod decompose;
 mod diagnostic;
 mod document;
+mod drawing;
 mod error;
 mod expression;
 mod fault;

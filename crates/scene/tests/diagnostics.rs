@@ -181,11 +181,14 @@ fn shapes() {
     check(
         "[solid.s]\nsphre = { radius = 1 }",
         &format!(
-            "3:1 unknown shape `sphre`: the shapes are {}; a solid can also be an `expr` or a `place`. Did you mean `sphere`?",
+            "3:1 unknown shape `sphre`: the shapes are {}; a solid can also be an `extrude`, `revolve`, `expr` or `place`. Did you mean `sphere`?",
             shapes.join(", ")
         ),
     );
-    check("[solid.s]\n", "2:1 the solid has no shape: it needs a shape, `expr` or `place`.");
+    check(
+        "[solid.s]\n",
+        "2:1 the solid has no shape: it needs a shape, `extrude`, `revolve`, `expr` or `place`.",
+    );
     check(
         "[solid.s]\nsphere = 5",
         "3:10 `sphere` is the number 5: it must be a table of its parameters, such as { radius = .. }.",
@@ -208,7 +211,7 @@ fn shapes() {
     );
     check(
         "[solid.s]\nsphere = { radius = 1 }\ntransfrom = []",
-        "4:1 unknown key `transfrom` in `solid.s`: the keys are name, transform, expr, place, SHAPES. Did you mean `transform`?"
+        "4:1 unknown key `transfrom` in `solid.s`: the keys are name, transform, expr, place, extrude, revolve, SHAPES. Did you mean `transform`?"
             .replace("SHAPES", &shapes.join(", "))
             .as_str(),
     );

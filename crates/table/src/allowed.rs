@@ -49,6 +49,7 @@ impl AllowedFiles {
     /// [`RefusedFile`] for a file elsewhere, also behind a symbolic link, and for anything but a regular file: opening a FIFO
     /// waits, and a device may never end.
     pub fn open(&self, path: &Path) -> Result<File, RefusedFile> {
+        crate::opened::record(path);
         let real = match path.canonicalize() {
             Ok(real) => real,
             Err(error) if self.is_below(path) => return Err(RefusedFile::Io(error)),

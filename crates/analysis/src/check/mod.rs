@@ -30,6 +30,7 @@ mod probe;
 mod report;
 mod section;
 mod settings;
+mod share;
 mod subject;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ pub use hierarchy::Hierarchy;
 pub use report::{CheckReport, Scope};
 pub use section::finding_section;
 pub use settings::CheckSettings;
+pub use share::CheckShare;
 
 use crate::AnalysisError;
 use crate::error::maker;
@@ -49,6 +51,8 @@ use rayweave_error::{Classified, Message};
 use rayweave_math::Bounds;
 use rayweave_model::{Evaluator, Program, Region};
 use rayweave_scene::Scene;
+use share::Work;
+use std::ops::Range;
 use std::sync::Arc;
 use subject::Subject;
 
@@ -67,32 +71,120 @@ pub fn check<E: Evaluator, X: Classified + Send + Sync + 'static>(
     settings: &CheckSettings,
     progress: &mut dyn FnMut(u64),
 ) -> Result<CheckReport, AnalysisError> {
-    in_range(settings)?;
-    let written = scene.model_regions();
-    if written.is_empty() {
-        let message = Message::new("the model has no regions", "there is nothing to check");
-        return Err(AnalysisError::Solid(message));
-    }
-    let regions = clipped(written.clone(), settings.within)?;
-    let boxes = compiled(&regions)?.region_bounds();
-    let frame = frame(&boxes)?;
-    if settings.within.is_some() && frame.is_empty() {
-        let message = Message::new("no part of the model is within the box", "there is nothing to check");
-        return Err(AnalysisError::Solid(message.suggest("Is the box in the unit of the model?")));
-    }
-    let regions = ended(regions, &boxes, &frame)?;
-    let program = compiled(&regions)?;
+    let model = Model::new(scene, settings)?;
     let make = maker(make);
-    let mut probe = Probe::new(&make, settings, frame, progress);
+    let mut probe = Probe::new(&make, settings, model.frame, progress);
+    report(scene, &model, hierarchy, &mut probe)
+}
+
+/// Runs the searches `range` of a check, for [`check_with`]: one for each pair of parts whose boxes overlap, and one for each operand.
+/// Returns their results and the number of all searches.
+///
+/// # Errors
+///
+/// [`AnalysisError`] as [`check`], and for a range that ends beyond the last search.
+pub fn check_share<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    hierarchy: Option<&Hierarchy>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &CheckSettings,
+    range: Range<u64>,
+    progress: &mut dyn FnMut(u64),
+) -> Result<(CheckShare, u64), AnalysisError> {
+    let model = Model::new(scene, settings)?;
+    let make = maker(make);
+    let mut probe = Probe::new(&make, settings, model.frame, progress);
+    probe.work = Work::Range(range.clone(), CheckShare::default());
+    pairs::search(&model.subject(hierarchy), &mut probe)?;
+    operands::findings(&model.written, &mut probe)?;
+    let total = probe.next_search;
+    if range.end > total {
+        let message = Message::new(
+            format!("the range ends at {}", range.end),
+            format!("the check has {total} searches"),
+        );
+        return Err(AnalysisError::Value(message));
+    }
+    match probe.work {
+        Work::Range(_, share) => Ok((share, total)),
+        _ => Ok((CheckShare::default(), total)),
+    }
+}
+
+/// Like [`check`], with results of searches that [`check_share`] returned; missing ones are run. The report is that of [`check`].
+///
+/// # Errors
+///
+/// [`AnalysisError`] as [`check`].
+pub fn check_with<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    hierarchy: Option<&Hierarchy>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &CheckSettings,
+    share: &CheckShare,
+    progress: &mut dyn FnMut(u64),
+) -> Result<CheckReport, AnalysisError> {
+    let model = Model::new(scene, settings)?;
+    let make = maker(make);
+    let mut probe = Probe::new(&make, settings, model.frame, progress);
+    probe.work = Work::Known(share);
+    report(scene, &model, hierarchy, &mut probe)
+}
+
+/// The regions of a scene, prepared for rays.
+struct Model {
+    /// As they are written.
+    written: Vec<Region>,
+    /// Clipped to the sampled box.
+    regions: Vec<Region>,
+    program: Arc<Program>,
+    boxes: Vec<Bounds>,
+    frame: Bounds,
+    is_clipped: bool,
+}
+
+impl Model {
+    fn new(scene: &Scene, settings: &CheckSettings) -> Result<Model, AnalysisError> {
+        in_range(settings)?;
+        let written = scene.model_regions();
+        if written.is_empty() {
+            let message = Message::new("the model has no regions", "there is nothing to check");
+            return Err(AnalysisError::Solid(message));
+        }
+        let regions = clipped(written.clone(), settings.within)?;
+        let boxes = compiled(&regions)?.region_bounds();
+        let frame = frame(&boxes)?;
+        let is_clipped = settings.within.is_some();
+        if is_clipped && frame.is_empty() {
+            let message = Message::new("no part of the model is within the box", "there is nothing to check");
+            return Err(AnalysisError::Solid(message.suggest("Is the box in the unit of the model?")));
+        }
+        let regions = ended(regions, &boxes, &frame)?;
+        let program = compiled(&regions)?;
+        let boxes = program.region_bounds();
+        Ok(Model { written, regions, program: program.into(), boxes, frame, is_clipped })
+    }
+
+    fn subject<'s>(&'s self, hierarchy: Option<&'s Hierarchy>) -> Subject<'s> {
+        let whole = self.is_clipped.then_some(self.written.as_slice());
+        Subject { regions: &self.regions, whole, boxes: self.boxes.clone(), hierarchy }
+    }
+}
+
+fn report<E: Evaluator>(
+    scene: &Scene,
+    model: &Model,
+    hierarchy: Option<&Hierarchy>,
+    probe: &mut Probe<'_, E>,
+) -> Result<CheckReport, AnalysisError> {
     probe.scope.has_hierarchy = hierarchy.is_some();
-    let whole = settings.within.map(|_| written.as_slice());
-    let subject = Subject { regions: &regions, whole, boxes: program.region_bounds(), hierarchy };
-    let mut findings = pairs::overlaps(&subject, &mut probe)?;
-    findings.extend(pairs::outside(&subject, &mut probe)?);
-    findings.extend(pieces::findings(&subject, program, &findings, &mut probe)?);
-    findings.extend(operands::findings(&written, &mut probe)?);
+    let subject = model.subject(hierarchy);
+    let mut findings = pairs::overlaps(&subject, probe)?;
+    findings.extend(pairs::outside(&subject, probe)?);
+    findings.extend(pieces::findings(&subject, model.program.clone(), &findings, probe)?);
+    findings.extend(operands::findings(&model.written, probe)?);
     findings.sort_by_key(|finding| finding.kind);
-    Ok(CheckReport { unit: scene.unit, findings, scope: probe.scope })
+    Ok(CheckReport { unit: scene.unit, findings, scope: probe.scope.clone() })
 }
 
 fn compiled(regions: &[Region]) -> Result<Program, AnalysisError> {
@@ -107,7 +199,7 @@ fn frame(boxes: &[Bounds]) -> Result<Bounds, AnalysisError> {
         (true, true) => {
             let message =
                 Message::new("no region of the model is bounded", "rays cannot search all of space");
-            Err(AnalysisError::Solid(message.suggest("Check it within a box.")))
+            Err(AnalysisError::Solid(message.suggest("Check the part within a box: --within LO HI, in Python within=(lo, hi).")))
         }
         (false, true) => Ok(whole.grown(0.1 * whole.size().length())),
         (_, false) => Ok(whole),

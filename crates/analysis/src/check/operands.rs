@@ -1,10 +1,12 @@
 //! Checks for operands without effect and for suspicious meshes.
 
 use super::probe::{FEW, Probe};
+use super::share::Outcome;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use rayweave_math::Affine;
 use rayweave_model::{Evaluator, Node, Program, Region, Solid};
+use rayweave_polygon::is_outline_part;
 use rayweave_shape::primitive::Primitive;
 use std::collections::HashSet;
 
@@ -41,6 +43,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
                 continue;
             }
             match solid.node() {
+                Node::Named(name, _) if is_outline_part(name) => {}
                 Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
                 Node::Transformed(own, inner) => waiting.push((inner.clone(), own.then(&map))),
                 Node::Placed(inner, maps) => {
@@ -119,14 +122,24 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         map: &Affine,
         what: &str,
     ) -> Result<(), AnalysisError> {
+        // nobody wrote the half-spaces of an outline
+        if matches!(own.node(), Node::Named(name, _) if is_outline_part(name)) {
+            return Ok(());
+        }
         if self.is_full() {
             return self.leave_out(1);
         }
         self.probe.scope.operands += 1;
-        let effect = effect().apply(*map);
-        let bounds = Program::compile(&effect)?.bounds();
-        let is_proved = bounds.is_empty();
-        if is_proved || self.probe.is_there(&effect, &bounds, 2 * FEW)?.is_none() {
+        let outcome = self.probe.independent(|probe| {
+            let effect = effect().apply(*map);
+            let bounds = Program::compile(&effect)?.bounds();
+            match bounds.is_empty() {
+                true => Ok(Outcome::ProvedEmpty),
+                false => Ok(probe.is_there(&effect, &bounds, 2 * FEW)?.into()),
+            }
+        })?;
+        let is_proved = outcome == Outcome::ProvedEmpty;
+        if !matches!(outcome, Outcome::Found(_)) {
             let text = format!("{} {what} the rest of {}", label(own), self.region);
             let finding = Finding::new(FindingKind::Absorbed, &[self.region], text);
             let place = Program::compile(&own.apply(*map))?.bounds();

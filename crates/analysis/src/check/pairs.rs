@@ -2,6 +2,7 @@
 
 use super::parts::{Part, overlapping_pairs, parts};
 use super::probe::{FEW, Probe, Thickest};
+use super::share::Outcome;
 use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
@@ -36,6 +37,12 @@ pub fn overlaps<E: Evaluator>(
     Ok(findings)
 }
 
+/// Runs the independent searches of [`overlaps`] only.
+pub fn search<E: Evaluator>(subject: &Subject<'_>, probe: &mut Probe<'_, E>) -> Result<(), AnalysisError> {
+    let parts = parts(subject.regions, &subject.boxes)?;
+    common(subject, &parts, probe).map(|_| ())
+}
+
 /// Pairs of intersecting regions, part by part. Copies of the same volume are included if there is a hierarchy: in
 /// other models, solids of one union may overlap intentionally.
 fn common<E: Evaluator>(
@@ -53,7 +60,8 @@ fn common<E: Evaluator>(
     for (k, j, bounds) in met.pairs {
         let (first, second) = (&parts[k], &parts[j]);
         let both = &first.solid & &second.solid;
-        let Some(deepest) = probe.is_there(&both, &bounds, FEW)? else { continue };
+        let met = probe.independent(|probe| Ok(probe.is_there(&both, &bounds, FEW)?.into()))?;
+        let Outcome::Found(deepest) = met else { continue };
         let pair = (first.region.min(second.region), first.region.max(second.region));
         let common = found.entry(pair).or_insert(Common { deepest, count: 0, solids: Vec::new() });
         common.count += 1;

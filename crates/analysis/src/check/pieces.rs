@@ -117,11 +117,11 @@ fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
 /// Findings of rays through the whole model and through the box of each region.
 pub fn findings<E: Evaluator>(
     subject: &Subject<'_>,
-    program: Program,
+    program: Arc<Program>,
     known: &[Finding],
     probe: &mut Probe<'_, E>,
 ) -> Result<Vec<Finding>, AnalysisError> {
-    let evaluator = (probe.make)(Arc::new(program))?;
+    let evaluator = (probe.make)(program)?;
     let limits = [probe.scope.wall, probe.scope.gap];
     let is_mother =
         |mother: RegionId, daughter: RegionId| match [mother, daughter].map(|r| r.index().checked_sub(1)) {

@@ -1,5 +1,6 @@
 //! Ray sampling of a box for the checks.
 
+use super::share::{Outcome, Work};
 use super::{CheckSettings, Scope};
 use crate::AnalysisError;
 use crate::error::Make;
@@ -25,10 +26,19 @@ pub struct Probe<'a, E> {
     pub scope: Scope,
     progress: &'a mut dyn FnMut(u64),
     searches: u64,
+    /// The independent searches, by number: those that run here, and the results of the others.
+    pub work: Work<'a>,
+    /// The number of the next independent search.
+    pub next_search: u64,
+    /// The stream of random numbers of the independent search that runs, if one does.
+    stream: Option<u64>,
 }
 
+/// The number of random streams before those of independent searches: other searches are counted from 1.
+const STREAMS: u64 = 1 << 32;
+
 /// The thickest place of a solid along a ray.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thickest {
     pub thickness: f64,
     pub chord: MeasuredChord,
@@ -49,7 +59,36 @@ impl<'a, E: Evaluator> Probe<'a, E> {
             distance: or(settings.distance, 1e-9),
             ..Scope::default()
         };
-        Probe { make, settings, frame, scope, progress, searches: 0 }
+        let (work, stream) = (Work::All, None);
+        Probe { make, settings, frame, scope, progress, searches: 0, work, next_search: 0, stream }
+    }
+
+    /// Runs an independent search, which calls [`survey`](Self::survey) at most once, or takes its result from elsewhere. Its random
+    /// numbers depend on its number only.
+    pub fn independent(
+        &mut self,
+        search: impl FnOnce(&mut Self) -> Result<Outcome, AnalysisError>,
+    ) -> Result<Outcome, AnalysisError> {
+        let number = self.next_search;
+        self.next_search += 1;
+        let outcome = match &self.work {
+            Work::Range(range, _) if !range.contains(&number) => return Ok(Outcome::Nothing),
+            Work::Known(share) => share.get(number),
+            _ => None,
+        };
+        if let Some((rays, outcome)) = outcome {
+            self.scope.rays += rays;
+            return Ok(outcome);
+        }
+        let before = self.scope.rays;
+        self.stream = Some(STREAMS + number);
+        let outcome = search(self);
+        self.stream = None;
+        let (rays, outcome) = (self.scope.rays - before, outcome?);
+        if let Work::Range(_, share) = &mut self.work {
+            share.add(number, rays, outcome);
+        }
+        Ok(outcome)
     }
 
     /// Traces the rays of a survey through a box.
@@ -65,12 +104,12 @@ impl<'a, E: Evaluator> Probe<'a, E> {
         if bounds.is_empty() {
             return Ok(());
         }
-        self.searches += 1;
+        self.searches += u64::from(self.stream.is_none());
         let survey_settings = Survey {
             bounds,
             across,
             seed: self.settings.seed,
-            stream: self.searches,
+            stream: self.stream.unwrap_or(self.searches),
             threads: self.settings.threads,
             cancel: self.settings.cancel.clone(),
         };

@@ -8,7 +8,7 @@ use rayweave_error::{Classified, ErrorKind};
 pub enum MeasureError {
     /// A region is unbounded.
     #[error(
-        "{name} is unbounded in {axes}: it has no volume. Intersect it with a box, or measure it within one."
+        "{name} is unbounded in {axes}: it has no volume. Intersect it with a box, or measure the part within one: --within LO HI, in Python within=(lo, hi)."
     )]
     Unbounded {
         /// The region.
@@ -30,7 +30,7 @@ pub enum MeasureError {
     },
     /// The box of the measurement has no volume.
     #[error(
-        "the box extends from {lo:?} to {hi:?}: it must be finite, and hi must be greater than lo. Are its corners swapped?"
+        "the box extends from {lo:?} to {hi:?}: the first corner must be the lower one along x, y and z, and the box must be finite. Are its corners swapped?"
     )]
     BadBox {
         /// Its lower corner.

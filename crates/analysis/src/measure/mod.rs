@@ -46,6 +46,8 @@ pub use chord::MeasuredChord;
 pub use error::MeasureError;
 pub use estimate::{Estimate, Measured, Measurement};
 pub use exact::exact_volume;
-pub use run::{MeasureSettings, measure, one_medium_each};
-pub use scene::{RegionReport, SceneReport, measure_scene, report_shares, share_of_scene};
+pub use run::{MeasureProgress, MeasureSettings, measure, measure_with_progress, one_medium_each};
+pub use scene::{
+    RegionReport, SceneReport, measure_scene, measure_scene_with_progress, report_shares, share_of_scene,
+};
 pub use share::{MeasureShare, cell_count};

@@ -86,10 +86,33 @@ pub fn measure<E: Evaluator>(
     settings: &MeasureSettings,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Measurement, MeasureError> {
+    measure_with_progress(evaluator, settings, &mut |now| progress(now.rays))
+}
+
+/// The progress of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasureProgress {
+    /// The number of rays so far.
+    pub rays: u64,
+    /// The largest half-width of the volume of a region, relative to the volume; infinite before the first round.
+    pub precision: f64,
+}
+
+/// Like [`measure`]; `progress` receives the precision reached as well.
+///
+/// # Errors
+///
+/// The errors of [`measure`].
+pub fn measure_with_progress<E: Evaluator>(
+    evaluator: &E,
+    settings: &MeasureSettings,
+    progress: &mut dyn FnMut(MeasureProgress),
+) -> Result<Measurement, MeasureError> {
     let quantile = checked(settings)?;
     let program = evaluator.program();
     let count = program.regions().len();
-    let mut run = Run { evaluator, settings, progress, quantile, traced: 0, streams: 0 };
+    let reached = vec![f64::INFINITY; count];
+    let mut run = Run { evaluator, settings, progress, quantile, traced: 0, streams: 0, reached };
     let (boxes, whole) = boxes_of(program, settings)?;
     let mut results = vec![Joined::default(); count];
     if !whole.is_empty() {
@@ -213,10 +236,12 @@ impl Joined {
 struct Run<'a, E> {
     evaluator: &'a E,
     settings: &'a MeasureSettings,
-    progress: &'a mut dyn FnMut(u64),
+    progress: &'a mut dyn FnMut(MeasureProgress),
     quantile: f64,
     traced: u64,
     streams: u64,
+    /// The relative half-width of the volume of each region.
+    reached: Vec<f64>,
 }
 
 /// The boxes of the regions within the box of the settings, and the box around them.
@@ -372,6 +397,11 @@ impl<E: Evaluator> Run<'_, E> {
         let all = results.iter_mut().enumerate();
         for (region, joined) in all.filter(|(region, _)| is_wanted(*region)) {
             joined.join(&tallies.remove(&region).unwrap_or_default(), weight, bounds.centre(), rays);
+            let (mean, weights) = (joined.mean(), volume_weights());
+            let volume = mean.value(&weights);
+            // a region that no ray has crossed has no precision
+            let half_width = self.quantile * mean.deviation(&weights);
+            self.reached[region] = if volume > 0.0 { half_width / volume } else { 0.0 };
         }
         Ok(())
     }
@@ -380,6 +410,7 @@ impl<E: Evaluator> Run<'_, E> {
     fn cells(&mut self, cells: &Cells) -> Result<Sums, MeasureError> {
         let (count, mut sums) = (cells.count(), Sums::new());
         let (evaluator, traced, progress) = (self.evaluator, &mut self.traced, &mut self.progress);
+        let precision = self.reached.iter().copied().fold(0.0, f64::max);
         let tasks = (0..count.div_ceil(CELLS_PER_TASK))
             .map(|task| task * CELLS_PER_TASK..count.min((task + 1) * CELLS_PER_TASK));
         let work = |(scratch, batch): &mut (E::Scratch, RayBatch), range: Range<u64>| {
@@ -388,7 +419,7 @@ impl<E: Evaluator> Run<'_, E> {
         };
         let merge = |(rays, found): (u64, Sums)| {
             *traced += rays;
-            progress(*traced);
+            progress(MeasureProgress { rays: *traced, precision });
             for (region, tally) in found {
                 sums.entry(region).or_default().add(&tally, 1.0, 1.0);
             }

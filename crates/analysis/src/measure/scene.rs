@@ -2,7 +2,8 @@
 
 use super::share::MeasureShare;
 use super::{
-    Estimate, MeasureError, MeasureSettings, Measured, Measurement, exact_volume, measure, one_medium_each,
+    Estimate, MeasureError, MeasureProgress, MeasureSettings, Measured, Measurement, exact_volume,
+    measure_with_progress, one_medium_each,
 };
 use crate::AnalysisError;
 use crate::error::maker;
@@ -69,7 +70,24 @@ pub fn measure_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
     settings: &MeasureSettings,
     progress: &mut dyn FnMut(u64),
 ) -> Result<SceneReport, AnalysisError> {
-    measured_scene(scene, solid, make, settings, |evaluator| measure(evaluator, settings, progress))
+    measure_scene_with_progress(scene, solid, make, settings, &mut |now| progress(now.rays))
+}
+
+/// Like [`measure_scene`]; `progress` receives the precision reached as well.
+///
+/// # Errors
+///
+/// The errors of [`measure_scene`].
+pub fn measure_scene_with_progress<E: Evaluator, X: Classified + Send + Sync + 'static>(
+    scene: &Scene,
+    solid: Option<&str>,
+    make: impl Fn(Arc<Program>) -> Result<E, X>,
+    settings: &MeasureSettings,
+    progress: &mut dyn FnMut(MeasureProgress),
+) -> Result<SceneReport, AnalysisError> {
+    measured_scene(scene, solid, make, settings, |evaluator| {
+        measure_with_progress(evaluator, settings, progress)
+    })
 }
 
 /// Traces a range of the cells of a measurement with about `rays` rays ([`MeasureShare::trace`]) of the regions of a scene, or of one

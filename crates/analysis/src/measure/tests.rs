@@ -187,7 +187,7 @@ fn errors() {
     let rod = Solid::from(Primitive::from(Cylinder::new(1.0, f64::INFINITY).unwrap()));
     assert_eq!(
         message(&rod.named("rod"), quick()),
-        "rod is unbounded in z: it has no volume. Intersect it with a box, or measure it within one."
+        "rod is unbounded in z: it has no volume. Intersect it with a box, or measure the part within one: --within LO HI, in Python within=(lo, hi)."
     );
     assert!(message(&sphere(1e40), quick()).contains(" extends to 1e40: "));
     assert!(

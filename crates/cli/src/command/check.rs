@@ -1,17 +1,22 @@
 //! `rayweave check`: probable mistakes of a model.
 
 use super::photon_tables::SurfaceTableArguments;
-use crate::arguments::{GlobalArguments, ModelArguments, WithinArguments};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, WithinArguments, debug_hash};
 use crate::failure::Failure;
 use crate::{drawing, interrupt, interval, terminal};
 use clap::Args;
-use rayweave::check::{CheckReport, CheckSettings, Finding, FindingKind, Hierarchy, check, finding_section};
+use rayweave::check::{
+    CheckReport, CheckSettings, CheckShare, Finding, FindingKind, Hierarchy, check_share, check_with,
+    finding_section,
+};
 use rayweave::photon::lint;
 use rayweave::scene::Scene;
 use rayweave::section::section_svg;
+use rayweave::table::{Part, TableWriter};
 use rayweave::{AnyEvaluator, Packets};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 const AFTER_HELP: &str = "\
 Kinds of findings:
@@ -34,6 +39,9 @@ A file that cannot be read, for example because of an open mesh, is reported as 
 /// Pairs of parts that bounding boxes cannot separate are sampled with rays. Findings are certain; their absence depends on the
 /// density of rays (--cells). Each finding has a position, a size and a ray that shows it. With --fail-on, findings of the given
 /// kinds cause exit code 1.
+///
+/// With --range, only some of the searches in pairs of parts and operands run, and their results become a part; `rayweave merge`
+/// joins the parts, and --searches reports with them. The report is that of a check without parts.
 #[derive(Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Check {
@@ -81,6 +89,17 @@ pub struct Check {
     /// Write a picture of each located finding into this folder, cut along its ray
     #[arg(long, value_name = "FOLDER")]
     pictures: Option<PathBuf>,
+
+    #[command(flatten)]
+    part: PartArguments,
+
+    /// Output file of the results of the searches of --range
+    #[arg(short, long, value_name = "OUT", requires = "range")]
+    out: Option<PathBuf>,
+
+    /// Report with the results of all searches in this file, merged from parts, instead of searching again
+    #[arg(long, value_name = "FILE", conflicts_with = "range")]
+    searches: Option<PathBuf>,
 
     /// Maximum number of findings of each kind to print
     #[arg(long, value_name = "N", default_value_t = 20)]
@@ -133,15 +152,15 @@ impl Check {
         let places = |element, name: &str, property: &str| {
             imported.places.find(element, name, property).map(str::to_owned)
         };
+        let hierarchy = imported.stated.as_ref().and_then(|document| Hierarchy::of(document, &scene));
+        let run = Searches { check: self, scene: &scene, hierarchy: hierarchy.as_ref(), settings: &settings };
+        if self.part.range.is_some() {
+            return run.write(global);
+        }
         let tables = self.tables.tables()?;
         let optical =
             imported.stated.as_ref().map(|document| lint(&scene, document, &tables, Packets::new, &places));
-        let hierarchy = imported.stated.as_ref().and_then(|document| Hierarchy::of(document, &scene));
-        let bar = terminal::counter("rays", global.quiet);
-        let make = AnyEvaluator::maker(None);
-        let report = check(&scene, hierarchy.as_ref(), make, &settings, &mut |rays| bar.set_position(rays));
-        bar.finish_and_clear();
-        let mut report = report?;
+        let mut report = run.report(global)?;
         let stated = optical.into_iter().flatten().map(|finding| {
             let kind = if finding.is_unused { FindingKind::Unused } else { FindingKind::Optical };
             Finding::stated(kind, finding.to_string())
@@ -174,7 +193,11 @@ impl Check {
         for (number, finding) in (1..).zip(&report.findings) {
             if let Some(section) = finding_section(scene, finding, AnyEvaluator::maker(None), settings)? {
                 let svg = section_svg(&[section], &finding.text, report.unit.symbol());
-                drawing::save(&folder.join(format!("{number}-{}.svg", finding.kind.name())), &svg)?;
+                drawing::save(
+                    &folder.join(format!("{number}-{}.svg", finding.kind.name())),
+                    &svg,
+                    &finding.text,
+                )?;
             }
         }
         Ok(())
@@ -229,6 +252,86 @@ impl Check {
             },
         })
     }
+}
+
+/// The searches of a check: run here, or read from a file.
+struct Searches<'a> {
+    check: &'a Check,
+    scene: &'a Scene,
+    hierarchy: Option<&'a Hierarchy>,
+    settings: &'a CheckSettings,
+}
+
+impl Searches<'_> {
+    fn report(&self, global: &GlobalArguments) -> Result<CheckReport, Failure> {
+        let known = match &self.check.searches {
+            Some(path) => {
+                let share = read_check_share(path)?;
+                // a file of all searches has as many lines as there are searches
+                let part = self.part(0..share.len() as u64, share.len() as u64);
+                if !part.is_in(path) {
+                    let path = path.display();
+                    let text = format!(
+                        "{path} has other searches: it is not the complete result for this model, seed and settings. \
+                         Merge all parts."
+                    );
+                    return Err(Failure::Input(text));
+                }
+                share
+            }
+            None => CheckShare::default(),
+        };
+        let bar = terminal::counter("rays", global.quiet);
+        let (make, mut progress) = (AnyEvaluator::maker(None), |rays| bar.set_position(rays));
+        let report = check_with(self.scene, self.hierarchy, make, self.settings, &known, &mut progress);
+        bar.finish_and_clear();
+        Ok(report?)
+    }
+
+    /// Runs the searches of the range and writes their results.
+    fn write(&self, global: &GlobalArguments) -> Result<(), Failure> {
+        let (Some(range), Some(out)) = (&self.check.part.range, &self.check.out) else {
+            let text = "--range writes the results of its searches to a file: give --out.";
+            return Err(Failure::Usage(text.to_owned()));
+        };
+        TableWriter::check_part(out)?;
+        let part = self.part(range.clone(), range.end);
+        if self.check.part.is_done([(out.as_path(), &part)].into_iter(), global.quiet) {
+            return Ok(());
+        }
+        let bar = terminal::counter("rays", global.quiet);
+        let (make, mut progress) = (AnyEvaluator::maker(None), |rays| bar.set_position(rays));
+        let share =
+            check_share(self.scene, self.hierarchy, make, self.settings, range.clone(), &mut progress);
+        bar.finish_and_clear();
+        let (share, total) = share?;
+        self.part(range.clone(), total).write(out, share.to_text().as_bytes())?;
+        match global.quiet {
+            true => Ok(()),
+            false => terminal::print(&format!("{}: {} of {total} searches\n", out.display(), share.len())),
+        }
+    }
+
+    fn part(&self, range: Range<u64>, total: u64) -> Part {
+        let CheckSettings { distance, seed, most_pairs, .. } = self.settings;
+        let own = [
+            ("model", self.scene.content_hash()),
+            ("hierarchy", debug_hash(&self.hierarchy)),
+            ("seed", seed.to_string()),
+            ("distance", format!("{distance:?}")),
+            ("pairs", most_pairs.to_string()),
+            ("within", format!("{:?}", self.check.within.within)),
+        ];
+        Part::new("check", own.map(|(name, value)| (name.to_owned(), value)), range, total)
+    }
+}
+
+/// Reads a file of results of searches.
+pub fn read_check_share(path: &Path) -> Result<CheckShare, Failure> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::Input(format!("cannot read {}: {error}.", path.display())))?;
+    CheckShare::from_text(&text)
+        .ok_or_else(|| Failure::Input(format!("{} has no results of searches.", path.display())))
 }
 
 /// Scope of the check: proved and sampled parts.

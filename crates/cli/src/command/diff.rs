@@ -76,7 +76,7 @@ pub struct Diff {
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 
-    /// Picture of the thickest difference, cut open: .svg or .png
+    /// Picture of the thickest difference, cut open: .svg, .pdf, .png or .jpg
     #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
@@ -159,7 +159,7 @@ impl Diff {
     ) -> Result<(), Failure> {
         let section = diff_section(a, b, report, AnyEvaluator::maker(None), settings, self.plane)?;
         let title = format!("A {}, B {}", self.model.name(), self.other.display());
-        drawing::save(path, &section_svg(&[section], &title, report.unit.symbol()))
+        drawing::save(path, &section_svg(&[section], &title, report.unit.symbol()), &title)
     }
 
     fn as_text(&self, report: &DiffReport) -> String {

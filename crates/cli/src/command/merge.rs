@@ -1,10 +1,12 @@
 //! `rayweave merge`: the whole result from its parts.
 
+use super::check::read_check_share;
 use super::volume::read_share;
 use crate::arguments::GlobalArguments;
 use crate::failure::Failure;
 use crate::terminal;
 use clap::Args;
+use rayweave::check::CheckShare;
 use rayweave::measure::MeasureShare;
 use rayweave::render::png;
 use rayweave::table::PartSet;
@@ -49,6 +51,7 @@ impl Merge {
         match set.first().map(|part| part.query.as_str()) {
             Some("render") => stack(&set, out)?,
             Some("volume") => add(&set, out)?,
+            Some("check") => join(&set, out)?,
             _ => set.merge_tables(out)?,
         }
         if global.quiet {
@@ -97,6 +100,19 @@ fn add(set: &PartSet, out: &Path) -> Result<(), Failure> {
         }
     }
     let (Some(whole), Some(first)) = (whole, set.first()) else { return Ok(()) };
+    let mut part = first.clone();
+    part.range = 0..first.total;
+    Ok(part.write(out, whole.to_text().as_bytes())?)
+}
+
+/// Joins results of searches. The result is a part of its own, which `rayweave check --searches` reads.
+fn join(set: &PartSet, out: &Path) -> Result<(), Failure> {
+    set.check_whole()?;
+    let mut whole = CheckShare::default();
+    for (path, _) in set.parts() {
+        whole.append(read_check_share(path)?);
+    }
+    let Some(first) = set.first() else { return Ok(()) };
     let mut part = first.clone();
     part.range = 0..first.total;
     Ok(part.write(out, whole.to_text().as_bytes())?)

@@ -28,6 +28,7 @@ mod thickness;
 mod trace;
 mod tree;
 mod volume;
+mod watch;
 
 #[cfg(feature = "bench")]
 pub use bench::Bench;
@@ -53,3 +54,4 @@ pub use shapes::Shapes;
 pub use thickness::Thickness;
 pub use trace::Trace;
 pub use volume::Volume;
+pub use watch::Watch;

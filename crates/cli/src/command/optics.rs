@@ -53,7 +53,7 @@ pub struct Optics {
     #[arg(long, requires = "out")]
     phases: bool,
 
-    /// Drawing of the system, .svg or .png: a section of the solids, coloured by medium, with rays; rays with little power are faint
+    /// Drawing of the system, .svg, .pdf, .png or .jpg: a section of the solids, coloured by medium, with rays; rays with little power are faint
     #[arg(long, value_name = "DRAWING")]
     layout: Option<PathBuf>,
 
@@ -69,11 +69,11 @@ pub struct Optics {
     #[arg(long, value_name = "WHAT", requires = "layout", default_value = "wavelength")]
     colour: Colours,
 
-    /// Spot diagram, .svg or .png: the points where light crosses a sheet; for a lens file, one diagram per field
+    /// Spot diagram, .svg, .pdf, .png or .jpg: the points where light crosses a sheet; for a lens file, one diagram per field
     #[arg(long, value_name = "DRAWING")]
     spot: Option<PathBuf>,
 
-    /// Irradiance map, .svg or .png: power per area on a sheet, with a colour bar
+    /// Irradiance map, .svg, .pdf, .png or .jpg: power per area on a sheet, with a colour bar
     #[arg(long, value_name = "DRAWING")]
     map: Option<PathBuf>,
 
@@ -247,7 +247,7 @@ impl Optics {
         let Some(path) = &self.layout else { return Ok(()) };
         let options = LayoutOptions { plane: self.plane, rays: self.rays, colour: self.colour.into() };
         let layout = OpticalLayout::new(system, &optics.sources, &optics.settings, &options, Packets::new)?;
-        drawing::save(path, &layout.to_svg(&self.model.name(), unit))
+        drawing::save(path, &layout.to_svg(&self.model.name(), unit), &self.model.name())
     }
 
     /// The number of the selected sheet.
@@ -297,12 +297,12 @@ impl Optics {
                 true => spot_svg(spots, name, unit),
                 false => spots_svg(&named, name, unit),
             };
-            drawing::save(path, &drawing)?;
+            drawing::save(path, &drawing, &self.model.name())?;
         }
         match &self.map {
             Some(path) => {
                 let map = irradiance.clone().finish(self.bins.into());
-                drawing::save(path, &irradiance_svg(&map, name, unit))
+                drawing::save(path, &irradiance_svg(&map, name, unit), name)
             }
             None => Ok(()),
         }

@@ -100,7 +100,7 @@ pub struct Simulation {
     #[arg(long, value_name = "TABLE")]
     histories: Option<PathBuf>,
 
-    /// Drawing of tracks, .svg or .png: a section of the detector with the tracks of the first photons, coloured by wavelength
+    /// Drawing of tracks, .svg, .pdf, .png or .jpg: a section of the detector with the tracks of the first photons, coloured by wavelength
     #[arg(long, value_name = "DRAWING")]
     draw: Option<PathBuf>,
 
@@ -112,11 +112,11 @@ pub struct Simulation {
     #[arg(long, value_name = "N", requires = "draw", default_value_t = 100)]
     tracks: u64,
 
-    /// Maps of the hits of each sensor, .svg or .png
+    /// Maps of the hits of each sensor, .svg, .pdf, .png or .jpg
     #[arg(long, value_name = "DRAWING")]
     map: Option<PathBuf>,
 
-    /// Spectra of the times and wavelengths of the hits, .svg or .png
+    /// Spectra of the times and wavelengths of the hits, .svg, .pdf, .png or .jpg
     #[arg(long, value_name = "DRAWING")]
     spectra: Option<PathBuf>,
 
@@ -346,7 +346,7 @@ impl Simulation {
         let medium = |region| detector.medium(region);
         let layout = OpticalLayout::of_light(&evaluator, medium, histories.to_segments(), self.plane)?;
         let layout = layout.with_marks("detected", histories.detections().map(|row| row.position));
-        drawing::save(path, &layout.to_svg(&self.model.name(), "mm"))
+        drawing::save(path, &layout.to_svg(&self.model.name(), "mm"), &self.model.name())
     }
 
     fn draw_hits(&self, hits: &Hits) -> Result<(), Failure> {
@@ -354,13 +354,14 @@ impl Simulation {
         if let Some(path) = &self.map {
             let [x, y, z] = &hits.position;
             let hits = HitPositions { names: hits.paths(), sensors: &hits.sensor, positions: [x, y, z] };
-            drawing::save(path, &hit_maps_svg(hits, &name, "mm"))?;
+            drawing::save(path, &hit_maps_svg(hits, &name, "mm"), &name)?;
         }
         let Some(path) = &self.spectra else { return Ok(()) };
         let time = Histogram { name: "time", unit: "ns", values: &hits.time, is_wavelength: false };
         let wavelength =
             Histogram { name: "wavelength", unit: "nm", values: &hits.wavelength_nm, is_wavelength: true };
-        drawing::save(path, &histograms_svg(&[time, wavelength], &format!("Hits: {name}")))
+        let title = format!("Hits: {name}");
+        drawing::save(path, &histograms_svg(&[time, wavelength], &title), &title)
     }
 
     /// Runs the simulation; writes the tables of hits, steps and histories meanwhile.

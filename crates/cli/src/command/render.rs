@@ -28,7 +28,7 @@ pub struct Render {
     #[command(flatten)]
     subject: SubjectArguments,
 
-    /// Output file: .png, or .svg for sheets and legends; - is standard output [default: the name of the model file with .png, in the current folder]
+    /// Output file: .png or .jpg, and .svg or .pdf for sheets and legends; - is standard output [default: the name of the model file with .png, in the current folder]
     #[arg(short, long, value_name = "OUT")]
     out: Option<PathBuf>,
 
@@ -128,7 +128,7 @@ impl Render {
             Drawn::Picture(picture) => {
                 match &part {
                     Some(part) => part.write(&out, &picture.to_png())?,
-                    None => terminal::save(&out, &picture.to_png())?,
+                    None => drawing::save_picture(&out, &picture)?,
                 }
                 picture.size()
             }
@@ -141,6 +141,26 @@ impl Render {
             return Ok(());
         }
         terminal::print(&format!("{}: {} x {} pixels\n", out.display(), size.width(), size.height()))
+    }
+
+    /// Rejects arguments with which a picture cannot be drawn again and again.
+    pub fn check_repeatable(&self) -> Result<(), Failure> {
+        let text = match () {
+            () if self.model_file() == Path::new("-") => {
+                "standard input ends after one model: watch a file instead."
+            }
+            () if self.out.as_deref() == Some(Path::new("-")) => {
+                "standard output holds one picture: give the name of a file with -o."
+            }
+            () if self.part.range.is_some() => "--range draws a part of a picture: use `rayweave render`.",
+            () => return Ok(()),
+        };
+        Err(Failure::Usage(text.to_owned()))
+    }
+
+    /// The name of the model file.
+    pub fn model_file(&self) -> &Path {
+        &self.model.model
     }
 
     /// The model to draw, or one of its solids, cut or exploded as requested.
@@ -218,13 +238,14 @@ impl Render {
             return drawing::check(out).map(|()| out.clone());
         }
         let is_png = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-        match is_png || out == Path::new("-") {
-            true => Ok(out.clone()),
-            false => Err(Failure::Usage(format!(
-                "{}: unknown picture format: pictures are written as .png.",
-                out.display()
-            ))),
-        }
+        let text = match () {
+            () if is_png || out == Path::new("-") => return Ok(out.clone()),
+            () if !drawing::is_jpeg(out) => "unknown picture format: pictures are written as .png or .jpg",
+            () if self.kind != "colour" => "JPEG changes numbers: write them as .png",
+            () if self.part.range.is_some() => "rows of a JPEG picture cannot be joined: write them as .png",
+            () => return Ok(out.clone()),
+        };
+        Err(Failure::Usage(format!("{}: {text}.", out.display())))
     }
 
     fn options(&self) -> PictureOptions {

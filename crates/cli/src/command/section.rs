@@ -7,7 +7,8 @@ use crate::{drawing, interrupt};
 use clap::Args;
 use rayweave::scene::Scene;
 use rayweave::section::{
-    By, CrossSection, SectionPlane, SectionRun, SectionSettings, cross_sections, section_dxf, section_svg,
+    By, CrossSection, SectionPlane, SectionRun, SectionSettings, SectionStyle, cross_sections,
+    section_drawing, section_dxf,
 };
 use rayweave::{AnyEvaluator, Vec3};
 use serde_json::{Value, json};
@@ -15,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Cut a model by a plane, or a stack of planes: areas, contours, pictures, DXF
 ///
-/// Contours follow the surfaces within a tolerance. The table lists the area of each medium. An .svg or .png file is a picture,
+/// Contours follow the surfaces within a tolerance. The table lists the area of each medium. An .svg, .pdf, .png or .jpg file is a picture,
 /// coloured by medium, with a legend. A .dxf file has closed polylines on a layer for each medium, at the height of the plane.
 /// Pictures of a stack show at most 100 planes; a .dxf file contains all planes.
 #[derive(Args)]
@@ -57,7 +58,7 @@ pub struct Section {
     #[arg(long, value_name = "N", requires = "from", value_parser = clap::value_parser!(u32).range(2..))]
     count: Option<u32>,
 
-    /// Output file: .svg, .png, .dxf. May be repeated
+    /// Output file: .svg, .pdf, .png, .jpg, .dxf. May be repeated
     #[arg(short, long, value_name = "OUT")]
     out: Vec<PathBuf>,
 
@@ -68,6 +69,14 @@ pub struct Section {
     /// Scan the plane with at least this many columns; parts thinner than the column spacing may be missed
     #[arg(long, value_name = "N", default_value_t = 512, value_parser = clap::value_parser!(u32).range(2..=65536))]
     columns: u32,
+
+    /// Hatch the cut faces in pictures (ISO 128-50): each part in another direction or at another distance
+    #[arg(long)]
+    hatch: bool,
+
+    /// Add the overall width and height, rounded by the tolerance, to the picture of a single plane (ISO 129-1)
+    #[arg(long, conflicts_with = "from")]
+    dimensions: bool,
 
     /// Do not merge regions with the same medium
     #[arg(long)]
@@ -155,7 +164,11 @@ impl Section {
     fn save(&self, path: &Path, found: &[CrossSection], unit: &str) -> Result<(), Failure> {
         match is_dxf(path) {
             true => terminal::save(path, section_dxf(found, unit).as_bytes()),
-            false => drawing::save(path, &section_svg(found, &self.model.name(), unit)),
+            false => {
+                let style = SectionStyle { hatch: self.hatch, dimensions: self.dimensions };
+                let name = self.model.name();
+                drawing::save(path, &section_drawing(found, &name, unit, style), &name)
+            }
         }
     }
 
@@ -222,7 +235,9 @@ fn is_dxf(path: &Path) -> bool {
 fn check(path: &Path) -> Result<(), Failure> {
     let problem = || {
         let path = path.display();
-        Failure::Usage(format!("{path}: unknown format: sections are written as .svg, .png or .dxf."))
+        Failure::Usage(format!(
+            "{path}: unknown format: sections are written as .svg, .pdf, .png, .jpg or .dxf."
+        ))
     };
     (is_dxf(path) || drawing::is_drawing(path)).then_some(()).ok_or_else(problem)
 }

@@ -12,6 +12,22 @@ pub struct Shapes {
     name: Option<String>,
 }
 
+/// Solids of outlines, which are not primitives but are written like them: name, parameters, summary, page.
+const OUTLINES: [(&str, &str, &str, &str); 2] = [
+    (
+        "extrude",
+        "outline, height",
+        "an outline of edges and arcs moved along z",
+        include_str!("../pages/extrude.md"),
+    ),
+    (
+        "revolve",
+        "outline",
+        "an outline of edges and arcs revolved about z",
+        include_str!("../pages/revolve.md"),
+    ),
+];
+
 impl Shapes {
     pub fn run(&self) -> Result<(), Failure> {
         match &self.name {
@@ -27,11 +43,16 @@ fn list() -> String {
         let call = format!("{}({})", page.name, parameters.join(", "));
         vec![call, page.summary.to_owned()]
     };
-    let rows: Vec<Vec<String>> = MANUALS.iter().map(row).collect();
+    let outlines = OUTLINES
+        .map(|(name, parameters, summary, _)| vec![format!("{name}({parameters})"), summary.to_owned()]);
+    let rows: Vec<Vec<String>> = MANUALS.iter().map(row).chain(outlines).collect();
     terminal::table(&["shape", "is"], &rows, &[false, false])
 }
 
 fn page(name: &str) -> Result<String, Failure> {
+    if let Some((.., page)) = OUTLINES.iter().find(|(own, ..)| *own == name) {
+        return Ok((*page).to_owned());
+    }
     match manual(name) {
         Some(page) => Ok(format!("# {}\n\n{}\n", page.name, page.text.trim_end())),
         // the library composes the message for an unknown name

@@ -67,13 +67,6 @@ impl Thickness {
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let view = self.view.as_deref().and_then(|name| name.parse().ok());
         let options = PictureOptions { size: self.size, view, ..PictureOptions::default() };
-        let bar = terminal::progress_bar(None, Unit::Percent, global.quiet);
-        let mut progress = |done: usize| bar.set_position(done as u64);
-        let mut run = ThicknessRun {
-            threads: global.threads,
-            cancel: interrupt::token(),
-            progress: Some(&mut progress),
-        };
         let (camera, RenderOptions { size, .. }) = arrange(&scene, &compiled, &options)?;
         let part = self.part(&scene, size, debug_hash(&camera))?;
         if self.part.is_done(part.iter().map(|part| (self.out.as_path(), part)), global.quiet) {
@@ -81,6 +74,14 @@ impl Thickness {
         }
         let rows =
             part.as_ref().map_or(0..size.height(), |part| part.range.start as usize..part.range.end as usize);
+        let bar =
+            terminal::progress_bar(Some((size.width() * rows.len()) as u64), Unit::Percent, global.quiet);
+        let mut progress = |done: usize| bar.set_position(done as u64);
+        let mut run = ThicknessRun {
+            threads: global.threads,
+            cancel: interrupt::token(),
+            progress: Some(&mut progress),
+        };
         let ray = |x: usize, y: usize| camera.ray(size, x as f64 + 0.5, y as f64 + 0.5);
         let map = ThicknessMap::of_rows(&compiled, &evaluator, size.width(), rows, ray, &mut run);
         bar.finish_and_clear();

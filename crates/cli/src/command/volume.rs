@@ -4,12 +4,13 @@ use crate::arguments::{
     GlobalArguments, ModelArguments, PartArguments, SamplingArguments, SubjectArguments, WithinArguments,
 };
 use crate::failure::Failure;
-use crate::{interrupt, interval, terminal};
+use crate::terminal::{self, Sampling, Unit};
+use crate::{interrupt, interval};
 use clap::Args;
 use rayweave::AnyEvaluator;
 use rayweave::measure::{
-    Estimate, MeasureSettings, MeasureShare, RegionReport, SceneReport, cell_count, measure_scene,
-    report_shares, share_of_scene,
+    Estimate, MeasureProgress, MeasureSettings, MeasureShare, RegionReport, SceneReport, cell_count,
+    measure_scene_with_progress, report_shares, share_of_scene,
 };
 use rayweave::scene::Scene;
 use rayweave::table::{Part, TableWriter};
@@ -74,8 +75,6 @@ impl Volume {
         }
         let solid = self.subject.solid.as_deref();
         let make = AnyEvaluator::maker(self.subject.evaluator.as_deref());
-        let bar = terminal::counter("rays", global.quiet);
-        let mut progress = |rays| bar.set_position(rays);
         let report = match (self.total, &self.sums) {
             (Some(total), Some(sums)) => {
                 let share = self.read_sums(&scene, &settings, sums, total)?;
@@ -83,12 +82,20 @@ impl Volume {
             }
             (Some(total), None) => {
                 let all = 0..cell_count(total);
+                let bar = terminal::progress_bar(Some(2 * cell_count(total)), Unit::Percent, global.quiet);
+                let mut progress = |rays| bar.set_position(rays);
                 let share = share_of_scene(&scene, solid, &make, &settings, (total, all), &mut progress);
+                bar.finish_and_clear();
                 share.and_then(|share| report_shares(&scene, solid, &make, &settings, &share))
             }
-            _ => measure_scene(&scene, solid, make, &settings, &mut progress),
+            _ => {
+                let bar = Sampling::new(settings.precision, global.quiet);
+                let mut progress = |now: MeasureProgress| bar.show(now.rays, now.precision);
+                let report = measure_scene_with_progress(&scene, solid, make, &settings, &mut progress);
+                bar.finish();
+                report
+            }
         };
-        bar.finish_and_clear();
         let report = report?;
         terminal::print(&match self.json {
             true => format!("{:#}\n", self.as_json(&scene, &report)),
@@ -152,7 +159,8 @@ impl Volume {
             return Ok(());
         }
         let make = AnyEvaluator::maker(self.subject.evaluator.as_deref());
-        let bar = terminal::counter("rays", global.quiet);
+        let rays = 2 * (range.end - range.start);
+        let bar = terminal::progress_bar(Some(rays), Unit::Percent, global.quiet);
         let (solid, cells) = (self.subject.solid.as_deref(), (total, range.clone()));
         let share = share_of_scene(scene, solid, make, settings, cells, &mut |rays| bar.set_position(rays));
         bar.finish_and_clear();

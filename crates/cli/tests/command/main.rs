@@ -26,3 +26,4 @@ mod trace;
 mod tutorials;
 mod usage;
 mod volume;
+mod watch;

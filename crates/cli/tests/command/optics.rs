@@ -116,7 +116,7 @@ fn drawings_of_what_is_requested() {
     assert!(map.contains("Irradiance: lens") && map.contains("power 2 on"), "{map}");
     let drawn = |plane: &str| bench.says(&["optics", "plate.toml", "-q", "--layout", "-", "--plane", plane]);
     assert!(drawn("x=3").contains("section x = 3") && drawn("zx").contains("section y = 0"));
-    assert!(bench.fails(2, &["optics", "plate.toml", "--layout", "a.pdf"]).contains(".svg or .png"));
+    assert!(bench.fails(2, &["optics", "plate.toml", "--layout", "a.gif"]).contains(".png or .jpg"));
     let unknown = bench.fails(2, &["optics", "plate.toml", "--spot", "a.svg", "--detector", "scren"]);
     assert!(
         unknown.contains("no sheet is called `scren`: the names are lens, screen. Did you mean `screen`?"),

@@ -2,9 +2,10 @@
 
 use crate::bench::Bench;
 
-const COMMANDS: [&str; 20] = [
+const COMMANDS: [&str; 21] = [
     "new",
     "render",
+    "watch",
     "probe",
     "trace",
     "optics",
@@ -51,6 +52,14 @@ fn every_shape_has_a_page() {
         assert!(list.contains(&format!("\n{name}(")), "{name}: {list}");
         let page = bench.says(&["shapes", name]);
         assert!(page.starts_with(&format!("# {name}\n")) && page.contains("| parameter |"), "{page}");
+    }
+    for name in ["extrude", "revolve"] {
+        assert!(list.contains(&format!("\n{name}(outline")), "{name}: {list}");
+        // the example of the page is a model
+        let page = bench.says(&["shapes", name]);
+        let (_, example) = page.split_once("Example:\n").unwrap();
+        bench.write("example.toml", format!("rayweave = 1\n{example}"));
+        assert!(bench.says(&["info", "example.toml"]).contains("1 solid"));
     }
     let message = bench.fails(2, &["shapes", "torrus"]);
     assert!(message.contains("Did you mean `torus`?"), "{message}");

@@ -294,3 +294,48 @@ fn a_full_disk_leaves_no_part() {
     );
     assert_eq!(std::fs::read_dir(&disk).unwrap().count(), 0);
 }
+
+/// Searches of a check: the merged file is that of one run over all searches, and the report with it that of a run without parts.
+#[test]
+fn searches_of_checks() {
+    let bench = Bench::new();
+    let mut model = "rayweave = 1\n".to_owned();
+    for k in 0..6 {
+        let (x, name) = (f64::from(k) * 1.5, format!("b{k}"));
+        model += &format!("[solid._s{k}]\nsphere.radius = 1\n[solid._t{k}]\nsphere.radius = 0.5\n");
+        model += &format!("[solid.{name}]\nexpr = \"_s{k} | _t{k}\"\ntransform.translate = [{x}, 0, 0]\n");
+        model += &format!("[[region]]\nsolid = \"{name}\"\n");
+    }
+    bench.write("row.toml", model);
+    let arguments = ["check", "row.toml", "--cells", "16", "--seed", "5"];
+    let report = bench.json(&[&arguments[..], &["--json"]].concat());
+    let kinds =
+        |kind: &str| report["findings"].as_array().unwrap().iter().filter(|f| f["kind"] == kind).count();
+    assert_eq!((kinds("overlap"), kinds("absorbed")), (5, 6));
+    let said = bench.fails(2, &[&arguments[..], &["--range", "0:1000", "-o", "x"]].concat());
+    let total: u64 = said.split("the check has ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!(total > 10, "{said}");
+    bench.says(&[&arguments[..], &["--range", &format!("0:{total}"), "-o", "whole.txt"]].concat());
+    let mut random = ChaCha8Rng::seed_from_u64(29);
+    for _ in 0..3 {
+        let cuts = cuts(&mut random, total, 1);
+        let mut merge = vec!["merge".to_owned()];
+        for (k, cut) in cuts.windows(2).enumerate() {
+            let (range, name) = (format!("{}:{}", cut[0], cut[1]), format!("searches{k}.txt"));
+            let threads = random.random_range(1..4).to_string();
+            let part = ["--range", &range, "-o", &name, "-q", "--threads", &threads];
+            bench.says(&[&arguments[..], &part].concat());
+            merge.push(name);
+        }
+        merge.extend(["-o", "merged.txt"].map(str::to_owned));
+        bench.says(&merge.iter().map(String::as_str).collect::<Vec<_>>());
+        assert!(bench.bytes("merged.txt") == bench.bytes("whole.txt"), "{cuts:?}");
+    }
+    let merged = bench.json(&[&arguments[..], &["--searches", "merged.txt", "--json"]].concat());
+    assert_eq!(merged, report);
+    let other = ["check", "row.toml", "--cells", "16", "--seed", "6", "--searches", "merged.txt"];
+    assert!(bench.fails(3, &other).contains("other searches"));
+    let range = format!("0:{total}");
+    let resumed = [&arguments[..], &["--range", &range, "-o", "whole.txt", "--resume"]].concat();
+    assert!(bench.run(&resumed).err.contains("complete already"));
+}

@@ -286,7 +286,7 @@ fn histories_and_drawings() {
     let one = bench.read("one.csv");
     let whole: Vec<&str> = table.lines().filter(|line| line.starts_with("17,")).collect();
     assert_eq!(one.lines().skip(1).collect::<Vec<_>>(), whole);
-    assert!(bench.fails(2, &run(&["--draw", "a.pdf"])).contains(".svg or .png"));
+    assert!(bench.fails(2, &run(&["--draw", "a.gif"])).contains(".png or .jpg"));
     assert!(bench.fails(2, &run(&["--draw", "-", "--map", "-"])).contains("`-` is given more than once"));
     assert!(bench.fails(2, &run(&["--plane", "yz"])).contains("--draw"));
 }

@@ -169,7 +169,7 @@ fn wrong_views() {
     assert!(fails(&["--opacity", "glass=3"]).contains("from 0 to 1"));
     assert!(fails(&["--view", "sheet", "--kind", "depth"]).contains("are in colour"));
     assert!(fails(&["--view", "sheet", "--size", "40x40"]).contains("leave no room"));
-    assert!(fails(&["--legend", "-o", "a.pdf"]).contains(".svg or .png"));
+    assert!(fails(&["--legend", "-o", "a.gif"]).contains(".png or .jpg"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
 }
 
@@ -183,7 +183,36 @@ fn wrong_options() {
     assert!(fails(2, &["--samples", "0"]).contains("1..=16"));
     assert!(fails(2, &["--fov", "180"]).contains("the field of view is 180 degrees"));
     assert!(fails(2, &["--solid", "bell"]).contains("Did you mean `ball`?"));
-    assert!(fails(2, &["-o", "out.gif"]).contains("pictures are written as .png"));
+    assert!(fails(2, &["-o", "out.gif"]).contains("pictures are written as .png or .jpg"));
     assert!(fails(1, &["-o", "nowhere/out.png"]).contains("the folder nowhere does not exist"));
     assert_eq!(bench.files(), ["ball.toml", "cemented.toml"]);
+}
+
+/// Width and height of a JPEG file: those of its frame header (ITU-T T.81, B.2.2).
+fn jpeg_size(bytes: &[u8]) -> [usize; 2] {
+    let word = |at: usize| usize::from(bytes[at]) << 8 | usize::from(bytes[at + 1]);
+    let mut at = 2;
+    while bytes[at + 1] != 0xc0 {
+        at += 2 + word(at + 2);
+    }
+    [word(at + 7), word(at + 5)]
+}
+
+#[test]
+fn pictures_as_jpeg_and_pdf() {
+    let bench = Bench::new();
+    let said = bench.says(&["render", "ball.toml", "-o", "a.jpg", "--size", "60x40"]);
+    assert_eq!(said, "a.jpg: 60 x 40 pixels\n");
+    assert_eq!(jpeg_size(&bench.bytes("a.jpg")), [60, 40]);
+    bench.says(&["render", "ball.toml", "-o", "b.jpeg", "--size", "160x120", "--legend"]);
+    assert_eq!(jpeg_size(&bench.bytes("b.jpeg")), [160, 120]);
+    bench.says(&["render", "ball.toml", "-o", "c.pdf", "--size", "160x120", "--legend"]);
+    let pdf = String::from_utf8_lossy(&bench.bytes("c.pdf")).into_owned();
+    assert!(
+        pdf.starts_with("%PDF-") && pdf.contains("/Subtype /Image") && pdf.contains("/MediaBox [0 0 120 90]")
+    );
+    let fails = |more: &[&str]| bench.fails(2, &[&["render", "ball.toml", "-o", "x.jpg"], more].concat());
+    assert!(fails(&["--kind", "depth"]).contains("JPEG changes numbers"));
+    assert!(fails(&["--range", "0:10"]).contains("cannot be joined"));
+    assert_eq!(bench.files(), ["a.jpg", "b.jpeg", "ball.toml", "c.pdf", "cemented.toml"]);
 }

@@ -39,11 +39,19 @@ fn json_has_the_contours() {
 fn drawings_of_a_stack() {
     let bench = bench();
     let stack = ["--from", "-0.9", "--to", "0.9", "--count", "7"];
-    let outs = ["-o", "b.svg", "-o", "b.png", "-o", "b.dxf"];
+    let outs = ["-o", "b.svg", "-o", "b.png", "-o", "b.dxf", "-o", "b.pdf", "-o", "b.jpg"];
     let said = bench.says(&[&["section", "ball.toml"], &stack[..], &outs[..]].concat());
     assert_eq!(said.lines().filter(|line| line.starts_with("z = ")).count(), 7, "{said}");
     assert_eq!(bench.read("b.svg").matches("class=\"cut\"").count(), 7);
     assert!(bench.bytes("b.png").starts_with(b"\x89PNG"));
+    // the page has 3/4 points for each pixel of the drawing
+    let svg = bench.read("b.svg");
+    let side = |name: &str| svg.split(&format!("{name}=\"")).nth(1).unwrap().split('"').next().unwrap();
+    let [width, height] = ["width", "height"].map(|name| 0.75 * side(name).parse::<f64>().unwrap());
+    let pdf = String::from_utf8_lossy(&bench.bytes("b.pdf")).into_owned();
+    assert!(pdf.starts_with("%PDF-") && pdf.contains("(ball.toml)") && pdf.trim_end().ends_with("%%EOF"));
+    assert!(pdf.contains(&format!("/MediaBox [0 0 {width} {height}]")), "{width} {height}");
+    assert!(bench.bytes("b.jpg").starts_with(&[0xff, 0xd8, 0xff]));
     let dxf = bench.read("b.dxf");
     assert_eq!(dxf.matches("\nPOLYLINE\n").count(), 7);
     assert!(dxf.contains("\nLAYER\n2\nGLASS\n") && dxf.ends_with("0\nEOF\n"), "{dxf}");
@@ -70,7 +78,24 @@ fn refusals() {
     let placed = ["section", "ball.toml", "--plane", "x=0.5", "--from", "0", "--to", "0.5"];
     assert!(bench.fails(2, &placed).contains("--from and --to set the positions of a stack"));
     bench.fails(2, &["section", "ball.toml", "--from", "0", "--to", "1", "--step", "-1"]);
-    let failed = bench.fails(2, &["section", "ball.toml", "-o", "b.pdf"]);
-    assert!(failed.contains(".svg, .png or .dxf"), "{failed}");
+    let failed = bench.fails(2, &["section", "ball.toml", "-o", "b.gif"]);
+    assert!(failed.contains(".svg, .pdf, .png, .jpg or .dxf"), "{failed}");
     bench.fails(3, &["section", "none.toml"]);
+}
+
+#[test]
+fn cut_faces_are_hatched_and_dimensioned() {
+    let bench = bench();
+    bench.says(&["section", "cemented.toml", "--hatch", "--dimensions", "-o", "h.svg", "-o", "h.pdf"]);
+    let svg = bench.read("h.svg");
+    // three media, each with its own lines
+    let hatches: Vec<&str> = svg.lines().filter(|line| line.contains("class=\"hatch\"")).collect();
+    assert_eq!(hatches.len(), 3);
+    assert!(hatches.iter().all(|line| line.matches('L').count() > 5), "{svg}");
+    // the bath is a ball with the diameter 20
+    let values: Vec<&str> = svg.lines().filter(|line| line.contains("class=\"value\"")).collect();
+    assert!(values.len() == 2 && values.iter().all(|line| line.contains(">20")), "{values:?}");
+    assert!(values[1].contains("rotate(\u{2212}90") || values[1].contains("rotate(-90"), "{values:?}");
+    let stack = ["section", "ball.toml", "--from", "0", "--to", "0.5", "--dimensions"];
+    assert!(bench.fails(2, &stack).contains("cannot be used with"));
 }

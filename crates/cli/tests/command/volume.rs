@@ -80,7 +80,7 @@ fn within_a_box_a_rod_has_an_end() {
     let failed = bench.fails(3, &["volume", "block.toml", "--solid", "rod"]);
     assert!(
         failed.contains("unbounded in z")
-            && failed.contains("Intersect it with a box, or measure it within one."),
+            && failed.contains("Intersect it with a box, or measure the part within one: --within LO HI, in Python within=(lo, hi)."),
         "{failed}"
     );
     let within = ["--within", "-2,-2,0", "2,2,5", "--json"];

@@ -16,8 +16,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod dimension;
 mod dxf;
+mod hatch;
 mod svg;
 
 pub use dxf::section_dxf;
-pub use svg::section_svg;
+pub use svg::{SectionStyle, section_drawing, section_svg};

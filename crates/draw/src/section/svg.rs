@@ -1,5 +1,6 @@
 //! Cross-sections as SVG.
 
+use super::{dimension, hatch};
 use crate::legend::{self, Entry};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Svg};
@@ -22,6 +23,7 @@ const MAX_PANELS: usize = 100;
 
 const STYLE: &str = "\
 .cut { stroke: none; fill-rule: evenodd }
+.hatch { fill: none; stroke: currentColor; stroke-width: 0.6 }
 .outline { fill: none; stroke: #1d2733; stroke-width: 1; stroke-linejoin: round }
 @media (prefers-color-scheme: dark) {
 .cut { fill-opacity: 0.75 }
@@ -29,9 +31,23 @@ const STYLE: &str = "\
 }
 ";
 
+/// Additional contents of a drawing of sections.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SectionStyle {
+    /// Hatched cut faces (ISO 128-50), each part in another direction or at another distance; the colours are pale.
+    pub hatch: bool,
+    /// The overall width and height of a single section (ISO 129-1). Stacks have no dimensions.
+    pub dimensions: bool,
+}
+
 /// Draws one section, or a stack side by side: parts filled with their colours, a legend and a scale bar. Lengths are in `unit`.
 /// Of more than 100 sections, 100 evenly chosen ones are drawn.
 pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String {
+    section_drawing(sections, title, unit, SectionStyle::default())
+}
+
+/// Draws sections like [`section_svg`], with hatching or dimensions.
+pub fn section_drawing(sections: &[CrossSection], title: &str, unit: &str, style: SectionStyle) -> String {
     let shown = chosen(sections);
     let mut svg = Svg::default();
     svg.text("title", [MARGIN, MARGIN + 8.0], Anchor::Start, title, title);
@@ -43,17 +59,25 @@ pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String
     svg.text("tick", [WIDTH - MARGIN, MARGIN + 8.0], Anchor::End, &note, &note);
     let visible = Visible::new(sections);
     let (lo, hi) = window(sections, visible);
-    let grid = Grid::new(shown.len(), hi[0] - lo[0], hi[1] - lo[1]);
+    let has_dimensions = style.dimensions && shown.len() == 1;
+    let space = if has_dimensions { dimension::SPACE } else { 0.0 };
+    let grid = Grid::new(shown.len(), hi[0] - lo[0], hi[1] - lo[1], space);
     let plans = shown.iter().enumerate().map(|(k, section)| {
         let plan = Plan::new(lo, hi, grid.frame(k));
-        draw(&mut svg, &plan, section, visible);
+        draw(&mut svg, &plan, section, visible, style);
+        if has_dimensions {
+            let [left, top] = plan.position([lo[0], hi[1]]);
+            let [right, bottom] = plan.position([hi[0], lo[1]]);
+            let [width, height] = [0, 1].map(|k| dimension::value(hi[k] - lo[k], 2.0 * section.tolerance));
+            dimension::draw(&mut svg, [left, top, right, bottom], &width, &height);
+        }
         if shown.len() > 1 {
             let (label, name) = (section.plane.label(), section.plane.to_string());
             svg.text("tick", grid.label(k), Anchor::Middle, &label, &name);
         }
         plan
     });
-    let bottom = grid.bottom(plans.last().map_or(TITLE, |plan| plan.bottom));
+    let bottom = grid.bottom(plans.last().map_or(TITLE, |plan| plan.bottom)) + space;
     let plan = Plan::new(lo, hi, grid.frame(0));
     if let Some(first) = sections.first() {
         Plan::axes(&mut svg, [MARGIN + 4.0, bottom + BAR - 4.0], first.plane.axis_names());
@@ -61,7 +85,7 @@ pub fn section_svg(sections: &[CrossSection], title: &str, unit: &str) -> String
     plan.scale_bar(&mut svg, [WIDTH - MARGIN, bottom + BAR - 4.0], grid.width, unit);
     let height = legend::draw(&mut svg, &entries(sections, visible), bottom + BAR + ROW, WIDTH);
     let description = format!("Cross-sections, each medium in its own colour: {note}.");
-    svg.finish([WIDTH, height], title, &description, STYLE)
+    svg.finish([WIDTH, height], title, &description, &[STYLE, dimension::STYLE].concat())
 }
 
 fn chosen(sections: &[CrossSection]) -> Vec<&CrossSection> {
@@ -105,12 +129,17 @@ impl Visible {
     }
 }
 
-fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection, visible: Visible) {
+fn draw(svg: &mut Svg, plan: &Plan, section: &CrossSection, visible: Visible, style: SectionStyle) {
     let path = |part: &SectionPart| -> String {
         part.contours.iter().map(|contour| plan.path(contour, true)).collect()
     };
+    let opacity = if style.hatch { r#" fill-opacity="0.3""# } else { "" };
     for part in visible.parts(section) {
-        svg.path("cut", path(part), &format!(r#" fill="{}""#, paint(part.colour)));
+        svg.path("cut", path(part), &format!(r#" fill="{}"{opacity}"#, paint(part.colour)));
+    }
+    for (number, part) in visible.parts(section).enumerate().filter(|_| style.hatch) {
+        let place = |contour: &Vec<[f64; 2]>| contour.iter().map(|p| plan.position(*p)).collect();
+        svg.path("hatch", hatch::path(&part.contours.iter().map(place).collect::<Vec<_>>(), number), "");
     }
     for part in visible.parts(section) {
         svg.path("outline", path(part), "");
@@ -139,17 +168,19 @@ struct Grid {
     width: f64,
     height: f64,
     is_one: bool,
+    /// The space to the left of a single section.
+    space: f64,
 }
 
 impl Grid {
-    fn new(count: usize, wide: f64, high: f64) -> Grid {
+    fn new(count: usize, wide: f64, high: f64, space: f64) -> Grid {
         let all = count.max(1);
         // all panels together are about as wide as high
         let columns = ((all as f64 * 1.2 * high / wide).sqrt().ceil() as usize).clamp(1, all.min(12));
         let width = (WIDTH - 2.0 * MARGIN) / columns as f64;
         let most = if all == 1 { MAX_HEIGHT } else { width * 1.5 };
-        let available = if all == 1 { width } else { 0.9 * width };
-        Grid { columns, width, height: (available * high / wide).min(most), is_one: all == 1 }
+        let available = if all == 1 { width - space } else { 0.9 * width };
+        Grid { columns, width, height: (available * high / wide).min(most), is_one: all == 1, space }
     }
 
     fn corner(&self, k: usize) -> [f64; 2] {
@@ -160,7 +191,7 @@ impl Grid {
     fn frame(&self, k: usize) -> [f64; 4] {
         let [x, y] = self.corner(k);
         let margin = if self.is_one { 0.0 } else { 0.05 * self.width };
-        [x + margin, y, self.width - 2.0 * margin, self.height]
+        [x + margin + self.space, y, self.width - self.space - 2.0 * margin, self.height]
     }
 
     fn label(&self, k: usize) -> [f64; 2] {

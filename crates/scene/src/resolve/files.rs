@@ -9,7 +9,7 @@ use rayweave_mesh_io::{FileError, ReadOptions, read_allowed};
 use rayweave_model::memory;
 use rayweave_shape::primitive::Mesh;
 use rayweave_table::{AllowedFiles, NpyArray, NpyArrayError, RefusedFile};
-use std::io::BufReader;
+use std::io::{BufReader, Read};
 use std::path::Path;
 
 /// The maximum number of values in a file of placements.
@@ -30,6 +30,25 @@ pub(super) fn transforms(context: &mut Context, file: &Spanned<String>) -> Optio
             context.push(problem.why(reason), file.span);
             None
         }
+    }
+}
+
+/// The longest text of a drawing, in bytes.
+const MAX_TEXT: u64 = 64 << 20;
+
+/// Reads a text file in the folder of the model file. The error is a clause.
+pub(super) fn text(context: &Context, name: &str) -> Result<String, String> {
+    let files = context.document.files();
+    let opened = files.open(&files.folder().join(name)).map_err(|refused| match refused {
+        RefusedFile::Io(error) => reason(&error),
+        other => other.to_string(),
+    })?;
+    let mut text = String::new();
+    match opened.take(MAX_TEXT + 1).read_to_string(&mut text) {
+        Ok(length) if length as u64 > MAX_TEXT => Err(format!("it is larger than {} MiB", MAX_TEXT >> 20)),
+        Ok(_) => Ok(text),
+        Err(error) if error.kind() == std::io::ErrorKind::InvalidData => Err("it is not text".to_owned()),
+        Err(error) => Err(reason(&error)),
     }
 }
 

@@ -3,8 +3,10 @@
 mod context;
 mod files;
 mod numbers;
+mod outline;
 mod regions;
 mod solids;
+mod value;
 mod view;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};

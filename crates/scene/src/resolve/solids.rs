@@ -3,17 +3,20 @@
 use super::context::{Context, MAX_COPIES};
 use super::files;
 use super::numbers::{Numbers, cycle_text};
+use super::outline;
+use super::value::{value, wrong_type};
 use crate::datum::{Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
 use crate::expression::{Expression, ExpressionItem, Operator};
 use crate::fault::place_in;
+use crate::keys::{EXTRUDE, REVOLVE};
 use crate::number::Number;
 use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 use rayweave_math::{Affine, Vec3};
 use rayweave_model::{Copies, Solid};
-use rayweave_shape::primitive::{Primitive, ShapeError, Value, build as build_shape};
+use rayweave_shape::primitive::{Primitive, ShapeError, build as build_shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -317,6 +320,11 @@ fn shape(
     {
         return mesh(context, arguments, file);
     }
+    match keyword.value.as_str() {
+        EXTRUDE => return outline::extrude(context, numbers, arguments, keyword.span),
+        REVOLVE => return outline::revolve(context, numbers, arguments, keyword.span),
+        _ => {}
+    }
     let mut values = Vec::new();
     let mut complete = true;
     for (name, datum) in arguments {
@@ -375,46 +383,6 @@ fn place_of(error: &ShapeError, keyword: &Spanned<String>, arguments: &Table) ->
         }
     }
     place.span
-}
-
-fn value(context: &mut Context, numbers: &Numbers, name: &str, datum: &Spanned<Datum>) -> Option<Value> {
-    match &datum.value {
-        Datum::List(list) if list.iter().any(|item| matches!(item.value, Datum::List(_))) => {
-            let rows: Vec<_> = list.iter().map(|row| row_values(context, numbers, name, row)).collect();
-            rows.into_iter().collect::<Option<_>>().map(Value::Rows)
-        }
-        Datum::List(_) => row_values(context, numbers, name, datum).map(Value::Vector),
-        _ => scalar(context, numbers, name, datum).map(Value::Number),
-    }
-}
-
-fn row_values(
-    context: &mut Context,
-    numbers: &Numbers,
-    name: &str,
-    datum: &Spanned<Datum>,
-) -> Option<Vec<f64>> {
-    match &datum.value {
-        Datum::List(list) => {
-            let values: Vec<_> = list.iter().map(|item| scalar(context, numbers, name, item)).collect();
-            values.into_iter().collect()
-        }
-        other => wrong_type(context, name, other, "a list of numbers", datum.span),
-    }
-}
-
-fn scalar(context: &mut Context, numbers: &Numbers, name: &str, datum: &Spanned<Datum>) -> Option<f64> {
-    match &datum.value {
-        Datum::Number(value) => Some(*value),
-        Datum::Text(text) => numbers.text(context, text, datum.span),
-        other => wrong_type(context, name, other, "a number or an arithmetic expression", datum.span),
-    }
-}
-
-fn wrong_type<T>(context: &mut Context, name: &str, found: &Datum, wanted: &str, span: Span) -> Option<T> {
-    let problem = Diagnostic::error(format!("`{name}` is {}", found.description()));
-    context.push(problem.why(format!("it must be {wanted}")), span);
-    None
 }
 
 /// The transforms in order; each of them, and their product, must be invertible.

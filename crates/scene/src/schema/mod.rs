@@ -1,12 +1,14 @@
 //! The JSON schema of the model file, for completion and validation in editors.
 
 mod optics;
+mod outline;
 mod parts;
 mod photons;
 
 use crate::colour_names::COLOUR_NAMES;
 use crate::document::Shading;
 use crate::formats::native::VERSION;
+use crate::keys::{EXTRUDE, REVOLVE};
 use crate::unit::Unit;
 use parts::{list, reference, table, text};
 use rayweave_shape::primitive::{MANUALS, Manual, Parameter, ParameterKind};
@@ -55,7 +57,7 @@ pub fn schema() -> Value {
 }
 
 fn definitions() -> Value {
-    json!({
+    let mut definitions = json!({
         "number": {
             "description": "A number, or an arithmetic expression in parameters.",
             "type": ["number", "string"],
@@ -76,7 +78,11 @@ fn definitions() -> Value {
             "description": "Maps, applied in this order.",
             "anyOf": [{ "type": "array", "items": reference("step") }, reference("step")],
         },
-    })
+    });
+    for (name, definition) in outline::definitions() {
+        definitions[name] = definition;
+    }
+    definitions
 }
 
 fn solid() -> Value {
@@ -84,6 +90,8 @@ fn solid() -> Value {
     properties
         .insert("expr".into(), text("A boolean expression over names of solids: | & - ^ ~ and parentheses."));
     properties.insert("place".into(), place());
+    properties.insert(EXTRUDE.into(), outline::extrude());
+    properties.insert(REVOLVE.into(), outline::revolve());
     let shapes = MANUALS.iter().map(|manual| (manual.name.to_owned(), shape(manual)));
     properties.extend(shapes);
     let bodies: Vec<Value> = properties.keys().map(|key| json!({ "required": [key] })).collect();

@@ -17,39 +17,46 @@ use std::sync::Arc;
 type Reader = SerializedFileReader<File>;
 
 pub(super) fn merge(set: &PartSet, out: &Path) -> std::result::Result<(), TableError> {
-    let mut parts = Vec::with_capacity(set.parts().len());
-    for (path, _) in set.parts() {
+    // one part is open at a time: their number is not limited by that of open files
+    let open = |path: &Path| {
         let file = File::open(path).map_err(|error| TableError::io("read", path, error))?;
-        parts.push((path, Reader::new(file).map_err(|error| damaged(path, &error))?));
-    }
+        Reader::new(file).map_err(|error| damaged(path, &error))
+    };
     let Some(first) = set.first() else { return Ok(()) };
-    let mut columns = Vec::with_capacity(first.columns.len());
-    let mut names: Vec<Names> = Vec::with_capacity(first.columns.len());
-    for (number, column) in first.columns.iter().enumerate() {
-        let unknown =
-            || damaged(out, &ParquetError::General(format!("the type {} is unknown", column.dtype)));
-        let mut own = Names::default();
-        let dtype = match dtype(&column.dtype).ok_or_else(unknown)? {
-            DType::Name(_) => {
-                // a schema lists the names before the rows
-                for (path, reader) in &parts {
-                    own.read(reader, number).map_err(|error| damaged(path, &error))?;
-                }
-                DType::Name(own.list.iter().cloned().collect())
+    let types = first.columns.iter().map(|column| {
+        let unknown = || ParquetError::General(format!("the type {} is unknown", column.dtype));
+        dtype(&column.dtype).ok_or_else(|| damaged(out, &unknown()))
+    });
+    let types = types.collect::<std::result::Result<Vec<_>, TableError>>()?;
+    // a schema lists the names before the rows
+    let mut names: Vec<Names> = types.iter().map(|_| Names::default()).collect();
+    let is_named = |dtype: &DType| matches!(dtype, DType::Name(_));
+    if types.iter().any(is_named) {
+        for (path, _) in set.parts() {
+            let reader = open(path)?;
+            let named = names.iter_mut().zip(&types).enumerate().filter(|(_, (_, dtype))| is_named(dtype));
+            for (number, (own, _)) in named {
+                own.read(&reader, number).map_err(|error| damaged(path, &error))?;
             }
+        }
+    }
+    let columns = first.columns.iter().zip(types).zip(&names).map(|((column, dtype), own)| {
+        let dtype = match dtype {
+            DType::Name(_) => DType::Name(own.list.iter().cloned().collect()),
             dtype => dtype,
         };
-        columns.push(Column { name: column.name.clone(), dtype, unit: column.unit.clone() });
-        names.push(own);
-    }
+        Column { name: column.name.clone(), dtype, unit: column.unit.clone() }
+    });
+    let columns = columns.collect();
     let schema = Schema::new(columns)?;
     let mut whole = TableWriter::create(out, &schema)?;
-    for (path, reader) in &parts {
+    for (path, _) in set.parts() {
+        let reader = open(path)?;
         let before = whole.rows();
         for group in 0..reader.num_row_groups() {
             let values = schema.columns().iter().zip(&names).enumerate();
             let values = values.map(|(number, (column, names))| {
-                let values = read(reader, group, number, &column.dtype, names)?;
+                let values = read(&reader, group, number, &column.dtype, names)?;
                 Ok(shifted(values, &column.dtype, before))
             });
             let values = values.collect::<Result<_>>().map_err(|error| damaged(path, &error))?;

@@ -8,7 +8,7 @@ use crate::datum::{self, Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
 use crate::expression::is_reserved;
-use crate::keys::STEPS;
+use crate::keys::{EXTRUDE, REVOLVE, STEPS};
 use crate::number::{Number, written};
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
@@ -416,7 +416,9 @@ fn solid(mut fields: Fields, name: Spanned<String>) -> SolidEntry {
 
 fn body(mut fields: Fields) -> Option<Body> {
     let mut found = Vec::new();
-    for keyword in ["expr", "place"].into_iter().chain(MANUALS.iter().map(|manual| manual.name)) {
+    for keyword in
+        ["expr", "place", EXTRUDE, REVOLVE].into_iter().chain(MANUALS.iter().map(|manual| manual.name))
+    {
         found.extend(fields.take_entry(keyword));
     }
     if let [(first, _), (second, _), ..] = found.as_slice() {
@@ -440,15 +442,20 @@ fn body(mut fields: Fields) -> Option<Body> {
 /// Reports a solid without a known keyword.
 fn nothing_known(fields: Fields) -> Option<Body> {
     if fields.is_exhausted() {
-        let problem = Diagnostic::error("the solid has no shape").why("it needs a shape, `expr` or `place`");
+        let problem = Diagnostic::error("the solid has no shape")
+            .why("it needs a shape, `extrude`, `revolve`, `expr` or `place`");
         fields.problems.push(problem, fields.keys.span);
         return None;
     }
     let shapes: Vec<&str> = MANUALS.iter().map(|manual| manual.name).collect();
-    let names = ["expr", "place", "transform", "name"].into_iter().chain(shapes.iter().copied());
+    let names =
+        ["expr", "place", EXTRUDE, REVOLVE, "transform", "name"].into_iter().chain(shapes.iter().copied());
     for (key, _) in &fields.keys.rest {
         let problem = Diagnostic::error(format!("unknown shape `{}`", key.value))
-            .why(format!("the shapes are {}; a solid can also be an `expr` or a `place`", shapes.join(", ")))
+            .why(format!(
+                "the shapes are {}; a solid can also be an `extrude`, `revolve`, `expr` or `place`",
+                shapes.join(", ")
+            ))
             .suggest(did_you_mean(&key.value, names.clone()));
         fields.problems.push(problem, key.span);
     }
@@ -461,7 +468,7 @@ fn arguments(problems: &mut Problems, keyword: &Spanned<String>, datum: Spanned<
         _ => {
             let manual = MANUALS.iter().find(|manual| manual.name == keyword.value);
             let parameter =
-                manual.and_then(|manual| manual.parameters.first()).map_or("..", |first| first.name);
+                manual.and_then(|manual| manual.parameters.first()).map_or("outline", |first| first.name);
             let wanted = format!("a table of its parameters, such as {{ {parameter} = .. }}");
             problems.wrong_type(&keyword.value, &datum, &wanted);
             None

@@ -1,0 +1,207 @@
+//! Outlines with arcs against closed forms: areas, and the membership of points by signed distances.
+
+use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
+use rayweave_model::{Evaluator, Program, Solid};
+use rayweave_polygon::{Corner, Outline, OutlineError, Rim, Vertex};
+use rayweave_trace::Weave;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+fn rounded(points: &[[f64; 2]], corner: Corner) -> Vec<Vertex> {
+    points.iter().map(|at| Vertex { at: *at, bulge: 0.0, corner }).collect()
+}
+
+/// A rectangle of half sides `a` and `b`, with fillets of radius `r`.
+fn plate(a: f64, b: f64, r: f64) -> Vec<Vertex> {
+    rounded(&[[-a, -b], [a, -b], [a, b], [-a, b]], Corner::Fillet(r))
+}
+
+/// The signed distance of a point from this rectangle.
+fn from_plate([x, y]: [f64; 2], a: f64, b: f64, r: f64) -> f64 {
+    let (u, v) = (x.abs() - a + r, y.abs() - b + r);
+    u.max(v).min(0.0) + libm::hypot(u.max(0.0), v.max(0.0)) - r
+}
+
+/// Compares the membership of points with a function that is negative inside. Points nearer to 0 than 1e-9 are skipped.
+fn agrees(solid: &Solid, half: [f64; 3], seed: u64, depth: impl Fn([f64; 3]) -> f64) {
+    let weave = Weave::new(Arc::new(Program::compile(solid).unwrap()));
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let (mut inside, mut outside) = (0, 0);
+    for _ in 0..4000 {
+        let p = half.map(|h| rng.random_range(-h..h));
+        let expected = depth(p);
+        if expected.abs() < 1e-9 {
+            continue;
+        }
+        assert_eq!(weave.contains(p.into()), expected < 0.0, "{p:?} {expected}");
+        if expected < 0.0 { inside += 1 } else { outside += 1 }
+    }
+    assert!(inside > 200 && outside > 200, "{inside} {outside}");
+}
+
+#[test]
+fn areas_are_those_of_closed_forms() {
+    let (a, b, r) = (3.0, 2.0, 0.75);
+    let close = |outline: &Outline, area: f64| {
+        assert!((outline.area() - area).abs() < 1e-13 * area, "{} {area}", outline.area());
+    };
+    close(&Outline::new(&[plate(a, b, r)]).unwrap(), 4.0 * a * b - (4.0 - PI) * r * r);
+    // clockwise, with a chamfer: four triangles are cut off
+    let clockwise = rounded(&[[0.0, 0.0], [0.0, 4.0], [6.0, 4.0], [6.0, 0.0]], Corner::Chamfer(0.5));
+    close(&Outline::new(&[clockwise]).unwrap(), 24.0 - 4.0 * 0.125);
+    // the corner of an L is rounded to the other side
+    let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0]];
+    let mut bracket = rounded(&corners, Corner::Sharp);
+    bracket[3].corner = Corner::Fillet(0.5);
+    close(&Outline::new(&[bracket]).unwrap(), 7.0 + 0.25 * (1.0 - PI / 4.0));
+    // a slot: nothing is left of two edges
+    close(&Outline::new(&[plate(3.0, 1.0, 1.0)]).unwrap(), 8.0 + PI);
+    // an annulus with a pin in its hole
+    let rings = [3.0, 2.0, 1.0].map(|r| Vertex::circle([7.0, -2.0], r).to_vec());
+    close(&Outline::new(&rings).unwrap(), PI * (9.0 - 4.0 + 1.0));
+    // a thin crescent between a half circle and a flatter arc with the same ends: arcs are divided until the chords are apart
+    let arc = |x: f64, bulge: f64| Vertex { at: [x, 0.0], bulge, corner: Corner::Sharp };
+    let segment = |bulge: f64| {
+        let (half, radius) = (2.0 * libm::atan(bulge), (1.0 + bulge * bulge) / (2.0 * bulge));
+        radius * radius * (half - libm::sin(half) * libm::cos(half))
+    };
+    close(&Outline::new(&[vec![arc(1.0, 1.0), arc(-1.0, -0.9)]]).unwrap(), segment(1.0) - segment(0.9));
+}
+
+#[test]
+fn prisms_contain_the_points_of_the_outline() {
+    let (a, b, r) = (3.0, 2.0, 0.75);
+    let outline = Outline::new(&[plate(a, b, r), Vertex::circle([1.0, 0.25], 0.8).to_vec()]).unwrap();
+    let flat =
+        |p: [f64; 3]| from_plate([p[0], p[1]], a, b, r).max(0.8 - libm::hypot(p[0] - 1.0, p[1] - 0.25));
+    let prism = outline.extrude(-1.0, 1.5, [Rim::Sharp; 2]).unwrap();
+    agrees(&prism, [3.5, 2.5, 2.0], 1, |p| flat(p).max(p[2] - 1.5).max(-1.0 - p[2]));
+    // arcs that bulge inwards, and one of more than a half turn
+    let at = |x: f64, y: f64, bulge: f64| Vertex { at: [x, y], bulge, corner: Corner::Sharp };
+    let key = vec![
+        at(-2.0, -1.0, -0.4),
+        at(2.0, -1.0, 0.0),
+        at(2.0, 1.0, 0.0),
+        at(0.5, 1.0, 2.0),
+        at(-0.5, 1.0, 0.0),
+        at(-2.0, 1.0, 0.0),
+    ];
+    let key = Outline::new(&[key]).unwrap();
+    let disc = |p: [f64; 3], bulge: f64, y: f64, half: f64| {
+        let (radius, up) =
+            (half * (1.0 + bulge * bulge) / (2.0 * bulge), half * (1.0 - bulge * bulge) / (2.0 * bulge));
+        libm::hypot(p[0], p[1] - y - up) - radius
+    };
+    agrees(&key.extrude(-1.0, 1.0, [Rim::Sharp; 2]).unwrap(), [2.5, 2.6, 1.2], 2, |p| {
+        let rectangle = (p[0].abs() - 2.0).max(p[1].abs() - 1.0);
+        // the arcs are mirrored: that at the top bulges upwards, and that at the bottom upwards too
+        let head = disc([p[0], 2.0 - p[1], 0.0], 2.0, 1.0, 0.5).max(1.0 - p[1]);
+        let bite = disc([p[0], -p[1], 0.0], 0.4, 1.0, 2.0);
+        rectangle.max(-bite).min(head).max(p[2].abs() - 1.0)
+    });
+}
+
+/// The rim of an outline with rounded corners has a constant distance from the walls.
+#[test]
+fn rims_follow_the_distance_from_the_walls() {
+    let (a, b, r, w) = (3.0, 2.0, 0.9, 0.5);
+    let outline = Outline::new(&[plate(a, b, r), Vertex::circle([0.75, 0.25], 0.6).to_vec()]).unwrap();
+    let flat =
+        |p: [f64; 3]| from_plate([p[0], p[1]], a, b, r).max(0.6 - libm::hypot(p[0] - 0.75, p[1] - 0.25));
+    let solid = outline.extrude(-1.0, 1.0, [Rim::Chamfer(w), Rim::Fillet(w)]).unwrap();
+    agrees(&solid, [3.2, 2.2, 1.2], 3, |p| {
+        let wall = flat(p);
+        let chamfer = wall - (p[2] + 1.0) + w;
+        let (u, v) = (wall + w, p[2] - 1.0 + w);
+        let fillet = u.max(v).min(0.0) + libm::hypot(u.max(0.0), v.max(0.0)) - w;
+        chamfer.max(fillet).max(-1.0 - p[2])
+    });
+}
+
+/// At sharp corners, rims meet in mitres: the walls are moved, and the corners with them.
+#[test]
+fn rims_meet_in_mitres() {
+    let corners = [[-2.0, -2.0], [2.0, -2.0], [2.0, 0.0], [0.0, 0.0], [0.0, 2.0], [-2.0, 2.0]];
+    let bracket = Outline::new(&[rounded(&corners, Corner::Sharp)]).unwrap();
+    let w = 0.5;
+    // the inner corner of the L is mitred as well
+    let flat = |p: [f64; 3]| {
+        let outer = (p[0].abs() - 2.0).max(p[1].abs() - 2.0);
+        outer.max(p[0].min(p[1]))
+    };
+    let solid = bracket.extrude(-1.0, 1.0, [Rim::Fillet(w), Rim::Chamfer(w)]).unwrap();
+    agrees(&solid, [2.2, 2.2, 1.1], 4, |p| {
+        let wall = flat(p);
+        let chamfer = wall + p[2] - 1.0 + w;
+        let (u, v) = (wall + w, -p[2] - 1.0 + w);
+        let fillet = u.max(v).min(0.0) + libm::hypot(u.max(0.0), v.max(0.0)) - w;
+        chamfer.max(fillet).max(p[2].abs() - 1.0)
+    });
+}
+
+#[test]
+fn revolved_outlines_are_cones_tori_and_spheres() {
+    // a rounded rectangle around the point (3, 0) of the half-plane
+    let (a, b, r) = (1.0, 1.5, 0.5);
+    let ring: Vec<Vertex> =
+        plate(a, b, r).into_iter().map(|v| Vertex { at: [v.at[0] + 3.0, v.at[1]], ..v }).collect();
+    let ring = Outline::new(&[ring]).unwrap();
+    let radius = |p: [f64; 3]| libm::hypot(p[0], p[1]);
+    agrees(&ring.revolve(0.0, 360.0).unwrap(), [4.5, 4.5, 2.0], 5, |p| {
+        from_plate([radius(p) - 3.0, p[2]], a, b, r)
+    });
+    // a quarter of it
+    agrees(&ring.revolve(0.0, 90.0).unwrap(), [4.5, 4.5, 2.0], 6, |p| {
+        from_plate([radius(p) - 3.0, p[2]], a, b, r).max(-p[0]).max(-p[1])
+    });
+    // a half disc, and one with a conical end
+    let at = |x: f64, y: f64, bulge: f64| Vertex { at: [x, y], bulge, corner: Corner::Sharp };
+    let drop =
+        Outline::new(&[vec![at(0.0, -2.0, 0.0), at(1.0, 0.0, 0.414_213_562_373_095_05), at(0.0, 1.0, 0.0)]])
+            .unwrap();
+    agrees(&drop.revolve(0.0, 360.0).unwrap(), [1.2, 1.2, 2.2], 7, |p| {
+        let ball = libm::hypot(radius(p), p[2]) - 1.0;
+        if p[2] > 0.0 { ball } else { radius(p) - 0.5 * (p[2] + 2.0) }
+    });
+    // an ogive: its arc has a centre beyond the axis, and is made of chords within 1e-6 of the height
+    let bulge = libm::tan(0.25 * PI / 3.0);
+    let ogive =
+        Outline::new(&[vec![at(0.0, 0.0, 0.0), at(1.0, 0.0, bulge), at(0.0, 3.0_f64.sqrt(), 0.0)]]).unwrap();
+    let exact = |p: [f64; 3]| (libm::hypot(radius(p) + 1.0, p[2]) - 2.0).max(-p[2]);
+    agrees(&ogive.revolve(0.0, 360.0).unwrap(), [1.1, 1.1, 2.0], 8, |p| {
+        let depth = exact(p);
+        if depth.abs() < 4e-6 { 0.0 } else { depth }
+    });
+}
+
+#[test]
+fn impossible_outlines_are_errors() {
+    let square = |corner| rounded(&[[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]], corner);
+    let fails = |contours: &[Vec<Vertex>]| Outline::new(contours).unwrap_err();
+    assert!(matches!(fails(&[square(Corner::Fillet(2.5))]), OutlineError::NoRoom { vertex: 1, .. }));
+    assert!(matches!(fails(&[square(Corner::Fillet(-1.0))]), OutlineError::NotPositive { vertex: 0, .. }));
+    assert!(matches!(
+        fails(&[rounded(&[[0.0, 0.0], [1.0, 0.0]], Corner::Sharp)]),
+        OutlineError::NoArea { contour: 0 }
+    ));
+    let bow = rounded(&[[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]], Corner::Sharp);
+    assert!(matches!(fails(&[bow]), OutlineError::Touching { first: (0, _), .. }));
+    // a hole that reaches over an edge, by its arc only
+    let hole = Vertex::circle([2.0, 0.5], 0.51).to_vec();
+    assert!(matches!(fails(&[square(Corner::Sharp), hole]), OutlineError::Touching { .. }));
+    assert!(Outline::new(&[square(Corner::Sharp), Vertex::circle([2.0, 0.5], 0.49).to_vec()]).is_ok());
+    let mut arc = square(Corner::Sharp);
+    (arc[0].bulge, arc[1].corner) = (0.5, Corner::Fillet(0.5));
+    assert!(matches!(fails(&[arc]), OutlineError::CornerAtArc { vertex: 1, .. }));
+    let mut infinite = square(Corner::Sharp);
+    infinite[2].at[1] = f64::NAN;
+    assert!(matches!(fails(&[infinite]), OutlineError::NotFinite { vertex: 2, .. }));
+    let outline = Outline::new(&[square(Corner::Fillet(0.5))]).unwrap();
+    let rim = |rims| outline.extrude(0.0, 1.0, rims).unwrap_err();
+    assert!(matches!(rim([Rim::Sharp, Rim::Fillet(0.6)]), OutlineError::Rim { .. }));
+    assert!(matches!(rim([Rim::Chamfer(0.5), Rim::Fillet(0.501)]), OutlineError::RimHeight { .. }));
+    assert!(matches!(rim([Rim::Chamfer(f64::NAN), Rim::Sharp]), OutlineError::Rim { .. }));
+    assert!(outline.extrude(1.0, 0.0, [Rim::Sharp; 2]).is_err());
+    let left = Outline::new(&[Vertex::circle([1.0, 0.0], 1.25).to_vec()]).unwrap();
+    assert!(matches!(left.revolve(0.0, 360.0), Err(OutlineError::Axis { contour: 0, x }) if x == -0.25));
+}
