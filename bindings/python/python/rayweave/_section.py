@@ -15,6 +15,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
 from rayweave._table import Rows
+from rayweave._whole import whole
 
 
 @overload
@@ -92,7 +93,7 @@ def section(
         None if at is None else np.asarray(at, dtype=np.float64).ravel().tolist(),
         by,
         tolerance,
-        columns,
+        whole(columns, "columns", bits=32),
         corners(within),
         evaluator,
         threads,

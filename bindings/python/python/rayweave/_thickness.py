@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._model import Subject
+from rayweave._whole import whole
 
 _Array = NDArray[np.float64]
 
@@ -65,5 +66,13 @@ def thickness(
     Without these, attenuation is proportional to `density` or, without densities, equal for all media, scaled so that 5
     % pass where most is absorbed.
     """
-    media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, size, evaluator, threads)
+    pixels = None
+    if size is not None:
+        try:
+            width, height = size
+        except (TypeError, ValueError):
+            needed = "it must be two whole numbers, the width and the height in pixels."
+            raise TypeError(f"size is {size!r}: {needed}") from None
+        pixels = whole(width, "the width", bits=32), whole(height, "the height", bits=32)
+    media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, pixels, evaluator, threads)
     return Thickness(tuple(media), lengths, radiograph, np.array(attenuation), unit)
