@@ -151,4 +151,7 @@ fn planes_windows_and_their_errors() {
     assert!(matches!(fails(SectionWindow::new([0.0; 2], [0.0, 1.0])), SectionError::Window { .. }));
     assert!(matches!(fails(SectionWindow::new([f64::NAN; 2], [1.0; 2])), SectionError::Window { .. }));
     assert!(matches!(fails(SectionWindow { tolerance: 0.0, ..window() }), SectionError::Tolerance { .. }));
+    for columns in [0, 1, 65_537] {
+        assert_eq!(fails(SectionWindow { columns, ..window() }), SectionError::Columns { columns });
+    }
 }

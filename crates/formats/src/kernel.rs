@@ -19,7 +19,8 @@ fn to_kernel(v: Vec3) -> KernelVec {
 }
 
 impl Body {
-    pub fn from_triangles(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Body, String> {
+    /// The solid inside a closed mesh; `None` if it has no interior beyond rounding errors.
+    pub fn from_triangles(points: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Option<Body>, String> {
         let raw = raw(&points, &triangles);
         let strict = Manifold::from_mesh_gl64(&raw);
         let made = match strict.status() {
@@ -27,10 +28,10 @@ impl Body {
             Error::NotManifold => Manifold::from_mesh_gl64_robust(&raw),
             _ => strict,
         };
-        Body::checked(made)?.ok_or_else(|| "a shape without an interior".to_owned())
+        Body::checked(made)
     }
 
-    pub fn from_polyhedron(solid: &Polyhedron) -> Result<Body, String> {
+    pub fn from_polyhedron(solid: &Polyhedron) -> Result<Option<Body>, String> {
         let mesh = solid.to_mesh();
         let turned = mesh.repaired(&RepairOptions::default().with_fill(false));
         let (points, triangles) = turned.map_or(mesh, |(mesh, _)| mesh).into_parts();
@@ -114,9 +115,10 @@ impl Body {
         }
     }
 
-    pub fn placed(&self, map: &Affine) -> Result<Body, String> {
+    /// The image under a map; `None` if it has no interior beyond rounding errors.
+    pub fn placed(&self, map: &Affine) -> Result<Option<Body>, String> {
         if *map == Affine::IDENTITY {
-            return Ok(self.clone());
+            return Ok(Some(self.clone()));
         }
         let mesh = self.0.get_mesh_gl64(-1);
         let (points, mut triangles) = parts(&mesh);

@@ -163,10 +163,14 @@ impl<'a> Import<'a> {
                 Some(solid)
             }
             Err(error) => {
-                let problem = Diagnostic::error(format!("{what} is not a solid: {error}")).why(diagnosis);
-                let advice = "try `--repair` (`repair=True` in Python)".to_owned();
-                let advice = (!self.options.repair && error != MeshError::Flat).then_some(advice);
-                self.problems.push(problem.suggest(advice).in_file(self.source));
+                let problem = Diagnostic::error(format!("{what} is not a solid"));
+                let (reason, advice) = error.parts();
+                let advice = match !self.options.repair && error != MeshError::Flat {
+                    true => "try `--repair` (`repair=True` in Python)".to_owned(),
+                    false => advice,
+                };
+                let problem = problem.why(format!("{reason} ({diagnosis})")).suggest(Some(advice));
+                self.problems.push(problem.in_file(self.source));
                 None
             }
         }

@@ -320,6 +320,12 @@ fn a_failed_write_has_a_reason() {
     let fine = WriteOptions { tolerance: Some(1e-12), text: false };
     let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
     assert!(refused.contains("a circle needs more than 20000 vertices"), "{refused}");
+    let fine = WriteOptions { tolerance: Some(1e-7), text: false };
+    let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
+    assert!(refused.contains("it needs more than 4194304 vertices"), "{refused}");
+    // a mesh without triangles cannot be read back
+    let empty = write(&scene(&[]), None, Format::Mesh(MeshFormat::Obj), &WriteOptions::default());
+    assert!(empty.unwrap_err().to_string().starts_with("the model is empty: a file of the format obj needs"));
 }
 
 /// Volume by lines along z through the cells of a grid.

@@ -58,3 +58,28 @@ pub enum MeshError {
         at: Vec3,
     },
 }
+
+impl MeshError {
+    /// The message in two parts: the problem with its reason, and the suggestion.
+    pub fn parts(&self) -> (String, String) {
+        let mut text = self.to_string();
+        // every message ends with a suggestion of one sentence
+        let suggestion = text.rfind(". ").map(|end| text.split_off(end + 1)).unwrap_or_default();
+        (text.trim_end_matches('.').to_owned(), suggestion.trim_start().to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_have_two_parts() {
+        let open = MeshError::Open { edges: 2, at: Vec3::new(0.5, 1.0, 0.0) };
+        for error in [MeshError::Empty, MeshError::Flat, open] {
+            let (problem, suggestion) = error.parts();
+            assert_eq!(format!("{problem}. {suggestion}"), error.to_string());
+            assert!(problem.starts_with("the mesh ") && suggestion.split(' ').count() > 1, "{error}");
+        }
+    }
+}

@@ -155,10 +155,11 @@ fn group_size<'a>(
             known.insert(address, size);
             continue;
         };
+        // also counted if the solid is known: a union of many references to one solid takes that many steps in each context
+        frame.size.visits += 1;
         if solid.is_shared() && !frame.seen.insert(solid.address()) {
             continue;
         }
-        frame.size.visits += 1;
         match solid.node() {
             Node::Empty | Node::Universe => {}
             Node::Primitive(shape) => frame.size.leaves += weight(shape),
@@ -256,6 +257,15 @@ mod tests {
         check_repetition(&described.iter().collect::<Vec<_>>()).unwrap();
         let many = Solid::union((0..20).map(|k| one.translate([f64::from(k), 0.0, 0.0])));
         assert!(check_repetition(&[&many]).is_err());
+    }
+
+    /// The references to a shared solid count in each context.
+    #[test]
+    fn references_in_many_contexts_count() {
+        let ball = Solid::from(build("sphere", &[("radius", 1.0.into())]).unwrap());
+        let many = Solid::union((0..1000).map(|_| ball.clone()));
+        let rows = Solid::union((0..1000).map(|k| (&ball | &many).translate([f64::from(k), 0.0, 0.0])));
+        assert!(rows.has_more_leaves_than(50_000) && !rows.has_more_leaves_than(100_000));
     }
 
     #[test]

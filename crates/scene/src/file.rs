@@ -161,18 +161,28 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     if metadata.is_dir() {
         return Err("it is a folder".to_owned());
     }
+    match metadata.len() > MAX_FILE_BYTES {
+        true => Err(too_large()),
+        false => read_stream(file),
+    }
+}
+
+/// Reads the bytes of a stream of unknown length, at most 256 MiB, for readers of model files.
+///
+/// # Errors
+///
+/// The reason why it cannot be read, as a clause for use in a message.
+pub fn read_stream(stream: impl Read) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
-    let mut is_too_large = metadata.len() > MAX_FILE_BYTES;
-    if !is_too_large {
-        // the size of a pipe is not known in advance
-        let mut limited = file.take(MAX_FILE_BYTES + 1);
-        let count = limited.read_to_end(&mut bytes);
-        is_too_large = count.map_err(|error| reason(&error))? as u64 > MAX_FILE_BYTES;
+    let count = stream.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(|error| reason(&error))?;
+    match count as u64 > MAX_FILE_BYTES {
+        true => Err(too_large()),
+        false => Ok(bytes),
     }
-    if is_too_large {
-        return Err(format!("it is larger than {} MiB", MAX_FILE_BYTES >> 20));
-    }
-    Ok(bytes)
+}
+
+fn too_large() -> String {
+    format!("it is larger than {} MiB", MAX_FILE_BYTES >> 20)
 }
 
 impl Document {

@@ -65,7 +65,7 @@ pub use diagnostic::{Diagnostic, Diagnostics, Severity};
 pub use document::*;
 pub use error::SceneError;
 pub use expression::{Expression, ExpressionItem, Operator};
-pub use file::{load, load_allowing, load_scene, parse, parse_allowing, parse_with, read_bytes};
+pub use file::{load, load_allowing, load_scene, parse, parse_allowing, parse_with, read_bytes, read_stream};
 pub use formats::povray::{PovRay, PovRayError};
 pub use number::Number;
 pub use resolve::reason;

@@ -203,7 +203,7 @@ fn shapes() {
     );
     check(
         "[solid.s]\nconvex = { planes = [[1, 0, 0, 1], [0, 0, 0, 1]] }",
-        "3:36 convex: planes[1] is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?",
+        "3:36 convex: planes[1] has length zero: a normal must have a direction. Did you mean [0, 0, 1]?",
     );
     check(
         "[solid.s]\nsphere = { radius = true }",
@@ -288,7 +288,7 @@ fn placements() {
     );
     check(
         &place("solid = 's', grid = [2, 2.5, 0], step = [1, 1, 1]"),
-        "5:35 the number is 2.5: it must be a whole number from 1 to 2097152.\n5:40 the number is 0: it must be a whole number from 1 to 2097152.",
+        "5:35 a number of `grid` is 2.5: it must be a whole number from 1 to 2097152.\n5:40 a number of `grid` is 0: it must be a whole number from 1 to 2097152.",
     );
     check(
         &place("solid = 's', grid = [4000, 4000, 4000], step = [1, 1, 1]"),
@@ -320,9 +320,14 @@ fn placements() {
 #[test]
 fn regions_and_media() {
     let model = |text: &str| format!("[solid.lens]\nsphere = {{ radius = 1 }}\n{text}");
+    // a region in the medium of its surroundings has no crossings
+    let message = "the region `world` has no medium: a region without `medium` has one of its own name, and `world` is the medium around everything. Rename the solid, or state the `medium` of the region.";
+    check("[solid.world]\nsphere = { radius = 1 }\n", &format!("2:8 {message}"));
+    check(&model("[[region]]\nsolid = 'lens'\nname = 'world'\n"), &format!("6:8 {message}"));
+    parse("rayweave = 1\n[solid.world]\nsphere = { radius = 1 }\n[[region]]\nsolid = 'world'\nmedium = 'world'\n").unwrap();
     check(
         &model("[[region]]\nsolid = 'lnes'\nmedium = 'galss'\ncolour = 'bleu'\n[medium.glass]\nindex = 0\n"),
-        "5:9 unknown solid `lnes`: there is no [solid.lnes]. Did you mean `lens`?\n6:10 unknown medium `galss`: there is no [medium.galss]. Did you mean `glass`?\n7:10 `bleu` is not a colour: colours are names such as `red`, or #rgb, #rrggbb or #rrggbbaa in hexadecimal digits. Did you mean `blue`?\n9:9 the number is 0: it must be finite and greater than 0.",
+        "5:9 unknown solid `lnes`: there is no [solid.lnes]. Did you mean `lens`?\n6:10 unknown medium `galss`: there is no [medium.galss]. Did you mean `glass`?\n7:10 `bleu` is not a colour: colours are names such as `red`, or #rgb, #rrggbb or #rrggbbaa in hexadecimal digits. Did you mean `blue`?\n9:9 `index` is 0: it must be finite and greater than 0.",
     );
     check(
         &model("[[region]]\ncolor = '#fff'\n"),
@@ -347,7 +352,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 180\n",
-        "4:7 the number is 180: it must be an angle in degrees greater than 0 and less than 180.",
+        "4:7 `fov` is 180: it must be an angle in degrees greater than 0 and less than 180.",
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nfov = 30\nprojection = 'orthographic'\n",
@@ -355,7 +360,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[camera]\nposition = [0, 0, 5]\nsize = [0, 1e9]\n",
-        "4:9 the number is 0: it must be a whole number from 1 to 32768.\n4:12 the number is 1000000000: it must be a whole number from 1 to 32768.",
+        "4:9 a side of `size` is 0: it must be a whole number from 1 to 32768.\n4:12 a side of `size` is 1000000000: it must be a whole number from 1 to 32768.",
     );
     check(
         "[[light]]\nintensity = 1\n",
@@ -367,7 +372,7 @@ fn cameras_lights_and_drawing() {
     );
     check(
         "[render]\nshading = 'gouch'\nsamples = 1.5\nedges = 1\n",
-        "3:11 unknown shading `gouch`: the choices are gooch, headlight. Did you mean `gooch`?\n4:11 the number is 1.5: it must be a whole number from 1 to 16.\n5:9 `edges` is the number 1: it must be true or false.",
+        "3:11 unknown shading `gouch`: the choices are gooch, headlight. Did you mean `gooch`?\n4:11 `samples` is 1.5: it must be a whole number from 1 to 16.\n5:9 `edges` is the number 1: it must be true or false.",
     );
 }
 
@@ -439,6 +444,9 @@ fn files_that_cannot_be_read() {
     std::io::Write::flush(&mut huge).unwrap();
     check("huge.toml", None, "error: the model file cannot be read: it is larger than 256 MiB.\n--> FILE");
     std::fs::remove_dir_all(&folder).unwrap();
+    // a stream without an end
+    let endless = rayweave_scene::read_stream(std::io::repeat(b' '));
+    assert_eq!(endless.unwrap_err(), "it is larger than 256 MiB");
 }
 
 #[test]
@@ -472,8 +480,8 @@ fn physical_numbers_of_media() {
     for (density, expected) in [
         ("'heavy'", "7:12 unknown parameter `heavy`"),
         ("true", "7:11 `density` is `true`: it must be a number or an arithmetic expression."),
-        ("-1", "7:11 the number is -1: it must be finite and at least 0."),
-        ("inf", "7:11 the number is inf: it must be finite and at least 0."),
+        ("-1", "7:11 `density` is -1: it must be finite and at least 0."),
+        ("inf", "7:11 `density` is inf: it must be finite and at least 0."),
     ] {
         let found = listed(&parse(&model(density)).unwrap_err());
         assert!(found.starts_with(expected), "{density}: {found}");

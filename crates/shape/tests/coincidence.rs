@@ -43,6 +43,19 @@ fn rays_in_planes_and_along_generators_lie_in_them() {
     check(&hyperboloid, Ray::new(Vec3::X, Vec3::new(0.0, 1.0, 1.0 + 1e-8)), false);
 }
 
+/// On the axis of a cylinder thinner than the tolerance the gradient is 0: the second-order term of the tolerance decides, as
+/// it does for pieces of the ray.
+#[test]
+fn the_axis_of_a_hair_lies_in_it() {
+    let (ray, ends) = (Ray::new(Vec3::new(40.0, 30.0, 0.0), Vec3::Z), (-3.0, 5.0));
+    let thickness = delta(0.0, &ray, 1.0);
+    for (radius, lies) in [(0.5 * thickness, true), (4.0 * thickness, false)] {
+        let hair = Surface::cylinder(ray.origin, Vec3::Z, radius);
+        assert_eq!(lies_in(&hair, 0.0, &ray, ends), lies, "{radius}");
+        assert_eq!(coincides_along(&hair, 0.0, &ray, ends.0, ends.1), lies, "{radius}");
+    }
+}
+
 #[test]
 fn no_ray_lies_in_a_curved_surface() {
     let sphere = Surface::sphere(Vec3::ZERO, 2.0);

@@ -15,6 +15,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
 from rayweave._table import Rows
+from rayweave._whole import whole
 from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
@@ -168,7 +169,17 @@ def check(
     wall is thin, as 1024 rays found
     """
     rows, unit, scope = _core.check_rows(
-        subject, wall, gap, distance, cells, confidence, most_pairs, corners(within), seed, pictures, threads
+        subject,
+        wall,
+        gap,
+        distance,
+        whole(cells, "cells", bits=32),
+        confidence,
+        whole(most_pairs, "most_pairs"),
+        corners(within),
+        whole(seed, "seed"),
+        pictures,
+        threads,
     )
     return Check(tuple(_finding(row) for row in rows), unit, scope)
 

@@ -13,6 +13,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
 from rayweave._table import Table
+from rayweave._whole import whole
 from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
@@ -121,7 +122,17 @@ def diff(
     False
     """
     names, truths, numbers, (is_same, unit, limit, rays), section = _core.diff_columns(
-        a, b, by, distance, cells, precision, confidence, most_rays, corners(within), seed, threads
+        a,
+        b,
+        by,
+        distance,
+        whole(cells, "cells", bits=32),
+        precision,
+        confidence,
+        whole(most_rays, "most_rays", least=1),
+        corners(within),
+        whole(seed, "seed"),
+        threads,
     )
     same, proved, in_a, in_b, is_a = truths
     count = len(names)

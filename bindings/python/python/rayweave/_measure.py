@@ -13,6 +13,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Solid
 from rayweave._model import Subject
 from rayweave._table import Table
+from rayweave._whole import whole
 from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
@@ -98,7 +99,14 @@ def measure(
     True
     """
     regions, media, (rays, is_reached), (values, widths) = _core.measure_columns(
-        subject, precision, confidence, most_rays, corners(within), seed, evaluator, threads
+        subject,
+        precision,
+        confidence,
+        whole(most_rays, "most_rays", least=1),
+        corners(within),
+        whole(seed, "seed"),
+        evaluator,
+        threads,
     )
     count = len(regions)
     return Measurement(

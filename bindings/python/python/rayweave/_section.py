@@ -15,6 +15,7 @@ from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
 from rayweave._table import Rows
+from rayweave._whole import whole
 from rayweave._words import suggesting
 
 
@@ -102,7 +103,7 @@ def section(
         None if at is None else np.asarray(at, dtype=np.float64).ravel().tolist(),
         by,
         tolerance,
-        columns,
+        whole(columns, "columns", bits=32),
         corners(within),
         evaluator,
         threads,

@@ -16,6 +16,7 @@ from rayweave._model import Subject
 from rayweave._package import package
 from rayweave._picture import Picture
 from rayweave._table import Rows
+from rayweave._whole import whole
 from rayweave._words import suggesting
 
 _Array = NDArray[np.float64]
@@ -116,5 +117,13 @@ def thickness(
     >>> float(found["ball"].max().round(2))
     2.0
     """
-    media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, size, evaluator, threads)
+    pixels = None
+    if size is not None:
+        try:
+            width, height = size
+        except (TypeError, ValueError):
+            needed = "it must be two whole numbers, the width and the height in pixels."
+            raise TypeError(f"size is {size!r}: {needed}") from None
+        pixels = whole(width, "the width", bits=32), whole(height, "the height", bits=32)
+    media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, pixels, evaluator, threads)
     return Thickness(tuple(media), lengths, radiograph, np.array(attenuation), unit)

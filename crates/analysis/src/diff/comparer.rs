@@ -14,8 +14,12 @@ use std::sync::Arc;
 const A_ONLY: RegionId = RegionId(2);
 const B_ONLY: RegionId = RegionId(3);
 
-/// The maximum number of pieces that are measured again, the thickest first.
-const MAX_CANDIDATES: usize = 4096;
+/// The number of pieces that are kept until they are measured again. It bounds the memory, about 100 MB.
+const MAX_WAITING: usize = 1 << 20;
+
+/// The number of pieces within the accepted thickness that are measured again. They do not make models different, but the
+/// thickest of them is reported.
+const MAX_ACCEPTED: usize = 4096;
 
 /// The box of both models.
 pub fn bounds_of(pairs: &[Pair]) -> Result<Bounds, AnalysisError> {
@@ -106,7 +110,6 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
             threads: self.settings.measure.threads,
             cancel: self.settings.measure.cancel.clone(),
         };
-        let mut candidates: Vec<Candidate> = Vec::new();
         let visit = |candidates: &mut Vec<Candidate>, piece: &Piece<'_>| {
             let is_a = piece.region() == A_ONLY;
             if is_a || piece.region() == B_ONLY {
@@ -114,38 +117,18 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
                 candidates.push(Candidate { chord, normals, thickness, is_a });
             }
         };
+        let mut remeasurement = Remeasurement::new(evaluator, self.distance);
         let (traced, progress) = (self.traced, &mut self.progress);
         let merge = |some: Vec<Candidate>| {
-            candidates.extend(some);
+            remeasurement.add(some);
             progress(traced);
         };
         self.traced += survey(evaluator, &settings, visit, merge)?;
-        candidates.sort_by(|a, b| b.thickness.total_cmp(&a.thickness));
-        self.measure_candidates(evaluator, &candidates, found);
+        remeasurement.measure();
+        found.spot = remeasurement.thickest;
+        found.is_same = found.spot.is_none_or(|spot| spot.thickness <= self.distance);
+        found.place = (!found.is_same).then_some(remeasurement.place);
         Ok(())
-    }
-
-    /// Measures the pieces along several directions and records the thickest.
-    fn measure_candidates(&self, evaluator: &E, candidates: &[Candidate], found: &mut Difference) {
-        let mut scratch = evaluator.scratch();
-        let mut thickest: Option<ThickestSpot> = None;
-        for candidate in candidates.iter().take(MAX_CANDIDATES) {
-            // all further pieces are thinner
-            if thickest.is_some_and(|spot| spot.thickness >= candidate.thickness) {
-                break;
-            }
-            let spot = seen_again(evaluator, candidate, &mut scratch);
-            if thickest.is_none_or(|known| spot.thickness > known.thickness) {
-                thickest = Some(spot);
-            }
-        }
-        found.spot = thickest;
-        found.is_same = thickest.is_none_or(|spot| spot.thickness <= self.distance);
-        if !found.is_same {
-            let thick = candidates.iter().filter(|candidate| candidate.thickness > self.distance);
-            let ends = thick.flat_map(|candidate| [candidate.chord.from, candidate.chord.to]);
-            found.place = Some(ends.fold(Bounds::EMPTY, |all, end| all.union(&Bounds::new(end, end))));
-        }
     }
 
     fn measure(&mut self, evaluator: &E, found: &mut Difference) -> Result<(), AnalysisError> {
@@ -156,6 +139,55 @@ impl<'a, E: Evaluator> PairComparer<'a, E> {
         self.traced += measured.rays;
         [found.both, found.a_only, found.b_only] = [0, 1, 2].map(|k| measured.regions[k].volume);
         Ok(())
+    }
+}
+
+/// Pieces that are measured along several directions, and the thickest of them.
+struct Remeasurement<'a, E: Evaluator> {
+    evaluator: &'a E,
+    scratch: E::Scratch,
+    distance: f64,
+    waiting: Vec<Candidate>,
+    thickest: Option<ThickestSpot>,
+    /// A box around the pieces thicker than the accepted distance.
+    place: Bounds,
+}
+
+impl<'a, E: Evaluator> Remeasurement<'a, E> {
+    fn new(evaluator: &'a E, distance: f64) -> Remeasurement<'a, E> {
+        let (scratch, waiting) = (evaluator.scratch(), Vec::new());
+        Remeasurement { evaluator, scratch, distance, waiting, thickest: None, place: Bounds::EMPTY }
+    }
+
+    fn add(&mut self, candidates: Vec<Candidate>) {
+        self.waiting.extend(candidates);
+        if self.waiting.len() >= MAX_WAITING {
+            self.measure();
+        }
+    }
+
+    /// Measures the waiting pieces, the thickest first. All pieces beyond the accepted thickness are measured, unless one of them
+    /// stays thicker than the rest; of the others, at most [`MAX_ACCEPTED`].
+    fn measure(&mut self) {
+        self.waiting.sort_by(|a, b| b.thickness.total_cmp(&a.thickness));
+        let mut accepted = 0;
+        for candidate in self.waiting.drain(..) {
+            if candidate.thickness > self.distance {
+                for end in [candidate.chord.from, candidate.chord.to] {
+                    self.place = self.place.union(&Bounds::new(end, end));
+                }
+            } else {
+                accepted += 1;
+            }
+            // a piece is at most as thick as it seems
+            let known = self.thickest.map_or(f64::NEG_INFINITY, |spot| spot.thickness);
+            if known < candidate.thickness && accepted <= MAX_ACCEPTED {
+                let spot = seen_again(self.evaluator, &candidate, &mut self.scratch);
+                if spot.thickness > known {
+                    self.thickest = Some(spot);
+                }
+            }
+        }
     }
 }
 

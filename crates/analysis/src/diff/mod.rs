@@ -8,8 +8,8 @@
 //! Both solids of a pair are compiled into one program, in which faces that agree to rounding error become one
 //! surface and slivers due to rounding are removed. Random rays then search for points that belong to only one of
 //! the solids. A ray along a thin film has a long piece in it, which is not a thick difference: pieces are
-//! therefore measured again by rays in five directions through their middle, the thickest first and at most 4,096
-//! of each pair. Models are the same if no difference found in this way is thicker than
+//! therefore measured again by rays in five directions through their middle, the thickest first. Of the pieces within
+//! [`DiffSettings::distance`], which are reported but accepted, at most 4,096 are measured again. Models are the same if no difference found in this way is thicker than
 //! [`DiffSettings::distance`].
 //!
 //! ```

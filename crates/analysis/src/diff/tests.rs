@@ -165,3 +165,17 @@ fn results_do_not_depend_on_threads_and_invalid_settings_fail() {
     cancel.cancel();
     assert_eq!(message(measured(measure::MeasureSettings { cancel, ..quick().measure })), "cancelled");
 }
+
+/// Rays along the bristles of a brush have more than 4,096 pieces that are longer than the difference beside the brush.
+#[test]
+fn differences_behind_many_long_pieces_are_found() {
+    let plate = "[solid.plate]\nbox_from_corners = { lo = [0, 0, -0.1], hi = [1.6, 1, 0] }\n";
+    let brush = "[solid.bristle]\nbox_from_corners = { lo = [0, 0, 0], hi = [0.045, 0.045, 1] }\n\
+        [solid.brush]\nplace = { solid = 'bristle', grid = [20, 20, 1], step = [0.05, 0.05, 1] }\n";
+    let cube = "[solid.cube]\nbox_from_corners = { lo = [1.1, 0, 0], hi = [1.5, 0.4, 0.4] }\n";
+    let settings = DiffSettings { distance: Some(0.1), by: Match::Whole, across: 96, ..quick() };
+    let found = |more: &str| compared(plate, &format!("{plate}{brush}{more}"), &settings);
+    assert!(found("").is_same());
+    let spot = found(cube).pairs[0].spot.unwrap();
+    assert!((spot.thickness - 0.4).abs() < 1e-9, "{spot:?}");
+}

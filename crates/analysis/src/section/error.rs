@@ -30,6 +30,12 @@ pub enum SectionError {
         /// The tolerance.
         tolerance: f64,
     },
+    /// Too few or too many columns.
+    #[error("the number of columns is {columns}: it must be from 2 to 65536.")]
+    Columns {
+        /// The number of columns.
+        columns: u32,
+    },
     /// The section does not fit into memory.
     #[error("the section does not fit into memory: {0}. Use fewer columns or planes, or a larger tolerance.")]
     Memory(#[from] Shortage),

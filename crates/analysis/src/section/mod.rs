@@ -63,7 +63,7 @@ pub struct Section {
 /// ```
 ///
 /// # Errors
-/// [`SectionError`] for a window without area, or a tolerance that is not positive.
+/// [`SectionError`] for a window without area, a tolerance that is not positive, or a number of columns out of range.
 pub fn section<E: Evaluator>(
     evaluator: &E,
     cut: &Cut,

@@ -113,7 +113,7 @@ impl<'a, E: Evaluator> ScanLines<'a, E> {
     /// Evenly spaced positions, and the start, middle and end of each leaf.
     fn first_places(&self) -> Vec<f64> {
         let (lo, hi) = (self.window.lo[0], self.window.hi[0]);
-        let count = self.window.columns.clamp(2, 1 << 16);
+        let count = self.window.columns;
         let at = |k: u32| lo + (hi - lo) * (f64::from(k) + 0.5) / f64::from(count);
         let mut places: Vec<f64> = (0..count).map(at).collect();
         let program = self.evaluator.program();

@@ -30,7 +30,7 @@ pub struct SectionSettings {
     /// The largest distance of contours from the surfaces, in the unit of the model; by default 1/10,000 of
     /// the larger side of the model in the plane.
     pub tolerance: Option<f64>,
-    /// The minimum number of columns, at least 2: parts thinner than their spacing can be missed.
+    /// The minimum number of columns, from 2 to 65,536: parts thinner than their spacing can be missed.
     pub columns: u32,
     /// Restricts the section to this box.
     pub within: Option<Bounds>,
@@ -200,12 +200,11 @@ impl<E: Evaluator> Cutter<'_, E> {
         let tolerance = self.settings.tolerance.unwrap_or(1e-4 * side);
         // a margin for the faces at the ends of the model
         let room = (1e-3 * side).max(4.0 * tolerance);
-        let columns = self.settings.columns.max(2);
         let window = SectionWindow {
             lo: lo.map(|x| x - room),
             hi: hi.map(|x| x + room),
             tolerance: 0.5 * tolerance,
-            columns,
+            columns: self.settings.columns,
         };
         let found = section_with(&self.evaluator, &cut, &window, &self.settings.run)?;
         let found = found.renumbered(|region| self.kinds.number(region)).simplified(0.5 * tolerance);

@@ -4,6 +4,9 @@ use super::SectionError;
 use rayweave_model::drive::Cancel;
 use std::num::NonZeroUsize;
 
+/// The greatest number of columns.
+const MAX_COLUMNS: u32 = 1 << 16;
+
 /// The window of a section, and its accuracy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SectionWindow {
@@ -13,7 +16,7 @@ pub struct SectionWindow {
     pub hi: [f64; 2],
     /// The largest distance of edges from the surfaces, in the unit of the model.
     pub tolerance: f64,
-    /// The minimum number of columns.
+    /// The minimum number of columns, from 2 to 65,536.
     pub columns: u32,
 }
 
@@ -24,7 +27,7 @@ impl SectionWindow {
         SectionWindow { lo, hi, tolerance, columns: 512 }
     }
 
-    /// Checks that the window has an area and the tolerance is in range.
+    /// Checks that the window has an area, and that tolerance and number of columns are in range.
     pub(super) fn check(&self) -> Result<(), SectionError> {
         let [lo, hi] = [self.lo, self.hi];
         let is_window =
@@ -33,6 +36,9 @@ impl SectionWindow {
             () if !is_window => Err(SectionError::Window { lo, hi }),
             () if !(self.tolerance > 0.0 && self.tolerance.is_finite()) => {
                 Err(SectionError::Tolerance { tolerance: self.tolerance })
+            }
+            () if !(2..=MAX_COLUMNS).contains(&self.columns) => {
+                Err(SectionError::Columns { columns: self.columns })
             }
             () => Ok(()),
         }

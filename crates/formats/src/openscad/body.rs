@@ -3,7 +3,7 @@
 
 use super::arguments::{Arguments, Refusal};
 use super::budget::KERNEL_TRIANGLE;
-use super::fold::{Start, fold};
+use super::fold::{Start, fold, repeated};
 use super::operation::Operation;
 use super::shell::Shell;
 use super::state::Reader;
@@ -11,11 +11,22 @@ use crate::kernel::Body;
 use rayweave_math::{Affine, Vec3};
 use rayweave_mesh::{Mesh, RepairOptions};
 
-/// The cost of a pair of triangles with overlapping boxes, in steps.
-const OVERLAP: usize = 300;
+/// The cost of a pair of triangles with overlapping boxes, in steps; measured: 160 ns for letters cut out of each other in three directions.
+const OVERLAP: usize = 200;
 
-/// The union of the facets below `from`.
+/// The union of the facets below `from`. Equal differences and intersections are computed once, in their own frame.
 pub(super) fn body(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal> {
+    for number in repeated(reader, from) {
+        if !reader.is_known(number) {
+            let found = joined(reader, Start::Item(number))?;
+            let shell = found.map_or_else(Shell::default, |body| Shell::of_body(&body));
+            reader.shared().keep(number, shell);
+        }
+    }
+    joined(reader, from)
+}
+
+fn joined(reader: &Reader, from: Start) -> Result<Option<Body>, Refusal> {
     let of_shells = |arguments: &Arguments, shells: &[Shell], map: &Affine| {
         let all: Result<Vec<_>, _> = shells.iter().map(|shell| of_shell(arguments, shell, map)).collect();
         union(arguments, all?.into_iter().flatten().collect())
@@ -36,10 +47,7 @@ fn of_shell(arguments: &Arguments, shell: &Shell, map: &Affine) -> Result<Option
     let (points, triangles) = turned.map_err(|error| failed(arguments, &error.to_string()))?.0.into_parts();
     match triangles.is_empty() {
         true => Ok(None),
-        false => match Body::from_triangles(points, triangles) {
-            Ok(body) => Ok(Some(body)),
-            Err(why) => Err(failed(arguments, &why)),
-        },
+        false => Body::from_triangles(points, triangles).map_err(|why| failed(arguments, &why)),
     }
 }
 
@@ -162,4 +170,36 @@ fn count_sum(arguments: &Arguments, a: &Body, b: &Body) -> Result<(), Refusal> {
     let triangles = pairs.saturating_mul(2 * corners(a).saturating_mul(corners(b)).min(2000));
     let rounds = usize::BITS - pairs.leading_zeros();
     arguments.spend(triangles.saturating_mul(rounds as usize).saturating_mul(KERNEL_TRIANGLE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::budget::Budget;
+    use super::super::syntax::parse;
+    use super::*;
+    use crate::Options;
+    use rayweave_scene::Source;
+    use std::sync::Arc;
+
+    /// The steps that a dump takes.
+    fn steps(text: &str) -> u64 {
+        let source = Arc::new(Source::new(None, text.to_owned()));
+        let tree = parse(&source).unwrap();
+        let budget = Budget::new(text.len());
+        Reader::new(&source, &Options::default(), &tree, &budget).scene().unwrap();
+        budget.used()
+    }
+
+    #[test]
+    fn equal_differences_are_combined_once() {
+        let view = |degrees: f64| {
+            let (sin, cos) = (libm::sin(degrees.to_radians()), libm::cos(degrees.to_radians()));
+            let matrix = format!("[[1, 0, 0, 0], [0, {cos}, -{sin}, 0], [0, {sin}, {cos}, 0], [0, 0, 0, 1]]");
+            let cut = "difference() { sphere(r = 5, $fn = 30); cube(6); }";
+            format!("linear_extrude(height = 1) projection() multmatrix({matrix}) {cut}")
+        };
+        let all: String = (0..8).map(|k| view(10.0 * f64::from(k))).collect();
+        let (one, eight) = (steps(&view(10.0)), steps(&all));
+        assert!(eight < 4 * one, "{one} {eight}");
+    }
 }

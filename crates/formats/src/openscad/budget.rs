@@ -89,6 +89,12 @@ impl Budget {
         self.spend(usize::try_from(bytes).unwrap_or(usize::MAX).saturating_mul(100))
     }
 
+    /// The number of steps so far.
+    #[cfg(test)]
+    pub fn used(&self) -> u64 {
+        self.steps.get()
+    }
+
     /// Counts steps.
     pub fn spend(&self, steps: usize) -> Result<(), Exceeded> {
         self.steps.set(self.steps.get().saturating_add(steps as u64));

@@ -17,6 +17,9 @@ use rayweave_math::Affine;
 /// Maximum number of triangles of a node; more take too long.
 const MAX_TRIANGLES: usize = 500_000;
 
+/// Items that are the union of their children, up to a map.
+const JOINED: [&str; 6] = ["group", "union", "render", "color", "multmatrix", "resize"];
+
 /// A pending step of a traversal.
 enum Task {
     Visit(usize, Affine),
@@ -61,8 +64,7 @@ pub(super) fn fold<T>(
         let node = &reader.tree.nodes[number];
         let arguments = reader.arguments(number);
         arguments.spend(100)?;
-        // a `resize` with a known shell need not be computed again
-        let is_known = from != Start::Below(number) && reader.shells.contains_key(&number);
+        let is_known = from != Start::Below(number) && reader.is_known(number);
         let structure = if is_known { None } else { structure(reader, number, from, &arguments)? };
         match structure {
             Some((operation, inner)) => {
@@ -103,7 +105,7 @@ fn structure(
         _ => Affine::IDENTITY,
     };
     let operation = match name {
-        "group" | "union" | "render" | "color" | "multmatrix" | "resize" => Operation::Union,
+        name if JOINED.contains(&name) => Operation::Union,
         "difference" => Operation::Difference,
         "intersection" => Operation::Intersection,
         // the node itself is not applied to its children
@@ -111,6 +113,28 @@ fn structure(
         _ => return Ok(None),
     };
     Ok(Some((operation, map)))
+}
+
+/// Differences and intersections below `from` that occur elsewhere, too, and are not yet known; none of them contains another one.
+pub(super) fn repeated(reader: &Reader, from: Start) -> Vec<usize> {
+    let (mut waiting, mut found) = (vec![from.number()], Vec::new());
+    while let Some(number) = waiting.pop() {
+        let node = &reader.tree.nodes[number];
+        let is_inner = Start::Item(number) != from && Start::Below(number) != from;
+        let is_boolean = matches!(node.name.as_str(), "difference" | "intersection");
+        match () {
+            () if is_inner && reader.is_known(number) => {}
+            () if is_inner && is_boolean && reader.shared().is_repeated(number) => found.push(number),
+            () if from == Start::Below(number) || is_boolean || JOINED.contains(&node.name.as_str()) => {
+                let children = node.children.iter().map(|child| *child as usize);
+                waiting.extend(children.filter(|child| reader.live[*child]));
+            }
+            () => {}
+        }
+    }
+    // the order of the text
+    found.sort_unstable();
+    found
 }
 
 /// True if there is no difference or intersection below a node.
@@ -130,6 +154,10 @@ fn shells(reader: &Reader, number: usize, arguments: &Arguments) -> Result<Vec<S
     if let Some(known) = reader.shells.get(&number) {
         arguments.spend(50 * known.iter().map(|shell| shell.triangles.len()).sum::<usize>())?;
         return Ok(known.clone());
+    }
+    if let Some(known) = reader.shared.get().and_then(|shared| shared.shell(number)) {
+        arguments.spend(50 * known.triangles.len())?;
+        return Ok(vec![known]);
     }
     let fragments = |radius: f64| Ok::<_, Refusal>(round(reader, Fineness::of(arguments)?.fragments(radius)));
     let rings = |rings: &[[f64; 2]], fragments| {

@@ -33,6 +33,7 @@ mod region;
 mod relief;
 mod revolve;
 mod sector;
+mod shared;
 mod shell;
 mod state;
 mod sum;

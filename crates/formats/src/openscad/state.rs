@@ -4,6 +4,7 @@ use super::arguments::Arguments;
 use super::budget::Budget;
 use super::flat::{Flat, Flats};
 use super::part::Part;
+use super::shared::Shared;
 use super::shell::Shell;
 use super::syntax::Tree;
 use super::text::Fonts;
@@ -11,6 +12,7 @@ use crate::{Options, Report};
 use rayweave_math::Affine;
 use rayweave_scene::{Diagnostic, Source};
 use rayweave_table::AllowedFiles;
+use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -33,6 +35,8 @@ pub(super) struct Reader<'a> {
     pub wanted: Vec<bool>,
     /// Shells of these nodes, if they cannot be derived from the arguments.
     pub shells: HashMap<usize, Vec<Shell>>,
+    /// The facets of equal differences and intersections below such an ancestor.
+    pub shared: OnceCell<Shared>,
     /// Scaling map of each `resize`.
     pub resized: HashMap<usize, Affine>,
     pub fonts: Fonts,
@@ -60,12 +64,23 @@ impl<'a> Reader<'a> {
             extruded: HashMap::new(),
             wanted: wanted(tree),
             shells: HashMap::new(),
+            shared: OnceCell::new(),
             resized: HashMap::new(),
             fonts: Fonts::new(&options.fonts),
             budget,
             report: Report::default(),
             errors: Vec::new(),
         }
+    }
+
+    /// The facets of equal subtrees. The tree is divided on the first use.
+    pub fn shared(&self) -> &Shared {
+        self.shared.get_or_init(|| Shared::new(self.tree, &self.wanted))
+    }
+
+    /// True if the shells of a node need not be computed again.
+    pub fn is_known(&self, number: usize) -> bool {
+        self.shells.contains_key(&number) || self.shared.get().is_some_and(|shared| shared.is_known(number))
     }
 
     /// The arguments of a node.

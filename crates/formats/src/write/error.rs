@@ -29,6 +29,11 @@ pub enum WriteError {
         /// Format of the file.
         format: Format,
     },
+    /// The model has no volume, and no reader accepts a mesh without triangles as a solid.
+    #[error(
+        "the model is empty: a file of the format {0} needs a solid. Check that no part of the model is missing."
+    )]
+    Empty(Format),
     /// The text or the number of triangles of a region becomes too large.
     #[error("region `{region}` becomes too large: {why}. Increase the tolerance.")]
     TooLarge {
@@ -58,7 +63,9 @@ impl Classified for WriteError {
         match self {
             WriteError::Compile(error) => error.kind(),
             WriteError::Output(error) => error.kind(),
-            WriteError::Unbounded { .. } | WriteError::Kernel { .. } => ErrorKind::Solid,
+            WriteError::Unbounded { .. } | WriteError::Empty(_) | WriteError::Kernel { .. } => {
+                ErrorKind::Solid
+            }
             _ => ErrorKind::Value,
         }
     }

@@ -5,6 +5,7 @@ use super::fold::{Builder, Operation, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError, WriteOptions};
+use crate::Format;
 use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
@@ -157,7 +158,7 @@ pub(super) fn write(
         parts.push((name.as_str(), written));
     }
     if parts.is_empty() {
-        remarks.add(RemarkKind::Changed, "the model is empty, and so is the file");
+        return Err(WriteError::Empty(Format::Mesh(format)));
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();

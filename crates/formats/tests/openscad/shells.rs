@@ -25,6 +25,28 @@ fn check(cut: bool, text: &str, facets: bool, expected: f64) {
     assert!((found - expected).abs() < 4.0 * NEAR * expected, "{text}: {found} instead of {expected}");
 }
 
+/// Equal differences are combined once: each has its own place, also mirrored, and differs from others by any number.
+#[test]
+fn projections_of_equal_differences() {
+    let l_shape = |size: u32| {
+        format!("difference() {{ cube([4, 3, 2]); {} cube([9, 9, 9]); }}", moved(f64::from(size), 1.0, -1.0))
+    };
+    let mirrored = "multmatrix([[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])";
+    let upright = "multmatrix([[1, 0, 0, 20], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])";
+    let all = [
+        format!("{} {}", moved(10.0, 0.0, 0.0), l_shape(2)),
+        format!("{mirrored} {}", l_shape(2)),
+        format!("{upright} {}", l_shape(2)),
+        format!("{} {}", moved(30.0, 0.0, 0.0), l_shape(3)),
+    ];
+    // 4 x 3 without 2 x 2, twice; from the side 4 x 2; 4 x 3 without 1 x 2
+    check(false, &all.join(" "), false, 8.0 + 8.0 + 8.0 + 10.0);
+    let apart: Vec<String> =
+        all.iter().map(|text| format!("linear_extrude(height = 1) projection() {text}")).collect();
+    let found = volume(&read(&apart.join(" "), false).scene, 150);
+    assert!((found - 34.0).abs() < 4.0 * NEAR * 34.0, "{found}");
+}
+
 #[test]
 fn sections() {
     let drilled =

@@ -22,6 +22,9 @@ pub(crate) struct Context<'d> {
 /// so that a short file cannot take more than a gigabyte.
 pub(super) const MAX_COPIES: u32 = 1 << 21;
 
+/// The name of the medium around everything.
+pub const WORLD: &str = "world";
+
 impl<'d> Context<'d> {
     /// The state before the evaluation, with the problems so far.
     pub fn new(document: &'d Document, problems: Vec<Diagnostic>, unreadable: &'d HashSet<String>) -> Self {

@@ -112,10 +112,14 @@ fn diagnosed(
             Some(solid.into())
         }
         Err(error) => {
-            let problem = Diagnostic::error(format!("the mesh in `{}` is not a solid: {error}", file.value));
-            let advice = "try `repair = true` in addition to `file`".to_owned();
-            let advice = (!repair && error != MeshError::Flat).then_some(advice);
-            context.push(problem.why(diagnosis.to_string()).suggest(advice), file.span);
+            let problem = Diagnostic::error(format!("the mesh in `{}` is not a solid", file.value));
+            let (reason, advice) = error.parts();
+            let advice = match !repair && error != MeshError::Flat {
+                true => "try `repair = true` in addition to `file`".to_owned(),
+                false => advice,
+            };
+            let problem = problem.why(format!("{reason} ({diagnosis})")).suggest(Some(advice));
+            context.push(problem, file.span);
             None
         }
     }

@@ -213,30 +213,32 @@ impl Numbers {
 
     /// A finite number.
     pub fn finite(&self, context: &mut Context, number: &Spanned<Number>) -> Option<f64> {
-        self.checked(context, number, "finite", f64::is_finite)
+        self.checked(context, "the number", number, "finite", f64::is_finite)
     }
 
-    /// A number that satisfies a condition.
+    /// A number that satisfies a condition; messages call it `what`.
     pub fn checked(
         &self,
         context: &mut Context,
+        what: &str,
         number: &Spanned<Number>,
         condition: &str,
         holds: impl Fn(f64) -> bool,
     ) -> Option<f64> {
         let value = self.number(context, number)?;
         if !holds(value) {
-            let problem = Diagnostic::error(format!("the number is {}", written(value)));
+            let problem = Diagnostic::error(format!("{what} is {}", written(value)));
             context.push(problem.why(format!("it must be {condition}")), number.span);
             return None;
         }
         Some(value)
     }
 
-    /// A whole number from `least` to `most`.
+    /// A whole number from `least` to `most`; messages call it `what`.
     pub fn whole(
         &self,
         context: &mut Context,
+        what: &str,
         number: &Spanned<Number>,
         least: u32,
         most: u32,
@@ -244,7 +246,7 @@ impl Numbers {
         let (lo, hi) = (f64::from(least), f64::from(most));
         let condition = format!("a whole number from {least} to {most}");
         let holds = |value: f64| value.fract() == 0.0 && (lo..=hi).contains(&value);
-        self.checked(context, number, &condition, holds).map(|value| value as u32)
+        self.checked(context, what, number, &condition, holds).map(|value| value as u32)
     }
 
     /// The values of a matrix.

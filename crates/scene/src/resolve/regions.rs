@@ -1,6 +1,6 @@
 //! Evaluation of regions and media.
 
-use super::context::Context;
+use super::context::{Context, WORLD};
 use super::numbers::Numbers;
 use super::solids::Solids;
 use crate::colour::Colour;
@@ -9,12 +9,9 @@ use crate::diagnostic::Diagnostic;
 use crate::document::RegionEntry;
 use crate::number::Number;
 use crate::scene::{Medium, SceneRegion};
-use crate::source::Spanned;
+use crate::source::{Span, Spanned};
 use crate::suggestion::did_you_mean;
 use std::collections::HashMap;
-
-/// The name of the medium around everything.
-pub(crate) const WORLD: &str = "world";
 
 /// Builds the media, that of the world first, and the regions.
 pub(super) fn build(
@@ -25,7 +22,7 @@ pub(super) fn build(
     let mut media = Media::new(context, numbers);
     let document = context.document;
     if document.regions.is_empty() {
-        let regions = implied(solids, &mut media);
+        let regions = implied(context, solids, &mut media);
         return (media.list, regions);
     }
     let mut regions = Vec::new();
@@ -55,7 +52,10 @@ fn region(
     let found = solids.find(context, &entry.solid.value, entry.solid.span);
     let name = &entry.name.as_ref().unwrap_or(&entry.solid).value;
     let medium = match &entry.medium {
-        None => media.find_or_add(name),
+        None => {
+            let span = entry.name.as_ref().unwrap_or(&entry.solid).span;
+            own_medium(context, media, name, span)?
+        }
         Some(medium) => match media.find(&medium.value) {
             Some(found) => found,
             None => {
@@ -76,9 +76,22 @@ fn region(
     })
 }
 
+/// The medium of a region that states none: it has the name of the region. Rejects the name of the medium around everything, which
+/// would make the region part of its surroundings.
+fn own_medium(context: &mut Context<'_>, media: &mut Media, name: &str, span: Span) -> Option<u32> {
+    if name == WORLD {
+        let problem = Diagnostic::error(format!("the region `{WORLD}` has no medium"))
+            .why(format!("a region without `medium` has one of its own name, and `{WORLD}` is the medium around everything"))
+            .suggest(Some("rename the solid, or state the `medium` of the region".to_owned()));
+        context.push(problem, span);
+        return None;
+    }
+    Some(media.find_or_add(name))
+}
+
 /// The regions of a document without `[[region]]`: each solid that no other solid uses, with its
 /// own medium.
-fn implied(solids: &Solids<'_>, media: &mut Media) -> Vec<SceneRegion> {
+fn implied(context: &mut Context<'_>, solids: &Solids<'_>, media: &mut Media) -> Vec<SceneRegion> {
     let unused = solids.names.iter().zip(&solids.built).zip(&solids.used).filter(|(_, used)| !**used);
     let mut regions = Vec::new();
     for ((name, solid), _) in unused {
@@ -86,7 +99,9 @@ fn implied(solids: &Solids<'_>, media: &mut Media) -> Vec<SceneRegion> {
             continue;
         };
         let name = name.clone();
-        let medium = media.find_or_add(&name);
+        let Some(medium) = own_medium(context, media, &name, solids.world.unwrap_or_default()) else {
+            continue;
+        };
         let colour = media.list[medium as usize].colour.unwrap_or(Colour::numbered(regions.len()));
         regions.push(SceneRegion { name, solid, medium, colour });
     }
@@ -108,7 +123,13 @@ fn physical(context: &mut Context, numbers: &Numbers, key: &str, value: &Spanned
         }
     };
     let holds = |value: f64| value >= 0.0 && value.is_finite();
-    numbers.checked(context, &Spanned::new(number, value.span), "finite and at least 0", holds)
+    numbers.checked(
+        context,
+        &format!("`{key}`"),
+        &Spanned::new(number, value.span),
+        "finite and at least 0",
+        holds,
+    )
 }
 
 /// The media by number and by name.
@@ -125,8 +146,9 @@ impl Media {
             let number = media.find_or_add(&entry.name.value) as usize;
             let positive = |value: f64| value > 0.0 && value.is_finite();
             let index = entry.index.as_ref();
-            let index = index
-                .and_then(|index| numbers.checked(context, index, "finite and greater than 0", positive));
+            let index = index.and_then(|index| {
+                numbers.checked(context, "`index`", index, "finite and greater than 0", positive)
+            });
             let others = entry.others.iter().filter_map(|(key, value)| {
                 let number = match (PHYSICAL.contains(&key.value.as_str()), &value.value) {
                     (true, _) => physical(context, numbers, &key.value, value)?,

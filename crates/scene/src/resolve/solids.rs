@@ -1,6 +1,6 @@
 //! Evaluation of named solids, each once and after its parts.
 
-use super::context::{Context, MAX_COPIES};
+use super::context::{Context, MAX_COPIES, WORLD};
 use super::files;
 use super::numbers::{Numbers, cycle_text};
 use super::outline;
@@ -31,6 +31,8 @@ pub(super) enum Definitions<'d> {
 /// The definition of a solid.
 #[derive(Default)]
 pub(super) struct Definition {
+    /// The place of the name.
+    name: Span,
     label: Option<Spanned<String>>,
     body: Option<Body>,
     transform: Vec<Spanned<Step>>,
@@ -40,7 +42,7 @@ impl Definitions<'_> {
     /// Divides the solids of a document into names and definitions.
     pub fn of(solids: Vec<SolidEntry>) -> (Vec<String>, Self) {
         let divided = solids.into_iter().map(|SolidEntry { name, label, body, transform }| {
-            (name.value, Definition { label, body: Some(body), transform })
+            (name.value, Definition { name: name.span, label, body: Some(body), transform })
         });
         let (names, definitions) = divided.unzip();
         (names, Definitions::Dropped(definitions))
@@ -50,6 +52,13 @@ impl Definitions<'_> {
         match self {
             Definitions::Kept(entries) => entries.len(),
             Definitions::Dropped(definitions) => definitions.len(),
+        }
+    }
+
+    fn name(&self, index: usize) -> Span {
+        match self {
+            Definitions::Kept(entries) => entries[index].name.span,
+            Definitions::Dropped(definitions) => definitions[index].name,
         }
     }
 
@@ -93,6 +102,8 @@ pub(super) struct Solids<'n> {
     pub built: Vec<Option<Solid>>,
     /// Whether another solid uses it.
     pub used: Vec<bool>,
+    /// The place of the solid with the name of the medium around everything.
+    pub world: Option<Span>,
 }
 
 impl Solids<'_> {
@@ -117,9 +128,11 @@ pub(super) fn build<'n>(
     definitions: Definitions<'_>,
 ) -> Solids<'n> {
     let count = definitions.len();
-    let index = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
+    let index: HashMap<_, _> = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
+    // definitions, with their places, may be dropped below
+    let world = index.get(WORLD).map(|&index| definitions.name(index));
     let mut builder = Builder {
-        solids: Solids { names, index, built: vec![None; count], used: vec![false; count] },
+        solids: Solids { names, index, built: vec![None; count], used: vec![false; count], world },
         definitions,
         parts: Vec::with_capacity(count),
         failed: HashSet::new(),
@@ -474,7 +487,7 @@ fn layout(context: &mut Context, numbers: &Numbers, layout: &Layout) -> Option<V
     match layout {
         Layout::Grid(entry) => grid(context, numbers, entry),
         Layout::Ring { count, radius, start } => {
-            let copies = numbers.whole(context, count, 1, MAX_COPIES);
+            let copies = numbers.whole(context, "`ring`", count, 1, MAX_COPIES);
             let radius = numbers.finite(context, radius);
             let start = start.as_ref().map_or(Some(0.0), |start| numbers.finite(context, start));
             let (copies, radius, start) = (copies?, radius?, start?);
@@ -506,7 +519,10 @@ fn copy_numbers(
         return None;
     }
     let is_whole = |value: f64| value.is_finite() && value.fract() == 0.0;
-    let each = given.value.iter().map(|number| numbers.checked(context, number, "a whole number", is_whole));
+    let each = given
+        .value
+        .iter()
+        .map(|number| numbers.checked(context, "a number of `numbers`", number, "a whole number", is_whole));
     let values: Vec<Option<f64>> = each.collect();
     values.into_iter().map(|value| value.map(|value| value as i64)).collect()
 }
@@ -520,7 +536,8 @@ fn placed_matrix(context: &mut Context, numbers: &Numbers, rows: &Matrix) -> Opt
 
 fn grid(context: &mut Context, numbers: &Numbers, entry: &Grid) -> Option<Vec<Affine>> {
     let Grid { count, step, origin } = entry;
-    let [nx, ny, nz] = count.each_ref().map(|number| numbers.whole(context, number, 1, MAX_COPIES));
+    let [nx, ny, nz] =
+        count.each_ref().map(|number| numbers.whole(context, "a number of `grid`", number, 1, MAX_COPIES));
     let step = numbers.vector(context, step);
     let origin = origin.as_ref().map_or(Some(Vec3::ZERO), |origin| numbers.vector(context, origin));
     let (nx, ny, nz, step, origin) = (nx?, ny?, nz?, step?, origin?);

@@ -33,8 +33,10 @@ fn camera(context: &mut Context, numbers: &Numbers, entry: &Spanned<CameraEntry>
     let position = numbers.vector(context, &entry.position);
     let target = entry.target.as_ref().map_or(Some(Vec3::ZERO), |target| numbers.vector(context, target));
     let up = entry.up.as_ref().map_or(Some(Vec3::Z), |up| direction(context, numbers, up, "direction `up`"));
-    let size =
-        entry.size.as_ref().map(|size| size.each_ref().map(|n| numbers.whole(context, n, 1, MAX_PIXELS)));
+    let size = entry
+        .size
+        .as_ref()
+        .map(|size| size.each_ref().map(|n| numbers.whole(context, "a side of `size`", n, 1, MAX_PIXELS)));
     let size = match size {
         Some([width, height]) => Some((width?, height?)),
         None => None,
@@ -67,12 +69,13 @@ fn projection(context: &mut Context, numbers: &Numbers, entry: &ProjectionEntry)
         ProjectionEntry::Perspective(None) => Some(Projection::Perspective { fov: FOV }),
         ProjectionEntry::Perspective(Some(fov)) => {
             let condition = "an angle in degrees greater than 0 and less than 180";
-            let fov = numbers.checked(context, fov, condition, |fov| 0.0 < fov && fov < 180.0)?;
+            let fov = numbers.checked(context, "`fov`", fov, condition, |fov| 0.0 < fov && fov < 180.0)?;
             Some(Projection::Perspective { fov })
         }
         ProjectionEntry::Orthographic(height) => {
             let positive = |height: f64| height > 0.0 && height.is_finite();
-            let height = numbers.checked(context, height, "finite and greater than 0", positive)?;
+            let height =
+                numbers.checked(context, "`height`", height, "finite and greater than 0", positive)?;
             Some(Projection::Orthographic { height })
         }
     }
@@ -87,7 +90,9 @@ fn light(context: &mut Context, numbers: &Numbers, entry: &LightEntry) -> Option
     };
     let sensible = |value: f64| value >= 0.0 && value.is_finite();
     let intensity = match &entry.intensity {
-        Some(intensity) => numbers.checked(context, intensity, "finite and at least 0", sensible),
+        Some(intensity) => {
+            numbers.checked(context, "`intensity`", intensity, "finite and at least 0", sensible)
+        }
         None => Some(1.0),
     };
     Some(Light {
@@ -103,6 +108,9 @@ fn render(context: &mut Context, numbers: &Numbers, entry: &RenderEntry) -> Rend
         shading: entry.shading.as_ref().map(|shading| shading.value),
         edges: entry.edges.as_ref().map(|edges| edges.value),
         shadows: entry.shadows.as_ref().map(|shadows| shadows.value),
-        samples: entry.samples.as_ref().and_then(|samples| numbers.whole(context, samples, 1, 16)),
+        samples: entry
+            .samples
+            .as_ref()
+            .and_then(|samples| numbers.whole(context, "`samples`", samples, 1, 16)),
     }
 }

@@ -314,7 +314,7 @@ mod tests {
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 1.0]])),
-            "convex: planes[1] is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?"
+            "convex: planes[1] has length zero: a normal must have a direction. Did you mean [0, 0, 1]?"
         );
         assert_eq!(
             message(Convex::new(vec![[1.0, 0.0, f64::INFINITY, 1.0]])),

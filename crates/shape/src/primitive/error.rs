@@ -89,7 +89,7 @@ pub enum ShapeError {
         value: f64,
     },
     /// A normal of length zero.
-    #[error("{shape}: {parameter}{} is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?", at(.index))]
+    #[error("{shape}: {parameter}{} has length zero: a normal must have a direction. Did you mean [0, 0, 1]?", at(.index))]
     ZeroNormal {
         /// The primitive.
         shape: &'static str,

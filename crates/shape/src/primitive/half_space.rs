@@ -162,7 +162,7 @@ mod tests {
     fn invalid_arguments_are_rejected() {
         assert_eq!(
             message(HalfSpace::new(Vec3::ZERO, 1.0)),
-            "half_space: normal is a normal of length zero: it must have a direction. Did you mean [0, 0, 1]?"
+            "half_space: normal has length zero: a normal must have a direction. Did you mean [0, 0, 1]?"
         );
         assert_eq!(
             message(HalfSpace::new(Vec3::new(0.0, f64::NAN, 1.0), 1.0)),

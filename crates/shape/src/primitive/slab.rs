@@ -128,7 +128,7 @@ mod tests {
             message(Slab::new(Vec3::X, 1.0, 1.0)),
             "slab: lo is 1 and hi is 1: lo must be less than hi. Are they the wrong way round?"
         );
-        assert!(message(Slab::new(Vec3::ZERO, 0.0, 1.0)).contains("normal of length zero"));
+        assert!(message(Slab::new(Vec3::ZERO, 0.0, 1.0)).contains("has length zero: a normal must"));
         assert!(message(Slab::new(Vec3::X * 1e-100, 0.0, 1.0)).contains("hi is 1e100"));
     }
 }

@@ -176,7 +176,9 @@ impl Chord {
         // fast path: one evaluation, without a square root, rejects nearly every ray
         let (value, gradient) = surface.value_and_gradient(self.middle);
         let delta = self.delta + delta_of(magnitude);
-        value * value <= delta * delta * gradient.length_squared()
+        let bent = delta * bend(surface);
+        // implied by `is_near`, since (a + b)^2 <= 2 (a^2 + b^2)
+        value * value <= 2.0 * delta * delta * (gradient.length_squared() + bent * bent)
             && coincides_along(surface, magnitude, ray, self.ends.0, self.ends.1)
     }
 

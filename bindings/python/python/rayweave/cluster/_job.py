@@ -196,6 +196,7 @@ def ranges(total: int, pieces: int, *, step: int = 1) -> list[Range]:
     >>> cluster.ranges(10, 3)
     [(0, 4), (4, 7), (7, 10)]
     """
+    total, step = whole(total, "total", bits=62), whole(step, "step", least=1)
     blocks = -(-total // step)
     count = max(1, min(whole(pieces, "pieces", least=1), blocks))
     cuts = [step * (-(-blocks * k // count)) for k in range(count)]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Iterable
 from difflib import get_close_matches
 from math import isfinite
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 
 from rayweave import _core
 from rayweave._package import package as package
+from rayweave._whole import whole as whole
 
 T = TypeVar("T")
 
@@ -33,17 +33,6 @@ def finite(value: Any, name: str, needed: str = "a number") -> float:
     number = real(value, name, needed)
     if not isfinite(number):
         raise _core.RayweaveError(f"{name} is {number}: it must be finite.")
-    return number
-
-
-def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
-    """A whole number of at most `bits` bits."""
-    try:
-        number = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} is {value!r}: it must be a whole number.") from None
-    if not least <= number < 2**bits:
-        raise _core.RayweaveError(f"{name} is {number}: it must be at least {least} and below 2^{bits}.")
     return number
 
 

@@ -97,12 +97,12 @@ pub(super) fn body(request: &Request) -> Result<Option<Body>, String> {
         return Ok(None);
     };
     let made = local(request.shape, &clip, request.local_tolerance())?;
-    made.map(|body| body.placed(request.place)).transpose()
+    made.map_or(Ok(None), |body| body.placed(request.place))
 }
 
 fn local(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Body>, String> {
     if let Primitive::Mesh(mesh) = shape {
-        return Body::from_polyhedron(mesh.solid()).map(Some);
+        return Body::from_polyhedron(mesh.solid());
     }
     let lowered = shape.lower();
     if lowered.bounds.intersection(clip).is_empty() {
@@ -115,7 +115,7 @@ fn local(shape: &Primitive, clip: &Bounds, tolerance: f64) -> Result<Option<Body
         return curved(shape, &lowered, clip, tolerance);
     };
     let n = circle_count(profile.reach(), tolerance / if profile.is_bent { 2.0 } else { 1.0 })?;
-    revolved(&profile, n, Vec3::ONE).map(Some)
+    revolved(&profile, n, Vec3::ONE)
 }
 
 /// Profile of a solid of revolution about the z axis; `None` for other shapes.
@@ -176,7 +176,7 @@ fn curved(
             let profile = Profile::arc([0.0, 0.0], sphere.radius, [-90.0, 90.0], tolerance)?;
             let n = circle_count(sphere.radius, 0.5 * tolerance)?;
             let body = revolved(&profile, n, Vec3::ONE)?;
-            body.placed(&Affine::translate(sphere.centre)).map(Some)
+            body.map_or(Ok(None), |body| body.placed(&Affine::translate(sphere.centre)))
         }
         Some(surface @ Surface::Object(_)) => sag::body(surface, lowered, clip, tolerance),
         Some(

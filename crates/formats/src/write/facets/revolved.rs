@@ -6,6 +6,9 @@ use rayweave_math::{Vec3, sin_cos_degrees};
 /// Maximum number of vertices of a circle.
 pub const MAX_AROUND: usize = 20_000;
 
+/// Maximum number of vertices of a shape; more would exhaust memory.
+pub(super) const MAX_POINTS: usize = 1 << 22;
+
 /// Profile of a solid of revolution about z: points (r, z) with the solid on the left. It runs from axis to axis or, if all
 /// radii are greater than 0, it is closed.
 pub(super) struct Profile {
@@ -81,8 +84,11 @@ impl Profile {
     }
 }
 
-/// The body of a profile revolved in n steps, then scaled along the axes.
-pub(super) fn revolved(profile: &Profile, n: usize, scale: Vec3) -> Result<Body, String> {
+/// The body of a profile revolved in n steps, then scaled along the axes; `None` if it is flat.
+pub(super) fn revolved(profile: &Profile, n: usize, scale: Vec3) -> Result<Option<Body>, String> {
+    if profile.points.len().saturating_mul(n) > MAX_POINTS {
+        return Err(format!("it needs more than {MAX_POINTS} vertices"));
+    }
     let turns: Vec<(f64, f64)> = (0..n).map(|k| sin_cos_degrees(360.0 * k as f64 / n as f64)).collect();
     let ring = |[r, z]: [f64; 2]| match r > 0.0 {
         true => turns.iter().map(|(sin, cos)| scale * Vec3::new(r * cos, r * sin, z)).collect(),
@@ -93,8 +99,8 @@ pub(super) fn revolved(profile: &Profile, n: usize, scale: Vec3) -> Result<Body,
 }
 
 /// The body between rings of points, each of n points or of one, from the bottom up. Either the last ring is joined to the
-/// first, or both are single points.
-pub(super) fn stacked(rings: Vec<Vec<Vec3>>, is_ring: bool) -> Result<Body, String> {
+/// first, or both are single points. `None` if the body is flat.
+pub(super) fn stacked(rings: Vec<Vec<Vec3>>, is_ring: bool) -> Result<Option<Body>, String> {
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let starts: Vec<u32> = rings
         .iter()

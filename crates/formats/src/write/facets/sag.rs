@@ -2,14 +2,11 @@
 
 use super::implicit::too_coarse;
 use super::polytope;
-use super::revolved::{circle_count, stacked};
+use super::revolved::{MAX_POINTS, circle_count, stacked};
 use crate::kernel::Body;
 use rayweave_math::{Bounds, Vec3, sin_cos_degrees};
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;
-
-/// Maximum number of points of the grid.
-const MAX_POINTS: usize = 1 << 22;
 
 /// Grid over the surface z = sag(x, y) within an aperture.
 struct Grid<'a> {
@@ -41,7 +38,9 @@ pub(super) fn body(
         false => clip.hi.z.max(highest + aperture),
     };
     let rim: Vec<Vec3> = rings[grid.rings].iter().map(|p| Vec3::new(p.x, p.y, end)).collect();
-    let tall = stacked(rings.into_iter().chain([rim, vec![Vec3::Z * end]]).collect(), false)?;
+    let Some(tall) = stacked(rings.into_iter().chain([rim, vec![Vec3::Z * end]]).collect(), false)? else {
+        return Ok(None);
+    };
     if !top.is_finite() {
         return Ok(Some(tall));
     }
