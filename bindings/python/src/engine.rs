@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
-use pyo3::types::PyTuple;
+use pyo3::types::{PyBool, PyInt, PyTuple};
 use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave::model::{Crossing, Evaluator, LeafKind, Program, RegionId, Window};
 use rayweave::{AnyEvaluator, AnyScratch, Compiled};
@@ -185,11 +185,17 @@ impl QueryOptions {
     }
 }
 
+/// The error for a value that is not a whole number, or one too large for any use.
+pub fn not_whole(value: &Bound<'_, PyAny>, name: &str) -> PyErr {
+    match value.is_instance_of::<PyInt>() && !value.is_instance_of::<PyBool>() {
+        true => bad_value(format!("{name} is {value}: it must be below 2^63.")),
+        false => bad_type(format!("{name} is {}: it must be a whole number.", shown(value))),
+    }
+}
+
 /// Parses a number of threads.
 pub fn thread_argument(threads: &Bound<'_, PyAny>) -> PyResult<NonZeroUsize> {
-    let number: i64 = threads
-        .extract()
-        .map_err(|_| bad_type(format!("threads is {}: it must be a whole number.", shown(threads))))?;
+    let number: i64 = threads.extract().map_err(|_| not_whole(threads, "threads"))?;
     usize::try_from(number)
         .ok()
         .and_then(NonZeroUsize::new)

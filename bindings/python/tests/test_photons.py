@@ -459,7 +459,7 @@ def test_gensteps_are_a_source(bar):
     steps = np.concatenate([genstep(15, 300), genstep(15, 0), genstep(15, 700)])
     source = rp.gensteps(bar, steps, materials={4: "Crystal"})
     assert source.count == 1000 and "gensteps" in repr(source)
-    assert source.notes and "Cerenkov photons, of which its RINDEX explains" in source.notes[0]
+    assert source.notes and "Cerenkov photons: its RINDEX predicts" in source.notes[0]
     run = bar.simulate(source, record="steps")
     hits = run.hits
     assert hits.rows > 50

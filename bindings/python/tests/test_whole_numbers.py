@@ -23,6 +23,7 @@ BALL = rw.Model({"a": rw.sphere(1)})
         (lambda: rw.section(BALL, columns=1), rw.RayweaveError, "columns is 1: it must be from 2 to 65536"),
         (lambda: rw.thickness(BALL, size=(-1, 4)), rw.RayweaveError, "the width is -1"),
         (lambda: rw.thickness(BALL, size=(1, 2, 3)), TypeError, "it must be two whole numbers"),
+        (lambda: rw.measure(BALL, threads=2**70), rw.RayweaveError, "threads is 1180591620717411303424: it must be below"),
         (lambda: cluster.ranges(10, 2, step=0), rw.RayweaveError, "step is 0: it must be at least 1"),
     ],
 )

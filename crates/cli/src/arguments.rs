@@ -8,7 +8,6 @@ use rayweave::table::{ContentHash, Part};
 use rayweave::{Bounds, Vec3};
 use std::ffi::OsStr;
 use std::fmt::{self, Write};
-use std::io::Read;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -88,9 +87,8 @@ const STANDARD_INPUT: &str = "-";
 
 /// The text on standard input.
 fn standard_input() -> Result<String, Failure> {
-    let mut bytes = Vec::new();
-    let read = std::io::stdin().lock().read_to_end(&mut bytes);
-    read.map_err(|error| Failure::Input(format!("standard input cannot be read: {error}.")))?;
+    let read = rayweave::scene::read_stream(std::io::stdin().lock());
+    let bytes = read.map_err(|reason| Failure::Input(format!("standard input cannot be read: {reason}.")))?;
     String::from_utf8(bytes).map_err(|_| {
         let problem = "standard input is not text: binary models are read from files only";
         Failure::Input(format!("{problem}. Give the name of the file."))

@@ -155,7 +155,7 @@ fn group_size<'a>(
             known.insert(address, size);
             continue;
         };
-        // also counted if the solid is known: a union of many references to one solid takes that many steps in each context
+        // a repeated solid counts, too: a union of many references to one solid takes that many steps in each context
         frame.size.visits += 1;
         if solid.is_shared() && !frame.seen.insert(solid.address()) {
             continue;

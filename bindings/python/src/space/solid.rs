@@ -15,8 +15,8 @@ use super::recipe::{Recipe, call_named};
 use super::table::{PointTable, points};
 use super::{AnyCurve, AnySolid, Holds, Shared, each};
 use crate::arrays::{double_array, list, room, shape_text};
-use crate::engine::thread_argument;
-use crate::error::{bad_type, bad_value, shown};
+use crate::engine::{not_whole, thread_argument};
+use crate::error::{bad_type, bad_value};
 use crate::rootray::PyRootRay;
 
 /// A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
@@ -399,13 +399,13 @@ fn contains<'py, const D: usize>(
 
 /// A non-negative integer, stored as f64 like all numbers of a recipe.
 fn count(object: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
-    let wrong = || bad_type(format!("{name} is {}: it must be a whole number.", shown(object)));
+    let wrong = || not_whole(object, name);
     if object.is_instance_of::<pyo3::types::PyBool>() {
         return Err(wrong());
     }
     let number: i64 = object.extract().map_err(|_| wrong())?;
     match (0..1 << 50).contains(&number) {
         true => Ok(number as f64),
-        false => Err(bad_value(format!("{name} is {number}: it must be 0 or more."))),
+        false => Err(bad_value(format!("{name} is {number}: it must be from 0 to 2^50."))),
     }
 }

@@ -100,7 +100,8 @@ impl Trace {
         if self.part.range.is_none() {
             return Ok(None);
         }
-        if !self.rays.is_file() {
+        // a file that is missing is reported like any other input
+        if self.rays.as_os_str() == "-" || (self.rays.exists() && !self.rays.is_file()) {
             let text = "--range needs a file of rays: the other rays of a stream are not known.";
             return Err(Failure::Usage(text.to_owned()));
         }

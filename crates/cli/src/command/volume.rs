@@ -38,8 +38,8 @@ pub struct Volume {
     within: WithinArguments,
 
     /// Trace about this many rays, one set for all regions, instead of rays until the precision is reached. They are divided into
-    /// cells of two rays; --range counts cells
-    #[arg(long, value_name = "N")]
+    /// cells of two rays, at least three; --range counts cells
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(6..))]
     total: Option<u64>,
 
     #[command(flatten)]

@@ -70,6 +70,9 @@ fn tables_of_crossings() {
         let arguments = ["trace", "cemented.toml", "--rays", "rays.csv", "--occurrence"];
         slicings(&bench, &arguments, &[("-o", table)], (5000, 1), 4);
     }
+    let with = |rays| ["trace", "cemented.toml", "--rays", rays, "-o", "x.csv", "--range", "0:2"];
+    assert!(bench.fails(2, &with("-")).contains("the other rays of a stream are not known"));
+    assert!(bench.fails(3, &with("missing.csv")).contains("cannot read missing.csv"));
 }
 
 #[cfg(feature = "parquet")]
@@ -140,6 +143,9 @@ fn tables_of_thickness() {
 #[test]
 fn sums_of_volumes() {
     let bench = Bench::new();
+    for total in ["0", "5"] {
+        assert!(bench.fails(2, &["volume", "ball.toml", "--total", total]).contains("--total"));
+    }
     // 3 * 40^2 cells
     let arguments = ["volume", "cemented.toml", "--total", "9600", "--precision", "0.5", "--seed", "4"];
     bench.says(&[&arguments[..], &["--range", "0:4800", "-o", "whole.sums"]].concat());

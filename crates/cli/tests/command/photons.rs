@@ -230,7 +230,7 @@ fn native_models() {
         ("RINDEX = 1.79", "RINDEX = -1", "bar.toml:26:1", "it has the value -1: it must be positive"),
         ("\"bar\", \"diode\"", "\"bar\", \"dioda\"", "bar.toml:43:19", "Did you mean `diode`?"),
         ("unified", "unifide", "bar.toml:31:9", "the model `unifide` of optical surface `wrapping`"),
-        ("[400, 400]", "[400]", "bar.toml:27:38", "`ABSLENGTH` has 1 values: `eV` has 2 numbers"),
+        ("[400, 400]", "[400]", "bar.toml:27:38", "`ABSLENGTH` has 2 numbers in `eV` and 1 in `value`"),
         ("skin", "skins", "bar.toml:35:1", "Did you mean `skin`?"),
         ("unit = \"mm\"", "unit = \"cm\"", "bar.toml:", "not in millimetres"),
         ("[photons.medium.crystal]", "[photons.medium.cristal]", "bar.toml:25:17", "Did you mean `crystal`?"),

@@ -45,12 +45,12 @@ impl Shared {
         self.class[number].is_some_and(|class| self.count[class as usize] > 1)
     }
 
-    /// The facets of a node, if those of an equal node are known.
+    /// The facets of a node, if the map has those of an equal node.
     pub fn shell(&self, number: usize) -> Option<Shell> {
         self.shells.borrow().get(&self.class[number]?).cloned()
     }
 
-    /// True if the facets of a node are known.
+    /// True if the map has the facets of a node or of an equal one.
     pub fn is_known(&self, number: usize) -> bool {
         self.class[number].is_some_and(|class| self.shells.borrow().contains_key(&class))
     }

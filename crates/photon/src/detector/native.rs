@@ -233,8 +233,12 @@ fn property(reader: &mut Reader, name: &str, datum: Spanned<Datum>) -> Option<Da
     let places = numbers(reader, &key.value, places)?;
     let values = numbers(reader, "value", values)?;
     if places.len() != values.len() {
-        let problem = Diagnostic::error(format!("`{name}` has {} values", values.len()));
-        reader.report(problem.why(format!("`{}` has {} numbers", key.value, places.len())), span);
+        let (places, values) = (places.len(), values.len());
+        let problem = Diagnostic::error(format!(
+            "`{name}` has {places} numbers in `{}` and {values} in `value`",
+            key.value
+        ));
+        reader.report(problem.why("each point of the property has one of each"), span);
         return None;
     }
     let energy = |place: f64| if is_energy { 1e-6 * place } else { HC_MEV_NM / place };

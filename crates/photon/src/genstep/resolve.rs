@@ -80,7 +80,7 @@ impl Gensteps {
         let total = first[gensteps.len()];
         if total > MAX_PHOTONS {
             let problem = format!("the gensteps have {total} photons");
-            return Err(PhotonError::setting(problem, "an event has at most 4294967296"));
+            return Err(PhotonError::setting(problem, "an event has at most 4294967296 photons"));
         }
         let notes = compare_yields(detector, gensteps, &steps);
         Ok(Gensteps { steps, first, notes })
@@ -236,7 +236,7 @@ fn material_numbers<E: Evaluator>(
         let problem = |reason: String| {
             let message =
                 Message::new(format!("the material {number} of genstep {row} is not known"), reason);
-            PhotonError::Setting(message.suggest("State the names of materials by their numbers"))
+            PhotonError::Setting(message.suggest("Give the name of the material for this number."))
         };
         if region.0 == 0 {
             return Err(problem("the middle of the step is outside the world".to_owned()));
@@ -329,7 +329,8 @@ fn compare_yields(detector: &Detector, gensteps: &[Genstep], steps: &[Resolved])
     let note = |(material, (stated, expected)): (usize, (f64, f64))| {
         let name = &detector.materials[material].name;
         let text = format!(
-            "the gensteps in `{name}` have {stated} Cerenkov photons, of which its RINDEX explains {expected:.0}."
+            "the gensteps in `{name}` have {stated} Cerenkov photons: its RINDEX predicts {expected:.0}. Compare its RINDEX with \
+             that of the simulation that wrote the gensteps."
         );
         differs((stated, expected)).then_some(text)
     };

@@ -55,12 +55,11 @@ impl Lint<'_> {
         }
     }
 
-    /// Names of before Geant4 11.
+    /// Reports names that Geant4 11 replaced.
     fn name(&mut self, owner: &Owner, name: &str) {
         if let Some(new) = successor(name) {
             let problem = format!("{owner} has the property `{name}`");
-            let reason =
-                "it has another name since Geant4 11, whose GDML reader ignores the old one silently";
+            let reason = "Geant4 11 renamed it, and its GDML reader ignores the old name without a message";
             let advice = match name {
                 "YIELDRATIO" => {
                     "Use SCINTILLATIONYIELD1 and, with 1 minus the ratio, SCINTILLATIONYIELD2.".to_owned()

@@ -86,9 +86,13 @@ impl Source {
     /// Checks the numbers of the photons to emit.
     pub(crate) fn check_range(&self, numbers: &Range<u64>) -> Result<(), PhotonError> {
         let Range { start, end } = numbers;
-        let problem = || format!("photons {start} to {end} are requested");
+        // the range is half-open
+        let problem = || format!("photons {start} to {} are requested", end.saturating_sub(1));
         if let Some(limit) = self.limit().filter(|limit| limit < end) {
-            return Err(PhotonError::setting(problem(), format!("the source has {limit} photons")));
+            return Err(PhotonError::setting(
+                problem(),
+                format!("the source has {limit} photons, numbered from 0"),
+            ));
         }
         if *end > MAX_PHOTONS {
             return Err(PhotonError::setting(problem(), "an event has at most 4294967296 photons"));

@@ -215,7 +215,7 @@ impl Torch {
             && transverse(vector, axis).is_none()
         {
             let problem = format!("the polarisation {polarisation} is parallel to the direction");
-            return Err(PhotonError::setting(problem, "it must have a part perpendicular to it"));
+            return Err(PhotonError::setting(problem, "light is polarised perpendicular to its direction"));
         }
         Ok(Torch { polarisation: Some(vector), ..self })
     }

@@ -70,12 +70,18 @@ impl SurfaceTables {
                     | (SurfaceType::DielectricLutDavis, MeasuredTable::Davis(_))
                     | (SurfaceType::DielectricDichroic, MeasuredTable::Dichroic(_))
             );
-            let reason = || format!("its type needs {needed}, the given one is of another model");
-            return if fits { Ok(Some(table.clone())) } else { Err(Message::new(problem(), reason())) };
+            let wrong = || {
+                let problem = format!("optical surface `{surface}` has a table of another type");
+                Message::new(problem, format!("its type needs {needed}"))
+            };
+            return if fits { Ok(Some(table.clone())) } else { Err(wrong()) };
         }
         if kind == SurfaceType::DielectricDichroic {
             let reason = "the transmittance of a dichroic filter is not part of a GDML file";
-            let absent = || Message::new(problem(), reason).suggest("Give the file of G4DICHROICDATA.");
+            let absent = || {
+                Message::new(problem(), reason)
+                    .suggest("Give the file that Geant4 finds by the variable G4DICHROICDATA.")
+            };
             return self
                 .dichroic
                 .clone()
@@ -87,8 +93,10 @@ impl SurfaceTables {
             _ => DAVIS_FINISHES.iter().find(|name| **name == finish).copied(),
         };
         let Some(file) = file.filter(|file| !file.is_empty()) else {
-            let reason = format!("its type needs {needed}, and Geant4 has none for its finish");
-            return Err(Message::new(problem(), reason).suggest("Choose a finish that the table is for."));
+            let reason = format!("its type needs {needed}, and Geant4 has none for the finish `{finish}`");
+            return Err(
+                Message::new(problem(), reason).suggest("Choose a finish that Geant4 has tables for.")
+            );
         };
         let Some(folder) = &self.folder else {
             let reason = format!("its type needs {needed}, which is not part of a GDML file");

@@ -64,7 +64,7 @@ fn read<T: Number>(path: &Path, limit: usize) -> Result<Vec<T>, Message> {
     }
     let text = str::from_utf8(&bytes).map_err(|_| {
         let message = Message::new(problem(), "it is not text");
-        message.suggest("Give a table that zlib has compressed the extension `.z`.")
+        message.suggest("If it is compressed by zlib, its name must end in `.z`.")
     })?;
     parse(text, &path.display().to_string(), limit)
 }
@@ -94,7 +94,7 @@ fn parse<T: Number>(text: &str, name: &str, limit: usize) -> Result<Vec<T>, Mess
                 let column = text[..at].chars().rev().take_while(|c| *c != '\n').count() + 1;
                 let word: String = word.chars().take(20).collect();
                 let problem = format!("{name}:{line}:{column}: the table has the entry `{word}`");
-                return Err(Message::new(problem, "finite numbers are expected"));
+                return Err(Message::new(problem, "its entries must be finite numbers"));
             }
         }
     }

@@ -385,7 +385,7 @@ fn materials_are_found_or_refused() {
     let stated = |photons: f64| with(&[Genstep { photons: photons as u32, ..step }], &[]).unwrap();
     assert!(stated(mean).notes().is_empty());
     let note = stated(2.0 * mean).notes().join(" ");
-    assert!(note.contains("Cerenkov photons, of which its RINDEX explains"), "{note}");
+    assert!(note.contains("Cerenkov photons: its RINDEX predicts"), "{note}");
 }
 
 /// Photons in the layout of Opticks: float32 vectors are made unit vectors, and an absent polarisation random.
