@@ -199,7 +199,9 @@ fn frame(boxes: &[Bounds]) -> Result<Bounds, AnalysisError> {
         (true, true) => {
             let message =
                 Message::new("no region of the model is bounded", "rays cannot search all of space");
-            Err(AnalysisError::Solid(message.suggest("Check the part within a box: --within LO HI, in Python within=(lo, hi).")))
+            Err(AnalysisError::Solid(
+                message.suggest("Check the part within a box: --within LO HI, in Python within=(lo, hi)."),
+            ))
         }
         (false, true) => Ok(whole.grown(0.1 * whole.size().length())),
         (_, false) => Ok(whole),

@@ -122,7 +122,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
         map: &Affine,
         what: &str,
     ) -> Result<(), AnalysisError> {
-        // nobody wrote the half-spaces of an outline
+        // the half-spaces of an outline are not operands of the model file
         if matches!(own.node(), Node::Named(name, _) if is_outline_part(name)) {
             return Ok(());
         }

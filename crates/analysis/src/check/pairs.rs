@@ -1,8 +1,8 @@
 //! Checks for overlaps of regions, and for daughters outside their mothers.
 
 use super::parts::{Part, overlapping_pairs, parts};
-use super::probe::{FEW, Probe, Thickest};
-use super::share::Outcome;
+use super::probe::{FEW, Probe};
+use super::share::{Outcome, Thickest};
 use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;

@@ -1,6 +1,6 @@
 //! Ray sampling of a box for the checks.
 
-use super::share::{Outcome, Work};
+use super::share::{Outcome, Thickest, Work};
 use super::{CheckSettings, Scope};
 use crate::AnalysisError;
 use crate::error::Make;
@@ -36,13 +36,6 @@ pub struct Probe<'a, E> {
 
 /// The number of random streams before those of independent searches: other searches are counted from 1.
 const STREAMS: u64 = 1 << 32;
-
-/// The thickest place of a solid along a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thickest {
-    pub thickness: f64,
-    pub chord: MeasuredChord,
-}
 
 impl<'a, E: Evaluator> Probe<'a, E> {
     pub fn new(

@@ -1,6 +1,5 @@
 //! Independent searches of a check, which may run anywhere: their results by number, as text.
 
-use super::probe::Thickest;
 use crate::measure::MeasuredChord;
 use rayweave_math::Vec3;
 use std::collections::BTreeMap;
@@ -9,6 +8,13 @@ use std::ops::Range;
 
 /// The first line of the text of a share.
 const HEADER: &str = "rayweave check share 1";
+
+/// The thickest place of a solid along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Thickest {
+    pub thickness: f64,
+    pub chord: MeasuredChord,
+}
 
 /// The result of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -263,7 +263,10 @@ fn the_same_on_any_number_of_threads_and_refusals() {
         fails(&text, CheckSettings { across: 1, ..quick() }).starts_with("the number of cells across is 1")
     );
     let floor = "[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }\n[[region]]\nsolid = \"f\"";
-    assert!(fails(floor, quick()).contains("Check the part within a box: --within LO HI, in Python within=(lo, hi)."));
+    assert!(
+        fails(floor, quick())
+            .contains("Check the part within a box: --within LO HI, in Python within=(lo, hi).")
+    );
     let cancel = Cancel::new();
     cancel.cancel();
     assert_eq!(fails(&text, CheckSettings { cancel, ..quick() }), "cancelled");

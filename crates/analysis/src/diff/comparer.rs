@@ -31,7 +31,9 @@ pub fn bounds_of(pairs: &[Pair]) -> Result<Bounds, AnalysisError> {
         true => Ok(whole),
         false => {
             let message = Message::new("the models are unbounded", "rays cannot search all of space");
-            Err(AnalysisError::Solid(message.suggest("Compare the parts within a box: --within LO HI, in Python within=(lo, hi).")))
+            Err(AnalysisError::Solid(
+                message.suggest("Compare the parts within a box: --within LO HI, in Python within=(lo, hi)."),
+            ))
         }
     }
 }

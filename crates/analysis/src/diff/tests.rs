@@ -132,7 +132,10 @@ fn unbounded_models_need_a_box() {
         diff(&scene(&below(0.0)), &scene(&below(0.5)), AnyEvaluator::maker(None), &quick(), &mut |_| ())
             .unwrap_err();
     assert!(
-        error.kind() == ErrorKind::Solid && error.to_string().ends_with("Compare the parts within a box: --within LO HI, in Python within=(lo, hi)."),
+        error.kind() == ErrorKind::Solid
+            && error
+                .to_string()
+                .ends_with("Compare the parts within a box: --within LO HI, in Python within=(lo, hi)."),
         "{error}"
     );
     let within = Some(Bounds { lo: Vec3::splat(-1.0), hi: Vec3::new(1.0, 1.0, 2.0) });

@@ -193,7 +193,8 @@ impl<E: Evaluator> Cutter<'_, E> {
         }
         if !lo.iter().chain(&hi).all(|end| end.is_finite()) {
             let problem = format!("the model is unbounded in the plane {plane}");
-            let message = Message::new(problem, "a section must be finite").suggest("Cut the part within a box: --within LO HI, in Python within=(lo, hi).");
+            let message = Message::new(problem, "a section must be finite")
+                .suggest("Cut the part within a box: --within LO HI, in Python within=(lo, hi).");
             return Err(AnalysisError::Solid(message));
         }
         let side = (hi[0] - lo[0]).max(hi[1] - lo[1]).max(f64::MIN_POSITIVE);

@@ -123,7 +123,10 @@ fn a_box_bounds_unbounded_solids() {
     let refused = cross_sections(&rod, None, AnyEvaluator::maker(None), &[plane()], &settings, &mut |_| ())
         .unwrap_err();
     assert!(
-        refused.kind() == ErrorKind::Solid && refused.to_string().contains("Cut the part within a box: --within LO HI, in Python within=(lo, hi)."),
+        refused.kind() == ErrorKind::Solid
+            && refused
+                .to_string()
+                .contains("Cut the part within a box: --within LO HI, in Python within=(lo, hi)."),
         "{refused}"
     );
     let within = Some(Bounds { lo: Vec3::new(0.0, -5.0, 0.0), hi: Vec3::new(5.0, 5.0, 3.0) });

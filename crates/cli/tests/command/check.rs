@@ -58,7 +58,11 @@ fn refusals() {
     assert!(bench.fails(2, &["check", "plates.toml", "--gap", "-1"]).contains("-1"));
     bench.fails(3, &["check", "none.toml"]);
     bench.write("floor.toml", "rayweave = 1\n[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }");
-    assert!(bench.fails(3, &["check", "floor.toml"]).contains("Check the part within a box: --within LO HI, in Python within=(lo, hi)."));
+    assert!(
+        bench
+            .fails(3, &["check", "floor.toml"])
+            .contains("Check the part within a box: --within LO HI, in Python within=(lo, hi).")
+    );
     bench.write("far.toml", BALL.replace("R = 1.0", "R = 1e200"));
     bench.fails(3, &["check", "far.toml", "--cells", "8", "--define", "R=1e400"]);
 }

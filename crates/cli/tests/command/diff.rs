@@ -65,6 +65,9 @@ fn trouble_is_2() {
     assert!(bench.fails(2, &["diff", "ball.toml", "ball.toml", "-o", "d.pdf"]).contains("d.pdf"));
     bench.write("floor.toml", "rayweave = 1\n[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }");
     let failed = bench.fails(2, &["diff", "floor.toml", "ball.toml"]);
-    assert!(failed.contains("Compare the parts within a box: --within LO HI, in Python within=(lo, hi)."), "{failed}");
+    assert!(
+        failed.contains("Compare the parts within a box: --within LO HI, in Python within=(lo, hi)."),
+        "{failed}"
+    );
     bench.fails(2, &["diff", "ball.toml"]);
 }

@@ -4,8 +4,8 @@
 //! An outline is a set of closed contours that neither cross nor touch each other or themselves, in any orientation. Points within
 //! an odd number of contours are inside.
 //!
-//! Each arc is divided into pieces of at most a quarter turn. The chords of the pieces form polygons, whose formula of half-planes
-//! is known ([`Polygons::fold`](crate::Polygons::fold)); the circular segments between pieces and chords are added to it, or
+//! Each arc is divided into pieces of at most a quarter turn. The chords of the pieces form polygons, which
+//! [`Polygons::fold`](crate::Polygons::fold) turns into formulas of half-planes; the circular segments between pieces and chords are added to it, or
 //! removed. This is the region within the arcs if no triangle between the ends of a piece and its apex, where the tangents at the
 //! ends meet, touches another triangle or edge. It is verified with exact predicates: the four contours through all chords, all
 //! apexes, and the apexes on one side only are simple. Arcs are divided further until they are.

@@ -1,6 +1,6 @@
 //! Closed curves of DXF files (AutoCAD DXF reference): polylines with arcs, circles, and chains of lines and arcs.
 
-use super::{Contours, Segment, joined, vertex};
+use super::curve::{Contours, Segment, joined, vertex};
 use rayweave_math::unit_vector_degrees;
 use rayweave_polygon::Vertex;
 

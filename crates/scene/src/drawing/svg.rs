@@ -1,6 +1,6 @@
 //! Closed curves of SVG files: paths, rectangles, circles and polygons. Lines and circular arcs are exact; Bézier curves become chords.
 
-use super::{CHORD, Contours, size, vertex};
+use super::curve::{CHORD, Contours, size, vertex};
 use rayweave_polygon::Vertex;
 use roxmltree::{Document, Node};
 use std::str::FromStr;
