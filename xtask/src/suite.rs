@@ -129,7 +129,7 @@ mod tests {
         let stages = wanted(&[]);
         assert!(stages.contains(&"fmt") && stages.contains(&"python"), "{stages:?}");
         assert!(!stages.contains(&"long"));
-        assert_eq!(wanted(&["--long"]).len(), stages.len() + 2);
+        assert_eq!(wanted(&["--long"]).len(), stages.len() + 3);
     }
 
     #[test]
