@@ -16,7 +16,7 @@ use super::table::{PointTable, points};
 use super::{AnyCurve, AnySolid, Holds, Shared, each};
 use crate::arrays::{double_array, list, room, shape_text};
 use crate::engine::{not_whole, thread_argument};
-use crate::error::{bad_type, bad_value};
+use crate::error::{bad_type, bad_value, shown};
 use crate::rootray::PyRootRay;
 
 /// A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
