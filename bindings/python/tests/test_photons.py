@@ -317,6 +317,27 @@ def test_bad_settings_are_explained(bar, tmp_path):
         rp.load(tmp_path / "plain.toml")
 
 
+def test_the_text_of_a_native_model_is_a_detector(tmp_path):
+    text = "rayweave = 1\n[solid.a]\nsphere = { radius = 1 }\n"
+    # it is read as a native model, not as XML
+    with pytest.raises(RayweaveError, match=r"it has neither a table \[photons\] nor a table \[gdml\]"):
+        rp.loads(text)
+    text = """rayweave = 1
+unit = "mm"
+[solid.ball]
+sphere = { radius = 5 }
+[[region]]
+solid = "ball"
+medium = "glass"
+[medium.glass]
+[photons.medium.glass]
+RINDEX = 1.5
+"""
+    (tmp_path / "ball.toml").write_text(text)
+    loaded, read = rp.load(tmp_path / "ball.toml"), rp.loads(text)
+    assert loaded.material("glass").refractive_index.at(500) == read.material("glass").refractive_index.at(500) == 1.5
+
+
 def test_progress(bar):
     reported = []
     bar.simulate(from_middle(), n=9000, progress=lambda done, total: reported.append((done, total)))

@@ -62,7 +62,7 @@ fn trouble_is_2() {
             .fails(2, &["diff", "ball.toml", "ball.toml", "--distance", "nan"])
             .contains("the distance is NaN")
     );
-    assert!(bench.fails(2, &["diff", "ball.toml", "ball.toml", "-o", "d.pdf"]).contains("d.pdf"));
+    assert!(bench.fails(2, &["diff", "ball.toml", "ball.toml", "-o", "d.doc"]).contains("d.doc"));
     bench.write("floor.toml", "rayweave = 1\n[solid.f]\nhalf_space = { normal = [0, 0, 1], offset = 0 }");
     let failed = bench.fails(2, &["diff", "floor.toml", "ball.toml"]);
     assert!(

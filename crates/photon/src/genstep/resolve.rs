@@ -262,9 +262,15 @@ fn light(row: usize, genstep: &Genstep, material: &OpticalMaterial) -> Result<Li
             let energies = [HC_MEV_NM / longest, HC_MEV_NM / shortest];
             let light = cerenkov::integral(index, inverse_beta, energies);
             if genstep.photons > 0 && light <= 0.0 {
-                let reason = format!(
-                    "1/beta = {inverse_beta} is not below the RINDEX of `{name}` at any of its wavelengths"
-                );
+                let reason = match index.energies() {
+                    [_] => format!(
+                        "the RINDEX of `{name}` is a single number, and light is emitted in its range of energies: give \
+                         RINDEX at two energies or more"
+                    ),
+                    _ => format!(
+                        "1/beta = {inverse_beta} is not below the RINDEX of `{name}` at any of its wavelengths"
+                    ),
+                };
                 return Err(fault(row, reason));
             }
             Ok(Light::Cerenkov { inverse_beta, energies, density })

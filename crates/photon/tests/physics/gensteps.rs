@@ -356,6 +356,16 @@ fn materials_are_found_or_refused() {
     assert_eq!(with(&[step], &[(7, "Inner")]).unwrap().photons(), u64::from(COUNT));
     fails(&[step], &[(7, "Iner")], "no material is called `Iner`");
     fails(&[step], &[(7, "Outer")], "genstep 0 is invalid: 1/beta = 1.2 is not below the RINDEX of `Outer`");
+    let single = SlabDetector {
+        matrices: r#"<matrix name="ONE" coldim="2" values="2*eV 1.33"/>"#,
+        inner: r#"<property name="RINDEX" ref="ONE"/>"#,
+        ..CLEAR
+    };
+    let single = single.build();
+    let evaluator_of_it = Packets::new(single.program().clone());
+    let names = [(7, "Inner".to_owned())].into();
+    let message = Gensteps::new(&single, &evaluator_of_it, &[step], &names).unwrap_err().to_string();
+    assert!(message.contains("is a single number"), "{message}");
     let outside = Genstep { position: Vec3::new(0.0, 0.0, -100.0), ..step };
     fails(&[step, outside], &[], "steps with this number are in `Inner` and in `Outer`. State the names");
     let beyond = Genstep { position: Vec3::new(0.0, 0.0, 9000.0), material: 8, ..step };

@@ -425,15 +425,17 @@ def loads(
     allow: Sequence[str | PathLike[str]] = (),
     strict: bool = False,
 ) -> Detector:
-    """As `load`, from the text of a GDML file. Names of files are relative to the current folder.
+    """As `load`, from the text of a GDML file or of a native model. Names of files are relative to the current folder.
 
     >>> from pathlib import Path
     >>> import rayweave.photons as rp
     >>> rp.loads(Path("bar.gdml").read_text()).material("Crystal").name
     'Crystal'
     """
-    compiled = _core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict)
-    return Detector(compiled, "detector", text, tables)
+    # XML begins with an angle bracket, which no native model does
+    is_native = not text.lstrip("\ufeff \t\r\n").startswith("<")
+    compiled = _core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict, native=is_native)
+    return Detector(compiled, "detector", text, tables, is_native=is_native)
 
 
 def _again(text: str, tables: SurfaceTables | None, name: str, is_native: bool) -> Detector:
