@@ -98,7 +98,7 @@ fn revolutions() {
 /// Documents keep outlines as they are written.
 #[test]
 fn documents_are_written_again() {
-    let text = "rayweave = 1\n[solid.s]\nextrude = { outline = [{ at = [0, 0], fillet = 0.25 }, [1, 0], { at = [1, 1], bulge = 0.5 }], height = 2 }\n";
+    let text = "rayweave = 1\n[solid.s]\nextrude = { outline = [[0, 0], { at = [1, 0], fillet = 0.25 }, { at = [1, 1], bulge = 0.5 }], height = 2 }\n";
     let (document, scene) = parse(text).unwrap();
     let (again, same) = parse(&document.to_toml()).unwrap();
     assert_eq!(document, again);

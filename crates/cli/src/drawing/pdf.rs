@@ -316,7 +316,7 @@ mod tests {
     fn a_page_has_the_size_of_the_drawing() {
         let file = pdf(r##"<rect width="9" height="9" fill="#f00" fill-opacity="0.5"/>"##).unwrap();
         assert!(file.starts_with(b"%PDF-") && has(&file, "/MediaBox [0 0 30 15]"));
-        assert!(has(&file, "/ca 0.5") && has(&file, r"(a \(b\))"));
+        assert!(has(&file, "/ca 0.5") && has(&file, "(a (b))"));
         let group =
             pdf(r##"<g opacity="0.25"><rect width="9" height="9"/><rect width="5" height="5"/></g>"##);
         let group = group.unwrap();

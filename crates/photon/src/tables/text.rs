@@ -115,7 +115,7 @@ mod tests {
         let refused = |text: &str| parse::<f32>(text, "t.dat", 9).unwrap_err().to_string();
         assert_eq!(
             refused("1 2\n 3 four"),
-            "t.dat:2:4: the table has the entry `four`: finite numbers are expected."
+            "t.dat:2:4: the table has the entry `four`: its entries must be finite numbers."
         );
         assert!(refused("NaN").contains("t.dat:1:1"));
         assert!(read::<f32>(Path::new("no/such.dat"), 9).unwrap_err().to_string().contains("no/such.dat"));

@@ -367,7 +367,7 @@ fn materials_are_found_or_refused() {
     let message = Gensteps::new(&single, &evaluator_of_it, &[step], &names).unwrap_err().to_string();
     assert!(message.contains("is a single number"), "{message}");
     let outside = Genstep { position: Vec3::new(0.0, 0.0, -100.0), ..step };
-    fails(&[step, outside], &[], "steps with this number are in `Inner` and in `Outer`. State the names");
+    fails(&[step, outside], &[], "steps with this number are in `Inner` and in `Outer`. Give the name");
     let beyond = Genstep { position: Vec3::new(0.0, 0.0, 9000.0), material: 8, ..step };
     fails(&[step, beyond], &[], "genstep 1 is not known: the middle of the step is outside the world");
     fails(&[scintillation(Some(3), 6.0, None)], &[], "has no SCINTILLATIONCOMPONENT3");

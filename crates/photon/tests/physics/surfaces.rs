@@ -83,7 +83,8 @@ fn measured_finishes_need_their_files() {
     let refused = |finish: &str, kind: &str, tables: &SurfaceTables| build(finish, kind, tables).unwrap_err();
     assert!(refused("11", "2", &none).contains("data set RealSurface with PolishedTyvek.z"));
     assert!(refused("36", "3", &none).contains("PolishedESR_LUT.z"));
-    assert!(refused("polishedair", "dielectric_LUT", &none).contains("Geant4 has none for its finish"));
+    let without = refused("polishedair", "dielectric_LUT", &none);
+    assert!(without.contains("Geant4 has none for the finish"), "{without}");
     assert!(refused("polishedtyvekair", "dielectric_metal", &none).contains("has no meaning for its type"));
     let tables = none.folder(&folder);
     let path = folder.join("PolishedTyvek.dat");

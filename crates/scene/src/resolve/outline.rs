@@ -373,6 +373,6 @@ fn bulge_through(p: [f64; 2], m: [f64; 2], q: [f64; 2]) -> Option<f64> {
     let (a, b) = ([p[0] - m[0], p[1] - m[1]], [q[0] - m[0], q[1] - m[1]]);
     let (cross, dot) = (a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
     let lengths = libm::hypot(a[0], a[1]) * libm::hypot(b[0], b[1]);
-    // a point to the right of the chord lies on an arc to the left
-    (cross != 0.0).then(|| (lengths + dot) / cross)
+    // the arc turns to the left if the point lies to the right of the chord
+    (cross != 0.0).then(|| -(lengths + dot) / cross)
 }
