@@ -40,7 +40,7 @@ def test_regions_with_a_density():
 
 def test_within_a_box():
     below = rayweave.half_space([0, 0, 1], 0)
-    with pytest.raises(RayweaveError, match="Intersect it with a box, or measure it within one"):
+    with pytest.raises(RayweaveError, match="Intersect it with a box, or measure the part within one"):
         rayweave.measure(below)
     found = rayweave.measure(below, within=[[0, 0, -1], [2, 3, 5]])
     assert found.volume[0] == pytest.approx(6, rel=1e-12)
