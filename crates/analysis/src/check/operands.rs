@@ -135,7 +135,12 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             let bounds = Program::compile(&effect)?.bounds();
             match bounds.is_empty() {
                 true => Ok(Outcome::ProvedEmpty),
-                false => Ok(probe.is_there(&effect, &bounds, 2 * FEW)?.into()),
+                false => {
+                    // what an operand of an intersection cuts off lies outside of the model
+                    let around = probe.frame.grown(probe.frame.size().length());
+                    let bounds = if bounds.is_finite() { bounds } else { bounds.intersection(&around) };
+                    Ok(probe.is_there(&effect, &bounds, 2 * FEW)?.into())
+                }
             }
         })?;
         let is_proved = outcome == Outcome::ProvedEmpty;

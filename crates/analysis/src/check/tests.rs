@@ -157,6 +157,24 @@ fn operands_without_effect() {
     assert!(has("inner adds nothing", false), "{found:?}");
 }
 
+/// The faces of a box as half-spaces: each cuts off what lies outside of the model, except for one that is farther away.
+#[test]
+fn half_spaces_of_an_intersection() {
+    let sides = [("a", "[1, 0, 0]"), ("b", "[-1, 0, 0]"), ("c", "[0, 1, 0]"), ("d", "[0, -1, 0]")];
+    let side = |(name, normal): &(&str, &str), offset: u32| {
+        format!("[solid.{name}]\nhalf_space = {{ normal = {normal}, offset = {offset} }}\n")
+    };
+    let sides: String = sides.iter().map(|own| side(own, 2)).collect();
+    let far = side(&("far", "[1, 1, 0]"), 9);
+    let text = format!(
+        "{sides}{far}[solid.slab]\nbox_from_corners = {{ lo = [-9, -9, -1], hi = [9, 9, 1] }}\n\
+         [solid.rod]\nexpr = \"a & b & c & d & far\"\n[solid.s]\nexpr = \"rod & slab\"\n[[region]]\nsolid = \"s\""
+    );
+    let report = checked(&text, &quick());
+    let absorbed: Vec<&str> = report.of(FindingKind::Absorbed).map(|finding| finding.text.as_str()).collect();
+    assert_eq!(absorbed, ["far takes nothing from the rest of s"]);
+}
+
 /// Two rows of a hundred boxes each, and one small box inside another: all are checked, or the number of skipped ones is
 /// reported.
 #[test]
