@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias, overload
+from typing import TypeAlias, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from rayweave import _core
 from rayweave._box import Box, corners
 from rayweave._core import Section
 from rayweave._model import Subject
-from rayweave._table import Rows
+from rayweave._table import Rows, Tabular
 from rayweave._whole import whole
 from rayweave._words import suggesting
 
@@ -69,7 +69,7 @@ _COLUMNS = ("kind", "regions", "text", "size", "volume", "area", "at", "is_prove
 
 
 @dataclass(frozen=True, eq=False)
-class Check:
+class Check(Tabular):
     """The findings and the scope of a check.
 
     >>> import rayweave as rw
@@ -114,21 +114,6 @@ class Check:
             "is_proved": np.array(rows["is_proved"], dtype=np.bool_),
         }
         return Rows(columns, {})
-
-    def to_pandas(self) -> Any:
-        """The findings as a pandas DataFrame."""
-        return self._rows().to_pandas()
-
-    def to_arrow(self) -> Any:
-        """The findings as an Arrow table."""
-        return self._rows().to_arrow()
-
-    def to_xarray(self) -> Any:
-        """The findings as an xarray Dataset with the dimension `row`."""
-        return self._rows().to_xarray()
-
-    def _repr_html_(self) -> str:
-        return self._rows()._repr_html_()
 
     def __repr__(self) -> str:
         counts = Counter(finding.kind for finding in self.findings)

@@ -16,6 +16,28 @@ _AXES = ("x", "y", "z", "w")
 _TEXT_ROWS, _HTML_ROWS = 6, 12
 
 
+class Tabular:
+    """A result whose contents convert to tables: `_rows` returns them as rows."""
+
+    def _rows(self) -> Rows:
+        raise NotImplementedError
+
+    def to_pandas(self) -> Any:
+        """The contents as a pandas DataFrame."""
+        return self._rows().to_pandas()
+
+    def to_arrow(self) -> Any:
+        """The contents as an Arrow table."""
+        return self._rows().to_arrow()
+
+    def to_xarray(self) -> Any:
+        """The contents as an xarray Dataset with the dimension `row`."""
+        return self._rows().to_xarray()
+
+    def _repr_html_(self) -> str:
+        return self._rows()._repr_html_()
+
+
 class Table:
     """Rows with named columns.
 

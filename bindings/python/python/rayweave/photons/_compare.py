@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
-from rayweave._table import Rows
+from rayweave._table import Rows, Tabular
 from rayweave.photons._run import Histories, Hits
 
 CompareRow: TypeAlias = tuple[
@@ -101,7 +101,7 @@ class FirstDifference:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison:
+class Comparison(Tabular):
     """The comparison of two runs.
 
     >>> import rayweave.photons as rp
@@ -142,21 +142,6 @@ class Comparison:
         for name in ("chi2", "ndf", "p", "z"):
             columns[name] = np.array([getattr(own, name) for own in self.quantities.values()])
         return Rows(columns, {})
-
-    def to_pandas(self) -> Any:
-        """The quantities as a pandas DataFrame."""
-        return self._rows().to_pandas()
-
-    def to_arrow(self) -> Any:
-        """The quantities as an Arrow table."""
-        return self._rows().to_arrow()
-
-    def to_xarray(self) -> Any:
-        """The quantities as an xarray Dataset with the dimension `row`."""
-        return self._rows().to_xarray()
-
-    def _repr_html_(self) -> str:
-        return self._rows()._repr_html_()
 
     def __repr__(self) -> str:
         worst = f", worst z {self.worst_z:.2f}" if self.quantities else ""
