@@ -160,25 +160,6 @@ impl Plan {
         outputs: &[Edge],
         is_plain: bool,
     ) -> Option<Plan> {
-        let plan = Plan::with_common_span(program, model, group, outputs, is_plain, &[])?;
-        let mut needed: Vec<usize> =
-            plan.leaves[..plan.common].iter().map(|leaf| leaf.facets.start).collect();
-        needed.sort_unstable();
-        match needed.len() {
-            0 | 1 => Some(plan),
-            _ => Plan::with_common_span(program, model, group, outputs, is_plain, &needed),
-        }
-    }
-
-    /// The plan in which the leaves with these first facets have a common span.
-    fn with_common_span(
-        program: &Program,
-        model: &Arc<Common>,
-        group: &Prototype,
-        outputs: &[Edge],
-        is_plain: bool,
-        needed: &[usize],
-    ) -> Option<Plan> {
         let mut plan = Plan {
             model: model.clone(),
             leaves: Vec::new(),
@@ -196,11 +177,16 @@ impl Plan {
             let id = LeafId(group.leaves.start + leaf.0);
             let LeafKind::Shape { facets } = program.leaf(id).kind() else { return None };
             let bounds = program.leaf_bounds(id);
-            let wire = plan.leaf(program, facets, logic, &mut span_count, needed)?;
-            let span = plan.leaves.last()?.span;
-            bounded.extend((bounds.is_finite() || bounds.is_empty()).then_some(span));
-            Some(wire)
+            bounded.extend((bounds.is_finite() || bounds.is_empty()).then_some(span_count));
+            plan.leaf(program, facets, logic, &mut span_count)
         })?;
+        plan.start = owner_far_out(&mut logic, &outputs, &bounded);
+        for leaf in &mut plan.leaves {
+            // on a copy, so that the graph does not grow
+            let without = logic.clone().with(&outputs, |k| (k == leaf.span).then_some(Wire::FALSE));
+            leaf.is_needed = without.iter().all(|&wire| wire == Wire::FALSE);
+        }
+        let outputs = plan.share_span(&mut logic, outputs, &mut span_count);
         plan.differences = (0..span_count).map(|k| Difference::new(&logic, &outputs, k)).collect();
         plan.regions = logic.tape(&outputs);
         let steps = plan.differences.iter().map(Difference::steps).chain([plan.regions.steps.len()]);
@@ -210,45 +196,53 @@ impl Plan {
         if span_count <= TABLED {
             plan.owners = (0..1 << span_count).map(|holds| plan.regions.owner(holds)).collect();
         }
-        plan.start = owner_far_out(&mut logic, &outputs, &bounded);
-        for leaf in &mut plan.leaves {
-            // on a copy, so that the graph does not grow
-            let without = logic.clone().with(&outputs, |k| (k == leaf.span).then_some(Wire::FALSE));
-            leaf.is_needed = without.iter().all(|&wire| wire == Wire::FALSE);
-        }
         // rays that miss one of these need no other leaf
         plan.leaves.sort_by_key(|leaf| !leaf.is_needed);
         plan.common = plan.leaves.iter().filter(|leaf| leaf.is_needed).count();
         Some(plan)
     }
 
-    /// Numbers the span and the gaps of a leaf. Returns the function "t is in the leaf". The first leaf of those with a
-    /// common span represents them all.
+    /// Numbers the span and the gaps of a leaf. Returns the function "t is in the leaf".
     fn leaf(
         &mut self,
         program: &Program,
         facets: std::ops::Range<u32>,
         logic: &mut Logic,
         span_count: &mut usize,
-        needed: &[usize],
     ) -> Option<Wire> {
-        let first = self.facets.len();
-        let is_common = |start: usize| needed.binary_search(&start).is_ok();
-        let represented = self.leaves.iter().find(|leaf| is_common(first) && is_common(leaf.facets.start));
-        let (span, mut inside) = match represented {
-            Some(leaf) => (leaf.span, Wire::TRUE),
-            None => {
-                let span = take(span_count)?;
-                (span, logic.input(span))
-            }
-        };
-        let gaps = *span_count - 1;
+        let (span, first) = (take(span_count)?, self.facets.len());
+        let mut inside = logic.input(span);
         for _ in 0..leaf_facets(program, facets, &mut self.facets)? {
             let wire = logic.input(take(span_count)?);
             inside = logic.and(inside, wire.not());
         }
-        self.leaves.push(LeafPlan { facets: first..self.facets.len(), span, gaps, is_needed: false });
+        self.leaves.push(LeafPlan { facets: first..self.facets.len(), span, gaps: span, is_needed: false });
         Some(inside)
+    }
+
+    /// Gives the needed leaves a common span, with the number of the first of theirs, and renumbers all spans without holes.
+    /// Returns the functions of the remaining spans and gaps: where the common span holds, the spans of all needed leaves do.
+    fn share_span(&mut self, logic: &mut Logic, outputs: Vec<Wire>, span_count: &mut usize) -> Vec<Wire> {
+        let mut needed = self.leaves.iter().filter(|leaf| leaf.is_needed).map(|leaf| leaf.span);
+        let Some(common) = needed.next() else { return outputs };
+        // ascending, as the leaves are in the order of their numbers
+        let replaced: Vec<usize> = needed.collect();
+        if replaced.is_empty() {
+            return outputs;
+        }
+        let renumbered = |span: usize| span - replaced.partition_point(|&other| other < span);
+        let inputs: Vec<Wire> = (0..*span_count)
+            .map(|span| match replaced.binary_search(&span) {
+                Ok(_) => Wire::TRUE,
+                Err(_) => logic.input(renumbered(span)),
+            })
+            .collect();
+        *span_count -= replaced.len();
+        for leaf in &mut self.leaves {
+            leaf.gaps = renumbered(leaf.gaps + 1) - 1;
+            leaf.span = if leaf.is_needed { common } else { renumbered(leaf.span) };
+        }
+        logic.with(&outputs, |span| Some(inputs[span]))
     }
 
     /// The facets of a leaf.
