@@ -4,8 +4,8 @@ use rayweave_math::{Bounds, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Chord, delta};
 
-/// A ball around everything finite in a group (finite leaves and the anchor points of surfaces), with twice
-/// the radius.
+/// A ball around everything finite in a group (finite leaves and, for the surfaces of the others, the anchor
+/// points and sizes), with twice the radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// The ball's centre.
@@ -17,8 +17,8 @@ pub struct Ball {
 impl Ball {
     /// The ball with twice the radius of the one around a box that holds everything finite in a group.
     ///
-    /// If the box is a single point (a lone plane, say), the only length available is the distance of that
-    /// point from the origin; at the origin itself the radius is 0.
+    /// If the box is a single point (of a lone plane or cone, which have no size), the only length available is
+    /// the distance of that point from the origin; at the origin itself the radius is 0.
     pub fn around(finite: &Bounds) -> Ball {
         if finite.is_empty() {
             return Ball { centre: Vec3::ZERO, radius: 0.0 };

@@ -9,7 +9,7 @@ use crate::lower::{Content, Group, Part};
 use crate::program::SurfaceEntry;
 use crate::simplify::{Formula, Observer, bounds, leaf_needs, output_bounds, prepare_observed};
 use crate::{Ball, CompileError, CompileProblem, Expression, PrototypeId, SurfaceId};
-use rayweave_math::{Bounds, Transform};
+use rayweave_math::{Bounds, Transform, Vec3};
 use rayweave_shape::Ray;
 use rayweave_shape::primitive::Primitive;
 use rayweave_shape::surface::{Surface, share};
@@ -253,7 +253,8 @@ impl Tables {
         Prepared { expression: Expression::new(&prepared, count), ball, extent }
     }
 
-    /// The ball around the finite leaves and the anchor points of the surfaces of the others.
+    /// The ball around the finite leaves and, for the others, around the anchor points of their surfaces with the size of
+    /// each surface on every side.
     fn ball(&self, bounds: &[Bounds]) -> Ball {
         let mut finite = Bounds::EMPTY;
         for (leaf, bounds) in bounds.iter().enumerate() {
@@ -261,8 +262,8 @@ impl Tables {
                 finite = finite.union(bounds);
             } else {
                 for facet in self.leaves.leaf(leaf).facets() {
-                    let anchor = self.surfaces[facet.surface().index()].surface.anchor();
-                    finite = finite.union(&Bounds { lo: anchor, hi: anchor });
+                    let surface = &self.surfaces[facet.surface().index()].surface;
+                    finite = finite.union(&Bounds::centred(surface.anchor(), Vec3::splat(surface.size())));
                 }
             }
         }

@@ -70,7 +70,7 @@ impl View {
     ///
     /// For a model without finite bounds, each infinite side of its bounds is replaced by that of the box
     /// around the ball of the model ([`rayweave_model::Prototype::ball`], which contains the finite leaves
-    /// and the anchor points of surfaces, doubled). An empty model is seen from outside that box.
+    /// and the anchor points of surfaces with their sizes, doubled). An empty model is seen from outside that box.
     pub fn fit(self, program: &Program, size: Size) -> Camera {
         self.of_bounds(&subject(program), size)
     }

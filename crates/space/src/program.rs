@@ -47,8 +47,8 @@ pub(crate) struct FaceEntry<const D: usize> {
     pub leaf: u32,
 }
 
-/// A ball around everything finite, with twice the radius: the boxes of leaves and, for leaves without a box, the anchors of
-/// surfaces.
+/// A ball around everything finite, with twice the radius: the boxes of leaves and, for leaves without a box, the anchors and
+/// sizes of surfaces.
 #[derive(Clone, Copy, Debug)]
 struct Ball<const D: usize> {
     centre: Point<D>,
@@ -289,7 +289,7 @@ impl<'a, const D: usize> Lowering<'a, D> {
                 return Err(SpaceError::Overflow { leaf: name.to_string() });
             }
             if shape.finite.is_none() {
-                self.include(&surface.anchor(), &[0.0; D]);
+                self.include(&surface.anchor(), &[surface.size(); D]);
             }
             edges.push(self.formula.leaf(LeafId::from(self.faces.len())));
             self.faces.push(FaceEntry { surface, magnitude, leaf });

@@ -303,3 +303,17 @@ fn windows_are_checked_for_constant_solids_too() {
         }
     }
 }
+
+/// The chord of a ray is at least as long as the longest half axis, wherever the ray starts. At the contact w points inside.
+#[test]
+fn a_line_that_touches_a_flat_cylinder_does_not_lie_in_it() {
+    let thin = 2f64.powi(-30);
+    let flat = Solid::<3>::cylinder(2, 1.0).unwrap().scale([1.0, thin, 1.0]).unwrap();
+    for exponent in -60..=10 {
+        let x = 2f64.powi(exponent);
+        for next in [x - 1.0, x + 1.0] {
+            let ray = trace([x, -thin, 0.0], [next, -thin, 0.0], &flat).unwrap();
+            assert_eq!((ray.start(), times(&ray)), (Side::Outside, vec![]), "{x} to {next}");
+        }
+    }
+}

@@ -644,6 +644,43 @@ fn flush_regions_of_one_medium(bench: &Bench) {
     }
 }
 
+/// A ray that touches an unbounded surface and starts at any distance from the contact is outside throughout: a chord that
+/// is shorter than the radius of curvature would lie in the surface up to rounding. At each contact w points inside.
+fn tangents_of_lone_unbounded_surfaces(bench: &Bench) {
+    let quadric = |rows: [[f64; 4]; 4]| made("quadric", &[("matrix", rows.as_slice().into())]);
+    let diagonal = |[a, b, c, d]: [f64; 4]| {
+        quadric([[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0], [0.0, 0.0, 0.0, d]])
+    };
+    // z > x^2 + y^2 / 2^30, at the vertex
+    let trough = quadric([
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 2f64.powi(-30), 0.0, 0.0],
+        [0.0, 0.0, 0.0, -0.5],
+        [0.0, 0.0, -0.5, 0.0],
+    ]);
+    // half axes 1 and 2^-30
+    let flat = diagonal([1.0, 2f64.powi(60), 0.0, -1.0]);
+    let cases = [
+        (shape("paraboloid", &[("focal_length", 0.5)]), Vec3::ZERO, Vec3::X),
+        (trough.clone(), Vec3::ZERO, Vec3::X),
+        (trough, Vec3::ZERO, Vec3::Y),
+        (flat, Vec3::Y * -(2f64.powi(-30)), Vec3::X),
+        // two sheets, x^2 + y^2 + 1 < z^2
+        (diagonal([1.0, 1.0, -1.0, 1.0]), Vec3::Z, Vec3::X),
+        // one sheet, touched at its waist
+        (diagonal([1.0, 1.0, -1.0, -1.0]), -Vec3::X, Vec3::Y),
+    ];
+    for (solid, contact, direction) in &cases {
+        for exponent in -60..=10 {
+            let origin = *contact + 2f64.powi(exponent) * *direction;
+            for direction in [*direction, -*direction] {
+                let ray = Ray::new(origin, direction);
+                bench.expect_in(&Affine::IDENTITY, solid, ray, true, &[], 1.0);
+            }
+        }
+    }
+}
+
 macro_rules! bank {
     ({ $($evaluator:ident: $make:expr;)+ } $cases:tt) => {
         $(bank! { @ $evaluator $make, $cases })+
@@ -675,6 +712,7 @@ bank! {
         face_sharing_intersection
         a_solid_and_itself
         tangent_rays
+        tangents_of_lone_unbounded_surfaces
         two_tangent_spheres_through_the_contact
         cone_apex
         torus_axis_and_equators

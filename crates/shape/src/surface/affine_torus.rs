@@ -70,8 +70,12 @@ impl AffineTorus {
 
     /// Upper bound of the distance from the origin to the farthest point of the torus.
     pub fn magnitude(&self) -> f64 {
-        let norm = Affine::from_linear(self.world_from_local).linear_norm();
-        self.centre.length() + norm * self.torus.magnitude()
+        self.centre.length() + self.size()
+    }
+
+    /// Upper bound of the distance from the centre to the farthest point of the torus.
+    pub(super) fn size(&self) -> f64 {
+        Affine::from_linear(self.world_from_local).linear_norm() * self.torus.magnitude()
     }
 
     /// Smallest bounding box: `max n . L q = max (L^T n) . q`.

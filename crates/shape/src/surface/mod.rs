@@ -363,6 +363,20 @@ impl Surface {
         }
     }
 
+    /// The longest length in the equation of the surface about its [anchor](Surface::anchor): over pieces much shorter than
+    /// that, the surface may be flat up to rounding. 0 for planes and cones, which have no length of their own.
+    pub fn size(&self) -> f64 {
+        match self {
+            Surface::Plane(_) | Surface::Cone(_) => 0.0,
+            Surface::Sphere(s) => s.radius,
+            Surface::Cylinder(s) => s.radius,
+            Surface::Quadric(s) => s.size(),
+            Surface::Torus(s) => s.size(),
+            Surface::AffineTorus(s) => s.size(),
+            Surface::Object(s) => s.size(),
+        }
+    }
+
     /// A reference point of the surface: its centre, apex, vertex or foot of the perpendicular.
     pub fn anchor(&self) -> Vec3 {
         match self {

@@ -161,8 +161,12 @@ impl Object {
     }
 
     pub(super) fn magnitude(&self) -> f64 {
-        self.centre.length()
-            + Affine::from_linear(self.world_from_local).linear_norm() * self.form.magnitude()
+        self.centre.length() + self.size()
+    }
+
+    /// Upper bound of the lengths that describe the surface, about its centre.
+    pub(super) fn size(&self) -> f64 {
+        Affine::from_linear(self.world_from_local).linear_norm() * self.form.magnitude()
     }
 
     pub(super) fn inside_bounds(&self) -> Bounds {

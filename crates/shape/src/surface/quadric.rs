@@ -153,6 +153,15 @@ impl Quadric {
         self.centre.length() + self.constant.abs().sqrt() + self.linear.length()
     }
 
+    /// The longest of the half axes `sqrt(|constant / w_k|)` and of the lengths `|linear / w_k|`, twice the radii of
+    /// curvature at the vertex of a paraboloid, over all weights that are not 0. At most 1e70, the longest length of all
+    /// surfaces.
+    pub(super) fn size(&self) -> f64 {
+        let weights = self.weights.abs().to_array().into_iter();
+        let least = weights.filter(|&w| w > 0.0).fold(1.0, f64::min);
+        (self.constant.abs() / least).sqrt().max(self.linear.length() / least).min(1e70)
+    }
+
     /// The image under an affine map: `e . q = (L^-T e) . L q`.
     pub fn transformed(&self, to: &Transform) -> Quadric {
         let turned = to.local_from_world.linear.transpose();

@@ -94,7 +94,12 @@ impl Torus {
 
     /// Distance of the centre from the origin plus the outer radius.
     pub fn magnitude(&self) -> f64 {
-        self.centre.length() + self.major + self.minor
+        self.centre.length() + self.size()
+    }
+
+    /// The outer radius.
+    pub(super) fn size(&self) -> f64 {
+        self.major + self.minor
     }
 
     /// Support function: the largest value of `n . (p - centre)` in the torus.

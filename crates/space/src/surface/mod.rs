@@ -51,6 +51,14 @@ impl<const D: usize> Surface<D> {
         })
     }
 
+    /// The longest length in the equation of the surface about its anchor; 0 for planes.
+    pub fn size(&self) -> f64 {
+        match self {
+            Surface::Plane(_) => 0.0,
+            Surface::Quadric(s) => s.size(),
+        }
+    }
+
     /// A point that represents the position of the surface: its centre or the foot point of the origin.
     pub fn anchor(&self) -> Point<D> {
         match self {

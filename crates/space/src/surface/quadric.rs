@@ -117,6 +117,12 @@ impl<const D: usize> Quadric<D> {
         length(&self.centre) + self.constant.abs().sqrt()
     }
 
+    /// The longest semi-axis `sqrt(|constant / w_k|)` over all weights that are not 0.
+    pub(super) fn size(&self) -> f64 {
+        let least = self.weights.iter().map(|w| w.abs()).filter(|&w| w > 0.0).fold(1.0, f64::min);
+        (self.constant.abs() / least).sqrt()
+    }
+
     /// The image under an affine map: `e . q = (L^-T e) . L q`.
     pub(super) fn transformed(&self, map: &Affine<D>, inverse: &Affine<D>) -> Self {
         let centre = map.point(&self.centre);
