@@ -25,6 +25,7 @@ mod model;
 mod nearest;
 mod occurrences;
 mod optics;
+mod outline;
 mod photons;
 mod pickle;
 mod points;
@@ -102,6 +103,8 @@ mod _core {
     use crate::optics::system::PySystem;
     #[pymodule_export]
     use crate::optics::zernike::{zernike_fit, zernike_term, zernike_values};
+    #[pymodule_export]
+    use crate::outline::{extrude_outline, revolve_outline};
     #[pymodule_export]
     use crate::photons::compare::compare_photons;
     #[pymodule_export]

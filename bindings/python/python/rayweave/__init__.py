@@ -48,7 +48,7 @@ Tables of results have `to_pandas`, `to_arrow` and `to_xarray`; pictures and dra
 >>> remarks = model.save("tank.3mf")
 
 ========== ==========================================================================================================
-shapes     `sphere`, `box`, `cylinder`, `cone`, `torus`, `prism`, `mesh`, ...: ``help(rayweave.cone)``
+shapes     `sphere`, `box`, `cylinder`, `cone`, `torus`, `mesh`, `extrude`, `revolve`, ...: ``help(rayweave.cone)``
 files      `load`, `loads`, `Model.save`, `convert`: model files, OpenSCAD, GDML, STL, OBJ, PLY, OFF, 3MF, glTF
 questions  `measure`, `check`, `section`, `thickness`, `diff`, `infill`, `Solid.distance`, `Solid.explain`
 pictures   `render`, `sheet`, `timeline`
@@ -94,6 +94,7 @@ from rayweave._infill import infill
 from rayweave._measure import Measurement, measure
 from rayweave._mesh import Mesh, from_trimesh
 from rayweave._model import Medium, Region
+from rayweave._outline import extrude, revolve
 from rayweave._picture import Camera, Picture, render, sheet
 from rayweave._section import save_section, section
 from rayweave._shapes import (
@@ -171,6 +172,7 @@ __all__ = [
     "cylinder",
     "diff",
     "ellipsoid",
+    "extrude",
     "freeform",
     "from_polygons",
     "from_trimesh",
@@ -190,6 +192,7 @@ __all__ = [
     "quadric",
     "ray_timeline",
     "render",
+    "revolve",
     "rootray",
     "save_section",
     "section",
@@ -228,13 +231,15 @@ _MEANT = {
     "open": "load(path)",
     "volume": "solid.volume or measure(solid)",
     "trace": "solid.crossings(origins, directions), or rayweave.optics for light",
-    "extrude": "from_polygons(contours).extrude(lo, hi)",
     "area": "solid.area or measure(solid)",
     "bounds": "solid.bounds",
     "disk": "cylinder(radius, height)",
     "distance": "solid.distance(points)",
     "hexagon": "prism(6, radius, height)",
-    "polygon": "from_polygons([points])",
+    "lathe": "revolve(points)",
+    "linear_extrude": "extrude(points, height)",
+    "rotate_extrude": "revolve(points)",
+    "polygon": "extrude(points, height) or from_polygons([points])",
     "polyhedron": "mesh(vertices, faces)",
     "ray": "solid.crossings(origins, directions)",
     "rectangle": "box([x, y, z])",

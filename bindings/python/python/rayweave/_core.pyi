@@ -55,6 +55,7 @@ __all__ = [
     "diff_columns",
     "empty",
     "event_names",
+    "extrude_outline",
     "from_polygons",
     "glass_names",
     "infill_columns",
@@ -79,6 +80,7 @@ __all__ = [
     "pupil_points",
     "ray_timeline_svg",
     "render",
+    "revolve_outline",
     "root_problems",
     "section_list",
     "section_text",
@@ -925,6 +927,21 @@ def zernike_fit(
     pupil: ArrayLike, values: ArrayLike, terms: Sequence[tuple[int, int]]
 ) -> tuple[NDArray[np.float64], float]:
     """The coefficients of the least-squares fit, and the RMS of the residual."""
+
+def extrude_outline(
+    contours: tuple[Sequence[Sequence[tuple[float, float, float]]], tuple[float, float]],
+    lo: float,
+    hi: float,
+    rims: tuple[tuple[float, float], tuple[float, float]],
+) -> Solid:
+    """A prism over an outline, lo < z < hi. `rims` has the fillet and the chamfer of the lower and of the upper rim; 0 for none."""
+
+def revolve_outline(
+    contours: tuple[Sequence[Sequence[tuple[float, float, float]]], tuple[float, float]],
+    start: float,
+    angle: float,
+) -> Solid:
+    """A solid of revolution: an outline in the half-plane x >= 0, revolved about its axis x = 0 from `start` by `angle` degrees."""
 
 def compare_photons(
     a: str | PathLike[str], b: str | PathLike[str], least: float, flags: bool, hits: bool
