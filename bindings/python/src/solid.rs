@@ -22,7 +22,7 @@ use crate::repr::python_text;
 use crate::save::save_scene;
 use crate::solid_scene::scene_of;
 use crate::to_mesh::to_mesh;
-use crate::vectors::{direction, finite, invertible, maps, matrix, vector};
+use crate::vectors::{components, direction, finite, invertible, maps, matrix, vector};
 use crate::{along, crossings, distance, hits, nearest, occurrences, pickle, points};
 
 /// A solid: a boolean combination of shapes under affine maps. It never changes.
@@ -110,16 +110,26 @@ impl PySolid {
 
 #[pymethods]
 impl PySolid {
-    /// The solid moved by a vector.
-    #[pyo3(signature = (v: "ArrayLike"))]
-    fn translate(&self, v: &Bound<'_, PyAny>) -> PyResult<Self> {
-        Ok(self.apply(Affine::translate(vector(v, "v")?)))
+    /// The solid moved by a vector (3,), or by its components x, y and z.
+    #[pyo3(signature = (v: "ArrayLike", y = None, z = None))]
+    fn translate(&self, v: &Bound<'_, PyAny>, y: Option<f64>, z: Option<f64>) -> PyResult<Self> {
+        let by = match components(v, y, z, "translate")? {
+            Some(by) => by,
+            None => vector(v, "v")?,
+        };
+        Ok(self.apply(Affine::translate(by)))
     }
 
     /// The solid turned about an axis through the origin, right-handed, by an angle in degrees. The axis need not be of unit
     /// length.
-    #[pyo3(signature = (axis: "ArrayLike", degrees))]
-    fn rotate(&self, axis: &Bound<'_, PyAny>, degrees: f64) -> PyResult<Self> {
+    #[pyo3(signature = (axis: "ArrayLike", degrees: "float | None" = None))]
+    fn rotate(&self, axis: &Bound<'_, PyAny>, degrees: Option<f64>) -> PyResult<Self> {
+        let degrees = degrees.ok_or_else(|| {
+            bad_type(
+                "degrees is missing: rotate(axis, degrees) turns about a vector. For angles about the coordinate axes, use \
+                 rotate_x(degrees), rotate_y(degrees) and rotate_z(degrees).",
+            )
+        })?;
         let (axis, degrees) = (direction(axis, "axis")?, finite(degrees, "degrees")?);
         Ok(self.apply(Affine::rotation(axis, degrees)))
     }
@@ -142,12 +152,14 @@ impl PySolid {
         Ok(self.apply(Affine::rotation(Vec3::Z, finite(degrees, "degrees")?)))
     }
 
-    /// The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror it.
-    #[pyo3(signature = (s: "float | ArrayLike"))]
-    fn scale(&self, s: &Bound<'_, PyAny>) -> PyResult<Self> {
-        let factors = match s.extract::<f64>() {
-            Ok(factor) => Vec3::splat(finite(factor, "s")?),
-            Err(_) => vector(s, "s")?,
+    /// The solid scaled about the origin by a number, or by one number per axis, as an array (3,) or as x, y and z; negative
+    /// numbers mirror it.
+    #[pyo3(signature = (s: "float | ArrayLike", y = None, z = None))]
+    fn scale(&self, s: &Bound<'_, PyAny>, y: Option<f64>, z: Option<f64>) -> PyResult<Self> {
+        let factors = match (components(s, y, z, "scale")?, s.extract::<f64>()) {
+            (Some(factors), _) => factors,
+            (None, Ok(factor)) => Vec3::splat(finite(factor, "s")?),
+            (None, Err(_)) => vector(s, "s")?,
         };
         Ok(self.apply(invertible(Affine::scale(factors), "s")?))
     }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use rayweave::math::{Affine, Vec3};
 
 use crate::arrays::{double_array, list, room, shape_text};
-use crate::error::bad_value;
+use crate::error::{bad_type, bad_value, shown};
 
 /// A vector of finite numbers.
 pub fn vector(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
@@ -28,6 +28,28 @@ pub fn direction(object: &Bound<'_, PyAny>, name: &str) -> PyResult<Vec3> {
         return Err(bad_value(format!("{name} has length 0: a direction must have a nonzero length.")));
     }
     Ok(vector)
+}
+
+/// A vector given by three arguments; `None` if there is only the first, which then is the vector.
+pub fn components(
+    x: &Bound<'_, PyAny>,
+    y: Option<f64>,
+    z: Option<f64>,
+    function: &str,
+) -> PyResult<Option<Vec3>> {
+    let (y, z) = match (y, z) {
+        (None, None) => return Ok(None),
+        (Some(y), Some(z)) => (y, z),
+        _ => {
+            return Err(bad_type(format!(
+                "{function} has two numbers: it needs a vector of three, or x, y and z."
+            )));
+        }
+    };
+    let x = x.extract::<f64>().map_err(|_| {
+        bad_type(format!("x is {}: {function} needs a vector of three numbers, or x, y and z.", shown(x)))
+    })?;
+    Ok(Some(Vec3::new(finite(x, "x")?, finite(y, "y")?, finite(z, "z")?)))
 }
 
 /// A finite number.

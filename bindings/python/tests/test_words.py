@@ -124,11 +124,21 @@ def test_words_of_other_programs_are_suggested(call, message):
         (lambda: rw.sphere("2"), "sphere: radius is '2': it must be a number"),
         (lambda: A.hits([0, 0, 0], [1, 0, 0], threads=[1]), r"threads is \[1\]: it must be a whole number"),
         (lambda: rw.render("ball"), "subject is 'ball': it must be a Solid"),
+        (lambda: A.translate(1, 2), "translate has two numbers: it needs a vector of three, or x, y and z."),
+        (lambda: A.scale([1, 2, 3], 2, 3), r"x is \[1, 2, 3\]: scale needs a vector of three numbers, or x, y and z."),
+        (lambda: A.rotate([0, 0, 90]), r"degrees is missing: .* use rotate_x\(degrees\)"),
     ],
 )
 def test_wrong_arguments_are_named(call, message):
     with pytest.raises(TypeError, match=message):
         call()
+
+
+def test_vectors_may_be_given_as_three_numbers():
+    assert repr(A.translate(1, 2, 3)) == repr(A.translate([1, 2, 3]))
+    assert repr(A.scale(1, 2, 3)) == repr(A.scale([1, 2, 3]))
+    lens = rw.optics.ball_lens(5)
+    assert lens.translate(1, 2, 3).solid.bounds.tolist() == lens.translate([1, 2, 3]).solid.bounds.tolist()
 
 
 def test_data_sets_have_the_columns():

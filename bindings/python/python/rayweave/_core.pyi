@@ -1434,10 +1434,10 @@ class Solid:
     variable RAYWEAVE_THREADS, or the number of cores; answers do not depend on it.
     """
 
-    def translate(self, v: ArrayLike) -> Solid:
-        """The solid moved by a vector."""
+    def translate(self, v: ArrayLike, y: float | None = None, z: float | None = None) -> Solid:
+        """The solid moved by a vector (3,), or by its components x, y and z."""
 
-    def rotate(self, axis: ArrayLike, degrees: float) -> Solid:
+    def rotate(self, axis: ArrayLike, degrees: float | None = None) -> Solid:
         """The solid turned about an axis through the origin, right-handed, by an angle in degrees. The axis need not be of unit
         length.
         """
@@ -1451,8 +1451,10 @@ class Solid:
     def rotate_z(self, degrees: float) -> Solid:
         """The solid turned about the z axis, +x towards +y, by an angle in degrees."""
 
-    def scale(self, s: float | ArrayLike) -> Solid:
-        """The solid scaled about the origin by a number, or by one number per axis; negative numbers mirror it."""
+    def scale(self, s: float | ArrayLike, y: float | None = None, z: float | None = None) -> Solid:
+        """The solid scaled about the origin by a number, or by one number per axis, as an array (3,) or as x, y and z; negative
+        numbers mirror it.
+        """
 
     def mirror(self, normal: ArrayLike) -> Solid:
         """The solid mirrored in the plane through the origin with this normal, which need not be of unit length."""

@@ -18,10 +18,10 @@ class Placed(ABC):
     def transform(self, matrix: ArrayLike) -> Self:
         """The image under an affine map: a 4 x 4 matrix world_from_local that acts on columns."""
 
-    def translate(self, v: ArrayLike) -> Self:
-        """Moved by a vector."""
+    def translate(self, v: ArrayLike, y: float | None = None, z: float | None = None) -> Self:
+        """Moved by a vector (3,), or by its components x, y and z."""
         matrix = np.eye(4)
-        matrix[:3, 3] = vector(v, "v")
+        matrix[:3, 3] = vector(v, "v") if y is None and z is None else [real(x, "v") for x in (v, y, z)]
         return self.transform(matrix)
 
     def rotate_x(self, degrees: float) -> Self:
