@@ -312,6 +312,18 @@ def test_light_and_columns_are_tables_in_notebooks():
     assert "<th>radius [mm]</th>" in columns._repr_html_()
 
 
+def test_parts_and_data_of_lenses_have_html():
+    ro = rw.optics
+    surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    assert "<td>focal length</td><td>49.2" in lens.first_order()._repr_html_()
+    best = ro.optimise(lens, ["curvature 2"], [ro.goal("focal length", 60)])
+    assert "<td>curvature 2</td>" in best._repr_html_()
+    element = ro.biconvex_lens(50, 50, 5, aperture=25.0)
+    assert "<td>material</td><td>N-BK7</td>" in element._repr_html_()
+    assert "<td>triangles</td><td>12</td>" in rw.box([1, 2, 3]).to_mesh()._repr_html_()
+
+
 def test_systems_become_models(tmp_path):
     lens = rw.optics.biconvex_lens(50, 50, 6, aperture=25, material="N-BK7").translate([0, 0, 10])
     flat = rw.optics.element(rw.box([4, 4, 1]), 1.5, name="plate")

@@ -138,7 +138,7 @@ def test_vectors_may_be_given_as_three_numbers():
     assert repr(A.translate(1, 2, 3)) == repr(A.translate([1, 2, 3]))
     assert repr(A.scale(1, 2, 3)) == repr(A.scale([1, 2, 3]))
     lens = rw.optics.ball_lens(5)
-    assert lens.translate(1, 2, 3).solid.bounds.tolist() == lens.translate([1, 2, 3]).solid.bounds.tolist()
+    assert lens.translate(1, 2, 3).place[:3, 3].tolist() == lens.translate([1, 2, 3]).place[:3, 3].tolist() == [1, 2, 3]
 
 
 def test_data_sets_have_the_columns():

@@ -13,6 +13,7 @@ from rayweave import _core
 from rayweave._core import Solid
 from rayweave._model import Subject
 from rayweave._shapes import mesh
+from rayweave._table import table_of
 from rayweave._package import package
 
 _Array = NDArray[np.float64]
@@ -90,6 +91,13 @@ class Mesh:
 
     def __repr__(self) -> str:
         return f"<Mesh: {len(self.vertices)} vertices, {len(self.triangles)} triangles>"
+
+    def _repr_html_(self) -> str:
+        if len(self.triangles) == 0:
+            return table_of("Mesh", {"vertices": 0, "triangles": 0})
+        lo, hi = self.bounds
+        counts = {"vertices": len(self.vertices), "triangles": len(self.triangles)}
+        return table_of("Mesh", counts | {"size": hi - lo, "volume": self.volume, "area": self.area})
 
 
 def from_trimesh(source: Any) -> Solid:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave import _core
+from rayweave._table import table_of
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
 from rayweave.optics._images import _axes, _labelled
@@ -266,6 +267,10 @@ class Optimum:
     evaluations: int
     has_converged: bool
     reason: str
+
+    def _repr_html_(self) -> str:
+        merit = {"before": self.before, "after": self.after, "evaluations": self.evaluations, "ended": self.reason}
+        return table_of("Optimum", merit | self.values)
 
     @classmethod
     def _of(cls, compiled: _core.CompiledPrescription, table: dict[str, Any]) -> Self:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, GradedMedium, Sheet, Solid
 from rayweave._recipe import record_all, recorded, reduced
+from rayweave._table import table_of
 from rayweave._words import suggesting
 from rayweave.optics._given import each, finite, flag, numbers, pair, real, text, unknown, whole
 from rayweave.optics._place import Placed
@@ -169,6 +170,12 @@ class Element(Placed):
     def __repr__(self) -> str:
         kind = f"solid of {self.material!r}" if isinstance(self.body, Solid) else "sheet"
         return f"<Element {self.name!r}: {kind}>"
+
+    def _repr_html_(self) -> str:
+        kind = "solid" if isinstance(self.body, Solid) else "sheet"
+        finishes = {f"finish of {face}": finish.kind for face, finish in self.faces}
+        about = {"material": self.material, "finish": self.finish.kind, **finishes, "position": self.place[:3, 3]}
+        return table_of(f"Element {self.name!r}, a {kind}", about)
 
     @recorded
     def named(self, name: str) -> Self:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
+from rayweave._table import table_of
 from rayweave._words import suggesting
 from rayweave.optics._elements import _D_NM, Element, Finish
 from rayweave.optics._given import (
@@ -288,6 +289,10 @@ class FirstOrder:
     angular_magnification: float
     image_distance: float
     petzval_sum: float
+
+    def _repr_html_(self) -> str:
+        data = {field.name.replace("_", " "): getattr(self, field.name) for field in fields(self)}
+        return table_of("First-order data", data)
 
 
 def pupil_grid(
