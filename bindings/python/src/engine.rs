@@ -166,6 +166,17 @@ pub fn computed<T>(cell: &OnceLock<T>, compute: impl FnOnce() -> PyResult<T>) ->
     Ok(cell.get_or_init(|| value))
 }
 
+/// The argument `t_min` or `t_max`.
+pub fn time_argument(object: &Bound<'_, PyAny>) -> PyResult<f64> {
+    object.extract().map_err(|_| {
+        bad_type(format!(
+            "t_min or t_max is {}: each is one number for all rays. For an end point of each ray, use direction = end - origin \
+             and t from 0 to 1.",
+            shown(object)
+        ))
+    })
+}
+
 impl QueryOptions {
     /// Parses the arguments that all queries share.
     pub fn new(

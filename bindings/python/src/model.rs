@@ -16,10 +16,11 @@ use rayweave::{Compiled, Message};
 
 use crate::build::scene_of_parts;
 use crate::drawing::{Subject, notebook_png, render_method};
-use crate::engine::{Engine, QueryOptions, computed};
+use crate::engine::{Engine, QueryOptions, computed, time_argument};
 use crate::error::{bad_type, bad_value, require_file, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
+use crate::render::camera_of;
 use crate::save::{format_of, save_scene};
 use crate::solid::{PySolid, bounds_array};
 use crate::to_mesh::to_mesh;
@@ -200,10 +201,16 @@ pub fn overrides(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<(String
 impl PyModel {
     #[new]
     #[pyo3(signature = (
-        regions: "Regions", media: "Media | None" = None, *, unit = "mm"
-    ), text_signature = "(regions, media=None, *, unit='mm')")]
-    fn build(regions: &Bound<'_, PyAny>, media: Option<&Bound<'_, PyAny>>, unit: &str) -> PyResult<Self> {
-        let scene = scene_of_parts(regions, media, unit_of(unit)?)?;
+        regions: "Regions", media: "Media | None" = None, *, unit = "mm", camera: "Camera | None" = None
+    ), text_signature = "(regions, media=None, *, unit='mm', camera=None)")]
+    fn build(
+        regions: &Bound<'_, PyAny>,
+        media: Option<&Bound<'_, PyAny>>,
+        unit: &str,
+        camera: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let mut scene = scene_of_parts(regions, media, unit_of(unit)?)?;
+        scene.camera = camera.map(camera_of).transpose()?;
         PyModel::new(Ok((None, scene)), false)
     }
 
@@ -303,8 +310,8 @@ impl PyModel {
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
         return_surfaces: bool,
         out: Option<&Bound<'py, PyAny>>,
         evaluator: Option<&str>,
@@ -323,8 +330,8 @@ impl PyModel {
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -360,8 +367,8 @@ impl PyModel {
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -378,8 +385,8 @@ impl PyModel {
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -426,8 +433,8 @@ impl PyModel {
         &self,
         origin: &Bound<'_, PyAny>,
         direction: &Bound<'_, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
     ) -> PyResult<PyExplanation> {
         explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
     }

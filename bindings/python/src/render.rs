@@ -48,7 +48,7 @@ impl RenderArguments<'_> {
             false => self.opened(object)?,
         };
         if let Some(object) = &self.camera {
-            subject.scene.camera = Some(camera(object)?);
+            subject.scene.camera = Some(camera_of(object)?);
         }
         if let Some(name) = &self.evaluator {
             subject.evaluator =
@@ -94,7 +94,7 @@ impl RenderArguments<'_> {
 }
 
 /// A camera from the attributes of a `rayweave.Camera`.
-fn camera(object: &Bound<'_, PyAny>) -> PyResult<Camera> {
+pub fn camera_of(object: &Bound<'_, PyAny>) -> PyResult<Camera> {
     let number = |name: &str| object.getattr(name)?.extract::<Option<f64>>();
     let place = |name: &str| vector(&object.getattr(name)?, &format!("camera.{name}"));
     let projection = match (number("height")?, number("field_of_view")?) {

@@ -14,7 +14,7 @@ use rayweave::model::{Node, Program, Solid};
 use rayweave::scene::Document;
 
 use crate::drawing::{Subject, notebook_png, render_method};
-use crate::engine::{Engine, QueryOptions, computed};
+use crate::engine::{Engine, QueryOptions, computed, time_argument};
 use crate::error::{bad_type, bad_value, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
@@ -245,8 +245,8 @@ impl PySolid {
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
         return_surfaces: bool,
         out: Option<&Bound<'py, PyAny>>,
         evaluator: Option<&str>,
@@ -265,8 +265,8 @@ impl PySolid {
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -303,8 +303,8 @@ impl PySolid {
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
         evaluator: Option<&str>,
         threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -336,8 +336,8 @@ impl PySolid {
         &self,
         origin: &Bound<'_, PyAny>,
         direction: &Bound<'_, PyAny>,
-        t_min: f64,
-        t_max: f64,
+        #[pyo3(from_py_with = time_argument)] t_min: f64,
+        #[pyo3(from_py_with = time_argument)] t_max: f64,
     ) -> PyResult<PyExplanation> {
         explain(&self.engine(origin.py())?.program, [origin, direction], t_min, t_max)
     }

@@ -154,13 +154,59 @@ def test_check_of_planted_faults():
 
 
 def test_thickness_and_radiograph():
-    found = rayweave.thickness(rayweave.loads(TWO), view="front", size=(41, 41))
+    with pytest.warns(UserWarning, match="medium 'air' has no attenuation beside media that have one"):
+        found = rayweave.thickness(rayweave.loads(TWO), view="front", size=(41, 41))
     assert found.media == ("world", "glass", "air") and found.lengths.shape == (41, 41, 3)
     assert found.lengths[20, 20] == pytest.approx([0, 2, 2])
     assert found.radiograph[20, 20] == pytest.approx(np.exp(-1))
     assert list(found.attenuation) == [0, 0.5, 0] and "41 x 41" in repr(found)
     with pytest.raises(RayweaveError, match="view"):
         rayweave.thickness(rayweave.sphere(1), view="inside")
+
+
+def test_thickness_of_a_cone_beam():
+    """Chords of a cylinder along the rays of a point source, by their closed form."""
+    media = {"water": {"attenuation": 0.2}, "world": {"attenuation": 0.0}}
+    cone = rayweave.Camera(position=[0, -60, 0], target=[0, 0, 0], field_of_view=2 * np.degrees(np.arctan(0.2)))
+    model = rayweave.Model({"water": rayweave.cylinder(10, 100)}, media, camera=cone)
+    found = rayweave.thickness(model, size=(40, 40))
+    u, v = (np.indices((40, 40))[::-1] + 0.5) / 20 - 1
+    x, z = 0.2 * u, -0.2 * v
+    half = np.sqrt(np.maximum(100 * (1 + x * x) - (60 * x) ** 2, 0)) / (1 + x * x)
+    chords = 2 * half * np.sqrt(1 + x * x + z * z)
+    np.testing.assert_allclose(found["water"], chords, rtol=1e-12)
+    np.testing.assert_allclose(found.line_integral, 0.2 * chords, rtol=1e-12)
+    np.testing.assert_allclose(found.radiograph, np.exp(-0.2 * chords), rtol=1e-12)
+    np.testing.assert_array_equal(rayweave.thickness(model, camera=cone, size=(40, 40)).lengths, found.lengths)
+    assert found.pixel_size is None
+    with pytest.raises(ValueError, match="has no extent in lengths"):
+        found.extent  # noqa: B018
+    with pytest.raises(TypeError, match="camera and view are both given"):
+        rayweave.thickness(model, camera=cone, view="front")
+    with pytest.raises(RayweaveError, match="the attenuation of the medium 'water' is -1: it must be finite"):
+        rayweave.thickness(rayweave.Model({"water": rayweave.sphere(1)}, {"water": {"attenuation": -1}}))
+
+
+def test_the_pixels_of_parallel_rays_have_a_size():
+    found = rayweave.thickness(rayweave.cylinder(10, 20), view="front", size=(100, 80))
+    # the sum over the pixels is the volume, up to the pixels at the edge
+    assert found.lengths[..., 1].sum() * found.pixel_size**2 == pytest.approx(2000 * np.pi, rel=0.02)
+    left, right, bottom, top = found.extent
+    assert (right - left, top - bottom) == pytest.approx((100 * found.pixel_size, 80 * found.pixel_size))
+
+
+def test_path_lengths_of_a_partition():
+    model = rayweave.Model({"shell": rayweave.sphere(2), "core": rayweave.sphere(1)})
+    offsets = np.array([0, 0.5, 1.5, 3])
+    origins = np.column_stack([np.full(4, -3.0), offsets, np.zeros(4)])
+    pieces = model.partition(origins, [2, 0, 0], 0, 3)
+    core, both = (np.sqrt(np.maximum(r * r - offsets**2, 0)) for r in (1, 2))
+    np.testing.assert_allclose(2 * pieces.path_lengths()[:, 2], 2 * core, atol=1e-14)
+    np.testing.assert_allclose(2 * pieces.path_lengths()[:, 1], 2 * (both - core), atol=1e-14)
+    np.testing.assert_allclose(pieces.path_lengths().sum(axis=1), 3, rtol=1e-15)
+    assert model.partition(np.zeros((0, 3)), [1, 0, 0]).path_lengths().shape == (0, 3)
+    with pytest.raises(TypeError, match="each is one number for all rays"):
+        model.partition(origins, [1, 0, 0], 0, np.ones(4))
 
 
 @pytest.mark.skipif(not hasattr(signal, "raise_signal"), reason="signals are sent by raise_signal")

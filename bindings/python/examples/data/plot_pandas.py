@@ -2,11 +2,12 @@
 Path lengths in pandas
 ======================
 
-200,000 rays through a model become a data frame of their pieces, grouped by medium.
+200,000 rays through a model become a data frame of their path lengths, with a column for each medium.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 
 import rayweave as rw
 
@@ -20,9 +21,8 @@ model = rw.Model(
 rng = np.random.default_rng(1)
 count = 200_000
 origins = np.column_stack([rng.uniform(-10, 10, (count, 2)), np.full(count, 50.0)])
-table = model.partition(origins, [0, 0, -1], t_min=0, t_max=100).to_pandas()
-table["length"] = table["t_end"] - table["t_start"]
-by_ray = table.pivot_table(index="ray", columns="medium", values="length", aggfunc="sum", observed=True, fill_value=0)
+pieces = model.partition(origins, [0, 0, -1], t_min=0, t_max=100)
+by_ray = pd.DataFrame(pieces.path_lengths(), columns=pieces.medium_names)
 
 figure, axis = plt.subplots(figsize=(6, 3.4), layout="constrained")
 for medium in ("glass", "steel"):

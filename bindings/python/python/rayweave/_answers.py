@@ -186,5 +186,19 @@ class Partition(Table):
         """The number of pieces, S."""
         return len(self.t_start)
 
+    def path_lengths(self) -> NDArray[np.float64]:
+        """The total length of each ray in each medium, in units of the ray's direction: float64 (N, M), in the order of
+        `medium_names`; inf in an unbounded one. With directions `end - origin` and t from 0 to 1, multiply the rows by the
+        lengths of the directions.
+
+        >>> import rayweave as rw
+        >>> pieces = rw.Model({"shell": rw.sphere(2), "core": rw.sphere(1)}).partition([-3, 0, 0], [1, 0, 0], 0, 6)
+        >>> pieces.medium_names, pieces.path_lengths()
+        (('world', 'shell', 'core'), array([[2., 2., 2.]]))
+        """
+        rays, media = len(self.offsets) - 1, len(self.medium_names)
+        cells = self.ray * media + self.medium
+        return np.bincount(cells, self.t_end - self.t_start, rays * media).reshape(rays, media)
+
     def _heading(self) -> str:
         return f"Partition: {len(self)} pieces of {len(self.offsets) - 1} rays"

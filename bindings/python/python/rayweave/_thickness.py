@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from html import escape
 from typing import Any
+from warnings import warn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from rayweave import _core
 from rayweave._model import Subject
 from rayweave._package import package
-from rayweave._picture import Picture
+from rayweave._picture import Camera, Picture
 from rayweave._table import Rows
 from rayweave._whole import whole
 from rayweave._words import suggesting
@@ -41,9 +42,24 @@ class Thickness:
     unbounded."""
     radiograph: _Array
     """(H, W) the transmitted fraction of X-rays, 0 to 1."""
+    line_integral: _Array
+    """(H, W) the line integral of the attenuation, which is -ln of the radiograph."""
     attenuation: _Array
     """(M,) the attenuation per length of each medium that the radiograph uses."""
     unit: str
+    pixel_size: float | None
+    """The distance between the rays of neighbouring pixels in `unit`; None if the rays are not parallel."""
+
+    @property
+    def extent(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top of the map about its centre in `unit`, as `matplotlib.pyplot.imshow` takes them.
+
+        Raises `ValueError` if the rays are not parallel."""
+        if self.pixel_size is None:
+            raise ValueError("the rays are those of a perspective camera: the map has no extent in lengths.")
+        height, width = self.radiograph.shape
+        half = 0.5 * self.pixel_size * width, 0.5 * self.pixel_size * height
+        return -half[0], half[0], -half[1], half[1]
 
     def __len__(self) -> int:
         """The number of media."""
@@ -101,22 +117,35 @@ def thickness(
     subject: Subject,
     *,
     view: str | None = None,
+    camera: Camera | None = None,
     size: tuple[int, int] | None = None,
     evaluator: str | None = None,
     threads: int | None = None,
 ) -> Thickness:
     """Measure path lengths in each medium, along one ray through the centre of each pixel, through the whole model.
 
-    `view` selects parallel rays that cover the whole model ("front", "top", ...); without it the camera of the model is
-    used. `size` is width and height in pixels. The radiograph uses the numbers `attenuation` (per length) of the media.
-    Without these, attenuation is proportional to `density` or, without densities, equal for all media, scaled so that 5
-    % pass where most is absorbed.
+    `view` selects parallel rays that cover the whole model ("front", "top", ...) with a margin; `camera` is a
+    `rayweave.Camera`; without either, the camera of the model is used. A point source at the distance s from a flat detector of
+    height h is a perspective camera: `Camera(source, target, field_of_view=2 * degrees(arctan(h / 2 / s)))`. `size` is width
+    and height in pixels. In the world, only the length between the first and the last crossing counts, so that air or water
+    around the model does not attenuate.
+
+    The radiograph uses the numbers `attenuation` (per length) of the media. A medium without one beside others that have
+    one is transparent, with a warning. If no medium has one, attenuation is proportional to `density` or, without densities,
+    equal for all media, scaled so that 5 % pass where most is absorbed.
 
     >>> import rayweave as rw
     >>> found = rw.thickness({"ball": rw.sphere(1)}, view="top", size=(64, 64))
     >>> float(found["ball"].max().round(2))
     2.0
+    >>> cone = rw.Camera(position=[0, -9, 0], target=[0, 0, 0], field_of_view=20)
+    >>> float(rw.thickness(rw.sphere(1), camera=cone, size=(65, 65)).lengths[32, 32, 1].round(6))
+    2.0
     """
+    if camera is not None and view is not None:
+        raise TypeError("camera and view are both given: the rays are those of one of them.")
+    if camera is not None and not isinstance(camera, Camera):
+        raise TypeError(f"camera is of type {type(camera).__name__}: it must be a Camera.")
     pixels = None
     if size is not None:
         try:
@@ -125,5 +154,9 @@ def thickness(
             needed = "it must be two whole numbers, the width and the height in pixels."
             raise TypeError(f"size is {size!r}: {needed}") from None
         pixels = whole(width, "the width", bits=32), whole(height, "the height", bits=32)
-    media, attenuation, lengths, radiograph, unit = _core.thickness_maps(subject, view, pixels, evaluator, threads)
-    return Thickness(tuple(media), lengths, radiograph, np.array(attenuation), unit)
+    media, attenuation, lengths, (radiograph, integral), unit, pixel_size, remarks = _core.thickness_maps(
+        subject, view, camera, pixels, evaluator, threads
+    )
+    for remark in remarks:
+        warn(remark, stacklevel=3)
+    return Thickness(tuple(media), lengths, radiograph, integral, np.array(attenuation), unit, pixel_size)

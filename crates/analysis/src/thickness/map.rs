@@ -1,5 +1,6 @@
 //! Thickness maps: path lengths and radiographs, pixel by pixel.
 
+use super::attenuation::ATTENUATION;
 use super::{PathLengths, ThicknessRun, path_lengths};
 use crate::AnalysisError;
 use rayweave_error::Message;
@@ -144,13 +145,19 @@ impl ThicknessMap {
     /// media, per length unit of the model; a medium without it is transparent. If no medium has it, attenuations
     /// are proportional to `density`, or equal: see [`FAINTEST`].
     pub fn radiograph(&self, scene: &Scene) -> Vec<f64> {
+        self.line_integrals(scene).into_iter().map(|depth| libm::exp(-depth)).collect()
+    }
+
+    /// The line integral of the attenuation, pixel by pixel: the negative natural logarithm of the
+    /// [radiograph](Self::radiograph), which computed tomography starts from.
+    pub fn line_integrals(&self, scene: &Scene) -> Vec<f64> {
         let attenuations = self.attenuations(scene);
-        self.pixels(|lengths| libm::exp(-lengths.iter().zip(&attenuations).map(optical_depth).sum::<f64>()))
+        self.pixels(|lengths| lengths.iter().zip(&attenuations).map(optical_depth).sum())
     }
 
     /// The attenuation of each medium, per length unit of the model.
     pub fn attenuations(&self, scene: &Scene) -> Vec<f64> {
-        if let Some(said) = self.numbers(scene, "attenuation") {
+        if let Some(said) = self.numbers(scene, ATTENUATION) {
             return said;
         }
         let alike = || (0..self.media.len()).map(|medium| if medium == 0 { 0.0 } else { 1.0 }).collect();

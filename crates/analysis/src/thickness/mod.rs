@@ -4,9 +4,11 @@
 //! `mu` per length is transmitted with the factor `exp(-sum of mu l)` (Beer-Lambert law); scattering is
 //! ignored.
 
+mod attenuation;
 mod map;
 
 pub use crate::error::Cancelled;
+pub use attenuation::check_attenuations;
 pub use map::{FAINTEST, MAX_LENGTHS, ThicknessMap};
 
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};

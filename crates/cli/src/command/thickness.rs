@@ -11,7 +11,7 @@ use rayweave::picture::{PictureOptions, arrange};
 use rayweave::render::{PixelGrid, RenderOptions, Size, View, png};
 use rayweave::scene::Scene;
 use rayweave::table::{Part, TableWriter};
-use rayweave::thickness::{FAINTEST, ThicknessMap, ThicknessRun};
+use rayweave::thickness::{FAINTEST, ThicknessMap, ThicknessRun, check_attenuations};
 use rayweave::{AnyEvaluator, Compiled};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +21,7 @@ use std::path::{Path, PathBuf};
 /// computed from `attenuation` (per length) in the tables of the media. If no medium has an attenuation, it is proportional to
 /// `density`, or else equal in all media, and scaled such that 5 % pass through the most absorbing pixel. Other files are tables of
 /// path lengths, one column per medium; the column of the world counts the length between a ray's first and last crossing.
+/// If little is transmitted, --line-integral shows more: the attenuation times the length, black in empty space.
 #[derive(Args)]
 pub struct Thickness {
     #[command(flatten)]
@@ -37,6 +38,10 @@ pub struct Thickness {
     #[arg(long, value_name = "NAME")]
     medium: Option<String>,
 
+    /// Show the line integral of the attenuation, -ln of the transmitted fraction, white where it is largest
+    #[arg(long, conflicts_with = "medium")]
+    line_integral: bool,
+
     /// Width and height in pixels [default: as in the model's camera, else 1280x720]
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<Size>,
@@ -52,10 +57,12 @@ pub struct Thickness {
 impl Thickness {
     pub fn run(&self, global: &GlobalArguments) -> Result<(), Failure> {
         let is_picture = self.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-        if self.medium.is_some() && !is_picture {
-            let text =
-                "--medium selects what a picture shows, but a table lists all media. Write a .png file.";
-            return Err(Failure::Usage(text.to_owned()));
+        if !is_picture && (self.medium.is_some() || self.line_integral) {
+            let option = if self.line_integral { "--line-integral" } else { "--medium" };
+            let text = format!(
+                "{option} selects what a picture shows, but a table lists all media. Write a .png file."
+            );
+            return Err(Failure::Usage(text));
         }
         if is_picture && self.part.range.is_some() {
             let text =
@@ -64,6 +71,9 @@ impl Thickness {
         }
         let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
+        if is_picture && self.medium.is_none() && !global.quiet {
+            check_attenuations(&scene)?.iter().for_each(|remark| terminal::note(remark));
+        }
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let view = self.view.as_deref().and_then(|name| name.parse().ok());
         let options = PictureOptions { size: self.size, view, ..PictureOptions::default() };
@@ -131,11 +141,18 @@ impl Thickness {
             save(lengths, longest)?;
             return Ok(format!("white is {} {unit} of {medium}", terminal::short(longest)));
         }
-        save(map.radiograph(scene), 1.0)?;
         let is_given = |key| scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == key));
-        let white = "white is full transmission";
+        let white = if self.line_integral {
+            let integrals = map.line_integrals(scene);
+            let largest = longest(&integrals);
+            save(integrals, largest)?;
+            format!("white is a line integral of {}", terminal::short(largest))
+        } else {
+            save(map.radiograph(scene), 1.0)?;
+            "white is full transmission".to_owned()
+        };
         if is_given("attenuation") {
-            return Ok(white.to_owned());
+            return Ok(white);
         }
         let percent = terminal::short(100.0 * FAINTEST);
         let by = if is_given("density") { "proportional to the density" } else { "equal in all media" };

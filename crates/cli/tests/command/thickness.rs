@@ -52,6 +52,23 @@ fn path_lengths_as_a_table() {
 }
 
 #[test]
+fn line_integrals_and_remarks_about_media() {
+    let bench = bench();
+    bench.write("mu.toml", &TANK.replace("[medium.steel]", "[medium.steel]\nattenuation = 2.5"));
+    let arguments = [&["thickness", "mu.toml", "-o", "t.png", "--line-integral"], &VIEW[..]].concat();
+    let done = bench.run(&arguments);
+    // 4 cm of steel
+    assert_eq!((done.code, done.out.as_str()), (0, "t.png: white is a line integral of 10\n"));
+    assert!(
+        done.err.contains("medium 'water' has no attenuation beside media that have one"),
+        "{}",
+        done.err
+    );
+    let problem = bench.fails(&["thickness", "tank.toml", "-o", "t.csv", "--line-integral"], 2);
+    assert!(problem.contains("--line-integral selects what a picture shows"), "{problem}");
+}
+
+#[test]
 fn pictures() {
     let bench = bench();
     let said = bench.says(&[&["thickness", "tank.toml", "-o", "t.png"], &VIEW[..]].concat());
