@@ -11,7 +11,8 @@
 //!
 //! is the distance between parallel faces; for two concentric spheres, it is their distance up to its square over the
 //! radius. At the rim of a thin shell, where a ray may run within the shell from its outer side to its outer side, it
-//! is at most four times the thickness of the shell. [`shortest_at`] measures the same point along other directions.
+//! is at most four times the thickness of the shell. Between other faces it is only an estimate, which may be too large or too
+//! small: thicknesses that are reported are lengths of chords, found by [`thickness_at_middle`] and [`narrowest`].
 
 pub use crate::error::Cancelled;
 use crate::measure::MeasuredChord;
@@ -85,13 +86,13 @@ impl Piece<'_> {
         [normal(self.entry, -1.0), normal(self.exit, 1.0)]
     }
 
-    /// The local thickness of the region: the length times the mean cosine of the faces.
+    /// An estimate of the local thickness of the region: the length times the mean cosine of the faces.
     pub fn thickness(&self) -> f64 {
         let cosines = self.normals().map(|normal| normal.dot(self.ray.direction).abs());
         self.length() * 0.5 * (cosines[0] + cosines[1])
     }
 
-    /// The distance between two faces whose normals are opposite to within 25 degrees. `None` at the edges of a body,
+    /// An estimate of the distance between two faces whose normals are opposite to within 25 degrees. `None` at the edges of a body,
     /// where two faces intersect and any length occurs, and at its rim.
     pub fn wall(&self) -> Option<f64> {
         let [first, second] = self.normals();
@@ -165,54 +166,123 @@ pub fn shortest_at<E: Evaluator>(
     is_in: impl Fn(RegionId) -> bool,
     scratch: &mut E::Scratch,
 ) -> Option<MeasuredChord> {
+    shortest_across(evaluator, &[point], directions, &is_in, Faces::Any, scratch).map(|across| across.chord)
+}
+
+/// The faces that a chord may join.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Faces {
+    /// Any two faces.
+    Any,
+    /// The faces of a wall: see [`Piece::wall`].
+    Wall,
+}
+
+/// A chord of a region, with the outward normals of the faces at its ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Across {
+    pub chord: MeasuredChord,
+    pub normals: [Vec3; 2],
+}
+
+/// The shortest chord through the points along the directions, each point with each direction.
+fn shortest_across<E: Evaluator>(
+    evaluator: &E,
+    points: &[Vec3],
+    directions: &[Vec3],
+    is_in: &impl Fn(RegionId) -> bool,
+    faces: Faces,
+    scratch: &mut E::Scratch,
+) -> Option<Across> {
     let mut batch = RayBatch::default();
     let units = directions.iter().map(|direction| direction.normalize_or_zero());
-    units.filter(|unit| *unit != Vec3::ZERO).for_each(|unit| batch.push(Ray::new(point, unit)));
-    let mut least: Option<MeasuredChord> = None;
-    let rays = batch.rays();
+    for unit in units.filter(|unit| *unit != Vec3::ZERO) {
+        points.iter().for_each(|point| batch.push(Ray::new(*point, unit)));
+    }
+    let mut least: Option<Across> = None;
+    let (rays, program) = (batch.rays(), evaluator.program());
     let mut sink = |answer: RayAnswer<'_>| {
-        let span = span_around(&answer, &is_in).filter(|ends| ends.iter().all(|end| end.is_finite()));
-        let chord = span.map(|ends| ends.map(|end| rays.get(answer.ray).at(end)));
-        if let Some([from, to]) = chord {
-            let chord = MeasuredChord { from, to };
-            if least.is_none_or(|least| chord.length() < least.length()) {
-                least = Some(chord);
-            }
+        let Some([entry, exit]) = span_around(&answer, is_in) else { return };
+        let ray = rays.get(answer.ray);
+        let piece = Piece { program, ray, entry, exit, area: 0.0 };
+        if least.is_some_and(|least| piece.chord().length() >= least.chord.length()) {
+            return;
+        }
+        if faces == Faces::Any || piece.wall().is_some() {
+            least = Some(Across { chord: piece.chord(), normals: piece.normals() });
         }
     };
     evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
     least
 }
 
-/// The ends of the selected span around t = 0.
-fn span_around(answer: &RayAnswer<'_>, is_in: impl Fn(RegionId) -> bool) -> Option<[f64; 2]> {
-    let (mut inside, mut since) = (is_in(answer.start), f64::NEG_INFINITY);
+/// The crossings at the ends of the selected span around t = 0; `None` if it is infinite or t = 0 is not in it.
+fn span_around<'a>(answer: &RayAnswer<'a>, is_in: impl Fn(RegionId) -> bool) -> Option<[&'a Crossing; 2]> {
+    let (mut inside, mut since) = (is_in(answer.start), None);
     for crossing in answer.crossings.iter().filter(|crossing| is_in(crossing.before) != is_in(crossing.after))
     {
         match inside {
-            true if crossing.t >= 0.0 => return Some([since, crossing.t]),
+            true if crossing.t >= 0.0 => return since.map(|since| [since, crossing]),
             false if crossing.t > 0.0 => return None,
-            _ => (inside, since) = (!inside, crossing.t),
+            _ => (inside, since) = (!inside, Some(crossing)),
         }
     }
-    inside.then_some([since, f64::INFINITY])
+    None
 }
 
-/// The smaller of the thickness of a piece and the shortest chord through its middle along the axes and the
-/// normals at its ends; 0 for a piece that exists only because of rounding.
-pub(crate) fn remeasured<E: Evaluator>(
+/// The largest number of steps of the searches for shorter chords.
+const STEPS: usize = 32;
+
+/// A chord counts as shorter only by more than this factor.
+const SHORTER: f64 = 1.0 - 1e-9;
+
+/// The local thickness at the middle of a chord: the shortest chord through it along the axes, the chord itself, the normals at
+/// its ends and those at the ends of the chords found. `None` for a chord that exists only because of rounding.
+pub(crate) fn thickness_at_middle<E: Evaluator>(
     evaluator: &E,
-    (thickness, chord, normals): (f64, MeasuredChord, [Vec3; 2]),
-    is_in: impl Fn(RegionId) -> bool,
+    Across { chord, normals }: Across,
+    is_in: &impl Fn(RegionId) -> bool,
+    faces: Faces,
     scratch: &mut E::Scratch,
-) -> (f64, MeasuredChord) {
-    let directions = [Vec3::X, Vec3::Y, Vec3::Z, normals[0], normals[1]];
-    let middle = 0.5 * (chord.from + chord.to);
-    match shortest_at(evaluator, middle, &directions, is_in, scratch) {
-        None => (0.0, chord),
-        Some(around) if around.length() <= thickness * (1.0 + 1e-9) => (around.length(), around),
-        Some(_) => (thickness, chord),
+) -> Option<Across> {
+    let middle = [0.5 * (chord.from + chord.to)];
+    let directions = [Vec3::X, Vec3::Y, Vec3::Z, chord.to - chord.from, normals[0], normals[1]];
+    let mut best = shortest_across(evaluator, &middle, &directions, is_in, faces, scratch)?;
+    for _ in 0..STEPS {
+        match shortest_across(evaluator, &middle, &best.normals, is_in, faces, scratch) {
+            Some(next) if next.chord.length() < SHORTER * best.chord.length() => best = next,
+            _ => break,
+        }
     }
+    Some(best)
+}
+
+/// A chord of a wall that no chord beside it is shorter than: its ends are moved to the feet of perpendiculars, in turn, as long
+/// as it becomes shorter. It stays a chord of the region, so that it is never shorter than the wall is thick.
+pub(crate) fn narrowest<E: Evaluator>(
+    evaluator: &E,
+    mut best: Across,
+    is_in: &impl Fn(RegionId) -> bool,
+    scratch: &mut E::Scratch,
+) -> Across {
+    /// The distance from an end to the point beside it where rays start, relative to the length of the chord.
+    const INSIDE: f64 = 1e-6;
+    /// Parts of the way from the direction of the chord to the normals: a whole step may lead beyond the closest place.
+    const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+    for _ in 0..STEPS {
+        let MeasuredChord { from, to } = best.chord;
+        let points = [from + INSIDE * (to - from), 0.5 * (from + to), to + INSIDE * (from - to)];
+        let along = (to - from).normalize_or_zero();
+        let directions = best.normals.map(|normal| {
+            let forward = if normal.dot(along) < 0.0 { -normal } else { normal };
+            PARTS.map(|part| along + part * (forward - along))
+        });
+        match shortest_across(evaluator, &points, directions.as_flattened(), is_in, Faces::Wall, scratch) {
+            Some(next) if next.chord.length() < SHORTER * best.chord.length() => best = next,
+            _ => break,
+        }
+    }
+    best
 }
 
 #[cfg(test)]

@@ -145,6 +145,22 @@ fn problems_have_places() {
 }
 
 /// Drawings in the folder of the model.
+/// A fillet or chamfer of 0 is none.
+#[test]
+fn corners_and_rims_of_size_0_are_sharp() {
+    let scene = |body: &str| {
+        rayweave_scene::parse(&format!("rayweave = 1\n[solid.s]\n{body}")).map(|(_, scene)| scene)
+    };
+    let corners = "outline = [[0, 0], [4, 0], [0, 3]], height = 1";
+    let sharp = scene(&format!("extrude = {{ {corners} }}")).unwrap();
+    for zero in ["fillet = 0", "chamfer = 0", "top = { fillet = 0 }", "bottom = { chamfer = 0 }"] {
+        let same = scene(&format!("extrude = {{ {corners}, {zero} }}")).unwrap();
+        assert_eq!(format!("{:?}", same.solids), format!("{:?}", sharp.solids), "{zero}");
+    }
+    assert!(scene(&format!("extrude = {{ {corners}, fillet = -1 }}")).is_err());
+    assert!(scene(&format!("extrude = {{ {corners}, top = {{ fillet = -1 }} }}")).is_err());
+}
+
 #[test]
 fn outlines_in_files() {
     let folder = std::env::temp_dir().join(format!("rayweave-outlines-{}", std::process::id()));

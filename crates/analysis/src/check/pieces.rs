@@ -5,18 +5,26 @@ use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use crate::measure::MeasuredChord;
-use crate::survey::Piece;
+use crate::survey::{Across, Faces, Piece, narrowest, thickness_at_middle};
 use rayweave_model::{Evaluator, Program, RegionId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// The thinnest place, and the number of rays through such places.
+/// The pieces of rays with the smallest estimated widths, the smallest first.
+#[derive(Clone, Debug, Default)]
+struct Narrow(Vec<Candidate>);
+
+/// A piece of a ray in a wall or gap.
 #[derive(Clone, Copy, Debug)]
-struct Thinnest {
+struct Candidate {
+    /// The estimated width.
     width: f64,
-    chord: MeasuredChord,
-    count: u64,
+    region: RegionId,
+    across: Across,
 }
+
+/// The number of pieces of a wall or gap that are measured again. The estimate of the thinnest one may exceed those of others.
+const MAX_CANDIDATES: usize = 64;
 
 /// The contact of two regions.
 #[derive(Clone, Copy, Debug)]
@@ -32,8 +40,8 @@ type Two = [RegionId; 2];
 #[derive(Default)]
 struct Seen {
     regions: BTreeSet<RegionId>,
-    thin: BTreeMap<RegionId, Thinnest>,
-    gaps: BTreeMap<Two, Thinnest>,
+    thin: BTreeMap<RegionId, Narrow>,
+    gaps: BTreeMap<Two, Narrow>,
     contacts: BTreeMap<Two, Contact>,
 }
 
@@ -60,8 +68,7 @@ impl Seen {
                 self.narrow(piece, pair, narrow);
             }
             Some(width) if width < thin => {
-                let least = Thinnest { width, chord: piece.chord(), count: 1 };
-                self.thin.entry(region).and_modify(|known| *known = known.and(&least)).or_insert(least);
+                self.thin.entry(region).or_default().add(Candidate::new(piece, width));
             }
             _ => {}
         }
@@ -80,19 +87,20 @@ impl Seen {
 
     fn narrow(&mut self, piece: &Piece<'_>, pair: Two, narrow: f64) {
         if let Some(width) = width(piece, narrow) {
-            let least = Thinnest { width, chord: piece.chord(), count: 1 };
-            self.gaps.entry(pair).and_modify(|known| *known = known.and(&least)).or_insert(least);
+            self.gaps.entry(pair).or_default().add(Candidate::new(piece, width));
         }
     }
 
     /// Adds the observations of later rays; only rays through the whole model measure contacts.
     fn add(&mut self, other: Seen, has_contacts: bool) {
         self.regions.extend(other.regions);
-        for (region, least) in other.thin {
-            self.thin.entry(region).and_modify(|known| *known = known.and(&least)).or_insert(least);
+        for (region, narrow) in other.thin {
+            let known = self.thin.entry(region).or_default();
+            narrow.0.into_iter().for_each(|candidate| known.add(candidate));
         }
-        for (pair, least) in other.gaps {
-            self.gaps.entry(pair).and_modify(|known| *known = known.and(&least)).or_insert(least);
+        for (pair, narrow) in other.gaps {
+            let known = self.gaps.entry(pair).or_default();
+            narrow.0.into_iter().for_each(|candidate| known.add(candidate));
         }
         for (pair, contact) in other.contacts.into_iter().filter(|_| has_contacts) {
             self.contacts.entry(pair).and_modify(|known| known.area += contact.area).or_insert(contact);
@@ -100,14 +108,41 @@ impl Seen {
     }
 }
 
-impl Thinnest {
-    fn and(&self, other: &Thinnest) -> Thinnest {
-        let least = if other.width < self.width { other } else { self };
-        Thinnest { count: self.count + other.count, ..*least }
+impl Narrow {
+    /// Adds a candidate, after those of equal width.
+    fn add(&mut self, candidate: Candidate) {
+        let at = self.0.partition_point(|known| known.width <= candidate.width);
+        if at < MAX_CANDIDATES {
+            self.0.insert(at, candidate);
+            self.0.truncate(MAX_CANDIDATES);
+        }
+    }
+
+    /// The narrowest place: a chord of the region, perpendicular to the faces as far as they allow it.
+    fn measured<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Option<MeasuredChord> {
+        let mut least: Option<(RegionId, Across)> = None;
+        for candidate in &self.0 {
+            let is_in = |region| region == candidate.region;
+            let found = thickness_at_middle(evaluator, candidate.across, &is_in, Faces::Wall, scratch);
+            if let Some(found) = found
+                && least.is_none_or(|(_, least)| found.chord.length() < least.chord.length())
+            {
+                least = Some((candidate.region, found));
+            }
+        }
+        let (own, found) = least?;
+        Some(narrowest(evaluator, found, &|region| region == own, scratch).chord)
     }
 }
 
-/// The width of a wall or gap, if it is below a limit.
+impl Candidate {
+    fn new(piece: &Piece<'_>, width: f64) -> Candidate {
+        let across = Across { chord: piece.chord(), normals: piece.normals() };
+        Candidate { width, region: piece.region(), across }
+    }
+}
+
+/// The estimated width of a wall or gap, if it is below a limit.
 fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
     // much longer pieces run along a face; other rays cross it
     let is_near = piece.length() < 64.0 * less_than;
@@ -140,7 +175,7 @@ pub fn findings<E: Evaluator>(
         probe.survey(&evaluator, bounds, share.clamp(FEW, 64), visit, |some: Seen| seen.add(some, false))?;
     }
     let mut found = Vec::new();
-    found.extend(walls_and_gaps(subject, &seen));
+    found.extend(walls_and_gaps(subject, &evaluator, &seen, limits));
     found.extend(contacts(subject, &seen, known));
     for region in 0..subject.regions.len() {
         if !seen.regions.contains(&RegionId::from(region + 1)) {
@@ -150,25 +185,32 @@ pub fn findings<E: Evaluator>(
     Ok(found)
 }
 
-fn walls_and_gaps(subject: &Subject<'_>, seen: &Seen) -> Vec<Finding> {
+fn walls_and_gaps<E: Evaluator>(
+    subject: &Subject<'_>,
+    evaluator: &E,
+    seen: &Seen,
+    [thin, narrow]: [f64; 2],
+) -> Vec<Finding> {
+    let (mut found, mut scratch) = (Vec::new(), evaluator.scratch());
     let name = |region: &RegionId| subject.name(region.index() - 1);
-    let times = |count: u64| if count == 1 { "1 ray".to_owned() } else { format!("{count} rays") };
-    let thin = seen.thin.iter().map(|(region, least)| {
-        let text = format!("{} is thin, as {} found", name(region), times(least.count));
-        Finding::new(FindingKind::Thin, &[name(region)], text).seen(least.width, least.chord)
-    });
-    let gaps = seen.gaps.iter().map(|([a, b], least)| {
-        let (rays, names) = (times(least.count), [name(a), name(b)]);
+    for (region, candidates) in &seen.thin {
+        let least = candidates.measured(evaluator, &mut scratch).filter(|least| least.length() < thin);
+        if let Some(least) = least {
+            let text = format!("{} is thin", name(region));
+            found.push(Finding::new(FindingKind::Thin, &[name(region)], text).seen(least.length(), least));
+        }
+    }
+    for ([a, b], candidates) in &seen.gaps {
+        let least = candidates.measured(evaluator, &mut scratch).filter(|least| least.length() < narrow);
+        let Some(least) = least else { continue };
+        let names = [name(a), name(b)];
         let (text, names) = match a == b {
-            true => (format!("{} is divided by a narrow gap, which {rays} found", names[0]), &names[..1]),
-            false => (
-                format!("{} and {} are separated by a narrow gap, which {rays} found", names[0], names[1]),
-                &names[..],
-            ),
+            true => (format!("{} is divided by a narrow gap", names[0]), &names[..1]),
+            false => (format!("{} and {} are separated by a narrow gap", names[0], names[1]), &names[..]),
         };
-        Finding::new(FindingKind::Gap, names, text).seen(least.width, least.chord)
-    });
-    thin.chain(gaps).collect()
+        found.push(Finding::new(FindingKind::Gap, names, text).seen(least.length(), least));
+    }
+    found
 }
 
 /// Contacts of regions that are not mother and daughter, not known to overlap, and not nested.

@@ -6,7 +6,7 @@ use crate::AnalysisError;
 use crate::error::Make;
 use crate::measure::{Estimate, MeasureSettings, MeasuredChord, measure};
 use crate::subject::clipped;
-use crate::survey::{Piece, Survey, remeasured, survey};
+use crate::survey::{Across, Faces, Piece, Survey, survey, thickness_at_middle};
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, Program, Region, RegionId, Solid};
 use std::sync::Arc;
@@ -184,7 +184,9 @@ fn thickest_of<E: Evaluator>(
             break;
         }
         let is_in = |region| region != RegionId(0);
-        let (thickness, chord) = remeasured(evaluator, (*thickness, *chord, *normals), is_in, &mut scratch);
+        let piece = Across { chord: *chord, normals: *normals };
+        let found = thickness_at_middle(evaluator, piece, &is_in, Faces::Any, &mut scratch);
+        let (thickness, chord) = found.map_or((0.0, *chord), |found| (found.chord.length(), found.chord));
         if best.is_none_or(|best| thickness > best.thickness) {
             best = Some(Thickest { thickness, chord });
         }

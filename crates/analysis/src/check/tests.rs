@@ -294,3 +294,31 @@ fn the_same_on_any_number_of_threads_and_refusals() {
     assert_eq!("thin".parse::<FindingKind>().unwrap(), FindingKind::Thin);
     assert!("thinn".parse::<FindingKind>().unwrap_err().to_string().contains("Did you mean `thin`?"));
 }
+
+/// The wall of a tube and the land between a hole and the rim, whatever their directions: no ray of the survey is perpendicular to
+/// them.
+#[test]
+fn thicknesses_of_curved_walls_are_exact() {
+    let tube = "[solid.tube]\ntube = { outer_radius = 16, inner_radius = 12.5, height = 30 }";
+    let hole = |degrees: f64| {
+        format!(
+            "[solid.disc]\ncylinder = {{ radius = 50, height = 12 }}\n[solid.hole]\ncylinder = {{ radius = 4.5, height = 20 }}\n\
+             transform = [{{ translate = [37.5, 0, 0] }}, {{ rotate_z = {degrees} }}]\n[solid.part]\nexpr = \"disc - hole\"\n\
+             [[region]]\nsolid = \"part\""
+        )
+    };
+    let cases = [(tube.to_owned(), 3.5), (hole(0.0), 8.0), (hole(120.0), 8.0), (hole(77.7), 8.0)];
+    for (text, thickness) in cases {
+        let limited = |wall: f64| CheckSettings { wall: Some(wall), ..quick() };
+        let report = checked(&text, &limited(1.3 * thickness));
+        let finding = report.of(FindingKind::Thin).next().unwrap();
+        let found = finding.size.unwrap();
+        assert!(
+            (found - thickness).abs() < 1e-6 * thickness && found >= thickness * (1.0 - 1e-12),
+            "{finding:?}"
+        );
+        let [from, to] = finding.ray.map(|ray| [ray.from, ray.to]).unwrap();
+        assert!(((to - from).length() - found).abs() < 1e-12, "{finding:?}");
+        assert!(checked(&text, &limited(0.99 * thickness)).of(FindingKind::Thin).next().is_none());
+    }
+}

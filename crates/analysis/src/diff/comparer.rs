@@ -5,7 +5,7 @@ use super::{DiffSettings, Difference, ThickestSpot};
 use crate::AnalysisError;
 use crate::error::Make;
 use crate::measure::{Estimate, MeasureSettings, MeasuredChord, measure};
-use crate::survey::{Piece, Survey, remeasured, survey};
+use crate::survey::{Across, Faces, Piece, Survey, survey, thickness_at_middle};
 use rayweave_error::Message;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::{Evaluator, RegionId};
@@ -16,6 +16,10 @@ const B_ONLY: RegionId = RegionId(3);
 
 /// The number of pieces that are kept until they are measured again. It bounds the memory, about 100 MB.
 const MAX_WAITING: usize = 1 << 20;
+
+/// The number of pieces, of those that are waiting, that are measured again because of their length although their estimated
+/// thickness is below the largest one found.
+const MAX_DOUBTFUL: usize = 512;
 
 /// The number of pieces within the accepted thickness that are measured again. They do not make models different, but the
 /// thickest of them is reported.
@@ -172,7 +176,7 @@ impl<'a, E: Evaluator> Remeasurement<'a, E> {
     /// stays thicker than the rest; of the others, at most [`MAX_ACCEPTED`].
     fn measure(&mut self) {
         self.waiting.sort_by(|a, b| b.thickness.total_cmp(&a.thickness));
-        let mut accepted = 0;
+        let (mut accepted, mut doubtful) = (0, 0);
         for candidate in self.waiting.drain(..) {
             if candidate.thickness > self.distance {
                 for end in [candidate.chord.from, candidate.chord.to] {
@@ -181,9 +185,11 @@ impl<'a, E: Evaluator> Remeasurement<'a, E> {
             } else {
                 accepted += 1;
             }
-            // a piece is at most as thick as it seems
+            // a piece is at most as thick as it is long, and seldom thicker than estimated
             let known = self.thickest.map_or(f64::NEG_INFINITY, |spot| spot.thickness);
-            if known < candidate.thickness && accepted <= MAX_ACCEPTED {
+            let may_exceed = known < candidate.chord.length() && doubtful < MAX_DOUBTFUL;
+            doubtful += usize::from(known >= candidate.thickness && may_exceed);
+            if (known < candidate.thickness || may_exceed) && accepted <= MAX_ACCEPTED {
                 let spot = seen_again(self.evaluator, &candidate, &mut self.scratch);
                 if spot.thickness > known {
                     self.thickest = Some(spot);
@@ -193,12 +199,12 @@ impl<'a, E: Evaluator> Remeasurement<'a, E> {
     }
 }
 
-/// Measures a piece again along the axes and along the normals at its ends: the shortest length is the
-/// thickness.
+/// Measures the local thickness at the middle of a piece; 0 for a piece that exists only because of rounding.
 fn seen_again<E: Evaluator>(evaluator: &E, candidate: &Candidate, scratch: &mut E::Scratch) -> ThickestSpot {
     let Candidate { chord, normals, is_a, .. } = *candidate;
     let own = if is_a { A_ONLY } else { B_ONLY };
-    let (thickness, chord) =
-        remeasured(evaluator, (candidate.thickness, chord, normals), |region| region == own, scratch);
+    let is_own = |region| region == own;
+    let found = thickness_at_middle(evaluator, Across { chord, normals }, &is_own, Faces::Any, scratch);
+    let (thickness, chord) = found.map_or((0.0, chord), |found| (found.chord.length(), found.chord));
     ThickestSpot { at: 0.5 * (chord.from + chord.to), thickness, chord, is_a }
 }

@@ -182,3 +182,29 @@ fn differences_behind_many_long_pieces_are_found() {
     let spot = found(cube).pairs[0].spot.unwrap();
     assert!((spot.thickness - 0.4).abs() < 1e-9, "{spot:?}");
 }
+
+/// The difference of two holes is half the difference of their diameters, and that of a circle and a polygon in it the sagitta,
+/// whatever the directions of the rays.
+#[test]
+fn thicknesses_of_curved_differences_are_perpendicular() {
+    let plate = |radius: f64| {
+        format!(
+            "[solid.disc]\ncylinder = {{ radius = 50, height = 12 }}\n[solid.hole]\ncylinder = {{ radius = {radius}, height = 20 }}\n\
+             transform = [{{ translate = [37.5, 0, 0] }}, {{ rotate_z = 33 }}]\n[solid.part]\nexpr = \"disc - hole\"\n\
+             [[region]]\nsolid = \"part\""
+        )
+    };
+    let report = compared(&plate(4.5), &plate(5.0), &quick());
+    let thickness = report.pairs[0].spot.unwrap().thickness;
+    assert!((thickness - 0.5).abs() < 1e-6, "{thickness}");
+    let circle = "[solid.a]\ncylinder = { radius = 50, height = 12 }";
+    let polygon = "[solid.a]\nprism = { sides = 64, radius = 50, height = 12 }";
+    let sagitta = 50.0 * (1.0 - (PI / 64.0).cos());
+    let within =
+        |distance: f64| compared(circle, polygon, &DiffSettings { distance: Some(distance), ..quick() });
+    let report = within(1.001 * sagitta);
+    assert!(report.is_same(), "{report:?}");
+    let report = within(0.97 * sagitta);
+    let thickness = report.pairs[0].spot.unwrap().thickness;
+    assert!(!report.is_same() && thickness <= sagitta * (1.0 + 1e-9), "{thickness} of {sagitta}");
+}

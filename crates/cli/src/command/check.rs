@@ -48,7 +48,7 @@ pub struct Check {
     #[command(flatten)]
     model: ModelArguments,
 
-    /// Report walls thinner than this [default: 1e-5 of the diagonal of the model]
+    /// Report walls thinner than this; a limit above all walls reports the thinnest one of each region [default: 1e-5 of the diagonal of the model]
     #[arg(long, value_name = "LENGTH")]
     wall: Option<f64>,
 

@@ -98,9 +98,11 @@ impl<'t, 'c, 'd> Keys<'t, 'c, 'd> {
             self.context.push(problem.why("a corner has one form"), chamfer.span);
             self.is_complete = false;
         }
-        match self.number("fillet") {
-            Some(radius) => Corner::Fillet(radius),
-            None => self.number("chamfer").map_or(Corner::Sharp, Corner::Chamfer),
+        // 0 is no treatment, so that a parameter can switch it off
+        match (self.number("fillet"), self.number("chamfer")) {
+            (Some(0.0), None) | (None, Some(0.0) | None) => Corner::Sharp,
+            (Some(radius), _) => Corner::Fillet(radius),
+            (None, Some(size)) => Corner::Chamfer(size),
         }
     }
 
@@ -125,8 +127,9 @@ impl<'t, 'c, 'd> Keys<'t, 'c, 'd> {
             Corner::Fillet(size) => Rim::Fillet(size),
             Corner::Chamfer(size) => Rim::Chamfer(size),
         };
-        if rim.size() <= 0.0 && keys.is_complete {
-            keys.reject(&format!("`{key}` is empty"), "it needs a `fillet` or `chamfer` greater than 0");
+        let is_given = keys.get("fillet").is_some() || keys.get("chamfer").is_some();
+        if keys.is_complete && (rim.size() < 0.0 || !is_given) {
+            keys.reject(&format!("`{key}` is empty"), "it needs a `fillet` or `chamfer` of at least 0");
         }
         self.is_complete &= keys.is_complete;
         rim
