@@ -29,7 +29,7 @@ type Maps<'py> = (
 
 /// Path lengths of rays through each medium: see `rayweave.thickness`.
 #[pyfunction]
-#[pyo3(signature = (subject: "Subject", view, camera, size, evaluator, threads: "int | None"))]
+#[pyo3(signature = (subject: "Subject", view, camera: "Camera | None", size, evaluator, threads: "int | None"))]
 pub fn thickness_maps<'py>(
     subject: &Bound<'py, PyAny>,
     view: Option<&str>,

@@ -14,6 +14,7 @@ from rayweave._distance import Distances
 from rayweave._explain import Passage, Question
 from rayweave._mesh import Mesh
 from rayweave._model import Media, Medium, Region, Regions, Subject
+from rayweave._picture import Camera
 from rayweave.photons._compare import CompareRow
 from rayweave.space import PointCrossings, Trajectory
 
@@ -265,7 +266,9 @@ class Model:
     array([10.])
     """
 
-    def __new__(cls, regions: Regions, media: Media | None = None, *, unit: str = "mm") -> Model: ...
+    def __new__(
+        cls, regions: Regions, media: Media | None = None, *, unit: str = "mm", camera: Camera | None = None
+    ) -> Model: ...
 
     @property
     def solids(self) -> dict[str, Solid]:
@@ -1946,10 +1949,11 @@ def space_trace_along(curve: Trajectory, solid: SpaceSolid, t_min: float, t_max:
 def thickness_maps(
     subject: Subject,
     view: str | None,
+    camera: Camera | None,
     size: tuple[int, int] | None,
     evaluator: str | None,
     threads: int | None,
-) -> tuple[list[str], list[float], NDArray[np.float64], NDArray[np.float64], str]:
+) -> tuple[list[str], list[float], NDArray[np.float64], list[NDArray[np.float64]], str, float | None, list[str]]:
     """Path lengths of rays through each medium: see `rayweave.thickness`."""
 
 def timeline_svg(

@@ -64,7 +64,7 @@ fn line_integrals_and_remarks_about_media() {
         "{}",
         done.err
     );
-    let problem = bench.fails(&["thickness", "tank.toml", "-o", "t.csv", "--line-integral"], 2);
+    let problem = bench.fails(2, &["thickness", "tank.toml", "-o", "t.csv", "--line-integral"]);
     assert!(problem.contains("--line-integral selects what a picture shows"), "{problem}");
 }
 
