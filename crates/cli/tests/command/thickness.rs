@@ -80,7 +80,8 @@ fn pictures() {
     let said =
         bench.says(&[&["thickness", "tank.toml", "-o", "s.png", "--medium", "steel"], &VIEW[..]].concat());
     assert_eq!(said, "s.png: white is 4 cm of steel\n");
-    bench.write("dense.toml", TANK.replace("[medium.steel]", "[medium.steel]\nattenuation = 0.3"));
+    let media = "[medium.water]\nattenuation = 0\n[medium.steel]\nattenuation = 0.3";
+    bench.write("dense.toml", TANK.replace("[medium.water]\n[medium.steel]", media));
     let said = bench.says(&[&["thickness", "dense.toml", "-o", "d.png"], &VIEW[..]].concat());
     assert_eq!(said, "d.png: white is full transmission\n");
     assert!(bench.bytes("d.png").starts_with(b"\x89PNG") && bench.bytes("d.png") != bench.bytes("t.png"));
