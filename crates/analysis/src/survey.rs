@@ -185,7 +185,23 @@ pub(crate) struct Across {
     pub normals: [Vec3; 2],
 }
 
-/// The shortest chord through the points along the directions, each point with each direction.
+impl Across {
+    /// The length of the chord or, for a wall, an upper bound of its thickness: the diameter of the larger of the two balls that
+    /// touch the face at one end from inside and go through the other end, `length / |n . d|`. No ball within the region that
+    /// touches the face there is larger. For every chord of a ball, and for a chord perpendicular to both faces, it is the thickness.
+    pub fn width(&self, faces: Faces) -> f64 {
+        let (length, between) = (self.chord.length(), self.chord.to - self.chord.from);
+        match faces {
+            Faces::Any => length,
+            Faces::Wall => {
+                let shares = self.normals.map(|normal| normal.dot(between).abs());
+                length * length / shares[0].min(shares[1])
+            }
+        }
+    }
+}
+
+/// The chord of the smallest width through the points along the directions, each point with each direction.
 fn shortest_across<E: Evaluator>(
     evaluator: &E,
     points: &[Vec3],
@@ -205,11 +221,10 @@ fn shortest_across<E: Evaluator>(
         let Some([entry, exit]) = span_around(&answer, is_in) else { return };
         let ray = rays.get(answer.ray);
         let piece = Piece { program, ray, entry, exit, area: 0.0 };
-        if least.is_some_and(|least| piece.chord().length() >= least.chord.length()) {
-            return;
-        }
-        if faces == Faces::Any || piece.wall().is_some() {
-            least = Some(Across { chord: piece.chord(), normals: piece.normals() });
+        let across = Across { chord: piece.chord(), normals: piece.normals() };
+        let is_less = least.is_none_or(|least| across.width(faces) < least.width(faces));
+        if is_less && (faces == Faces::Any || piece.wall().is_some()) {
+            least = Some(across);
         }
     };
     evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
@@ -230,13 +245,13 @@ fn span_around<'a>(answer: &RayAnswer<'a>, is_in: impl Fn(RegionId) -> bool) -> 
     None
 }
 
-/// The largest number of steps of the searches for shorter chords.
-const STEPS: usize = 32;
+/// The largest number of steps of the search for a shorter chord through a point.
+const STEPS: usize = 16;
 
-/// A chord counts as shorter only by more than this factor.
-const SHORTER: f64 = 1.0 - 1e-9;
+/// A width counts as smaller only by more than this factor.
+const SMALLER: f64 = 1.0 - 1e-9;
 
-/// The local thickness at the middle of a chord: the shortest chord through it along the axes, the chord itself, the normals at
+/// The local thickness at the middle of a chord: the chord of the smallest width through it along the axes, the chord itself, the normals at
 /// its ends and those at the ends of the chords found. `None` for a chord that exists only because of rounding.
 pub(crate) fn thickness_at_middle<E: Evaluator>(
     evaluator: &E,
@@ -250,21 +265,23 @@ pub(crate) fn thickness_at_middle<E: Evaluator>(
     let mut best = shortest_across(evaluator, &middle, &directions, is_in, faces, scratch)?;
     for _ in 0..STEPS {
         match shortest_across(evaluator, &middle, &best.normals, is_in, faces, scratch) {
-            Some(next) if next.chord.length() < SHORTER * best.chord.length() => best = next,
+            Some(next) if next.width(faces) < SMALLER * best.width(faces) => best = next,
             _ => break,
         }
     }
     Some(best)
 }
 
-/// A chord of a wall that no chord beside it is shorter than: its ends are moved to the feet of perpendiculars, in turn, as long
-/// as it becomes shorter. It stays a chord of the region, so that it is never shorter than the wall is thick.
+/// A chord of a wall of which no chord beside it has a smaller width: its ends are moved to the feet of perpendiculars, in turn,
+/// as long as the width becomes smaller. Of chords of equal width, such as those of a ball, it is one along a normal.
 pub(crate) fn narrowest<E: Evaluator>(
     evaluator: &E,
     mut best: Across,
     is_in: &impl Fn(RegionId) -> bool,
     scratch: &mut E::Scratch,
 ) -> Across {
+    /// The largest number of steps: each reduces the angles between chord and normals by a quarter or more.
+    const STEPS: usize = 128;
     /// The distance from an end to the point beside it where rays start, relative to the length of the chord.
     const INSIDE: f64 = 1e-6;
     /// Parts of the way from the direction of the chord to the normals: a whole step may lead beyond the closest place.
@@ -278,8 +295,18 @@ pub(crate) fn narrowest<E: Evaluator>(
             PARTS.map(|part| along + part * (forward - along))
         });
         match shortest_across(evaluator, &points, directions.as_flattened(), is_in, Faces::Wall, scratch) {
-            Some(next) if next.chord.length() < SHORTER * best.chord.length() => best = next,
+            Some(next) if next.width(Faces::Wall) < SMALLER * best.width(Faces::Wall) => best = next,
             _ => break,
+        }
+    }
+    let MeasuredChord { from, to } = best.chord;
+    let (start, end) = (from + INSIDE * (to - from), to + INSIDE * (from - to));
+    for (point, normal) in [(start, best.normals[0]), (end, best.normals[1])] {
+        let along = shortest_across(evaluator, &[point], &[normal], is_in, Faces::Wall, scratch);
+        if let Some(along) =
+            along.filter(|along| along.width(Faces::Wall) * SMALLER <= best.width(Faces::Wall))
+        {
+            return along;
         }
     }
     best

@@ -146,7 +146,7 @@ def check(
 
     The check reports walls thinner than `wall`, gaps narrower than `gap` (default: 1e-5 of the diagonal of the model)
     and overlaps deeper than `distance` (default: 1e-9 of it). Bounding boxes prove what they can; rays examine the
-    rest. A finding is certain, and the thickness of a wall is the length of a chord through it; the absence of findings is only as certain as the 6 `cells`^2 rays through the model
+    rest. A finding is certain, and the thickness of a wall is the diameter of a ball between its faces; the absence of findings is only as certain as the 6 `cells`^2 rays through the model
     are dense. Equal seeds give equal results.
 
     >>> import rayweave as rw

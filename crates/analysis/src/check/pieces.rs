@@ -119,19 +119,19 @@ impl Narrow {
     }
 
     /// The narrowest place: a chord of the region, perpendicular to the faces as far as they allow it.
-    fn measured<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Option<MeasuredChord> {
+    fn measured<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Option<Across> {
         let mut least: Option<(RegionId, Across)> = None;
         for candidate in &self.0 {
             let is_in = |region| region == candidate.region;
             let found = thickness_at_middle(evaluator, candidate.across, &is_in, Faces::Wall, scratch);
             if let Some(found) = found
-                && least.is_none_or(|(_, least)| found.chord.length() < least.chord.length())
+                && least.is_none_or(|(_, least)| found.width(Faces::Wall) < least.width(Faces::Wall))
             {
                 least = Some((candidate.region, found));
             }
         }
         let (own, found) = least?;
-        Some(narrowest(evaluator, found, &|region| region == own, scratch).chord)
+        Some(narrowest(evaluator, found, &|region| region == own, scratch))
     }
 }
 
@@ -194,21 +194,25 @@ fn walls_and_gaps<E: Evaluator>(
     let (mut found, mut scratch) = (Vec::new(), evaluator.scratch());
     let name = |region: &RegionId| subject.name(region.index() - 1);
     for (region, candidates) in &seen.thin {
-        let least = candidates.measured(evaluator, &mut scratch).filter(|least| least.length() < thin);
-        if let Some(least) = least {
+        let Some(least) = candidates.measured(evaluator, &mut scratch) else { continue };
+        let width = least.width(Faces::Wall);
+        if width < thin {
             let text = format!("{} is thin", name(region));
-            found.push(Finding::new(FindingKind::Thin, &[name(region)], text).seen(least.length(), least));
+            found.push(Finding::new(FindingKind::Thin, &[name(region)], text).seen(width, least.chord));
         }
     }
     for ([a, b], candidates) in &seen.gaps {
-        let least = candidates.measured(evaluator, &mut scratch).filter(|least| least.length() < narrow);
-        let Some(least) = least else { continue };
+        let Some(least) = candidates.measured(evaluator, &mut scratch) else { continue };
+        let width = least.width(Faces::Wall);
+        if width >= narrow {
+            continue;
+        }
         let names = [name(a), name(b)];
         let (text, names) = match a == b {
             true => (format!("{} is divided by a narrow gap", names[0]), &names[..1]),
             false => (format!("{} and {} are separated by a narrow gap", names[0], names[1]), &names[..]),
         };
-        found.push(Finding::new(FindingKind::Gap, names, text).seen(least.length(), least));
+        found.push(Finding::new(FindingKind::Gap, names, text).seen(width, least.chord));
     }
     found
 }
