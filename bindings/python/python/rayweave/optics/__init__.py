@@ -107,8 +107,8 @@ from rayweave.optics._prescription import (
     Toroidal,
     XYPolynomial,
     ZernikePolynomials,
-    pupil_grid,
 )
+from rayweave.optics._pupil import pupil_grid, pupil_quadrature
 from rayweave.optics._sources import (
     Source,
     Spectrum,
@@ -226,6 +226,7 @@ __all__ = [
     "polished",
     "prism",
     "pupil_grid",
+    "pupil_quadrature",
     "reflecting",
     "rough",
     "source_from_file",

@@ -15,6 +15,7 @@ from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
 from rayweave.optics._images import _axes, _labelled
 from rayweave.optics._prescription import Prescription
+from rayweave.optics._pupil import RINGS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -96,7 +97,7 @@ def tolerance(
     trials: int = 1000,
     refocus: bool = False,
     vignette: bool = False,
-    rings: int = 6,
+    rings: int = RINGS,
     seed: int = 0,
     threads: int | None = None,
 ) -> Trials:
@@ -107,10 +108,10 @@ def tolerance(
     move as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
     (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), the
     "focal length", the "back focal distance", or the displacement of the first field's centroid ("image shift"). A spot
-    contains all wavelengths about their common centroid; rays have the weight of their wavelength, and all points of
-    the pupil count equally. Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
-    over all fields, with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings` rings,
-    regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
+    contains all wavelengths about their common centroid; rays have the weight of their wavelength times that of their
+    point of the pupil (`pupil_quadrature`). Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
+    over all fields, with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings`
+    rings, regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
     semi-diameter, or in its hole.
 
     With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
@@ -302,14 +303,15 @@ def optimise(
     parameters: Iterable[str],
     goals: Iterable[Goal],
     *,
-    rings: int = 4,
+    rings: int = RINGS,
     patience: int = 100,
 ) -> Optimum:
     """Minimises the sum of squares of the weighted deviations from goals, starting from a prescription.
 
     Parameters have the names of `tolerance`, except those that move surfaces off the axis; `goal` creates goals. The
     algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
-    near the start, not the global one, and ends after `patience * (number of parameters + 1)` evaluations of the goals,
+    near the start, not the global one. Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays
+    (`pupil_quadrature`), which exclude the ray through the rim. The search ends after `patience * (number of parameters + 1)` evaluations of the goals,
     not counting those for derivatives.
 
     >>> import rayweave.optics as ro

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import array, package, pair, real, whole
+from rayweave.optics._pupil import PupilMeans, best_shift
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +38,8 @@ def _labelled(ax: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
 @dataclass(frozen=True)
 class SpotSize:
     """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the largest
-    distance from the centroid; rays are weighted by their power.
+    distance from the centroid. If the points of the pupil were not given, centroid and RMS radii are means over the
+    pupil by `pupil_quadrature`, and `rays` counts the rays of that rule; otherwise rays are weighted by their power.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -46,7 +48,7 @@ class SpotSize:
     (2,)
     >>> size = lens.spots().images[0].spot()
     >>> size.rays, round(size.rms, 3), round(size.geometric, 3)
-    (127, 0.074, 0.085)
+    (96, 0.054, 0.085)
     """
 
     rays: int
@@ -62,7 +64,8 @@ class Rays(Columns):
 
     `id` is the number of the point of the pupil; `x`, `y`, `z` the position and `x_tilt`, `y_tilt`, `z_tilt` the unit
     direction; `path` the optical path from the start of the ray; `index` the refractive index in front of the image;
-    `wavelength_nm`; `power`, the weight of the ray.
+    `wavelength_nm`; `power`, the weight of the wavelength times the internal transmittance of the glasses along the
+    ray: surfaces reflect nothing here, but glass absorbs.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -72,25 +75,36 @@ class Rays(Columns):
     (127, 'mm')
     """
 
-    def __init__(self, compiled: _core.Arrivals, unit: str) -> None:
+    def __init__(self, compiled: _core.Arrivals, unit: str, means: Callable[[], PupilMeans] | None = None) -> None:
         lengths = dict.fromkeys(("x", "y", "z", "path"), unit)
         super().__init__(compiled.columns(), {**lengths, "wavelength_nm": "nm"})
         self._compiled = compiled
         self._unit = unit
+        self._find_means = means
+        self._found_means: PupilMeans | None = None
+
+    def _means(self) -> PupilMeans:
+        """The rays for means over the pupil: those of a quadrature, traced on demand, or else these rays."""
+        if self._found_means is None:
+            given = self._find_means
+            self._found_means = given() if given is not None else PupilMeans.of(self, np.ones(int(self["id"].max(initial=0)) + 1))
+        return self._found_means
 
     def moved(self, shift: float) -> Rays:
         """The same rays on a plane moved along the axis."""
-        return Rays(self._compiled.moved(real(shift, "shift")), self._unit)
+        distance = real(shift, "shift")
+        return Rays(self._compiled.moved(distance), self._unit, lambda: self._means().moved(distance))
 
     def spot(self) -> SpotSize:
         """The size of the spot."""
-        rays, centroid, radii, geometric = self._compiled.spot()
-        return SpotSize(rays, centroid, *radii, geometric)
+        rays, centroid, radii = self._means().spot()
+        off = np.hypot(self["x"] - centroid[0], self["y"] - centroid[1])
+        return SpotSize(rays, centroid, *radii, float(off.max(initial=0.0)))
 
     def best_focus(self) -> float:
-        """The shift of the image along the axis with the smallest RMS radius, computed exactly; NaN for parallel
-        rays."""
-        return self._compiled.best_focus()
+        """The shift of the image along the axis with the smallest RMS radius, in closed form; NaN for parallel rays.
+        It is a mean over the pupil, as the RMS radius of `spot`."""
+        return best_shift(self._means().focal_moments())
 
     def encircled_energy(self, radii: ArrayLike) -> Numbers:
         """The fraction of the power within circles about the centroid."""
@@ -111,15 +125,17 @@ class Rays(Columns):
 
 
 class Spots(Columns):
-    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays`; the centroid `x`, `y`; the RMS
-    radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. `images` has the rays of every field.
+    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays` of the means; the centroid `x`, `y`;
+    the RMS radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. Centroid and RMS radii are means
+    over the pupil (`pupil_quadrature`). `images` has the rays of every field for drawings, on hexapolar rings; the
+    geometric radius is the largest distance of one of them from the centroid.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
     >>> spots = lens.spots()
     >>> spots.rows, spots.units["rms"], spots["rms"].round(2)
-    (2, 'mm', array([0.07, 0.05]))
+    (2, 'mm', array([0.05, 0.04]))
     """
 
     images: list[Rays]
@@ -461,7 +477,7 @@ class ThroughFocus(_ByField):
     @classmethod
     def of(cls, images: list[Rays], shifts: Numbers, unit: str) -> Self:
         """From the rays of every field."""
-        radii = [image.moved(shift).spot().rms for image in images for shift in shifts.tolist()]
+        radii = [image._means().moved(shift).spot()[2][0] for image in images for shift in shifts.tolist()]
         field = np.repeat(np.arange(len(images)), len(shifts))
         columns = {"field": field, "shift": np.tile(shifts, len(images)), "rms": np.array(radii)}
         return cls(columns, {"shift": unit, "rms": unit})

@@ -43,6 +43,7 @@ from rayweave.optics._images import (
     ThroughFocus,
     Wavefront,
 )
+from rayweave.optics._pupil import RINGS, PupilMeans, best_shift, pupil_grid, pupil_quadrature
 from rayweave.optics._system import _UNIT_NM, System
 
 if TYPE_CHECKING:
@@ -295,26 +296,7 @@ class FirstOrder:
         return table_of("First-order data", data)
 
 
-def pupil_grid(
-    kind: Literal["hexapolar", "square", "fan_x", "fan_y"], count: int
-) -> NDArray[np.float64]:
-    """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid
-    with `count` points across, or `count` points along one axis.
-
-    >>> import rayweave.optics as ro
-    >>> ro.pupil_grid("hexapolar", 2).shape
-    (19, 2)
-    >>> ro.pupil_grid("fan_y", 3)[:, 1].tolist()
-    [-1.0, 0.0, 1.0]
-    """
-    if kind not in _PUPILS:
-        unknown("grid of a pupil", kind, _PUPILS)
-    # a grid without rings consists of the centre only
-    return _core.pupil_points(kind, whole(count, "count", least=0 if kind == "hexapolar" else 1, bits=31))
-
-
 _FANS: tuple[Literal["fan_x", "fan_y"], ...] = ("fan_x", "fan_y")
-_PUPILS = ("hexapolar", "square", "fan_x", "fan_y")
 
 
 class Prescription:
@@ -542,7 +524,7 @@ class Prescription:
         *,
         wavelength_nm: float | None = None,
         pupil: ArrayLike | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         aimed: bool = False,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origins and directions (N, 3) of the rays of a field, for `System.trace_rays`.
@@ -566,30 +548,48 @@ class Prescription:
         *,
         wavelength_nm: float | None = None,
         pupil: ArrayLike | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         aimed: bool = False,
     ) -> Rays:
         """The rays of a field on the image, at one wavelength or, by default, at all of them with their weights.
 
-        The result contains only rays that pass the surfaces in order, not those that are vignetted or lost. Rays that
+        The rays go through points of the pupil, by default hexapolar rings, for drawings. The power of a ray is the
+        weight of its wavelength times the internal transmittance of the glasses; surfaces reflect nothing. The result
+        contains only rays that pass the surfaces in order, not those that are vignetted or lost. Rays that
         are not `aimed` at the stop are refused where the real entrance pupil of the field is far from the paraxial one.
+
+        Without `pupil`, `Rays.spot` and `Rays.best_focus` are means over the pupil by `pupil_quadrature(rings)`, whose
+        rays are traced when they are needed; with `pupil` they are means of the given rays, weighted by power.
         """
         self._needs_real_object()
         line = None if wavelength_nm is None else self._wavelength(wavelength_nm)
-        points = _pupil(pupil, rings)
-        return Rays(self._compiled.arrivals(whole(field, "field"), line, points, flag(aimed, "aimed")), self.unit)
+        points, number, aims = _pupil(pupil, rings), whole(field, "field"), flag(aimed, "aimed")
+        found = self._compiled.arrivals(number, line, points, aims)
+        if pupil is not None:
+            return Rays(found, self.unit)
+
+        def means() -> PupilMeans:
+            places, weights = pupil_quadrature(rings)
+            return PupilMeans.of(self._compiled.arrivals(number, line, places, aims).columns(), weights)
+
+        return Rays(found, self.unit, means)
 
     def spots(
         self,
         *,
         wavelength_nm: float | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         shift: float = 0.0,
         aimed: bool = False,
     ) -> Spots:
         """The spots of all fields, with centroid, RMS and geometric radius, on the image plane moved along the axis by
-        `shift`."""
-        rays = self._images(wavelength_nm, _pupil(None, rings), aimed)
+        `shift`.
+
+        Centroids and RMS radii are means over the area of the pupil, from 2 rings (rings + 2) rays per wavelength
+        (`pupil_quadrature`), weighted by wavelength and internal transmittance. The points of the diagram and the
+        geometric radius are those of hexapolar rings, 1 + 3 rings (rings + 1) rays per wavelength.
+        """
+        rays = self._images(wavelength_nm, None, aimed, rings)
         distance = real(shift, "shift")
         return Spots.of([image.moved(distance) if distance else image for image in rays], self.fields, self.unit)
 
@@ -666,11 +666,11 @@ class Prescription:
         shifts: ArrayLike | None = None,
         *,
         wavelength_nm: float | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         aimed: bool = False,
     ) -> ThroughFocus:
-        """The RMS radii of the spots of all fields on planes moved along the axis by `shifts`."""
-        rays = self._images(wavelength_nm, _pupil(None, rings), aimed)
+        """The RMS radii of the spots of all fields, as those of `spots`, on planes moved along the axis by `shifts`."""
+        rays = self._images(wavelength_nm, None, aimed, rings)
         if shifts is None:
             best = np.abs([image.best_focus() for image in rays])
             reach = 2.0 * float(best[np.isfinite(best)].max(initial=0.0))
@@ -743,9 +743,12 @@ class Prescription:
             problem = f"object_distance is {self.object_distance:g}: light would start behind surface 1."
             raise _core.RayweaveError(f"{problem} Check the sign: only first_order() accepts virtual objects.")
 
-    def _images(self, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool) -> list[Rays]:
+    def _images(
+        self, wavelength_nm: float | None, pupil: ArrayLike | None, aimed: bool, rings: int = RINGS
+    ) -> list[Rays]:
         fields = range(len(self.fields))
-        return [self.arrivals(field, wavelength_nm=wavelength_nm, pupil=pupil, aimed=aimed) for field in fields]
+        options: dict[str, Any] = {"wavelength_nm": wavelength_nm, "pupil": pupil, "rings": rings, "aimed": aimed}
+        return [self.arrivals(field, **options) for field in fields]
 
     def _swept(self, count: int) -> tuple[Prescription, Sweep]:
         """The same prescription with fields from the axis to the edge."""
