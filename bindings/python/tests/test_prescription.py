@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -169,6 +170,110 @@ def test_the_best_focus_of_a_spherical_mirror() -> None:
         assert mirror.arrivals(rings=rings).best_focus() == pytest.approx(2 / 3 * marginal, rel=2 * s * s)
         found = mirror.through_focus([2 / 3 * marginal], rings=rings)["rms"][0]
         assert found == pytest.approx(marginal * 2 * s / 6, rel=4 * s * s)
+
+
+def test_refocused_lenses_have_the_best_focus_of_all_fields() -> None:
+    lens = cooke_triplet()
+    found = lens.refocused()
+    # the parabola through the dense mean squares at three places of the image
+    planes = [float(np.mean(dense_square_radii(lens.with_surface(6, thickness=42.20778 + shift), 60))) for shift in (-0.1, 0, 0.1)]
+    a, b, _ = np.polyfit([-0.1, 0, 0.1], planes, 2)
+    # both have the error of the grid, relative to the half width of about 0.1 where the radius doubles
+    assert found.surfaces[-1].thickness - 42.20778 == pytest.approx(-b / (2 * a), abs=1e-3)
+    assert np.mean(found.spots()["rms"] ** 2) < np.mean(lens.spots()["rms"] ** 2)
+    moved = [np.mean(found.spots(shift=shift)["rms"] ** 2) for shift in (-1e-3, 0, 1e-3)]
+    assert moved[1] < min(moved[0], moved[2])
+    # light that travels back, one field with the same answer as its best focus, a curved image
+    mirror = paraboloid(shift=0.5)
+    assert mirror.refocused().surfaces[0].thickness == pytest.approx(-100.0, rel=1e-12)
+    curved = lens.replace(image_radius=-80.0).refocused()
+    assert abs(curved.refocused().surfaces[-1].thickness - curved.surfaces[-1].thickness) < 1e-6
+    tilted = mirror.replace(breaks=[optics.CoordinateBreak(2, tilt_degrees=(5, 0, 0))])
+    with pytest.raises(RayweaveError, match="the image is tilted by a coordinate break"):
+        tilted.refocused()
+    afocal = Prescription([Surface(np.inf, 5.0, 1.5), Surface(np.inf, 50.0)], entrance_pupil_diameter=4)
+    with pytest.raises(RayweaveError, match="parallel: it has no best focus"):
+        afocal.refocused()
+
+
+def test_unknown_attributes_have_suggestions() -> None:
+    lens = paraboloid()
+    for thing, name, meant in [
+        (lens, "refocus", r"refocused\(\)"),
+        (lens, "quick_focus", r"refocused\(\)"),
+        (lens, "efl", r"first_order\(\).focal_length"),
+        (lens, "psf", r"diffraction_mtf\(\)"),
+        (lens, "wavefrnt", "wavefront"),
+        (lens.first_order(), "efl", "focal_length"),
+        (lens.first_order(), "refocus", r"refocused\(\)"),
+        (lens.first_order(), "focal_lenght", "focal_length"),
+    ]:
+        with pytest.raises(AttributeError, match=f"has no attribute '{name}'. Did you mean {meant}"):
+            getattr(thing, name)
+    for name in ("mtf", "geometric_mtf", "diffraction_mtf"):
+        with pytest.raises(TypeError, match=rf"Prescription.{name}\(\) got an .*'max_frequency'.*Did you mean frequencies"):
+            getattr(lens, name)(max_frequency=100)
+
+
+def test_first_order_data_as_a_list() -> None:
+    first = cooke_triplet().first_order()
+    lines = str(first).splitlines()
+    assert lines[0] == "First-order data, lengths in mm" and len(lines) > 12
+    assert re.search(r"^focal length +50$", str(first), re.M) and re.search(r"^entrance pupil +at 11.5122 from", str(first), re.M)
+    assert first.total_track == pytest.approx(3.25896 + 6.00755 + 0.99997 + 4.75041 + 2.95208 + 42.20778)
+    assert first.working_f_number == pytest.approx(5.0, rel=1e-5)
+    assert first.image_height == pytest.approx(50 * math.tan(math.radians(20)), rel=1e-5)
+    # a thin lens at the magnification -1: twice the F-number, and an image as high as the object
+    thin = Prescription(
+        [Surface(100.0, 1e-9, 1.5), Surface(-100.0, 200.0)],
+        entrance_pupil_diameter=10,
+        object_distance=200,
+        fields=[0, 7],
+        field_kind="object height",
+    ).first_order()
+    assert thin.working_f_number == pytest.approx(20.0, rel=1e-6) and thin.image_height == pytest.approx(7.0, rel=1e-6)
+
+
+def test_diffraction_of_a_perfect_lens() -> None:
+    lens = paraboloid(aperture=10.0)
+    cutoff = 1 / (550e-6 * 10)
+    frequencies = np.linspace(0, 1.1 * cutoff, 23)
+    # the closed form of a circular aperture: Goodman, section 6.4
+    s = np.minimum(frequencies / cutoff, 1)
+    expected = 2 / np.pi * (np.arccos(s) - s * np.sqrt(1 - s**2))
+    for across in (32, 96):
+        found = lens.diffraction_mtf(frequencies, across=across)
+        for name in ("tangential", "sagittal"):
+            np.testing.assert_allclose(found[name], expected, atol=across**-1.5)
+    np.testing.assert_allclose(found["limit"], expected, atol=1e-9)
+    # 0.5 mm of defocus: W rho^2, and the integral along the frequency over the lens of two disks (Goodman, section
+    # 6.4.3), here by the midpoint rule over a fine grid
+    out = paraboloid(aperture=10.0, shift=0.5)
+    at = (np.arange(1000) + 0.5) / 500 - 1
+    x, y = np.meshgrid(at, at)
+    for frequency in (20.0, 60.0):
+        shift = 2 * frequency / cutoff
+        both = (np.hypot(x - shift / 2, y) < 1) & (np.hypot(x + shift / 2, y) < 1)
+        front = out.wavefront(pupil=[[1.0, 0.0]])["waves"][0]
+        waves = front * ((x + shift / 2) ** 2 + y**2 - (x - shift / 2) ** 2 - y**2)
+        value = abs(np.sum(np.exp(2j * np.pi * waves[both]))) / np.sum(np.hypot(x, y) < 1)
+        assert out.diffraction_mtf([frequency])["tangential"][0] == pytest.approx(value, abs=2e-3)
+
+
+def test_diffraction_far_from_its_limit_is_geometric() -> None:
+    # five waves and more: at low frequencies the transform of the spot, colour included
+    surfaces = [Surface(50.0, 5.0, "N-BK7"), Surface(-50.0, 46.0)]
+    lens = Prescription(surfaces, entrance_pupil_diameter=5, fields=[0, 4], wavelengths_nm=[480, 550, 650], primary=1, stop=2)
+    frequencies = np.array([0.0, 2.0, 4.0, 6.0])
+    waves, rays = lens.diffraction_mtf(frequencies), lens.geometric_mtf(frequencies, across=97)
+    # diffraction changes the modulation by about the frequency over its limit, 6 / 180
+    for name in ("tangential", "sagittal"):
+        np.testing.assert_allclose(waves[name], rays[name], atol=0.04)
+    assert rays["tangential"].min() < 0.6
+    with pytest.raises(RayweaveError, match=r"across is 8: the wavefront changes by .* waves between two points"):
+        lens.diffraction_mtf([1.0], across=8)
+    with pytest.raises(RayweaveError, match="across is 5000: it must be at most 2048"):
+        lens.diffraction_mtf([1.0], across=5000)
 
 
 def bessel_1(x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -411,12 +516,21 @@ def test_the_optimiser_finds_the_lens_of_best_form() -> None:
 
 def test_refusals_of_goals() -> None:
     lens = paraboloid()
-    with pytest.raises(RayweaveError, match="'spot' do not fit: it takes field and wavelength_nm"):
+    with pytest.raises(RayweaveError, match="the goal 'spot' lacks field and wavelength_nm: it takes field and wavelength_nm"):
         optics.goal("spot")
+    with pytest.raises(RayweaveError, match="the goal 'spot' lacks wavelength_nm:"):
+        optics.goal("spot", field=0)
+    with pytest.raises(RayweaveError, match="the goal 'edge' has field: it takes surface and height"):
+        optics.goal("edge", surface=1, height=2.0, field=0)
+    for wrong, meant in [("efl", "focal length"), ("thicknes 6", "thickness"), ("spots", "spot"), ("thickness", "thickness")]:
+        with pytest.raises(RayweaveError, match=f"no operand '{wrong}': .*Did you mean '{meant}'"):
+            optics.goal(wrong)
+    for name in ("radius 2", "r^16 1", "r^4 2", "conic 1", "index 1", "curvature 12"):
+        assert optics.goal(name).operand == name
     with pytest.raises(RayweaveError, match="2 values"):
         optics.goal("focal length", 3.0, at_most=4.0)
-    with pytest.raises(RayweaveError, match='operand is "sharpness"'):
-        optics.optimise(lens, ["radius 1"], [optics.goal("sharpness")])
+    with pytest.raises(RayweaveError, match="there is no operand 'sharpness'"):
+        optics.goal("sharpness")
     with pytest.raises(RayweaveError, match="no parameter to vary"):
         optics.optimise(lens, [], [optics.goal("focal length", 1.0)])
 

@@ -81,6 +81,7 @@ from rayweave.optics._elements import (
 )
 from rayweave.optics._file import OpticalModel, load, loads
 from rayweave.optics._images import (
+    DiffractionModulation,
     Distortion,
     Energy,
     Fans,
@@ -143,6 +144,7 @@ __all__ = [
     "Biconic",
     "Columns",
     "CoordinateBreak",
+    "DiffractionModulation",
     "Distortion",
     "Element",
     "Energy",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -204,6 +206,38 @@ class Goal:
         return self.operand, list(self.numbers), self.target, self.value, self.weight
 
 
+_RAY_OPERANDS = ("spot", "wavefront")
+_NUMBER_OPERANDS = (
+    "focal length",
+    "back focal distance",
+    "defocus",
+    "magnification",
+    "spherical",
+    "coma",
+    "astigmatism",
+    "petzval",
+    "distortion",
+    "axial colour",
+    "lateral colour",
+)
+_QUANTITIES = ("radius", "curvature", "thickness", "conic", "index", "r^4")
+#: A parameter of a surface; the optimiser checks that the surface exists.
+_PARAMETER = re.compile(r"(radius|curvature|thickness|conic|index|r\^([1-9]|1[0-6])|(decentre|tilt) [xy]) [0-9]+(-[0-9]+)?")
+_OPERAND_WORDS = {
+    "efl": "focal length",
+    "focal_length": "focal length",
+    "effl": "focal length",
+    "bfl": "back focal distance",
+    "rms": "spot",
+    "rms spot": "spot",
+    "spots": "spot",
+    "opd": "wavefront",
+    "axial color": "axial colour",
+    "lateral color": "lateral colour",
+    "edge thickness": "edge",
+}
+
+
 def goal(
     operand: str,
     equal: float | None = None,
@@ -237,13 +271,26 @@ def goal(
         raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: it must be a number.")
     if len(stated) > 1:
         raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have at most one of equal, at_least and at_most.")
-    names = ("field", "wavelength_nm") if operand in ("spot", "wavefront") else ("surface", "height")
+    if operand not in (*_RAY_OPERANDS, "edge", *_NUMBER_OPERANDS) and not _PARAMETER.fullmatch(operand):
+        known = [*_NUMBER_OPERANDS, *_RAY_OPERANDS, "edge"]
+        near = get_close_matches(operand, [*known, *_QUANTITIES], 1)
+        suggestion = _OPERAND_WORDS.get(operand.lower()) or (near[0] if near else None)
+        hint = f" Did you mean {suggestion!r}?" if suggestion else ""
+        quantities = ", ".join(_QUANTITIES)
+        raise _core.RayweaveError(
+            f"there is no operand {operand!r}: there are {', '.join(known)}, and a parameter with the number of its surface, "
+            f'such as "thickness 1": {quantities}.{hint}'
+        )
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
-    wanted = [places.pop(name) for name in names] if operand in ("spot", "wavefront", "edge") else []
-    if any(value is not None for value in places.values()) or any(value is None for value in wanted):
-        takes = f"{names[0]} and {names[1]}, and no other place" if wanted else "no field, wavelength_nm, surface or height"
-        raise _core.RayweaveError(f"the places of the goal {operand!r} do not fit: it takes {takes}.")
-    numbers = tuple(real(value, name) for name, value in zip(names, wanted) if value is not None)
+    names = ("field", "wavelength_nm") if operand in _RAY_OPERANDS else ("surface", "height") if operand == "edge" else ()
+    missing = [name for name in names if places[name] is None]
+    extra = [name for name, value in places.items() if value is not None and name not in names]
+    if missing:
+        raise _core.RayweaveError(f"the goal {operand!r} lacks {' and '.join(missing)}: it takes {' and '.join(names)}.")
+    if extra:
+        takes = " and ".join(names) if names else "no field, wavelength_nm, surface or height"
+        raise _core.RayweaveError(f"the goal {operand!r} has {' and '.join(extra)}: it takes {takes}.")
+    numbers = tuple(real(places[name], name) for name in names)
     return Goal(operand, numbers, *stated[0], real(weight, "weight"))
 
 

@@ -426,6 +426,8 @@ class Modulation(_ByField):
     array([1.  , 0.15, 0.15])
     """
 
+    _UP = "geometric MTF (without diffraction)"
+
     @classmethod
     def of(
         cls,
@@ -438,22 +440,47 @@ class Modulation(_ByField):
         """From the rays of every field; `cutoff` is the cutoff frequency of diffraction."""
         along = [field if field != (0.0, 0.0) else (0.0, 1.0) for field in fields]
         pairs = list(zip(images, along, strict=True))
+        tangential = np.concatenate([image.geometric_mtf(frequencies, (x, y)) for image, (x, y) in pairs])
+        sagittal = np.concatenate([image.geometric_mtf(frequencies, (y, -x)) for image, (x, y) in pairs])
+        return cls.from_parts(len(images), frequencies, tangential, sagittal, cutoff, unit)
+
+    @classmethod
+    def from_parts(
+        cls, fields: int, frequencies: Numbers, tangential: Numbers, sagittal: Numbers, cutoff: float, unit: str
+    ) -> Self:
+        """From the modulations of all fields, one after the other."""
         columns = {
-            "field": np.repeat(np.arange(len(images)), len(frequencies)),
-            "frequency": np.tile(frequencies, len(images)),
-            "tangential": np.concatenate([image.geometric_mtf(frequencies, (x, y)) for image, (x, y) in pairs]),
-            "sagittal": np.concatenate([image.geometric_mtf(frequencies, (y, -x)) for image, (x, y) in pairs]),
-            "limit": np.tile(_diffraction(frequencies / cutoff), len(images)),
+            "field": np.repeat(np.arange(fields), len(frequencies)),
+            "frequency": np.tile(frequencies, fields),
+            "tangential": tangential,
+            "sagittal": sagittal,
+            "limit": np.tile(_diffraction(frequencies / cutoff), fields),
         }
         return cls(columns, {"frequency": f"1/{unit}"})
 
     def show(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the geometric MTF over the frequency, the diffraction limit in grey."""
-        ax = self._show(ax, "frequency", {"tangential": "-", "sagittal": "--"}, "geometric MTF (without diffraction)")
+        """Draws the modulation over the frequency, the diffraction limit in grey."""
+        ax = self._show(ax, "frequency", {"tangential": "-", "sagittal": "--"}, self._UP)
         ax.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction limit, axis")
+        ax.set_xlabel(f"frequency, cycles{self.units['frequency'].removeprefix('1')}")
+        ax.set_xlim(0.0, float(self["frequency"].max()) or None)
         ax.set_ylim(0.0, 1.02)
+        ax.grid(color="#e0e0e0", linewidth=0.6)
         ax.legend(fontsize="small")
         return ax
+
+
+class DiffractionModulation(Modulation):
+    """The MTF of every `field` with diffraction: the columns of `Modulation`.
+
+    >>> import rayweave.optics as ro
+    >>> mirror = ro.Prescription([ro.Surface(-200, -100, "mirror", conic=-1)], entrance_pupil_diameter=10)
+    >>> mtf = mirror.diffraction_mtf([0, 50, 100])
+    >>> mtf["tangential"].round(2), mtf["limit"].round(2)
+    (array([1.  , 0.63, 0.29]), array([1.  , 0.63, 0.29]))
+    """
+
+    _UP = "diffraction MTF"
 
 
 def _diffraction(share: Numbers) -> Numbers:
