@@ -437,7 +437,33 @@ def test_pictures() -> None:
     lens = design("cooke-triplet")
     layout = lens.show(rays=3)
     assert layout.get_xlabel() == "z, mm" and layout.get_title() == lens.name
-    diagrams = lens.spots().show()
+    legend = layout.get_legend()
+    assert legend is not None and [text.get_text() for text in legend.get_texts()] == ["0 deg", "14 deg", "20 deg"]
+    # closed outlines of three lenses, the image, and two sides of the stop
+    curves = [line for line in layout.lines if len(line.get_xydata()) > 3]
+    closed = [line for line in curves if np.array_equal(line.get_xydata()[0], line.get_xydata()[-1])]
+    assert len(closed) == 3
+    assert [text.get_text() for text in layout.texts] == ["stop"]
+    stop = [line.get_xydata() for line in layout.lines if len(line.get_xydata()) == 2]
+    assert sorted(abs(ends[0][1]) for ends in stop) == pytest.approx([lens.first_order().stop_semi_diameter] * 2)
+    # the outline of the first lens: its vertices on the axis, and the sags of its spheres at any height
+    front, back = lens.surfaces[:2]
+    z, y = closed[0].get_xydata().T
+    at = y[np.abs(y) < 8]
+    sags = [surface.radius - math.copysign(1, surface.radius) * np.sqrt(surface.radius**2 - at**2) for surface in (front, back)]
+    far = np.abs(z[np.abs(y) < 8] - [sags[0], sags[1] + front.thickness]).min(axis=0)
+    # half a row of the picture, 1 / 800 of its height
+    assert far.max() < 1e-9
+    spots = lens.spots()
+    diagrams = spots.show()
+    assert [axis.get_title() for axis in diagrams] == [
+        f"{angle} deg, RMS {1e3 * rms:#.3g} um" for angle, rms in zip((0, 14, 20), spots["rms"], strict=True)
+    ]
+    names = [text.get_text() for text in diagrams[-1].get_legend().get_texts()]
+    assert names == ["480 nm", "550 nm", "650 nm", "Airy disk"]
+    # the first zero of J1 over pi, times wavelength and F-number
+    assert diagrams[0].patches[0].get_radius() == pytest.approx(3.8317059702 / np.pi * 0.55 * 5.0, rel=1e-5)
+    assert diagrams[0].get_xlabel() == "x, um"
     assert [np.shape(axis.collections[0].get_offsets())[0] for axis in diagrams] == [381, 381, 381]
     fans = lens.fans(count=5).show()
     assert fans.shape == (3, 2) and len(fans[0][0].lines) == 4
@@ -453,6 +479,11 @@ def test_pictures() -> None:
     ]
     assert [len(axis.lines) for axis, _ in curves] == [count for _, count in curves]
     assert curves[0][0].get_ylabel() == "geometric MTF (without diffraction)"
+    assert curves[0][0].get_xlabel() == "frequency, cycles/mm"
+    assert lens.diffraction_mtf([0, 10], wavelength_nm=550, across=64).show().get_ylabel() == "diffraction MTF"
+    assert curves[3][0].lines[0].get_xydata()[0].tolist() == [0, 0]
+    assert curves[6][0].get_xlabel() == "lateral colour, um"
+    assert lens.mtf()["frequency"].max() in (50, 60) and lens.diffraction_mtf(wavelength_nm=550, across=64)["frequency"].max() == 400
     assert np.shape(lens.wavefront(across=5).show().collections[0].get_offsets()) == (13, 2)
     assert len(lens.wavefront(across=9).zernike(11).show().patches) == 8
     assert len(lens.seidel().show().patches) == 7 * 7

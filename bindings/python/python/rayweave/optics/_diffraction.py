@@ -52,7 +52,7 @@ class TransferFunction:
         front[row, column] = waves
         steepest = max(float(np.nanmax(np.abs(np.diff(front, axis=axis)), initial=0.0)) for axis in (0, 1))
         if steepest > _STEEPEST:
-            problem = f"across is {across}: the wavefront changes by {steepest:.2g} waves between two points of the pupil"
+            problem = f"across is {across}: the wavefront changes by {steepest:.3g} waves between two points of the pupil"
             needed = int(np.ceil(across * steepest / _STEEPEST))
             raise _core.RayweaveError(f"{problem}, more than {_STEEPEST:g}. Pass across={needed} or more, or use geometric_mtf.")
         function[row, column] = np.exp(-2.0j * np.pi * waves)

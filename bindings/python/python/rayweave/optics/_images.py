@@ -13,6 +13,7 @@ from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import array, package, pair, real, whole
 from rayweave.optics._pupil import PupilMeans, best_shift
+from rayweave.optics._system import _UNIT_NM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +25,13 @@ _ALONG: tuple[Literal["y", "x"], ...] = ("y", "x")
 
 def _axes(ax: Axes | None) -> Axes:
     plt = package("matplotlib.pyplot", "drawings")
-    return plt.subplots()[1] if ax is None else ax
+    # the layout leaves room for legends beside the axes
+    return plt.subplots(layout="constrained")[1] if ax is None else ax
+
+
+def _micrometres(unit: str) -> tuple[float, str]:
+    """The factor from a unit of length to micrometres with their symbol; 1 and the unit if it is not known."""
+    return (_UNIT_NM[unit] / 1e3, "um") if unit in _UNIT_NM else (1.0, unit)
 
 
 def _labelled(ax: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
@@ -48,7 +55,7 @@ class SpotSize:
     (2,)
     >>> size = lens.spots().images[0].spot()
     >>> size.rays, round(size.rms, 3), round(size.geometric, 3)
-    (96, 0.054, 0.085)
+    (96, 0.074, 0.085)
     """
 
     rays: int
@@ -135,14 +142,25 @@ class Spots(Columns):
     >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
     >>> spots = lens.spots()
     >>> spots.rows, spots.units["rms"], spots["rms"].round(2)
-    (2, 'mm', array([0.05, 0.04]))
+    (2, 'mm', array([0.07, 0.05]))
     """
 
     images: list[Rays]
+    _titles: list[str]
+    _airy: float
 
     @classmethod
-    def of(cls, images: list[Rays], fields: Sequence[tuple[float, float]], unit: str) -> Self:
-        """The spots of the rays of each field."""
+    def of(
+        cls,
+        images: list[Rays],
+        fields: Sequence[tuple[float, float]],
+        unit: str,
+        *,
+        titles: Sequence[str] | None = None,
+        airy_radius: float = 0.0,
+    ) -> Self:
+        """The spots of the rays of each field; `titles` name the fields in drawings, `airy_radius` is the radius of the
+        first dark ring of a lens without aberrations, which drawings show."""
         sizes = [image.spot() for image in images]
         table = cls(
             {
@@ -157,27 +175,46 @@ class Spots(Columns):
             dict.fromkeys(("x", "y", "rms", "rms_x", "rms_y", "geometric"), unit),
         )
         table.images = images
+        table._titles = list(titles) if titles is not None else [f"field {k}" for k in range(len(images))]
+        table._airy = airy_radius
         return table
 
     def show(self, *, axes: Sequence[Axes] | None = None) -> list[Axes]:
-        """Draws the spot diagrams about their centroids, to one scale, coloured by wavelength."""
+        """Draws the spot diagrams about their centroids in micrometres, to one scale, coloured by wavelength, with the
+        Airy disk of the primary wavelength on the axis, up to its first dark ring."""
         from rayweave.optics._drawing import wavelength_rgb
 
         plt = package("matplotlib.pyplot", "drawings")
 
         count = len(self.images)
         if axes is None:
-            axes = list(plt.subplots(1, count, figsize=(3.2 * count, 3.6), squeeze=False)[1][0])
-        reach = 1.1 * float(self["geometric"].max()) or 1.0
+            axes = list(plt.subplots(1, count, figsize=(3.2 * count + 1.4, 3.8), squeeze=False, layout="constrained")[1][0])
+        scale, unit = _micrometres(self.units["rms"])
+        reach = 1.1 * scale * max(float(self["geometric"].max()), self._airy) or 1.0
         for k, (ax, image) in enumerate(zip(axes, self.images, strict=False)):
-            x, y = image["x"] - self["x"][k], image["y"] - self["y"][k]
+            x, y = scale * (image["x"] - self["x"][k]), scale * (image["y"] - self["y"][k])
             ax.scatter(x, y, s=3.0, c=wavelength_rgb(image["wavelength_nm"]))
+            if self._airy > 0.0:
+                ax.add_patch(package("matplotlib.patches", "drawings").Circle((0.0, 0.0), scale * self._airy, fill=False, linewidth=0.8))
             ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-            ax.set_title(f"field {k}, RMS {self['rms'][k]:.3g} {self.units['rms']}", fontsize="small")
-            _labelled(ax, f"x, {self.units['x']}", f"y, {self.units['y']}" if k == 0 else "", legend=False)
+            ax.set_title(f"{self._titles[k]}, RMS {scale * self['rms'][k]:#.3g} {unit}", fontsize="small")
+            _labelled(ax, f"x, {unit}", f"y, {unit}" if k == 0 else "", legend=False)
             ax.tick_params(labelsize="small", labelleft=k == 0)
             ax.locator_params(nbins=4)
+        self._legend(list(axes)[count - 1])
         return list(axes)
+
+    def _legend(self, ax: Axes) -> None:
+        """Adds a legend of the wavelengths and the Airy disk beside the last diagram."""
+        from rayweave.optics._drawing import wavelength_rgb
+
+        handle = package("matplotlib.lines", "drawings").Line2D
+        lines = np.unique(np.concatenate([image["wavelength_nm"] for image in self.images]))
+        shades = zip(lines.tolist(), wavelength_rgb(lines), strict=True)
+        handles = [handle([], [], marker="o", markersize=3.0, linestyle="", color=shade, label=f"{line:g} nm") for line, shade in shades]
+        if self._airy > 0.0:
+            handles.append(handle([], [], marker="o", markersize=8.0, linestyle="", color="black", fillstyle="none", label="Airy disk"))
+        ax.legend(handles=handles, fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
 
 
 class Fans(Columns):
@@ -275,7 +312,9 @@ class Seidel(Columns):
             places = np.arange(len(labels)) + (k - 0.5 * (len(names) - 1)) * width
             ax.bar(places, [*self[name], self.sum[name]], width, label=name.replace("_", " "))
         ax.set_xticks(range(len(labels)), labels)
-        return _labelled(ax, "surface", f"Seidel sum, {self.units['spherical']}")
+        ax.axhline(0.0, color="#a0a0a0", linewidth=0.6)
+        ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+        return _labelled(ax, "surface", f"Seidel sum, {self.units['spherical']}", legend=False)
 
 
 class ZernikeFit(Columns):
@@ -477,7 +516,7 @@ class DiffractionModulation(Modulation):
     >>> mirror = ro.Prescription([ro.Surface(-200, -100, "mirror", conic=-1)], entrance_pupil_diameter=10)
     >>> mtf = mirror.diffraction_mtf([0, 50, 100])
     >>> mtf["tangential"].round(2), mtf["limit"].round(2)
-    (array([1.  , 0.63, 0.29]), array([1.  , 0.63, 0.29]))
+    (array([1.  , 0.63, 0.3 ]), array([1.  , 0.63, 0.3 ]))
     """
 
     _UP = "diffraction MTF"
@@ -567,8 +606,10 @@ class Distortion(_OverField):
     def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the relative distortion in percent against the field."""
         ax = _axes(ax)
-        ax.plot(100.0 * self["relative"], self._height())
+        # on the axis it vanishes in the limit
+        ax.plot(np.where(self["share"] == 0.0, 0.0, 100.0 * self["relative"]), self._height())
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
+        ax.set_ylim(bottom=0.0)
         return _labelled(ax, "distortion, %", self._label(), legend=False)
 
 
@@ -642,12 +683,15 @@ class LateralColour(_OverField):
         return cls._over(sweep, columns, {"wavelength_nm": "nm", "shift": sweep.unit}, len(lines))
 
     def show(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the shifts against the field, coloured by wavelength."""
+        """Draws the shifts in micrometres against the field, coloured by wavelength."""
         from rayweave.optics._drawing import wavelength_rgb
 
+        scale, unit = _micrometres(self.units["shift"])
         ax = _axes(ax)
         for line in np.unique(self["wavelength_nm"]).tolist():
             wanted = self["wavelength_nm"] == line
             shade = wavelength_rgb(np.array([line]))[0]
-            ax.plot(self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
-        return _labelled(ax, f"lateral colour, {self.units['shift']}", self._label())
+            ax.plot(scale * self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
+        ax.locator_params(axis="x", nbins=6)
+        ax.set_ylim(bottom=0.0)
+        return _labelled(ax, f"lateral colour, {unit}", self._label())

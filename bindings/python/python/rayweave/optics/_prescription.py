@@ -22,6 +22,7 @@ from rayweave.optics._given import (
     each,
     flag,
     numbers,
+    package,
     pair,
     real,
     text,
@@ -283,8 +284,8 @@ class FirstOrder:
     (49.213, 4.921)
     >>> print(first)  # doctest: +ELLIPSIS
     First-order data, lengths in mm
-    focal length               49.2134
-    back focal distance        47.5095
+    focal length               49.213
+    back focal distance        47.5362
     ...
     """
 
@@ -663,7 +664,11 @@ class Prescription:
         """
         rays = self._images(wavelength_nm, None, aimed, rings)
         distance = real(shift, "shift")
-        return Spots.of([image.moved(distance) if distance else image for image in rays], self.fields, self.unit)
+        moved = [image.moved(distance) if distance else image for image in rays]
+        cutoff = self._cutoff()
+        # the first zero of the Airy pattern: 1.22 wavelengths times the F-number (Goodman, section 4.4)
+        airy = 1.2196698912665045 / cutoff if cutoff > 0.0 else 0.0
+        return Spots.of(moved, self.fields, self.unit, titles=self._field_names(), airy_radius=airy)
 
     def fans(self, *, wavelength_nm: float | None = None, count: int = 41, aimed: bool = False) -> Fans:
         """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at
@@ -826,7 +831,7 @@ class Prescription:
         >>> import rayweave.optics as ro
         >>> lens = ro.Prescription([ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)], entrance_pupil_diameter=10)
         >>> lens.spots()["rms"].round(3), lens.refocused().spots()["rms"].round(3)
-        (array([0.054]), array([0.024]))
+        (array([0.074]), array([0.014]))
         """
         for at in self.breaks:
             if at.before == len(self.surfaces) + 1 and at.matrix is not None and abs(at.matrix[2][2] - 1.0) > 1e-12:
@@ -899,10 +904,39 @@ class Prescription:
         ends = np.concatenate([trace["y0"], trace["y1"][np.isfinite(trace["y1"])]])
         reach = 1.1 * max(float(self.semi_diameters()[:-1].max()), float(np.abs(ends).max()))
         ax.set_ylim(-reach, reach)
+        self._draw_stop(ax)
+        handle = package("matplotlib.lines", "drawings").Line2D
+        shades = package("matplotlib", "drawings").colormaps["tab10"]
+        if options.get("color", "source") == "source":
+            handles = [handle([], [], color=shades(k % 10), label=name) for k, name in enumerate(self._field_names())]
+            ax.legend(handles=handles, fontsize="small", title="field", loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
         ax.set_xlabel(f"z, {self.unit}")
         ax.set_ylabel(f"y, {self.unit}")
         ax.set_title(self.name)
         return ax
+
+    def _draw_stop(self, ax: Axes) -> None:
+        """Draws the rim of the stop as two lines away from the axis."""
+        number = int(self._compiled.frame()["stop"])
+        if any(at.before <= number for at in self.breaks):
+            return
+        rows = self.surfaces
+        height = self.first_order().stop_semi_diameter
+        curvature, conic = 1.0 / rows[number - 1].radius, rows[number - 1].conic
+        root = 1.0 - (1.0 + conic) * (curvature * height) ** 2
+        if not (np.isfinite(height) and root >= 0.0):
+            return
+        terms = sum(term * height ** (2 * k + 2) for k, term in enumerate(rows[number - 1].even))
+        place = sum(row.thickness for row in rows[: number - 1]) + curvature * height**2 / (1.0 + np.sqrt(root)) + terms
+        end = 1.35 * max(height, float(self.semi_diameters()[number - 1]))
+        for side in (-1.0, 1.0):
+            ax.plot([place, place], [side * height, side * end], color="black", linewidth=1.6, zorder=4)
+        ax.annotate("stop", (place, end), xytext=(0, 2), textcoords="offset points", ha="center", va="bottom", fontsize="small")
+
+    def _field_names(self) -> list[str]:
+        """The fields with their unit, such as "14 deg"."""
+        unit = "deg" if self._compiled.frame()["field_kind"] == "angle" else self.unit
+        return [f"{y:.4g} {unit}" if x == 0.0 else f"({x:.4g}, {y:.4g}) {unit}" for x, y in self.fields]
 
     def _wavelength(self, wavelength_nm: float | None) -> float:
         return self.primary_nm if wavelength_nm is None else real(wavelength_nm, "wavelength_nm")
