@@ -1,5 +1,7 @@
 //! Sample points of a pupil, in units of its semi-diameter.
 
+use nalgebra::{DMatrix, DVector};
+
 /// The centre and rings of 6, 12, 18, ... points, the first of each on the x axis, the last ring on the rim.
 pub fn hexapolar(rings: usize) -> Vec<[f64; 2]> {
     let ring = |k: usize| {
@@ -69,6 +71,46 @@ impl PupilQuadrature {
         PupilQuadrature { points, weights }
     }
 
+    /// The points of [`hexapolar`] for drawings, each ring with a weight near the area of its annulus that makes sums
+    /// exact for r^0, r^2, ... up to the power `2 * (rings / 2)`, at most 8: of all such weights those with the least
+    /// square of the relative difference from the areas, weighted by area. They are positive.
+    ///
+    /// Radii of spots have a relative error of about 1e-4 with 10 rings; [`PupilQuadrature::gaussian`] is more accurate with
+    /// fewer rays.
+    pub fn hexapolar(rings: usize) -> PupilQuadrature {
+        let points = hexapolar(rings);
+        if rings == 0 {
+            return PupilQuadrature::equal(&points);
+        }
+        let square = |k: usize| (k as f64 / rings as f64) * (k as f64 / rings as f64);
+        // annuli half a step around each ring, with the square of the pupil's radius as 1
+        let edge = |k: usize| ((k as f64 + 0.5) / rings as f64).min(1.0);
+        let areas: Vec<f64> = (0..=rings)
+            .map(|k| edge(k) * edge(k) - if k == 0 { 0.0 } else { edge(k - 1) * edge(k - 1) })
+            .collect();
+        let degree = (rings / 2).min(4);
+        // in Legendre polynomials of 2 r^2 - 1, whose means are 0 except that of degree 0
+        let terms = |k: usize| {
+            let x = 2.0 * square(k) - 1.0;
+            let mut all = vec![1.0, x];
+            for n in 1..degree {
+                let m = n as f64;
+                all.push(((2.0 * m + 1.0) * x * all[n] - m * all[n - 1]) / (m + 1.0));
+            }
+            all.truncate(degree + 1);
+            all
+        };
+        let table = DMatrix::from_fn(rings + 1, degree + 1, |k, n| terms(k)[n]);
+        let scaled = DMatrix::from_fn(rings + 1, degree + 1, |k, n| areas[k] * table[(k, n)]);
+        let wanted = DVector::from_fn(degree + 1, |n, _| if n == 0 { 1.0 } else { 0.0 });
+        let missing = wanted - table.tr_mul(&DVector::from_column_slice(&areas));
+        // the moments of positive areas at more points than terms are regular
+        let change = table.tr_mul(&scaled).lu().solve(&missing).map(|factors| &scaled * factors);
+        let ring = |k: usize| areas[k] + change.as_ref().map_or(0.0, |change| change[k]);
+        let each = |k: usize| std::iter::repeat_n(ring(k) / (6 * k).max(1) as f64, (6 * k).max(1));
+        PupilQuadrature { points, weights: (0..=rings).flat_map(each).collect() }
+    }
+
     /// Points that count equally.
     pub fn equal(points: &[[f64; 2]]) -> PupilQuadrature {
         let weights = vec![1.0 / points.len() as f64; points.len()];
@@ -136,6 +178,24 @@ mod tests {
             }
         }
         assert_eq!(PupilQuadrature::gaussian(0), PupilQuadrature::equal(&[[0.0; 2]]));
+    }
+
+    #[test]
+    fn hexapolar_rings_have_positive_weights_and_exact_moments() {
+        for rings in 1..=20 {
+            let PupilQuadrature { points, weights } = PupilQuadrature::hexapolar(rings);
+            assert_eq!((points.len(), weights.len()), (1 + 3 * rings * (rings + 1), points.len()));
+            assert!(weights.iter().all(|&weight| weight > 0.0), "{rings} rings");
+            for k in 0..=(rings / 2).min(4) as i32 {
+                let sum: f64 = points
+                    .iter()
+                    .zip(&weights)
+                    .map(|([x, y], weight)| weight * (x * x + y * y).powi(k))
+                    .sum();
+                assert!((sum - 1.0 / f64::from(k + 1)).abs() < 1e-13, "{rings} rings, r^{}: {sum}", 2 * k);
+            }
+        }
+        assert_eq!(PupilQuadrature::hexapolar(0), PupilQuadrature::equal(&[[0.0; 2]]));
     }
 
     #[test]
