@@ -4,6 +4,7 @@ import csv
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -440,22 +441,22 @@ def test_pictures() -> None:
     legend = layout.get_legend()
     assert legend is not None and [text.get_text() for text in legend.get_texts()] == ["0 deg", "14 deg", "20 deg"]
     # closed outlines of three lenses, the image, and two sides of the stop
-    curves = [line for line in layout.lines if len(line.get_xydata()) > 3]
-    closed = [line for line in curves if np.array_equal(line.get_xydata()[0], line.get_xydata()[-1])]
+    paths: list[Any] = [np.asarray(line.get_xydata()) for line in layout.lines]
+    closed = [path for path in paths if len(path) > 3 and np.array_equal(path[0], path[-1])]
     assert len(closed) == 3
     assert [text.get_text() for text in layout.texts] == ["stop"]
-    stop = [line.get_xydata() for line in layout.lines if len(line.get_xydata()) == 2]
+    stop = [path for path in paths if len(path) == 2]
     assert sorted(abs(ends[0][1]) for ends in stop) == pytest.approx([lens.first_order().stop_semi_diameter] * 2)
     # the outline of the first lens: its vertices on the axis, and the sags of its spheres at any height
     front, back = lens.surfaces[:2]
-    z, y = closed[0].get_xydata().T
+    z, y = closed[0].T
     at = y[np.abs(y) < 8]
     sags = [surface.radius - math.copysign(1, surface.radius) * np.sqrt(surface.radius**2 - at**2) for surface in (front, back)]
     far = np.abs(z[np.abs(y) < 8] - [sags[0], sags[1] + front.thickness]).min(axis=0)
     # half a row of the picture, 1 / 800 of its height
     assert far.max() < 1e-9
     spots = lens.spots()
-    diagrams = spots.show()
+    diagrams: list[Any] = list(spots.show())
     assert [axis.get_title() for axis in diagrams] == [
         f"{angle} deg, RMS {1e3 * rms:#.3g} um" for angle, rms in zip((0, 14, 20), spots["rms"], strict=True)
     ]

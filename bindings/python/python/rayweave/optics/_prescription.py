@@ -801,7 +801,7 @@ class Prescription:
         # a frequency v is a difference of direction cosines of wavelength v / index
         unit_nm = float(self._compiled.frame()["unit_nm"])
         differences = frequencies * (wavelength_nm / unit_nm / float(middle["index"][0]))
-        shifts = np.linalg.solve(slopes, differences.T).T
+        shifts: NDArray[np.float64] = np.asarray(np.linalg.solve(slopes, differences.T).T, float)
         place = np.array([middle["x"][0], middle["y"][0]])
         turn = np.exp(-2.0j * np.pi * (frequencies @ place))
         return np.asarray(turn * TransferFunction.of(pupil, front["waves"], across).at(shifts))
