@@ -2,7 +2,9 @@
 
 import csv
 import math
+import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,12 +24,6 @@ def paraboloid(f: float = 100.0, *, aperture: float = 20.0, shift: float = 0.0) 
     """A mirror with a perfect focus on the axis, and the image shifted from it."""
     mirror = Surface(-2 * f, -f + shift, "mirror", conic=-1)
     return Prescription([mirror], entrance_pupil_diameter=aperture, wavelengths_nm=[550.0])
-
-
-def hexapolar_square(rings: int) -> float:
-    """The mean square of the radius over a hexapolar grid."""
-    weights = [1, *(6 * k for k in range(1, rings + 1))]
-    return float(np.average([(k / rings) ** 2 for k in range(rings + 1)], weights=weights))
 
 
 def test_published_first_order_data() -> None:
@@ -89,15 +85,17 @@ def test_seidel_sums_of_a_peer() -> None:
 def test_a_paraboloid_out_of_focus() -> None:
     f, aperture, shift = 100.0, 20.0, 0.5
     spots = paraboloid(f).spots()
-    assert spots["rms"][0] < 1e-12 and spots["rays"][0] == 127
+    assert spots["rms"][0] < 1e-12 and spots["rays"][0] == 96 and spots.images[0].rows == 127
     # a cone about the focus: the ray at the height h hits the plane at h s / (f - h^2 / 4 f)
     image = paraboloid(f, shift=shift).arrivals(rings=8)
     h = 0.5 * aperture * np.arange(9) / 8
     reach = h * shift / (f - h**2 / (4 * f))
-    weights = [1, *(6 * k for k in range(1, 9))]
+    # the mean of reach^2 over the disk, with u = h^2 / 4 f: the integral of u / (f - u)^2 by partial fractions
+    u = h[-1] ** 2 / (4 * f)
+    square = 4 * f * shift**2 / u * (u / (f - u) + math.log1p(-u / f))
     centroid = image.spot().centroid
     assert isinstance(centroid, tuple) and centroid == pytest.approx((0, 0), abs=1e-9)
-    assert image.spot().rms == pytest.approx(math.sqrt(np.average(reach**2, weights=weights)), rel=1e-9)
+    assert image.spot().rms == pytest.approx(math.sqrt(square), rel=1e-9)
     assert image.spot().geometric == pytest.approx(reach[-1], rel=1e-9)
     # light travels back: the image moves along the axis of the world
     assert image.best_focus() == pytest.approx(-shift, rel=1e-9)
@@ -110,9 +108,173 @@ def test_a_paraboloid_out_of_focus() -> None:
 def test_through_focus_is_a_hyperbola_about_the_best_focus() -> None:
     lens = paraboloid(100.0, aperture=4.0)
     found = lens.through_focus([-0.2, -0.1, 0.0, 0.1])
-    cone = 0.02 * math.sqrt(hexapolar_square(6))
+    # the RMS radius of a uniform disk
+    cone = 0.02 * math.sqrt(0.5)
     np.testing.assert_allclose(found["rms"], [0.2 * cone, 0.1 * cone, 0, 0.1 * cone], rtol=2e-4, atol=1e-12)
     assert found.units["shift"] == "mm"
+
+
+def cooke_triplet() -> Prescription:
+    """The triplet of the tutorial at three other lines."""
+    rows = [(22.01359, 3.25896, "N-SK16"), (-435.76044, 6.00755, "air"), (-22.21328, 0.99997, "F2")]
+    rows += [(20.29192, 4.75041, "air"), (79.6836, 2.95208, "N-SK16"), (-18.39533, 42.20778, "air")]
+    surfaces = [Surface(radius, thickness, behind) for radius, thickness, behind in rows]
+    lines = {"wavelengths_nm": [480, 550, 650], "primary": 1}
+    return Prescription(surfaces, stop=4, entrance_pupil_diameter=10, fields=[0, 14, 20], **lines)  # type: ignore[arg-type]
+
+
+def dense_square_radii(lens: Prescription, across: int) -> NDArray[np.float64]:
+    """The mean square radii of the spots over cells of a square grid, without any rule of quadrature."""
+    at = (np.arange(across) + 0.5) / across * 2 - 1
+    grid = np.stack(np.meshgrid(at, at), axis=-1).reshape(-1, 2)
+    grid = grid[np.hypot(*grid.T) < 1]
+    found = []
+    for field in range(len(lens.fields)):
+        rays = lens.arrivals(field, pupil=grid)
+        x, y = (rays[name] - np.average(rays[name], weights=rays["power"]) for name in "xy")
+        found.append(np.average(x**2 + y**2, weights=rays["power"]))
+    return np.array(found)
+
+
+def test_rms_radii_converge_with_few_rings() -> None:
+    lens = cooke_triplet()
+    # a grid of cells has an error of about 1 / across^1.5 (the circle problem): 3e-4 for 200
+    dense = np.sqrt(dense_square_radii(lens, 200))
+    for rings in (3, 4, 6, 12):
+        np.testing.assert_allclose(lens.spots(rings=rings)["rms"], dense, rtol=1e-3)
+    spots = lens.spots()
+    np.testing.assert_allclose(lens.spots(rings=4)["rms"], lens.spots(rings=16)["rms"], rtol=2e-6)
+    np.testing.assert_allclose(spots["rms"], lens.spots(rings=16)["rms"], rtol=1e-9)
+    assert [image.spot().rms for image in spots.images] == spots["rms"].tolist()
+    assert spots["rays"].tolist() == [288] * 3 and [image.rows for image in spots.images] == [381] * 3
+
+
+def test_the_means_of_a_pupil_are_exact_for_polynomials() -> None:
+    points, weights = optics.pupil_quadrature(4)
+    x, y = points.T
+    # means over the unit disk in polar coordinates
+    for values, mean in [(x**2, 1 / 4), (x**2 * y**2, 1 / 24), (x**10, 21 / 512), ((x**2 + y**2) ** 7, 1 / 8), (x**5 * y, 0)]:
+        assert weights @ values == pytest.approx(mean, rel=1e-12, abs=1e-15)
+    assert optics.pupil_quadrature(0)[0].tolist() == [[0, 0]]
+    with pytest.raises(RayweaveError, match="rings is 1025: it must be at most 1024"):
+        optics.pupil_quadrature(1025)
+
+
+def test_the_best_focus_of_a_spherical_mirror() -> None:
+    # a rho^3 + b rho has the smallest RMS at b = - 2 a / 3, two thirds of the way to the marginal focus, where its RMS is
+    # a / 6; higher orders are smaller by the square of the sine s of the incidence
+    radius, height = 200.0, 10.0
+    s = height / radius
+    mirror = Prescription([Surface(-radius, -radius / 2, "mirror")], entrance_pupil_diameter=2 * height)
+    marginal = 0.5 * radius * (1 / math.sqrt(1 - s * s) - 1)
+    for rings in (2, 4, 6):
+        assert mirror.arrivals(rings=rings).best_focus() == pytest.approx(2 / 3 * marginal, rel=2 * s * s)
+        found = mirror.through_focus([2 / 3 * marginal], rings=rings)["rms"][0]
+        assert found == pytest.approx(marginal * 2 * s / 6, rel=4 * s * s)
+
+
+def test_refocused_lenses_have_the_best_focus_of_all_fields() -> None:
+    lens = cooke_triplet()
+    found = lens.refocused()
+    # the parabola through the dense mean squares at three places of the image
+    planes = [float(np.mean(dense_square_radii(lens.with_surface(6, thickness=42.20778 + shift), 60))) for shift in (-0.1, 0, 0.1)]
+    a, b, _ = np.polyfit([-0.1, 0, 0.1], planes, 2)
+    # both have the error of the grid, relative to the half width of about 0.1 where the radius doubles
+    assert found.surfaces[-1].thickness - 42.20778 == pytest.approx(-b / (2 * a), abs=1e-3)
+    assert np.mean(found.spots()["rms"] ** 2) < np.mean(lens.spots()["rms"] ** 2)
+    moved = [np.mean(found.spots(shift=shift)["rms"] ** 2) for shift in (-1e-3, 0, 1e-3)]
+    assert moved[1] < min(moved[0], moved[2])
+    # light that travels back, one field with the same answer as its best focus, a curved image
+    mirror = paraboloid(shift=0.5)
+    assert mirror.refocused().surfaces[0].thickness == pytest.approx(-100.0, rel=1e-12)
+    curved = lens.replace(image_radius=-80.0).refocused()
+    assert abs(curved.refocused().surfaces[-1].thickness - curved.surfaces[-1].thickness) < 1e-6
+    tilted = mirror.replace(breaks=[optics.CoordinateBreak(2, tilt_degrees=(5, 0, 0))])
+    with pytest.raises(RayweaveError, match="the image is tilted by a coordinate break"):
+        tilted.refocused()
+    afocal = Prescription([Surface(np.inf, 5.0, 1.5), Surface(np.inf, 50.0)], entrance_pupil_diameter=4)
+    with pytest.raises(RayweaveError, match="parallel: it has no best focus"):
+        afocal.refocused()
+
+
+def test_unknown_attributes_have_suggestions() -> None:
+    lens = paraboloid()
+    for thing, name, meant in [
+        (lens, "refocus", r"refocused\(\)"),
+        (lens, "quick_focus", r"refocused\(\)"),
+        (lens, "efl", r"first_order\(\).focal_length"),
+        (lens, "psf", r"diffraction_mtf\(\)"),
+        (lens, "wavefrnt", "wavefront"),
+        (lens.first_order(), "efl", "focal_length"),
+        (lens.first_order(), "refocus", r"refocused\(\)"),
+        (lens.first_order(), "focal_lenght", "focal_length"),
+    ]:
+        with pytest.raises(AttributeError, match=f"has no attribute '{name}'. Did you mean {meant}"):
+            getattr(thing, name)
+    for name in ("mtf", "geometric_mtf", "diffraction_mtf"):
+        with pytest.raises(TypeError, match=rf"Prescription.{name}\(\) got an .*'max_frequency'.*Did you mean frequencies"):
+            getattr(lens, name)(max_frequency=100)
+
+
+def test_first_order_data_as_a_list() -> None:
+    first = cooke_triplet().first_order()
+    lines = str(first).splitlines()
+    assert lines[0] == "First-order data, lengths in mm" and len(lines) > 12
+    assert re.search(r"^focal length +50$", str(first), re.M) and re.search(r"^entrance pupil +at 11.5122 from", str(first), re.M)
+    assert first.total_track == pytest.approx(3.25896 + 6.00755 + 0.99997 + 4.75041 + 2.95208 + 42.20778)
+    assert first.working_f_number == pytest.approx(5.0, rel=1e-5)
+    assert first.image_height == pytest.approx(50 * math.tan(math.radians(20)), rel=1e-5)
+    # a thin lens at the magnification -1: twice the F-number, and an image as high as the object
+    thin = Prescription(
+        [Surface(100.0, 1e-9, 1.5), Surface(-100.0, 200.0)],
+        entrance_pupil_diameter=10,
+        object_distance=200,
+        fields=[0, 7],
+        field_kind="object height",
+    ).first_order()
+    assert thin.working_f_number == pytest.approx(20.0, rel=1e-6) and thin.image_height == pytest.approx(7.0, rel=1e-6)
+
+
+def test_diffraction_of_a_perfect_lens() -> None:
+    lens = paraboloid(aperture=10.0)
+    cutoff = 1 / (550e-6 * 10)
+    frequencies = np.linspace(0, 1.1 * cutoff, 23)
+    # the closed form of a circular aperture: Goodman, section 6.4
+    s = np.minimum(frequencies / cutoff, 1)
+    expected = 2 / np.pi * (np.arccos(s) - s * np.sqrt(1 - s**2))
+    for across in (32, 96):
+        found = lens.diffraction_mtf(frequencies, across=across)
+        for name in ("tangential", "sagittal"):
+            np.testing.assert_allclose(found[name], expected, atol=across**-1.5)
+    np.testing.assert_allclose(found["limit"], expected, atol=1e-9)
+    # 0.5 mm of defocus: W rho^2, and the integral along the frequency over the lens of two disks (Goodman, section
+    # 6.4.3), here by the midpoint rule over a fine grid
+    out = paraboloid(aperture=10.0, shift=0.5)
+    at = (np.arange(1000) + 0.5) / 500 - 1
+    x, y = np.meshgrid(at, at)
+    for frequency in (20.0, 60.0):
+        shift = 2 * frequency / cutoff
+        both = (np.hypot(x - shift / 2, y) < 1) & (np.hypot(x + shift / 2, y) < 1)
+        front = out.wavefront(pupil=[[1.0, 0.0]])["waves"][0]
+        waves = front * ((x + shift / 2) ** 2 + y**2 - (x - shift / 2) ** 2 - y**2)
+        value = abs(np.sum(np.exp(2j * np.pi * waves[both]))) / np.sum(np.hypot(x, y) < 1)
+        assert out.diffraction_mtf([frequency])["tangential"][0] == pytest.approx(value, abs=2e-3)
+
+
+def test_diffraction_far_from_its_limit_is_geometric() -> None:
+    # five waves and more: at low frequencies the transform of the spot, colour included
+    surfaces = [Surface(50.0, 5.0, "N-BK7"), Surface(-50.0, 46.0)]
+    lens = Prescription(surfaces, entrance_pupil_diameter=5, fields=[0, 4], wavelengths_nm=[480, 550, 650], primary=1, stop=2)
+    frequencies = np.array([0.0, 2.0, 4.0, 6.0])
+    waves, rays = lens.diffraction_mtf(frequencies), lens.geometric_mtf(frequencies, across=97)
+    # diffraction changes the modulation by about the frequency over its limit, 6 / 180
+    for name in ("tangential", "sagittal"):
+        np.testing.assert_allclose(waves[name], rays[name], atol=0.04)
+    assert rays["tangential"].min() < 0.6
+    with pytest.raises(RayweaveError, match=r"across is 8: the wavefront changes by .* waves between two points"):
+        lens.diffraction_mtf([1.0], across=8)
+    with pytest.raises(RayweaveError, match="across is 5000: it must be at most 2048"):
+        lens.diffraction_mtf([1.0], across=5000)
 
 
 def bessel_1(x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -212,7 +374,8 @@ def test_the_solids_form_an_ordinary_system() -> None:
     assert system.element_names == ["lens 1-2", "lens 3-4", "lens 5-6", "image"]
     trace = system.trace_rays(*lens.rays(2), lens.primary_nm)
     arrived = trace.spot("image")
-    assert arrived.rms_radius == pytest.approx(lens.spots(wavelength_nm=lens.primary_nm)["rms"][2], rel=1e-9)
+    image = lens.arrivals(2, wavelength_nm=lens.primary_nm, pupil=optics.pupil_grid("hexapolar", 6))
+    assert arrived.rms_radius == pytest.approx(image.spot().rms, rel=1e-9)
     mirror = design("cassegrain").system()
     assert {"mirror 1", "mirror 2"} <= set(mirror.element_names)
 
@@ -275,7 +438,33 @@ def test_pictures() -> None:
     lens = design("cooke-triplet")
     layout = lens.show(rays=3)
     assert layout.get_xlabel() == "z, mm" and layout.get_title() == lens.name
-    diagrams = lens.spots().show()
+    legend = layout.get_legend()
+    assert legend is not None and [text.get_text() for text in legend.get_texts()] == ["0 deg", "14 deg", "20 deg"]
+    # closed outlines of three lenses, the image, and two sides of the stop
+    paths: list[Any] = [np.asarray(line.get_xydata()) for line in layout.lines]
+    closed = [path for path in paths if len(path) > 3 and np.array_equal(path[0], path[-1])]
+    assert len(closed) == 3
+    assert [text.get_text() for text in layout.texts] == ["stop"]
+    stop = [path for path in paths if len(path) == 2]
+    assert sorted(abs(ends[0][1]) for ends in stop) == pytest.approx([lens.first_order().stop_semi_diameter] * 2)
+    # the outline of the first lens: its vertices on the axis, and the sags of its spheres at any height
+    front, back = lens.surfaces[:2]
+    z, y = closed[0].T
+    at = y[np.abs(y) < 8]
+    sags = [surface.radius - math.copysign(1, surface.radius) * np.sqrt(surface.radius**2 - at**2) for surface in (front, back)]
+    far = np.abs(z[np.abs(y) < 8] - [sags[0], sags[1] + front.thickness]).min(axis=0)
+    # half a row of the picture, 1 / 800 of its height
+    assert far.max() < 1e-9
+    spots = lens.spots()
+    diagrams: list[Any] = list(spots.show())
+    assert [axis.get_title() for axis in diagrams] == [
+        f"{angle} deg, RMS {1e3 * rms:#.3g} um" for angle, rms in zip((0, 14, 20), spots["rms"], strict=True)
+    ]
+    names = [text.get_text() for text in diagrams[-1].get_legend().get_texts()]
+    assert names == ["480 nm", "550 nm", "650 nm", "Airy disk"]
+    # the first zero of J1 over pi, times wavelength and F-number
+    assert diagrams[0].patches[0].get_radius() == pytest.approx(3.8317059702 / np.pi * 0.55 * 5.0, rel=1e-5)
+    assert diagrams[0].get_xlabel() == "x, um"
     assert [np.shape(axis.collections[0].get_offsets())[0] for axis in diagrams] == [381, 381, 381]
     fans = lens.fans(count=5).show()
     assert fans.shape == (3, 2) and len(fans[0][0].lines) == 4
@@ -291,6 +480,11 @@ def test_pictures() -> None:
     ]
     assert [len(axis.lines) for axis, _ in curves] == [count for _, count in curves]
     assert curves[0][0].get_ylabel() == "geometric MTF (without diffraction)"
+    assert curves[0][0].get_xlabel() == "frequency, cycles/mm"
+    assert lens.diffraction_mtf([0, 10], wavelength_nm=550, across=64).show().get_ylabel() == "diffraction MTF"
+    assert curves[3][0].lines[0].get_xydata()[0].tolist() == [0, 0]
+    assert curves[6][0].get_xlabel() == "lateral colour, um"
+    assert lens.mtf()["frequency"].max() in (50, 60) and lens.diffraction_mtf(wavelength_nm=550, across=64)["frequency"].max() == 400
     assert np.shape(lens.wavefront(across=5).show().collections[0].get_offsets()) == (13, 2)
     assert len(lens.wavefront(across=9).zernike(11).show().patches) == 8
     assert len(lens.seidel().show().patches) == 7 * 7
@@ -354,12 +548,21 @@ def test_the_optimiser_finds_the_lens_of_best_form() -> None:
 
 def test_refusals_of_goals() -> None:
     lens = paraboloid()
-    with pytest.raises(RayweaveError, match="'spot' do not fit: it takes field and wavelength_nm"):
+    with pytest.raises(RayweaveError, match="the goal 'spot' lacks field and wavelength_nm: it takes field and wavelength_nm"):
         optics.goal("spot")
+    with pytest.raises(RayweaveError, match="the goal 'spot' lacks wavelength_nm:"):
+        optics.goal("spot", field=0)
+    with pytest.raises(RayweaveError, match="the goal 'edge' has field: it takes surface and height"):
+        optics.goal("edge", surface=1, height=2.0, field=0)
+    for wrong, meant in [("efl", "focal length"), ("thicknes 6", "thickness"), ("spots", "spot"), ("thickness", "thickness")]:
+        with pytest.raises(RayweaveError, match=f"no operand '{wrong}': .*Did you mean '{meant}'"):
+            optics.goal(wrong)
+    for name in ("radius 2", "r^16 1", "r^4 2", "conic 1", "index 1", "curvature 12"):
+        assert optics.goal(name).operand == name
     with pytest.raises(RayweaveError, match="2 values"):
         optics.goal("focal length", 3.0, at_most=4.0)
-    with pytest.raises(RayweaveError, match='operand is "sharpness"'):
-        optics.optimise(lens, ["radius 1"], [optics.goal("sharpness")])
+    with pytest.raises(RayweaveError, match="there is no operand 'sharpness'"):
+        optics.goal("sharpness")
     with pytest.raises(RayweaveError, match="no parameter to vary"):
         optics.optimise(lens, [], [optics.goal("focal length", 1.0)])
 

@@ -82,6 +82,11 @@ fn model_help() -> String {
     format!("Model file: {formats}; - is standard input, in the format of --format")
 }
 
+/// The help of the model of a command that also reads lens files.
+pub fn lens_or_model_help() -> String {
+    format!("{}; or a Zemax lens file, .zmx", model_help())
+}
+
 /// The name of standard input as a model file.
 const STANDARD_INPUT: &str = "-";
 

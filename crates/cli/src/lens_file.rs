@@ -4,7 +4,7 @@
 use crate::arguments::ModelArguments;
 use crate::failure::Failure;
 use crate::terminal::{self, short};
-use rayweave::lens::analysis::{hexapolar, needs_aiming};
+use rayweave::lens::analysis::{PupilQuadrature, hexapolar, needs_aiming};
 use rayweave::lens::prescription::{FieldKind, IMAGE, Prescription, PrescriptionError, read_zmx};
 use rayweave::optics::file::OpticalScene;
 use rayweave::optics::source::{ListedRays, Pattern, Power, Source, Sources};
@@ -79,18 +79,19 @@ fn field_text(kind: FieldKind, place: [f64; 2], unit: &str) -> String {
     }
 }
 
-/// The light of a field, with a total power of 1, divided among the wavelengths by weight.
+/// The light of a field, with a total power of 1, divided among the wavelengths by weight and among the rays by the area
+/// of the pupil that they stand for, so that RMS radii do not depend on the number of rings.
 fn source(lens: &Prescription, field: usize, name: &str) -> Result<Source, Box<dyn std::error::Error>> {
     let (mut origins, mut directions) = (Vec::new(), Vec::new());
     let (mut wavelengths, mut powers) = (Vec::new(), Vec::new());
     for line in &lens.lines {
-        let beam = beam(lens, field, line.wavelength_nm, name)?;
-        for k in 0..beam.len() {
+        let (beam, weights) = beam(lens, field, line.wavelength_nm, name)?;
+        for (k, weight) in weights.into_iter().enumerate() {
             let ray = beam.get(k).ray;
             origins.push(ray.origin);
             directions.push(ray.direction);
             wavelengths.push(line.wavelength_nm);
-            powers.push(line.weight);
+            powers.push(line.weight * weight);
         }
     }
     let rays = ListedRays::new(origins, directions, Some(wavelengths), Some(powers))?;
@@ -98,22 +99,25 @@ fn source(lens: &Prescription, field: usize, name: &str) -> Result<Source, Box<d
     Ok(Source::new(Pattern::Rays(rays))?.power(Power::PerRay(1.0 / total))?)
 }
 
-/// Rays through the entrance pupil, aimed at the stop where the real pupil is far from the paraxial one.
+/// Rays through the entrance pupil, aimed at the stop where the real pupil is far from the paraxial one, with their
+/// weights.
 fn beam(
     lens: &Prescription,
     field: usize,
     wavelength_nm: f64,
     name: &str,
-) -> Result<Beam, PrescriptionError> {
-    let pupil = hexapolar(RINGS);
+) -> Result<(Beam, Vec<f64>), PrescriptionError> {
+    let PupilQuadrature { points, weights } = PupilQuadrature::hexapolar(RINGS);
     if !needs_aiming(lens, field, wavelength_nm)? {
-        return lens.beam(field, wavelength_nm, &pupil);
+        return Ok((lens.beam(field, wavelength_nm, &points)?, weights));
     }
-    let aimed = pupil.iter().filter_map(|&point| lens.beam_at_stop(field, wavelength_nm, &[point]).ok());
-    let beam: Beam = aimed.map(|beam| beam.get(0)).collect();
-    let lost = pupil.len() - beam.len();
+    let aimed = points.iter().zip(&weights).filter_map(|(&point, &weight)| {
+        lens.beam_at_stop(field, wavelength_nm, &[point]).ok().map(|beam| (beam.get(0), weight))
+    });
+    let (rays, kept): (Vec<_>, Vec<f64>) = aimed.unzip();
+    let lost = points.len() - rays.len();
     let lost = if lost > 0 { format!("; {lost} rays do not reach it") } else { String::new() };
     let text = "rays are aimed at the stop, since the real entrance pupil is far from the paraxial one";
     terminal::caution(&format!("{name}: field {field}, {wavelength_nm} nm: {text}{lost}"));
-    Ok(beam)
+    Ok((rays.into_iter().collect(), kept))
 }

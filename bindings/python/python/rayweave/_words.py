@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from functools import wraps
 from typing import ParamSpec, TypeVar
@@ -37,3 +37,12 @@ def unexpected(function: str, names: list[str], name: str, meant: str | None = N
     suggestion = meant or (near[0] if near else None)
     hint = f" Did you mean {suggestion}?" if suggestion else ""
     return f"{function}() got an unexpected keyword argument '{name}': its arguments are {', '.join(names)}.{hint}"
+
+
+def no_attribute(kind: str, name: str, names: list[str], meant: Mapping[str, str]) -> str:
+    """The message about an unknown attribute of an object of a class with the given ones; `meant` has words of other programs
+    with what to write."""
+    near = get_close_matches(name, names, 1)
+    suggestion = meant.get(name) or (near[0] if near else None)
+    hint = f" Did you mean {suggestion}?" if suggestion else ""
+    return f"{kind} has no attribute {name!r}.{hint}"

@@ -1,6 +1,6 @@
 //! `rayweave optics`: light through the solids of a model.
 
-use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash, lens_or_model_help};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -21,8 +21,9 @@ use std::path::{Path, PathBuf};
 /// Trace light through a model and report where its power ends
 ///
 /// The model may be a sequential Zemax lens file (.zmx). Its lenses and mirrors become solids, its stop and image become sheets,
-/// and each field emits 331 rays of each wavelength through the entrance pupil, with a total power of 1. Ghost reflections are
-/// followed down to a millionth of a ray.
+/// and each field emits 331 rays of each wavelength on 10 hexapolar rings through the entrance pupil, with a total power of 1,
+/// divided by the area of the pupil: RMS radii agree with those over the whole pupil to about 1e-4. Ghost reflections are
+/// followed down to a millionth of a ray. The image does not absorb: light that passes through it escapes.
 ///
 /// In other models the [optics] tables describe the sources, the media, the effect of faces and sheets on light, and the tracing.
 /// The summary lists the power absorbed by each element and, for each sheet, the number of rays, their centroid in the sheet's
@@ -32,6 +33,7 @@ use std::path::{Path, PathBuf};
 /// wavelength_nm, intensity, index, x0, y0, z0, x1, y1, z1, x_tilt, y_tilt, z_tilt, path, element, surface, event. It is streamed:
 /// the memory required does not grow with the number of rays. The file appears when it is complete.
 #[derive(Args)]
+#[command(mut_arg("model", |model| model.help(lens_or_model_help())))]
 #[command(after_help = "\
 Examples:
   rayweave optics doublet.toml
@@ -372,6 +374,11 @@ impl Report<'_> {
         rows.extend(elements.map(|(name, power)| (format!("absorbed by {name}"), *power)));
         rows.push(("absorbed in media".to_owned(), balance.absorbed_in_media));
         rows.push(("escaped".to_owned(), balance.escaped));
+        if let Some(image) = self.image {
+            // the image of a lens file transmits the light, which would be missing from the list otherwise
+            let through = self.detectors.list()[image].spots.power();
+            rows.push(("  of it passed through the image".to_owned(), through));
+        }
         rows.push(("dropped".to_owned(), balance.dropped));
         // rounds to 1e-12 of the emitted power: smaller differences are rounding errors
         let rounded = |power: f64| short((power / balance.emitted * 1e12).round() * 1e-12 * balance.emitted);
@@ -407,6 +414,10 @@ impl Report<'_> {
             let rows: Vec<Vec<String>> =
                 spots.map(|(k, (field, spots))| row(format!("{k} {field}"), spots, true)).collect();
             let head = ["field on the image", "hits", &place, &radius];
+            if !self.is_one_spot() {
+                text +=
+                    "- no common radius: light of several fields arrives; the table below has one for each\n";
+            }
             text += &format!("\n{}", terminal::table(&head, &rows, &right));
         }
         text

@@ -331,6 +331,15 @@ fn a_lens_file() {
     let fields: Vec<&str> = said.lines().skip_while(|line| !line.starts_with("field on the image")).collect();
     assert!(fields.iter().any(|line| line.starts_with("0 (0, 0)\u{b0}")), "{said}");
     assert!(fields.iter().any(|line| line.starts_with("1 (0, 1)\u{b0}")), "{said}");
+    assert!(said.contains("- no common radius: light of several fields arrives"), "{said}");
+    // all light that escapes has passed through the image
+    let powers: Vec<&str> = ["escaped", "of it passed through the image"]
+        .iter()
+        .map(|what| said.lines().find_map(|line| line.trim().strip_prefix(what)).unwrap().trim())
+        .collect();
+    assert_eq!(powers[0], powers[1], "{said}");
+    let help = bench.says(&["optics", "--help"]);
+    assert!(help.contains("Zemax lens file"), "{help}");
     let drawing = bench.read("spot.svg");
     assert!(
         drawing.contains(">field 0 (0, 0)\u{b0}<") && drawing.contains(">field 1 (0, 1)\u{b0}<"),
@@ -342,6 +351,18 @@ fn a_lens_file() {
     // each spot is much smaller than the distance between the fields, 1.7 mm
     let radii: Vec<f64> = (0..2).map(|k| image["fields"][k]["rms_radius"].as_f64().unwrap()).collect();
     assert!(radii.iter().all(|radius| *radius < 0.02), "{radii:?}");
+    // spherical aberration and defocus: the mean over the pupil of (a rho^3 + b rho)^2 by the points of the spot itself would
+    // count the rim twice; powers count its area, so that the radius of a cone of rays is that of the rim over sqrt(2)
+    bench.write("out.zmx", file.replace("94.775", "60").replace("YFLN 0 1", "YFLN 0"));
+    let cone = bench.json(&["optics", "out.zmx", "--json"]);
+    let image = cone["sheets"].as_array().unwrap().iter().find(|sheet| sheet["sheet"] == "image").unwrap();
+    let radius = image["rms_radius"].as_f64().unwrap();
+    // the slope of the marginal ray is 1 / 96.75, and the cone converges from 94.775 to 60 of its height of 1; the
+    // correction of the sine is far below the difference of an equal weight of all points, 10 %
+    assert!(
+        (radius - (1.0 - 60.0 / 94.775) * (94.775 / 96.75) / 2f64.sqrt()).abs() < 2e-3 * radius,
+        "{cone}"
+    );
     // the number of ghosts is bounded
     let ghosts = bench.says(&["optics", "lens.ZMX", "--branches", "both", "--paths", "-"]);
     assert!(ghosts.contains("lens 1-2 lens 1-2* lens 1-2* lens 1-2 image"), "{ghosts}");

@@ -7,6 +7,7 @@
 //! | what | where |
 //! | --- | --- |
 //! | spot: centroid, RMS and geometric radius, through focus, best focus | [`Spot`], [`through_focus`], [`best_focus`] |
+//! | points and weights of the pupil for RMS values | [`PupilQuadrature`] |
 //! | encircled energy | [`encircled_energy`], [`encircled_energy_radius`] |
 //! | geometric modulation transfer function (MTF) | [`geometric_mtf`] |
 //! | wavefront error: optical path difference (OPD) from a reference sphere | [`Wavefront`] |
@@ -51,7 +52,7 @@ pub use error::LensAnalysisError;
 pub use field::{Distortion, FieldFoci};
 pub(crate) use focus::focal_moments;
 pub use focus::{best_focus, defocused, through_focus};
-pub use pupil::{fan_x, fan_y, hexapolar, square};
+pub use pupil::{PupilQuadrature, fan_x, fan_y, hexapolar, square};
 pub use spot::Spot;
 pub use study::{Fan, Study, needs_aiming};
 pub use wavefront::Wavefront;

@@ -2,7 +2,7 @@
 
 use super::variant::Variant;
 use super::{DesignError, DesignParameter};
-use crate::analysis::{Arrival, Spot, defocused, focal_moments};
+use crate::analysis::{Arrival, PupilQuadrature, Spot, defocused, focal_moments};
 use crate::prescription::Prescription;
 
 /// A figure of merit of a prescription. Lengths are in its unit.
@@ -26,7 +26,7 @@ pub(super) struct MeritEvaluator {
     merit: Merit,
     refocus: bool,
     vignettes: bool,
-    pupil: Vec<[f64; 2]>,
+    pupil: PupilQuadrature,
     centroid: [f64; 2],
 }
 
@@ -44,7 +44,7 @@ impl MeritEvaluator {
         lens: &Prescription,
         merit: Merit,
         [refocus, vignettes]: [bool; 2],
-        pupil: Vec<[f64; 2]>,
+        pupil: PupilQuadrature,
     ) -> Result<MeritEvaluator, DesignError> {
         let mut evaluator = MeritEvaluator { merit, refocus, vignettes, pupil, centroid: [0.0; 2] };
         if merit == Merit::ImageShift {
@@ -96,7 +96,7 @@ impl MeritEvaluator {
     pub fn sent(&self, lens: &Prescription) -> usize {
         match self.merit {
             Merit::FocalLength | Merit::BackFocalDistance => 0,
-            _ => lens.fields.len() * lens.lines.len() * self.pupil.len(),
+            _ => lens.fields.len() * lens.lines.len() * self.pupil.points.len(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::variant::Variant;
 use super::{DesignError, DesignParameter};
-use crate::analysis::Spot;
+use crate::analysis::{Arrival, PupilQuadrature, Spot};
 use crate::paraxial::Seidel;
 use rayweave_optics::component::{Asphere, SurfaceForm};
 
@@ -46,16 +46,17 @@ pub enum Operand {
     Magnification,
     /// A Seidel sum over all surfaces.
     Seidel(SeidelTerm),
-    /// The transverse aberrations of the rays of a field from their centroid, along x and y: the root of the
-    /// sum of their squares is the RMS radius of the spot.
+    /// The transverse aberrations of the rays of a field from their centroid, along x and y, times the roots of
+    /// the weights of their points of the pupil ([`PupilQuadrature::gaussian`]): the root of the sum of their
+    /// squares is the RMS radius of the spot.
     Spot {
         /// The field, counted from 0.
         field: usize,
         /// The wavelength in nanometres.
         wavelength_nm: f64,
     },
-    /// The optical path differences of the rays of a field from their mean, in waves: the root of the sum of
-    /// their squares is the RMS of the wavefront.
+    /// The optical path differences of the rays of a field from their mean, in waves, times the roots of the
+    /// weights: the root of the sum of their squares is the RMS of the wavefront.
     Wavefront {
         /// The field, counted from 0.
         field: usize,
@@ -141,7 +142,7 @@ impl Goal {
     pub(super) fn values(
         &self,
         variant: &Variant,
-        pupil: &[[f64; 2]],
+        pupil: &PupilQuadrature,
     ) -> Result<Option<Vec<f64>>, DesignError> {
         let values = match self.operand {
             Operand::Spot { field, wavelength_nm } => spot(variant, field, wavelength_nm, pupil)?,
@@ -167,29 +168,27 @@ fn spot(
     variant: &Variant,
     field: usize,
     wavelength_nm: f64,
-    pupil: &[[f64; 2]],
+    pupil: &PupilQuadrature,
 ) -> Result<Option<Vec<f64>>, DesignError> {
     let rays = variant.arrivals(field, wavelength_nm, pupil)?;
-    let Some(spot) = Spot::of(&rays).filter(|spot| spot.rays == pupil.len()) else { return Ok(None) };
+    let Some(spot) = Spot::of(&rays).filter(|spot| spot.rays == pupil.points.len()) else { return Ok(None) };
     let [x, y] = spot.centroid;
-    let scale = (rays.len() as f64).sqrt().recip();
-    Ok(Some(
-        rays.iter().flat_map(|ray| [scale * (ray.position.x - x), scale * (ray.position.y - y)]).collect(),
-    ))
+    let off = |ray: &Arrival| {
+        let scale = (ray.power / spot.power).sqrt();
+        [scale * (ray.position.x - x), scale * (ray.position.y - y)]
+    };
+    Ok(Some(rays.iter().flat_map(off).collect()))
 }
 
 fn wavefront(
     variant: &Variant,
     field: usize,
     wavelength_nm: f64,
-    pupil: &[[f64; 2]],
+    pupil: &PupilQuadrature,
 ) -> Result<Option<Vec<f64>>, DesignError> {
     let found = variant.wavefront(field, wavelength_nm, pupil, 0.0)?;
-    let whole = found.filter(|wavefront| wavefront.waves.len() == pupil.len());
-    Ok(whole.map(|wavefront| {
-        let (mean, scale) = (wavefront.mean(), (pupil.len() as f64).sqrt().recip());
-        wavefront.waves.iter().map(|waves| scale * (waves - mean)).collect()
-    }))
+    let whole = found.filter(|wavefront| wavefront.waves.len() == pupil.points.len());
+    Ok(whole.map(|wavefront| wavefront.deviations().map(|(off, weight)| weight.sqrt() * off).collect()))
 }
 
 fn number(operand: Operand, variant: &Variant) -> Result<f64, DesignError> {

@@ -1,7 +1,8 @@
 //! Optimisation by damped least squares (Levenberg-Marquardt).
 
-use super::variant::{Variant, pupil};
+use super::variant::{RINGS, Variant, pupil};
 use super::{DesignError, DesignParameter, Goal, Quantity};
+use crate::analysis::PupilQuadrature;
 use crate::prescription::Prescription;
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
@@ -49,9 +50,10 @@ pub struct Optimum {
 }
 
 impl<'a> Optimiser<'a> {
-    /// An optimiser that starts from a prescription, with 4 rings of rays in the pupil.
+    /// An optimiser that starts from a prescription, with 6 rings of rays in the pupil
+    /// ([`PupilQuadrature::gaussian`]).
     pub fn new(lens: &'a Prescription) -> Optimiser<'a> {
-        Optimiser { lens, parameters: Vec::new(), goals: Vec::new(), rings: 4, evaluation_limit: 100 }
+        Optimiser { lens, parameters: Vec::new(), goals: Vec::new(), rings: RINGS, evaluation_limit: 100 }
     }
 
     /// Adds a parameter to vary. Decentres and tilts cannot be varied.
@@ -152,7 +154,7 @@ fn has_converged(reason: &TerminationReason) -> bool {
 #[derive(Clone, Debug)]
 struct Task<'a> {
     optimiser: &'a Optimiser<'a>,
-    pupil: Vec<[f64; 2]>,
+    pupil: PupilQuadrature,
     scales: Vec<f64>,
     at: DVector<f64>,
     /// The residual used where no light arrives.
@@ -181,7 +183,7 @@ impl Task<'_> {
 
     /// The goal of each value.
     fn goals(&self) -> impl Iterator<Item = &Goal> {
-        let count = |goal: &Goal| goal.count(self.pupil.len());
+        let count = |goal: &Goal| goal.count(self.pupil.points.len());
         self.optimiser.goals.iter().flat_map(move |goal| std::iter::repeat_n(goal, count(goal)))
     }
 
@@ -206,7 +208,7 @@ impl Task<'_> {
 
     fn count(&self) -> usize {
         let goals = self.optimiser.goals.iter();
-        goals.map(|goal| goal.count(self.pupil.len())).sum::<usize>().max(self.scales.len())
+        goals.map(|goal| goal.count(self.pupil.points.len())).sum::<usize>().max(self.scales.len())
     }
 }
 

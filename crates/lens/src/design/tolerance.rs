@@ -2,7 +2,7 @@
 //! sensitivities.
 
 use super::merit::{MeritEvaluator, MeritValue};
-use super::variant::pupil;
+use super::variant::{RINGS, pupil};
 use super::{DesignError, DesignParameter, Merit};
 use crate::prescription::Prescription;
 use rand::rngs::ChaCha8Rng;
@@ -65,7 +65,8 @@ pub struct Tolerancing<'a> {
 }
 
 impl<'a> Tolerancing<'a> {
-    /// Tolerancing of a prescription, without errors yet, with 6 rings of rays in the pupil.
+    /// Tolerancing of a prescription, without errors yet, with 6 rings of rays in the pupil
+    /// ([`PupilQuadrature::gaussian`](crate::analysis::PupilQuadrature::gaussian)).
     pub fn new(lens: &'a Prescription, merit: Merit) -> Tolerancing<'a> {
         Tolerancing {
             lens,
@@ -73,7 +74,7 @@ impl<'a> Tolerancing<'a> {
             errors: Vec::new(),
             refocus: false,
             vignettes: false,
-            rings: 6,
+            rings: RINGS,
             seed: 0,
             threads: None,
             cancel: Cancel::new(),

@@ -1,18 +1,21 @@
 //! Prescriptions with changed parameters, and their images.
 
 use super::{DesignError, DesignParameter, Quantity};
-use crate::analysis::{Arrival, Wavefront, defocused, hexapolar, reference_radius, sequential_arrival};
+use crate::analysis::{Arrival, PupilQuadrature, Wavefront, defocused, reference_radius, sequential_arrival};
 use crate::paraxial::FirstOrder;
 use crate::prescription::{Pose, Prescription, PrescriptionError, Resolved, Surface, SurfaceIntersection};
 use rayweave_math::{Affine, Vec3};
 
-/// The limit of rings of rays in the pupil: 3 million rays for each field and wavelength.
+/// The limit of rings of rays in the pupil: 2 million rays for each field and wavelength.
 const MAX_RINGS: usize = 1 << 10;
 
-/// The points of the pupil.
-pub(super) fn pupil(rings: usize) -> Result<Vec<[f64; 2]>, DesignError> {
+/// The default number of rings of rays in the pupil.
+pub(super) const RINGS: usize = 6;
+
+/// The points of the pupil with their weights.
+pub(super) fn pupil(rings: usize) -> Result<PupilQuadrature, DesignError> {
     match rings {
-        0..=MAX_RINGS => Ok(hexapolar(rings)),
+        0..=MAX_RINGS => Ok(PupilQuadrature::gaussian(rings)),
         _ => {
             let what = "the number of rings".to_owned();
             Err(DesignError::BadNumber { what, value: rings as f64, range: "at most 1024" })
@@ -48,22 +51,25 @@ impl Variant {
         Ok(self.lens.first_order_resolved(&self.resolved, wavelength_nm)?)
     }
 
-    /// The rays of a field that arrive at the image; the id of a ray is the index of its pupil point.
+    /// The rays of a field that arrive at the image; the id of a ray is the index of its pupil point, its power
+    /// the weight of that point.
     pub fn arrivals(
         &self,
         field: usize,
         wavelength_nm: f64,
-        pupil: &[[f64; 2]],
+        pupil: &PupilQuadrature,
     ) -> Result<Vec<Arrival>, DesignError> {
         let launch = self.lens.launch(&self.resolved, field)?;
-        let mut found = Vec::with_capacity(pupil.len());
-        for (id, &point) in pupil.iter().enumerate() {
+        let mut found = Vec::with_capacity(pupil.points.len());
+        for (id, (&point, &power)) in pupil.points.iter().zip(&pupil.weights).enumerate() {
             match self.lens.follow_resolved(&self.resolved, &launch.ray(point), wavelength_nm) {
                 Ok(passes) if self.vignettes && !self.passes(&passes) => {}
                 Ok(passes) => {
-                    let last = passes.last();
-                    found
-                        .extend(last.map(|last| sequential_arrival(&self.resolved, id, last, wavelength_nm)));
+                    let arrival = |last| Arrival {
+                        power,
+                        ..sequential_arrival(&self.resolved, id, last, wavelength_nm)
+                    };
+                    found.extend(passes.last().map(arrival));
                 }
                 Err(PrescriptionError::Lost { .. }) => {}
                 Err(error) => return Err(error.into()),
@@ -83,12 +89,12 @@ impl Variant {
         passes.iter().zip(&self.lens.surfaces).enumerate().all(keeps)
     }
 
-    /// The rays of a field at all wavelengths, with their weights.
-    pub fn polychromatic(&self, field: usize, pupil: &[[f64; 2]]) -> Result<Vec<Arrival>, DesignError> {
+    /// The rays of a field at all wavelengths; powers are the weights of points times those of wavelengths.
+    pub fn polychromatic(&self, field: usize, pupil: &PupilQuadrature) -> Result<Vec<Arrival>, DesignError> {
         let mut all = Vec::new();
         for line in &self.lens.lines {
             let found = self.arrivals(field, line.wavelength_nm, pupil)?;
-            all.extend(found.into_iter().map(|ray| Arrival { power: line.weight, ..ray }));
+            all.extend(found.into_iter().map(|ray| Arrival { power: line.weight * ray.power, ..ray }));
         }
         Ok(all)
     }
@@ -99,16 +105,44 @@ impl Variant {
         &self,
         field: usize,
         wavelength_nm: f64,
-        pupil: &[[f64; 2]],
+        pupil: &PupilQuadrature,
         shift: f64,
-    ) -> Result<Option<Wavefront>, DesignError> {
-        let principal = defocused(&self.arrivals(field, wavelength_nm, &[[0.0; 2]])?, shift);
+    ) -> Result<Option<WeightedWaves>, DesignError> {
+        let centre = PupilQuadrature::equal(&[[0.0; 2]]);
+        let principal = defocused(&self.arrivals(field, wavelength_nm, &centre)?, shift);
         let Some(principal) = principal.first() else { return Ok(None) };
         let found = defocused(&self.arrivals(field, wavelength_nm, pupil)?, shift);
         let image = self.lens.surfaces.iter().map(|surface| surface.thickness).sum::<f64>();
         let exit = self.first_order(wavelength_nm)?.exit_pupil.position - image;
         let radius = reference_radius(principal, exit);
-        Ok(Some(Wavefront::new(principal, &found, pupil, radius, self.lens.unit_nm)))
+        let waves = Wavefront::new(principal, &found, &pupil.points, radius, self.lens.unit_nm).waves;
+        Ok(Some(WeightedWaves { waves, weights: found.iter().map(|arrival| arrival.power).collect() }))
+    }
+}
+
+/// Optical path differences in waves, with the weights of the points of the pupil.
+#[derive(Clone, Debug)]
+pub(super) struct WeightedWaves {
+    pub waves: Vec<f64>,
+    pub weights: Vec<f64>,
+}
+
+impl WeightedWaves {
+    /// The differences from their mean with their weights, whose sum is 1.
+    pub fn deviations(&self) -> impl Iterator<Item = (f64, f64)> {
+        let total: f64 = self.weights.iter().sum();
+        let all =
+            || self.waves.iter().zip(&self.weights).map(move |(waves, weight)| (*waves, weight / total));
+        let mean: f64 = all().map(|(waves, weight)| weight * waves).sum();
+        all().map(move |(waves, weight)| (waves - mean, weight))
+    }
+
+    /// The RMS over the pupil; NaN if there are no points.
+    pub fn rms(&self) -> f64 {
+        match self.waves.is_empty() {
+            true => f64::NAN,
+            false => self.deviations().map(|(off, weight)| weight * off * off).sum::<f64>().sqrt(),
+        }
     }
 }
 

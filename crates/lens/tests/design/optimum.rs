@@ -64,6 +64,30 @@ fn a_conic_without_spherical_aberration_is_descartes_s() {
     near(found.lens.surfaces[1].thickness, 60.0 / (n - 1.0), 1e-7);
 }
 
+/// Transverse aberrations a rho^3 + b rho have the smallest RMS at b = -a mean(rho^4) / mean(rho^2) = -2 a / 3 over a
+/// disk: the best focus lies at two thirds of the longitudinal aberration of the marginal ray. A spherical mirror
+/// sends that ray, at the sine s = h / R of its angle of incidence, to R (1 / sqrt(1 - s^2) - 1) / 2 from the
+/// paraxial focus; higher orders change the ratio by about s^2.
+#[test]
+fn the_best_focus_of_a_spherical_mirror() {
+    let start =
+        Prescription::new(vec![Surface::new(-200.0, -100.0, Behind::Mirror)]).entrance_pupil_diameter(20.0);
+    let s = 10.0_f64 / 200.0;
+    let marginal = 100.0 * ((1.0 - s * s).sqrt().recip() - 1.0);
+    for rings in [2, 4, 6] {
+        let found = Optimiser::new(&start)
+            .vary(parameter("thickness 1"))
+            .goal(Goal::equal(Operand::Spot { field: 0, wavelength_nm: 587.5618 }, 0.0))
+            .rings(rings)
+            .run()
+            .unwrap();
+        let shift = found.lens.surfaces[0].thickness + 100.0;
+        near(shift / marginal, 2.0 / 3.0, s * s);
+        // the RMS radius there is a third of that of the marginal ray's circle of least confusion times sqrt(1/2)
+        near(found.after, marginal * 0.1 / 6.0, 0.01 * marginal * 0.1 / 6.0);
+    }
+}
+
 #[test]
 fn an_achromat_has_the_powers_that_cancel() {
     let lines = [486.1327, 587.5618, 656.2725];

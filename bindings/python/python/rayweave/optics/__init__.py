@@ -81,6 +81,7 @@ from rayweave.optics._elements import (
 )
 from rayweave.optics._file import OpticalModel, load, loads
 from rayweave.optics._images import (
+    DiffractionModulation,
     Distortion,
     Energy,
     Fans,
@@ -107,8 +108,8 @@ from rayweave.optics._prescription import (
     Toroidal,
     XYPolynomial,
     ZernikePolynomials,
-    pupil_grid,
 )
+from rayweave.optics._pupil import pupil_grid, pupil_quadrature
 from rayweave.optics._sources import (
     Source,
     Spectrum,
@@ -143,6 +144,7 @@ __all__ = [
     "Biconic",
     "Columns",
     "CoordinateBreak",
+    "DiffractionModulation",
     "Distortion",
     "Element",
     "Energy",
@@ -226,6 +228,7 @@ __all__ = [
     "polished",
     "prism",
     "pupil_grid",
+    "pupil_quadrature",
     "reflecting",
     "rough",
     "source_from_file",

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any, Literal, Self
 
 import numpy as np
@@ -15,6 +17,7 @@ from rayweave.optics._columns import Columns
 from rayweave.optics._given import all_of, each, flag, real, text, whole
 from rayweave.optics._images import _axes, _labelled
 from rayweave.optics._prescription import Prescription
+from rayweave.optics._pupil import RINGS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -96,7 +99,7 @@ def tolerance(
     trials: int = 1000,
     refocus: bool = False,
     vignette: bool = False,
-    rings: int = 6,
+    rings: int = RINGS,
     seed: int = 0,
     threads: int | None = None,
 ) -> Trials:
@@ -107,10 +110,10 @@ def tolerance(
     move as one body, about the vertex of the first, "decentre x 1-2", "decentre y 3", "tilt x 1-2", "tilt y 3"
     (degrees). The merit is the RMS radius of the spots ("spot"), the RMS of the wavefronts in waves ("wavefront"), the
     "focal length", the "back focal distance", or the displacement of the first field's centroid ("image shift"). A spot
-    contains all wavelengths about their common centroid; rays have the weight of their wavelength, and all points of
-    the pupil count equally. Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
-    over all fields, with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings` rings,
-    regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
+    contains all wavelengths about their common centroid; rays have the weight of their wavelength times that of their
+    point of the pupil (`pupil_quadrature`). Wavefronts are at the primary wavelength. Spot and wavefront merits are root mean squares
+    over all fields, with equal weights. Rays are traced from surface to surface and fill the paraxial entrance pupil in `rings`
+    rings, regardless of the semi-diameters; with `vignette`, a ray ends where it hits a surface beyond its stated
     semi-diameter, or in its hole.
 
     With `refocus`, the image of every trial is moved to the minimum of the mean square radius of all spots. Trial k
@@ -203,6 +206,38 @@ class Goal:
         return self.operand, list(self.numbers), self.target, self.value, self.weight
 
 
+_RAY_OPERANDS = ("spot", "wavefront")
+_NUMBER_OPERANDS = (
+    "focal length",
+    "back focal distance",
+    "defocus",
+    "magnification",
+    "spherical",
+    "coma",
+    "astigmatism",
+    "petzval",
+    "distortion",
+    "axial colour",
+    "lateral colour",
+)
+_QUANTITIES = ("radius", "curvature", "thickness", "conic", "index", "r^4")
+#: A parameter of a surface; the optimiser checks that the surface exists.
+_PARAMETER = re.compile(r"(radius|curvature|thickness|conic|index|r\^([1-9]|1[0-6])|(decentre|tilt) [xy]) [0-9]+(-[0-9]+)?")
+_OPERAND_WORDS = {
+    "efl": "focal length",
+    "focal_length": "focal length",
+    "effl": "focal length",
+    "bfl": "back focal distance",
+    "rms": "spot",
+    "rms spot": "spot",
+    "spots": "spot",
+    "opd": "wavefront",
+    "axial color": "axial colour",
+    "lateral color": "lateral colour",
+    "edge thickness": "edge",
+}
+
+
 def goal(
     operand: str,
     equal: float | None = None,
@@ -236,13 +271,26 @@ def goal(
         raise _core.RayweaveError(f"the goal {operand!r} has the value NaN: it must be a number.")
     if len(stated) > 1:
         raise _core.RayweaveError(f"the goal {operand!r} has {len(stated)} values: it must have at most one of equal, at_least and at_most.")
-    names = ("field", "wavelength_nm") if operand in ("spot", "wavefront") else ("surface", "height")
+    if operand not in (*_RAY_OPERANDS, "edge", *_NUMBER_OPERANDS) and not _PARAMETER.fullmatch(operand):
+        known = [*_NUMBER_OPERANDS, *_RAY_OPERANDS, "edge"]
+        near = get_close_matches(operand, [*known, *_QUANTITIES], 1)
+        suggestion = _OPERAND_WORDS.get(operand.lower()) or (near[0] if near else None)
+        hint = f" Did you mean {suggestion!r}?" if suggestion else ""
+        quantities = ", ".join(_QUANTITIES)
+        raise _core.RayweaveError(
+            f"there is no operand {operand!r}: there are {', '.join(known)}, and a parameter with the number of its surface, "
+            f'such as "thickness 1": {quantities}.{hint}'
+        )
     places = {"field": field, "wavelength_nm": wavelength_nm, "surface": surface, "height": height}
-    wanted = [places.pop(name) for name in names] if operand in ("spot", "wavefront", "edge") else []
-    if any(value is not None for value in places.values()) or any(value is None for value in wanted):
-        takes = f"{names[0]} and {names[1]}, and no other place" if wanted else "no field, wavelength_nm, surface or height"
-        raise _core.RayweaveError(f"the places of the goal {operand!r} do not fit: it takes {takes}.")
-    numbers = tuple(real(value, name) for name, value in zip(names, wanted) if value is not None)
+    names = ("field", "wavelength_nm") if operand in _RAY_OPERANDS else ("surface", "height") if operand == "edge" else ()
+    missing = [name for name in names if places[name] is None]
+    extra = [name for name, value in places.items() if value is not None and name not in names]
+    if missing:
+        raise _core.RayweaveError(f"the goal {operand!r} lacks {' and '.join(missing)}: it takes {' and '.join(names)}.")
+    if extra:
+        takes = " and ".join(names) if names else "no field, wavelength_nm, surface or height"
+        raise _core.RayweaveError(f"the goal {operand!r} has {' and '.join(extra)}: it takes {takes}.")
+    numbers = tuple(real(places[name], name) for name in names)
     return Goal(operand, numbers, *stated[0], real(weight, "weight"))
 
 
@@ -302,14 +350,15 @@ def optimise(
     parameters: Iterable[str],
     goals: Iterable[Goal],
     *,
-    rings: int = 4,
+    rings: int = RINGS,
     patience: int = 100,
 ) -> Optimum:
     """Minimises the sum of squares of the weighted deviations from goals, starting from a prescription.
 
     Parameters have the names of `tolerance`, except those that move surfaces off the axis; `goal` creates goals. The
     algorithm is that of Levenberg and Marquardt in the form of J. J. Moré (1978), as in MINPACK. It finds a local minimum
-    near the start, not the global one, and ends after `patience * (number of parameters + 1)` evaluations of the goals,
+    near the start, not the global one. Spots and wavefronts are means over the pupil from 2 rings (rings + 2) rays
+    (`pupil_quadrature`), which exclude the ray through the rim. The search ends after `patience * (number of parameters + 1)` evaluations of the goals,
     not counting those for derivatives.
 
     >>> import rayweave.optics as ro

@@ -138,7 +138,12 @@ def _sections(
         ax.add_collection(
             LineCollection(segments, colors=shade, linewidths=_points(ax, spacing, right - left), zorder=1)
         )
-        # cuts along the picture find the flat parts of the outline, cuts across it the steep ones
+        outlines = _outlines(body.body, across, up, limits)
+        for outline in outlines:
+            ax.plot(*outline.T, linewidth=0.9, color="#30506a", zorder=2, solid_joinstyle="round")
+        if outlines:
+            continue
+        # a shape without simple outlines: cuts along the picture find the flat parts, cuts across it the steep ones
         steep = [ends[:, ::-1] for ends in _cuts(body.body, rows, up, across, (left, right))]
         if segments or steep:
             ends = np.concatenate(segments + steep)
@@ -159,6 +164,36 @@ def _cuts(
         for x, a, b in zip(at[inside], low[inside], high[inside], strict=True):
             pieces.append(np.array([[x, a], [x, b]]))
     return pieces
+
+
+def _outlines(
+    solid: Solid, across: int, up: int, limits: list[tuple[float, float]]
+) -> list[NDArray[np.float64]]:
+    """Closed outlines (N, 2) of a section in which every line along the picture meets a part at most once, as it does with
+    lenses and mirrors; none for other shapes."""
+    bounds = np.asarray(solid.bounds)[:, up]
+    low, high = np.clip(bounds, *limits[1])
+    if not low < high:
+        return []
+    # rows inside the rims, and as close to them as the picture can show
+    inset = 1e-6 * (high - low)
+    rows = np.linspace(low + inset, high - inset, _LINES)
+    origins, direction = np.zeros((len(rows), 3)), np.zeros(3)
+    origins[:, up], direction[across] = rows, 1.0
+    hits = np.clip(solid.hits(origins, direction), *limits[0])
+    # hits are padded with NaN
+    counts = (np.isfinite(hits[0::2]) & (hits[0::2] < hits[1::2])).sum(axis=0)
+    if len(hits) == 0 or counts.max() != 1:
+        return []
+    first = np.argmax(np.isfinite(hits[0::2]) & (hits[0::2] < hits[1::2]), axis=0)
+    places = np.arange(len(rows))
+    starts, ends = hits[2 * first, places], hits[2 * first + 1, places]
+    found = []
+    for run in np.split(places, np.flatnonzero(np.diff(counts)) + 1):
+        if counts[run[0]] == 1:
+            sides = np.column_stack([starts[run], rows[run]]), np.column_stack([ends[run], rows[run]])[::-1]
+            found.append(np.concatenate([*sides, sides[0][:1]]))
+    return found
 
 
 def _points(ax: Axes, spacing: float, extent: float) -> float:

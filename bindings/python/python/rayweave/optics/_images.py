@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Self
 
@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import array, package, pair, real, whole
+from rayweave.optics._pupil import PupilMeans, best_shift
+from rayweave.optics._system import _UNIT_NM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +25,13 @@ _ALONG: tuple[Literal["y", "x"], ...] = ("y", "x")
 
 def _axes(ax: Axes | None) -> Axes:
     plt = package("matplotlib.pyplot", "drawings")
-    return plt.subplots()[1] if ax is None else ax
+    # the layout leaves room for legends beside the axes
+    return plt.subplots(layout="constrained")[1] if ax is None else ax
+
+
+def _micrometres(unit: str) -> tuple[float, str]:
+    """The factor from a unit of length to micrometres with their symbol; 1 and the unit if it is not known."""
+    return (_UNIT_NM[unit] / 1e3, "um") if unit in _UNIT_NM else (1.0, unit)
 
 
 def _labelled(ax: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
@@ -37,7 +45,8 @@ def _labelled(ax: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
 @dataclass(frozen=True)
 class SpotSize:
     """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the largest
-    distance from the centroid; rays are weighted by their power.
+    distance from the centroid. If the points of the pupil were not given, centroid and RMS radii are means over the
+    pupil by `pupil_quadrature`, and `rays` counts the rays of that rule; otherwise rays are weighted by their power.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -46,7 +55,7 @@ class SpotSize:
     (2,)
     >>> size = lens.spots().images[0].spot()
     >>> size.rays, round(size.rms, 3), round(size.geometric, 3)
-    (127, 0.074, 0.085)
+    (96, 0.074, 0.085)
     """
 
     rays: int
@@ -62,7 +71,8 @@ class Rays(Columns):
 
     `id` is the number of the point of the pupil; `x`, `y`, `z` the position and `x_tilt`, `y_tilt`, `z_tilt` the unit
     direction; `path` the optical path from the start of the ray; `index` the refractive index in front of the image;
-    `wavelength_nm`; `power`, the weight of the ray.
+    `wavelength_nm`; `power`, the weight of the wavelength times the internal transmittance of the glasses along the
+    ray: surfaces reflect nothing here, but glass absorbs.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -72,25 +82,36 @@ class Rays(Columns):
     (127, 'mm')
     """
 
-    def __init__(self, compiled: _core.Arrivals, unit: str) -> None:
+    def __init__(self, compiled: _core.Arrivals, unit: str, means: Callable[[], PupilMeans] | None = None) -> None:
         lengths = dict.fromkeys(("x", "y", "z", "path"), unit)
         super().__init__(compiled.columns(), {**lengths, "wavelength_nm": "nm"})
         self._compiled = compiled
         self._unit = unit
+        self._find_means = means
+        self._found_means: PupilMeans | None = None
+
+    def _means(self) -> PupilMeans:
+        """The rays for means over the pupil: those of a quadrature, traced on demand, or else these rays."""
+        if self._found_means is None:
+            given = self._find_means
+            self._found_means = given() if given is not None else PupilMeans.of(self, np.ones(int(self["id"].max(initial=0)) + 1))
+        return self._found_means
 
     def moved(self, shift: float) -> Rays:
         """The same rays on a plane moved along the axis."""
-        return Rays(self._compiled.moved(real(shift, "shift")), self._unit)
+        distance = real(shift, "shift")
+        return Rays(self._compiled.moved(distance), self._unit, lambda: self._means().moved(distance))
 
     def spot(self) -> SpotSize:
         """The size of the spot."""
-        rays, centroid, radii, geometric = self._compiled.spot()
-        return SpotSize(rays, centroid, *radii, geometric)
+        rays, centroid, radii = self._means().spot()
+        off = np.hypot(self["x"] - centroid[0], self["y"] - centroid[1])
+        return SpotSize(rays, centroid, *radii, float(off.max(initial=0.0)))
 
     def best_focus(self) -> float:
-        """The shift of the image along the axis with the smallest RMS radius, computed exactly; NaN for parallel
-        rays."""
-        return self._compiled.best_focus()
+        """The shift of the image along the axis with the smallest RMS radius, in closed form; NaN for parallel rays.
+        It is a mean over the pupil, as the RMS radius of `spot`."""
+        return best_shift(self._means().focal_moments())
 
     def encircled_energy(self, radii: ArrayLike) -> Numbers:
         """The fraction of the power within circles about the centroid."""
@@ -111,8 +132,10 @@ class Rays(Columns):
 
 
 class Spots(Columns):
-    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays`; the centroid `x`, `y`; the RMS
-    radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. `images` has the rays of every field.
+    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays` of the means; the centroid `x`, `y`;
+    the RMS radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. Centroid and RMS radii are means
+    over the pupil (`pupil_quadrature`). `images` has the rays of every field for drawings, on hexapolar rings; the
+    geometric radius is the largest distance of one of them from the centroid.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -123,10 +146,21 @@ class Spots(Columns):
     """
 
     images: list[Rays]
+    _titles: list[str]
+    _airy: float
 
     @classmethod
-    def of(cls, images: list[Rays], fields: Sequence[tuple[float, float]], unit: str) -> Self:
-        """The spots of the rays of each field."""
+    def of(
+        cls,
+        images: list[Rays],
+        fields: Sequence[tuple[float, float]],
+        unit: str,
+        *,
+        titles: Sequence[str] | None = None,
+        airy_radius: float = 0.0,
+    ) -> Self:
+        """The spots of the rays of each field; `titles` name the fields in drawings, `airy_radius` is the radius of the
+        first dark ring of a lens without aberrations, which drawings show."""
         sizes = [image.spot() for image in images]
         table = cls(
             {
@@ -141,27 +175,46 @@ class Spots(Columns):
             dict.fromkeys(("x", "y", "rms", "rms_x", "rms_y", "geometric"), unit),
         )
         table.images = images
+        table._titles = list(titles) if titles is not None else [f"field {k}" for k in range(len(images))]
+        table._airy = airy_radius
         return table
 
     def show(self, *, axes: Sequence[Axes] | None = None) -> list[Axes]:
-        """Draws the spot diagrams about their centroids, to one scale, coloured by wavelength."""
+        """Draws the spot diagrams about their centroids in micrometres, to one scale, coloured by wavelength, with the
+        Airy disk of the primary wavelength on the axis, up to its first dark ring."""
         from rayweave.optics._drawing import wavelength_rgb
 
         plt = package("matplotlib.pyplot", "drawings")
 
         count = len(self.images)
         if axes is None:
-            axes = list(plt.subplots(1, count, figsize=(3.2 * count, 3.6), squeeze=False)[1][0])
-        reach = 1.1 * float(self["geometric"].max()) or 1.0
+            axes = list(plt.subplots(1, count, figsize=(3.2 * count + 1.4, 3.8), squeeze=False, layout="constrained")[1][0])
+        scale, unit = _micrometres(self.units["rms"])
+        reach = 1.1 * scale * max(float(self["geometric"].max()), self._airy) or 1.0
         for k, (ax, image) in enumerate(zip(axes, self.images, strict=False)):
-            x, y = image["x"] - self["x"][k], image["y"] - self["y"][k]
+            x, y = scale * (image["x"] - self["x"][k]), scale * (image["y"] - self["y"][k])
             ax.scatter(x, y, s=3.0, c=wavelength_rgb(image["wavelength_nm"]))
+            if self._airy > 0.0:
+                ax.add_patch(package("matplotlib.patches", "drawings").Circle((0.0, 0.0), scale * self._airy, fill=False, linewidth=0.8))
             ax.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal")
-            ax.set_title(f"field {k}, RMS {self['rms'][k]:.3g} {self.units['rms']}", fontsize="small")
-            _labelled(ax, f"x, {self.units['x']}", f"y, {self.units['y']}" if k == 0 else "", legend=False)
+            ax.set_title(f"{self._titles[k]}, RMS {scale * self['rms'][k]:#.3g} {unit}", fontsize="small")
+            _labelled(ax, f"x, {unit}", f"y, {unit}" if k == 0 else "", legend=False)
             ax.tick_params(labelsize="small", labelleft=k == 0)
             ax.locator_params(nbins=4)
+        self._legend(list(axes)[count - 1])
         return list(axes)
+
+    def _legend(self, ax: Axes) -> None:
+        """Adds a legend of the wavelengths and the Airy disk beside the last diagram."""
+        from rayweave.optics._drawing import wavelength_rgb
+
+        handle = package("matplotlib.lines", "drawings").Line2D
+        lines = np.unique(np.concatenate([image["wavelength_nm"] for image in self.images]))
+        shades = zip(lines.tolist(), wavelength_rgb(lines), strict=True)
+        handles = [handle([], [], marker="o", markersize=3.0, linestyle="", color=shade, label=f"{line:g} nm") for line, shade in shades]
+        if self._airy > 0.0:
+            handles.append(handle([], [], marker="o", markersize=8.0, linestyle="", color="black", fillstyle="none", label="Airy disk"))
+        ax.legend(handles=handles, fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
 
 
 class Fans(Columns):
@@ -259,7 +312,9 @@ class Seidel(Columns):
             places = np.arange(len(labels)) + (k - 0.5 * (len(names) - 1)) * width
             ax.bar(places, [*self[name], self.sum[name]], width, label=name.replace("_", " "))
         ax.set_xticks(range(len(labels)), labels)
-        return _labelled(ax, "surface", f"Seidel sum, {self.units['spherical']}")
+        ax.axhline(0.0, color="#a0a0a0", linewidth=0.6)
+        ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.02, 1.0), borderaxespad=0.0)
+        return _labelled(ax, "surface", f"Seidel sum, {self.units['spherical']}", legend=False)
 
 
 class ZernikeFit(Columns):
@@ -410,6 +465,8 @@ class Modulation(_ByField):
     array([1.  , 0.15, 0.15])
     """
 
+    _UP = "geometric MTF (without diffraction)"
+
     @classmethod
     def of(
         cls,
@@ -422,22 +479,47 @@ class Modulation(_ByField):
         """From the rays of every field; `cutoff` is the cutoff frequency of diffraction."""
         along = [field if field != (0.0, 0.0) else (0.0, 1.0) for field in fields]
         pairs = list(zip(images, along, strict=True))
+        tangential = np.concatenate([image.geometric_mtf(frequencies, (x, y)) for image, (x, y) in pairs])
+        sagittal = np.concatenate([image.geometric_mtf(frequencies, (y, -x)) for image, (x, y) in pairs])
+        return cls.from_parts(len(images), frequencies, tangential, sagittal, cutoff, unit)
+
+    @classmethod
+    def from_parts(
+        cls, fields: int, frequencies: Numbers, tangential: Numbers, sagittal: Numbers, cutoff: float, unit: str
+    ) -> Self:
+        """From the modulations of all fields, one after the other."""
         columns = {
-            "field": np.repeat(np.arange(len(images)), len(frequencies)),
-            "frequency": np.tile(frequencies, len(images)),
-            "tangential": np.concatenate([image.geometric_mtf(frequencies, (x, y)) for image, (x, y) in pairs]),
-            "sagittal": np.concatenate([image.geometric_mtf(frequencies, (y, -x)) for image, (x, y) in pairs]),
-            "limit": np.tile(_diffraction(frequencies / cutoff), len(images)),
+            "field": np.repeat(np.arange(fields), len(frequencies)),
+            "frequency": np.tile(frequencies, fields),
+            "tangential": tangential,
+            "sagittal": sagittal,
+            "limit": np.tile(_diffraction(frequencies / cutoff), fields),
         }
         return cls(columns, {"frequency": f"1/{unit}"})
 
     def show(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the geometric MTF over the frequency, the diffraction limit in grey."""
-        ax = self._show(ax, "frequency", {"tangential": "-", "sagittal": "--"}, "geometric MTF (without diffraction)")
+        """Draws the modulation over the frequency, the diffraction limit in grey."""
+        ax = self._show(ax, "frequency", {"tangential": "-", "sagittal": "--"}, self._UP)
         ax.plot(self.of_field(0, "frequency"), self.of_field(0, "limit"), color="#909090", label="diffraction limit, axis")
+        ax.set_xlabel(f"frequency, cycles{self.units['frequency'].removeprefix('1')}")
+        ax.set_xlim(0.0, float(self["frequency"].max()) or None)
         ax.set_ylim(0.0, 1.02)
+        ax.grid(color="#e0e0e0", linewidth=0.6)
         ax.legend(fontsize="small")
         return ax
+
+
+class DiffractionModulation(Modulation):
+    """The MTF of every `field` with diffraction: the columns of `Modulation`.
+
+    >>> import rayweave.optics as ro
+    >>> mirror = ro.Prescription([ro.Surface(-200, -100, "mirror", conic=-1)], entrance_pupil_diameter=10)
+    >>> mtf = mirror.diffraction_mtf([0, 50, 100])
+    >>> mtf["tangential"].round(2), mtf["limit"].round(2)
+    (array([1.  , 0.63, 0.3 ]), array([1.  , 0.63, 0.3 ]))
+    """
+
+    _UP = "diffraction MTF"
 
 
 def _diffraction(share: Numbers) -> Numbers:
@@ -461,7 +543,7 @@ class ThroughFocus(_ByField):
     @classmethod
     def of(cls, images: list[Rays], shifts: Numbers, unit: str) -> Self:
         """From the rays of every field."""
-        radii = [image.moved(shift).spot().rms for image in images for shift in shifts.tolist()]
+        radii = [image._means().moved(shift).spot()[2][0] for image in images for shift in shifts.tolist()]
         field = np.repeat(np.arange(len(images)), len(shifts))
         columns = {"field": field, "shift": np.tile(shifts, len(images)), "rms": np.array(radii)}
         return cls(columns, {"shift": unit, "rms": unit})
@@ -524,8 +606,10 @@ class Distortion(_OverField):
     def show(self, *, ax: Axes | None = None) -> Axes:
         """Draws the relative distortion in percent against the field."""
         ax = _axes(ax)
-        ax.plot(100.0 * self["relative"], self._height())
+        # on the axis it vanishes in the limit
+        ax.plot(np.where(self["share"] == 0.0, 0.0, 100.0 * self["relative"]), self._height())
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
+        ax.set_ylim(bottom=0.0)
         return _labelled(ax, "distortion, %", self._label(), legend=False)
 
 
@@ -599,12 +683,15 @@ class LateralColour(_OverField):
         return cls._over(sweep, columns, {"wavelength_nm": "nm", "shift": sweep.unit}, len(lines))
 
     def show(self, *, ax: Axes | None = None) -> Axes:
-        """Draws the shifts against the field, coloured by wavelength."""
+        """Draws the shifts in micrometres against the field, coloured by wavelength."""
         from rayweave.optics._drawing import wavelength_rgb
 
+        scale, unit = _micrometres(self.units["shift"])
         ax = _axes(ax)
         for line in np.unique(self["wavelength_nm"]).tolist():
             wanted = self["wavelength_nm"] == line
             shade = wavelength_rgb(np.array([line]))[0]
-            ax.plot(self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
-        return _labelled(ax, f"lateral colour, {self.units['shift']}", self._label())
+            ax.plot(scale * self["shift"][wanted], self._height()[wanted], color=shade, label=f"{line:g} nm")
+        ax.locator_params(axis="x", nbins=6)
+        ax.set_ylim(bottom=0.0)
+        return _labelled(ax, f"lateral colour, {unit}", self._label())

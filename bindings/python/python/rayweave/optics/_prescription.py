@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
 from rayweave._table import table_of
-from rayweave._words import suggesting
+from rayweave._words import no_attribute, suggesting
+from rayweave.optics._diffraction import TransferFunction, pupil_cells, slopes_of_pupil
 from rayweave.optics._elements import _D_NM, Element, Finish
 from rayweave.optics._given import (
     all_of,
@@ -21,6 +22,7 @@ from rayweave.optics._given import (
     each,
     flag,
     numbers,
+    package,
     pair,
     real,
     text,
@@ -29,6 +31,7 @@ from rayweave.optics._given import (
     whole,
 )
 from rayweave.optics._images import (
+    DiffractionModulation,
     Distortion,
     Energy,
     Fans,
@@ -43,6 +46,7 @@ from rayweave.optics._images import (
     ThroughFocus,
     Wavefront,
 )
+from rayweave.optics._pupil import RINGS, PupilMeans, best_shift, pupil_grid, pupil_quadrature
 from rayweave.optics._system import _UNIT_NM, System
 
 if TYPE_CHECKING:
@@ -263,7 +267,12 @@ class Pupil:
 class FirstOrder:
     """First-order data at one wavelength, in the unit of the prescription; inf or NaN where there are none.
 
-    Distances are along z: back distances from the last vertex, front distances from the first. `matrix` maps height and
+    Distances are along z: back distances from the last vertex, front distances from the first. `image_distance` is the
+    distance from the last vertex to the paraxial image, which for a distant object is the back focal distance; it is
+    not the thickness behind the last surface, which places the image surface. `total_track` is the distance from
+    surface 1 to the image surface along the axis, `working_f_number` 1 / (2 n u) with the index and the slope of the
+    paraxial marginal ray at the image, `image_height` the distance of the paraxial image of the outermost field from
+    the axis. `print` shows them as a list. `matrix` maps height and
     index times slope from the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of
     Born & Wolf, Principles of Optics, 7th edition, section 4.4.
 
@@ -273,6 +282,11 @@ class FirstOrder:
     >>> first = lens.first_order()
     >>> round(first.focal_length, 3), round(first.f_number, 3)
     (49.213, 4.921)
+    >>> print(first)  # doctest: +ELLIPSIS
+    First-order data, lengths in mm
+    focal length               49.213
+    back focal distance        47.5362
+    ...
     """
 
     matrix: NDArray[np.float64]
@@ -289,32 +303,58 @@ class FirstOrder:
     angular_magnification: float
     image_distance: float
     petzval_sum: float
+    total_track: float = float("nan")
+    working_f_number: float = float("nan")
+    image_height: float = float("nan")
+    unit: str = ""
+
+    def __str__(self) -> str:
+        lines = [f"First-order data, lengths in {self.unit}" if self.unit else "First-order data"]
+        for name, value in self._data().items():
+            if isinstance(value, Pupil):
+                at = f"at {value.position:.6g} from surface 1" if np.isfinite(value.position) else "at infinity"
+                lines.append(f"{name:<26} {at}, diameter {value.diameter:.6g}")
+            elif isinstance(value, float) and not np.isnan(value):
+                lines.append(f"{name:<26} {value:.6g}")
+        return "\n".join(lines)
+
+    def _data(self) -> dict[str, Any]:
+        return {field.name.replace("_", " "): getattr(self, field.name) for field in fields(self) if field.name != "unit"}
 
     def _repr_html_(self) -> str:
-        data = {field.name.replace("_", " "): getattr(self, field.name) for field in fields(self)}
-        return table_of("First-order data", data)
+        return table_of("First-order data", self._data())
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """An error with a suggestion."""
+            raise AttributeError(no_attribute("FirstOrder", name, [field.name for field in fields(self)], _FIRST_ORDER_WORDS))
 
 
-def pupil_grid(
-    kind: Literal["hexapolar", "square", "fan_x", "fan_y"], count: int
-) -> NDArray[np.float64]:
-    """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid
-    with `count` points across, or `count` points along one axis.
-
-    >>> import rayweave.optics as ro
-    >>> ro.pupil_grid("hexapolar", 2).shape
-    (19, 2)
-    >>> ro.pupil_grid("fan_y", 3)[:, 1].tolist()
-    [-1.0, 0.0, 1.0]
-    """
-    if kind not in _PUPILS:
-        unknown("grid of a pupil", kind, _PUPILS)
-    # a grid without rings consists of the centre only
-    return _core.pupil_points(kind, whole(count, "count", least=0 if kind == "hexapolar" else 1, bits=31))
+_FIRST_ORDER_WORDS = {
+    "efl": "focal_length",
+    "effective_focal_length": "focal_length",
+    "bfl": "back_focal_distance",
+    "bfd": "back_focal_distance",
+    "ffl": "front_focal_distance",
+    "ffd": "front_focal_distance",
+    "epd": "entrance_pupil.diameter",
+    "fno": "f_number",
+    "wfno": "working_f_number",
+    "ttl": "total_track",
+    "refocus": "refocused() of the prescription",
+    "quick_focus": "refocused() of the prescription",
+    "psf": "diffraction_mtf() of the prescription",
+}
 
 
 _FANS: tuple[Literal["fan_x", "fan_y"], ...] = ("fan_x", "fan_y")
-_PUPILS = ("hexapolar", "square", "fan_x", "fan_y")
+
+
+#: Common names of other programs for the arguments of transfer functions.
+_for_frequencies = suggesting(
+    max_frequency="frequencies", maximum_frequency="frequencies", max_freq="frequencies", frequency="frequencies", grid="across"
+)
 
 
 class Prescription:
@@ -429,6 +469,13 @@ class Prescription:
         name = f" {self.name!r}" if self.name else ""
         return f"<Prescription{name}: {len(self.surfaces)} surfaces, {len(self.fields)} fields>"
 
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """An error with a suggestion."""
+            known = [own for own in dir(type(self)) if not own.startswith("_")]
+            raise AttributeError(no_attribute("Prescription", name, known, _PRESCRIPTION_WORDS))
+
     @property
     def name(self) -> str:
         """Its name."""
@@ -516,7 +563,15 @@ class Prescription:
         table = self._compiled.first_order(self._wavelength(wavelength_nm), text(along, "along", '"x" or "y"'))
         matrix = np.array(table.pop("matrix")).reshape(2, 2)
         entrance, exit_pupil = (Pupil(*table.pop(name)) for name in ("entrance_pupil", "exit_pupil"))
-        return FirstOrder(matrix=matrix, entrance_pupil=entrance, exit_pupil=exit_pupil, **table)
+        found = FirstOrder(matrix=matrix, entrance_pupil=entrance, exit_pupil=exit_pupil, **table)
+        aperture = self._aperture_at_image(found)
+        return replace(
+            found,
+            total_track=float(sum(surface.thickness for surface in self.surfaces)),
+            working_f_number=0.5 / aperture if aperture > 0.0 else float("inf"),
+            image_height=self._image_height(found),
+            unit=self.unit,
+        )
 
     def seidel(self) -> Seidel:
         """The Seidel sums of every surface at the primary wavelength: wavefront aberrations in the unit of lengths."""
@@ -542,7 +597,7 @@ class Prescription:
         *,
         wavelength_nm: float | None = None,
         pupil: ArrayLike | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         aimed: bool = False,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origins and directions (N, 3) of the rays of a field, for `System.trace_rays`.
@@ -566,32 +621,54 @@ class Prescription:
         *,
         wavelength_nm: float | None = None,
         pupil: ArrayLike | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         aimed: bool = False,
     ) -> Rays:
         """The rays of a field on the image, at one wavelength or, by default, at all of them with their weights.
 
-        The result contains only rays that pass the surfaces in order, not those that are vignetted or lost. Rays that
+        The rays go through points of the pupil, by default hexapolar rings, for drawings. The power of a ray is the
+        weight of its wavelength times the internal transmittance of the glasses; surfaces reflect nothing. The result
+        contains only rays that pass the surfaces in order, not those that are vignetted or lost. Rays that
         are not `aimed` at the stop are refused where the real entrance pupil of the field is far from the paraxial one.
+
+        Without `pupil`, `Rays.spot` and `Rays.best_focus` are means over the pupil by `pupil_quadrature(rings)`, whose
+        rays are traced when they are needed; with `pupil` they are means of the given rays, weighted by power.
         """
         self._needs_real_object()
         line = None if wavelength_nm is None else self._wavelength(wavelength_nm)
-        points = _pupil(pupil, rings)
-        return Rays(self._compiled.arrivals(whole(field, "field"), line, points, flag(aimed, "aimed")), self.unit)
+        points, number, aims = _pupil(pupil, rings), whole(field, "field"), flag(aimed, "aimed")
+        found = self._compiled.arrivals(number, line, points, aims)
+        if pupil is not None:
+            return Rays(found, self.unit)
+
+        def means() -> PupilMeans:
+            places, weights = pupil_quadrature(rings)
+            return PupilMeans.of(self._compiled.arrivals(number, line, places, aims).columns(), weights)
+
+        return Rays(found, self.unit, means)
 
     def spots(
         self,
         *,
         wavelength_nm: float | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         shift: float = 0.0,
         aimed: bool = False,
     ) -> Spots:
         """The spots of all fields, with centroid, RMS and geometric radius, on the image plane moved along the axis by
-        `shift`."""
-        rays = self._images(wavelength_nm, _pupil(None, rings), aimed)
+        `shift`.
+
+        Centroids and RMS radii are means over the area of the pupil, from 2 rings (rings + 2) rays per wavelength
+        (`pupil_quadrature`), weighted by wavelength and internal transmittance. The points of the diagram and the
+        geometric radius are those of hexapolar rings, 1 + 3 rings (rings + 1) rays per wavelength.
+        """
+        rays = self._images(wavelength_nm, None, aimed, rings)
         distance = real(shift, "shift")
-        return Spots.of([image.moved(distance) if distance else image for image in rays], self.fields, self.unit)
+        moved = [image.moved(distance) if distance else image for image in rays]
+        cutoff = self._cutoff()
+        # the first zero of the Airy pattern: 1.22 wavelengths times the F-number (Goodman, section 4.4)
+        airy = 1.2196698912665045 / cutoff if cutoff > 0.0 else 0.0
+        return Spots.of(moved, self.fields, self.unit, titles=self._field_names(), airy_radius=airy)
 
     def fans(self, *, wavelength_nm: float | None = None, count: int = 41, aimed: bool = False) -> Fans:
         """Transverse ray aberrations of all fields along both axes of the pupil, at one wavelength or, by default, at
@@ -636,6 +713,7 @@ class Prescription:
             radii = np.linspace(0.0, max(image.spot().geometric for image in rays), 101)
         return Energy.of(rays, array(radii, "radii"), self.unit)
 
+    @_for_frequencies
     def geometric_mtf(
         self,
         frequencies: ArrayLike | None = None,
@@ -655,28 +733,124 @@ class Prescription:
         if frequencies is None:
             # the frequency at which the modulation of the smallest spot vanishes
             least = min(image.spot().rms for image in rays)
-            frequencies = np.linspace(0.0, min(cutoff, 0.3 / least) if least > 0.0 else cutoff, 51)
+            frequencies = _frequencies(min(cutoff, 0.3 / least) if least > 0.0 else cutoff)
         return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit)
 
-    #: The short name of `geometric_mtf`.
-    mtf = geometric_mtf
+    @_for_frequencies
+    def mtf(
+        self,
+        frequencies: ArrayLike | None = None,
+        *,
+        wavelength_nm: float | None = None,
+        across: int = 49,
+        aimed: bool = False,
+    ) -> Modulation:
+        """The short name of `geometric_mtf`, without diffraction; `diffraction_mtf` includes it."""
+        return self.geometric_mtf(frequencies, wavelength_nm=wavelength_nm, across=across, aimed=aimed)
+
+    @_for_frequencies
+    def diffraction_mtf(
+        self,
+        frequencies: ArrayLike | None = None,
+        *,
+        wavelength_nm: float | None = None,
+        across: int = 96,
+        aimed: bool = False,
+    ) -> DiffractionModulation:
+        """The modulation transfer function of every field with diffraction, by frequency in cycles per unit of length:
+        `tangential` for lines across the direction of the field, `sagittal` for those along it, `limit` that of a lens
+        without aberrations as in `geometric_mtf`; at one wavelength or, by default, at all of them with their weights.
+
+        The optical transfer function is the autocorrelation of the pupil function, and the Fourier transform of the
+        square of the modulus of its transform (J. W. Goodman, Introduction to Fourier Optics, section 6.3). The pupil
+        function has the phase of `wavefront` and equal amplitudes where light arrives, on `across` cells across the
+        pupil, which is mapped to direction cosines at the image by the linear map that fits the rays best. The result
+        is wrong by up to about 1 / across^1.5. Wavefronts that change by more than a quarter of a wave between two cells
+        are refused. At several wavelengths the transfer functions are added with their phases, so that lateral colour
+        counts. Scalar diffraction: not for numerical apertures at the image above about 0.5."""
+        self._needs_real_object()
+        count, aims = whole(across, "across", least=2, bits=31), flag(aimed, "aimed")
+        if count > _MOST_CELLS:
+            raise _core.RayweaveError(f"across is {count}: it must be at most {_MOST_CELLS}.")
+        cutoff = self._cutoff()
+        wanted = _frequencies(cutoff) if frequencies is None else np.atleast_1d(array(frequencies, "frequencies"))
+        lines = [(nm, weight) for nm, weight in self._compiled.frame()["lines"]]
+        lines = [(self._wavelength(wavelength_nm), 1.0)] if wavelength_nm is not None else lines
+        fields = [field if field != (0.0, 0.0) else (0.0, 1.0) for field in self.fields]
+        units = [np.array([x, y]) / np.hypot(x, y) for x, y in fields]
+        modulations = []
+        for field, (x, y) in enumerate(units):
+            vectors = np.concatenate([np.outer(wanted, [x, y]), np.outer(wanted, [y, -x])])
+            found = sum(weight * self._transfer(field, nm, vectors, count, aims) for nm, weight in lines)
+            modulations.append(np.abs(found) / sum(weight for _, weight in lines))
+        parts = [np.concatenate(part) for part in zip(*(np.split(both, 2) for both in modulations), strict=True)]
+        return DiffractionModulation.from_parts(len(self.fields), wanted, parts[0], parts[1], cutoff, self.unit)
+
+    def _transfer(
+        self, field: int, wavelength_nm: float, frequencies: NDArray[np.float64], across: int, aimed: bool
+    ) -> NDArray[np.complex128]:
+        """The optical transfer function at frequencies (N, 2), with the phase of the place of the image."""
+        middle = self.arrivals(field, wavelength_nm=wavelength_nm, pupil=[[0.0, 0.0]], aimed=aimed)
+        rays = self.arrivals(field, wavelength_nm=wavelength_nm, pupil=(points := pupil_quadrature()[0]), aimed=aimed)
+        front = self.wavefront(field, wavelength_nm=wavelength_nm, pupil=pupil_cells(across), aimed=aimed)
+        if not rays.rows or not front.rows:
+            raise _core.RayweaveError(f"no light of the field {field} arrives at the image: it has no transfer function.")
+        tilts = np.stack([rays["x_tilt"], rays["y_tilt"]], axis=1)
+        slopes = slopes_of_pupil(points[rays["id"]], tilts)
+        pupil = np.stack([front["pupil_x"], front["pupil_y"]], axis=1)
+        # a frequency v is a difference of direction cosines of wavelength v / index
+        unit_nm = float(self._compiled.frame()["unit_nm"])
+        differences = frequencies * (wavelength_nm / unit_nm / float(middle["index"][0]))
+        shifts: NDArray[np.float64] = np.asarray(np.linalg.solve(slopes, differences.T).T, float)
+        place = np.array([middle["x"][0], middle["y"][0]])
+        turn = np.exp(-2.0j * np.pi * (frequencies @ place))
+        return np.asarray(turn * TransferFunction.of(pupil, front["waves"], across).at(shifts))
 
     def through_focus(
         self,
         shifts: ArrayLike | None = None,
         *,
         wavelength_nm: float | None = None,
-        rings: int = 6,
+        rings: int = RINGS,
         aimed: bool = False,
     ) -> ThroughFocus:
-        """The RMS radii of the spots of all fields on planes moved along the axis by `shifts`."""
-        rays = self._images(wavelength_nm, _pupil(None, rings), aimed)
+        """The RMS radii of the spots of all fields, as those of `spots`, on planes moved along the axis by `shifts`."""
+        rays = self._images(wavelength_nm, None, aimed, rings)
         if shifts is None:
             best = np.abs([image.best_focus() for image in rays])
             reach = 2.0 * float(best[np.isfinite(best)].max(initial=0.0))
             reach = reach or 1e-3 * abs(self.first_order().focal_length)
             shifts = np.linspace(-reach, reach, 41)
         return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit)
+
+    def refocused(self, *, wavelength_nm: float | None = None, rings: int = RINGS, aimed: bool = False) -> Prescription:
+        """The same prescription with the image at the best focus: the thickness of the last surface is that with the
+        smallest sum of the squares of the RMS radii of `spots` over all fields, at one wavelength or, by default, at
+        all of them with their weights. It is known in closed form, without a search.
+
+        >>> import rayweave.optics as ro
+        >>> lens = ro.Prescription([ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)], entrance_pupil_diameter=10)
+        >>> lens.spots()["rms"].round(3), lens.refocused().spots()["rms"].round(3)
+        (array([0.074]), array([0.014]))
+        """
+        for at in self.breaks:
+            if at.before == len(self.surfaces) + 1 and at.matrix is not None and abs(at.matrix[2][2] - 1.0) > 1e-12:
+                raise _core.RayweaveError(
+                    "the image is tilted by a coordinate break: refocused() moves it along its normal only. "
+                    'Use optimise with the parameter "thickness N" of the last surface.'
+                )
+        lens, rows = self, list(self.surfaces)
+        # on a plane image the first step is exact; on a curved one the error shrinks by a constant factor in each
+        for _ in range(1 if np.isinf(self._compiled.frame()["image"][0]) else 20):
+            rays = lens._images(wavelength_nm, None, aimed, rings)
+            shift = best_shift(np.sum([image._means().focal_moments() for image in rays], axis=0))
+            if not np.isfinite(shift):
+                raise _core.RayweaveError("the light at the image is parallel: it has no best focus.")
+            rows[-1] = replace(rows[-1], thickness=rows[-1].thickness + shift)
+            lens = self.replace(rows)
+            if abs(shift) <= 1e-12 * abs(rows[-1].thickness):
+                break
+        return lens
 
     def distortion(self, *, wavelength_nm: float | None = None, count: int = 21) -> Distortion:
         """The heights of real and paraxial chief rays on the image, over the field from the axis to its edge. Real
@@ -730,10 +904,39 @@ class Prescription:
         ends = np.concatenate([trace["y0"], trace["y1"][np.isfinite(trace["y1"])]])
         reach = 1.1 * max(float(self.semi_diameters()[:-1].max()), float(np.abs(ends).max()))
         ax.set_ylim(-reach, reach)
+        self._draw_stop(ax)
+        handle = package("matplotlib.lines", "drawings").Line2D
+        shades = package("matplotlib", "drawings").colormaps["tab10"]
+        if options.get("color", "source") == "source":
+            handles = [handle([], [], color=shades(k % 10), label=name) for k, name in enumerate(self._field_names())]
+            ax.legend(handles=handles, fontsize="small", title="field", loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
         ax.set_xlabel(f"z, {self.unit}")
         ax.set_ylabel(f"y, {self.unit}")
         ax.set_title(self.name)
         return ax
+
+    def _draw_stop(self, ax: Axes) -> None:
+        """Draws the rim of the stop as two lines away from the axis."""
+        number = int(self._compiled.frame()["stop"])
+        if any(at.before <= number for at in self.breaks):
+            return
+        rows = self.surfaces
+        height = self.first_order().stop_semi_diameter
+        curvature, conic = 1.0 / rows[number - 1].radius, rows[number - 1].conic
+        root = 1.0 - (1.0 + conic) * (curvature * height) ** 2
+        if not (np.isfinite(height) and root >= 0.0):
+            return
+        terms = sum(term * height ** (2 * k + 2) for k, term in enumerate(rows[number - 1].even))
+        place = sum(row.thickness for row in rows[: number - 1]) + curvature * height**2 / (1.0 + np.sqrt(root)) + terms
+        end = 1.35 * max(height, float(self.semi_diameters()[number - 1]))
+        for side in (-1.0, 1.0):
+            ax.plot([place, place], [side * height, side * end], color="black", linewidth=1.6, zorder=4)
+        ax.annotate("stop", (place, end), xytext=(0, 2), textcoords="offset points", ha="center", va="bottom", fontsize="small")
+
+    def _field_names(self) -> list[str]:
+        """The fields with their unit, such as "14 deg"."""
+        unit = "deg" if self._compiled.frame()["field_kind"] == "angle" else self.unit
+        return [f"{y:.4g} {unit}" if x == 0.0 else f"({x:.4g}, {y:.4g}) {unit}" for x, y in self.fields]
 
     def _wavelength(self, wavelength_nm: float | None) -> float:
         return self.primary_nm if wavelength_nm is None else real(wavelength_nm, "wavelength_nm")
@@ -743,9 +946,12 @@ class Prescription:
             problem = f"object_distance is {self.object_distance:g}: light would start behind surface 1."
             raise _core.RayweaveError(f"{problem} Check the sign: only first_order() accepts virtual objects.")
 
-    def _images(self, wavelength_nm: float | None, pupil: ArrayLike, aimed: bool) -> list[Rays]:
+    def _images(
+        self, wavelength_nm: float | None, pupil: ArrayLike | None, aimed: bool, rings: int = RINGS
+    ) -> list[Rays]:
         fields = range(len(self.fields))
-        return [self.arrivals(field, wavelength_nm=wavelength_nm, pupil=pupil, aimed=aimed) for field in fields]
+        options: dict[str, Any] = {"wavelength_nm": wavelength_nm, "pupil": pupil, "rings": rings, "aimed": aimed}
+        return [self.arrivals(field, **options) for field in fields]
 
     def _swept(self, count: int) -> tuple[Prescription, Sweep]:
         """The same prescription with fields from the axis to the edge."""
@@ -766,15 +972,58 @@ class Prescription:
     def _cutoff(self) -> float:
         """The frequency, per unit of length, above which a circular pupil transmits no modulation: 2 NA /
         wavelength."""
-        first_order = self.first_order()
-        frame = self._compiled.frame()
+        aperture = self._aperture_at_image(self.first_order())
+        return 2.0 * aperture * float(self._compiled.frame()["unit_nm"]) / self.primary_nm
+
+    def _aperture_at_image(self, first_order: FirstOrder) -> float:
+        """The paraxial numerical aperture: the index times the slope of the marginal ray behind the last surface."""
         height, slope = 0.5 * first_order.entrance_pupil.diameter, 0.0
         if np.isfinite(distance := self.object_distance):
             slope = height / (first_order.entrance_pupil.position + distance)
             height = slope * distance
-        aperture = abs(float(first_order.matrix[1] @ [height, slope]))
-        return 2.0 * aperture * float(frame["unit_nm"]) / self.primary_nm
+        return abs(float(first_order.matrix[1] @ [height, slope]))
 
+    def _image_height(self, first_order: FirstOrder) -> float:
+        """The height of the paraxial image of the outermost field."""
+        edge = max(float(np.hypot(*field)) for field in self.fields)
+        kind = self._compiled.frame()["field_kind"]
+        if kind == "image height":
+            return edge
+        if kind == "object height":
+            return abs(first_order.magnification) * edge
+        slope = float(np.tan(np.radians(edge)))
+        if np.isfinite(distance := self.object_distance):
+            return abs(first_order.magnification) * abs(distance + first_order.entrance_pupil.position) * slope
+        return abs(first_order.focal_length) * slope
+
+
+_PRESCRIPTION_WORDS = {
+    "refocus": "refocused()",
+    "quick_focus": "refocused()",
+    "best_focus": "refocused()",
+    "focus": "refocused()",
+    "efl": "first_order().focal_length",
+    "focal_length": "first_order().focal_length",
+    "bfl": "first_order().back_focal_distance",
+    "f_number": "first_order().f_number",
+    "paraxial": "first_order()",
+    "psf": "diffraction_mtf(), which includes diffraction, or spots(), which does not",
+    "fft_psf": "diffraction_mtf()",
+    "fft_mtf": "diffraction_mtf()",
+    "spot": "spots()",
+    "spot_diagram": "spots().show()",
+    "opd": "wavefront()",
+    "ray_fan": "fans()",
+    "fan": "fans()",
+    "draw": "show()",
+    "layout": "show()",
+    "plot": "show()",
+    "optimise": "rayweave.optics.optimise(lens, parameters, goals)",
+    "optimize": "rayweave.optics.optimise(lens, parameters, goals)",
+    "tolerance": "rayweave.optics.tolerance(lens, errors)",
+    "object_height": "fields",
+    "lateral_color": "lateral_colour()",
+}
 
 _KEPT = ("name", "notes", "field_kind", "fields", "primary", "object_distance", "stop")
 _APERTURES = {"entrance_pupil_diameter", "f_number", "object_numerical_aperture", "stop_semi_diameter"}
@@ -810,6 +1059,17 @@ def _unit_nm(unit: str) -> float:
     if text(unit, "unit", ", ".join(_UNIT_NM)) not in _UNIT_NM:
         raise _core.RayweaveError(f"unit is {unit!r}: it can be {', '.join(_UNIT_NM)}.")
     return _UNIT_NM[unit]
+
+
+#: The limit of cells across the pupil: 3 million rays, and Fourier transforms of 4096 x 4096 points.
+_MOST_CELLS = 2048
+
+
+def _frequencies(most: float) -> NDArray[np.float64]:
+    """Frequencies from 0 to the next round number, with round steps."""
+    scale = 10.0 ** np.floor(np.log10(most))
+    top = next(part for part in (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0) if part * scale >= most * (1.0 - 1e-9))
+    return np.linspace(0.0, top * scale, 51)
 
 
 def _pupil(pupil: ArrayLike | None, rings: int) -> NDArray[np.float64]:

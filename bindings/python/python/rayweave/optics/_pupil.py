@@ -1,0 +1,128 @@
+"""Points of a pupil, and means over its area."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rayweave import _core
+from rayweave.optics._given import unknown, whole
+
+Numbers = NDArray[np.float64]
+
+#: The default number of rings of rays.
+RINGS = 6
+
+_PUPILS = ("hexapolar", "square", "fan_x", "fan_y")
+
+
+def pupil_grid(kind: Literal["hexapolar", "square", "fan_x", "fan_y"], count: int) -> Numbers:
+    """Points (N, 2) of a pupil in units of its semi-diameter: rings of 6, 12, 18, ... about the middle, a square grid
+    with `count` points across, or `count` points along one axis.
+
+    >>> import rayweave.optics as ro
+    >>> ro.pupil_grid("hexapolar", 2).shape
+    (19, 2)
+    >>> ro.pupil_grid("fan_y", 3)[:, 1].tolist()
+    [-1.0, 0.0, 1.0]
+    """
+    if kind not in _PUPILS:
+        unknown("grid of a pupil", kind, _PUPILS)
+    # a grid without rings consists of the centre only
+    return _core.pupil_points(kind, whole(count, "count", least=0 if kind == "hexapolar" else 1, bits=31))
+
+
+def pupil_quadrature(rings: int = RINGS) -> tuple[Numbers, Numbers]:
+    """Points (N, 2) of a pupil in units of its semi-diameter and weights (N,), whose sum is 1: weighted sums are means
+    over the area of the pupil.
+
+    The `rings` have 2 (rings + 2) points each; their radii and weights are those of Gaussian quadrature in the square
+    of the radius (G. W. Forbes, J. Opt. Soc. Am. A 5, 1943, 1988). Sums are exact for polynomials of x and y up to the
+    degree 2 rings + 3. The pupil has to be clear: at an obstruction or a vignetting edge, sums converge slowly.
+
+    >>> import rayweave.optics as ro
+    >>> points, weights = ro.pupil_quadrature(3)
+    >>> points.shape, round(float(weights.sum()), 12)
+    ((30, 2), 1.0)
+    >>> round(float(weights @ points[:, 0] ** 4), 12)  # the mean of x^4 over a disk is 1/8
+    0.125
+    """
+    count = whole(rings, "rings", bits=31)
+    if count == 0:
+        return np.zeros((1, 2)), np.ones(1)
+    if count > _RINGS_LIMIT:
+        raise _core.RayweaveError(f"rings is {count}: it must be at most {_RINGS_LIMIT}.")
+    # the roots of the Legendre polynomial by Newton's method, from their asymptotic positions (NIST Digital Library of
+    # Mathematical Functions, 18.16.12); the error is squared in each step
+    x = -np.cos(np.pi * (np.arange(count) + 0.75) / (count + 0.5))
+    for _ in range(6):
+        value, slope = _legendre(count, x)
+        x -= value / slope
+    slope = _legendre(count, x)[1]
+    radii, shares = np.sqrt(0.5 * (1.0 + x)), 1.0 / ((1.0 - x**2) * slope**2)
+    arms = 2 * (count + 2)
+    angles = 2.0 * np.pi * np.arange(arms) / arms
+    points = radii[:, None, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return points.reshape(-1, 2), np.repeat(shares / arms, arms)
+
+
+#: The largest number of rings of `optimise` and `tolerance`, too.
+_RINGS_LIMIT = 1024
+
+
+def _legendre(degree: int, x: Numbers) -> tuple[Numbers, Numbers]:
+    """The Legendre polynomial of a degree from 1 and its derivative (DLMF 18.9.1, 18.9.17)."""
+    before, value = np.ones_like(x), x
+    for n in range(1, degree):
+        before, value = value, ((2 * n + 1) * x * value - n * before) / (n + 1)
+    return value, degree * (before - x * value) / (1.0 - x**2)
+
+
+@dataclass(frozen=True)
+class PupilMeans:
+    """Rays on the image with weights, for means over the pupil: `places` and `slopes` (N, 2) along x and y, `weights`
+    (N,)."""
+
+    places: Numbers
+    slopes: Numbers
+    weights: Numbers
+
+    @classmethod
+    def of(cls, columns: Mapping[str, NDArray[Any]], weights: Numbers) -> Self:
+        """From the columns of rays, whose `id` is the index of their weight."""
+        places = np.stack([columns["x"], columns["y"]], axis=1)
+        slopes = np.stack([columns["x_tilt"], columns["y_tilt"]], axis=1) / columns["z_tilt"][:, None]
+        return cls(places, slopes, weights[columns["id"]] * columns["power"])
+
+    def moved(self, shift: float) -> Self:
+        """The same rays on a plane moved along the axis."""
+        return replace(self, places=self.places + shift * self.slopes)
+
+    def spot(self) -> tuple[int, tuple[float, float], tuple[float, float, float]]:
+        """The number of rays, the centroid, and the RMS radii: of both axes, along x, along y."""
+        centroid = self._mean(self.places)
+        x, y = np.sqrt(self._mean((self.places - centroid) ** 2)).tolist()
+        return len(self.weights), (float(centroid[0]), float(centroid[1])), (float(np.hypot(x, y)), x, y)
+
+    def focal_moments(self) -> Numbers:
+        """The covariance of places and slopes, and the variance of slopes, summed over both axes: the mean square
+        radius on a plane moved by s is a parabola in s with its vertex at - covariance / variance."""
+        places, slopes = self.places - self._mean(self.places), self.slopes - self._mean(self.slopes)
+        return np.array([self._mean(places * slopes).sum(), self._mean(slopes**2).sum()])
+
+    def _mean(self, values: Numbers) -> Numbers:
+        total = float(self.weights.sum())
+        if not total > 0.0:
+            raise _core.RayweaveError("no light arrives at the image: a spot needs at least one ray.")
+        return np.asarray(self.weights @ values / total)
+
+
+def best_shift(moments: Numbers) -> float:
+    """The shift of the image to the smallest mean square radius, from `PupilMeans.focal_moments` or their sum; NaN for
+    parallel rays."""
+    covariance, variance = moments.tolist()
+    return -covariance / variance if variance > 0.0 else float("nan")
