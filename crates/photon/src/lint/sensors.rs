@@ -48,14 +48,15 @@ impl Lint<'_> {
     fn volumes_in_front(&self, volume: &str, skin: usize) -> BTreeSet<String> {
         let own: HashSet<u32> =
             self.optics.volumes.regions.get(volume).into_iter().flatten().copied().collect();
-        let is_own = |(before, after): &(u32, u32)| own.contains(before) || own.contains(after);
-        let contacts = || self.contacts.iter().filter(|(pair, _)| is_own(pair));
+        let is_clear = |region: u32| self.medium(region).is_some_and(|medium| self.has_index(medium));
+        // no light comes from an opaque volume
+        let is_lit =
+            |(before, after): &(u32, u32)| (own.contains(before) || own.contains(after)) && is_clear(*before);
+        let contacts = || self.contacts.iter().filter(|(pair, _)| is_lit(pair));
         if contacts().any(|(_, surfaces)| surfaces.contains(&Some(skin))) {
             return BTreeSet::new();
         }
-        let is_clear = |region: u32| self.medium(region).is_some_and(|medium| self.has_index(medium));
-        let inwards = contacts().map(|(pair, _)| *pair);
-        let inwards = inwards.filter(|(before, after)| own.contains(after) && is_clear(*before));
+        let inwards = contacts().map(|(pair, _)| *pair).filter(|(_, after)| own.contains(after));
         let fronts: HashSet<u32> = inwards.map(|(before, _)| before).collect();
         let is_front = |regions: &Vec<u32>| regions.iter().any(|region| fronts.contains(region));
         let volumes = self.optics.volumes.regions.iter();
