@@ -201,7 +201,7 @@ def test_unknown_endings_are_rejected(tmp_path, model):
         with pytest.raises(rw.RayweaveError, match=r"part.step: the ending names no format.*\.stl"):
             subject.save(tmp_path / "part.step")
     assert list(tmp_path.iterdir()) == []
-    with pytest.raises(rw.RayweaveError, match="drawings are written as .svg"):
+    with pytest.raises(rw.RayweaveError, match="Python writes drawings as .svg"):
         rw.sheet(model, size=(320, 240)).save(tmp_path / "sheet.pdf")
 
 

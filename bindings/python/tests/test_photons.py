@@ -106,13 +106,62 @@ def test_hits_are_columns(bar):
 
 
 def test_no_hits_have_columns_too(bar):
-    run = bar.simulate(rp.point([0, 0, 90], 550), n=10, record="steps")
-    assert run.hits.rows == 0 and run.ends["no_index"] == 10
+    # no volume of the bar is marked as sensitive
+    run = bar.simulate(from_middle(), n=10, record="steps", detect="volume")
+    assert run.hits.rows == 0 and run.ends["detected"] == 0
     assert run.hits.position.shape == (0, 3) and run.hits.to_opticks().shape == (0, 4, 4)
     assert run.hits.to_pandas().empty and run.hits.to_arrow().num_rows == 0
     assert "no hits" in run.hits.plot().svg and "no hits" in run.hits.plot_spectra().svg
     assert run.histories.plot().svg.startswith("<svg ")
     assert bar.simulate(from_middle(), n=0).photons == 0
+
+
+def test_a_source_without_light_is_an_error(bar):
+    for place, reason in (([0, 0, 300], "outside the world"), ([0, 0, 90], "has no RINDEX")):
+        with pytest.raises(RayweaveError, match=reason):
+            bar.simulate(rp.point(place, 550), n=10)
+        with pytest.raises(RayweaveError, match=reason):
+            bar.stream(rp.point(place, 550), n=10)
+
+
+def test_sensors_have_equal_numbers_in_all_runs():
+    placed = '<physvol name="diode"><volumeref ref="Diode"/><position name="p" z="50.5" unit="mm"/></physvol>'
+    low = '<physvol name="low"><volumeref ref="Diode"/><position name="q" z="-50.5" unit="mm"/></physvol>'
+    dark = '<physvol name="dark"><volumeref ref="Diode"/><position name="r" z="80" unit="mm"/></physvol>'
+    border = '<bordersurface name="end" surfaceproperty="Cathode"><physvolref ref="bar"/><physvolref ref="diode"/></bordersurface>'
+    text = BAR.replace(placed, placed + low + dark).replace(border, border + border.replace('"end"', '"other"').replace('"diode"', '"low"'))
+    detector = rp.loads(text)
+    paths = ["Diode[0]", "Diode[1]", "Diode[2]"]
+    runs = list(detector.stream(from_middle(), n=300, chunk=10, seed=3))
+    assert all(run.hits.sensor_paths == paths for run in runs)
+    # the first hits are on different sensors
+    assert {run.hits["sensor"][0] for run in runs if run.hits.rows} == {0, 1}
+    for run in runs:
+        # copy 0 is at z = 50
+        assert ((run.hits["sensor"] == 0) == (run.hits.position[:, 2] > 0)).all()
+    whole = detector.simulate(from_middle(), n=300, seed=3).hits
+    assert np.array_equal(whole["sensor"], np.concatenate([run.hits["sensor"] for run in runs]))
+    counts = whole.counts()
+    assert list(counts) == paths and counts["Diode[2]"] == 0 and sum(counts.values()) == whole.rows
+
+
+def test_maps_have_a_number_of_cells(bar):
+    hits = bar.simulate(from_middle(), n=2000).hits
+    assert hits.plot(bins=1).svg.count("M") < hits.plot(bins=20).svg.count("M")
+    with pytest.raises(RayweaveError, match="bins is 0: it must be at least 1"):
+        hits.plot(bins=0)
+
+
+def test_whole_floats_and_warnings(bar):
+    assert bar.simulate(from_middle(), 1e2).photons == 100
+    with pytest.raises(TypeError, match="n is 1.5: it must be a whole number"):
+        bar.simulate(from_middle(), 1.5)
+    with pytest.warns(UserWarning, match="look like eV"):
+        detector = rp.loads(BAR.replace("1.5*eV 1.79 4*eV 1.79", "1.5 1.79 4 1.79"))
+    assert any("look like eV" in text for text in detector.warnings)
+    sensor = '<solidref ref="DiodeBox"/>'
+    marked = BAR.replace(sensor, sensor + '<auxiliary auxtype="SensDet" auxvalue="d"/>')
+    assert str(rp.loads(marked).check()) == "no findings"
 
 
 def test_the_layout_of_opticks(bar):

@@ -30,3 +30,7 @@ BALL = rw.Model({"a": rw.sphere(1)})
 def test_the_argument_is_named(call: Callable[[], Any], kind: type[Exception], message: str) -> None:
     with pytest.raises(kind, match=message):
         call()
+
+
+def test_floats_that_are_whole_are_accepted() -> None:
+    assert rw.measure(BALL, seed=3.0, most_rays=1e4).rays == rw.measure(BALL, seed=3, most_rays=10_000).rays

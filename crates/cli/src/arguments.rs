@@ -257,6 +257,18 @@ pub fn range(text: &str) -> Result<Range<u64>, String> {
     }
 }
 
+/// A whole number, also as `1e5`.
+pub fn whole_number(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let in_full = || {
+        let value: f64 = text.parse().ok()?;
+        // whole numbers up to 2^53 are exact
+        (value.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&value)).then_some(value as u64)
+    };
+    let problem = || "give a whole number, as 100000 or 1e5".to_owned();
+    text.parse().ok().or_else(in_full).ok_or_else(problem)
+}
+
 /// A hash of a value by its debug output, which has all digits of its numbers.
 pub fn debug_hash(value: &impl fmt::Debug) -> String {
     let mut hash = ContentHash::new();

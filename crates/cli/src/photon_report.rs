@@ -9,6 +9,9 @@ use std::time::Duration;
 /// The name that reports use for interfaces without an optical surface.
 const BARE: &str = "(none)";
 
+/// The number of photons from which a run without hits is remarkable.
+const MANY: u64 = 100;
+
 /// The results of a run.
 pub struct PhotonReport {
     /// The counts of the run, and its hits if they are kept.
@@ -65,6 +68,26 @@ impl PhotonReport {
             histories.sequences = Vec::new();
             counts.append(histories);
         }
+    }
+
+    /// Remarks about a run that probably does not answer the question of its user.
+    pub fn remarks(&self, model: &str) -> Vec<String> {
+        let photons = self.run.photons;
+        let mut remarks = Vec::new();
+        if self.hits == 0 && photons >= MANY {
+            remarks.push(format!(
+                "note: no photon is detected. `rayweave check {model}` reports surfaces and sensors that detect nothing."
+            ));
+        }
+        let stopped = *self.run.ends.get(&End::StepLimit).unwrap_or(&0);
+        if 2 * stopped > photons {
+            let part = self.percent(stopped);
+            remarks.push(format!(
+                "note: {part} % of the photons are stopped by the limit of steps: their light is never absorbed. Check the \
+                 absorption lengths and REFLECTIVITY, or raise --max-steps."
+            ));
+        }
+        remarks
     }
 
     pub fn as_json(&self) -> Value {

@@ -15,21 +15,33 @@ pub struct Entry {
     pub name: String,
     /// The paint of the swatch.
     pub colour: String,
-    /// True for a line, false for an area.
-    pub is_line: bool,
+    /// The shape of the swatch.
+    pub swatch: Swatch,
+}
+
+/// The shape of a swatch.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Swatch {
+    Line,
+    Area,
+    /// A circle, as points are marked.
+    Mark,
 }
 
 /// Draws entries in rows below a height. Returns the height of a drawing that ends below them.
 pub fn draw(svg: &mut Svg, entries: &[Entry], from: f64, width: f64) -> f64 {
     let (mut x, mut y) = (MARGIN, from);
-    for Entry { name, colour, is_line } in entries {
+    for Entry { name, colour, swatch } in entries {
         let wide = 24.0 + LETTER * name.chars().count() as f64 + 18.0;
         if x + wide > width - MARGIN && x > MARGIN {
             (x, y) = (MARGIN, y + ROW);
         }
         let fill = format!(r#" fill="{colour}""#);
-        let (height, top) = if *is_line { (2.5, y - 5.5) } else { (11.0, y - 9.5) };
-        svg.rectangle("swatch", [x, top, 16.0, height], &fill);
+        match swatch {
+            Swatch::Line => svg.rectangle("swatch", [x, y - 5.5, 16.0, 2.5], &fill),
+            Swatch::Area => svg.rectangle("swatch", [x, y - 9.5, 16.0, 11.0], &fill),
+            Swatch::Mark => svg.circle("mark", [x + 8.0, y - 4.0], 3.0, ""),
+        }
         svg.text("tick", [x + 22.0, y], Anchor::Start, name, name);
         x += wide;
     }
@@ -57,7 +69,7 @@ impl Wavelengths {
         let entry = |nm: f64| Entry {
             name: format!("{} nm", format_number(nm, 0.1)),
             colour: wavelength_paint(nm),
-            is_line: true,
+            swatch: Swatch::Line,
         };
         few.into_iter().map(entry).collect()
     }

@@ -21,7 +21,7 @@ fn maps_are_drawn_in_the_plane_of_the_hits() {
     let x = vec![5.0; 102];
     let sensors: Vec<u32> = (0..102).map(|k| u32::from(k >= 100)).collect();
     let names = ["wide".to_owned(), "small".to_owned(), "dark".to_owned()];
-    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z] };
+    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("102 hits of 2 sensors") && !drawing.contains(">dark<"), "{drawing}");
     for (panel, part) in
@@ -43,19 +43,25 @@ fn of_many_sensors_those_with_the_most_hits_have_maps() {
     let y: Vec<f64> = x.iter().map(|x| 7.0 * x % 13.0).collect();
     let z = vec![0.0; x.len()];
     let names: Vec<String> = (0..12).map(|k| format!("sensor {k}")).collect();
-    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z] };
+    let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None };
     let drawing = hit_maps_svg(hits, "a", "mm");
     assert!(drawing.contains("78 hits of 12 sensors; the 8 sensors with the most hits"), "{drawing}");
     for k in 0..12 {
         assert_eq!(drawing.contains(&format!(">sensor {k}<")), k >= 4, "{k}");
     }
+    // in the order of their numbers
+    let places: Vec<usize> = (4..12).filter_map(|k| drawing.find(&format!(">sensor {k}<"))).collect();
+    assert!(places.is_sorted(), "{places:?}");
+    let coarse = hit_maps_svg(HitPositions { cells: Some(1), ..hits }, "a", "mm");
+    assert!(coarse.matches("class=\"cell\"").count() < drawing.matches("class=\"cell\"").count());
 }
 
 #[test]
 fn no_hits() {
-    let hits = HitPositions { names: &[], sensors: &[], positions: [&[]; 3] };
+    let hits = HitPositions { names: &[], sensors: &[], positions: [&[]; 3], cells: None };
     assert!(hit_maps_svg(hits, "a", "mm").contains("no hits"));
-    assert!(histograms_svg(&[histogram("time", &[])], "hits").contains("no hits"));
+    let empty = histograms_svg(&[histogram("time", &[])], "hits");
+    assert!(empty.contains("no hits") && !empty.contains("class=\"axis\""), "{empty}");
 }
 
 /// Bins of a width of 0.2 with 20 values each, up to 10; one value is beyond the axis.

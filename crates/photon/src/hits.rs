@@ -105,6 +105,12 @@ impl Hits {
         self.volumes.renumber(&mut self.sensor);
     }
 
+    /// Numbers the sensors in the order of the detector ([`Detector::sensor_paths`]), with those without hits: equal numbers in all
+    /// runs. The numbers are otherwise in the order of the hits.
+    pub fn number_by(&mut self, detector: &Detector) {
+        self.volumes.renumber_by(detector.sensor_paths(), &mut self.sensor);
+    }
+
     /// Appends other hits.
     pub fn append(&mut self, mut other: Hits) {
         self.append_gensteps(other.genstep.take(), other.len());

@@ -182,3 +182,10 @@ pub struct OpticalSurface {
     /// The film of a coated surface.
     pub coating: Option<Coating>,
 }
+
+impl OpticalSurface {
+    /// True if photons that the surface absorbs can be detected.
+    pub(crate) fn detects(&self) -> bool {
+        self.efficiency.as_ref().is_some_and(|table| table.values().iter().any(|value| *value > 0.0))
+    }
+}

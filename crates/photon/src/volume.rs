@@ -6,7 +6,7 @@ use rayweave_scene::bare_name;
 use std::collections::HashMap;
 
 /// The copy number of a volume whose placements have no numbers.
-const NO_COPY: i64 = -1;
+pub(crate) const NO_COPY: i64 = -1;
 
 /// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
 /// or of a volume placed in it, as crossings at the ends of a step through the volume have it.
@@ -95,6 +95,17 @@ impl VolumePaths {
             let old = *number as usize;
             *number = *numbers[old].get_or_insert_with(|| ordered.insert(&self.names[old], self.copies[old]));
         }
+        *self = ordered;
+    }
+
+    /// Numbers the paths in a given order, those that it lacks behind them, and replaces the numbers.
+    pub fn renumber_by(&mut self, order: &[(String, i64)], used: &mut [u32]) {
+        let mut ordered = VolumePaths::default();
+        for (path, copy) in order {
+            ordered.insert(path, *copy);
+        }
+        let numbers = ordered.absorb(self);
+        used.iter_mut().for_each(|number| *number = numbers[*number as usize]);
         *self = ordered;
     }
 

@@ -7,8 +7,22 @@ use crate::Rgba;
 ///
 /// Uses the CIE 1931 colour matching functions in the approximation of C. Wyman, P.-P. Sloan and P. Shirley,
 /// *Simple Analytic Approximations to the CIE XYZ Color Matching Functions*, JCGT 2, 2 (2013), and the
-/// primaries of sRGB (IEC 61966-2-1).
+/// primaries of sRGB (IEC 61966-2-1). The hue is constant below 405 nm and above 680 nm, where that of the approximation turns back.
 pub fn wavelength_colour(wavelength_nm: f64) -> Rgba {
+    let strongest = |light: [f64; 3]| light[0].max(light[1]).max(light[2]);
+    let visible = strongest(linear_light(wavelength_nm));
+    if visible.is_nan() || visible < FAINT {
+        return Rgba::opaque(110, 110, 110);
+    }
+    let light = linear_light(wavelength_nm.clamp(HUES[0], HUES[1]));
+    Rgba::from(light.map(|channel| encoded(channel / strongest(light))))
+}
+
+/// The range of wavelengths in nm with hues of their own.
+const HUES: [f64; 2] = [405.0, 680.0];
+
+/// The linear channels of the light of a wavelength, without negative parts.
+fn linear_light(wavelength_nm: f64) -> [f64; 3] {
     let lobe = |mean: f64, left: f64, right: f64| {
         let width = if wavelength_nm < mean { left } else { right };
         libm::exp(-0.5 * ((wavelength_nm - mean) * width).powi(2))
@@ -21,13 +35,8 @@ pub fn wavelength_colour(wavelength_nm: f64) -> Rgba {
         3.2406 * x - 1.5372 * y - 0.4986 * z,
         -0.9689 * x + 1.8758 * y + 0.0415 * z,
         0.0557 * x - 0.2040 * y + 1.0570 * z,
-    ]
-    .map(|channel| channel.max(0.0));
-    let brightest = light[0].max(light[1]).max(light[2]);
-    if brightest.is_nan() || brightest < FAINT {
-        return Rgba::opaque(110, 110, 110);
-    }
-    Rgba::from(light.map(|channel| encoded(channel / brightest)))
+    ];
+    light.map(|channel| channel.max(0.0))
 }
 
 /// Below this value light is treated as invisible.
@@ -58,6 +67,14 @@ mod tests {
         assert!(yellow.red > 200 && yellow.green > 200 && yellow.blue < 60);
         let red = colour(650.0);
         assert!(red.red == 255 && red.green < 60 && red.blue < 60);
+        // the ends are violet and red
+        for nm in [370.0, 380.0, 390.0, 400.0] {
+            let violet = colour(nm);
+            assert!(violet.blue == 255 && violet.green == 0 && violet.red > 100, "{nm} {violet:?}");
+        }
+        for nm in [680.0, 690.0, 700.0, 710.0] {
+            assert_eq!(colour(nm), Rgba::opaque(255, 0, 0), "{nm}");
+        }
         for invisible in [1064.0, 200.0, 1e5, f64::NAN] {
             assert_eq!(colour(invisible), Rgba::opaque(110, 110, 110), "{invisible}");
         }

@@ -1,6 +1,6 @@
 """
-A Cerenkov ring
-===============
+A Cerenkov (Cherenkov) ring
+===========================
 
 A genstep describes a piece of the track of a charged particle. Its Cerenkov photons leave on a cone, which makes a ring on a
 screen.

@@ -963,6 +963,10 @@ class CompiledDetector:
         """Warnings of the reader of the file."""
 
     @property
+    def energy_warnings(self) -> list[str]:
+        """The energies that are not those of light, one sentence each."""
+
+    @property
     def notes(self) -> list[str]:
         """The ignored properties and surfaces, one sentence each."""
 
@@ -1066,13 +1070,13 @@ class PhotonHits:
 
     @property
     def sensor_paths(self) -> list[str]:
-        """The paths of the sensors with hits."""
+        """The paths of the sensors, in the order of their placements."""
 
     def save(self, path: str | PathLike[str]) -> None:
         """Writes the table of hits of the command: .csv, .npy or .parquet."""
 
-    def map_svg(self, title: str) -> str:
-        """Maps of the hits of each sensor as SVG."""
+    def map_svg(self, title: str, cells: int | None = None) -> str:
+        """Maps of the hits of each sensor as SVG, with a number of cells along their longer side."""
 
     def spectra_svg(self, title: str) -> str:
         """Spectra of times and wavelengths as SVG."""

@@ -43,7 +43,12 @@ class Drawing:
         """Writes the drawing to a file (.svg)."""
         ending = Path(path).suffix.lower()
         if ending != ".svg":
-            raise _core.RayweaveError(f"cannot write {path}: drawings are written as .svg, not as '{ending}'.")
+            advice = "Save it as .svg."
+            if ending in (".png", ".pdf", ".jpg", ".jpeg"):
+                advice = f"Save it as .svg and convert it; the commands of `rayweave` that draw also write {ending}."
+            raise _core.RayweaveError(
+                f"cannot write {path}: Python writes drawings as .svg, not as '{ending}'. {advice}"
+            )
         Path(path).write_text(self.svg, encoding="utf-8")
 
     def show(self) -> None:

@@ -9,7 +9,9 @@ from rayweave import _core
 
 
 def whole(value: Any, name: str, least: int = 0, bits: int = 64) -> int:
-    """A whole number of at most `bits` bits."""
+    """A whole number of at most `bits` bits, also as a float such as 1e5."""
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
     try:
         number = operator.index(value)
     except TypeError:

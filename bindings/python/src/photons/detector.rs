@@ -123,6 +123,12 @@ impl PyDetector {
         self.warnings.clone()
     }
 
+    /// The energies that are not those of light, one sentence each.
+    #[getter]
+    fn energy_warnings(&self) -> Vec<String> {
+        self.parts.detector.warnings().to_vec()
+    }
+
     /// The ignored properties and surfaces, one sentence each.
     #[getter]
     fn notes(&self) -> Vec<String> {

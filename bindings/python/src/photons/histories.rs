@@ -132,7 +132,9 @@ impl PyHistories {
                 plane,
             );
             let points = self.histories.detections().map(|row| row.position);
-            layout.map(|layout| layout.with_marks("detected", points).to_svg(title, "mm"))
+            let sensors = detector.sensors().map(|(region, _)| region);
+            layout
+                .map(|layout| layout.with_sensors(sensors).with_marks("detected", points).to_svg(title, "mm"))
         };
         py.detach(draw).map_err(bad_value)
     }

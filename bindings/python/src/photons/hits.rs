@@ -50,7 +50,7 @@ impl PyPhotonHits {
         Ok(table)
     }
 
-    /// The paths of the sensors with hits.
+    /// The paths of the sensors, in the order of their placements.
     #[getter]
     fn sensor_paths(&self) -> Vec<String> {
         self.0.paths().to_vec()
@@ -67,11 +67,12 @@ impl PyPhotonHits {
         py.detach(write).map_err(bad_value)
     }
 
-    /// Maps of the hits of each sensor as SVG.
-    #[pyo3(signature = (title))]
-    fn map_svg(&self, py: Python<'_>, title: &str) -> String {
+    /// Maps of the hits of each sensor as SVG, with a number of cells along their longer side.
+    #[pyo3(signature = (title, cells = None))]
+    fn map_svg(&self, py: Python<'_>, title: &str, cells: Option<usize>) -> String {
         let [x, y, z] = &self.0.position;
-        let hits = HitPositions { names: self.0.paths(), sensors: &self.0.sensor, positions: [x, y, z] };
+        let (names, sensors) = (self.0.paths(), &self.0.sensor);
+        let hits = HitPositions { names, sensors, positions: [x, y, z], cells };
         py.detach(|| hit_maps_svg(hits, title, "mm"))
     }
 

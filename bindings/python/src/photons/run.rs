@@ -30,11 +30,12 @@ pub struct PyPhotonRun {
 
 impl PyPhotonRun {
     pub fn new(
-        run: PhotonRun,
+        mut run: PhotonRun,
         histories: Option<Histories>,
         duration: Duration,
         detector: Arc<DetectorParts>,
     ) -> PyResult<PyPhotonRun> {
+        run.hits.number_by(&detector.detector);
         let count = |end: &End| (end.name(), run.ends.get(end).copied().unwrap_or(0));
         let ends = End::ALL.iter().map(count).collect();
         Python::attach(|py| {

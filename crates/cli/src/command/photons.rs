@@ -3,7 +3,7 @@
 use super::photon_compare::PhotonCompare;
 use super::photon_source::SourceArguments;
 use super::photon_tables::SurfaceTableArguments;
-use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash};
+use crate::arguments::{GlobalArguments, ModelArguments, PartArguments, debug_hash, whole_number};
 use crate::drawing;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -57,7 +57,7 @@ pub struct Simulation {
     source: SourceArguments,
 
     /// Number of photons [default: 10000, or all photons of --gensteps or --photons]
-    #[arg(short = 'n', long, value_name = "N")]
+    #[arg(short = 'n', long, value_name = "N", value_parser = whole_number)]
     count: Option<u64>,
 
     #[command(flatten)]
@@ -222,6 +222,7 @@ impl Simulation {
                 terminal::note(text);
             }
         };
+        detector.warnings().iter().for_each(|text| terminal::caution(text));
         detector.notes().iter().for_each(|text| note(text));
         let evaluator = Packets::new(detector.program().clone());
         let source = self.source.source(&detector, &evaluator, note)?;
@@ -245,7 +246,11 @@ impl Simulation {
         if let Some(text) = check_start(&detector, &evaluator, &source, &settings)? {
             note(&text);
         }
-        let report = self.simulate(global, (&detector, &source), &settings, &parts)?;
+        let mut report = self.simulate(global, (&detector, &source), &settings, &parts)?;
+        report.remarks(&self.model.name()).iter().for_each(|text| note(text));
+        if self.map.is_some() {
+            report.run.hits.number_by(&detector);
+        }
         self.draw_tracks(&detector, &source, &settings)?;
         self.draw_hits(&report.run.hits)?;
         match () {
@@ -345,6 +350,7 @@ impl Simulation {
         })?;
         let medium = |region| detector.medium(region);
         let layout = OpticalLayout::of_light(&evaluator, medium, histories.to_segments(), self.plane)?;
+        let layout = layout.with_sensors(detector.sensors().map(|(region, _)| region));
         let layout = layout.with_marks("detected", histories.detections().map(|row| row.position));
         drawing::save(path, &layout.to_svg(&self.model.name(), "mm"), &self.model.name())
     }
@@ -353,7 +359,8 @@ impl Simulation {
         let name = self.model.name();
         if let Some(path) = &self.map {
             let [x, y, z] = &hits.position;
-            let hits = HitPositions { names: hits.paths(), sensors: &hits.sensor, positions: [x, y, z] };
+            let (names, sensors) = (hits.paths(), &hits.sensor);
+            let hits = HitPositions { names, sensors, positions: [x, y, z], cells: None };
             drawing::save(path, &hit_maps_svg(hits, &name, "mm"), &name)?;
         }
         let Some(path) = &self.spectra else { return Ok(()) };

@@ -72,6 +72,12 @@ pub fn histograms_svg(histograms: &[Histogram<'_>], title: &str) -> String {
 fn draw(histogram: &Histogram<'_>, [left, top]: [f64; 2], svg: &mut Svg) {
     let Histogram { name, unit, is_wavelength, .. } = *histogram;
     let values: Vec<f64> = histogram.values.iter().copied().filter(|value| value.is_finite()).collect();
+    let subtitle_at = [left + MARGIN - LEFT, top - 34.0];
+    if values.is_empty() {
+        // axes without values would have numbers of no meaning
+        let text = format!("{name}: no hits");
+        return svg.text("tick", subtitle_at, Anchor::Start, &text, &text);
+    }
     let bins = Bins::new(&values);
     let highest = bins.counts.iter().copied().max().unwrap_or(0).max(1) as f64;
     let (right, bottom) = (left + WIDTH, top + HEIGHT);
@@ -86,13 +92,10 @@ fn draw(histogram: &Histogram<'_>, [left, top]: [f64; 2], svg: &mut Svg) {
     let width = format!("hits per {} {unit}", format_number(bins.width, 1e-3 * bins.width));
     panel_axes(svg, [&across, &up], [&format!("{name} / {unit}"), &width]);
     let subtitle = subtitle(&values, unit, bins.beyond);
-    svg.text("tick", [left + MARGIN - LEFT, top - 34.0], Anchor::Start, &subtitle, &subtitle);
+    svg.text("tick", subtitle_at, Anchor::Start, &subtitle, &subtitle);
 }
 
 fn subtitle(values: &[f64], unit: &str, beyond: usize) -> String {
-    if values.is_empty() {
-        return "no hits".to_owned();
-    }
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let square = values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>();
     let deviation = (square / values.len() as f64).sqrt();

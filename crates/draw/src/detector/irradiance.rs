@@ -13,7 +13,7 @@ const LEVELS: usize = 128;
 
 pub(super) const STYLE: &str = ".cell { stroke: none; shape-rendering: crispEdges }\n";
 
-/// Draws a map of irradiance: a colour for each cell, from black for no light to white for the maximum, with a colour bar.
+/// Draws a map of irradiance: a colour for each cell, from dark blue for no light to yellow for the maximum, with a colour bar.
 /// Irradiance is in the unit of power of the sources per square of `unit`, the unit of lengths.
 ///
 /// ```
@@ -27,7 +27,7 @@ pub(super) const STYLE: &str = ".cell { stroke: none; shape-rendering: crispEdge
 pub fn irradiance_svg(map: &IrradianceMap, name: &str, unit: &str) -> String {
     let chart = Chart::new(map.lo, map.hi);
     let mut svg = Svg::default();
-    draw_cells(map, map.peak(), &chart, &mut svg);
+    draw_cells((map.columns, &map.values), map.peak(), &chart, &mut svg);
     let (title, subtitle) = (format!("Irradiance: {name}"), subtitle(map));
     chart.draw(&mut svg, [&title, &subtitle], unit);
     let label = format!("power / {unit}\u{b2}");
@@ -41,14 +41,16 @@ fn subtitle(map: &IrradianceMap) -> String {
     format!("power {power} on {} \u{d7} {} cells", map.columns, map.rows())
 }
 
-/// Draws all cells of the same colour as one path; `peak` has the brightest colour.
-pub(super) fn draw_cells(map: &IrradianceMap, peak: f64, chart: &Chart, svg: &mut Svg) {
+/// Draws all cells of the same colour as one path: the number of columns, and the values row by row from the bottom. `peak` has the
+/// brightest colour.
+pub(super) fn draw_cells((columns, values): (usize, &[f64]), peak: f64, chart: &Chart, svg: &mut Svg) {
     let mut paths: BTreeMap<usize, String> = BTreeMap::new();
     let [_, top, width, height] = chart.frame();
-    let (w, h) = (width / map.columns as f64, height / map.rows() as f64);
-    for (k, &value) in map.values.iter().enumerate() {
+    let rows = values.len() / columns;
+    let (w, h) = (width / columns as f64, height / rows as f64);
+    for (k, &value) in values.iter().enumerate() {
         let level = (value / peak * (LEVELS - 1) as f64).round() as usize;
-        let (column, row) = (k % map.columns, map.rows() - 1 - k / map.columns);
+        let (column, row) = (k % columns, rows - 1 - k / columns);
         let [x, end] = [column, column + 1].map(|c| Pixels(chart.x.start + c as f64 * w));
         let [y, low] = [row, row + 1].map(|r| Pixels(top + r as f64 * h));
         // writing to a string cannot fail
@@ -84,20 +86,31 @@ pub(super) fn draw_colour_bar(
 }
 
 fn level_paint(level: usize) -> String {
-    paint(cubehelix(level as f64 / (LEVELS - 1) as f64))
+    paint(viridis(level as f64 / (LEVELS - 1) as f64))
 }
 
-/// Colours from black to white with evenly increasing perceived lightness: D. A. Green, *A colour scheme for the display of
-/// astronomical intensity images*, Bull. Astron. Soc. India 39, 289 (2011), with start 0.5, -1.5 rotations, hue 1, gamma 1.
-fn cubehelix(part: f64) -> Rgba {
-    let angle = std::f64::consts::TAU * (0.5 / 3.0 + 1.0 - 1.5 * part);
-    let amplitude = 0.5 * part * (1.0 - part);
-    let (cos, sin) = (libm::cos(angle), libm::sin(angle));
-    let channel = |c: f64, s: f64| {
-        let level = part + amplitude * (c * cos + s * sin);
-        (255.0 * level.clamp(0.0, 1.0)).round() as u8
-    };
-    Rgba::opaque(channel(-0.148_61, 1.782_77), channel(-0.292_27, -0.906_49), channel(1.972_94, 0.0))
+/// Equidistant colours of the scale viridis (S. van der Walt and N. Smith, Matplotlib 1.5, 2015; public domain).
+const VIRIDIS: [[u8; 3]; 10] = [
+    [0x44, 0x01, 0x54],
+    [0x48, 0x28, 0x78],
+    [0x3e, 0x4a, 0x89],
+    [0x31, 0x68, 0x8e],
+    [0x26, 0x82, 0x8e],
+    [0x1f, 0x9e, 0x89],
+    [0x35, 0xb7, 0x79],
+    [0x6d, 0xcd, 0x59],
+    [0xb4, 0xde, 0x2c],
+    [0xfd, 0xe7, 0x25],
+];
+
+/// Colours of evenly increasing perceived lightness, from dark blue to yellow, so that noise does not change the hue much: viridis,
+/// linear between ten of its colours.
+fn viridis(part: f64) -> Rgba {
+    let last = VIRIDIS.len() - 1;
+    let at = part.clamp(0.0, 1.0) * last as f64;
+    let k = (at as usize).min(last - 1);
+    let between = |from: u8, to: u8| f64::from(from) + (at - k as f64) * (f64::from(to) - f64::from(from));
+    Rgba::from([0, 1, 2].map(|c| between(VIRIDIS[k][c], VIRIDIS[k + 1][c]).round() as u8))
 }
 
 #[cfg(test)]
@@ -110,18 +123,25 @@ mod tests {
         assert!(irradiance_svg(&IrradianceBins::default().finish(8), "a", "mm").contains("<svg "));
     }
 
-    /// The values of the paper's scheme at its ends and in the middle, where the hue is start + rotations / 2.
+    /// The lightness L* of CIE 1976 rises evenly along the scale, within 3 of 100.
     #[test]
-    fn the_colours_of_the_scheme() {
-        assert_eq!(cubehelix(0.0), Rgba::opaque(0, 0, 0));
-        assert_eq!(cubehelix(1.0), Rgba::opaque(255, 255, 255));
-        let lightness = |part: f64| {
-            let c = cubehelix(part);
-            0.30 * f64::from(c.red) + 0.59 * f64::from(c.green) + 0.11 * f64::from(c.blue)
+    fn the_colours_of_the_scale() {
+        assert_eq!(viridis(0.0), Rgba::opaque(68, 1, 84));
+        assert_eq!(viridis(1.0), Rgba::opaque(253, 231, 37));
+        let linear = |level: u8| {
+            let part = f64::from(level) / 255.0;
+            if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) }
         };
-        for k in 0..=20 {
-            let part = f64::from(k) / 20.0;
-            assert!((lightness(part) / 255.0 - part).abs() < 0.01, "{part} {}", lightness(part));
+        let lightness = |part: f64| {
+            let c = viridis(part);
+            let y = 0.2126 * linear(c.red) + 0.7152 * linear(c.green) + 0.0722 * linear(c.blue);
+            if y > 0.008_856 { 116.0 * y.cbrt() - 16.0 } else { 903.3 * y }
+        };
+        let [low, high] = [0.0, 1.0].map(lightness);
+        for k in 0..=40 {
+            let part = f64::from(k) / 40.0;
+            let even = low + part * (high - low);
+            assert!((lightness(part) - even).abs() < 3.0, "{part} {} {even}", lightness(part));
         }
     }
 }

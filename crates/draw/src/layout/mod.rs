@@ -89,6 +89,7 @@ struct Part {
     name: String,
     /// The medium of the region, `None` if it is opaque.
     medium: Option<String>,
+    is_sensor: bool,
     contours: Vec<Vec<[f64; 2]>>,
 }
 
@@ -176,6 +177,16 @@ impl OpticalLayout {
         self
     }
 
+    /// Draws the regions with these names as sensors, in a colour of their own.
+    #[must_use]
+    pub fn with_sensors<'n>(mut self, names: impl IntoIterator<Item = &'n str>) -> OpticalLayout {
+        for name in names {
+            let own = self.parts.iter_mut().filter(|part| part.name == name);
+            own.for_each(|part| part.is_sensor = true);
+        }
+        self
+    }
+
     /// The layout as SVG. `unit` is the unit of length.
     pub fn to_svg(&self, title: &str, unit: &str) -> String {
         svg::drawing(self, title, unit)
@@ -195,7 +206,8 @@ impl OpticalLayout {
         for (number, region) in (1..).zip(evaluator.program().regions()) {
             let number = RegionId(number);
             let contours = found.contours(number);
-            self.parts.push(Part { name: region.name.clone(), medium: medium(number), contours });
+            let (name, medium) = (region.name.clone(), medium(number));
+            self.parts.push(Part { name, medium, is_sensor: false, contours });
         }
         Ok(())
     }

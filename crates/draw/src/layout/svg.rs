@@ -1,7 +1,7 @@
 //! A layout as SVG.
 
 use super::{FAINTEST, OpticalLayout, Part, RayColour};
-use crate::legend::{self, Entry, Wavelengths};
+use crate::legend::{self, Entry, Swatch, Wavelengths};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Pixels, Svg, paint};
 use rayweave_math::Vec3;
@@ -37,6 +37,8 @@ const STYLE: &str = "\
 const MEDIA: [&str; 7] = ["#cfe4f4", "#f6e4c8", "#d3ecd6", "#e6d9ee", "#f7d9d4", "#d2eeea", "#ecebc4"];
 /// The fill of opaque regions.
 const OPAQUE: &str = "#b9c0c8";
+/// The fill of sensors.
+const SENSOR: &str = "#f0b84a";
 
 /// The number of segments above which lines of dense light are thinner.
 const DENSE: f64 = 150.0;
@@ -76,8 +78,10 @@ fn description(layout: &OpticalLayout) -> String {
 /// The media in the section with their fills, in the order of the parts.
 fn media(parts: &[Part]) -> Vec<(&str, &'static str)> {
     let mut found: Vec<(&str, &'static str)> = Vec::new();
-    for name in
-        parts.iter().filter(|part| !part.contours.is_empty()).filter_map(|part| part.medium.as_deref())
+    for name in parts
+        .iter()
+        .filter(|part| !part.contours.is_empty() && !part.is_sensor)
+        .filter_map(|part| part.medium.as_deref())
     {
         if found.iter().all(|(known, _)| *known != name) {
             found.push((name, MEDIA[found.len() % MEDIA.len()]));
@@ -110,7 +114,7 @@ impl<'a> Drawing<'a> {
 
     fn fill(&mut self, part: &Part, media: &[(&str, &'static str)]) {
         let own = media.iter().find(|(name, _)| part.medium.as_deref() == Some(name));
-        let fill = own.map_or(OPAQUE, |(_, fill)| fill);
+        let fill = if part.is_sensor { SENSOR } else { own.map_or(OPAQUE, |(_, fill)| fill) };
         let path: String = part.contours.iter().map(|contour| self.plan.path(contour, true)).collect();
         if !path.is_empty() {
             self.svg.path("glass", path, &format!(r#" fill="{fill}""#));
@@ -227,11 +231,15 @@ impl<'a> Drawing<'a> {
         let patch = |name: &str, colour: &str| Entry {
             name: name.to_owned(),
             colour: colour.to_owned(),
-            is_line: false,
+            swatch: Swatch::Area,
         };
         let mut entries: Vec<Entry> = media.iter().map(|(name, fill)| patch(name, fill)).collect();
-        let is_opaque = |part: &Part| part.medium.is_none() && !part.contours.is_empty();
-        entries.extend(self.layout.parts.iter().any(is_opaque).then(|| patch("opaque", OPAQUE)));
+        let has = |wanted: &dyn Fn(&Part) -> bool| {
+            self.layout.parts.iter().any(|part| !part.contours.is_empty() && wanted(part))
+        };
+        let is_opaque = |part: &Part| part.medium.is_none() && !part.is_sensor;
+        entries.extend(has(&is_opaque).then(|| patch("opaque", OPAQUE)));
+        entries.extend(has(&|part| part.is_sensor).then(|| patch("sensor", SENSOR)));
         entries.extend(match self.layout.colour {
             RayColour::Wavelength => {
                 Wavelengths::new(self.layout.segments.wavelength_nm.iter().copied()).entries()
@@ -241,7 +249,7 @@ impl<'a> Drawing<'a> {
         entries.extend(self.layout.marks.iter().map(|(name, points)| Entry {
             name: format!("{name}: {}", points.len()),
             colour: MARK.to_owned(),
-            is_line: true,
+            swatch: Swatch::Mark,
         }));
         let top = self.plan.bottom + self.bar() + ROW;
         legend::draw(&mut self.svg, &entries, top, WIDTH)
@@ -274,7 +282,7 @@ fn tangents(segments: &Segments) -> Vec<Option<Vec3>> {
 
 fn sources(count: usize) -> Vec<Entry> {
     let entry =
-        |k: u32| Entry { name: format!("source {k}"), colour: paint(source_colour(k)), is_line: true };
+        |k: u32| Entry { name: format!("source {k}"), colour: paint(source_colour(k)), swatch: Swatch::Line };
     (0..count.min(5) as u32).map(entry).collect()
 }
 

@@ -3,7 +3,7 @@
 use super::{PictureOptions, arrange};
 use crate::DrawError;
 use crate::axis::{format_number, round_step};
-use crate::legend::{self, Entry};
+use crate::legend::{self, Entry, Swatch};
 use crate::svg::{Anchor, INK, Svg, paint};
 use rayweave_error::Message;
 use rayweave_model::{Evaluator, memory};
@@ -275,5 +275,5 @@ fn entry(name: String, colour: Rgba) -> Entry {
     let opacity = colour.opacity();
     let level = |channel: u8| (255.0 + opacity * (f32::from(channel) - 255.0)) as u8;
     let Rgba { red, green, blue, .. } = colour;
-    Entry { name, colour: paint(Rgba::from([red, green, blue].map(level))), is_line: false }
+    Entry { name, colour: paint(Rgba::from([red, green, blue].map(level))), swatch: Swatch::Area }
 }

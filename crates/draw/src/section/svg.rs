@@ -1,7 +1,7 @@
 //! Cross-sections as SVG.
 
 use super::{dimension, hatch};
-use crate::legend::{self, Entry};
+use crate::legend::{self, Entry, Swatch};
 use crate::plan::Plan;
 use crate::svg::{Anchor, Svg};
 use rayweave_analysis::section::{CrossSection, SectionPart};
@@ -151,7 +151,7 @@ fn entries(sections: &[CrossSection], visible: Visible) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for part in sections.iter().flat_map(|section| visible.parts(section)) {
         if entries.iter().all(|entry| entry.name != part.name) {
-            entries.push(Entry { name: part.name.clone(), colour: paint(part.colour), is_line: false });
+            entries.push(Entry { name: part.name.clone(), colour: paint(part.colour), swatch: Swatch::Area });
         }
     }
     entries

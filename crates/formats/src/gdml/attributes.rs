@@ -117,6 +117,10 @@ impl<'c> Numbers<'c> {
     }
 
     fn fault(&mut self, fault: Fault, attribute: &Attribute) -> Failure {
+        // the definition of the name has been reported
+        if fault.unknown.as_ref().is_some_and(|name| self.names.has_failed(name)) {
+            return Failure::Reported;
+        }
         let start = attribute.place.span.start();
         let span = match attribute.verbatim {
             true => Span::new(start + fault.span.start(), start + fault.span.end()),

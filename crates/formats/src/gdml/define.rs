@@ -34,7 +34,11 @@ impl Numbers<'_> {
     /// Reads a `<define>`; problems are reported inside.
     pub fn define(&mut self, element: &Element) {
         self.each(element, &mut |numbers, child| {
-            let _ = numbers.definition(child);
+            if numbers.definition(child).is_err()
+                && let Some(name) = child.attribute("name")
+            {
+                numbers.names.set_failed(&name.value);
+            }
         });
     }
 

@@ -7,7 +7,7 @@
 
 use super::units;
 use rayweave_scene::Span;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Maximal nesting depth of parentheses and signs.
 const DEEPEST: usize = 200;
@@ -26,6 +26,8 @@ pub(super) struct Fault {
 pub(super) struct Names {
     values: BTreeMap<String, f64>,
     matrices: BTreeMap<String, Matrix>,
+    /// Names whose definition is invalid.
+    failed: BTreeSet<String>,
 }
 
 /// A matrix of numbers.
@@ -64,6 +66,16 @@ impl Names {
     /// Defines a variable.
     pub fn set(&mut self, name: &str, value: f64) {
         self.values.insert(name.to_owned(), value);
+    }
+
+    /// Marks a name whose definition is invalid, and has been reported.
+    pub fn set_failed(&mut self, name: &str) {
+        self.failed.insert(name.to_owned());
+    }
+
+    /// True if the definition of a name is invalid.
+    pub fn has_failed(&self, name: &str) -> bool {
+        self.failed.contains(name)
     }
 
     pub fn set_matrix(&mut self, name: &str, matrix: Matrix) {

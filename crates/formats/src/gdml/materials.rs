@@ -198,7 +198,9 @@ pub(super) fn property(numbers: &mut Numbers, child: &Element) -> Result<(String
         return Ok((name, Property::Number(numbers.value(value)?)));
     }
     let (matrix, place) = numbers.reference(child, "ref")?;
-    if numbers.names.matrix(&matrix).is_none() && !numbers.names.is_set(&matrix) {
+    let is_known = numbers.names.matrix(&matrix).is_some() || numbers.names.is_set(&matrix);
+    // an invalid definition has been reported
+    if !is_known && !numbers.names.has_failed(&matrix) {
         let known: Vec<String> = numbers.names.matrices().map(|(name, _)| name.clone()).collect();
         let trouble =
             Trouble::new(format!("unknown matrix `{matrix}`: the property `{name}` has no value."), place);

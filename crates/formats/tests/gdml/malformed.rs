@@ -46,6 +46,24 @@ fn all_problems_are_reported_at_once_with_their_places() {
     says(6, "Did you mean `World`?");
 }
 
+/// The uses of a name whose definition is invalid are not reported as well.
+#[test]
+fn an_invalid_definition_is_reported_once() {
+    let define = "\n<constant name=\"hc\" value=\"h_Planck*2\"/>\n<variable name=\"a\" value=\"hc/3\"/><constant name=\"b\" value=\"a+hc\"/>";
+    let solids = "\n<box name=\"b\" x=\"hc\" y=\"b\" z=\"other\"/>";
+    let found = problems(&model(
+        define,
+        solids,
+        "\n<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"b\"/></volume>",
+    ));
+    let texts: Vec<&str> = found.iter().map(|(_, _, text)| text.as_str()).collect();
+    assert_eq!(texts.len(), 2, "{texts:?}");
+    assert!(
+        texts[0].contains("unknown name `h_Planck`") && texts[1].contains("unknown name `other`"),
+        "{texts:?}"
+    );
+}
+
 /// Every proper prefix of a file is an error (the end tag is missing), in limited time and without a panic.
 #[test]
 fn truncated_files_are_errors() {

@@ -9,6 +9,7 @@ mod sensors;
 mod surfaces;
 
 use crate::error::PhotonError;
+use crate::lint::foreign_energies;
 use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
 use crate::tables::SurfaceTables;
@@ -21,7 +22,8 @@ use rayweave_model::{Crossing, Face, LeafFacet, PlacementId, Program, Region, Re
 use rayweave_optics::start_surfaces::StartSurfaces;
 use rayweave_scene::{Datum, Document, Scene, Source};
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::collections::HashSet;
+use std::sync::{Arc, OnceLock};
 
 /// The events that count as the detection of a photon.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,7 +53,12 @@ pub struct Detector {
     /// The name of the sensor of each region, if it is sensitive.
     pub(crate) sensors: Vec<Option<String>>,
     pub(crate) region_names: Arc<[String]>,
+    /// The regions in which photons can be detected.
+    detecting: HashSet<u32>,
+    /// The paths and copy numbers of the sensors, made when they are needed.
+    sensor_paths: OnceLock<Vec<(String, i64)>>,
     notes: Vec<String>,
+    warnings: Vec<String>,
 }
 
 impl Detector {
@@ -78,8 +85,10 @@ impl Detector {
         let table = OpticalTable::of(scene, document)?;
         let scene = &*divide_touching_copies(&table.table, scene);
         let program = Arc::new(Program::compile_regions(&regions(scene))?);
-        let Optics { properties, materials, surfaces, boundaries, sensors, .. } =
+        let Optics { properties, materials, surfaces, volumes, boundaries, sensors } =
             Optics::read(&table, scene, tables);
+        let detecting =
+            sensors::detecting_regions(&table.table, scene, (&surfaces, &materials), &volumes, &sensors);
         let names = std::iter::once("").chain(scene.regions.iter().map(|region| region.name.as_str()));
         let region_names = names.map(str::to_owned).collect();
         let starts = StartSurfaces::new(&program);
@@ -87,6 +96,7 @@ impl Detector {
         let material_of =
             std::iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
         let notes = properties.finish()?;
+        let warnings = foreign_energies(&table.table).iter().map(ToString::to_string).collect();
         Ok(Detector {
             faces,
             program,
@@ -97,7 +107,10 @@ impl Detector {
             starts,
             sensors,
             region_names,
+            detecting,
+            sensor_paths: OnceLock::new(),
             notes,
+            warnings,
         })
     }
 
@@ -106,6 +119,13 @@ impl Detector {
     #[must_use]
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// The input that makes a run meaningless although it is valid, one sentence each: energies that are not those of light, such as
+    /// numbers in eV taken as MeV.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// The optical materials, by the number of the medium; 0 is the medium of the world.
@@ -134,6 +154,16 @@ impl Detector {
         regions.filter_map(move |(k, (region, sensor))| {
             Some((region.as_str(), sensor.as_deref()?)).filter(|_| is_first(k))
         })
+    }
+
+    /// The paths of the sensors with their copy numbers (-1 without one), in the order of their placements, as [`Hits::paths`] has
+    /// them: the sensitive volumes, and the volumes behind surfaces with an `EFFICIENCY`. Empty for a detector with more than 2^20
+    /// occurrences of shapes.
+    ///
+    /// [`Hits::paths`]: crate::Hits::paths
+    #[must_use]
+    pub fn sensor_paths(&self) -> &[(String, i64)] {
+        self.sensor_paths.get_or_init(|| sensors::paths(&self.program, &self.region_names, &self.detecting))
     }
 
     /// The number of sensitive volumes.

@@ -1,7 +1,12 @@
 //! Sensitive volumes: the auxiliary tag `SensDet`.
 
-use super::gdml::region_numbers;
-use rayweave_scene::{Datum, Scene};
+use super::gdml::{Volumes, region_numbers};
+use crate::material::OpticalMaterial;
+use crate::surface::OpticalSurface;
+use crate::volume::NO_COPY;
+use rayweave_model::Program;
+use rayweave_scene::{Datum, Scene, bare_name};
+use std::collections::HashSet;
 
 /// The tag of sensitive volumes in GDML files.
 const SENSITIVE: &str = "SensDet";
@@ -22,4 +27,81 @@ pub(super) fn names(table: &Datum, scene: &Scene) -> Vec<Option<String>> {
         }
     }
     sensors
+}
+
+/// The regions in which photons can be detected: sensitive ones, those behind a border with an efficiency, and those within a skin with
+/// an efficiency. Light that leaves a clear volume through its skin is detected in its mother or in a daughter.
+pub(super) fn detecting_regions(
+    table: &Datum,
+    scene: &Scene,
+    (surfaces, materials): (&[OpticalSurface], &[OpticalMaterial]),
+    volumes: &Volumes,
+    sensors: &[Option<String>],
+) -> HashSet<u32> {
+    let sensitive = (0u32..).zip(sensors).filter(|(_, sensor)| sensor.is_some());
+    let mut regions: HashSet<u32> = sensitive.map(|(region, _)| region).collect();
+    let detecting: HashSet<&str> =
+        surfaces.iter().filter(|own| own.detects()).map(|own| own.name.as_str()).collect();
+    let rows = |list: &'static str| table.list(list).filter(|row| detecting.contains(row.text("surface")));
+    for row in rows("border") {
+        let second = row.list("placements").filter_map(Datum::as_text).nth(1);
+        for placement in second.and_then(|name| volumes.placements.get(name)).into_iter().flatten() {
+            regions.extend(volumes.regions.get(&placement.volume).into_iter().flatten());
+        }
+    }
+    let within = rows("skin").flat_map(|row| row.list("volume")).filter_map(Datum::as_text);
+    let within: HashSet<u32> =
+        within.filter_map(|volume| volumes.regions.get(volume)).flatten().copied().collect();
+    let is_clear = |region: &u32| {
+        let own = (*region as usize).checked_sub(1).and_then(|number| scene.regions.get(number));
+        let material = own.and_then(|region| materials.get(region.medium as usize));
+        within.contains(region) && material.is_some_and(|material| material.index.is_some())
+    };
+    for (mother, daughter) in &volumes.nested {
+        regions.extend(is_clear(mother).then_some(*daughter));
+        regions.extend(is_clear(daughter).then_some(*mother));
+    }
+    regions.extend(within);
+    regions
+}
+
+/// The largest number of occurrences of shapes among which sensors are numbered: some 100 MB of paths.
+const MAX_OCCURRENCES: usize = 1 << 20;
+
+/// The paths and copy numbers of the sensors, in the order of their placements; -1 without a number.
+///
+/// The volumes of `regions` are sensors: those that are sensitive, and those behind a surface with an efficiency. None for a detector
+/// of too many copies.
+pub(super) fn paths(program: &Program, names: &[String], regions: &HashSet<u32>) -> Vec<(String, i64)> {
+    let wanted: HashSet<&str> = regions.iter().map(|&region| bare_name(&names[region as usize])).collect();
+    let (mut found, mut seen, mut placed) = (Vec::new(), HashSet::new(), HashSet::new());
+    if wanted.is_empty() || program.occurrences().nth(MAX_OCCURRENCES).is_some() {
+        return found;
+    }
+    for occurrence in program.occurrences() {
+        let path = program.occurrence_path(occurrence).placed();
+        let steps = path.steps();
+        // as in hits: the innermost step of each name is the sensor
+        for (last, step) in steps.iter().enumerate().filter(|(_, step)| wanted.contains(step.name)) {
+            if steps[last + 1..].iter().any(|inner| inner.name == step.name) {
+                continue;
+            }
+            placed.insert(step.name);
+            let name = steps[..=last].iter().map(ToString::to_string).collect::<Vec<_>>().join("/");
+            if seen.insert(name.clone()) {
+                let copy = steps[..=last].iter().rev().find_map(|step| step.copy);
+                found.push((name, copy.unwrap_or(NO_COPY)));
+            }
+        }
+    }
+    // volumes without a step of their own have their name as the path
+    let mut regions: Vec<u32> = regions.iter().copied().collect();
+    regions.sort_unstable();
+    for region in regions {
+        let name = bare_name(&names[region as usize]);
+        if !placed.contains(name) && seen.insert(name.to_owned()) {
+            found.push((name.to_owned(), NO_COPY));
+        }
+    }
+    found
 }

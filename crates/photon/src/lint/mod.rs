@@ -6,6 +6,7 @@
 mod contacts;
 mod finding;
 mod properties;
+mod sensors;
 mod state;
 mod surfaces;
 mod values;
@@ -13,11 +14,13 @@ mod volumes;
 
 pub use finding::LintFinding;
 
+use crate::detector::properties::Owner;
 use crate::detector::{OpticalTable, Optics, regions};
 use crate::tables::SurfaceTables;
 use contacts::contacts;
+use rayweave_error::Message;
 use rayweave_model::{Evaluator, Program};
-use rayweave_scene::{Document, Scene};
+use rayweave_scene::{Datum, Document, Scene};
 use state::Lint;
 use std::sync::Arc;
 
@@ -47,9 +50,17 @@ pub fn lint<E: Evaluator>(
     // a scene that does not compile has neither sizes nor contacts
     let program = Program::compile_regions(&regions(scene)).map(Arc::new).ok();
     let boxes = program.as_ref().map(|program| program.region_bounds()).unwrap_or_default();
-    let contacts = program.map(|program| contacts(&evaluator(program), &boxes)).unwrap_or_default();
+    let contacts = program.map(|program| {
+        let surface = |crossing: &_| optics.boundaries.find(&program, crossing);
+        contacts(&evaluator(program.clone()), &boxes, surface)
+    });
+    let contacts = contacts.unwrap_or_default();
     let mut lint = Lint { scene, table, optics: &optics, boxes, contacts, places, findings: Vec::new() };
     for problem in &optics.properties.problems {
+        // a rule about magnitudes explains what is wrong with the value
+        if lint.implausible(&problem.owner, &problem.property).is_some() {
+            continue;
+        }
         lint.find(&problem.owner, &problem.property, problem.message.clone());
     }
     lint.properties();
@@ -61,4 +72,17 @@ pub fn lint<E: Evaluator>(
         }
     }
     lint.findings
+}
+
+/// The messages about energies that are not those of light, at most one for each material and surface: a mistake that changes every
+/// result of a run.
+pub(crate) fn foreign_energies(table: &Datum) -> Vec<Message> {
+    let rows = |element, list| table.list(list).map(move |row| (Owner::new(element, row.text("name")), row));
+    let all = rows("material", "material").chain(rows("surface", "surface"));
+    let first = |(owner, row): (Owner, &Datum)| {
+        let mut properties = row.get("properties").into_iter().flat_map(Datum::entries);
+        properties
+            .find_map(|(name, datum)| values::foreign_energies(&owner, name, &state::points(table, datum)))
+    };
+    all.filter_map(first).collect()
 }

@@ -44,15 +44,24 @@ impl Lint<'_> {
                 self.name(&owner, name);
                 let points = self.points(datum);
                 self.energies(&owner, name, &points);
-                let constant = self.constant(datum);
-                let sizes = self.sizes(&owner);
-                if let Some(message) = values::implausible(&owner, name, &points, constant, sizes) {
+                if let Some(message) = self.implausible_value(&owner, name, datum) {
                     self.find(&owner, name, message);
                 }
             }
             self.ranges(&owner, &properties);
             self.velocity(&owner, &properties);
         }
+    }
+
+    /// The message about a property of an element with values of an implausible magnitude.
+    pub(super) fn implausible(&self, owner: &Owner, name: &str) -> Option<Message> {
+        let row = self.table.list(owner.element).find(|row| row.text("name") == owner.name)?;
+        self.implausible_value(owner, name, row.get("properties")?.get(name)?)
+    }
+
+    fn implausible_value(&self, owner: &Owner, name: &str, datum: &Datum) -> Option<Message> {
+        let (points, constant) = (self.points(datum), self.constant(datum));
+        values::implausible(owner, name, &points, constant, self.sizes(owner))
     }
 
     /// Reports names that Geant4 11 replaced.

@@ -1,12 +1,12 @@
 //! The lint in progress: what it reads, and what it has found.
 
+use super::contacts::Contacts;
 use super::finding::LintFinding;
 use crate::detector::Optics;
 use crate::detector::properties::Owner;
 use rayweave_error::Message;
 use rayweave_math::Bounds;
 use rayweave_scene::{Datum, Scene};
-use std::collections::BTreeSet;
 
 /// The lint in progress.
 pub(super) struct Lint<'a> {
@@ -15,8 +15,8 @@ pub(super) struct Lint<'a> {
     pub optics: &'a Optics,
     /// The box of each region.
     pub boxes: Vec<Bounds>,
-    /// The pairs of regions that touch, as far as lines have found them, in the order of the light.
-    pub contacts: BTreeSet<(u32, u32)>,
+    /// The contacts of regions, as far as lines have found them, in the direction of the light.
+    pub contacts: Contacts,
     pub places: &'a dyn Fn(&'static str, &str, &str) -> Option<String>,
     pub findings: Vec<LintFinding>,
 }
@@ -43,14 +43,9 @@ impl<'a> Lint<'a> {
         rows("material", "material").chain(rows("surface", "surface")).collect()
     }
 
-    /// The energies and values of a property, in the order of the file; none if its matrix has not two columns.
+    /// The energies and values of a property: see [`points`].
     pub fn points(&self, property: &Datum) -> Vec<(f64, f64)> {
-        let Some(name) = property.as_text() else { return Vec::new() };
-        let matrix = self.table.list("matrix").find(|row| row.text("name") == name);
-        let matrix = matrix.filter(|row| row.get("columns").and_then(Datum::as_number) == Some(2.0));
-        let values: Vec<f64> =
-            matrix.into_iter().flat_map(|row| row.list("values")).filter_map(Datum::as_number).collect();
-        values.as_chunks::<2>().0.iter().map(|[energy, value]| (*energy, *value)).collect()
+        points(self.table, property)
     }
 
     /// The value of a constant property.
@@ -62,4 +57,14 @@ impl<'a> Lint<'a> {
         let first = matrix.list("values").next().and_then(Datum::as_number);
         first.filter(|_| matrix.get("columns").and_then(Datum::as_number) == Some(1.0))
     }
+}
+
+/// The energies and values of a property, in the order of the file; none if its matrix has not two columns.
+pub(super) fn points(table: &Datum, property: &Datum) -> Vec<(f64, f64)> {
+    let Some(name) = property.as_text() else { return Vec::new() };
+    let matrix = table.list("matrix").find(|row| row.text("name") == name);
+    let matrix = matrix.filter(|row| row.get("columns").and_then(Datum::as_number) == Some(2.0));
+    let values: Vec<f64> =
+        matrix.into_iter().flat_map(|row| row.list("values")).filter_map(Datum::as_number).collect();
+    values.as_chunks::<2>().0.iter().map(|[energy, value]| (*energy, *value)).collect()
 }

@@ -69,7 +69,7 @@ impl Lint<'_> {
     }
 
     /// The skins by volume: their names and surfaces.
-    fn skins(&self) -> HashMap<&str, (&str, &str)> {
+    pub(super) fn skins(&self) -> HashMap<&str, (&str, &str)> {
         let mut skins = HashMap::new();
         for row in self.table.list("skin") {
             for volume in row.list("volume").filter_map(Datum::as_text) {
@@ -133,9 +133,7 @@ impl Lint<'_> {
     fn efficiencies(&mut self) {
         let mut found = Vec::new();
         for surface in &self.optics.surfaces {
-            let detects =
-                |table: &crate::property::PropertyTable| table.values().iter().any(|value| *value > 0.0);
-            if !surface.efficiency.as_ref().is_some_and(detects) {
+            if !surface.detects() {
                 continue;
             }
             let regions = self.regions_behind(&surface.name);
@@ -157,19 +155,23 @@ impl Lint<'_> {
     /// their skin.
     pub(super) fn regions_behind(&self, surface: &str) -> Vec<u32> {
         let volumes = &self.optics.volumes;
-        let of_volume = |volume: &str| volumes.regions.get(volume).cloned().unwrap_or_default();
-        let attached =
-            |list: &'static str| self.table.list(list).filter(|row| row.text("surface") == surface);
-        let mut regions = Vec::new();
-        for row in attached("border") {
+        let mut regions = self.regions_of_skin(surface);
+        for row in self.table.list("border").filter(|row| row.text("surface") == surface) {
             let second = row.list("placements").filter_map(Datum::as_text).nth(1);
             for placement in second.and_then(|name| volumes.placements.get(name)).into_iter().flatten() {
-                regions.extend(of_volume(&placement.volume));
+                regions.extend(volumes.regions.get(&placement.volume).into_iter().flatten());
             }
         }
-        for row in attached("skin") {
+        regions
+    }
+
+    /// The regions within and around the volumes with a surface as their skin.
+    pub(super) fn regions_of_skin(&self, surface: &str) -> Vec<u32> {
+        let volumes = &self.optics.volumes;
+        let mut regions = Vec::new();
+        for row in self.table.list("skin").filter(|row| row.text("surface") == surface) {
             for volume in row.list("volume").filter_map(Datum::as_text) {
-                let own = of_volume(volume);
+                let own = volumes.regions.get(volume).cloned().unwrap_or_default();
                 let beside = |(mother, daughter): &(u32, u32)| match () {
                     () if own.contains(mother) => Some(*daughter),
                     () if own.contains(daughter) => Some(*mother),

@@ -1,4 +1,4 @@
-//! Rules for volumes: materials without an index, sensors out of reach.
+//! Rules for volumes: materials without an index.
 
 use super::state::Lint;
 use crate::detector::properties::Owner;
@@ -12,6 +12,7 @@ impl Lint<'_> {
     /// All rules about volumes.
     pub(super) fn volumes(&mut self) {
         self.missing_indices();
+        self.covered_skins();
         self.sensors();
     }
 
@@ -25,7 +26,7 @@ impl Lint<'_> {
         self.optics.materials.get(medium).is_some_and(|material| material.index.is_some())
     }
 
-    fn region_name(&self, region: u32) -> &str {
+    pub(super) fn region_name(&self, region: u32) -> &str {
         let region = (region as usize).checked_sub(1).and_then(|region| self.scene.regions.get(region));
         region.map_or("", |region| region.name.as_str())
     }
@@ -51,7 +52,7 @@ impl Lint<'_> {
     /// Materials without an index next to optical ones, without a surface between them.
     fn missing_indices(&mut self) {
         let mut beside: BTreeMap<usize, BTreeSet<String>> = BTreeMap::new();
-        for &(mother, daughter) in self.optics.volumes.nested.iter().chain(&self.contacts) {
+        for &(mother, daughter) in self.optics.volumes.nested.iter().chain(self.contacts.keys()) {
             let (Some(outer), Some(inner)) = (self.medium(mother), self.medium(daughter)) else { continue };
             let (clear, clear_region, opaque, opaque_region) =
                 match (self.has_index(outer), self.has_index(inner)) {
@@ -66,44 +67,22 @@ impl Lint<'_> {
         for (medium, volumes) in beside {
             let Some(material) = self.optics.materials.get(medium) else { continue };
             let owner = Owner::new("material", &material.name);
-            let listed: Vec<String> = volumes.iter().take(LISTED).map(|name| format!("`{name}`")).collect();
-            let more = match volumes.len().saturating_sub(LISTED) {
-                0 => String::new(),
-                more => format!(" and {more} more"),
-            };
+            let listed = listed(volumes.iter().map(String::as_str));
             let problem = format!("{owner} has no `RINDEX`");
-            let reason = format!(
-                "photons from {}{more} end on reaching it, since no optical surface lies between",
-                listed.join(", ")
-            );
+            let reason =
+                format!("photons from {listed} end on reaching it, since no optical surface lies between");
             let advice = "Give it an index, or a surface if it reflects, absorbs or detects light.";
             self.find(&owner, "", Message::new(problem, reason).suggest(advice));
         }
     }
+}
 
-    /// Sensors that no photon enters.
-    fn sensors(&mut self) {
-        let mut found = Vec::new();
-        for (region, sensor) in (0u32..).zip(&self.optics.sensors) {
-            let (Some(sensor), Some(medium)) = (sensor, self.medium(region)) else { continue };
-            let has_efficiency = || {
-                let detecting = self.optics.surfaces.iter().filter(|surface| surface.efficiency.is_some());
-                detecting.into_iter().any(|surface| self.regions_behind(&surface.name).contains(&region))
-            };
-            if !self.has_index(medium) && !has_efficiency() {
-                let material = &self.optics.materials[medium];
-                let owner = Owner::new("material", &material.name);
-                let problem = format!(
-                    "volume `{}` with the sensor `{sensor}` detects nothing",
-                    self.region_name(region)
-                );
-                let reason = format!(
-                    "its {owner} has no `RINDEX`, and no surface with an `EFFICIENCY` lies in front of it"
-                );
-                let advice = "Give the material an index, or the boundary a surface with an efficiency.";
-                found.push((owner, Message::new(problem, reason).suggest(advice)));
-            }
-        }
-        found.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
-    }
+/// The first names in backquotes, and the number of the others.
+pub(super) fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
+    let more = match names.len().saturating_sub(LISTED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let first: Vec<String> = names.take(LISTED).map(|name| format!("`{name}`")).collect();
+    format!("{}{more}", first.join(", "))
 }

@@ -272,3 +272,158 @@ fn surfaces_that_compete_are_named() {
     assert!(twice.to_string().contains("the volume has the skin `skin` already"), "{twice}");
     assert!(twice.is_unused);
 }
+
+/// A tank of water with a black skin and four sensors at one end, in an opaque world; `links` are its border and skin surfaces.
+fn tank(links: &str) -> String {
+    let placed = |k: i32| {
+        let (x, y) = (25 * (2 * (k % 2) - 1), 25 * (2 * (k / 2) - 1));
+        format!(
+            r#"<physvol name="s{k}" copynumber="{k}"><volumeref ref="Sensor"/><position name="p{k}" x="{x}" y="{y}" z="151" unit="mm"/></physvol>"#
+        )
+    };
+    let sensors: String = (0..4).map(placed).collect();
+    format!(
+        r#"<gdml><define>
+<matrix name="WATER" coldim="2" values="1*eV 1.33 10*eV 1.33"/>
+<matrix name="ZERO" coldim="2" values="1*eV 0 10*eV 0"/>
+<matrix name="QUARTER" coldim="2" values="1*eV 0.25 10*eV 0.25"/>
+<matrix name="PERCENT" coldim="2" values="1*eV 25 10*eV 25"/></define>
+<materials><element name="H" Z="1"><atom value="1"/></element>
+<material name="Liquid"><D value="1"/><fraction n="1" ref="H"/><property name="RINDEX" ref="WATER"/></material>
+<material name="Black"><D value="1"/><fraction n="1" ref="H"/></material></materials>
+<solids><box name="WorldBox" x="400" y="400" z="600" lunit="mm"/>
+<box name="TankBox" x="100" y="100" z="300" lunit="mm"/><box name="SensorBox" x="50" y="50" z="2" lunit="mm"/>
+<opticalsurface name="Paint" model="unified" finish="polished" type="dielectric_metal" value="1">
+<property name="REFLECTIVITY" ref="ZERO"/></opticalsurface>
+<opticalsurface name="Cathode" model="unified" finish="polished" type="dielectric_metal" value="1">
+<property name="REFLECTIVITY" ref="ZERO"/><property name="EFFICIENCY" ref="QUARTER"/></opticalsurface></solids>
+<structure><volume name="Tank"><materialref ref="Liquid"/><solidref ref="TankBox"/></volume>
+<volume name="Sensor"><materialref ref="Black"/><solidref ref="SensorBox"/><auxiliary auxtype="SensDet" auxvalue="pmt"/></volume>
+<volume name="World"><materialref ref="Black"/><solidref ref="WorldBox"/>
+<physvol name="tank"><volumeref ref="Tank"/></physvol>{sensors}</volume>{links}</structure>
+<setup name="Default" version="1.0"><world ref="World"/></setup></gdml>"#
+    )
+}
+
+fn skin(name: &str, surface: &str, volume: &str) -> String {
+    format!(
+        r#"<skinsurface name="{name}" surfaceproperty="{surface}"><volumeref ref="{volume}"/></skinsurface>"#
+    )
+}
+
+fn cathode(k: i32) -> String {
+    format!(
+        r#"<bordersurface name="c{k}" surfaceproperty="Cathode"><physvolref ref="tank"/><physvolref ref="s{k}"/></bordersurface>"#
+    )
+}
+
+/// The number of hits of 4,000 photons from the middle of a tank, and the sensors with hits.
+fn hits(text: &str) -> (usize, usize) {
+    let detector = crate::detector(text).unwrap();
+    let photons = rayweave_photon::Photon {
+        position: rayweave_math::Vec3::ZERO,
+        direction: rayweave_math::Vec3::new(0.1, 0.1, 1.0).normalize(),
+        polarisation: rayweave_math::Vec3::new(1.0, -1.0, 0.0).normalize(),
+        energy: 3e-6,
+        time: 0.0,
+    };
+    let source = rayweave_photon::Source::Photons(vec![photons; 4000]);
+    let run = crate::run(&detector, &source, &crate::settings(4000));
+    (run.hits.len(), run.hits.paths().len())
+}
+
+/// The skin of the volume in front acts (`G4OpBoundaryProcess`: of siblings, the skin of the first volume comes first), so that the one
+/// of the sensor does not.
+#[test]
+fn a_skin_that_another_one_covers_is_named() {
+    let text = tank(&(skin("black", "Paint", "Tank") + &skin("cathode", "Cathode", "Sensor")));
+    assert_eq!(hits(&text).0, 0);
+    let all = findings(&text);
+    let wanted = "skin surface `cathode` of volume `Sensor` detects nothing: light arrives from `Tank`, and the skin `black` of `Tank` acts instead";
+    assert_eq!(all.len(), 1, "{all:#?}");
+    let found = all[0].to_string();
+    assert!(found.contains(wanted) && found.contains("border surface with `Cathode`"), "{found}");
+    assert!(found.contains("make `Paint` the skin of their mother"), "{found}");
+    // both remedies work: the skin of the mother, and borders
+    let mother = tank(&(skin("black", "Paint", "World") + &skin("cathode", "Cathode", "Sensor")));
+    let borders: String = (0..4).map(cathode).collect();
+    for cured in [mother, tank(&(skin("black", "Paint", "Tank") + &borders))] {
+        assert!(hits(&cured).0 > 900);
+        assert_eq!(findings(&cured), []);
+    }
+}
+
+#[test]
+fn sensors_are_judged_by_placement() {
+    let borders = |placed: &[i32]| {
+        let borders: String = placed.iter().map(|&k| cathode(k)).collect();
+        let all = findings(&tank(&(skin("black", "Paint", "Tank") + &borders)));
+        all.iter()
+            .map(ToString::to_string)
+            .filter(|text| text.contains("with the sensor `pmt`"))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(borders(&[0, 1, 2, 3]), Vec::<String>::new());
+    let [one] = borders(&[0, 2, 3]).try_into().unwrap();
+    assert!(one.contains("placement `s1` of volume `Sensor` with the sensor `pmt` detects nothing"), "{one}");
+    assert!(one.contains("lies in front of it"), "{one}");
+    let [two] = borders(&[0, 3]).try_into().unwrap();
+    assert!(
+        two.contains("placements `s1`, `s2` of volume `Sensor` with the sensor `pmt` detect nothing"),
+        "{two}"
+    );
+    let [none] = borders(&[]).try_into().unwrap();
+    assert!(none.contains("volume `Sensor` with the sensor `pmt` detects nothing"), "{none}");
+}
+
+/// A percentage gives one finding: the value, and nothing that follows from it.
+#[test]
+fn a_percentage_is_one_finding() {
+    let borders: String = (0..4).map(cathode).collect();
+    let text = tank(&(skin("black", "Paint", "Tank") + &borders));
+    let all = findings(&text.replace(r#""EFFICIENCY" ref="QUARTER""#, r#""EFFICIENCY" ref="PERCENT""#));
+    assert_eq!(all.len(), 1, "{all:#?}");
+    assert!(all[0].to_string().contains("Are they percentages? Divide by 100."), "{all:#?}");
+}
+
+/// The numbers of sensors are those of the detector, whichever sensor is hit first.
+#[test]
+fn sensors_are_numbered_by_their_placements() {
+    let borders: String = (0..4).map(cathode).collect();
+    let detector = crate::detector(&tank(&(skin("black", "Paint", "Tank") + &borders))).unwrap();
+    let sensors = |copies: [i64; 4]| copies.map(|copy| (format!("Sensor[{copy}]"), copy));
+    assert_eq!(detector.sensor_paths(), sensors([0, 1, 2, 3]));
+    let mut hits = {
+        let photon = |x: f64, y: f64| rayweave_photon::Photon {
+            position: rayweave_math::Vec3::new(x, y, 149.0),
+            direction: rayweave_math::Vec3::Z,
+            polarisation: rayweave_math::Vec3::X,
+            energy: 3e-6,
+            time: 0.0,
+        };
+        let photons = (0..400).map(|k| if k % 2 == 0 { photon(20.0, 20.0) } else { photon(-20.0, 20.0) });
+        let source = rayweave_photon::Source::Photons(photons.collect());
+        crate::run(&detector, &source, &crate::settings(400)).hits
+    };
+    let copies = |hits: &rayweave_photon::Hits| -> Vec<i64> {
+        hits.sensor.iter().map(|&sensor| hits.copies()[sensor as usize]).collect()
+    };
+    let before = copies(&hits);
+    assert!(before.contains(&3) && before.contains(&2) && hits.paths().len() == 2, "{before:?}");
+    hits.number_by(&detector);
+    assert_eq!(hits.paths(), ["Sensor[0]", "Sensor[1]", "Sensor[2]", "Sensor[3]"]);
+    assert_eq!(copies(&hits), before);
+    assert!(hits.sensor.iter().zip(before).all(|(&sensor, copy)| i64::from(sensor) == copy));
+}
+
+#[test]
+fn numbers_in_ev_are_a_warning_of_the_detector() {
+    let text = tank(&skin("cathode", "Cathode", "Sensor"));
+    assert_eq!(crate::detector(&text).unwrap().warnings(), Vec::<String>::new());
+    let detector = crate::detector(&text.replace("1*eV 1.33 10*eV 1.33", "1 1.33 10 1.33")).unwrap();
+    let [warning] = detector.warnings() else { panic!("{:?}", detector.warnings()) };
+    assert!(
+        warning.contains("`RINDEX` of material `Liquid`") && warning.contains("look like eV"),
+        "{warning}"
+    );
+}

@@ -176,6 +176,8 @@ def compare(a: Sample, b: Sample, *, least: float = 5, flags: bool = False, hits
     RayweaveError
         A file is missing or damaged (with line or row, and column), a run has no photons, or the two have nothing in common.
 
+    Examples
+    --------
     >>> import rayweave.photons as rp
     >>> detector = rp.load("bar.gdml")
     >>> a, b = (detector.simulate(rp.point([0, 0, 0], 550), n=1000, seed=seed).hits for seed in (1, 2))

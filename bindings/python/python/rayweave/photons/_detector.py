@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
@@ -172,7 +173,7 @@ class Findings(Columns):
         super().__init__({name: np.array([row[k] for row in rows], object) for k, name in enumerate(names)})
 
     def __str__(self) -> str:
-        return "\n".join(f"{kind}: {'' if place is None else f'{place}: '}{text}" for kind, place, text in self._rows())
+        return "no findings" if not self.rows else "\n".join(f"{kind}: {'' if place is None else f'{place}: '}{text}" for kind, place, text in self._rows())
 
     def _rows(self) -> Iterator[tuple[str, str | None, str]]:
         return zip(*(self[name].tolist() for name in ("kind", "place", "text")), strict=True)
@@ -229,8 +230,8 @@ class Detector:
 
     @property
     def warnings(self) -> list[str]:
-        """The warnings of the reader of the file."""
-        return self.compiled.warnings
+        """The warnings of the reader of the file, and energies that are not those of light."""
+        return [*self.compiled.warnings, *self.compiled.energy_warnings]
 
     def check(self) -> Findings:
         """The probable mistakes in the optical part of the file, in the order of the rules: the findings `optical` and `unused` of the
@@ -275,7 +276,8 @@ class Detector:
         threads: int | None = None,
         progress: Progress = None,
     ) -> Run:
-        """Simulates photons until each of them ends.
+        """Simulates photons until each of them ends. A source whose first 1,000 photons all start outside the world or in a material
+        without RINDEX is an error.
 
         A photon is a function of the detector, the source, the seed, the event and its number: `threads`, `record` and `range` do not
         change it.
@@ -293,8 +295,10 @@ class Detector:
         detect
             The events that count as detection: absorption at a surface with the probability EFFICIENCY, entering a sensitive
             volume, or both.
-        max_steps, max_time
-            The maximum number of steps of a photon, and its maximum time in ns.
+        max_steps
+            The maximum number of steps of a photon.
+        max_time
+            The maximum time of a photon in ns.
         record
             The histories to record: "counts" of processes and surfaces; "sequences" of Opticks' flags, with counts; or all
             "steps", with both.
@@ -316,6 +320,7 @@ class Detector:
         """
         first, last = self._numbers(source, n, range)
         settings = _settings(seed, event, detect, max_steps, max_time, record, threads)
+        self.check_source(source, seed=seed, event=event)
         return self._run(source, (first, last), settings, progress)
 
     def stream(
@@ -345,6 +350,7 @@ class Detector:
         first, last = self._numbers(source, n, range)
         size = whole(chunk, "chunk", least=1)
         settings = _settings(seed, event, detect, max_steps, max_time, record, threads)
+        self.check_source(source, seed=seed, event=event)
         return self._stream(source, (first, last), size, settings, progress)
 
     def _stream(
@@ -413,6 +419,8 @@ def load(
     array([1.79, 1.79])
     """
     compiled = _core.load_detector(path, _tables(tables), allow=list(allow), strict=strict)
+    for text in compiled.energy_warnings:
+        warnings.warn(text, stacklevel=2)
     file = Path(path)
     kept = file.read_text(encoding="utf-8", errors="surrogateescape")
     return Detector(compiled, file.name, kept, tables, is_native=file.suffix.lower() != ".gdml")
@@ -435,6 +443,8 @@ def loads(
     # XML begins with an angle bracket, which no native model does
     is_native = not text.lstrip("\ufeff \t\r\n").startswith("<")
     compiled = _core.loads_detector(text, _tables(tables), allow=list(allow), strict=strict, native=is_native)
+    for warning in compiled.energy_warnings:
+        warnings.warn(warning, stacklevel=2)
     return Detector(compiled, "detector", text, tables, is_native=is_native)
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rayweave import _core
 from rayweave._drawing import Drawing
 from rayweave._table import Table, dataset, table_of
+from rayweave._whole import whole
 from rayweave.optics._columns import Columns
 from rayweave.optics._given import package
 
@@ -108,7 +109,7 @@ def _save(columns: _Named, compiled: _core.PhotonHits | _core.PhotonHistories, p
 class Hits(_Named):
     """The detected photons: `photon`, the number in the run; `event`; the position `x`, `y`, `z` in mm; `time` in ns; the
     direction `dx`, `dy`, `dz`; the polarisation `px`, `py`, `pz`; `wavelength_nm`; `weight`, which is 1; the number of `steps`;
-    `sensor`, an index of `sensor_paths`; `copy`, the number of the innermost copy in its path, -1 without one; and for a source of
+    `sensor`, an index of `sensor_paths`, equal in all runs of a detector; `copy`, the number of the innermost copy in its path, -1 without one; and for a source of
     gensteps `genstep`, the number of the genstep.
 
     All photons of a wavelength shifter have the number of the absorbed one.
@@ -132,11 +133,12 @@ class Hits(_Named):
 
     @property
     def sensor_paths(self) -> list[str]:
-        """The paths of the sensors with hits: the names and copy numbers of the placements that lead to them."""
+        """The paths of the sensors of the detector, in the order of their placements: the names of the volumes that lead to them, with
+        the copy numbers of their placements. Sensors are the sensitive volumes and those behind surfaces with an EFFICIENCY."""
         return self.names["sensor"]
 
     def counts(self) -> dict[str, int]:
-        """The number of hits of each sensor."""
+        """The number of hits of each sensor, with those without hits."""
         counts = np.bincount(self["sensor"], minlength=len(self.sensor_paths))
         return dict(zip(self.sensor_paths, counts.tolist(), strict=True))
 
@@ -165,10 +167,14 @@ class Hits(_Named):
         flags[:, 3] = _SURFACE_DETECT
         return found
 
-    def plot(self) -> Drawing:
+    def plot(self, *, bins: int | None = None) -> Drawing:
         """Maps of the hits: hits per area of each sensor, in the plane in which they are spread most. Of several sensors, the
-        first map has all hits, and the eight sensors with the most hits have maps of their own."""
-        return Drawing(self._compiled.map_svg(self._title))
+        first map has all hits, and the eight sensors with the most hits have maps of their own, in the order of `sensor_paths`.
+
+        `bins` is the number of cells along the longer side of each map; by default it grows with the number of hits, up to 64. The
+        cells divide the extent of the hits."""
+        cells = None if bins is None else whole(bins, "bins", least=1, bits=10)
+        return Drawing(self._compiled.map_svg(self._title, cells))
 
     def plot_spectra(self) -> Drawing:
         """Histograms of the times and of the wavelengths."""

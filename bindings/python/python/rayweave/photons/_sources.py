@@ -126,8 +126,10 @@ def point(
         (3,): photons are polarised along the part of this vector that is perpendicular to their direction; by default at random.
     time
         The time of emission in ns, or the ends of an interval, in which all times have equal probability.
-    time_deviation, time_decay
-        The standard deviation of a normal time, and the mean of an exponential time, in ns, which are added.
+    time_deviation
+        The standard deviation in ns of a normal time that is added.
+    time_decay
+        The mean in ns of an exponential time that is added.
 
     Examples
     --------

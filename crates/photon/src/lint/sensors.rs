@@ -1,0 +1,131 @@
+//! Rules for sensors: surfaces that do not act, placements without a surface that detects.
+
+use super::state::Lint;
+use super::volumes::listed;
+use crate::detector::properties::Owner;
+use rayweave_error::Message;
+use rayweave_scene::Datum;
+use std::collections::{BTreeSet, HashSet};
+
+impl Lint<'_> {
+    /// Skins with an efficiency that act nowhere, since volumes in front of them have skins as well.
+    pub(super) fn covered_skins(&mut self) {
+        let skins = self.skins();
+        let mut found = Vec::new();
+        for row in self.table.list("skin") {
+            let (name, surface) = (row.text("name"), row.text("surface"));
+            let Some(number) = self.optics.surfaces.iter().position(|own| own.name == surface) else {
+                continue;
+            };
+            if !self.optics.surfaces[number].detects() {
+                continue;
+            }
+            for volume in row.list("volume").filter_map(Datum::as_text) {
+                if skins.get(volume).is_none_or(|(first, _)| *first != name) {
+                    continue;
+                }
+                let fronts = self.volumes_in_front(volume, number);
+                let covers =
+                    fronts.iter().filter_map(|front| Some((front.as_str(), *skins.get(front.as_str())?)));
+                let Some((front, (cover, paint))) = covers.clone().next() else { continue };
+                let all = listed(covers.map(|(front, _)| front).collect::<Vec<_>>().into_iter());
+                let problem = format!("skin surface `{name}` of volume `{volume}` detects nothing");
+                let reason = format!(
+                    "light arrives from {all}, and the skin `{cover}` of `{front}` acts instead: between volumes beside each other the \
+                     skin of the volume in front comes first, as in Geant4"
+                );
+                let advice = format!(
+                    "Add a border surface with `{surface}` from the placement of `{front}` to each placement of `{volume}`, or make \
+                     `{paint}` the skin of their mother instead of `{front}`."
+                );
+                found.push((Owner::new("skin", name), Message::new(problem, reason).suggest(advice)));
+            }
+        }
+        found.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
+    }
+
+    /// The volumes from which light reaches a volume whose skin has a number, if the skin acts at no contact that lines have found.
+    fn volumes_in_front(&self, volume: &str, skin: usize) -> BTreeSet<String> {
+        let own: HashSet<u32> =
+            self.optics.volumes.regions.get(volume).into_iter().flatten().copied().collect();
+        let is_clear = |region: u32| self.medium(region).is_some_and(|medium| self.has_index(medium));
+        // no light comes from an opaque volume
+        let is_lit =
+            |(before, after): &(u32, u32)| (own.contains(before) || own.contains(after)) && is_clear(*before);
+        let contacts = || self.contacts.iter().filter(|(pair, _)| is_lit(pair));
+        if contacts().any(|(_, surfaces)| surfaces.contains(&Some(skin))) {
+            return BTreeSet::new();
+        }
+        let inwards = contacts().map(|(pair, _)| *pair).filter(|(_, after)| own.contains(after));
+        let fronts: HashSet<u32> = inwards.map(|(before, _)| before).collect();
+        let is_front = |regions: &Vec<u32>| regions.iter().any(|region| fronts.contains(region));
+        let volumes = self.optics.volumes.regions.iter();
+        volumes.filter(|(_, regions)| is_front(regions)).map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Sensors at which no photon is detected, by placement.
+    pub(super) fn sensors(&mut self) {
+        let mut found = Vec::new();
+        let mut seen = HashSet::new();
+        for (region, sensor) in (0u32..).zip(&self.optics.sensors) {
+            let (Some(sensor), Some(medium)) = (sensor, self.medium(region)) else { continue };
+            // touching copies of a volume are several regions
+            let name = self.region_name(region);
+            if self.has_index(medium) || !seen.insert(name) {
+                continue;
+            }
+            let (dark, all) = self.placements_without_efficiency(region);
+            if dark.is_empty() && all > 0 || all == 0 && self.has_efficiency(region) {
+                continue;
+            }
+            let material = &self.optics.materials[medium];
+            let owner = Owner::new("material", &material.name);
+            let (what, it) = match dark.len() {
+                0 => (format!("volume `{name}`"), "it"),
+                n if n == all => (format!("volume `{name}`"), "it"),
+                1 => (format!("placement {} of volume `{name}`", listed(dark.iter().copied())), "it"),
+                _ => (format!("placements {} of volume `{name}`", listed(dark.iter().copied())), "them"),
+            };
+            let verb = if it == "it" { "detects" } else { "detect" };
+            let problem = format!("{what} with the sensor `{sensor}` {verb} nothing");
+            let reason = format!(
+                "its {owner} has no `RINDEX`, and no surface with an `EFFICIENCY` lies in front of {it}"
+            );
+            let advice = "Give the material an index, or the boundary a surface with an efficiency.";
+            found.push((owner, Message::new(problem, reason).suggest(advice)));
+        }
+        found.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
+    }
+
+    fn has_efficiency(&self, region: u32) -> bool {
+        self.with_efficiency().iter().any(|surface| self.regions_behind(surface).contains(&region))
+    }
+
+    /// The surfaces with an efficiency in the file: an invalid one is a finding of its own.
+    fn with_efficiency(&self) -> HashSet<&str> {
+        let has = |row: &&Datum| row.get("properties").is_some_and(|own| own.get("EFFICIENCY").is_some());
+        self.table.list("surface").filter(has).map(|row| row.text("name")).collect()
+    }
+
+    /// The names of the placements of a volume that light reaches through no surface with an efficiency, and the number of all names.
+    fn placements_without_efficiency(&self, region: u32) -> (Vec<&str>, usize) {
+        let volumes = &self.optics.volumes;
+        let is_own =
+            |volume: &str| volumes.regions.get(volume).is_some_and(|regions| regions.contains(&region));
+        let all: BTreeSet<&str> = volumes
+            .placements
+            .iter()
+            .filter(|(_, list)| list.iter().any(|placement| is_own(&placement.volume)))
+            .map(|(name, _)| name.as_str())
+            .collect();
+        let detecting = self.with_efficiency();
+        // a skin is that of all placements
+        if detecting.iter().any(|surface| self.regions_of_skin(surface).contains(&region)) {
+            return (Vec::new(), all.len());
+        }
+        let behind = self.table.list("border").filter(|row| detecting.contains(row.text("surface")));
+        let behind: HashSet<&str> =
+            behind.filter_map(|row| row.list("placements").filter_map(Datum::as_text).nth(1)).collect();
+        (all.iter().copied().filter(|name| !behind.contains(name)).collect(), all.len())
+    }
+}
