@@ -457,7 +457,14 @@ impl PySolid {
         let document = Document::from_solid(name, &self.solid);
         let mut scene = scene_of(&self.solid);
         scene.regions.iter_mut().for_each(|region| region.name = name.to_owned());
-        save_scene(py, &scene, Some(&document), &path, format, WriteOptions { tolerance, text, allow_unsound })
+        save_scene(
+            py,
+            &scene,
+            Some(&document),
+            &path,
+            format,
+            WriteOptions { tolerance, text, allow_unsound },
+        )
     }
 
     /// A picture of the solid as an array: see `rayweave.render`, whose options these are.

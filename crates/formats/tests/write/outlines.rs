@@ -206,10 +206,8 @@ fn rims_and_documented_examples_are_watertight() {
 /// The tree of half-spaces and cylinders of an outline, without its description: the facets of its parts do not match.
 #[test]
 fn meshes_that_are_not_sound_are_written_on_request_only() {
-    let (document, _) = rayweave_scene::parse(&format!("rayweave = 1\n{KNOB}")).unwrap();
-    let (_, built) = rayweave_scene::parse(&document.to_toml()).unwrap();
-    let tree = Document::from_scene(&built).to_toml();
-    let scene = scene(tree.strip_prefix("rayweave = 1\n").unwrap_or(&tree));
+    let tree = Document::from_scene(&scene(KNOB)).to_toml();
+    let (_, scene) = rayweave_scene::parse(&tree).unwrap();
     let format = Format::Mesh(MeshFormat::Obj);
     let mut options = WriteOptions { tolerance: Some(0.05), ..WriteOptions::default() };
     let error = write(&scene, None, format, &options).unwrap_err();
