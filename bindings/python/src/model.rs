@@ -469,8 +469,9 @@ impl PyModel {
     /// Writes the model to a file, complete or not at all, in the format of its ending (native without one) or the one
     /// that `format` names, as in `load`. Curved faces that the format does not support become triangles within `tolerance`, in
     /// the unit of the model; default 1/5000 of its diagonal. With `text`, STL and PLY are written as text. Returns sentences
-    /// about parts that were approximated, dropped or written in another form.
-    #[pyo3(signature = (path, *, format = None, tolerance = None, text = false))]
+    /// about parts that were approximated, dropped or written in another form. A mesh that is not sound (edges without two
+    /// triangles, or triangles that intersect each other) is rejected, unless `allow_unsound` is true.
+    #[pyo3(signature = (path, *, format = None, tolerance = None, text = false, allow_unsound = false))]
     fn save(
         &self,
         py: Python<'_>,
@@ -478,8 +479,9 @@ impl PyModel {
         format: Option<&str>,
         tolerance: Option<f64>,
         text: bool,
+        allow_unsound: bool,
     ) -> PyResult<Vec<String>> {
-        let options = WriteOptions { tolerance, text };
+        let options = WriteOptions { tolerance, text, allow_unsound };
         save_scene(py, &self.scene, self.current_statement(), &path, format, options)
     }
 

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
-use rayweave::formats::{self, Format, WriteOptions};
+use rayweave::formats::{self, Format, WriteError, WriteOptions};
 use rayweave::scene::{Document, Scene};
 use rayweave::{Classified, ErrorKind};
 
@@ -44,6 +44,7 @@ pub fn save_scene(
     let format = format.map_or_else(|| format_of_path(path), format_of)?;
     let saved = py.detach(|| formats::save(scene, stated, path, Some(format), &options));
     let remarks = saved.map_err(|error| match error.kind() {
+        _ if matches!(error, WriteError::Unsound { .. }) => bad_value(error),
         ErrorKind::Output => PyOSError::new_err(error.to_string()),
         _ => bad_value(error),
     })?;

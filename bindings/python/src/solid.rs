@@ -442,7 +442,7 @@ impl PySolid {
     /// Writes the solid to a file, complete or not at all, in the format of its ending: a model file (.toml), a mesh (.stl, .obj,
     /// .ply, .off, .3mf, .gltf, .glb), OpenSCAD (.csg) or GDML (.gdml). `name` replaces the name of the solid. The other arguments
     /// and the result are those of `Model.save`.
-    #[pyo3(signature = (path, name = None, *, format = None, tolerance = None, text = false))]
+    #[pyo3(signature = (path, name = None, *, format = None, tolerance = None, text = false, allow_unsound = false))]
     fn save(
         &self,
         py: Python<'_>,
@@ -451,12 +451,20 @@ impl PySolid {
         format: Option<&str>,
         tolerance: Option<f64>,
         text: bool,
+        allow_unsound: bool,
     ) -> PyResult<Vec<String>> {
         let name = name.or(self.name()).unwrap_or("solid");
         let document = Document::from_solid(name, &self.solid);
         let mut scene = scene_of(&self.solid);
         scene.regions.iter_mut().for_each(|region| region.name = name.to_owned());
-        save_scene(py, &scene, Some(&document), &path, format, WriteOptions { tolerance, text })
+        save_scene(
+            py,
+            &scene,
+            Some(&document),
+            &path,
+            format,
+            WriteOptions { tolerance, text, allow_unsound },
+        )
     }
 
     /// A picture of the solid as an array: see `rayweave.render`, whose options these are.

@@ -16,7 +16,7 @@ type Part<'py> = (String, Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>);
 #[pyo3(signature = (subject: "Subject", tolerance))]
 pub fn mesh_parts<'py>(subject: &Bound<'py, PyAny>, tolerance: Option<f64>) -> PyResult<Vec<Part<'py>>> {
     let (py, scene) = (subject.py(), scene(subject)?);
-    let options = WriteOptions { tolerance, text: false };
+    let options = WriteOptions { tolerance, ..WriteOptions::default() };
     let parts = py.detach(|| triangulate(&scene, &options)).map_err(bad_value)?;
     let part = |(name, mesh): (String, rayweave::mesh::Mesh)| {
         let (vertices, triangles) = mesh.into_parts();

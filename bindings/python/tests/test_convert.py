@@ -64,6 +64,18 @@ def test_save_reports_losses(model: Path, tmp_path: Path) -> None:
         part.save(tmp_path / "nowhere" / "x.stl")
 
 
+def test_unsound_meshes_are_rejected_unless_allowed(tmp_path: Path) -> None:
+    chord = rayweave.cone(37, 7, 30).translate([0, 0, 5])
+    ring = rayweave.torus(17, 3).translate([0, 0, 7])
+    part = (rayweave.cylinder(20, 10).translate([0, 0, 5]) & chord) | (ring - chord)
+    target = tmp_path / "part.obj"
+    with pytest.raises(rayweave.RayweaveError, match=r"not sound: .*the first is at \("):
+        part.save(target, tolerance=0.05)
+    assert not target.exists()
+    reported = rayweave.convert(part, target, tolerance=0.05, allow_unsound=True)
+    assert any("not sound" in line for line in reported) and target.exists()
+
+
 def test_open_meshes_and_units(tmp_path: Path) -> None:
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
     path = tmp_path / "open.obj"

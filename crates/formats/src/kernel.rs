@@ -9,6 +9,7 @@ use manifold_rust::polygon::triangulate;
 use manifold_rust::types::{Box as KernelBox, Error, MeshGL64, OpType};
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::{Mesh, Polyhedron, RepairOptions};
+use rayweave_model::Facets;
 
 /// A non-empty solid bounded by triangles.
 #[derive(Clone)]
@@ -29,6 +30,21 @@ impl Body {
             _ => strict,
         };
         Body::checked(made)
+    }
+
+    /// The solid inside facets; `None` if it has no interior beyond rounding errors.
+    pub fn from_facets(facets: Facets) -> Result<Option<Body>, String> {
+        let Facets { points, mut triangles, flat } = facets;
+        for face in flat {
+            let plane: Vec<Vec<[f64; 2]>> =
+                face.contours.iter().map(|contour| contour.iter().map(|(_, at)| *at).collect()).collect();
+            let numbers: Vec<u32> = face.contours.iter().flatten().map(|(number, _)| *number).collect();
+            for corners in triangulated(&plane) {
+                let [a, b, c] = corners.map(|k| numbers[k as usize]);
+                triangles.push(if face.is_upright { [a, b, c] } else { [a, c, b] });
+            }
+        }
+        Body::from_triangles(points, triangles)
     }
 
     pub fn from_polyhedron(solid: &Polyhedron) -> Result<Option<Body>, String> {

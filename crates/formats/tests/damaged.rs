@@ -86,7 +86,7 @@ fn seeds() -> Vec<Seed> {
     let (_, scene) = rayweave_scene::parse(NATIVE).unwrap();
     for name in Format::NAMES {
         for text in [false, true] {
-            let options = WriteOptions { tolerance: Some(0.5), text };
+            let options = WriteOptions { tolerance: Some(0.5), text, ..WriteOptions::default() };
             let format = Format::from_name(name).unwrap();
             let written = match write(&scene, None, format, &options) {
                 Err(WriteError::NotWritten(_)) => continue,

@@ -1,5 +1,8 @@
 //! Round trips: scenes written in every format and read back give the same solid, compared by rays and closed forms.
 
+#[path = "write/outlines.rs"]
+mod outlines;
+
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
 use rayweave_formats::{Format, Imported, Options, RemarkKind, WriteOptions, Written, parse, write};
 use rayweave_math::{Affine, Bounds, Mat3, Vec3};
@@ -21,7 +24,7 @@ fn scene(solids: &[(&str, Solid)]) -> Scene {
 }
 
 fn written(scene: &Scene, format: Format, tolerance: Option<f64>) -> Written {
-    write(scene, None, format, &WriteOptions { tolerance, text: true }).unwrap()
+    write(scene, None, format, &WriteOptions { tolerance, text: true, ..WriteOptions::default() }).unwrap()
 }
 
 fn back(written: &Written, format: Format) -> Imported {
@@ -314,13 +317,13 @@ fn a_failed_write_has_a_reason() {
     );
     let ball = scene(&[("ball", Primitive::from(primitive::Sphere::new(1.0).unwrap()).into())]);
     for tolerance in [0.0, -1.0, f64::NAN] {
-        let options = WriteOptions { tolerance: Some(tolerance), text: false };
+        let options = WriteOptions { tolerance: Some(tolerance), text: false, ..WriteOptions::default() };
         assert!(write(&ball, None, Format::Gdml, &options).is_err());
     }
-    let fine = WriteOptions { tolerance: Some(1e-12), text: false };
+    let fine = WriteOptions { tolerance: Some(1e-12), text: false, ..WriteOptions::default() };
     let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
     assert!(refused.contains("a circle needs more than 20000 vertices"), "{refused}");
-    let fine = WriteOptions { tolerance: Some(1e-7), text: false };
+    let fine = WriteOptions { tolerance: Some(1e-7), text: false, ..WriteOptions::default() };
     let refused = write(&ball, None, Format::Mesh(MeshFormat::Stl), &fine).unwrap_err().to_string();
     assert!(refused.contains("it needs more than 4194304 vertices"), "{refused}");
     // a mesh without triangles cannot be read back

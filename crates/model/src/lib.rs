@@ -17,6 +17,7 @@ pub mod simplify;
 pub mod weld;
 
 mod approximate;
+mod boundary;
 mod boxes;
 mod chord;
 mod columns;
@@ -44,6 +45,7 @@ mod tables;
 mod trail;
 
 pub use approximate::{ApproximateColumns, ApproximateEvaluator};
+pub use boundary::{Boundary, Facets, FlatFace};
 pub use chord::{Ball, chord};
 pub use columns::{CrossingColumns, FirstHits, HitArrayRows};
 pub use copies::Copies;

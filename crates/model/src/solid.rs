@@ -1,6 +1,6 @@
 //! Solids as users build them: trees of shapes and boolean operators.
 
-use crate::Copies;
+use crate::{Boundary, Copies};
 use rayweave_math::{Affine, Vec3};
 use rayweave_shape::primitive::Primitive;
 use std::ops::{BitAnd, BitOr, BitXor, Not, Sub};
@@ -19,6 +19,7 @@ pub struct Solid(Arc<Inner>);
 /// Owns the node so that dropping a deep tree is a loop and not a recursion.
 struct Inner {
     node: Node,
+    boundary: Option<Arc<dyn Boundary>>,
 }
 
 /// A node of the tree: a shape, or a way to make a solid from others.
@@ -75,7 +76,18 @@ impl Node {
 
 impl Solid {
     fn new(node: Node) -> Solid {
-        Solid(Arc::new(Inner { node }))
+        Solid(Arc::new(Inner { node, boundary: None }))
+    }
+
+    /// The same solid, with a description of its boundary for programs that need facets. It must describe the set of points of
+    /// this solid; nothing else uses it, and equality of solids ignores it.
+    pub fn with_boundary(&self, boundary: Arc<dyn Boundary>) -> Solid {
+        Solid(Arc::new(Inner { node: self.node().clone(), boundary: Some(boundary) }))
+    }
+
+    /// The description of the boundary, if the solid was made with one.
+    pub fn boundary(&self) -> Option<&dyn Boundary> {
+        self.0.boundary.as_deref()
     }
 
     /// The root node of this solid.

@@ -19,6 +19,7 @@ def convert(
     to: str | None = None,
     tolerance: float | None = None,
     text: bool = False,
+    allow_unsound: bool = False,
     facets: bool = False,
     fonts: Sequence[str | PathLike[str]] = (),
     repair: bool = False,
@@ -40,8 +41,10 @@ def convert(
         if isinstance(source, System):
             source = source.to_model()
         if isinstance(source, (Solid, Model)):
-            return source.save(target, format=to, tolerance=tolerance, text=text)
-        return Model(source).save(target, format=to, tolerance=tolerance, text=text)
+            return source.save(target, format=to, tolerance=tolerance, text=text, allow_unsound=allow_unsound)
+        return Model(source).save(
+            target, format=to, tolerance=tolerance, text=text, allow_unsound=allow_unsound
+        )
     model = load(
         source,
         parameters,
@@ -53,4 +56,5 @@ def convert(
         allow=list(allow),
         strict=strict,
     )
-    return [*model.warnings, *model.save(target, format=to, tolerance=tolerance, text=text)]
+    saved = model.save(target, format=to, tolerance=tolerance, text=text, allow_unsound=allow_unsound)
+    return [*model.warnings, *saved]

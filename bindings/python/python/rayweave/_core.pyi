@@ -416,11 +416,13 @@ class Model:
         format: str | None = None,
         tolerance: float | None = None,
         text: bool = False,
+        allow_unsound: bool = False,
     ) -> list[str]:
         """Writes the model to a file, complete or not at all, in the format of its ending (native without one) or the one
         that `format` names, as in `load`. Curved faces that the format does not support become triangles within `tolerance`, in
         the unit of the model; default 1/5000 of its diagonal. With `text`, STL and PLY are written as text. Returns sentences
-        about parts that were approximated, dropped or written in another form.
+        about parts that were approximated, dropped or written in another form. A mesh that is not sound (edges without two
+        triangles, or triangles that intersect each other) is rejected, unless `allow_unsound` is true.
         """
 
     def to_mesh(self, tolerance: float | None = None) -> Mesh:
@@ -1648,6 +1650,7 @@ class Solid:
         format: str | None = None,
         tolerance: float | None = None,
         text: bool = False,
+        allow_unsound: bool = False,
     ) -> list[str]:
         """Writes the solid to a file, complete or not at all, in the format of its ending: a model file (.toml), a mesh (.stl, .obj,
         .ply, .off, .3mf, .gltf, .glb), OpenSCAD (.csg) or GDML (.gdml). `name` replaces the name of the solid. The other arguments

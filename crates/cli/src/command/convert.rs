@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 ///
 /// Shapes that the format supports are written exactly, others as triangles within a tolerance. Standard error lists the parts that
 /// were approximated, dropped or, unless --quiet, written in another form, and the losses when the model was read. With --strict, a
-/// model that cannot be written exactly is not written.
+/// model that the format cannot hold is not written; triangles within the tolerance are no reason. A mesh that is not the boundary of
+/// a solid is not written either.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -38,6 +39,10 @@ pub struct Convert {
     /// Write STL and PLY as text instead of binary; text STL names the regions
     #[arg(long)]
     text: bool,
+
+    /// Write meshes that are not sound: edges without two triangles, or triangles that intersect each other
+    #[arg(long)]
+    allow_unsound: bool,
 }
 
 impl Convert {
@@ -52,7 +57,8 @@ impl Convert {
             return Err(Failure::Usage(text));
         }
         let imported = self.model.import()?;
-        let options = WriteOptions { tolerance: self.tolerance, text: self.text };
+        let options =
+            WriteOptions { tolerance: self.tolerance, text: self.text, allow_unsound: self.allow_unsound };
         let written = formats::write(&imported.scene, imported.stated.as_ref(), format, &options);
         let written = written.map_err(rayweave::Error::from)?;
         // approximations are reported even with --quiet
@@ -62,7 +68,7 @@ impl Convert {
             changes.iter().for_each(|change| terminal::note(&change.to_string()));
         }
         losses.iter().for_each(|loss| terminal::note(&loss.to_string()));
-        if self.model.strict && !losses.is_empty() {
+        if self.model.strict && losses.iter().any(|loss| !loss.is_expected) {
             return Err(crate::failure::lossy(&self.out));
         }
         terminal::save(&self.out, &written.bytes)

@@ -37,13 +37,34 @@ fn every_format_is_written_and_read() {
     );
     // --quiet suppresses changes of form, but not losses
     assert!(done.err.starts_with("dropped: names of regions"), "{}", done.err);
-    let strict =
-        bench.fails(3, &["convert", "part.toml", "part.stl", "--tolerance", "0.01", "--strict", "-q"]);
+    let strict = bench.fails(3, &["convert", "part.toml", "part.csg", "--strict", "-q"]);
     assert!(
-        strict.contains("approximated: curved faces") && strict.contains("part.stl is not written"),
+        strict.contains("dropped: names of regions") && strict.contains("part.csg is not written"),
         "{strict}"
     );
+    // triangles within the tolerance are what was asked for
+    let done = bench.run(&["convert", "part.toml", "part.stl", "--tolerance", "0.01", "--strict", "-q"]);
+    assert!(done.code == 0 && done.err.contains("approximated: curved faces"), "{}", done.err);
     bench.says(&["convert", "part.toml", "same.toml", "--strict"]);
+}
+
+/// A fillet built of a torus and the cone through the ends of its arc: facets that are tangent to each other.
+#[test]
+fn meshes_that_are_not_sound_are_refused_unless_allowed() {
+    let bench = Bench::new();
+    let model = "rayweave = 1\n[solid.rod]\ncylinder = { radius = 20, height = 10 }\n\
+        transform = [{ translate = [0, 0, 5] }]\n[solid.chord]\n\
+        cone = { radius1 = 37, radius2 = 7, height = 30 }\ntransform = [{ translate = [0, 0, 5] }]\n\
+        [solid.ring]\ntorus = { major = 17, minor = 3 }\ntransform = [{ translate = [0, 0, 7] }]\n\
+        [solid.part]\nexpr = '(rod & chord) | (ring - chord)'\n";
+    bench.write("part.toml", model);
+    let refused = bench.fails(1, &["convert", "part.toml", "part.obj", "--tolerance", "0.05"]);
+    assert!(refused.contains("the mesh of region `part` is not sound: "), "{refused}");
+    assert!(refused.contains("the first is at (") && refused.contains("--allow-unsound"), "{refused}");
+    assert!(!bench.path("part.obj").exists());
+    let allowed = bench.run(&["convert", "part.toml", "part.obj", "--tolerance", "0.05", "--allow-unsound"]);
+    assert!(allowed.code == 0 && allowed.err.contains("the mesh of `part` is not sound"), "{}", allowed.err);
+    assert!(bench.path("part.obj").exists());
 }
 
 #[test]

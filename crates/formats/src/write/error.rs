@@ -2,6 +2,8 @@
 
 use crate::Format;
 use rayweave_error::{Classified, ErrorKind};
+use rayweave_math::Vec3;
+use rayweave_mesh::Diagnosis;
 use rayweave_mesh_io::FileError;
 use rayweave_model::CompileError;
 use rayweave_table::TableError;
@@ -50,6 +52,19 @@ pub enum WriteError {
         /// Message of the mesh kernel.
         why: String,
     },
+    /// The mesh of a region is not the boundary of a solid.
+    #[error(
+        "the mesh of region `{region}` is not sound: {defects}{}. Choose another tolerance, or write it anyway with \
+         --allow-unsound (in Python allow_unsound=True).", place(.at)
+    )]
+    Unsound {
+        /// Name of the region.
+        region: String,
+        /// The numbers of defects of each kind.
+        defects: String,
+        /// The position of the first defect that has one, in the unit of the model.
+        at: Option<Vec3>,
+    },
     /// The mesh writer failed.
     #[error(transparent)]
     File(#[from] FileError),
@@ -58,11 +73,48 @@ pub enum WriteError {
     Output(#[from] TableError),
 }
 
+/// The end of a sentence about defects: the position of the first one.
+fn place(at: &Option<Vec3>) -> String {
+    at.map(|at| format!("; the first is at ({}, {}, {})", at.x, at.y, at.z)).unwrap_or_default()
+}
+
+impl WriteError {
+    /// The error about a mesh with these defects.
+    pub(super) fn unsound(region: &str, found: &Diagnosis) -> WriteError {
+        let inside_out = found.components.iter().filter(|shell| shell.is_inside_out()).count();
+        let one_sided = found.components.iter().filter(|shell| !shell.is_orientable).count();
+        let counts = [
+            (found.open_edges, "edges with an odd number of triangles"),
+            (found.non_manifold_edges.count, "edges with more than two triangles"),
+            (found.crossings.count + found.overlaps.count, "pairs of triangles that intersect"),
+            (found.duplicates.count, "pairs of equal triangles"),
+            (found.flipped.count, "flipped triangles"),
+            (inside_out, "shells inside out"),
+            (one_sided, "shells without an orientation"),
+            (usize::from(found.is_flat), "mesh without volume"),
+            (usize::from(found.uncompared.is_some()), "search for intersections that was given up"),
+        ];
+        let counts = counts.iter().filter(|(count, _)| *count > 0);
+        let defects: Vec<String> = counts.map(|(count, what)| format!("{count} {what}")).collect();
+        let at = found
+            .non_manifold_edges
+            .first
+            .first()
+            .copied()
+            .or(found.holes.first.first().map(|hole| hole.centre))
+            .or(found.crossings.first.first().map(|pair| pair.at))
+            .or(found.overlaps.first.first().map(|pair| pair.at));
+        WriteError::Unsound { region: region.to_owned(), defects: defects.join(", "), at }
+    }
+}
+
 impl Classified for WriteError {
     fn kind(&self) -> ErrorKind {
         match self {
             WriteError::Compile(error) => error.kind(),
             WriteError::Output(error) => error.kind(),
+            // the file is not written
+            WriteError::Unsound { .. } => ErrorKind::Output,
             WriteError::Unbounded { .. } | WriteError::Empty(_) | WriteError::Kernel { .. } => {
                 ErrorKind::Solid
             }

@@ -2,7 +2,7 @@
 
 use super::WriteError;
 use rayweave_math::{Affine, Bounds};
-use rayweave_model::{Node, Solid};
+use rayweave_model::{Boundary, Node, Solid};
 use rayweave_shape::primitive::Primitive;
 
 /// Maximum number of shapes and operators of a region; every copy of a solid counts.
@@ -39,6 +39,15 @@ pub(super) trait Builder {
     /// A named solid as a whole, exact everywhere; `None` if the format has no element for it.
     fn named(&mut self, _name: &str, _solid: &Solid, _place: &Affine) -> Option<Self::Part> {
         None
+    }
+
+    /// A solid from the description of its boundary; `None` if it is to be built from its tree.
+    fn bounded(
+        &mut self,
+        _boundary: &dyn Boundary,
+        _place: &Affine,
+    ) -> Result<Option<Self::Part>, WriteError> {
+        Ok(None)
     }
 
     /// The boolean of two or more parts; `None` if it is empty.
@@ -134,6 +143,11 @@ fn enter<'s, B: Builder>(
     builder: &mut B,
     tasks: &mut Vec<Task<'s>>,
 ) -> Result<Option<Known<B::Part>>, WriteError> {
+    if let Some(boundary) = solid.boundary()
+        && let Some(part) = builder.bounded(boundary, &place)?
+    {
+        return Ok(Some((Some(part), Outside { is_exact: true, is_empty: false })));
+    }
     let join = match solid.node() {
         Node::Empty => return Ok(Some((None, NOTHING))),
         Node::Universe => return Ok(Some(everything(builder))),

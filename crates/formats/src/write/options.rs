@@ -8,4 +8,7 @@ pub struct WriteOptions {
     pub tolerance: Option<f64>,
     /// Selects text for mesh formats that have a text and a binary form (STL, PLY).
     pub text: bool,
+    /// Writes meshes that are not sound, with a remark, instead of rejecting them: edges without two triangles, or triangles that
+    /// intersect each other.
+    pub allow_unsound: bool,
 }

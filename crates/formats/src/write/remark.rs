@@ -32,6 +32,9 @@ pub struct Remark {
     pub what: String,
     /// Number of occurrences.
     pub count: usize,
+    /// True for what the request implies: triangles within the tolerance, the rounding of the format, and the absence of colours
+    /// that no file stated.
+    pub is_expected: bool,
 }
 
 impl fmt::Display for Remark {
@@ -49,10 +52,18 @@ pub(super) struct Remarks {
 
 impl Remarks {
     pub fn add(&mut self, kind: RemarkKind, what: impl Into<String>) {
-        let what = what.into();
+        self.add_one(kind, what.into(), false);
+    }
+
+    /// Adds a remark on what the request implies.
+    pub fn add_expected(&mut self, kind: RemarkKind, what: impl Into<String>) {
+        self.add_one(kind, what.into(), true);
+    }
+
+    fn add_one(&mut self, kind: RemarkKind, what: String, is_expected: bool) {
         match self.all.iter_mut().find(|remark| remark.kind == kind && remark.what == what) {
             Some(remark) => remark.count += 1,
-            None => self.all.push(Remark { kind, what, count: 1 }),
+            None => self.all.push(Remark { kind, what, count: 1, is_expected }),
         }
     }
 

@@ -10,6 +10,8 @@ use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
 use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, write_objects};
+use rayweave_model::Boundary;
+use rayweave_scene::Colour;
 use rayweave_shape::primitive::Primitive;
 
 /// Builder of triangle bodies.
@@ -44,6 +46,14 @@ impl Builder for Triangulator<'_, '_> {
         let clip = facets::clip_box(shape, &self.model.clip, within);
         let request = Request { shape, place, clip: &clip, tolerance: self.model.tolerance };
         facets::body(&request).map_err(|why| self.failed(format!("`{}`: {why}", shape.name())))
+    }
+
+    fn bounded(&mut self, boundary: &dyn Boundary, place: &Affine) -> Result<Option<Body>, WriteError> {
+        let Some(facets) = boundary.facets(facets::tolerance_within(place, self.model.tolerance)) else {
+            return Ok(None);
+        };
+        let body = Body::from_facets(facets).map_err(|why| self.failed(why))?;
+        body.map_or(Ok(None), |body| body.placed(place)).map_err(|why| self.failed(why))
     }
 
     fn join(&mut self, by: Operation, parts: Vec<Body>) -> Result<Option<Body>, WriteError> {
@@ -153,6 +163,9 @@ pub(super) fn write(
         }
         let diagnosis = mesh.diagnose();
         if !diagnosis.is_sound() {
+            if !options.allow_unsound {
+                return Err(WriteError::unsound(name, &diagnosis));
+            }
             remarks.add(RemarkKind::Approximated, format!("the mesh of `{name}` is not sound: {diagnosis}"));
         }
         parts.push((name.as_str(), written));
@@ -170,16 +183,23 @@ fn remark_on_format(model: &Model, format: MeshFormat, options: &WriteOptions, r
     if model.has_curved_faces {
         let (tolerance, unit) = (model.tolerance, model.scene.unit);
         let text = format!("curved faces, with triangles within {tolerance:.3e} {unit}");
-        remarks.add(RemarkKind::Approximated, text);
+        remarks.add_expected(RemarkKind::Approximated, text);
     }
     if is_single(format, options) {
-        remarks.add(RemarkKind::Approximated, "coordinates, in single precision");
+        remarks.add_expected(RemarkKind::Approximated, "coordinates, in single precision");
     }
     let has_unit = matches!(format, MeshFormat::ThreeMf | MeshFormat::Gltf | MeshFormat::Glb);
     if !has_unit {
         model.remark_on_unit(remarks);
     }
-    remarks.add(RemarkKind::Dropped, "colours and names of faces");
+    // names of faces follow from the model, as do colours that are not stated
+    let regions = &model.scene.regions;
+    let is_usual = regions.iter().enumerate().all(|(k, region)| region.colour == Colour::numbered(k));
+    let text = "colours and names of faces";
+    match is_usual {
+        true => remarks.add_expected(RemarkKind::Dropped, text),
+        false => remarks.add(RemarkKind::Dropped, text),
+    }
     model.remark_on_media(remarks);
     model.remark_on_pictures(remarks);
 }

@@ -10,7 +10,7 @@ use rayweave_trace::Weave;
 use std::sync::Arc;
 
 fn written(imported: &Imported) -> Written {
-    let options = WriteOptions { tolerance: None, text: true };
+    let options = WriteOptions { tolerance: None, text: true, ..WriteOptions::default() };
     write(&imported.scene, Some(&imported.document()), Format::Gdml, &options).unwrap()
 }
 
@@ -144,7 +144,7 @@ fn edited_models_are_written_flat() {
     let document = imported.document();
     let region = &mut imported.scene.regions[1];
     region.solid = region.solid.translate(Vec3::new(0.0, 1.0, 0.0));
-    let options = WriteOptions { tolerance: None, text: true };
+    let options = WriteOptions { tolerance: None, text: true, ..WriteOptions::default() };
     let file = write(&imported.scene, Some(&document), Format::Gdml, &options).unwrap();
     let text = String::from_utf8(file.bytes.clone()).unwrap();
     assert!(text.contains("<composite n=\"2\" ref=\"H\"/>") && text.contains("subtraction"), "{text}");
@@ -226,7 +226,7 @@ fn twisted_solids_become_few_triangles() {
                  <twistedbox name=\"t\" x=\"20\" y=\"30\" z=\"40\" PhiTwist=\"10\" aunit=\"deg\"/>";
     let volume = "<volume name=\"World\"><materialref ref=\"Al\"/><solidref ref=\"t\"/></volume>";
     let imported = parse(&model("", solid, volume)).unwrap();
-    let options = WriteOptions { tolerance: Some(0.01), text: false };
+    let options = WriteOptions { tolerance: Some(0.01), text: false, ..WriteOptions::default() };
     let kind = rayweave_mesh_io::MeshFormat::Stl;
     let file = write(&imported.scene, None, Format::Mesh(kind), &options).unwrap();
     // 50 bytes per triangle

@@ -128,6 +128,21 @@ impl Edge {
         (0..count).map(chord).collect()
     }
 
+    /// The points that divide an arc into equal parts of at most the angle `step`, without its ends, and the unit vectors from the
+    /// centre.
+    pub fn inner_points(&self, step: f64) -> Vec<(Point, Point)> {
+        let Some(arc) = self.arc else { return Vec::new() };
+        let (start, sweep) = (arc.angle(self.from), arc.sweep(self.from, self.to));
+        // an arc of a whole number of steps may be longer by rounding
+        let count = (sweep / step - 1e-9).ceil().max(1.0) as u32;
+        let point = |part: u32| {
+            let turn = sweep * f64::from(part) / f64::from(count);
+            let (sin, cos) = sin_cos_radians(if arc.is_ccw { start + turn } else { start - turn });
+            ([arc.centre[0] + arc.radius * cos, arc.centre[1] + arc.radius * sin], [cos, sin])
+        };
+        (1..count).map(point).collect()
+    }
+
     /// The unit tangents at the start and at the end.
     pub fn tangents(&self) -> [Point; 2] {
         match self.arc {

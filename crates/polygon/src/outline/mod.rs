@@ -13,6 +13,7 @@
 mod contour;
 mod corner;
 mod error;
+mod facets;
 mod rim;
 mod solid;
 

@@ -96,6 +96,14 @@ fn mitre(edge: &Edge, next: &Edge) -> Point {
     [u[0] + v[0], u[1] + v[1]]
 }
 
+/// The movement of the corner between two edges when both move to the left by 1. For an outline without rims, in which edges may
+/// turn back, it may be infinite.
+pub(super) fn mitre_shift(edge: &Edge, next: &Edge) -> Point {
+    let (u, v) = (edge.tangents()[1], next.tangents()[0]);
+    let by = 1.0 / (1.0 + u[0] * v[0] + u[1] * v[1]);
+    [-by * (u[1] + v[1]), by * (u[0] + v[0])]
+}
+
 impl End {
     fn cutter(&self, place: &Place<'_>) -> Result<Solid, OutlineError> {
         let Place { edge, is_island, mitres, name } = place;

@@ -1,6 +1,7 @@
 //! Solids of outlines: prisms and solids of revolution.
 
 use super::contour::Edge;
+use super::facets::{Prism, Revolution};
 use super::rim::{Rim, cutters};
 use super::{Contour, Outline, OutlineError};
 use crate::{HalfPlane, Operator, Point, from_polygons};
@@ -11,6 +12,7 @@ use rayweave_rootray::Side;
 use rayweave_shape::primitive::{
     BoxFromCorners, Cylinder, HalfSpace, Primitive, Quadric, ShapeError, Sphere, Torus, Wedge,
 };
+use std::sync::Arc;
 
 /// The margin of the bounding box around a prism, relative to the larger side of the outline.
 const RELATIVE_MARGIN: f64 = 1.0 / 64.0;
@@ -115,7 +117,8 @@ impl Outline {
         for (rim, up) in rims.into_iter().zip([false, true]) {
             cuts.extend(cutters(self, rim, if up { hi } else { lo }, up)?);
         }
-        Ok(if cuts.is_empty() { prism } else { prism - Solid::union(cuts) })
+        let whole = if cuts.is_empty() { prism } else { prism - Solid::union(cuts) };
+        Ok(whole.with_boundary(Arc::new(Prism { outline: self.clone(), z: [lo, hi], rims })))
     }
 
     /// The region revolved about its axis x = 0, which becomes the z axis of space, as y becomes z, from `start` degrees about z,
@@ -138,10 +141,11 @@ impl Outline {
         let rod = solid(Cylinder::new(high[0] + margin, height + 2.0 * margin))?;
         let around = rod.translate([0.0, 0.0, 0.5 * (low[1] + high[1])]).named("contour.around");
         let whole = turned.swept(&Revolved)? & around;
-        Ok(match sweep == 360.0 {
+        let solid = match sweep == 360.0 {
             true => whole,
             false => whole & solid(Wedge::new(start, sweep))?.named("sides"),
-        })
+        };
+        Ok(solid.with_boundary(Arc::new(Revolution { outline: self.clone(), start, sweep })))
     }
 
     /// The outline with chords in place of arcs whose centres are at x < 0; it must not cross the axis. `larger` is the larger side of

@@ -46,9 +46,14 @@ impl Request<'_> {
 
     /// The tolerance in the frame of the shape.
     pub fn local_tolerance(&self) -> f64 {
-        // the Frobenius norm of a similarity is sqrt(3) times its scale factor
-        self.tolerance / self.place.similarity().unwrap_or(self.place.linear_norm())
+        tolerance_within(self.place, self.tolerance)
     }
+}
+
+/// A tolerance of the model in the frame that is placed by a map.
+pub(super) fn tolerance_within(place: &Affine, tolerance: f64) -> f64 {
+    // the Frobenius norm of a similarity is sqrt(3) times its scale factor
+    tolerance / place.similarity().unwrap_or(place.linear_norm())
 }
 
 /// Value of a numeric parameter of a shape.

@@ -1,0 +1,35 @@
+//! Boundaries of solids as facets, where the maker of a solid knows more than its tree of operators shows.
+
+use rayweave_math::Vec3;
+use std::panic::{RefUnwindSafe, UnwindSafe};
+
+/// A description of the boundary of a solid, from which facets are computed.
+///
+/// The facets that booleans of separately tessellated shapes have in common differ by rounding errors, and touch where faces are
+/// tangent to each other. Facets from the description have common vertices.
+pub trait Boundary: Send + Sync + UnwindSafe + RefUnwindSafe {
+    /// A closed surface without self-intersections within `tolerance` of the boundary, with its vertices on it; `None` if there is
+    /// none with a reasonable number of vertices.
+    fn facets(&self, tolerance: f64) -> Option<Facets>;
+}
+
+/// A closed surface: triangles and flat faces with common vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Facets {
+    /// The vertices.
+    pub points: Vec<Vec3>,
+    /// The corners of triangles, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Flat faces, which may have holes.
+    pub flat: Vec<FlatFace>,
+}
+
+/// A flat face within contours that neither cross nor touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlatFace {
+    /// The vertices of each contour, and their positions in the plane of the face: outer contours counter-clockwise, holes
+    /// clockwise.
+    pub contours: Vec<Vec<(u32, [f64; 2])>>,
+    /// True if the face is seen from outside as in its plane; otherwise as its mirror image.
+    pub is_upright: bool,
+}
