@@ -264,3 +264,122 @@ impl Quick<'_> {
 fn is_printable(byte: u8) -> bool {
     byte >= b' ' && byte != 0x7f
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::Source;
+    use rand::rngs::ChaCha8Rng;
+    use rand::{RngExt, SeedableRng};
+    use std::sync::Arc;
+    use toml::de::DeTable;
+
+    /// True if a text is accepted; asserts that the TOML parser then finds the same.
+    fn accepts(text: &str) -> bool {
+        let Some(table) = parse(text, 0..text.len()) else { return false };
+        let tree = DeTable::parse(text).unwrap_or_else(|error| panic!("{text:?}: {error}"));
+        let (source, mut problems) = (Arc::new(Source::new(None, text.to_owned())), Vec::new());
+        let expected = crate::datum::from_toml(tree.get_ref(), 0, &source, &mut problems);
+        // with all spans; the order of problems is that of the text
+        assert_eq!(format!("{table:?}"), format!("{expected:?}"), "{text:?}");
+        assert!(problems.is_empty(), "{text:?}");
+        true
+    }
+
+    const SOLID: &str = "# a ball\n[solid.b-1_2] # here\r\n\tsphere = { radius = 1.5e-3 , at=[-0, 20,\n 3.0 ] }\ntransform=[{translate=[1,2.5,-3]},{rotate_x=\"90 * k\"}]\nname = 'a \u{e4}'\n\n[[region]]\nsolid = 'b-1_2'\nopen = true\n[solid.c]\nexpr = ''\n[[region]]\nlist = []\nempty = {}";
+
+    #[test]
+    fn simple_text_is_read_as_by_the_toml_parser() {
+        let cases =
+            ["", "\n", "# only a comment", "[solid.a]", "[[region]]\n", "[solid.a]\nx = 0.5E+2", SOLID];
+        assert!(cases.iter().all(|text| accepts(text)));
+    }
+
+    #[test]
+    fn other_text_is_left_to_the_toml_parser() {
+        let values = [
+            "+1",
+            "01",
+            "-",
+            "1_000",
+            "0x10",
+            "1.",
+            ".5",
+            "1e",
+            "inf",
+            "nan",
+            "1e999",
+            "1979-05-27",
+            "07:32:00",
+            "12345678901234567890",
+            "\"a\\n\"",
+            "\"\"\"a\"\"\"",
+            "'''a'''",
+            "'a",
+            "\"a\nb\"",
+            "'\u{7f}'",
+            "[1,,2]",
+            "[,]",
+            "[1 2]",
+            "{a=1,}",
+            "{,}",
+            "{a=1 b=2}",
+            "{a=1,a=2}",
+            "{a.b=1}",
+            "{'a'=1}",
+            "truely",
+            "",
+            "1 2",
+            "[[[[[[[[[[1]]]]]]]]]]",
+            "[1, # c\n2]",
+            "{a=1,\nb=2}",
+        ];
+        for value in values {
+            assert!(!accepts(&format!("[solid.a]\nx = {value}\n")), "{value}");
+        }
+        let texts = [
+            "a = 1",
+            "[solid]",
+            "[solid.'a']",
+            "[solid.a.b]",
+            "[region]",
+            "[[solid.a]]",
+            "[medium.a]",
+            "[solid.a] x = 1",
+            "[solid.a]\nx",
+            "[solid.a]\nx =",
+            "[solid.a]\nx.y = 1",
+            "[solid.a]\nx = 1\nx = 2",
+            "[solid.a]\rx = 1",
+            "\u{feff}[solid.a]",
+            "[solid. a ]",
+            "[solid.a",
+            "[[region] ]",
+            "# \u{1}\n",
+        ];
+        for text in texts {
+            assert!(!accepts(text), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn changed_text_is_read_as_by_the_toml_parser() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let characters: Vec<char> = SOLID.chars().collect();
+        let mut accepted = 0;
+        for _ in 0..4000 {
+            let mut text = characters.clone();
+            for _ in 0..rng.random_range(1..3) {
+                let at = rng.random_range(0..text.len());
+                let other = characters[rng.random_range(0..characters.len())];
+                match rng.random_range(0..3) {
+                    0 => drop(text.remove(at)),
+                    1 => text.insert(at, other),
+                    _ => text[at] = other,
+                }
+            }
+            accepted += u32::from(accepts(&text.into_iter().collect::<String>()));
+        }
+        assert!(accepted > 400, "{accepted}");
+    }
+}
