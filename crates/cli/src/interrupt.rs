@@ -10,8 +10,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// The time that the command has after a signal to end by itself. Runs check [`token`] between their tasks; reading files and
-/// compiling models check it only rarely.
-const PATIENCE: Duration = Duration::from_millis(300);
+/// compiling models check it only rarely. Together with the time in which the system frees the memory of a large model, it stays
+/// below half a second.
+const PATIENCE: Duration = Duration::from_millis(150);
 
 /// The time after a signal in which the command may remove its unfinished files itself. It cannot while it waits for a pipe that
 /// nobody reads.

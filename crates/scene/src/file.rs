@@ -2,8 +2,8 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::document::Document;
-use crate::formats::native::{self, Reading};
-use crate::resolve::{reason, resolve, resolve_last};
+use crate::formats::native::{self, Kept, Reading};
+use crate::resolve::{reason, resolve, resolve_definitions};
 use crate::scene::Scene;
 use crate::source::{Source, Span};
 use rayweave_error::with_limited_suggestions;
@@ -85,8 +85,9 @@ pub fn load_scene(
 ) -> Result<Scene, Diagnostics> {
     let source = Arc::new(Source::read(path.as_ref())?);
     with_limited_suggestions(|| {
-        let Reading { document, problems, unreadable, .. } = read(source, allowed)?;
-        resolve_last(document, overrides, &unreadable, problems)
+        let Reading { document, problems, unreadable, definitions, .. } =
+            read(source, allowed, Kept::Definitions)?;
+        resolve_definitions(document, definitions, overrides, &unreadable, problems)
     })
 }
 
@@ -103,13 +104,13 @@ fn read_and_resolve(
     overrides: &[(String, String)],
     allowed: &[PathBuf],
 ) -> Result<(Document, Scene), Diagnostics> {
-    let Reading { document, problems, unreadable, .. } = read(source, allowed)?;
+    let Reading { document, problems, unreadable, .. } = read(source, allowed, Kept::Document)?;
     let scene = resolve(&document, overrides, &unreadable, problems)?;
     Ok((document, scene))
 }
 
-fn read(source: Arc<Source>, allowed: &[PathBuf]) -> Result<Reading, Diagnostics> {
-    let mut reading = native::read(source);
+fn read(source: Arc<Source>, allowed: &[PathBuf], kept: Kept) -> Result<Reading, Diagnostics> {
+    let mut reading = native::read(source, kept);
     reading.document.allowed = allowed.to_vec();
     match reading.broken {
         true => Err(Diagnostics::new(reading.problems)),

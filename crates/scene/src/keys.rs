@@ -56,6 +56,10 @@ impl Keys {
 
     /// The diagnostics of all keys that have not been taken.
     pub(crate) fn unknown(self) -> Vec<(Diagnostic, Span)> {
+        // nearly always, and the reason below takes longer than reading the table
+        if self.rest.is_empty() {
+            return Vec::new();
+        }
         let reason = format!("the keys are {}", self.known.join(", "));
         let problem = |key: Spanned<String>| {
             let problem = Diagnostic::error(format!("unknown key `{}` in `{}`", key.value, self.name));

@@ -81,21 +81,29 @@ fn entities(text: &str) -> Result<Vec<Entity<'_>>, String> {
     if text.starts_with("AutoCAD Binary DXF") {
         return Err("it is a binary DXF file: save it as text".to_owned());
     }
-    let mut lines = text.lines().map(str::trim);
+    let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
     let (mut all, mut section, mut is_name) = (Vec::<Entity>::new(), "", false);
+    let mut is_complete = false;
     while let (Some(code), Some(value)) = (lines.next(), lines.next()) {
         let code: i32 =
             code.parse().map_err(|_| format!("it is not a DXF file: `{code}` is not a group code"))?;
         match (code, value) {
             (0, "SECTION") => is_name = true,
-            (0, "ENDSEC" | "EOF") => section = "",
+            (0, "ENDSEC") => section = "",
+            (0, "EOF") => {
+                is_complete = true;
+                break;
+            }
             (2, name) if is_name => (section, is_name) = (name, false),
             (0, kind) if section == "ENTITIES" => all.push(Entity { kind, pairs: Vec::new() }),
             (code, value) if section == "ENTITIES" => all.extend_last(code, value),
             _ => {}
         }
     }
-    Ok(all)
+    match is_complete {
+        true => Ok(all),
+        false => Err("it has no EOF at its end: it is incomplete".to_owned()),
+    }
 }
 
 /// The addition of a pair to the last entity.
@@ -185,5 +193,10 @@ mod tests {
         assert!(fails("0 CIRCLE 10 0 20 0").contains("no group 40"));
         assert!(fails("0 CIRCLE 10 0 20 x 40 1").contains("`x` is not a number"));
         assert!(read("solid x\nfacet", None).unwrap_err().contains("not a DXF file"));
+        let whole = file("0 CIRCLE 10 0 20 0 40 1");
+        for line in whole.match_indices('\n').map(|(at, _)| at).filter(|&at| at + 5 < whole.len()) {
+            assert!(read(&whole[..line], None).is_err(), "{}", &whole[..line]);
+        }
+        assert!(read(&format!("\u{feff}{whole}"), None).is_ok());
     }
 }

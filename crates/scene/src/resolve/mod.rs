@@ -15,7 +15,8 @@ use crate::scene::Scene;
 pub(crate) use context::Context;
 pub use files::reason;
 pub(crate) use numbers::Numbers;
-use solids::Definitions;
+pub(crate) use solids::Definitions;
+use solids::Entries;
 pub(crate) use solids::product;
 use std::collections::HashSet;
 
@@ -30,33 +31,34 @@ pub(crate) fn resolve(
     problems: Vec<Diagnostic>,
 ) -> Result<Scene, Diagnostics> {
     let names = document.solids.iter().map(|entry| entry.name.value.clone()).collect();
-    let definitions = Definitions::Kept(&document.solids);
-    evaluate(document, names, definitions, overrides, unreadable, problems)
+    let entries = Entries::Kept(&document.solids);
+    evaluate(document, names, entries, overrides, unreadable, problems)
 }
 
-/// Evaluates a document that is no longer needed. The definition of each solid is dropped once the solid is
-/// built, so that a large model takes less memory.
-pub(crate) fn resolve_last(
-    mut document: Document,
+/// Evaluates a document whose solids are given as definitions, each of which is dropped once its solid is built. The document is
+/// dropped too.
+pub(crate) fn resolve_definitions(
+    document: Document,
+    definitions: Definitions,
     overrides: &[(String, String)],
     unreadable: &HashSet<String>,
     problems: Vec<Diagnostic>,
 ) -> Result<Scene, Diagnostics> {
-    let (names, definitions) = Definitions::of(std::mem::take(&mut document.solids));
-    evaluate(&document, names, definitions, overrides, unreadable, problems)
+    let (names, entries) = definitions.into_entries();
+    evaluate(&document, names, entries, overrides, unreadable, problems)
 }
 
 fn evaluate(
     document: &Document,
     names: Vec<String>,
-    definitions: Definitions<'_>,
+    entries: Entries<'_>,
     overrides: &[(String, String)],
     unreadable: &HashSet<String>,
     problems: Vec<Diagnostic>,
 ) -> Result<Scene, Diagnostics> {
     let mut context = Context::new(document, problems, unreadable);
     let mut numbers = Numbers::new(&mut context, overrides);
-    let solids = solids::build(&mut context, &mut numbers, &names, definitions);
+    let solids = solids::build(&mut context, &mut numbers, &names, entries);
     let (media, regions) = regions::build(&mut context, &mut numbers, &solids);
     let (camera, lights, render) = view::build(&mut context, &mut numbers);
     if context.problems.iter().any(|problem| problem.severity() == Severity::Error) {

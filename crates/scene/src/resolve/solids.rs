@@ -21,73 +21,121 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// The definitions of all solids.
-pub(super) enum Definitions<'d> {
-    /// The definitions of a document.
+pub(super) enum Entries<'d> {
+    /// The entries of a document.
     Kept(&'d [SolidEntry]),
     /// Definitions without their names, each dropped once its solid is built.
     Dropped(Vec<Definition>),
 }
 
-/// The definition of a solid.
+/// The solids of a file, in less memory than as entries of a document: solids that depend on nothing else are built at once, so
+/// that the text and the definitions of a large model never exist at the same time.
 #[derive(Default)]
+pub(crate) struct Definitions {
+    names: Vec<String>,
+    definitions: Vec<Definition>,
+}
+
+/// The definition of a solid, or the solid itself, with the place of its name.
 pub(super) struct Definition {
-    /// The place of the name.
     name: Span,
+    content: Content,
+}
+
+enum Content {
+    Defined(Box<Parts>),
+    Built(Solid),
+    Dropped,
+}
+
+/// A definition without its name.
+struct Parts {
     label: Option<Spanned<String>>,
-    body: Option<Body>,
+    body: Body,
     transform: Vec<Spanned<Step>>,
 }
 
-impl Definitions<'_> {
-    /// Divides the solids of a document into names and definitions.
-    pub fn of(solids: Vec<SolidEntry>) -> (Vec<String>, Self) {
-        let divided = solids.into_iter().map(|SolidEntry { name, label, body, transform }| {
-            (name.value, Definition { name: name.span, label, body: Some(body), transform })
-        });
-        let (names, definitions) = divided.unzip();
-        (names, Definitions::Dropped(definitions))
+impl Definitions {
+    /// Adds a solid. It must have been read without problems to be built at once.
+    pub fn push(&mut self, entry: SolidEntry, is_readable: bool) {
+        let built = if is_readable { independent(&entry) } else { None };
+        let SolidEntry { name, label, body, transform } = entry;
+        let defined = || Content::Defined(Box::new(Parts { label, body, transform }));
+        let content = built.map_or_else(defined, Content::Built);
+        self.names.push(name.value);
+        self.definitions.push(Definition { name: name.span, content });
     }
 
+    /// The names and the definitions.
+    pub(super) fn into_entries(self) -> (Vec<String>, Entries<'static>) {
+        (self.names, Entries::Dropped(self.definitions))
+    }
+}
+
+/// The solid of a shape that depends neither on parameters nor on files. `None` for others and for invalid shapes, whose problems
+/// are reported when all solids are built.
+fn independent(entry: &SolidEntry) -> Option<Solid> {
+    let Body::Shape(keyword, arguments) = &entry.body else { return None };
+    if keyword.value == "mesh" {
+        return None;
+    }
+    // the positions of problems do not matter
+    let (document, unreadable) = (Document::default(), HashSet::new());
+    let mut context = Context::new(&document, Vec::new(), &unreadable);
+    let numbers = Numbers::known(&[]);
+    let solid = shape(&mut context, &numbers, keyword, arguments)?;
+    let maps = steps(&mut context, &numbers, &entry.transform)?;
+    let solid = maps.iter().fold(solid, |solid, map| solid.apply(*map));
+    let label = entry.label.as_ref().map(|label| label.value.as_str());
+    context.problems.is_empty().then(|| named(&entry.name.value, label, solid))
+}
+
+impl Entries<'_> {
     fn len(&self) -> usize {
         match self {
-            Definitions::Kept(entries) => entries.len(),
-            Definitions::Dropped(definitions) => definitions.len(),
+            Entries::Kept(entries) => entries.len(),
+            Entries::Dropped(definitions) => definitions.len(),
         }
     }
 
     fn name(&self, index: usize) -> Span {
         match self {
-            Definitions::Kept(entries) => entries[index].name.span,
-            Definitions::Dropped(definitions) => definitions[index].name,
+            Entries::Kept(entries) => entries[index].name.span,
+            Entries::Dropped(definitions) => definitions[index].name,
         }
     }
 
-    /// The definition of a solid; `None` after it was dropped.
-    fn body(&self, index: usize) -> Option<&Body> {
-        match self {
-            Definitions::Kept(entries) => Some(&entries[index].body),
-            Definitions::Dropped(definitions) => definitions[index].body.as_ref(),
-        }
-    }
-
-    fn transform(&self, index: usize) -> &[Spanned<Step>] {
-        match self {
-            Definitions::Kept(entries) => &entries[index].transform,
-            Definitions::Dropped(definitions) => &definitions[index].transform,
-        }
-    }
-
-    fn label(&self, index: usize) -> Option<&str> {
-        let label = match self {
-            Definitions::Kept(entries) => &entries[index].label,
-            Definitions::Dropped(definitions) => &definitions[index].label,
+    /// Body, transforms and label of a solid; `None` if it was built or dropped.
+    fn parts(&self, index: usize) -> Option<(&Body, &[Spanned<Step>], Option<&str>)> {
+        let (body, transform, label) = match self {
+            Entries::Kept(entries) => {
+                let SolidEntry { body, transform, label, .. } = &entries[index];
+                (body, transform, label)
+            }
+            Entries::Dropped(definitions) => match &definitions[index].content {
+                Content::Defined(parts) => (&parts.body, &parts.transform, &parts.label),
+                Content::Built(_) | Content::Dropped => return None,
+            },
         };
-        label.as_ref().map(|label| label.value.as_str())
+        Some((body, transform, label.as_ref().map(|label| label.value.as_str())))
+    }
+
+    /// A solid that was built when it was read.
+    fn take_built(&mut self, index: usize) -> Option<Solid> {
+        let Entries::Dropped(definitions) = self else { return None };
+        let content = &mut definitions[index].content;
+        match std::mem::replace(content, Content::Dropped) {
+            Content::Built(solid) => Some(solid),
+            other => {
+                *content = other;
+                None
+            }
+        }
     }
 
     fn release(&mut self, index: usize) {
-        if let Definitions::Dropped(definitions) = self {
-            definitions[index] = Definition::default();
+        if let Entries::Dropped(definitions) = self {
+            definitions[index].content = Content::Dropped;
         }
     }
 }
@@ -125,15 +173,14 @@ pub(super) fn build<'n>(
     context: &mut Context<'_>,
     numbers: &mut Numbers,
     names: &'n [String],
-    definitions: Definitions<'_>,
+    entries: Entries<'_>,
 ) -> Solids<'n> {
-    let count = definitions.len();
+    let count = entries.len();
     let index: HashMap<_, _> = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
-    // definitions, with their places, may be dropped below
-    let world = index.get(WORLD).map(|&index| definitions.name(index));
+    let world = index.get(WORLD).map(|&index| entries.name(index));
     let mut builder = Builder {
         solids: Solids { names, index, built: vec![None; count], used: vec![false; count], world },
-        definitions,
+        entries,
         parts: Vec::with_capacity(count),
         failed: HashSet::new(),
     };
@@ -147,14 +194,35 @@ pub(super) fn build<'n>(
 
 /// The parts of a solid that is defined by others.
 struct Joined {
-    expression: Option<Expression>,
+    /// The expression in postfix order; a single part for copies of a solid.
+    terms: Vec<Term>,
     /// The numbers of the solids with the places of their names; `None` for unknown ones.
     needs: Vec<(Option<u32>, Span)>,
 }
 
+/// A term of an expression, without its text.
+enum Term {
+    /// The next part.
+    Part,
+    Empty,
+    Universe,
+    Operation(Operator, usize),
+}
+
+impl From<&ExpressionItem> for Term {
+    fn from(item: &ExpressionItem) -> Term {
+        match item {
+            ExpressionItem::Name(_) => Term::Part,
+            ExpressionItem::Empty => Term::Empty,
+            ExpressionItem::Universe => Term::Universe,
+            ExpressionItem::Operation(operator, count) => Term::Operation(*operator, *count),
+        }
+    }
+}
+
 struct Builder<'n, 'd> {
     solids: Solids<'n>,
-    definitions: Definitions<'d>,
+    entries: Entries<'d>,
     /// `None` for shapes and for expressions with errors.
     parts: Vec<Option<Box<Joined>>>,
     /// Solids that are themselves invalid; the problem has been reported.
@@ -170,12 +238,12 @@ enum State {
 
 impl Builder<'_, '_> {
     fn parts_of(&mut self, context: &mut Context<'_>, index: usize) -> Option<Joined> {
-        match self.definitions.body(index)? {
+        match self.entries.parts(index)?.0 {
             Body::Shape(..) => None,
             Body::Place(place) => {
                 let span = place.solid.span;
                 let found = need(&mut self.solids, context, &place.solid.value, span);
-                Some(Joined { expression: None, needs: vec![(found, span)] })
+                Some(Joined { terms: vec![Term::Part], needs: vec![(found, span)] })
             }
             Body::Expression(text) => {
                 let parts = parts_of_expression(&mut self.solids, context, text);
@@ -187,7 +255,7 @@ impl Builder<'_, '_> {
         }
     }
     /// Resolves all solids by a depth-first traversal with an explicit stack.
-    fn settle_all(&mut self, context: &mut Context<'_>, numbers: &mut Numbers) {
+    fn settle_all(&mut self, context: &mut Context<'_>, numbers: &Numbers) {
         let mut states = vec![State::New; self.parts.len()];
         for root in 0..self.parts.len() {
             // the solids on the current path, each with the number of its parts already visited
@@ -200,7 +268,8 @@ impl Builder<'_, '_> {
                 match self.parts[index].as_ref().and_then(|parts| parts.needs.get(next)).copied() {
                     None => {
                         self.solids.built[index] = self.build_one(context, numbers, index);
-                        self.definitions.release(index);
+                        self.entries.release(index);
+                        self.parts[index] = None;
                         states[index] = State::Done;
                     }
                     Some((needed, span)) => {
@@ -226,31 +295,38 @@ impl Builder<'_, '_> {
         self.failed.extend(path[start..].iter().map(|(index, _)| *index));
     }
 
-    fn build_one(&self, context: &mut Context<'_>, numbers: &mut Numbers, index: usize) -> Option<Solid> {
-        let body = match self.definitions.body(index)? {
+    fn build_one(&mut self, context: &mut Context<'_>, numbers: &Numbers, index: usize) -> Option<Solid> {
+        if let Some(built) = self.entries.take_built(index) {
+            return Some(built);
+        }
+        let (body, transform, label) = self.entries.parts(index)?;
+        let solid = match body {
             Body::Shape(keyword, arguments) => shape(context, numbers, keyword, arguments),
             Body::Expression(_) => self.combine(index),
             Body::Place(place) => self.place(context, numbers, index, place),
         };
-        let steps = steps(context, numbers, self.definitions.transform(index));
+        // problems of the transforms are reported in any case
+        let maps = steps(context, numbers, transform);
         let name = &self.solids.names[index];
         let failed = self.failed.contains(&index) || context.is_unreadable(name);
-        let solid = steps?.iter().fold(body?, |solid, step| solid.apply(*step));
-        (!failed).then(|| named(name, self.definitions.label(index), solid))
+        let solid = maps?.iter().fold(solid?, |solid, map| solid.apply(*map));
+        (!failed).then(|| named(name, label, solid))
     }
 
     fn combine(&self, index: usize) -> Option<Solid> {
         let parts = self.parts[index].as_ref()?;
         let mut needs = parts.needs.iter();
         let mut stack: Vec<Solid> = Vec::new();
-        for (term, _) in parts.expression.as_ref()?.terms() {
-            let operands = stack.split_off(stack.len() - term.arity());
-            stack.push(match term {
-                ExpressionItem::Name(_) => self.solids.built[needs.next()?.0? as usize].clone()?,
-                ExpressionItem::Empty => Solid::empty(),
-                ExpressionItem::Universe => Solid::universe(),
-                ExpressionItem::Operation(operator, _) => operate(*operator, operands)?,
-            });
+        for term in &parts.terms {
+            let solid = match term {
+                Term::Part => self.solids.built[needs.next()?.0? as usize].clone()?,
+                Term::Empty => Solid::empty(),
+                Term::Universe => Solid::universe(),
+                Term::Operation(operator, count) => {
+                    operate(*operator, stack.split_off(stack.len().checked_sub(*count)?))?
+                }
+            };
+            stack.push(solid);
         }
         stack.pop()
     }
@@ -258,7 +334,7 @@ impl Builder<'_, '_> {
     fn place(
         &self,
         context: &mut Context<'_>,
-        numbers: &mut Numbers,
+        numbers: &Numbers,
         index: usize,
         place: &Place,
     ) -> Option<Solid> {
@@ -292,7 +368,8 @@ fn parts_of_expression(solids: &mut Solids, context: &mut Context, text: &Spanne
         let span = if exact { part.shifted(offset.start()) } else { text.span };
         needs.push((need(solids, context, name, span), span));
     }
-    Some(Joined { expression: Some(expression), needs })
+    let terms = expression.terms().map(|(item, _)| item.into()).collect();
+    Some(Joined { terms, needs })
 }
 
 /// The number of a solid that another one uses.

@@ -52,9 +52,15 @@ impl Problems {
     ) -> Option<[Spanned<Number>; N]> {
         match datum.value {
             Datum::List(list) if list.len() == N => {
-                let numbers: Vec<Option<_>> = list.into_iter().map(|item| self.number(what, item)).collect();
-                let numbers: Option<Vec<_>> = numbers.into_iter().collect();
-                numbers?.try_into().ok()
+                let mut numbers = [(); N].map(|()| Spanned::default());
+                let mut complete = true;
+                for (place, item) in numbers.iter_mut().zip(list) {
+                    match self.number(what, item) {
+                        Some(number) => *place = number,
+                        None => complete = false,
+                    }
+                }
+                complete.then_some(numbers)
             }
             _ => {
                 self.wrong_type(what, &datum, &format!("a list of {N} numbers"));
@@ -159,6 +165,18 @@ impl<'p> Fields<'p> {
     /// Removes and returns a value with its key.
     pub fn take_entry(&mut self, key: &'static str) -> Option<(Spanned<String>, Spanned<Datum>)> {
         self.keys.take_entry(key)
+    }
+
+    /// Removes and returns the only entry that is left, if its key has a property. In a table without unknown keys, this is faster
+    /// than a search for each key.
+    pub fn take_last(
+        &mut self,
+        is_wanted: impl Fn(&str) -> bool,
+    ) -> Option<(Spanned<String>, Spanned<Datum>)> {
+        match self.keys.rest.as_slice() {
+            [(key, _)] if is_wanted(&key.value) => self.keys.rest.pop(),
+            _ => None,
+        }
     }
 
     /// Removes and returns a required value.

@@ -3,11 +3,12 @@
 mod fields;
 mod foreign;
 mod pieces;
+mod quick;
 mod read;
 mod write;
 
 pub(crate) use fields::Problems;
-pub(crate) use read::{Reading, read, transform};
+pub(crate) use read::{Kept, Reading, read, transform};
 pub(crate) use write::write;
 
 /// The version of the format that this crate reads and writes.

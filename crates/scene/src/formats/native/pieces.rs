@@ -115,7 +115,7 @@ fn kind(source: &Source, value: &Spanned<Datum>) -> Kind {
 
 #[cfg(test)]
 mod tests {
-    use super::super::read::{Reading, read_pieces, read_whole};
+    use super::super::read::{Kept, Reading, read_pieces, read_whole};
     use super::*;
     use crate::diagnostic::Diagnostics;
     use rand::rngs::ChaCha8Rng;
@@ -148,7 +148,7 @@ mod tests {
 
     /// Everything that was read, with all spans.
     fn shown(reading: Reading) -> String {
-        let Reading { document, problems, broken, unreadable } = reading;
+        let Reading { document, problems, broken, unreadable, .. } = reading;
         let unreadable: std::collections::BTreeSet<String> = unreadable.into_iter().collect();
         format!("{document:#?} {:#?} {broken} {unreadable:?}", Diagnostics::new(problems))
     }
@@ -156,8 +156,8 @@ mod tests {
     /// True if a text can be read in pieces; asserts that the result is then the same as for the whole text.
     fn agrees(text: &str) -> bool {
         let source = Arc::new(Source::new(None, text.to_owned()));
-        let whole = read_whole(&source);
-        let Some(reader) = read_pieces(&source, 1) else { return false };
+        let whole = read_whole(&source, Kept::Document);
+        let Some(reader) = read_pieces(&source, 1, Kept::Document) else { return false };
         assert!(!whole.broken, "{text}");
         assert_eq!(shown(reader.finish(false)), shown(whole), "{text}");
         true

@@ -4,12 +4,14 @@ use super::VERSION;
 use super::fields::{Fields, Problems};
 use super::foreign::Sections;
 use super::pieces::{LENGTH, Merge, pieces};
+use super::quick;
 use crate::datum::{self, Datum, Table};
 use crate::diagnostic::Diagnostic;
 use crate::document::*;
 use crate::expression::is_reserved;
 use crate::keys::{EXTRUDE, REVOLVE, STEPS};
 use crate::number::{Number, written};
+use crate::resolve::Definitions;
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use crate::unit::Unit;
@@ -30,6 +32,17 @@ pub(crate) struct Reading {
     pub broken: bool,
     /// Names of solids and parameters in the file whose definitions are invalid.
     pub unreadable: HashSet<String>,
+    /// The solids, if they are not in the document.
+    pub definitions: Definitions,
+}
+
+/// The form of the solids that were read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kept {
+    /// As entries of the document.
+    Document,
+    /// As definitions, which take less memory.
+    Definitions,
 }
 
 /// The top-level tables.
@@ -39,17 +52,17 @@ const TABLES: [&str; 7] = ["parameters", "solid", "region", "medium", "camera", 
 const OWNED: [&str; 3] = ["optics", "photons", "gdml"];
 
 /// Reads as much as possible and collects all problems.
-pub(crate) fn read(source: Arc<Source>) -> Reading {
-    match read_pieces(&source, LENGTH) {
+pub(crate) fn read(source: Arc<Source>, kept: Kept) -> Reading {
+    match read_pieces(&source, LENGTH, kept) {
         Some(reader) => reader.finish(false),
-        None => read_whole(&source),
+        None => read_whole(&source, kept),
     }
 }
 
 /// Reads a text in pieces of at least this length; `None` if it is not valid TOML, or if its pieces depend on
 /// each other.
-pub(super) fn read_pieces(source: &Arc<Source>, length: usize) -> Option<Reader> {
-    let mut reader = Reader::new(source);
+pub(super) fn read_pieces(source: &Arc<Source>, length: usize, kept: Kept) -> Option<Reader> {
+    let mut reader = Reader::new(source, kept);
     let mut merge = Merge::default();
     let parse = |(): &mut (), range: Range<usize>| Piece::parse(source, range);
     let add = |piece: Option<Piece>| {
@@ -80,6 +93,9 @@ impl Piece {
     /// `None` if the piece alone is not valid TOML.
     fn parse(source: &Arc<Source>, range: Range<usize>) -> Option<Piece> {
         let (start, end) = (range.start, range.end);
+        if let Some(table) = quick::parse(source.text(), range.clone()) {
+            return Some(Piece { table, problems: Vec::new(), end });
+        }
         let tree = DeTable::parse(&source.text()[range]).ok()?;
         let mut problems = Vec::new();
         let table = datum::from_toml(tree.get_ref(), start, source, &mut problems);
@@ -87,9 +103,9 @@ impl Piece {
     }
 }
 
-pub(super) fn read_whole(source: &Arc<Source>) -> Reading {
+pub(super) fn read_whole(source: &Arc<Source>, kept: Kept) -> Reading {
     let (tree, errors) = DeTable::parse_recoverable(source.text());
-    let mut reader = Reader::new(source);
+    let mut reader = Reader::new(source, kept);
     let table = datum::from_toml(tree.get_ref(), 0, source, &mut reader.problems.list);
     drop(tree);
     reader.top(table, source.text().len());
@@ -110,17 +126,21 @@ pub(super) struct Reader {
     document: Document,
     problems: Problems,
     unreadable: HashSet<String>,
+    kept: Kept,
+    definitions: Definitions,
     /// True if the text has the version of the format.
     stated: bool,
 }
 
 impl Reader {
-    fn new(source: &Arc<Source>) -> Reader {
+    fn new(source: &Arc<Source>, kept: Kept) -> Reader {
         let heading = heading(source.text());
         Reader {
             document: Document { source: source.clone(), heading, ..Document::default() },
             problems: Problems { source: source.clone(), list: Vec::new() },
             unreadable: HashSet::new(),
+            kept,
+            definitions: Definitions::default(),
             stated: false,
         }
     }
@@ -133,8 +153,8 @@ impl Reader {
                 .suggest(Some("add `rayweave = 1` as the first line".to_owned()));
             self.problems.list.push(problem.in_file(&self.document.source));
         }
-        let Reader { document, problems, unreadable, .. } = self;
-        Reading { document, problems: problems.list, broken, unreadable }
+        let Reader { document, problems, unreadable, definitions, .. } = self;
+        Reading { document, problems: problems.list, broken, unreadable, definitions }
     }
 
     /// Adds the syntax errors and removes other problems on the same lines, which are consequences
@@ -269,10 +289,15 @@ impl Reader {
         let what = format!("solid.{}", name.value);
         let before = self.problems.list.len();
         let entry = Fields::new(&mut self.problems, &what, value).map(|fields| solid(fields, name.clone()));
-        if self.problems.list.len() > before {
+        let is_readable = self.problems.list.len() == before;
+        if !is_readable {
             self.unreadable.insert(name.value);
         }
-        self.document.solids.extend(entry);
+        let Some(entry) = entry else { return };
+        match self.kept {
+            Kept::Document => self.document.solids.push(entry),
+            Kept::Definitions => self.definitions.push(entry, is_readable),
+        }
     }
 
     fn region(&mut self, value: Spanned<Datum>) {
@@ -415,12 +440,12 @@ fn solid(mut fields: Fields, name: Spanned<String>) -> SolidEntry {
 }
 
 fn body(mut fields: Fields) -> Option<Body> {
-    let mut found = Vec::new();
-    for keyword in
-        ["expr", "place", EXTRUDE, REVOLVE].into_iter().chain(MANUALS.iter().map(|manual| manual.name))
-    {
-        found.extend(fields.take_entry(keyword));
-    }
+    let mut keywords =
+        ["expr", "place", EXTRUDE, REVOLVE].into_iter().chain(MANUALS.iter().map(|manual| manual.name));
+    let found = match fields.take_last(|key| keywords.clone().any(|keyword| keyword == key)) {
+        Some(entry) => vec![entry],
+        None => keywords.by_ref().filter_map(|keyword| fields.take_entry(keyword)).collect(),
+    };
     if let [(first, _), (second, _), ..] = found.as_slice() {
         let problem = format!("the solid has both `{}` and `{}`", first.value, second.value);
         let problem =
@@ -496,10 +521,10 @@ pub(crate) fn transform(problems: &mut Problems, datum: Spanned<Datum>) -> Vec<S
 fn step(problems: &mut Problems, datum: Spanned<Datum>) -> Option<Spanned<Step>> {
     let span = datum.span;
     let mut fields = Fields::new(problems, "transform", datum)?;
-    let mut found = Vec::new();
-    for key in STEPS {
-        found.extend(fields.take_entry(key));
-    }
+    let found: Vec<_> = match fields.take_last(|key| STEPS.contains(&key)) {
+        Some(entry) => vec![entry],
+        None => STEPS.iter().filter_map(|key| fields.take_entry(key)).collect(),
+    };
     let counted = found.len() == 1 || !fields.is_exhausted();
     if !counted {
         let problem = Diagnostic::error(format!("the step has {} maps", found.len()));
