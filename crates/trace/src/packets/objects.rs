@@ -6,10 +6,13 @@
 //! entries occur at the same time, or if the entry and the next change are so close that they may have to be
 //! welded.
 
+mod cells;
+mod sliver;
 mod within;
 
 pub(super) use within::Walk;
 
+use self::cells::Cells;
 use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
@@ -43,16 +46,23 @@ pub(super) struct Objects {
     is_few: bool,
     /// True if there are several regions, each with a medium of its own: see [`within`].
     is_layered: bool,
+    /// For layered models, the surroundings of each solid.
+    cells: Cells,
 }
 
 /// One of the solids.
 #[derive(Clone, Debug)]
 struct Object {
+    /// The box in which it matters.
     bounds: Bounds,
+    /// A box around all of it.
+    extent: Bounds,
     region: f64,
     /// The index of its part; copies share it.
     part: u32,
     placement: u32,
+    /// The leaf of the model's own group that places it.
+    top: Option<LeafId>,
     /// The transforms into its frame, outermost first.
     steps: Range<u32>,
 }
@@ -66,6 +76,8 @@ struct Part {
     condition: f64,
     /// The numbers of its surfaces.
     surfaces: Vec<u32>,
+    /// The surfaces of its leaves; the flag is true if the leaf lies where f < 0.
+    sides: Vec<(u32, bool)>,
 }
 
 /// The method of intersection of a solid.
@@ -118,8 +130,12 @@ impl Objects {
         let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
         let is_few = leaves.sum::<usize>() <= MAX_SPANS;
         let condition = group.condition;
-        let is_layered = is_layered(program);
-        Some(Objects { model: model.clone(), objects, parts, steps, boxes, condition, is_few, is_layered })
+        let (is_layered, model, cells) = (is_layered(program), model.clone(), Cells::default());
+        let mut found = Objects { model, objects, parts, steps, boxes, condition, is_few, is_layered, cells };
+        if is_layered {
+            found.cells = Cells::new(program, &found);
+        }
+        Some(found)
     }
 
     /// True if [`Objects::first_within`] applies.
@@ -267,10 +283,12 @@ impl<'p> Gathered<'p> {
         let (program, group) = (self.program, self.program.prototype(within.group));
         let leaves = leaves(&group.expression, within.edge)?;
         let all = leaves.into_iter().map(|leaf| self.leaf(within, leaf));
+        let facets = all.clone().flat_map(|leaf| program.leaf(leaf).facets());
+        let sides = facets.map(|facet| (facet.surface().0, facet.inside())).collect();
         let (limits, condition) = (limits(program, group, all), group.condition);
         let method = self.method(within, group)?;
         let surfaces = method.surfaces();
-        self.parts.push(Part { method, limits, condition, surfaces });
+        self.parts.push(Part { method, limits, condition, surfaces, sides });
         Some(self.parts.len() as u32 - 1)
     }
 
@@ -297,9 +315,24 @@ impl<'p> Gathered<'p> {
         if !bounds.is_finite() {
             return None;
         }
+        let extent = self.extent(within)?;
         let Within { region, placement, ref steps, .. } = *within;
-        self.objects.push(Object { bounds, region, part, placement, steps: steps.clone() });
+        let top = within.path.first().map(|&(_, leaf)| leaf);
+        self.objects.push(Object { bounds, extent, region, part, placement, top, steps: steps.clone() });
         Some(())
+    }
+
+    /// A box around a solid in the world, whether or not all of it matters; unbounded if some of its leaves are.
+    fn extent(&self, within: &Within) -> Option<Bounds> {
+        let program = self.program;
+        let leaves = leaves(&program.prototype(within.group).expression, within.edge)?;
+        let bounds = leaves.iter().map(|&leaf| program.leaf_bounds(self.leaf(within, leaf)));
+        let all = bounds.fold(Bounds::EMPTY, |all, bounds| all.union(&bounds));
+        let placed = |around: Bounds, &(group, leaf): &(PrototypeId, LeafId)| {
+            let outer: &Prototype = program.prototype(group);
+            program.placed_bounds(outer, LeafId(outer.leaves.start + leaf.0), &around)
+        };
+        Some(within.path.iter().rev().fold(all, placed))
     }
 
     /// The bounding box of a solid in the world.

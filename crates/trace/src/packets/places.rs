@@ -5,7 +5,7 @@ use super::normal::{Slope, scaled_to_unit};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::BundleSlabs;
-use rayweave_math::Affine;
+use rayweave_math::{Affine, Vec3};
 use rayweave_model::{MARGIN, Place, Program};
 use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
@@ -119,6 +119,11 @@ fn turned<S: Simd>(map: &Affine, v: Vec3Lanes<S>) -> Vec3Lanes<S> {
 impl Step {
     pub fn new(place: Place) -> Step {
         Step { place, norm: place.local_from_world.linear_norm() }
+    }
+
+    /// The image of a point.
+    pub fn point(&self, point: Vec3) -> Vec3 {
+        self.place.local_from_world.point(point)
     }
 
     /// Transforms gradients to the outer frame, by the transpose.
