@@ -63,11 +63,11 @@ struct Draft {
 }
 
 impl Cells {
-    /// The cells of all solids with short lists.
-    pub fn new(program: &Program, objects: &Objects) -> Cells {
+    /// The cells of all solids with short lists; `extents` are boxes around all of each solid.
+    pub fn new(program: &Program, objects: &Objects, extents: &[Bounds]) -> Cells {
         let slack = SLACK * objects.model.limits.radius;
         let drafts: Vec<Option<Draft>> =
-            (0..objects.objects.len()).map(|k| Draft::new(program, objects, k, slack)).collect();
+            (0..extents.len()).map(|k| Draft::new(program, objects, (k, &extents[k]), slack)).collect();
         let mut classes = HashMap::new();
         let mut order: Vec<(u32, u32)> = Vec::new();
         for (k, draft) in (0..).zip(&drafts) {
@@ -172,9 +172,14 @@ impl Cells {
 
 impl Draft {
     /// The list of a solid; `None` if it is long or has no extent.
-    fn new(program: &Program, objects: &Objects, own: usize, slack: f64) -> Option<Draft> {
+    fn new(
+        program: &Program,
+        objects: &Objects,
+        (own, extent): (usize, &Bounds),
+        slack: f64,
+    ) -> Option<Draft> {
         let object = &objects.objects[own];
-        if !object.extent.is_finite() {
+        if !extent.is_finite() {
             return None;
         }
         let is_carved = |k: u32| {
@@ -182,7 +187,7 @@ impl Draft {
             matches!(part.method, Method::Carved(_))
         };
         // twice, for the rounding of the sums
-        let around = object.extent.grown(2.0 * slack);
+        let around = extent.grown(2.0 * slack);
         let mut near = Vec::new();
         let all = objects.boxes.visit(
             |bounds| !bounds.intersection(&around).is_empty(),

@@ -169,13 +169,23 @@ impl<'n, S: Simd> Eight<'n, S> {
         }
     }
 
-    /// True if the rays start so close to each other that they have most boxes in common.
-    fn is_together(&self) -> bool {
+    /// True if the rays start so close to each other, in directions so similar, that they have most boxes in common.
+    #[inline(always)]
+    fn is_together(&self, simd: S, solids: usize) -> bool {
         let places =
             [self.numbers.first(), self.numbers.last()].map(|entry| entry.map(|key| key >> PLACE_SHIFT));
-        places[0] == places[1]
+        // the squared angle between the first ray and the others, for unit vectors
+        let at = |column: Lanes<S>| column.as_slice()[0];
+        let direction = self.direction;
+        let lead = Vec3::new(at(direction.x), at(direction.y), at(direction.z));
+        let squares = (splat(simd, 1.0) - direction.dot(Vec3Lanes::splat(simd, lead))) * 2.0;
+        places[0] == places[1] && latest(squares) * solids as f64 <= CROWDED
     }
 }
+
+/// Product of the number of solids and of the squared angle between rays from one place, in radians, above which the rays have
+/// few boxes in common: the number of solids between them if these lie all around is 1/16 of it.
+const CROWDED: f64 = 64.0;
 
 /// Bit masks of rays of cells whose first hits are not found in lanes.
 struct Unsure {
@@ -410,7 +420,7 @@ impl Objects {
         };
         let rays = Departures { ray: &ray, starts, queried, from, t_max };
         let boxes = (&slabs, intervals, behind);
-        match self.is_few || eight.is_together() {
+        match self.is_few || eight.is_together(simd, self.objects.len()) {
             true => self.pass_together(group, ahead, &rays, boxes, met, &mut progress),
             false => self.pass_apart(group, apart, &rays, boxes, met, &mut progress),
         }
