@@ -99,6 +99,18 @@ impl RayBatch {
         }
     }
 
+    /// Replaces all rays.
+    pub fn replace(&mut self, rays: impl ExactSizeIterator<Item = Ray>) {
+        let count = rays.len();
+        self.origins.iter_mut().chain(&mut self.directions).for_each(|column| column.resize(count, 0.0));
+        let [ox, oy, oz] = self.origins.each_mut().map(|column| &mut column[..count]);
+        let [dx, dy, dz] = self.directions.each_mut().map(|column| &mut column[..count]);
+        for (i, ray) in rays.take(count).enumerate() {
+            (ox[i], oy[i], oz[i]) = ray.origin.into();
+            (dx[i], dy[i], dz[i]) = ray.direction.into();
+        }
+    }
+
     /// Appends the rays of a range of a batch.
     pub fn extend(&mut self, rays: Rays<'_>, range: Range<usize>) {
         for k in 0..3 {

@@ -7,7 +7,7 @@
 use rayweave_bvh::ExactBvh;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_model::weld::local_ray;
-use rayweave_model::{Crossing, LeafId, PlacementId, Program, Start, SurfaceId};
+use rayweave_model::{Crossing, Face, LeafId, PlacementId, Program, Start, SurfaceId};
 use rayweave_shape::Ray;
 use rayweave_shape::surface::{Surface, delta, delta_of};
 use std::collections::HashMap;
@@ -264,13 +264,13 @@ impl StartSurfaces {
         &self.surfaces[cluster.surfaces.start as usize..cluster.surfaces.end as usize]
     }
 
-    /// [`Contact::new`], without a search for the maps of the placement.
+    /// Evaluates the surface of a crossing.
     #[must_use]
+    #[inline]
     pub fn contact<'a>(&'a self, program: &'a Program, ray: &'a Ray, crossing: &Crossing) -> Contact<'a> {
         let k = crossing.face.placement.index();
         let maps = &self.maps[self.first_map[k] as usize..self.first_map[k + 1] as usize];
-        let local = maps.iter().fold(*ray, |local, map| local.transformed(map));
-        Contact { listed: maps, ..Contact::at(program, ray, crossing, &local) }
+        Contact::new(program, ray, crossing, maps)
     }
 
     /// Appends the start list of a ray that leaves a point of an incident ray: the surface of the
@@ -289,7 +289,7 @@ impl StartSurfaces {
         starts: &mut Vec<Start>,
     ) {
         match crossing {
-            Some(crossing) => self.append_at(&Contact::new(program, ray, crossing), side, known, starts),
+            Some(crossing) => self.append_at(&self.contact(program, ray, crossing), side, known, starts),
             None => {
                 let first = starts.len();
                 self.append_others(program, (ray, t), first, side, starts);
@@ -301,7 +301,7 @@ impl StartSurfaces {
     /// Appends the start list of a ray that leaves a crossing: the surface of the crossing and all others within the
     /// tolerance. `known` is the start list of the incident ray, as for [`append`](StartSurfaces::append).
     pub fn append_at(&self, contact: &Contact<'_>, side: ExitSide, known: &[Start], starts: &mut Vec<Start>) {
-        let &Contact { program, ray, crossing: Crossing { t, face, .. }, .. } = contact;
+        let &Contact { program, ray, t, face, .. } = contact;
         let first = starts.len();
         let inside = starts_inside(contact.slope(), 0.0, side);
         starts.push(Start { surface: face.surface, placement: face.placement, inside });
@@ -519,55 +519,37 @@ pub(crate) fn starts_inside(slope: f64, value: f64, side: ExitSide) -> bool {
     }
 }
 
-/// Number of nested placements whose maps are kept without a heap allocation.
-const KEPT: usize = 2;
-
 /// A crossing of a ray, with the surface at the point where it is crossed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Contact<'a> {
     program: &'a Program,
     ray: &'a Ray,
-    crossing: Crossing,
-    /// The maps into the frame of the surface, outermost first: those of a list, or found by a search.
-    listed: &'a [Affine],
-    places: [Option<Affine>; KEPT],
-    deeper: Vec<Affine>,
+    t: f64,
+    face: Face,
+    /// The maps into the frame of the surface, outermost first.
+    maps: &'a [Affine],
     /// The surface's function at the point, and its gradient, in that frame.
     value: f64,
     gradient: Vec3,
 }
 
 impl<'a> Contact<'a> {
-    /// Evaluates the surface of a crossing.
-    #[must_use]
-    pub fn new(program: &'a Program, ray: &'a Ray, crossing: &Crossing) -> Contact<'a> {
-        let (mut local, mut places, mut deeper) = (*ray, [None; KEPT], Vec::new());
-        for (depth, place) in program.descend(crossing.face.placement).enumerate() {
-            local = local.transformed(&place.local_from_world);
-            match places.get_mut(depth) {
-                Some(kept) => *kept = Some(place.local_from_world),
-                None => deeper.push(place.local_from_world),
-            }
-        }
-        Contact { places, deeper, ..Contact::at(program, ray, crossing, &local) }
-    }
-
-    /// A contact without maps, from the ray in the frame of the surface.
-    fn at(program: &'a Program, ray: &'a Ray, crossing: &Crossing, local: &Ray) -> Contact<'a> {
-        let surface = &program.surface(crossing.face.surface).surface;
-        let (value, gradient) = surface.value_and_gradient(local.at(crossing.t));
-        let (listed, places, deeper) = (&[][..], [None; KEPT], Vec::new());
-        Contact { program, ray, crossing: *crossing, listed, places, deeper, value, gradient }
-    }
-
-    fn maps(&self) -> impl DoubleEndedIterator<Item = &Affine> {
-        self.listed.iter().chain(self.places.iter().flatten()).chain(&self.deeper)
+    /// Evaluates the surface of a crossing; `maps` lead into its frame.
+    #[inline]
+    fn new(program: &'a Program, ray: &'a Ray, crossing: &Crossing, maps: &'a [Affine]) -> Contact<'a> {
+        let &Crossing { t, face, .. } = crossing;
+        let surface = &program.surface(face.surface).surface;
+        let local = maps.iter().fold(*ray, |local, map| local.transformed(map));
+        let (value, gradient) = surface.value_and_gradient(local.at(t));
+        Contact { program, ray, t, face, maps, value, gradient }
     }
 
     /// The slope along the ray of the surface's function, up to a positive factor, like that of
     /// [`rayweave_model::attributes::world_gradient`].
+    #[inline]
     fn slope(&self) -> f64 {
-        let up = self.maps().rev().fold(self.gradient, |gradient, map| map.linear.transpose() * gradient);
+        let up =
+            self.maps.iter().rev().fold(self.gradient, |gradient, map| map.linear.transpose() * gradient);
         let largest = up.abs().max_element();
         let gradient = if largest > 0.0 { up / largest } else { Vec3::ZERO };
         gradient.dot(self.ray.direction)
@@ -575,16 +557,19 @@ impl<'a> Contact<'a> {
 
     /// The point of the crossing, projected onto the surface by one Newton step along a normal.
     #[must_use]
+    #[inline]
     pub fn project(&self, normal: Vec3) -> Vec3 {
-        let along = self.maps().fold(normal, |normal, map| map.vector(normal));
-        newton_step(self.ray.at(self.crossing.t), normal, self.value / self.gradient.dot(along))
+        let along = self.maps.iter().fold(normal, |normal, map| map.vector(normal));
+        newton_step(self.ray.at(self.t), normal, self.value / self.gradient.dot(along))
     }
 }
 
 /// The point of a crossing, projected onto its surface by one Newton step along the normal.
 #[must_use]
 pub fn project(program: &Program, ray: &Ray, crossing: &Crossing, normal: Vec3) -> Vec3 {
-    Contact::new(program, ray, crossing).project(normal)
+    let maps: Vec<Affine> =
+        program.descend(crossing.face.placement).map(|place| place.local_from_world).collect();
+    Contact::new(program, ray, crossing, &maps).project(normal)
 }
 
 /// A point after a step against a direction; a step that is not finite is ignored.

@@ -45,8 +45,17 @@ impl Draws {
 
     /// Exponentially distributed numbers for the free paths of a photon.
     pub fn exponentials(&self, i: usize, seed: u64, flight: &Flight) -> Exponentials {
-        let rest = Stream::new(seed, flight.number, flight.steps, Purpose::FreePath).after_block();
-        Exponentials { first: self.paths[i], used: 0, rest }
+        Exponentials {
+            first: self.paths[i],
+            used: 0,
+            photon: (seed, flight.number, flight.steps),
+            rest: None,
+        }
+    }
+
+    /// The first block of the numbers of the boundary process of a photon.
+    pub fn block(&self, i: usize) -> [u32; 4] {
+        self.boundary[i]
     }
 
     /// The numbers of the boundary process of a photon.
@@ -149,7 +158,9 @@ fn cos_sin_turns<S: Simd>(simd: S, turns: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
 pub(crate) struct Exponentials {
     first: [f64; 2],
     used: usize,
-    rest: Stream,
+    /// The seed, the number of the photon, and the step.
+    photon: (u64, u64, u32),
+    rest: Option<Stream>,
 }
 
 impl Exponentials {
@@ -157,7 +168,11 @@ impl Exponentials {
         self.used += 1;
         match self.first.get(self.used - 1) {
             Some(&known) => known,
-            None => self.rest.exponential(),
+            None => {
+                let (seed, number, step) = self.photon;
+                let stream = || Stream::new(seed, number, step, Purpose::FreePath).after_block();
+                self.rest.get_or_insert_with(stream).exponential()
+            }
         }
     }
 }

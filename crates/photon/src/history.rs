@@ -311,6 +311,8 @@ pub fn sequence_text(words: [u64; 2]) -> String {
 
 /// The hooks of the loop over photons.
 pub(crate) trait Recorder: Clone + Send + Sync {
+    /// True if anything is recorded.
+    const RECORDS: bool;
     /// A step begins in a region, with the crossing at its end unless a process comes first.
     fn begin(&mut self, detector: &Detector, flight: &Flight, region: u32, crossing: Option<&Crossing>);
     /// A process that changes or ends a photon, at the surface of a crossing or in the volume.
@@ -322,6 +324,8 @@ pub(crate) trait Recorder: Clone + Send + Sync {
 }
 
 impl Recorder for () {
+    const RECORDS: bool = false;
+
     fn begin(&mut self, _: &Detector, _: &Flight, _: u32, _: Option<&Crossing>) {}
     fn record(&mut self, _: &Detector, _: &Flight, _: Process, _: Option<&Crossing>) {}
     fn enter_sensor(&mut self, _: &Detector, _: &Flight, _: &Crossing) {}
@@ -386,6 +390,8 @@ impl<'s> HistoryRecorder<'s> {
 }
 
 impl Recorder for HistoryRecorder<'_> {
+    const RECORDS: bool = true;
+
     fn begin(&mut self, detector: &Detector, flight: &Flight, region: u32, crossing: Option<&Crossing>) {
         if self.options.steps {
             let face = crossing.map(|crossing| crossing.left);

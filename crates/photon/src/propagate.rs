@@ -3,7 +3,7 @@
 //! All photons of a batch advance together, step by step: the next crossings of all of them, then the process with
 //! the shortest free path or the boundary, then the photons that have ended are removed.
 
-use crate::boundary::{Boundary, BoundaryEvent};
+use crate::boundary::{AtInterface, BareInterfaces, Boundary, BoundaryEvent};
 use crate::detector::{DetectionRule, Detector};
 use crate::draws::{Draws, Exponentials};
 use crate::error::PhotonError;
@@ -30,6 +30,9 @@ use std::ops::Range;
 
 /// The number of photons that advance together.
 const BATCH: u64 = 4096;
+
+/// The number of photons of a batch for which the next crossings are found together: their columns stay in the cache.
+const CHUNK: usize = 1024;
 
 /// The result of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -167,7 +170,12 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     scratch: E::Scratch,
     emitted: Vec<Photon>,
     flights: Vec<Flight>,
+    /// The photons of a chunk that go on.
     next: Vec<Flight>,
+    /// The photons whose crossings and random numbers are known.
+    chunk: Range<usize>,
+    /// The same photons in the start lists, which are not moved when a chunk grows.
+    listed: Range<usize>,
     /// The last values of each material: many photons have the same energy.
     values: Vec<MaterialValues>,
     draws: Draws,
@@ -177,6 +185,9 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     next_first: Vec<u32>,
     next_starts: Vec<Start>,
     found: Columns,
+    /// What ends the step of each photon.
+    stages: Vec<Stage>,
+    bare: BareInterfaces,
     result: PhotonRun,
     /// The paths of all sensors so far.
     paths: VolumePaths,
@@ -234,6 +245,17 @@ impl Columns {
     }
 }
 
+/// What ends the step of a photon, which has been moved there.
+#[derive(Clone, Copy, Debug)]
+enum Stage {
+    /// The photon ends.
+    End(End),
+    /// A process in the material.
+    Bulk(Bulk),
+    /// The boundary, with the refractive index in front of it; the number is that of the photon among those at bare interfaces.
+    Boundary(f64, Option<u32>),
+}
+
 /// The event that ends a step before the boundary.
 #[derive(Clone, Copy, Debug)]
 enum Bulk {
@@ -253,6 +275,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             emitted: Vec::new(),
             flights: Vec::new(),
             next: Vec::new(),
+            chunk: 0..0,
+            listed: 0..0,
             values: vec![MaterialValues::NONE; detector.materials.len()],
             draws: Draws::new(),
             rays: RayBatch::default(),
@@ -261,6 +285,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             next_first: vec![0],
             next_starts: Vec::new(),
             found: Columns::default(),
+            stages: Vec::new(),
+            bare: BareInterfaces::new(),
             result: PhotonRun::default(),
             paths: VolumePaths::default(),
             recorder,
@@ -274,27 +300,13 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
     fn run(&mut self, source: &Source, numbers: Range<u64>) -> Result<PhotonRun, Shortage> {
         self.result = PhotonRun::default();
         let key = EventKey { seed: self.settings.seed, event: self.settings.event };
-        let mut photons = std::mem::take(&mut self.emitted);
-        photons.clear();
-        let start = numbers.start;
-        source.emit((self.detector, self.evaluator), &mut self.scratch, key, numbers, &mut photons);
-        self.result.photons = photons.len() as u64;
-        for (origin, &photon) in (start..).zip(&photons) {
-            self.continue_with(Flight { origin, number: key.number(origin), steps: 0, photon });
-        }
-        self.emitted = photons;
-        self.swap();
+        self.emit(source, key, numbers);
         // the result of a cancelled run is dropped
         while !self.flights.is_empty() && !self.settings.cancel.is_cancelled() {
-            self.find();
-            self.draws.compute(self.settings.seed, &self.flights);
-            for i in 0..self.flights.len() {
-                self.step(i);
-            }
+            self.step_all();
             if let Some(shortage) = self.shortage.take() {
                 return Err(shortage);
             }
-            self.swap();
         }
         // by photon number, whatever the number of steps
         self.result.hits.sort();
@@ -304,36 +316,76 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         Ok(std::mem::take(&mut self.result))
     }
 
+    /// Emits the photons of a batch.
+    fn emit(&mut self, source: &Source, key: EventKey, numbers: Range<u64>) {
+        let mut photons = std::mem::take(&mut self.emitted);
+        self.flights.clear();
+        for first in numbers.clone().step_by(CHUNK) {
+            photons.clear();
+            let some = first..numbers.end.min(first + CHUNK as u64);
+            source.emit((self.detector, self.evaluator), &mut self.scratch, key, some, &mut photons);
+            self.result.photons += photons.len() as u64;
+            let flight = |(origin, &photon)| Flight { origin, number: key.number(origin), steps: 0, photon };
+            self.flights.extend((first..).zip(&photons).map(flight));
+        }
+        self.emitted = photons;
+        self.starts.clear();
+        self.first.clear();
+        self.first.resize(self.flights.len() + 1, 0);
+        self.next_starts.clear();
+        self.next_first.clear();
+        self.next_first.push(0);
+    }
+
+    /// One step of all photons, chunk by chunk. Those that go on replace the others, in the same order.
+    fn step_all(&mut self) {
+        let (mut first, mut kept, mut listed) = (0, 0, 0);
+        while first < self.flights.len() {
+            let end = self.flights.len().min(first + CHUNK);
+            self.chunk = first..end;
+            self.listed = listed..listed + self.chunk.len();
+            self.find();
+            self.draws.compute(self.settings.seed, &self.flights[first..end]);
+            self.step_chunk();
+            let more = kept + self.next.len();
+            match self.flights.get_mut(kept..more).filter(|_| more <= end) {
+                Some(place) => place.copy_from_slice(&self.next),
+                None => drop(self.flights.splice(kept..end, self.next.iter().copied())),
+            }
+            (first, kept, listed) = (end.max(more), more, self.listed.end);
+            self.next.clear();
+        }
+        self.flights.truncate(kept);
+        std::mem::swap(&mut self.first, &mut self.next_first);
+        std::mem::swap(&mut self.starts, &mut self.next_starts);
+        self.next_starts.clear();
+        self.next_first.clear();
+        self.next_first.push(0);
+    }
+
     /// Keeps a photon for the next step; its start list has been appended already.
     fn continue_with(&mut self, flight: Flight) {
         self.next.push(flight);
         self.next_first.push(self.next_starts.len() as u32);
     }
 
-    fn swap(&mut self) {
-        std::mem::swap(&mut self.flights, &mut self.next);
-        std::mem::swap(&mut self.first, &mut self.next_first);
-        std::mem::swap(&mut self.starts, &mut self.next_starts);
-        self.next.clear();
-        self.next_starts.clear();
-        self.next_first.clear();
-        self.next_first.push(0);
-    }
-
-    /// The next crossings of all photons.
+    /// The next crossings of the photons of the chunk.
     fn find(&mut self) {
-        self.rays.clear();
-        for flight in &self.flights {
-            self.rays.push(Ray { origin: flight.photon.position, direction: flight.photon.direction });
-        }
-        let lists = StartLists { first: &self.first, entries: &self.starts };
+        let ray =
+            |Flight { photon, .. }: &Flight| Ray { origin: photon.position, direction: photon.direction };
+        let flights = &self.flights[self.chunk.clone()];
+        self.rays.replace(flights.iter().map(ray));
+        let lists = StartLists { first: &self.first, entries: &self.starts }.slice(self.listed.clone());
         // rays with a start list, even an empty one, may start inside
         let query = Query { starts: Some(lists), ..Query::nearest() };
-        self.found.reset(self.flights.len());
+        self.found.reset(flights.len());
         let Columns { t, face, placement, before, after, normal: [x, y, z], between } = &mut self.found;
         let mut columns = FirstHits { t, face, placement, before, after, normal: Some([x, y, z]) };
         self.evaluator.nearest_from(self.rays.rays(), &query, &mut self.scratch, &mut columns, between);
-        between.sort_by_key(|(ray, _)| *ray);
+        let Columns { face, between, .. } = &mut self.found;
+        for ((ray, _), number) in between.iter().zip(0..) {
+            face[*ray] = BETWEEN - number;
+        }
     }
 
     /// Ends a photon, at the surface of a crossing or in the volume.
@@ -342,60 +394,119 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.ends.add(end);
     }
 
-    /// The crossing of a photon, if it has one.
+    /// The crossing of photon `i` of the chunk, if it has one.
     fn crossing(&self, i: usize) -> Option<Crossing> {
-        let face = usize::try_from(self.found.face[i]).ok()?;
-        let between = &self.found.between;
-        let at = between.partition_point(|(ray, _)| *ray < i);
-        if let Some((_, crossing)) = between.get(at).filter(|(ray, _)| *ray == i) {
-            return Some(*crossing);
+        let face = self.found.face[i];
+        if face <= BETWEEN {
+            return self.found.between.get((BETWEEN - face) as usize).map(|(_, crossing)| *crossing);
         }
-        let face =
-            Face { placement: PlacementId(self.found.placement[i]), ..*self.detector.faces.get(face)? };
+        let face = self.detector.faces.get(usize::try_from(face).ok()?)?;
+        let face = Face { placement: PlacementId(self.found.placement[i]), ..*face };
         let [before, after] = [self.found.before[i], self.found.after[i]].map(RegionId);
         Some(Crossing { t: self.found.t[i], face, left: face, entered: face, before, after })
     }
 
-    /// One step of a photon: to the nearest of the boundary and the processes in the material.
-    fn step(&mut self, i: usize) {
-        let mut flight = self.flights[i];
+    /// One step of the photons of the chunk: to the nearest of the boundary and the processes in the material.
+    fn step_chunk(&mut self) {
+        self.stages.clear();
+        self.bare.clear();
+        if R::RECORDS {
+            // the rows of a photon follow each other
+            for i in 0..self.chunk.len() {
+                let stage = self.advance(i, false);
+                self.conclude(i, stage);
+            }
+            return;
+        }
+        for i in 0..self.chunk.len() {
+            let stage = self.advance(i, true);
+            self.stages.push(stage);
+        }
+        self.bare.apply();
+        for i in 0..self.chunk.len() {
+            self.conclude(i, self.stages[i]);
+        }
+    }
+
+    /// Moves a photon to the end of its step. If `collects` is true, photons at bare interfaces are collected.
+    fn advance(&mut self, i: usize, collects: bool) -> Stage {
         let detector = self.detector;
-        let region = self.found.before[i];
-        let crossing = self.crossing(i);
-        self.recorder.begin(detector, &flight, region, crossing.as_ref());
-        if region == 0 && crossing.is_none() {
-            return self.end(&flight, End::Escaped, None);
+        let region = self.found.before[i] as usize;
+        let has_crossing = self.found.face[i] != -1;
+        if R::RECORDS {
+            let (flight, crossing) = (self.flights[self.chunk.start + i], self.crossing(i));
+            self.recorder.begin(detector, &flight, region as u32, crossing.as_ref());
+        }
+        let flight = &mut self.flights[self.chunk.start + i];
+        if region == 0 && !has_crossing {
+            return Stage::End(End::Escaped);
         }
         if flight.steps >= self.settings.max_steps {
-            return self.end(&flight, End::StepLimit, None);
+            return Stage::End(End::StepLimit);
         }
-        let medium = detector.material_of[region as usize] as usize;
-        let material = &detector.materials[medium];
+        let medium = detector.material_of[region] as usize;
         let energy = flight.photon.energy;
         if !self.values[medium].is_at(energy) {
-            self.values[medium] = MaterialValues::new(material, energy);
+            self.values[medium] = MaterialValues::new(&detector.materials[medium], energy);
         }
-        let values = self.values[medium];
+        let values = &self.values[medium];
         let Some(index) = values.index else {
-            return self.end(&flight, End::NoIndex, None);
+            return Stage::End(End::NoIndex);
         };
         flight.steps += 1;
         self.result.steps += 1;
-        let mut paths = self.draws.exponentials(i, self.settings.seed, &flight);
-        let bulk = free_path(&values, &mut paths);
-        let to_boundary = crossing.map_or(f64::INFINITY, |crossing| crossing.t);
+        let mut paths = self.draws.exponentials(i, self.settings.seed, flight);
+        let bulk = free_path(values, &mut paths);
+        let to_boundary = if has_crossing { self.found.t[i] } else { f64::INFINITY };
         let length = bulk.map_or(f64::INFINITY, |(length, _)| length).min(to_boundary);
-        let ray = Ray { origin: flight.photon.position, direction: flight.photon.direction };
         flight.photon.time += length / values.velocity;
         if flight.photon.time > self.settings.max_time {
-            return self.end(&flight, End::TimeLimit, None);
+            return Stage::End(End::TimeLimit);
         }
-        flight.photon.position = ray.at(length);
-        match (bulk, crossing) {
-            (Some((free, process)), _) if free < to_boundary => self.bulk(flight, material, process),
-            (_, Some(crossing)) => self.boundary(i, flight, &ray, (&crossing, index)),
-            // an unbounded material without any process
-            _ => self.end(&flight, End::Escaped, None),
+        let photon = &mut flight.photon;
+        photon.position = Ray { origin: photon.position, direction: photon.direction }.at(length);
+        match bulk {
+            Some((free, process)) if free < to_boundary => Stage::Bulk(process),
+            // an unbounded material without any process, or the end of the world
+            _ if !has_crossing || self.found.after[i] == 0 => Stage::End(End::Escaped),
+            _ if collects => Stage::Boundary(index, self.collect(i, index)),
+            _ => Stage::Boundary(index, None),
+        }
+    }
+
+    /// Collects photon `i` if it is at a bare interface between two dielectrics; returns its number there.
+    fn collect(&mut self, i: usize, index: f64) -> Option<u32> {
+        // crossings of two faces are rare
+        if self.found.face[i] < 0 {
+            return None;
+        }
+        let detector = self.detector;
+        let regions = [self.found.before[i], self.found.after[i]];
+        let [own, other] = regions.map(|region| detector.material_of[region as usize]);
+        if own == other || !detector.is_bare(regions) {
+            return None;
+        }
+        let Photon { direction, polarisation, energy, .. } = self.flights[self.chunk.start + i].photon;
+        let behind = self.index(other as usize, energy)?;
+        let normal = against(self.found.normal(i), direction);
+        let block = self.draws.block(i);
+        self.bare.push(&AtInterface { direction, polarisation, normal, index, behind, block })
+    }
+
+    /// Applies what ends the step of photon `i`.
+    fn conclude(&mut self, i: usize, stage: Stage) {
+        let flight = self.flights[self.chunk.start + i];
+        match stage {
+            Stage::End(end) => self.end(&flight, end, None),
+            Stage::Bulk(process) => {
+                let medium = self.detector.material_of[self.found.before[i] as usize] as usize;
+                self.bulk(flight, &self.detector.materials[medium], process);
+            }
+            Stage::Boundary(index, bare) => {
+                if let Some(crossing) = self.crossing(i) {
+                    self.boundary(i, flight, &crossing, (index, bare));
+                }
+            }
         }
     }
 
@@ -424,7 +535,8 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         let mut stream = Stream::new(self.settings.seed, flight.number, flight.steps, Purpose::Reemission);
         let count = shifter.mean_photons.map_or(1, |mean| stream.poisson(mean));
         // each of them may be absorbed and emitted again: their number has no limit
-        let bytes = (self.next.len() as u64 + u64::from(count)) * size_of::<Flight>() as u64;
+        let bytes =
+            ((self.flights.len() + self.next.len()) as u64 + u64::from(count)) * size_of::<Flight>() as u64;
         if let Err(shortage) = self.growth.check(bytes) {
             self.shortage = Some(shortage);
             return;
@@ -459,31 +571,28 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         self.detector.materials[medium].index.as_ref().map(|table| table.at(energy))
     }
 
-    /// The optical boundary process for photon `i` of the batch; `index` is that in front of the crossing.
-    fn boundary(&mut self, i: usize, mut flight: Flight, ray: &Ray, (crossing, index): (&Crossing, f64)) {
+    /// The optical boundary process for photon `i` of the chunk; `index` is that in front of the crossing, and `bare` the number
+    /// of the photon among those at bare interfaces.
+    fn boundary(
+        &mut self,
+        i: usize,
+        mut flight: Flight,
+        crossing: &Crossing,
+        (index, bare): (f64, Option<u32>),
+    ) {
         let detector = self.detector;
-        let normal = self.found.normal(i);
-        let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-        if crossing.after.0 == 0 {
-            return self.end(&flight, End::Escaped, None);
-        }
-        let contact = detector.starts.contact(&detector.program, ray, crossing);
+        let ray = self.rays.rays().get(i);
+        let normal = against(self.found.normal(i), ray.direction);
+        let contact = detector.starts.contact(&detector.program, &ray, crossing);
         flight.photon.position = contact.project(normal);
-        let energy = flight.photon.energy;
-        let [own, other] =
-            [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
-        let mut boundary = Boundary {
-            direction: flight.photon.direction,
-            polarisation: flight.photon.polarisation,
-            normal,
-            energy,
-            index,
-            index_behind: self.index(other as usize, energy),
-            is_same_material: own == other,
-            surface: detector.surface(crossing),
+        let (event, is_behind) = match bare.and_then(|number| self.bare.get(number)) {
+            Some(departed) => {
+                (flight.photon.direction, flight.photon.polarisation) =
+                    (departed.direction, departed.polarisation);
+                (departed.event, departed.is_behind)
+            }
+            None => self.scatter(i, &mut flight, crossing, (index, normal)),
         };
-        let mut stream = self.draws.boundary(i, self.settings.seed, &flight);
-        let (event, is_behind) = boundary.apply(&mut stream);
         self.boundary_events.add(event);
         let detects_efficiency = self.settings.detection != DetectionRule::Volume;
         let detects_volume = self.settings.detection != DetectionRule::Efficiency;
@@ -498,16 +607,49 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
             BoundaryEvent::NoIndex => return self.end(&flight, End::NoIndex, Some(crossing)),
             _ => {}
         }
-        (flight.photon.direction, flight.photon.polarisation) = (boundary.direction, boundary.polarisation);
         self.recorder.record(detector, &flight, event.into(), Some(crossing));
         if is_behind && detects_volume && detector.sensors[crossing.after.index()].is_some() {
             self.recorder.enter_sensor(detector, &flight, crossing);
             return self.detect(&flight, crossing);
         }
         let side = if is_behind { ExitSide::Transmitted } else { ExitSide::Incident };
-        let known = StartLists { first: &self.first, entries: &self.starts }.of(i);
+        let known = StartLists { first: &self.first, entries: &self.starts }.of(self.listed.start + i);
         detector.starts.append_at(&contact, side, known, &mut self.next_starts);
         self.continue_with(flight);
+    }
+
+    /// Applies the boundary process to a photon, unless that ends it. Returns the event, and true if the photon continues behind
+    /// the boundary.
+    fn scatter(
+        &self,
+        i: usize,
+        flight: &mut Flight,
+        crossing: &Crossing,
+        (index, normal): (f64, Vec3),
+    ) -> (BoundaryEvent, bool) {
+        let detector = self.detector;
+        let energy = flight.photon.energy;
+        let [own, other] =
+            [crossing.before, crossing.after].map(|region| detector.material_of[region.index()]);
+        let mut boundary = Boundary {
+            direction: flight.photon.direction,
+            polarisation: flight.photon.polarisation,
+            normal,
+            energy,
+            index,
+            index_behind: self.index(other as usize, energy),
+            is_same_material: own == other,
+            surface: detector.surface(crossing),
+        };
+        let mut stream = self.draws.boundary(i, self.settings.seed, flight);
+        let (event, is_behind) = boundary.apply(&mut stream);
+        let ends =
+            matches!(event, BoundaryEvent::Detection | BoundaryEvent::Absorption | BoundaryEvent::NoIndex);
+        if !ends {
+            (flight.photon.direction, flight.photon.polarisation) =
+                (boundary.direction, boundary.polarisation);
+        }
+        (event, is_behind)
     }
 
     fn detect(&mut self, flight: &Flight, crossing: &Crossing) {
@@ -521,6 +663,14 @@ impl<'d, E: Evaluator, R: Recorder> Batch<'d, E, R> {
         );
         self.ends.add(End::Detected);
     }
+}
+
+/// The number in the column of faces for the first crossing of two different faces; those of the others follow downwards.
+const BETWEEN: i32 = -2;
+
+/// A normal, turned against a direction.
+fn against(normal: Vec3, direction: Vec3) -> Vec3 {
+    if normal.dot(direction) > 0.0 { -normal } else { normal }
 }
 
 /// The number of a further photon of a wavelength shifter: a hash of the absorbed photon's number, its step and the

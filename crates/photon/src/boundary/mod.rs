@@ -4,6 +4,7 @@
 //! loss at the surface first, then the Fresnel equations for the polarised photon at a microfacet, then the lobes of
 //! the reflection. The fields of [`Boundary`] are the state between these decisions.
 
+mod bare;
 mod coating;
 mod event;
 mod interface;
@@ -13,6 +14,7 @@ mod process;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use bare::{AtInterface, BareInterfaces};
 pub use event::BoundaryEvent;
 
 use crate::philox::Stream;

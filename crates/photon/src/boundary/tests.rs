@@ -1,6 +1,6 @@
 //! The boundary process against closed forms and quadratures.
 
-use super::{Boundary, BoundaryEvent};
+use super::{AtInterface, BareInterfaces, Boundary, BoundaryEvent};
 use crate::philox::{Purpose, Stream};
 use crate::property::{PropertyTable, wavelength_nm};
 use crate::surface::{Coating, MeasuredTable, OpticalSurface, SurfaceFinish, SurfaceModel, SurfaceType};
@@ -499,4 +499,58 @@ fn davis_surfaces_follow_their_table() {
     let found = outcomes(&sensor, [1.5, 1.0], 40.5, true);
     assert_share(&found, BoundaryEvent::Detection, 0.15);
     assert_share(&found, BoundaryEvent::Absorption, 0.15);
+}
+
+/// Photons in lanes have the bits of the scalar process, for all kinds of events: oblique, nearly normal, normal, close to the
+/// critical angle and at grazing incidence.
+#[test]
+fn bare_interfaces_in_lanes_equal_the_scalar_process() {
+    let mut lanes = BareInterfaces::new();
+    let (mut photons, mut expected) = (Vec::new(), Vec::new());
+    for number in 0..4001u64 {
+        let mut stream = Stream::new(5, number, 0, Purpose::Emission);
+        let normal = stream.direction();
+        let [index, behind] = [1.0 + stream.uniform(), 1.0 + stream.uniform()];
+        let critical = (1.0 - (behind / index).min(1.0).powi(2)).sqrt();
+        let cosine = match number % 8 {
+            0 => 1.0,
+            1 => 1.0 - 1e-10 * stream.uniform(),
+            2 => 1e-8 * stream.uniform(),
+            3 => (critical * (1.0 + 1e-9 * (stream.uniform() - 0.5))).clamp(0.0, 1.0),
+            _ => stream.uniform(),
+        };
+        let direction = if cosine == 1.0 { -normal } else { -stream.around(normal, cosine) };
+        let polarisation = stream.polarisation(direction);
+        let mut photon = Boundary {
+            direction,
+            polarisation,
+            normal,
+            energy: ENERGY,
+            index,
+            index_behind: Some(behind),
+            is_same_material: false,
+            surface: None,
+        };
+        let mut numbers = Stream::new(7, number, 1, Purpose::Boundary);
+        let block = crate::philox::philox4x32([0, number as u32, 1, 3 << 24], [7, 0]);
+        photons.extend(lanes.push(&AtInterface { direction, polarisation, normal, index, behind, block }));
+        let (event, is_behind) = photon.apply(&mut numbers);
+        expected.push((event, is_behind, photon.direction, photon.polarisation));
+    }
+    lanes.apply();
+    let mut events = BTreeMap::new();
+    let mut count = 0;
+    for (number, expected) in photons.into_iter().zip(expected) {
+        let Some(found) = lanes.get(number) else { continue };
+        let bits = |vector: Vec3| vector.to_array().map(f64::to_bits);
+        assert_eq!((found.event, found.is_behind), (expected.0, expected.1), "photon {number}");
+        assert_eq!(bits(found.direction), bits(expected.2), "photon {number}");
+        assert_eq!(bits(found.polarisation), bits(expected.3), "photon {number}");
+        *events.entry(found.event).or_insert(0) += 1;
+        count += 1;
+    }
+    if rayweave_shape::lanes::WideLevel::widest().is_some() {
+        assert!(count > 3900, "{count}");
+        assert!(events.len() == 3 && events.values().all(|&n| n > 100), "{events:?}");
+    }
 }

@@ -172,6 +172,12 @@ impl SurfaceTable {
         self.skin(before, after)
     }
 
+    /// True if light from one region to another certainly meets no surface.
+    pub fn is_bare(&self, [before, after]: [u32; 2]) -> bool {
+        let place = before as usize * self.regions + after as usize;
+        matches!(self.table.get(place), Some(Pair::Same(None)))
+    }
+
     /// The number of the skin surface between two regions.
     fn skin(&self, before: u32, after: u32) -> Option<usize> {
         let order = if self.nested.contains(&(before, after)) { [after, before] } else { [before, after] };

@@ -190,6 +190,11 @@ impl Detector {
         self.boundaries.find(&self.program, crossing).map(|number| &self.surfaces[number])
     }
 
+    /// True if there is certainly no optical surface between the regions in front of a crossing and behind it.
+    pub(crate) fn is_bare(&self, regions: [u32; 2]) -> bool {
+        self.boundaries.is_bare(regions)
+    }
+
     /// The number of the optical surface at a crossing, if there is one.
     pub(crate) fn surface_number(&self, crossing: &Crossing) -> Option<u32> {
         self.boundaries.find(&self.program, crossing).map(|number| number as u32)

@@ -6,25 +6,29 @@
 //! entries occur at the same time, or if the entry and the next change are so close that they may have to be
 //! welded.
 
+mod cells;
+mod sliver;
 mod within;
 
 pub(super) use within::Walk;
 
+use self::cells::Cells;
 use super::carved::{Bundled, Carved};
 use super::group::{BundleEvaluation, Row, load};
 use super::normal::Hits;
-use super::places::{Carried, Step, slabs, unit_gradient};
+use super::places::{Carried, Step, slabs, unit_gradient, unit_of_plane};
 use super::plan::{Common, LARGE, MAX_SPANS, Plan, SMALL, limits};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, ExactBvh};
-use rayweave_math::Bounds;
+use rayweave_math::{Bounds, Vec3};
 use rayweave_model::weld::Trajectory;
 use rayweave_model::{
     Edge, Expression, Face, Gate, LeafId, LeafKind, MARGIN, PlacementId, Program, Prototype, PrototypeId,
     Rays, Rule, Window,
 };
 use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Mask, Vec3Lanes, splat};
+use rayweave_shape::surface::Surface;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -43,18 +47,25 @@ pub(super) struct Objects {
     is_few: bool,
     /// True if there are several regions, each with a medium of its own: see [`within`].
     is_layered: bool,
+    /// For layered models, the surroundings of each solid.
+    cells: Cells,
+    /// The unit gradients of the faces of placed solids whose faces are planes.
+    units: Vec<Vec3>,
 }
 
 /// One of the solids.
 #[derive(Clone, Debug)]
 struct Object {
-    bounds: Bounds,
     region: f64,
     /// The index of its part; copies share it.
     part: u32,
     placement: u32,
+    /// The leaf of the model's own group that places it.
+    top: Option<LeafId>,
     /// The transforms into its frame, outermost first.
     steps: Range<u32>,
+    /// The number of its first unit gradient.
+    units: Option<u32>,
 }
 
 /// A solid in its own frame, prepared for intersection.
@@ -66,6 +77,10 @@ struct Part {
     condition: f64,
     /// The numbers of its surfaces.
     surfaces: Vec<u32>,
+    /// The surfaces of its leaves; the flag is true if the leaf lies where f < 0.
+    sides: Vec<(u32, bool)>,
+    /// The numbers of its faces, if it is a leaf whose faces are planes.
+    planes: Option<Range<u32>>,
 }
 
 /// The method of intersection of a solid.
@@ -110,16 +125,51 @@ impl Objects {
             found.waiting.push(Within { edge: output, region, ..Within::default() });
             found.gather()?;
         }
-        let Gathered { parts, objects, steps, .. } = found;
-        let bounds: Vec<Bounds> = objects.iter().map(|object| object.bounds).collect();
-        let (boxes, order) = ExactBvh::sorted(&bounds);
+        let Gathered { parts, objects, boxes, steps, .. } = found;
+        let bounds: Vec<Bounds> = boxes.iter().map(|all| all.bounds).collect();
+        let extents =
+            |order: &[u32]| -> Vec<Bounds> { order.iter().map(|&k| boxes[k as usize].extent).collect() };
+        let (tree, order) = ExactBvh::sorted(&bounds);
+        let (boxes, extents) = (tree, extents(&order));
         let mut objects: Vec<Object> = order.iter().map(|&k| objects[k as usize].clone()).collect();
         let parts = reordered(&parts, &mut objects);
         let leaves = objects.iter().map(|object| parts[object.part as usize].method.leaf_count());
         let is_few = leaves.sum::<usize>() <= MAX_SPANS;
         let condition = group.condition;
-        let is_layered = is_layered(program);
-        Some(Objects { model: model.clone(), objects, parts, steps, boxes, condition, is_few, is_layered })
+        let (is_layered, model, cells) = (is_layered(program), model.clone(), Cells::default());
+        let units = Vec::new();
+        let mut found =
+            Objects { model, objects, parts, steps, boxes, condition, is_few, is_layered, cells, units };
+        if is_layered {
+            found.cells = Cells::new(program, &found, &extents);
+            found.find_units(program);
+        }
+        Some(found)
+    }
+
+    /// Computes the unit gradients of planes of placed solids.
+    fn find_units(&mut self, program: &Program) {
+        for k in 0..self.objects.len() {
+            let object = &self.objects[k];
+            let Some(faces) = self.parts[object.part as usize].planes.clone() else { continue };
+            if self.steps(object).is_empty() || self.units.len() > LARGE {
+                continue;
+            }
+            let first = self.units.len();
+            for face in faces {
+                let facet = &program.facets()[face as usize];
+                let Surface::Plane(plane) = &program.surface(facet.surface()).surface else { continue };
+                self.units.push(unit_of_plane(plane.normal, self.steps(&self.objects[k])));
+            }
+            self.objects[k].units = Some(first as u32);
+        }
+    }
+
+    /// The unit gradient of a face of a solid, if it is known in advance.
+    fn unit(&self, object: f64, face: f64) -> Option<Vec3> {
+        let object = &self.objects[object as usize];
+        let faces = self.parts[object.part as usize].planes.as_ref()?;
+        self.units.get((object.units? + (face as u32).wrapping_sub(faces.start)) as usize).copied()
     }
 
     /// True if [`Objects::first_within`] applies.
@@ -173,7 +223,17 @@ struct Gathered<'p> {
     waiting: Vec<Within>,
     parts: Vec<Part>,
     objects: Vec<Object>,
+    boxes: Vec<Boxes>,
     steps: Vec<Step>,
+}
+
+/// The boxes of a solid in the world.
+#[derive(Clone, Copy)]
+struct Boxes {
+    /// Where it matters.
+    bounds: Bounds,
+    /// Around all of it.
+    extent: Bounds,
 }
 
 impl<'p> Gathered<'p> {
@@ -186,6 +246,7 @@ impl<'p> Gathered<'p> {
             waiting: Vec::new(),
             parts: Vec::new(),
             objects: Vec::new(),
+            boxes: Vec::new(),
             steps: Vec::new(),
         }
     }
@@ -267,10 +328,13 @@ impl<'p> Gathered<'p> {
         let (program, group) = (self.program, self.program.prototype(within.group));
         let leaves = leaves(&group.expression, within.edge)?;
         let all = leaves.into_iter().map(|leaf| self.leaf(within, leaf));
+        let planes = planes(program, all.clone());
+        let facets = all.clone().flat_map(|leaf| program.leaf(leaf).facets());
+        let sides = facets.map(|facet| (facet.surface().0, facet.inside())).collect();
         let (limits, condition) = (limits(program, group, all), group.condition);
         let method = self.method(within, group)?;
         let surfaces = method.surfaces();
-        self.parts.push(Part { method, limits, condition, surfaces });
+        self.parts.push(Part { method, limits, condition, surfaces, sides, planes });
         Some(self.parts.len() as u32 - 1)
     }
 
@@ -297,9 +361,25 @@ impl<'p> Gathered<'p> {
         if !bounds.is_finite() {
             return None;
         }
+        let extent = self.extent(within)?;
         let Within { region, placement, ref steps, .. } = *within;
-        self.objects.push(Object { bounds, region, part, placement, steps: steps.clone() });
+        let top = within.path.first().map(|&(_, leaf)| leaf);
+        self.boxes.push(Boxes { bounds, extent });
+        self.objects.push(Object { region, part, placement, top, steps: steps.clone(), units: None });
         Some(())
+    }
+
+    /// A box around a solid in the world, whether or not all of it matters; unbounded if some of its leaves are.
+    fn extent(&self, within: &Within) -> Option<Bounds> {
+        let program = self.program;
+        let leaves = leaves(&program.prototype(within.group).expression, within.edge)?;
+        let bounds = leaves.iter().map(|&leaf| program.leaf_bounds(self.leaf(within, leaf)));
+        let all = bounds.fold(Bounds::EMPTY, |all, bounds| all.union(&bounds));
+        let placed = |around: Bounds, &(group, leaf): &(PrototypeId, LeafId)| {
+            let outer: &Prototype = program.prototype(group);
+            program.placed_bounds(outer, LeafId(outer.leaves.start + leaf.0), &around)
+        };
+        Some(within.path.iter().rev().fold(all, placed))
     }
 
     /// The bounding box of a solid in the world.
@@ -332,6 +412,17 @@ fn reordered(parts: &[Part], objects: &mut [Object]) -> Vec<Part> {
         });
     }
     ordered
+}
+
+/// The numbers of the faces of a leaf if it is the only one and all of them are planes.
+fn planes(program: &Program, mut leaves: impl Iterator<Item = LeafId>) -> Option<Range<u32>> {
+    let (Some(leaf), None) = (leaves.next(), leaves.next()) else { return None };
+    let LeafKind::Shape { facets } = program.leaf(leaf).kind() else { return None };
+    let is_plane = |face: u32| {
+        let facet = &program.facets()[face as usize];
+        matches!(program.surface(facet.surface()).surface, Surface::Plane(_))
+    };
+    facets.clone().all(is_plane).then_some(facets)
 }
 
 /// The leaves below an edge; `None` if there are too many.
@@ -604,8 +695,16 @@ impl Objects {
         }
         let objects = Lanes::load_array_ref(simd, &first.object.0);
         let faces = Lanes::load_array_ref(simd, &first.face.0);
-        let mut units = Vec3Lanes::splat(simd, rayweave_math::Vec3::NAN);
-        let (mut left, mut others) = (hits.hit, 0);
+        let mut known = [Row([f64::NAN; LANES]); 3];
+        let mut left = hits.hit;
+        for lane in (0..LANES).filter(|lane| hits.hit >> lane & 1 == 1) {
+            let Some(unit) = self.unit(first.object.0[lane], first.face.0[lane]) else { continue };
+            left &= !(1 << lane);
+            known.iter_mut().zip(unit.to_array()).for_each(|(row, value)| row.0[lane] = value);
+        }
+        let [x, y, z] = known.each_ref().map(|row| Lanes::load_array_ref(simd, &row.0));
+        let mut units = Vec3Lanes { x, y, z };
+        let mut others = 0;
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             let (number, face) = (first.object.0[lane], first.face.0[lane]);

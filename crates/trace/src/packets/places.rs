@@ -5,7 +5,7 @@ use super::normal::{Slope, scaled_to_unit};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::BundleSlabs;
-use rayweave_math::Affine;
+use rayweave_math::{Affine, Vec3};
 use rayweave_model::{MARGIN, Place, Program};
 use rayweave_shape::lanes::{LANES, LaneLimits, LaneRay, Lanes, Uncertain, Vec3Lanes, splat};
 use rayweave_shape::surface::Surface;
@@ -121,12 +121,30 @@ impl Step {
         Step { place, norm: place.local_from_world.linear_norm() }
     }
 
+    /// The image of a point.
+    pub fn point(&self, point: Vec3) -> Vec3 {
+        self.place.local_from_world.point(point)
+    }
+
+    /// [`Step::back`] for one gradient.
+    fn back_one(&self, gradient: Vec3) -> Vec3 {
+        let down = &self.place.local_from_world.linear;
+        Vec3::from_array([down.x_axis, down.y_axis, down.z_axis].map(|axis| gradient.dot(axis)))
+    }
+
     /// Transforms gradients to the outer frame, by the transpose.
     #[inline(always)]
     fn back<S: Simd>(&self, gradient: Vec3Lanes<S>) -> Vec3Lanes<S> {
         let down = &self.place.local_from_world.linear;
         gradient.dots([down.x_axis, down.y_axis, down.z_axis])
     }
+}
+
+/// The unit gradient, in the frame of the world, of a plane with this normal, by the operations of [`unit_gradient`].
+pub(super) fn unit_of_plane(normal: Vec3, steps: &[Step]) -> Vec3 {
+    let gradient = steps.iter().rev().fold(normal, |gradient, step| step.back_one(gradient));
+    let scaled = gradient / gradient.abs().max_element();
+    scaled * (1.0 / scaled.length_squared().sqrt())
 }
 
 /// The unit gradients, in the frame of the world, of a face hit by rays at times `t`, by the operations of

@@ -9,12 +9,15 @@ use super::super::Firsts;
 use super::super::group::{BundleEvaluation, CODE, Memory, Row, whole};
 use super::super::normal::Hits;
 use super::super::places::{Carried, slabs};
+use super::cells::{Cell, NONE};
 use super::{First, Method, Objects, Part, Search, latest};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::{BundleSlabs, BundleTraversal, BundleWindow, RayTraversals};
 use rayweave_math::Vec3;
-use rayweave_model::{Crossing, Evaluator, MARGIN, Program, Query, Rays, RegionId, Start, attributes};
+use rayweave_model::{
+    Crossing, Evaluator, MARGIN, Program, Query, RayAnswer, Rays, RegionId, Start, attributes,
+};
 use rayweave_shape::lanes::{LANES, LaneRay, LaneStarts, Lanes, Mask, Vec3Lanes, splat};
 
 /// Scratch memory of a thread.
@@ -26,25 +29,27 @@ pub(in super::super) struct Walk {
     starts: Starts,
     /// The rays in the order in which they are traced, as sort keys in the upper half and numbers in the lower one.
     order: Vec<u64>,
+    /// The rays that start in a cell, with its number in the upper half.
+    listed: Vec<u64>,
 }
 
 /// For each ray of a bundle, a solid that it may pass.
 #[derive(Clone, Copy, Debug)]
-struct Met {
+pub(super) struct Met {
     /// The indices of the solids; undefined for none.
-    object: Row,
+    pub object: Row,
     /// The regions of the solids; 0 for none.
-    region: Row,
+    pub region: Row,
     /// The times of the first two changes after the start, +inf for none, and the face of the first one.
-    first: Row,
-    second: Row,
-    face: Row,
+    pub first: Row,
+    pub second: Row,
+    pub face: Row,
     /// Bit mask of the rays that start inside.
-    inside: u64,
+    pub inside: u64,
     /// Bit mask of the rays that graze a surface.
     grazes: u64,
     /// Bit mask of the rays with no more than two changes.
-    single: u64,
+    pub single: u64,
 }
 
 /// The ways of eight rays through solids with one part.
@@ -135,6 +140,11 @@ struct Eight<'n, S: Simd> {
 /// The lowest bit of a sort key that belongs to the place, not to the direction.
 const PLACE_SHIFT: u32 = 32 + 15;
 
+/// The cell of an entry of [`Walk::listed`].
+fn cell_of(entry: u64) -> u32 {
+    (entry >> 32) as u32
+}
+
 fn number(entry: u64) -> usize {
     (entry & u64::from(u32::MAX)) as usize
 }
@@ -159,12 +169,30 @@ impl<'n, S: Simd> Eight<'n, S> {
         }
     }
 
-    /// True if the rays start so close to each other that they have most boxes in common.
-    fn is_together(&self) -> bool {
+    /// True if the rays start so close to each other, in directions so similar, that they have most boxes in common.
+    #[inline(always)]
+    fn is_together(&self, simd: S, solids: usize) -> bool {
         let places =
             [self.numbers.first(), self.numbers.last()].map(|entry| entry.map(|key| key >> PLACE_SHIFT));
-        places[0] == places[1]
+        // the squared angle between the first ray and the others, for unit vectors
+        let at = |column: Lanes<S>| column.as_slice()[0];
+        let direction = self.direction;
+        let lead = Vec3::new(at(direction.x), at(direction.y), at(direction.z));
+        let squares = (splat(simd, 1.0) - direction.dot(Vec3Lanes::splat(simd, lead))) * 2.0;
+        places[0] == places[1] && latest(squares) * solids as f64 <= CROWDED
     }
+}
+
+/// Product of the number of solids and of the squared angle between rays from one place, in radians, above which the rays have
+/// few boxes in common: the number of solids between them if these lie all around is 1/16 of it.
+const CROWDED: f64 = 64.0;
+
+/// Bit masks of rays of cells whose first hits are not found in lanes.
+struct Unsure {
+    /// The rays that start elsewhere.
+    elsewhere: u64,
+    /// The uncertain rays with two changes close to each other, but without any other reason.
+    close: u64,
 }
 
 /// State of a search.
@@ -187,7 +215,26 @@ impl Firsts<'_, '_> {
         walk: &mut Walk,
     ) {
         let mut group = BundleEvaluation::new(simd, memory);
-        let mut order = std::mem::take(&mut walk.order);
+        let (mut order, mut listed) = (std::mem::take(&mut walk.order), std::mem::take(&mut walk.listed));
+        objects.split(&self.query, self.rays.len(), &mut listed, &mut order);
+        let class = |entry: &u64| objects.cells.get(cell_of(*entry)).class;
+        for numbers in listed.chunk_by(|a, b| class(a) == class(b)).flat_map(|same| same.chunks(LANES)) {
+            let program = self.weave.program();
+            let eight = Eight::new(simd, &self.rays, &self.query, numbers);
+            let (first, unsure) = objects.first_in_cell(&mut group, walk, program, &eight, &self.query);
+            self.put_within(simd, objects, &first, &eight);
+            let some = !0 >> (64 - numbers.len());
+            for lane in lanes_of((unsure.elsewhere | first.uncertain) & some) {
+                let ray = number(numbers[lane]);
+                if unsure.elsewhere >> lane & 1 == 1 {
+                    order.push(ray as u64);
+                } else if !(unsure.close >> lane & 1 == 1 && self.put_close(objects, &first, lane, ray, walk))
+                {
+                    self.put_one(ray);
+                }
+            }
+        }
+        walk.listed = listed;
         objects.order(&self.rays, &mut order);
         for numbers in order.chunks(LANES) {
             let program = self.weave.program();
@@ -201,6 +248,22 @@ impl Firsts<'_, '_> {
             }
         }
         walk.order = order;
+    }
+
+    /// Writes the hit of a ray of a cell with two changes close to each other; false if it is uncertain.
+    fn put_close(&mut self, objects: &Objects, first: &First, lane: usize, ray: usize, walk: &Walk) -> bool {
+        let (program, line) = (self.weave.program(), self.rays.get(ray));
+        let limits = &objects.model.limits;
+        let horizon = first.t.0[lane] + objects.cells.slack / line.direction.abs().element_sum();
+        let end = line.closest_time(limits.centre) + limits.radius / line.direction.length();
+        let ends = (horizon, end.min(self.query.window.t_max()));
+        let Some(found) = objects.welded_exit(program, &line, (first, lane), &walk.met, ends) else {
+            return false;
+        };
+        let answer = RayAnswer { ray, start: found.before, crossings: &[found] };
+        self.hits.put(program, &self.rays, &answer);
+        self.between.extend(found.is_between().then_some((ray, found)));
+        true
     }
 
     /// Writes the certain hits.
@@ -242,10 +305,8 @@ impl Firsts<'_, '_> {
 impl Objects {
     /// Sorts the rays along a space-filling curve (Morton 1966), so that neighbours start close to each other, and those
     /// that start in one place have similar directions.
-    fn order(&self, rays: &Rays<'_>, order: &mut Vec<u64>) {
-        order.clear();
+    fn order(&self, rays: &Rays<'_>, order: &mut [u64]) {
         if self.is_few {
-            order.extend(0..rays.len() as u64);
             return;
         }
         let limits = &self.model.limits;
@@ -255,12 +316,77 @@ impl Objects {
         let place = |k: usize, ray: usize| cell((rays.origins[k][ray] - low[k]) * scale) << k;
         // directions are mostly unit vectors
         let towards = |k: usize, ray: usize| cell(16.0 * rays.directions[k][ray] + 16.0) << k;
-        order.extend((0..rays.len()).map(|ray| {
+        for entry in &mut *order {
+            let ray = number(*entry);
             let places = place(0, ray) | place(1, ray) | place(2, ray);
             let directions = towards(0, ray) | towards(1, ray) | towards(2, ray);
-            places << PLACE_SHIFT | directions << 32 | ray as u64
-        }));
+            *entry = places << PLACE_SHIFT | directions << 32 | ray as u64;
+        }
         order.sort_unstable();
+    }
+
+    /// Lists the rays that start in a cell, sorted by cells, and the others.
+    fn split(&self, query: &Query<'_>, count: usize, listed: &mut Vec<u64>, others: &mut Vec<u64>) {
+        listed.clear();
+        others.clear();
+        let Some(lists) = query.starts.filter(|_| !self.cells.is_empty() && query.window.t_min() <= 0.0)
+        else {
+            return others.extend(0..count as u64);
+        };
+        for ray in 0..count {
+            match self.cells.of(lists.of(ray)) {
+                NONE => others.push(ray as u64),
+                cell => listed.push(u64::from(cell) << 32 | ray as u64),
+            }
+        }
+        listed.sort_unstable();
+    }
+
+    /// The first hits of eight rays that start in cells of one class.
+    #[inline(always)]
+    fn first_in_cell<S: Simd>(
+        &self,
+        group: &mut BundleEvaluation<'_, S>,
+        walk: &mut Walk,
+        program: &Program,
+        eight: &Eight<'_, S>,
+        query: &Query<'_>,
+    ) -> (First, Unsure) {
+        let simd = group.simd;
+        let Walk { met, starts, .. } = walk;
+        met.clear();
+        starts.read(query, eight.numbers);
+        let (ray, uncertain) = LaneRay::new(simd, eight.origin, eight.direction, &self.model.limits);
+        let some = (1 << eight.numbers.len()) - 1;
+        let (from, t_max) = (eight.from, query.window.t_max());
+        let queried = Mask::from_bitmask(simd, some);
+        let last = eight.numbers.len() - 1;
+        let cells: [&Cell; LANES] =
+            std::array::from_fn(|lane| self.cells.get(cell_of(eight.numbers[lane.min(last)])));
+        let column = |value: fn(&Cell) -> f64| Lanes::load_array(simd, cells.map(value));
+        let (base, region) = (column(|cell| cell.base), column(|cell| cell.region));
+        let mut progress =
+            Progress { owner: base, bound: splat(simd, f64::INFINITY), uncertain: uncertain.always };
+        let rays = Departures { ray: &ray, starts, queried, from, t_max };
+        let is_one = cell_of(eight.numbers[0]) == cell_of(eight.numbers[last]);
+        for (k, &item) in self.cells.list(cells[0]).iter().enumerate() {
+            let found = match is_one {
+                true => self.meet(group, item, &rays, &mut progress),
+                false => {
+                    let items = cells.map(|cell| self.cells.list(cell)[k]);
+                    self.meet_each(group, &items, some, &rays, &mut progress)
+                }
+            };
+            met.extend(found);
+        }
+        let elsewhere = !progress.owner.simd_eq(region) & queried;
+        progress.uncertain &= !elsewhere;
+        let (search, before, after) = first_change(simd, met, &progress, (queried & !elsewhere, base));
+        let behind = splat(simd, self.cells.slack) / ray.direction.taxicab();
+        let mut first = self.found(simd, &ray, &search, behind, (program, query.window));
+        (first.before, first.region) = (Row(before.to_array()), Row(after.to_array()));
+        let close = first.uncertain & !(search.always | search.grazes).to_bitmask();
+        (first, Unsure { elsewhere: elsewhere.to_bitmask(), close })
     }
 
     /// The first hits of eight rays, each in the region in which it starts.
@@ -294,11 +420,11 @@ impl Objects {
         };
         let rays = Departures { ray: &ray, starts, queried, from, t_max };
         let boxes = (&slabs, intervals, behind);
-        match self.is_few || eight.is_together() {
+        match self.is_few || eight.is_together(simd, self.objects.len()) {
             true => self.pass_together(group, ahead, &rays, boxes, met, &mut progress),
             false => self.pass_apart(group, apart, &rays, boxes, met, &mut progress),
         }
-        let (search, before, after) = first_change(simd, met, &progress, queried);
+        let (search, before, after) = first_change(simd, met, &progress, (queried, splat(simd, 0.0)));
         let mut first = self.found(simd, &ray, &search, behind, (program, window));
         (first.before, first.region) = (Row(before.to_array()), Row(after.to_array()));
         first
@@ -628,13 +754,14 @@ fn first_two<S: Simd>(group: &BundleEvaluation<'_, S>) -> (Lanes<S>, Lanes<S>, L
     (Lanes::load_array_ref(simd, &t.0), second, Lanes::load_array_ref(simd, &face.0))
 }
 
-/// The first change of region along each ray, and the regions before and after it.
+/// The first change of region along each ray, and the regions before and after it. Regions up to `base` hold everywhere or
+/// nowhere along the rays.
 #[inline(always)]
 fn first_change<S: Simd>(
     simd: S,
     met: &[Met],
     progress: &Progress<S>,
-    queried: Mask<S>,
+    (queried, base): (Mask<S>, Lanes<S>),
 ) -> (Search<S>, Lanes<S>, Lanes<S>) {
     let infinity = splat(simd, f64::INFINITY);
     let owner = progress.owner;
@@ -660,7 +787,7 @@ fn first_change<S: Simd>(
     let is_hit = first.simd_lt(infinity);
     // another copy of the same region begins before this one ends, or solids farther away may be missing
     search.always |= (is_hit & again.simd_le(first)) | progress.bound.simd_lt(first);
-    let mut after = splat(simd, 0.0);
+    let mut after = base;
     for solid in met {
         let [t, second, region, own] = [&solid.first, &solid.second, &solid.region, &solid.object]
             .map(|row| Lanes::load_array_ref(simd, &row.0));

@@ -1,0 +1,238 @@
+//! Bare polished interfaces between two dielectrics, eight photons at a time: the operations of [`Boundary::apply`](super::Boundary)
+//! in the same order, and so the same bits.
+
+use super::event::BoundaryEvent;
+use super::process::GRAZING;
+use crate::philox::UNIT;
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use rayweave_math::Vec3;
+use rayweave_shape::dispatch_wide;
+use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
+
+/// Photons at bare interfaces.
+#[derive(Debug)]
+pub(crate) struct BareInterfaces {
+    level: Option<WideLevel>,
+    groups: Vec<Group>,
+    count: usize,
+}
+
+/// A number of each of eight photons.
+type Row = [f64; LANES];
+
+/// Eight photons: before the process, then after it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Group {
+    direction: [Row; 3],
+    polarisation: [Row; 3],
+    normal: [Row; 3],
+    index: Row,
+    behind: Row,
+    /// The uniform number that decides between reflection and refraction.
+    uniform: Row,
+    /// Bit masks of the photons that are refracted, totally reflected, and behind the interface.
+    refracted: u64,
+    total: u64,
+    is_behind: u64,
+    /// Bit mask of the photons for which the scalar process is needed.
+    unsure: u64,
+}
+
+/// A photon in front of a bare interface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AtInterface {
+    pub direction: Vec3,
+    pub polarisation: Vec3,
+    /// Against the direction.
+    pub normal: Vec3,
+    pub index: f64,
+    pub behind: f64,
+    /// The first block of its random numbers.
+    pub block: [u32; 4],
+}
+
+/// A photon after the process.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Departed {
+    pub event: BoundaryEvent,
+    pub direction: Vec3,
+    pub polarisation: Vec3,
+    pub is_behind: bool,
+}
+
+impl BareInterfaces {
+    pub fn new() -> BareInterfaces {
+        BareInterfaces { level: WideLevel::widest(), groups: Vec::new(), count: 0 }
+    }
+
+    pub fn clear(&mut self) {
+        self.groups.clear();
+        self.count = 0;
+    }
+
+    /// Adds a photon; returns its number. `None` on processors without wide vectors.
+    pub fn push(&mut self, photon: &AtInterface) -> Option<u32> {
+        self.level?;
+        let lane = self.count % LANES;
+        if lane == 0 {
+            self.groups.push(Group::default());
+        }
+        let group = self.groups.last_mut()?;
+        for k in 0..3 {
+            group.direction[k][lane] = photon.direction[k];
+            group.polarisation[k][lane] = photon.polarisation[k];
+            group.normal[k][lane] = photon.normal[k];
+        }
+        group.index[lane] = photon.index;
+        group.behind[lane] = photon.behind;
+        // the first number of the block decides about losses at the surface: there are none
+        let [.., high, low] = photon.block.map(u64::from);
+        group.uniform[lane] = ((high << 21 | low >> 11) as f64 + 0.5) * UNIT;
+        self.count += 1;
+        Some(self.count as u32 - 1)
+    }
+
+    /// Applies the process to all photons.
+    pub fn apply(&mut self) {
+        let Some(level) = self.level else { return };
+        let groups = &mut self.groups[..];
+        dispatch_wide!(level, simd => apply_all(simd, groups));
+    }
+
+    /// A photon after the process, by its number; `None` if the scalar process is needed.
+    pub fn get(&self, number: u32) -> Option<Departed> {
+        let group = self.groups.get(number as usize / LANES)?;
+        let lane = number as usize % LANES;
+        let bit = |mask: u64| mask >> lane & 1 == 1;
+        if bit(group.unsure) {
+            return None;
+        }
+        let vector = |rows: &[Row; 3]| Vec3::new(rows[0][lane], rows[1][lane], rows[2][lane]);
+        let event = match (bit(group.refracted), bit(group.total)) {
+            (true, _) => BoundaryEvent::FresnelRefraction,
+            (false, true) => BoundaryEvent::TotalInternalReflection,
+            (false, false) => BoundaryEvent::FresnelReflection,
+        };
+        Some(Departed {
+            event,
+            direction: vector(&group.direction),
+            polarisation: vector(&group.polarisation),
+            is_behind: bit(group.is_behind),
+        })
+    }
+}
+
+/// A loop, not a closure, which would be compiled without the wide vectors.
+#[inline(always)]
+fn apply_all<S: Simd>(simd: S, groups: &mut [Group]) {
+    for group in groups {
+        group.apply(simd);
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, row: &Row) -> Lanes<S> {
+    Lanes::load_array_ref(simd, row)
+}
+
+#[inline(always)]
+fn vector<S: Simd>(simd: S, rows: &[Row; 3]) -> Vec3Lanes<S> {
+    Vec3Lanes { x: load(simd, &rows[0]), y: load(simd, &rows[1]), z: load(simd, &rows[2]) }
+}
+
+#[inline(always)]
+fn store<S: Simd>(vector: Vec3Lanes<S>, rows: &mut [Row; 3]) {
+    vector.x.store_array(&mut rows[0]);
+    vector.y.store_array(&mut rows[1]);
+    vector.z.store_array(&mut rows[2]);
+}
+
+/// The product of a vector and a number.
+#[inline(always)]
+fn scaled<S: Simd>(vector: Vec3Lanes<S>, factor: Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes { x: vector.x * factor, y: vector.y * factor, z: vector.z * factor }
+}
+
+#[inline(always)]
+fn minus<S: Simd>(a: Vec3Lanes<S>, b: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes { x: a.x - b.x, y: a.y - b.y, z: a.z - b.z }
+}
+
+#[inline(always)]
+fn negative<S: Simd>(v: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    Vec3Lanes { x: -v.x, y: -v.y, z: -v.z }
+}
+
+#[inline(always)]
+fn normalised<S: Simd>(simd: S, vector: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    scaled(vector, splat(simd, 1.0) / vector.length_squared().sqrt())
+}
+
+/// [`mirrored`](super::process::mirrored) for eight vectors.
+#[inline(always)]
+fn mirrored<S: Simd>(vector: Vec3Lanes<S>, normal: Vec3Lanes<S>) -> Vec3Lanes<S> {
+    minus(vector, scaled(normal, vector.dot(normal) * 2.0))
+}
+
+/// [`renormalised`](super::renormalised) for eight vectors, and the lanes in which they are unit vectors up to rounding.
+#[inline(always)]
+fn renormalised<S: Simd>(simd: S, vector: Vec3Lanes<S>) -> (Vec3Lanes<S>, Mask<S>) {
+    let square = vector.length_squared();
+    let is_near = (square - 1.0).abs().simd_lt(splat(simd, 1e-8));
+    (scaled(vector, splat(simd, 1.5) - square * 0.5), is_near)
+}
+
+impl Group {
+    #[inline(always)]
+    fn apply<S: Simd>(&mut self, simd: S) {
+        let d = vector(simd, &self.direction);
+        let (p, f) = (vector(simd, &self.polarisation), vector(simd, &self.normal));
+        let (index, behind) = (load(simd, &self.index), load(simd, &self.behind));
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        // as `Process::wave`
+        let cosine = -d.dot(f);
+        let is_oblique = cosine.abs().simd_lt(splat(simd, 1.0 - GRAZING));
+        let sin1 = is_oblique.select((one - cosine * cosine).sqrt(), zero);
+        let sin2 = sin1 * index / behind;
+        let is_total = sin2.simd_ge(one);
+        let cosine2 = (one - sin2 * sin2).sqrt().copysign(cosine);
+        let across = p.or_where(is_oblique, normalised(simd, d.cross(f)));
+        let s = p.dot(across);
+        let rest = minus(p, scaled(across, s));
+        let (s, p1) = (is_oblique.select(s, zero), is_oblique.select(rest.length_squared().sqrt(), one));
+        let flux = index * 2.0 * cosine;
+        let s2 = flux * s / (index * cosine + behind * cosine2);
+        let p2 = flux * p1 / (behind * cosine + index * cosine2);
+        let (flux1, flux2) = (index * cosine, behind * cosine2);
+        let transmittance = flux2 * (s2 * s2 + p2 * p2) / flux1;
+        let transmittance = cosine.simd_eq(zero).select(zero, transmittance);
+        let is_through = !is_total & load(simd, &self.uniform).simd_lt(transmittance);
+        // as `Process::refract`, `Process::reflect_wave` and `Process::mirror`
+        let bend = cosine - cosine2 * (behind / index);
+        let bent = normalised(simd, d.plus(scaled(f, bend)));
+        let mirror = mirrored(d, f);
+        let direction = mirror.or_where(is_through, d.or_where(is_oblique, bent));
+        let (s, p1) = (is_through.select(s2, s2 - s), is_through.select(p2, behind * p2 / index - p1));
+        let along = normalised(simd, direction.cross(across));
+        let length = (s * s + p1 * p1).sqrt();
+        let sum = scaled(along, p1).plus(scaled(across, s));
+        let turned = Vec3Lanes { x: sum.x / length, y: sum.y / length, z: sum.z / length };
+        let is_denser = behind.simd_gt(index);
+        let upright = p.or_where(!is_through & is_denser, negative(p));
+        let polarisation = upright.or_where(is_oblique, turned);
+        let polarisation = polarisation.or_where(is_total, negative(mirrored(p, f)));
+        // as `Process::has_left`; the scalar process tries again
+        let rise = direction.dot(f);
+        let has_left =
+            (is_through & rise.simd_le(zero)) | (!is_through & rise.simd_ge(splat(simd, -GRAZING)));
+        let (direction, is_unit) = renormalised(simd, direction);
+        let (polarisation, is_unit_too) = renormalised(simd, polarisation);
+        self.unsure = !(has_left & is_unit & is_unit_too).to_bitmask();
+        self.refracted = is_through.to_bitmask();
+        self.total = is_total.to_bitmask();
+        self.is_behind = direction.dot(f).simd_lt(zero).to_bitmask();
+        store(direction, &mut self.direction);
+        store(polarisation, &mut self.polarisation);
+    }
+}

@@ -1,0 +1,244 @@
+//! Surroundings of solids: for a ray that starts within a solid, the few solids that it can meet before it leaves.
+//!
+//! A ray that starts on a surface and inside of a solid, or on its outside within the solid around it, needs no search for the
+//! solids along its way: they are those whose boxes touch the box of the solid, and their list is known in advance. Solids
+//! that contain all of that box, with a margin, have no events there; only the last of them counts, as the region behind
+//! the surface.
+
+use super::{Method, Object, Objects};
+use rayweave_math::{Bounds, Vec3};
+use rayweave_model::{PlacementId, Program, Start, SurfaceId};
+use rayweave_shape::surface::Surface;
+use std::collections::HashMap;
+use std::ops::{ControlFlow, Range};
+
+/// The solids with short lists.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cells {
+    /// Sorted by class.
+    cells: Vec<Cell>,
+    /// The lists of objects, one after the other: the solid of the cell, then the others.
+    lists: Vec<u32>,
+    /// For the surfaces of each placement, the cells where f > 0 and where f < 0.
+    sides: Vec<[u32; 2]>,
+    /// The part of `sides` for each placement, and the number of its first surface.
+    of_placement: Vec<(Range<u32>, u32)>,
+    /// The distance from the box of a solid within which all others are listed.
+    pub slack: f64,
+}
+
+/// A solid with the others that rays within it can meet.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    list: Range<u32>,
+    /// The last region that contains the solid and its surroundings; 0 for the world.
+    pub base: f64,
+    /// The region of the solid.
+    pub region: f64,
+    /// Cells of equal class have lists of copies of the same parts.
+    pub class: u32,
+}
+
+/// No cell.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Distance from a solid, in radii of the model, within which all others are listed. It exceeds the length of a weld unless
+/// a surface is met at a small angle; a separate check covers these cases.
+const SLACK: f64 = 2e-6;
+
+/// Largest number of solids in a list.
+const LISTED: usize = 8;
+
+/// Number of boxes that touch the box of a solid above which it gets no list.
+const TOUCHING: usize = 64;
+
+/// Largest size of the table of surfaces, in entries per solid.
+const SPARSE: usize = 256;
+
+/// The list of a solid before the classes are known.
+struct Draft {
+    list: Vec<u32>,
+    base: f64,
+    mother: Option<u32>,
+}
+
+impl Cells {
+    /// The cells of all solids with short lists; `extents` are boxes around all of each solid.
+    pub fn new(program: &Program, objects: &Objects, extents: &[Bounds]) -> Cells {
+        let slack = SLACK * objects.model.limits.radius;
+        let drafts: Vec<Option<Draft>> =
+            (0..extents.len()).map(|k| Draft::new(program, objects, (k, &extents[k]), slack)).collect();
+        let mut classes = HashMap::new();
+        let mut order: Vec<(u32, u32)> = Vec::new();
+        for (k, draft) in (0..).zip(&drafts) {
+            let Some(draft) = draft else { continue };
+            let key: Vec<_> = draft
+                .list
+                .iter()
+                .map(|&item| {
+                    let object = &objects.objects[item as usize];
+                    (object.part, object.steps.len())
+                })
+                .collect();
+            let new = classes.len() as u32;
+            order.push((*classes.entry(key).or_insert(new), k));
+        }
+        order.sort_unstable();
+        let mut found = Cells { slack, ..Cells::default() };
+        let mut of_object = vec![NONE; drafts.len()];
+        for (class, k) in order {
+            let Some(draft) = &drafts[k as usize] else { continue };
+            of_object[k as usize] = found.cells.len() as u32;
+            let first = found.lists.len() as u32;
+            found.lists.extend(&draft.list);
+            let (list, region) = (first..found.lists.len() as u32, objects.objects[k as usize].region);
+            found.cells.push(Cell { list, base: draft.base, region, class });
+        }
+        let around = |k: usize| {
+            let mother = drafts[k].as_ref().and_then(|draft| draft.mother);
+            mother.map_or(NONE, |mother| of_object[mother as usize])
+        };
+        let sides: Vec<[u32; 2]> = (0..drafts.len()).map(|k| [around(k), of_object[k]]).collect();
+        found.tabulate(objects, &sides);
+        found
+    }
+
+    /// Fills the table of the surfaces of each placement.
+    fn tabulate(&mut self, objects: &Objects, sides: &[[u32; 2]]) {
+        let mut spans: Vec<Range<u32>> = Vec::new();
+        for object in &objects.objects {
+            let placement = object.placement as usize;
+            spans.resize(spans.len().max(placement + 1), u32::MAX..0);
+            let span = &mut spans[placement];
+            for &(surface, _) in &objects.parts[object.part as usize].sides {
+                *span = span.start.min(surface)..span.end.max(surface + 1);
+            }
+        }
+        let total: usize = spans.iter().map(ExactSizeIterator::len).sum();
+        if total > SPARSE * objects.objects.len() {
+            self.cells.clear();
+            return;
+        }
+        self.sides = vec![[NONE; 2]; total];
+        let mut first = 0;
+        for span in spans {
+            let next = first + span.len() as u32;
+            self.of_placement.push((first..next, span.start));
+            first = next;
+        }
+        for (object, sides) in objects.objects.iter().zip(sides) {
+            let (range, offset) = self.of_placement[object.placement as usize].clone();
+            for &(surface, inside) in &objects.parts[object.part as usize].sides {
+                let at = &mut self.sides[(range.start + surface - offset) as usize];
+                // of the solids that share a surface, rays that start on it find out whether they are in this one
+                if *at == [NONE; 2] {
+                    let [out, own] = *sides;
+                    *at = if inside { [out, own] } else { [own, out] };
+                }
+            }
+        }
+    }
+
+    /// True without any cell.
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// A cell by its number.
+    pub fn get(&self, number: u32) -> &Cell {
+        &self.cells[number as usize]
+    }
+
+    /// The solids of a cell: its own, then the others.
+    pub fn list(&self, cell: &Cell) -> &[u32] {
+        &self.lists[cell.list.start as usize..cell.list.end as usize]
+    }
+
+    /// The number of the cell in which a ray probably starts; [`NONE`] if there is none. The search finds out if it does
+    /// not.
+    pub fn of(&self, starts: &[Start]) -> u32 {
+        let [Start { surface: SurfaceId(surface), placement: PlacementId(placement), inside }, ..] = *starts
+        else {
+            return NONE;
+        };
+        let Some((range, offset)) = self.of_placement.get(placement as usize) else { return NONE };
+        let at = surface.wrapping_sub(*offset);
+        if at >= range.end - range.start {
+            return NONE;
+        }
+        self.sides[(range.start + at) as usize][usize::from(inside)]
+    }
+}
+
+impl Draft {
+    /// The list of a solid; `None` if it is long or has no extent.
+    fn new(
+        program: &Program,
+        objects: &Objects,
+        (own, extent): (usize, &Bounds),
+        slack: f64,
+    ) -> Option<Draft> {
+        let object = &objects.objects[own];
+        if !extent.is_finite() {
+            return None;
+        }
+        let is_carved = |k: u32| {
+            let part = &objects.parts[objects.objects[k as usize].part as usize];
+            matches!(part.method, Method::Carved(_))
+        };
+        // twice, for the rounding of the sums
+        let around = extent.grown(2.0 * slack);
+        let mut near = Vec::new();
+        let all = objects.boxes.visit(
+            |bounds| !bounds.intersection(&around).is_empty(),
+            |k| {
+                near.push(k as u32);
+                if near.len() > TOUCHING { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            },
+        );
+        if all.is_break() {
+            return None;
+        }
+        let get = |k: u32| &objects.objects[k as usize];
+        let mothers = near
+            .iter()
+            .copied()
+            .filter(|&k| get(k).region < object.region && objects.contains_box(program, get(k), &around));
+        let mother = mothers.max_by(|&a, &b| get(a).region.total_cmp(&get(b).region));
+        let base = mother.map_or(0.0, |k| get(k).region);
+        let mut list: Vec<u32> =
+            near.into_iter().filter(|&k| k as usize != own && get(k).region > base).collect();
+        list.sort_by_key(|&k| (get(k).part, get(k).region as u32, k));
+        list.insert(0, own as u32);
+        // there is no kernel for rays that start on carved solids
+        if list.len() > LISTED || list.iter().any(|&k| is_carved(k)) {
+            return None;
+        }
+        Some(Draft { list, base, mother })
+    }
+}
+
+impl Objects {
+    /// True if a box certainly lies in a convex solid: if its corners do.
+    fn contains_box(&self, program: &Program, object: &Object, bounds: &Bounds) -> bool {
+        let Method::Plan(plan) = &self.parts[object.part as usize].method else { return false };
+        if !plan.is_single_span() {
+            return false;
+        }
+        let steps = self.steps(object);
+        let holds = |&(surface, inside): &(u32, bool), corner: Vec3| {
+            let surface = &program.surface(SurfaceId(surface)).surface;
+            let is_convex = match surface {
+                Surface::Plane(_) => true,
+                Surface::Sphere(_) | Surface::Cylinder(_) => inside,
+                _ => false,
+            };
+            let value = surface.value_and_gradient(corner).0;
+            is_convex && if inside { value < 0.0 } else { value > 0.0 }
+        };
+        bounds.corners().into_iter().all(|corner| {
+            let corner = steps.iter().fold(corner, |point, step| step.point(point));
+            self.parts[object.part as usize].sides.iter().all(|side| holds(side, corner))
+        })
+    }
+}

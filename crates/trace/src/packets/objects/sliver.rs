@@ -1,0 +1,96 @@
+//! Slivers between a solid that a ray leaves and one that it enters: the gap between touching faces whose positions differ by
+//! rounding.
+//!
+//! A ray that leaves the solid of its cell and enters another one within the tolerance crosses both faces at once. The decisions
+//! are those of [`Weld`](rayweave_model::weld::Weld), for exactly two changes with one event each.
+
+use super::within::Met;
+use super::{First, Objects};
+use rayweave_model::weld::Trajectory;
+use rayweave_model::{Crossing, Face, LeafId, PlacementId, Program, RegionId};
+use rayweave_shape::Ray;
+
+/// An end of the way of one ray through a solid.
+#[derive(Clone, Copy)]
+struct End {
+    t: f64,
+    solid: usize,
+    is_entry: bool,
+}
+
+impl Objects {
+    /// The crossing of a ray that leaves the first of some solids, where a second change is so close that it may have to be
+    /// welded to the first one. `None` if more than two changes are involved, or if it is uncertain.
+    ///
+    /// All events up to the time `horizon` are those of the solids in `met`, and the later ones end at `end`.
+    pub(super) fn welded_exit(
+        &self,
+        program: &Program,
+        ray: &Ray,
+        (first, lane): (&First, usize),
+        met: &[Met],
+        (horizon, end): (f64, f64),
+    ) -> Option<Crossing> {
+        let (a, own, after) = (first.t.0[lane], first.object.0[lane], first.region.0[lane]);
+        let bit = |mask: u64| mask >> lane & 1 == 1;
+        let mut ends: Vec<End> = Vec::new();
+        for (solid, Met { first, second, inside, single, region, .. }) in met.iter().enumerate() {
+            if region.0[lane] == 0.0 {
+                continue;
+            }
+            if !bit(*single) {
+                return None;
+            }
+            let is_entry = !bit(*inside);
+            ends.push(End { t: first.0[lane], solid, is_entry });
+            if is_entry {
+                ends.push(End { t: second.0[lane], solid, is_entry: false });
+            }
+        }
+        ends.retain(|end| end.t >= a && end.t < f64::INFINITY);
+        ends.sort_by(|x, y| x.t.total_cmp(&y.t));
+        let [leaves, enters, later @ ..] = ends.as_slice() else { return None };
+        let (front, behind) = (&met[leaves.solid], &met[enters.solid]);
+        let region = behind.region.0[lane];
+        let is_exit = !leaves.is_entry && front.object.0[lane] == own && leaves.t == a;
+        let next = later.first().map_or(f64::INFINITY, |end| end.t).min(horizon);
+        if !is_exit || !enters.is_entry || region <= after || enters.t == a || enters.t >= next {
+            return None;
+        }
+        let (b, end) = (enters.t, end.max(next));
+        let faces = [(front, front.face.0[lane]), (behind, behind.face.0[lane])];
+        let [left, entered] = faces.map(|(met, face)| self.face_of(met.object.0[lane], face));
+        let coincides = |face: Face| ray.coincides_along(program, face, a, b);
+        let before = RegionId(first.before.0[lane] as u32);
+        if !(coincides(entered) && coincides(left)) {
+            let after = RegionId(after as u32);
+            return Some(Crossing { t: a, face: left, left, entered: left, before, after });
+        }
+        if !ray.separated_along(program, entered, b, (next, end)) {
+            return None;
+        }
+        let [first_leaf, second_leaf] =
+            faces.map(|(met, face)| self.leaf_of(program, met.object.0[lane], face));
+        let face = match first_leaf.cmp(&second_leaf) {
+            std::cmp::Ordering::Less => left,
+            std::cmp::Ordering::Greater => entered,
+            std::cmp::Ordering::Equal => return None,
+        };
+        Some(Crossing { t: b, face, left, entered, before, after: RegionId(region as u32) })
+    }
+
+    /// A face of a solid, by their numbers.
+    fn face_of(&self, object: f64, face: f64) -> Face {
+        let placement = PlacementId(self.objects[object as usize].placement);
+        Face { placement, ..self.model.faces[face as usize] }
+    }
+
+    /// The leaf of the model's own group that a face belongs to.
+    fn leaf_of(&self, program: &Program, object: f64, face: f64) -> LeafId {
+        let first = program.prototypes()[0].leaves.start;
+        match self.objects[object as usize].top {
+            Some(leaf) => leaf,
+            None => LeafId(self.model.faces[face as usize].leaf.0 - first),
+        }
+    }
+}
