@@ -133,11 +133,22 @@ impl LaneFacet {
         let (kernel, surfaces) = match (&self.kernel, &next.kernel) {
             (
                 &Kernel::AxisPlane { axis, sign, offset },
-                &Kernel::AxisPlane { axis: other, sign: turned, offset: next_offset },
-            ) if axis == other && sign == -turned && self.inside && next.inside => {
-                let (here, there) = (((offset, self.face), here), ((next_offset, next.face), there));
-                let [(low, below), (high, above)] = if sign < 0.0 { [here, there] } else { [there, here] };
-                (Kernel::AxisSlab(AxisSlab { axis, low, high }), [below, above])
+                &Kernel::AxisPlane { axis: other, sign: next_sign, offset: next_offset },
+            ) if axis == other => {
+                // the signs for which the facets are the insides of their planes
+                let outward = |inside: bool, sign: f64, offset: f64| {
+                    if inside { (sign, offset) } else { (-sign, -offset) }
+                };
+                let (sign, offset) = outward(self.inside, sign, offset);
+                let (next_sign, next_offset) = outward(next.inside, next_sign, next_offset);
+                if sign == next_sign {
+                    return None;
+                }
+                let here = ((offset, self.face), here, !self.inside);
+                let there = ((next_offset, next.face), there, !next.inside);
+                let (low, high) = if sign < 0.0 { (here, there) } else { (there, here) };
+                let slab = AxisSlab { axis, low: low.0, high: high.0, turned: [low.2, high.2] };
+                (Kernel::AxisSlab(slab), [low.1, high.1])
             }
             (Kernel::Plane(plane), Kernel::Plane(other)) => {
                 let (high, low) = (self.outward(plane), next.outward(other));
@@ -277,9 +288,9 @@ impl LaneFacet {
         uncertain: &mut Uncertain<S>,
     ) {
         let (origin, speed, low, high, turned) = match &self.kernel {
-            Kernel::AxisSlab(AxisSlab { axis, low, high }) => {
+            Kernel::AxisSlab(AxisSlab { axis, low, high, turned }) => {
                 let axis = (*axis).into();
-                (ray.origin.component(axis), ray.direction.component(axis), *low, *high, [false; 2])
+                (ray.origin.component(axis), ray.direction.component(axis), *low, *high, *turned)
             }
             Kernel::Slab(LaneSlab { normal, low, high, turned }) => {
                 (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high, *turned)
