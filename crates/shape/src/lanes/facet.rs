@@ -172,6 +172,33 @@ impl LaneFacet {
         }
     }
 
+    /// The span of a leaf that is the inside of a ball or a cylinder, of which this is the only facet: faster than
+    /// [`LaneFacet::narrow`]. `None` for other facets.
+    #[inline(always)]
+    pub fn only<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        uncertain: &mut Uncertain<S>,
+    ) -> Option<LaneSpan<S>> {
+        if !self.inside {
+            return None;
+        }
+        let (from, to) = match &self.kernel {
+            Kernel::AxisCylinder(cylinder) => {
+                let approach = cylinder.approach(ray);
+                cylinder_times(simd, cylinder.radius, &approach, ray, uncertain)
+            }
+            Kernel::Sphere(sphere) => {
+                let approach = sphere.approach(ray.origin, ray.direction, ray.square);
+                or_empty(simd, &approach, approach.half())
+            }
+            _ => return None,
+        };
+        let face = splat(simd, self.face);
+        Some(LaneSpan { from, to, from_face: face, to_face: face })
+    }
+
     /// Narrows the span of a leaf to where this facet holds, or returns a gap in which it does not hold.
     #[inline(always)]
     pub fn narrow<S: Simd>(
@@ -303,10 +330,10 @@ impl LaneFacet {
         let rises = speed.simd_gt(0.0);
         let (mut from, mut to) = (rises.select(low, high), rises.select(high, low));
         let [plus, minus] = super::ray::infinite(simd);
-        let finite = low.abs().max(high.abs()).simd_lt(plus);
         let slow = speed.abs().simd_le(ray.slow_plane);
-        let mut grazes = slow;
-        if slow.any_true() || !finite.all_true() {
+        let (any_slow, mut grazes) = (slow.any_true(), slow);
+        if any_slow {
+            let finite = low.abs().max(high.abs()).simd_lt(plus);
             // c - n . r(middle)
             let shift = ray.middle * speed;
             let near = (below + shift).abs().min((above - shift).abs());
@@ -337,7 +364,9 @@ impl LaneFacet {
         }
         let begins = span.begin_after(from, rises.select(low_face, high_face));
         let ends = span.end_before(to, rises.select(high_face, low_face));
-        uncertain.grazes |= grazes & (begins | ends);
+        if any_slow {
+            uncertain.grazes |= grazes & (begins | ends);
+        }
     }
 
     /// A surface of degree 2: for some rays it holds between the roots, for others outside of them.
@@ -413,8 +442,10 @@ impl LaneFacet {
         let [plus, minus] = super::ray::infinite(simd);
         let before = if self.inside { speed.simd_gt(0.0) } else { speed.simd_lt(0.0) };
         let (mut from, mut to) = (before.select(minus, t), before.select(t, plus));
-        let finite = t.abs().simd_lt(f64::INFINITY);
-        if !finite.all_true() {
+        let slow = speed.abs().simd_le(ray.slow_plane);
+        let (any_slow, mut finite) = (slow.any_true(), slow);
+        if any_slow {
+            finite = t.abs().simd_lt(f64::INFINITY);
             let below = height.simd_gt(0.0);
             let holds = if self.inside { below } else { !below };
             from = finite.select(from, holds.select(minus, plus));
@@ -422,8 +453,7 @@ impl LaneFacet {
         }
         let face = splat(simd, self.face);
         let (begins, ends) = (span.begin_after(from, face), span.end_before(to, face));
-        let slow = speed.abs().simd_le(ray.slow_plane);
-        if slow.any_true() {
+        if any_slow {
             // c - n . r(middle)
             let value = height - ray.middle * speed;
             uncertain.always |= slow & value.abs().simd_le(ray.near);

@@ -3,7 +3,7 @@
 use super::logic::{Step, Tape};
 use super::network::sort;
 use super::plan::{Difference, MAX_SPANS, NONE, Plan, STEPS};
-use super::remainder::{self, Bounds, NUMBER, Remainder};
+use super::remainder::{Bounds, NUMBER, Remainder, all_of, first_of};
 use super::starts::Begin;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -487,6 +487,12 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         starts: Option<&LaneStarts<S>>,
         uncertain: &mut Uncertain<S>,
     ) -> bool {
+        if let ([facet], None) = (facets, starts)
+            && let Some(span) = facet.only(self.simd, ray, uncertain)
+        {
+            self.keep_span(first, &span);
+            return span.is_some().any_true();
+        }
         let (span, is_met) = self.leaf_span(facets, first, ray, starts, uncertain);
         self.keep_span(first, &span);
         is_met
@@ -678,30 +684,6 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     }
 }
 
-/// [`remainder::all`] for any number of spans.
-#[inline(always)]
-fn all_of<S: Simd>(simd: S, memory: &mut Memory, shape: &Remainder, bounds: Bounds<'_>) -> u64 {
-    match shape.count {
-        1 => remainder::all::<S, 2>(simd, memory, shape, bounds),
-        2 => remainder::all::<S, 4>(simd, memory, shape, bounds),
-        3 => remainder::all::<S, 6>(simd, memory, shape, bounds),
-        4 => remainder::all::<S, 8>(simd, memory, shape, bounds),
-        _ => remainder::all::<S, 10>(simd, memory, shape, bounds),
-    }
-}
-
-/// [`remainder::first`] for any number of spans.
-#[inline(always)]
-fn first_of<S: Simd>(simd: S, memory: &mut Memory, shape: &Remainder, bounds: Bounds<'_>) -> u64 {
-    match shape.count {
-        1 => remainder::first::<S, 2>(simd, memory, shape, bounds),
-        2 => remainder::first::<S, 4>(simd, memory, shape, bounds),
-        3 => remainder::first::<S, 6>(simd, memory, shape, bounds),
-        4 => remainder::first::<S, 8>(simd, memory, shape, bounds),
-        _ => remainder::first::<S, 10>(simd, memory, shape, bounds),
-    }
-}
-
 /// 1.5 * 2^52: after its addition the low bits of a whole number, -2^31 <= x < 2^31, hold the integer.
 pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
 
@@ -711,7 +693,7 @@ pub(super) fn whole(x: f64) -> i32 {
     (x + WHOLE).to_bits() as i32
 }
 
-/// Loads eight rays from three columns.
+/// Loads eight rays from three columns, from a multiple of eight on.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lanes<S> {
     let [x, y, z] = columns;
@@ -720,7 +702,7 @@ pub(super) fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lan
 
 #[inline(always)]
 fn lanes<S: Simd>(simd: S, column: &[f64], at: usize) -> Lanes<S> {
-    match column.get(at..at + LANES).and_then(<[f64]>::first_chunk) {
+    match column.as_chunks().0.get(at / LANES) {
         Some(chunk) => Lanes::load_array_ref(simd, chunk),
         None => {
             let mut row = [column[column.len() - 1]; LANES];

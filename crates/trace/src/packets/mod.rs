@@ -26,7 +26,7 @@ use fearless_simd::{Level, Simd};
 use group::{BundleEvaluation, Found, Memory, Row, WHOLE, load};
 use normal::Hits;
 use objects::{First, Objects, Walk};
-use plan::{APART, Common, MAX_SPANS, Plan, SMALL};
+use plan::{APART, Common, Plan, SMALL};
 use rayweave_bvh::BundleTraversal;
 use rayweave_model::{
     Crossing, Evaluator, Face, FirstHits, HitArrayRows, Limit, Program, Query, RayAnswer, Rays, RegionId,
@@ -266,24 +266,20 @@ impl Arrays<'_, '_, '_> {
     /// Writes rays that start outside and are all certain.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, group: &BundleEvaluation<'_, S>, found: &Found, at: usize, count: usize) {
-        let memory = &*group.memory;
-        for (k, row) in self.rows.times.iter_mut().enumerate() {
-            let (row, times) = (&mut row[at..at + count], &memory.times[k % (2 * MAX_SPANS)].0);
-            match row.first_chunk_mut() {
-                Some(row) if k < found.most => group.time(k).store_array(row),
-                Some(row) => splat(group.simd, f64::INFINITY).store_array(row),
-                None if k < found.most => row.copy_from_slice(&times[..count]),
-                None => row.fill(f64::INFINITY),
-            }
+        let (simd, memory, HitArrayRows { times, faces }) = (group.simd, &*group.memory, &mut *self.rows);
+        let (used, free) = times.split_at_mut(found.most.min(times.len()));
+        for (row, times) in used.iter_mut().zip(&memory.times) {
+            copy(Lanes::load_array_ref(simd, &times.0), &mut row[at..at + count]);
         }
-        for (k, row) in self.rows.faces.iter_mut().enumerate() {
-            let (row, numbers) = (&mut row[at..at + count], &memory.numbers[k % (2 * MAX_SPANS)]);
-            match row.first_chunk_mut() {
-                Some(row) if k < found.most => *row = *numbers,
-                Some(row) => *row = [-1; LANES],
-                None if k < found.most => row.copy_from_slice(&numbers[..count]),
-                None => row.fill(-1),
-            }
+        for row in free {
+            copy(splat(simd, f64::INFINITY), &mut row[at..at + count]);
+        }
+        let (used, free) = faces.split_at_mut(found.most.min(faces.len()));
+        for (row, numbers) in used.iter_mut().zip(&memory.numbers) {
+            copy_faces(numbers, &mut row[at..at + count]);
+        }
+        for row in free {
+            copy_faces(&[-1; LANES], &mut row[at..at + count]);
         }
     }
 }
@@ -318,11 +314,17 @@ impl Take for Firsts<'_, '_> {
             }
             self.columns(plan, group, &firsts, at);
         }
+        let mut uncertain = found.uncertain & (!0 >> (64 - count));
+        while uncertain != 0 {
+            self.put_one(at + uncertain.trailing_zeros() as usize);
+            uncertain &= uncertain - 1;
+        }
+        if count == LANES {
+            return;
+        }
         for lane in 0..count {
             let ray = at + lane;
-            if found.uncertain >> lane & 1 == 1 {
-                self.put_one(ray);
-            } else if count < LANES {
+            if found.uncertain >> lane & 1 == 0 {
                 let crossings = &mut self.scratch.crossings;
                 let start = list(program, plan, group, found, lane, Limit::First, crossings);
                 self.hits.put(program, &self.rays, &RayAnswer { ray, start, crossings });
@@ -498,6 +500,15 @@ fn copy<S: Simd>(lanes: Lanes<S>, out: &mut [f64]) {
     match out.first_chunk_mut() {
         Some(out) => lanes.store_array(out),
         None => out.copy_from_slice(&lanes.as_slice()[..out.len()]),
+    }
+}
+
+/// Writes the first of eight faces to a slice of at most eight.
+#[inline(always)]
+fn copy_faces(faces: &[i32; LANES], out: &mut [i32]) {
+    match out.first_chunk_mut() {
+        Some(out) => *out = *faces,
+        None => out.copy_from_slice(&faces[..out.len()]),
     }
 }
 

@@ -120,12 +120,7 @@ impl<S: Simd, const N: usize> Ends<S, N> {
 /// crossing, others hold the number of the face in their low bits. Writes the length of the shortest piece between two
 /// crossings to `memory.shortest`. Returns the rays on which two ends that matter coincide.
 #[inline(always)]
-pub(super) fn all<S: Simd, const N: usize>(
-    simd: S,
-    memory: &mut Memory,
-    shape: &Remainder,
-    bounds: Bounds<'_>,
-) -> u64 {
+fn all<S: Simd, const N: usize>(simd: S, memory: &mut Memory, shape: &Remainder, bounds: Bounds<'_>) -> u64 {
     let mut tied = 0;
     for at in (0..LANES).step_by(S::f64s::LEN) {
         let ends = Ends::<S, N>::load(simd, memory, shape, bounds, at);
@@ -168,7 +163,7 @@ fn key<S: Simd>(t: S::f64s, face: S::f64s) -> S::f64s {
 /// `memory.times[1]`, and to `memory.inside` 1 for the rays that start inside, 0 for others. Returns the rays on which two
 /// ends that matter coincide.
 #[inline(always)]
-pub(super) fn first<S: Simd, const N: usize>(
+fn first<S: Simd, const N: usize>(
     simd: S,
     memory: &mut Memory,
     shape: &Remainder,
@@ -204,4 +199,118 @@ pub(super) fn first<S: Simd, const N: usize>(
         put::<S>(inside, &mut memory.inside, at);
     }
     tied
+}
+
+/// [`all`] for any number of spans.
+#[inline(always)]
+pub(super) fn all_of<S: Simd>(simd: S, memory: &mut Memory, shape: &Remainder, bounds: Bounds<'_>) -> u64 {
+    match shape.count {
+        1 => all::<S, 2>(simd, memory, shape, bounds),
+        2 => all::<S, 4>(simd, memory, shape, bounds),
+        3 => all::<S, 6>(simd, memory, shape, bounds),
+        4 => all::<S, 8>(simd, memory, shape, bounds),
+        _ => all::<S, 10>(simd, memory, shape, bounds),
+    }
+}
+
+/// [`first`] for any number of spans.
+#[inline(always)]
+pub(super) fn first_of<S: Simd>(simd: S, memory: &mut Memory, shape: &Remainder, bounds: Bounds<'_>) -> u64 {
+    match shape.count {
+        1 => first::<S, 2>(simd, memory, shape, bounds),
+        2 => first::<S, 4>(simd, memory, shape, bounds),
+        3 => first::<S, 6>(simd, memory, shape, bounds),
+        4 => first::<S, 8>(simd, memory, shape, bounds),
+        _ => first::<S, 10>(simd, memory, shape, bounds),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    /// A pseudo-random number below `n`.
+    fn below(state: &mut u64, n: u64) -> u64 {
+        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (*state >> 33) % n
+    }
+
+    /// Spans with whole ends, some of them empty; the face at each end is the index of the end.
+    fn random_spans(state: &mut u64, memory: &mut Memory, count: usize) {
+        for span in 0..count {
+            for lane in 0..LANES {
+                let from = below(state, 40) as f64;
+                let to = from + below(state, 30) as f64;
+                let ends = if from < to { [from, to] } else { [f64::INFINITY, f64::NEG_INFINITY] };
+                for (k, end) in ends.into_iter().enumerate() {
+                    memory.ends[2 * span + k].0[lane] = end;
+                    memory.faces[2 * span + k].0[lane] = (2 * span + k) as f64;
+                }
+            }
+        }
+    }
+
+    /// True if t, not an end, lies in the first span and in none of the others.
+    fn inside(memory: &Memory, count: usize, lane: usize, t: f64) -> bool {
+        let holds = |span: usize| memory.ends[2 * span].0[lane] < t && t < memory.ends[2 * span + 1].0[lane];
+        holds(0) && !(1..count).any(holds)
+    }
+
+    /// The changes within the window: times and faces.
+    fn expected(memory: &Memory, count: usize, lane: usize, from: f64) -> Vec<(f64, usize)> {
+        let mut changes = Vec::new();
+        for t in (0..80).map(f64::from).filter(|&t| from < t) {
+            if inside(memory, count, lane, t - 0.5) != inside(memory, count, lane, t + 0.5) {
+                let end = (0..2 * count).find(|&end| memory.ends[end].0[lane] == t);
+                changes.push((t, end.expect("the inside changes at an end")));
+            }
+        }
+        changes
+    }
+
+    fn are_distinct(memory: &Memory, count: usize, lane: usize) -> bool {
+        let mut ends: Vec<f64> = memory.ends[..2 * count].iter().map(|row| row.0[lane]).collect();
+        ends.retain(|end| end.is_finite());
+        ends.sort_by(f64::total_cmp);
+        ends.windows(2).all(|pair| pair[0] < pair[1])
+    }
+
+    #[test]
+    fn changes_are_those_of_the_boolean_function() {
+        let (mut state, mut memory, mut compared) = (5, Memory::default(), 0);
+        for round in 0..2000 {
+            let count = 1 + round % MOST_SPANS;
+            random_spans(&mut state, &mut memory, count);
+            let from = if round % 3 == 0 { 20.5 } else { f64::NEG_INFINITY };
+            let row = Row([from; LANES]);
+            let shape = Remainder { spans: [0, 1, 2, 3, 4], count };
+            let bounds = Bounds { from: &row, t_max: f64::INFINITY };
+            let tied = dispatch!(Level::new(), simd => all_of(simd, &mut memory, &shape, bounds));
+            let lists: Vec<_> = (0..LANES).map(|lane| expected(&memory, count, lane, from)).collect();
+            for lane in (0..LANES).filter(|lane| tied >> lane & 1 == 0) {
+                let found = (0..2 * count).map(|k| (memory.times[k].0[lane], memory.keys[k].0[lane]));
+                let found: Vec<_> = found.map(|(t, key)| (t, (key.to_bits() & NUMBER) as usize)).collect();
+                let (changes, rest) = found.split_at(lists[lane].len());
+                assert_eq!(changes, lists[lane]);
+                assert!(rest.iter().all(|&(t, number)| t == f64::INFINITY && number == 63));
+                let pieces = lists[lane].windows(2).map(|pair| pair[1].0 - pair[0].0);
+                assert_eq!(memory.shortest.0[lane], pieces.fold(f64::INFINITY, f64::min));
+                compared += 1;
+            }
+            let also_tied = dispatch!(Level::new(), simd => first_of(simd, &mut memory, &shape, bounds));
+            assert_eq!(tied, also_tied);
+            for lane in (0..LANES).filter(|lane| tied >> lane & 1 == 0) {
+                let at = |k: usize| lists[lane].get(k).map_or(f64::INFINITY, |change| change.0);
+                let [first, second] = [0, 1].map(|k| memory.times[k].0[lane]);
+                assert_eq!([first, second], [at(0), at(1)]);
+                let face = lists[lane].first().map_or(-1.0, |change| change.1 as f64);
+                assert_eq!(memory.face.0[lane], face);
+                assert_eq!(memory.inside.0[lane] == 1.0, inside(&memory, count, lane, from.max(-1.0)));
+            }
+            let distinct = (0..LANES).filter(|&lane| are_distinct(&memory, count, lane));
+            assert_eq!(distinct.filter(|lane| tied >> lane & 1 == 1).count(), 0);
+        }
+        assert!(compared > 8000, "{compared}");
+    }
 }
