@@ -436,12 +436,16 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         Some(all)
     }
 
-    /// Sets the keys so that no ray has a change.
+    /// Sets keys, times and faces so that no ray has a change.
     #[inline(always)]
     pub fn no_changes(&mut self) {
         let never = splat(self.simd, f64::INFINITY);
         self.set_key(0, never);
         self.set_key(1, never);
+        // the previous bundle has left its own
+        never.store_array(&mut self.memory.times[0].0);
+        self.memory.face = Row([-1.0; LANES]);
+        self.memory.numbers[0] = [-1; LANES];
     }
 
     /// The span of a leaf with these facets, and false if it is empty on all rays. Keeps its gaps, which do not matter in
