@@ -235,6 +235,9 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             if tied != 0 {
                 return None;
             }
+            let (low, high) = (Lanes::load_array_ref(simd, &self.memory.face.0) + WHOLE).to_bits().split();
+            let numbers = low.narrow(high).bitcast::<fearless_simd::i32x8<S>>();
+            numbers.store_array(&mut self.memory.numbers[0]);
             let unsure = self.unsure_of_first(plan, ray, uncertain);
             return Some(Found { uncertain: unsure, most: 2, starts: self.memory.inside.0 });
         }
