@@ -16,6 +16,8 @@ pub struct AxisSlab {
     pub low: (f64, f64),
     /// Offset of the plane with the normal along the axis, and the number of its face.
     pub high: (f64, f64),
+    /// For the low and high plane: true if the leaf is the outside of the plane with the opposite sign.
+    pub turned: [bool; 2],
 }
 
 /// A cylinder parallel to a coordinate axis.

@@ -133,11 +133,22 @@ impl LaneFacet {
         let (kernel, surfaces) = match (&self.kernel, &next.kernel) {
             (
                 &Kernel::AxisPlane { axis, sign, offset },
-                &Kernel::AxisPlane { axis: other, sign: turned, offset: next_offset },
-            ) if axis == other && sign == -turned && self.inside && next.inside => {
-                let (here, there) = (((offset, self.face), here), ((next_offset, next.face), there));
-                let [(low, below), (high, above)] = if sign < 0.0 { [here, there] } else { [there, here] };
-                (Kernel::AxisSlab(AxisSlab { axis, low, high }), [below, above])
+                &Kernel::AxisPlane { axis: other, sign: next_sign, offset: next_offset },
+            ) if axis == other => {
+                // the signs for which the facets are the insides of their planes
+                let outward = |inside: bool, sign: f64, offset: f64| {
+                    if inside { (sign, offset) } else { (-sign, -offset) }
+                };
+                let (sign, offset) = outward(self.inside, sign, offset);
+                let (next_sign, next_offset) = outward(next.inside, next_sign, next_offset);
+                if sign == next_sign {
+                    return None;
+                }
+                let here = ((offset, self.face), here, !self.inside);
+                let there = ((next_offset, next.face), there, !next.inside);
+                let (low, high) = if sign < 0.0 { (here, there) } else { (there, here) };
+                let slab = AxisSlab { axis, low: low.0, high: high.0, turned: [low.2, high.2] };
+                (Kernel::AxisSlab(slab), [low.1, high.1])
             }
             (Kernel::Plane(plane), Kernel::Plane(other)) => {
                 let (high, low) = (self.outward(plane), next.outward(other));
@@ -159,6 +170,33 @@ impl LaneFacet {
             true => *plane,
             false => Plane { normal: -plane.normal, offset: -plane.offset },
         }
+    }
+
+    /// The span of a leaf that is the inside of a ball or a cylinder, of which this is the only facet: faster than
+    /// [`LaneFacet::narrow`]. `None` for other facets.
+    #[inline(always)]
+    pub fn only<S: Simd>(
+        &self,
+        simd: S,
+        ray: &LaneRay<S>,
+        uncertain: &mut Uncertain<S>,
+    ) -> Option<LaneSpan<S>> {
+        if !self.inside {
+            return None;
+        }
+        let (from, to) = match &self.kernel {
+            Kernel::AxisCylinder(cylinder) => {
+                let approach = cylinder.approach(ray);
+                cylinder_times(simd, cylinder.radius, &approach, ray, uncertain)
+            }
+            Kernel::Sphere(sphere) => {
+                let approach = sphere.approach(ray.origin, ray.direction, ray.square);
+                or_empty(simd, &approach, approach.half())
+            }
+            _ => return None,
+        };
+        let face = splat(simd, self.face);
+        Some(LaneSpan { from, to, from_face: face, to_face: face })
     }
 
     /// Narrows the span of a leaf to where this facet holds, or returns a gap in which it does not hold.
@@ -277,9 +315,9 @@ impl LaneFacet {
         uncertain: &mut Uncertain<S>,
     ) {
         let (origin, speed, low, high, turned) = match &self.kernel {
-            Kernel::AxisSlab(AxisSlab { axis, low, high }) => {
+            Kernel::AxisSlab(AxisSlab { axis, low, high, turned }) => {
                 let axis = (*axis).into();
-                (ray.origin.component(axis), ray.direction.component(axis), *low, *high, [false; 2])
+                (ray.origin.component(axis), ray.direction.component(axis), *low, *high, *turned)
             }
             Kernel::Slab(LaneSlab { normal, low, high, turned }) => {
                 (ray.origin.dot_all(*normal), certain_dot(simd, ray, *normal), *low, *high, *turned)
@@ -292,10 +330,10 @@ impl LaneFacet {
         let rises = speed.simd_gt(0.0);
         let (mut from, mut to) = (rises.select(low, high), rises.select(high, low));
         let [plus, minus] = super::ray::infinite(simd);
-        let finite = low.abs().max(high.abs()).simd_lt(plus);
         let slow = speed.abs().simd_le(ray.slow_plane);
-        let mut grazes = slow;
-        if slow.any_true() || !finite.all_true() {
+        let (any_slow, mut grazes) = (slow.any_true(), slow);
+        if any_slow {
+            let finite = low.abs().max(high.abs()).simd_lt(plus);
             // c - n . r(middle)
             let shift = ray.middle * speed;
             let near = (below + shift).abs().min((above - shift).abs());
@@ -326,7 +364,9 @@ impl LaneFacet {
         }
         let begins = span.begin_after(from, rises.select(low_face, high_face));
         let ends = span.end_before(to, rises.select(high_face, low_face));
-        uncertain.grazes |= grazes & (begins | ends);
+        if any_slow {
+            uncertain.grazes |= grazes & (begins | ends);
+        }
     }
 
     /// A surface of degree 2: for some rays it holds between the roots, for others outside of them.
@@ -402,8 +442,10 @@ impl LaneFacet {
         let [plus, minus] = super::ray::infinite(simd);
         let before = if self.inside { speed.simd_gt(0.0) } else { speed.simd_lt(0.0) };
         let (mut from, mut to) = (before.select(minus, t), before.select(t, plus));
-        let finite = t.abs().simd_lt(f64::INFINITY);
-        if !finite.all_true() {
+        let slow = speed.abs().simd_le(ray.slow_plane);
+        let (any_slow, mut finite) = (slow.any_true(), slow);
+        if any_slow {
+            finite = t.abs().simd_lt(f64::INFINITY);
             let below = height.simd_gt(0.0);
             let holds = if self.inside { below } else { !below };
             from = finite.select(from, holds.select(minus, plus));
@@ -411,8 +453,7 @@ impl LaneFacet {
         }
         let face = splat(simd, self.face);
         let (begins, ends) = (span.begin_after(from, face), span.end_before(to, face));
-        let slow = speed.abs().simd_le(ray.slow_plane);
-        if slow.any_true() {
+        if any_slow {
             // c - n . r(middle)
             let value = height - ray.middle * speed;
             uncertain.always |= slow & value.abs().simd_le(ray.near);

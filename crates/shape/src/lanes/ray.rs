@@ -101,7 +101,8 @@ impl<S: Simd> LaneRay<S> {
         // a ray in a plane at both ends of the chord, two radii apart, has |n . d| 2 radius / |d| <= 2 delta; twice that
         let flat = (at_middle + limits.radius) * speed * (2.0 * delta_of(1.0) / limits.radius);
         let slow_plane = flat.max(speed * SLOW);
-        let in_range = speed.simd_gt(1e-80) & speed.simd_lt(1e80) & from.simd_lt(1e80);
+        // a plane that is not crossed at a grazing angle is then crossed at a finite time: below 1e80 / (1e-5 * 1e-80)
+        let in_range = speed.simd_gt(1e-80) & speed.simd_lt(1e80) & lengths.simd_lt(1e80);
         let has_chord = (near * LEAST).simd_lt(limits.radius);
         let never = Mask::splat(simd, false);
         let uncertain = Uncertain { always: !(in_range & has_chord), grazes: never };

@@ -3,6 +3,7 @@
 use super::logic::{Step, Tape};
 use super::network::sort;
 use super::plan::{Difference, MAX_SPANS, NONE, Plan, STEPS};
+use super::remainder::{Bounds, NUMBER, Remainder, all_of, first_of};
 use super::starts::Begin;
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -30,12 +31,47 @@ pub(super) struct Memory {
     /// The faces at these ends, as numbers.
     pub faces: Rows,
     pub keys: Rows,
+    /// The times of the changes, in order; +inf after the last one.
+    pub times: Rows,
+    /// The numbers of the faces at the changes, -1 after the last one.
+    pub numbers: [[i32; LANES]; 2 * MAX_SPANS],
+    /// The face at the first change, -1 for none.
+    pub face: Row,
+    /// 1 if the ray starts inside, else 0.
+    pub inside: Row,
+    /// The length of the shortest piece between two changes.
+    pub shortest: Row,
 }
 
 impl Default for Memory {
     fn default() -> Self {
-        let rows = [Row([0.0; LANES]); 2 * MAX_SPANS];
-        Memory { ends: rows, faces: rows, keys: rows }
+        let row = Row([0.0; LANES]);
+        let rows = [row; 2 * MAX_SPANS];
+        let numbers = [[-1; LANES]; 2 * MAX_SPANS];
+        Memory {
+            ends: rows,
+            faces: rows,
+            keys: rows,
+            times: rows,
+            numbers,
+            face: row,
+            inside: row,
+            shortest: row,
+        }
+    }
+}
+
+impl Memory {
+    /// The end of a span by its index.
+    #[inline(always)]
+    pub fn end(&self, code: usize) -> &Row {
+        &self.ends[code % (2 * MAX_SPANS)]
+    }
+
+    /// The face at the end of a span.
+    #[inline(always)]
+    pub fn face(&self, code: usize) -> &Row {
+        &self.faces[code % (2 * MAX_SPANS)]
     }
 }
 
@@ -162,9 +198,134 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             self.no_changes();
             return Found { uncertain: uncertain.always.to_bitmask(), most: 0, starts: [0.0; LANES] };
         }
+        if let Some(found) = self.remainder(plan, &ray, (from, window.t_max()), first, &uncertain) {
+            return found;
+        }
         let most = self.changes(plan, from, window.t_max(), first, &mut uncertain);
         let unsure = self.unsure(plan, &ray, most, &uncertain);
+        self.list(most, first);
         Found { uncertain: unsure, most, starts: self.starts_after(plan, window) }
+    }
+
+    /// The changes of a plan whose inside is the common span less others. `None` if it is not, or if the order of changes at
+    /// one time may matter.
+    #[inline(always)]
+    fn remainder(
+        &mut self,
+        plan: &Plan,
+        ray: &LaneRay<S>,
+        (from, t_max): (Lanes<S>, f64),
+        first: bool,
+        uncertain: &Uncertain<S>,
+    ) -> Option<Found> {
+        let shape = plan.remainder.as_ref()?;
+        if (self.common_ties[0] | self.common_ties[1]).any_true() {
+            return None;
+        }
+        let (simd, row) = (self.simd, Row(from.to_array()));
+        let bounds = Bounds { from: &row, t_max };
+        let tied = simd.vectorize(
+            #[inline(always)]
+            || match first {
+                true => first_of(simd, self.memory, shape, bounds),
+                false => all_of(simd, self.memory, shape, bounds),
+            },
+        );
+        if first {
+            if tied != 0 {
+                return None;
+            }
+            let (low, high) = (Lanes::load_array_ref(simd, &self.memory.face.0) + WHOLE).to_bits().split();
+            let numbers = low.narrow(high).bitcast::<fearless_simd::i32x8<S>>();
+            numbers.store_array(&mut self.memory.numbers[0]);
+            let unsure = self.unsure_of_first(plan, ray, uncertain);
+            return Some(Found { uncertain: unsure, most: 2, starts: self.memory.inside.0 });
+        }
+        let mut most = 2 * shape.count;
+        while most > 0 && !self.time(most - 1).simd_lt(f64::INFINITY).any_true() {
+            most -= 1;
+        }
+        for (numbers, key) in self.memory.numbers[..most].iter_mut().zip(&self.memory.keys) {
+            let (low, high) = Lanes::load_array_ref(simd, &key.0).to_bits().split();
+            // 63 stands for no face, -1
+            let number = ((low.narrow(high) + 1) & NUMBER as u32) - 1;
+            number.bitcast::<fearless_simd::i32x8<S>>().store_array(numbers);
+        }
+        let unsure = tied | self.unsure_of_all(plan, ray, shape, most, uncertain);
+        Some(Found { uncertain: unsure, most, starts: self.starts_of(plan, from) })
+    }
+
+    /// The lanes whose first two changes are uncertain.
+    #[inline(always)]
+    fn unsure_of_first(&self, plan: &Plan, ray: &LaneRay<S>, uncertain: &Uncertain<S>) -> u64 {
+        let (a, b) = (self.time(0), self.time(1));
+        let close = uncertain.grazes | ray.may_coincide(a, b, &plan.model.limits);
+        (uncertain.always | (close & b.simd_lt(f64::INFINITY))).to_bitmask()
+    }
+
+    /// The lanes of which some change is uncertain.
+    #[inline(always)]
+    fn unsure_of_all(
+        &self,
+        plan: &Plan,
+        ray: &LaneRay<S>,
+        shape: &Remainder,
+        most: usize,
+        uncertain: &Uncertain<S>,
+    ) -> u64 {
+        let mut unsure = uncertain.always;
+        if most < 2 {
+            return unsure.to_bitmask();
+        }
+        let limits = &plan.model.limits;
+        let is_piece = |b: Lanes<S>| b.simd_lt(f64::INFINITY);
+        unsure |= uncertain.grazes & is_piece(self.time(1));
+        let shortest = Lanes::load_array_ref(self.simd, &self.memory.shortest.0);
+        let (from, to) = self.span(shape.spans[0]);
+        // nearly all bundles pass
+        if (ray.may_piece_coincide(shortest, from.abs().max(to.abs()), limits) & is_piece(shortest))
+            .any_true()
+        {
+            for k in 1..most {
+                let (a, b) = (self.time(k - 1), self.time(k));
+                unsure |= ray.may_coincide(a, b, limits) & is_piece(b);
+            }
+        }
+        unsure.to_bitmask()
+    }
+
+    /// Times and faces of the changes by their keys: all, or only those of the first ones.
+    #[inline(always)]
+    fn list(&mut self, most: usize, first: bool) {
+        let Memory { ends, faces, keys, times, numbers, face, .. } = &mut *self.memory;
+        for k in 0..if first { 1 } else { most } {
+            for lane in 0..LANES {
+                let key = keys[k].0[lane];
+                let code = (key.to_bits() & CODE) as usize;
+                let is_change = key < f64::INFINITY;
+                times[k].0[lane] = if is_change { ends[code].0[lane] } else { f64::INFINITY };
+                let number = if is_change { faces[code].0[lane] } else { -1.0 };
+                numbers[k][lane] = whole(number);
+                if first {
+                    face.0[lane] = number;
+                }
+            }
+        }
+    }
+
+    /// The time of change `k`.
+    #[inline(always)]
+    pub fn time(&self, k: usize) -> Lanes<S> {
+        Lanes::load_array_ref(self.simd, &self.memory.times[k % (2 * MAX_SPANS)].0)
+    }
+
+    /// The owner of each ray just after `from`; in a bounded solid, the same for all rays that start at -inf.
+    #[inline(always)]
+    fn starts_of(&mut self, plan: &Plan, from: Lanes<S>) -> [f64; LANES] {
+        match plan.start {
+            Some(start) if from.simd_eq(f64::NEG_INFINITY).all_true() => [f64::from(start); LANES],
+            _ => self.starts(plan, from),
+        }
     }
 
     /// The lanes whose changes are uncertain.
@@ -217,8 +378,12 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
             let uncertain = uncertain.always.to_bitmask() | begin.uncertain;
             return Found { uncertain, most: 0, starts: [0.0; LANES] };
         }
+        if let Some(found) = self.remainder(plan, &ray, (from, begin.t_max), first, &uncertain) {
+            return Found { uncertain: found.uncertain | begin.uncertain, ..found };
+        }
         let most = self.changes(plan, from, begin.t_max, first, &mut uncertain);
         let uncertain = self.unsure(plan, &ray, most, &uncertain) | begin.uncertain;
+        self.list(most, first);
         Found { uncertain, most, starts: self.starts(plan, from) }
     }
 
@@ -274,12 +439,16 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         Some(all)
     }
 
-    /// Sets the keys so that no ray has a change.
+    /// Sets keys, times and faces so that no ray has a change.
     #[inline(always)]
     pub fn no_changes(&mut self) {
         let never = splat(self.simd, f64::INFINITY);
         self.set_key(0, never);
         self.set_key(1, never);
+        // the previous bundle has left its own
+        never.store_array(&mut self.memory.times[0].0);
+        self.memory.face = Row([-1.0; LANES]);
+        self.memory.numbers[0] = [-1; LANES];
     }
 
     /// The span of a leaf with these facets, and false if it is empty on all rays. Keeps its gaps, which do not matter in
@@ -325,6 +494,12 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
         starts: Option<&LaneStarts<S>>,
         uncertain: &mut Uncertain<S>,
     ) -> bool {
+        if let ([facet], None) = (facets, starts)
+            && let Some(span) = facet.only(self.simd, ray, uncertain)
+        {
+            self.keep_span(first, &span);
+            return span.is_some().any_true();
+        }
         let (span, is_met) = self.leaf_span(facets, first, ray, starts, uncertain);
         self.keep_span(first, &span);
         is_met
@@ -516,27 +691,29 @@ impl<'m, S: Simd> BundleEvaluation<'m, S> {
     }
 }
 
-/// Converts a whole number, -2^31 <= x < 2^31, without the checks of a cast: after the addition of 1.5 * 2^52
-/// its low bits hold the integer.
+/// 1.5 * 2^52: after its addition the low bits of a whole number, -2^31 <= x < 2^31, hold the integer.
+pub(super) const WHOLE: f64 = 6_755_399_441_055_744.0;
+
+/// Converts a whole number, -2^31 <= x < 2^31, without the checks of a cast.
 #[inline(always)]
 pub(super) fn whole(x: f64) -> i32 {
-    (x + 6_755_399_441_055_744.0).to_bits() as i32
+    (x + WHOLE).to_bits() as i32
 }
 
-/// Loads eight rays from three columns.
+/// Loads eight rays from three columns, from a multiple of eight on.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, columns: [&[f64]; 3], at: usize) -> Vec3Lanes<S> {
     let [x, y, z] = columns;
-    Vec3Lanes { x: lanes(simd, &x[at..]), y: lanes(simd, &y[at..]), z: lanes(simd, &z[at..]) }
+    Vec3Lanes { x: lanes(simd, x, at), y: lanes(simd, y, at), z: lanes(simd, z, at) }
 }
 
 #[inline(always)]
-fn lanes<S: Simd>(simd: S, column: &[f64]) -> Lanes<S> {
-    match column.first_chunk::<LANES>() {
+fn lanes<S: Simd>(simd: S, column: &[f64], at: usize) -> Lanes<S> {
+    match column.as_chunks().0.get(at / LANES) {
         Some(chunk) => Lanes::load_array_ref(simd, chunk),
         None => {
             let mut row = [column[column.len() - 1]; LANES];
-            row[..column.len()].copy_from_slice(column);
+            row[..column.len() - at].copy_from_slice(&column[at..]);
             Lanes::load_array(simd, row)
         }
     }

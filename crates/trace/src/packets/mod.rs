@@ -16,13 +16,14 @@ mod normal;
 mod objects;
 mod places;
 mod plan;
+mod remainder;
 mod starts;
 
 use crate::Weave;
 use crate::weave::WeaveScratch;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd};
-use group::{BundleEvaluation, Found, Memory, Row, load, whole};
+use group::{BundleEvaluation, Found, Memory, Row, WHOLE, load};
 use normal::Hits;
 use objects::{First, Objects, Walk};
 use plan::{APART, Common, Plan, SMALL};
@@ -32,7 +33,7 @@ use rayweave_model::{
     Sink, StartLists, Window, attributes,
 };
 use rayweave_shape::dispatch_wide;
-use rayweave_shape::lanes::{LANES, Lanes, Vec3Lanes, WideLevel, splat};
+use rayweave_shape::lanes::{LANES, Lanes, Mask, Vec3Lanes, WideLevel, splat};
 use starts::Begin;
 use std::sync::Arc;
 
@@ -199,11 +200,9 @@ fn list<S: Simd>(
     let start = RegionId(found.starts[lane] as u32);
     let mut before = start;
     for k in 0..found.most {
-        let Some(code) = group.code(k, lane) else { break };
-        let (t, face) = (
-            group.memory.ends[code].0[lane],
-            plan.model.faces[whole(group.memory.faces[code].0[lane]) as usize],
-        );
+        let (t, number) = (group.memory.times[k].0[lane], group.memory.numbers[k][lane]);
+        let Ok(number) = usize::try_from(number) else { break };
+        let face = plan.model.faces[number];
         let after = if plan.is_plain { RegionId(1 - before.0) } else { owner_after(plan, group, lane, t) };
         if plan.is_plain || program.medium_of(before) != program.medium_of(after) {
             crossings.push(Crossing { t, face, left: face, entered: face, before, after });
@@ -267,25 +266,20 @@ impl Arrays<'_, '_, '_> {
     /// Writes rays that start outside and are all certain.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, group: &BundleEvaluation<'_, S>, found: &Found, at: usize, count: usize) {
-        for (k, row) in self.rows.times.iter_mut().enumerate() {
-            let row = &mut row[at..at + count];
-            if k >= found.most {
-                row.fill(f64::INFINITY);
-                continue;
-            }
-            for (lane, t) in row.iter_mut().enumerate() {
-                *t = group.code(k, lane).map_or(f64::INFINITY, |code| group.memory.ends[code].0[lane]);
-            }
+        let (simd, memory, HitArrayRows { times, faces }) = (group.simd, &*group.memory, &mut *self.rows);
+        let (used, free) = times.split_at_mut(found.most.min(times.len()));
+        for (row, times) in used.iter_mut().zip(&memory.times) {
+            copy(Lanes::load_array_ref(simd, &times.0), &mut row[at..at + count]);
         }
-        for (k, row) in self.rows.faces.iter_mut().enumerate() {
-            let row = &mut row[at..at + count];
-            if k >= found.most {
-                row.fill(-1);
-                continue;
-            }
-            for (lane, face) in row.iter_mut().enumerate() {
-                *face = group.code(k, lane).map_or(-1, |code| whole(group.memory.faces[code].0[lane]));
-            }
+        for row in free {
+            copy(splat(simd, f64::INFINITY), &mut row[at..at + count]);
+        }
+        let (used, free) = faces.split_at_mut(found.most.min(faces.len()));
+        for (row, numbers) in used.iter_mut().zip(&memory.numbers) {
+            copy_faces(numbers, &mut row[at..at + count]);
+        }
+        for row in free {
+            copy_faces(&[-1; LANES], &mut row[at..at + count]);
         }
     }
 }
@@ -313,17 +307,24 @@ impl Take for Firsts<'_, '_> {
     ) {
         let program = self.weave.program();
         if count == LANES {
-            let firsts = match plan.is_plain {
-                true => plain_firsts(group, found),
-                false => other_firsts(program, plan, group, found),
-            };
+            let mut firsts = Eight::nothing(found.starts);
+            match plan.is_plain {
+                true => plain_firsts(group, found, &mut firsts),
+                false => other_firsts(program, plan, group, found, &mut firsts),
+            }
             self.columns(plan, group, &firsts, at);
+        }
+        let mut uncertain = found.uncertain & (!0 >> (64 - count));
+        while uncertain != 0 {
+            self.put_one(at + uncertain.trailing_zeros() as usize);
+            uncertain &= uncertain - 1;
+        }
+        if count == LANES {
+            return;
         }
         for lane in 0..count {
             let ray = at + lane;
-            if found.uncertain >> lane & 1 == 1 {
-                self.put_one(ray);
-            } else if count < LANES {
+            if found.uncertain >> lane & 1 == 0 {
                 let crossings = &mut self.scratch.crossings;
                 let start = list(program, plan, group, found, lane, Limit::First, crossings);
                 self.hits.put(program, &self.rays, &RayAnswer { ray, start, crossings });
@@ -352,16 +353,14 @@ impl Eight {
 
 /// First hits in a model of one region; uncertain lanes are misses.
 #[inline(always)]
-fn plain_firsts<S: Simd>(group: &BundleEvaluation<'_, S>, found: &Found) -> Eight {
-    let mut eight = Eight::nothing(found.starts);
-    for lane in 0..LANES {
-        if let (Some(code), 0) = (group.code(0, lane), found.uncertain >> lane & 1) {
-            eight.t.0[lane] = group.memory.ends[code].0[lane];
-            eight.face.0[lane] = group.memory.faces[code].0[lane];
-            eight.after.0[lane] = 1.0 - eight.after.0[lane];
-        }
-    }
-    eight
+fn plain_firsts<S: Simd>(group: &BundleEvaluation<'_, S>, found: &Found, eight: &mut Eight) {
+    let simd = group.simd;
+    let is_hit = group.time(0).simd_lt(f64::INFINITY) & Mask::from_bitmask(simd, !found.uncertain);
+    let face = Lanes::load_array_ref(simd, &group.memory.face.0);
+    let starts = Lanes::load_array_ref(simd, &found.starts);
+    is_hit.select(group.time(0), splat(simd, f64::INFINITY)).store_array(&mut eight.t.0);
+    is_hit.select(face, splat(simd, -1.0)).store_array(&mut eight.face.0);
+    is_hit.select(splat(simd, 1.0) - starts, starts).store_array(&mut eight.after.0);
 }
 
 /// First hits in a model of several regions; uncertain lanes are misses.
@@ -370,31 +369,33 @@ fn other_firsts<S: Simd>(
     plan: &Plan,
     group: &BundleEvaluation<'_, S>,
     found: &Found,
-) -> Eight {
-    let mut eight = Eight::nothing(found.starts);
+    eight: &mut Eight,
+) {
     for lane in (0..LANES).filter(|lane| found.uncertain >> lane & 1 == 0) {
         let mut before = RegionId(found.starts[lane] as u32);
         for k in 0..found.most {
-            let Some(code) = group.code(k, lane) else { break };
-            let t = group.memory.ends[code].0[lane];
+            let (t, number) = (group.memory.times[k].0[lane], group.memory.numbers[k][lane]);
+            if number < 0 {
+                break;
+            }
             let after = owner_after(plan, group, lane, t);
             if program.medium_of(before) != program.medium_of(after) {
-                (eight.t.0[lane], eight.face.0[lane]) = (t, group.memory.faces[code].0[lane]);
+                (eight.t.0[lane], eight.face.0[lane]) = (t, f64::from(number));
                 (eight.before.0[lane], eight.after.0[lane]) = (f64::from(before.0), f64::from(after.0));
                 break;
             }
             before = after;
         }
     }
-    eight
 }
 
 impl Firsts<'_, '_> {
     /// Writes eight rays; the caller overwrites uncertain lanes.
     #[inline(always)]
     fn columns<S: Simd>(&mut self, plan: &Plan, group: &BundleEvaluation<'_, S>, eight: &Eight, at: usize) {
-        self.write(eight, at, LANES);
-        if let Some(hits) = self.hits(group.simd, eight, at) {
+        self.write(group.simd, eight, at, LANES);
+        if self.hits.normal.is_some() {
+            let hits = self.hits(group.simd, eight, at);
             let (normals, others) = hits.normals(group.simd, &plan.model.slopes);
             self.write_normals(normals, at, LANES);
             self.write_attributes(others, at, |lane| plan.model.faces[eight.face.0[lane] as usize]);
@@ -403,39 +404,33 @@ impl Firsts<'_, '_> {
 
     /// Writes everything but the normals.
     #[inline(always)]
-    fn write(&mut self, eight: &Eight, at: usize, count: usize) {
+    fn write<S: Simd>(&mut self, simd: S, eight: &Eight, at: usize, count: usize) {
         let here = at..at + count;
         let hits = &mut *self.hits;
-        hits.t[here.clone()].copy_from_slice(&eight.t.0[..count]);
-        let faces = &mut hits.face[here.clone()];
-        let (befores, afters) = (&mut hits.before[here.clone()], &mut hits.after[here.clone()]);
-        let placements = &mut hits.placement[here];
-        for lane in 0..count {
-            faces[lane] = whole(eight.face.0[lane]);
-            befores[lane] = whole(eight.before.0[lane]) as u32;
-            afters[lane] = whole(eight.after.0[lane]) as u32;
-            placements[lane] = whole(eight.placement.0[lane]) as u32;
-        }
+        copy(Lanes::load_array_ref(simd, &eight.t.0), &mut hits.t[here.clone()]);
+        copy_numbers(whole_lanes(simd, &eight.face), &mut hits.face[here.clone()], |number| number as i32);
+        copy_numbers(whole_lanes(simd, &eight.before), &mut hits.before[here.clone()], |number| number);
+        copy_numbers(whole_lanes(simd, &eight.after), &mut hits.after[here.clone()], |number| number);
+        copy_numbers(whole_lanes(simd, &eight.placement), &mut hits.placement[here], |number| number);
     }
 
-    /// The input of the normals; `None` if the caller requests no normals.
+    /// The input of the normals.
     #[inline(always)]
-    fn hits<S: Simd>(&self, simd: S, eight: &Eight, at: usize) -> Option<Hits<S>> {
-        self.hits.normal.as_ref()?;
+    fn hits<S: Simd>(&self, simd: S, eight: &Eight, at: usize) -> Hits<S> {
         let zero = splat(simd, 0.0);
         let leaves = Lanes::load_array_ref(simd, &eight.after.0).simd_le(zero);
         let hit = Lanes::load_array_ref(simd, &eight.face.0).simd_ge(zero).to_bitmask();
         let (origin, direction) = (load(simd, self.rays.origins, at), load(simd, self.rays.directions, at));
         let t = Lanes::load_array_ref(simd, &eight.t.0);
-        Some(Hits { origin, direction, t, face: eight.face, leaves, hit })
+        Hits { origin, direction, t, face: eight.face, leaves, hit }
     }
 
     #[inline(always)]
     fn write_normals<S: Simd>(&mut self, normals: Vec3Lanes<S>, at: usize, count: usize) {
         let Some([x, y, z]) = &mut self.hits.normal else { return };
-        x[at..at + count].copy_from_slice(&normals.x.as_slice()[..count]);
-        y[at..at + count].copy_from_slice(&normals.y.as_slice()[..count]);
-        z[at..at + count].copy_from_slice(&normals.z.as_slice()[..count]);
+        copy(normals.x, &mut x[at..at + count]);
+        copy(normals.y, &mut y[at..at + count]);
+        copy(normals.z, &mut z[at..at + count]);
     }
 
     /// Computes the normals of some lanes one by one, from their hits, which have already been written.
@@ -478,8 +473,9 @@ impl Firsts<'_, '_> {
     fn put_first<S: Simd>(&mut self, simd: S, objects: &Objects, first: &First, at: usize, count: usize) {
         let First { t, face, before, region: after, placement, .. } = *first;
         let eight = Eight { t, face, before, after, placement };
-        self.write(&eight, at, count);
-        if let Some(hits) = self.hits(simd, &eight, at) {
+        self.write(simd, &eight, at, count);
+        if self.hits.normal.is_some() {
+            let hits = self.hits(simd, &eight, at);
             let (normals, others) = objects.normals(simd, self.weave.program(), first, &hits);
             self.write_normals(normals, at, count);
             let there = !0 >> (64 - count);
@@ -496,6 +492,39 @@ impl Firsts<'_, '_> {
             between.extend(answer.crossings.first().filter(|found| found.is_between()).map(|c| (ray, *c)));
         });
     }
+}
+
+/// Writes the first lanes to a slice of at most eight numbers.
+#[inline(always)]
+fn copy<S: Simd>(lanes: Lanes<S>, out: &mut [f64]) {
+    match out.first_chunk_mut() {
+        Some(out) => lanes.store_array(out),
+        None => out.copy_from_slice(&lanes.as_slice()[..out.len()]),
+    }
+}
+
+/// Writes the first of eight faces to a slice of at most eight.
+#[inline(always)]
+fn copy_faces(faces: &[i32; LANES], out: &mut [i32]) {
+    match out.first_chunk_mut() {
+        Some(out) => *out = *faces,
+        None => out.copy_from_slice(&faces[..out.len()]),
+    }
+}
+
+/// Writes the first of eight whole numbers to a slice of at most eight.
+#[inline(always)]
+fn copy_numbers<T>(numbers: [u32; LANES], out: &mut [T], convert: impl Fn(u32) -> T) {
+    out.iter_mut().zip(numbers).for_each(|(out, number)| *out = convert(number));
+}
+
+/// [`whole`] of eight numbers.
+#[inline(always)]
+fn whole_lanes<S: Simd>(simd: S, row: &Row) -> [u32; LANES] {
+    let (low, high) = (Lanes::load_array_ref(simd, &row.0) + WHOLE).to_bits().split();
+    let mut numbers = [0; LANES];
+    low.narrow(high).store_array(&mut numbers);
+    numbers
 }
 
 impl Evaluator for Packets {

@@ -9,18 +9,40 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_shape::lanes::{LANES, Lanes};
 
-/// Loads the keys, applies the comparators in order, and stores them.
+/// Applies comparators in order.
+macro_rules! comparators {
+    ($keys:ident: $(($a:literal, $b:literal))+) => {{$({
+        let (a, b) = ($keys[$a], $keys[$b]);
+        ($keys[$a], $keys[$b]) = (a.min(b), a.max(b));
+    })+}};
+}
+
+/// Loads the keys, sorts and stores them.
 macro_rules! network {
-    ($simd:ident, $rows:ident, $size:literal: $(($a:literal, $b:literal))+) => {{
+    ($simd:ident, $rows:ident, $size:literal: $($comparators:tt)+) => {{
         let mut keys: [Lanes<S>; $size] = std::array::from_fn(|k| Lanes::load_array_ref($simd, &$rows[k].0));
-        $({
-            let (a, b) = (keys[$a], keys[$b]);
-            (keys[$a], keys[$b]) = (a.min(b), a.max(b));
-        })+
+        comparators!(keys: $($comparators)+);
         for k in 0..$size {
             keys[k].store_array(&mut $rows[k].0);
         }
     }};
+}
+
+/// Sorts an even number of keys, 2 to 10, of as many rays as a register holds.
+#[inline(always)]
+pub(super) fn sort_few<S: Simd, const N: usize>(keys: &mut [S::f64s; N]) {
+    match N {
+        2 => comparators!(keys: (0,1)),
+        4 => comparators!(keys: (0,1) (2,3) (0,2) (1,3) (1,2)),
+        6 => comparators!(keys:
+            (0,1) (2,3) (4,5) (0,2) (1,3) (1,2) (0,4) (1,5) (2,4) (3,5) (1,2) (3,4)),
+        8 => comparators!(keys:
+            (0,1) (2,3) (4,5) (6,7) (0,2) (1,3) (4,6) (5,7) (1,2) (5,6) (0,4) (1,5) (2,6) (3,7) (2,4) (3,5)
+            (1,2) (3,4) (5,6)),
+        _ => comparators!(keys:
+            (0,1) (2,3) (4,5) (6,7) (8,9) (0,2) (1,3) (4,6) (5,7) (1,2) (5,6) (0,4) (1,5) (2,6) (3,7) (2,4)
+            (3,5) (1,2) (3,4) (5,6) (0,8) (1,9) (4,8) (5,9) (2,4) (3,5) (6,8) (7,9) (1,2) (3,4) (5,6) (7,8)),
+    }
 }
 
 /// Sorts the first `count` keys of each lane. Rows after them, up to 16, may be overwritten by +inf.

@@ -1,7 +1,7 @@
 //! Transforms of eight rays into the frames of placed solids, and normals of hits there.
 
 use super::group::whole;
-use super::normal::{Slope, scaled_to_unit};
+use super::normal::{Slope, Slopes, scaled_to_unit};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 use rayweave_bvh::BundleSlabs;
@@ -153,7 +153,7 @@ pub(super) fn unit_of_plane(normal: Vec3, steps: &[Step]) -> Vec3 {
 #[inline(always)]
 pub(super) fn unit_gradient<S: Simd>(
     simd: S,
-    (program, slopes): (&Program, &[Slope]),
+    (program, slopes): (&Program, &Slopes),
     face: f64,
     ray: &Carried<S>,
     t: Lanes<S>,
@@ -161,7 +161,7 @@ pub(super) fn unit_gradient<S: Simd>(
 ) -> Option<Vec3Lanes<S>> {
     let place = ray.origin.plus(ray.direction.times(t));
     let two = splat(simd, 2.0);
-    let mut gradient = match &slopes[whole(face) as usize] {
+    let mut gradient = match &slopes.methods[whole(face) as usize] {
         Slope::Centre(centre) => place.minus_all(*centre).times(two),
         Slope::Axis(axis) => place.minus_all(axis.point).perpendicular(axis.axis).times(two),
         // a separate function, so that the common cases stay in registers

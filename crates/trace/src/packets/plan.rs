@@ -1,7 +1,8 @@
 //! Plans: a small model, prepared for evaluation in SIMD lanes.
 
 use super::logic::{Logic, Tape, Wire};
-use super::normal::Slope;
+use super::normal::Slopes;
+use super::remainder::{MOST_SPANS, NUMBER, Remainder};
 use rayweave_math::Vec3;
 use rayweave_model::{
     Edge, Face, LeafFacet, LeafId, LeafKind, PlacementId, Program, Prototype, PrototypeId, SurfaceId,
@@ -61,6 +62,8 @@ pub(super) struct Plan {
     pub start: Option<u32>,
     /// True if the inside is one region whose medium is not that of the world.
     pub is_plain: bool,
+    /// The spans, if the inside is the common span less the others.
+    pub remainder: Option<Remainder>,
 }
 
 /// Data shared by all plans of a model.
@@ -70,7 +73,7 @@ pub(super) struct Common {
     /// The faces by number.
     pub faces: Vec<Face>,
     /// The methods for their normals.
-    pub slopes: Vec<Slope>,
+    pub slopes: Slopes,
 }
 
 impl Common {
@@ -83,7 +86,7 @@ impl Common {
         Some(Arc::new(Common {
             limits: limits(program, group, group.leaves.clone().map(LeafId)),
             faces: faces(program),
-            slopes: Slope::all(program),
+            slopes: Slopes::new(program),
         }))
     }
 }
@@ -170,6 +173,7 @@ impl Plan {
             owners: Vec::new(),
             start: None,
             is_plain,
+            remainder: None,
         };
         let (mut span_count, mut bounded) = (0, Vec::new());
         let mut logic = Logic::new();
@@ -199,6 +203,9 @@ impl Plan {
         // rays that miss one of these need no other leaf
         plan.leaves.sort_by_key(|leaf| !leaf.is_needed);
         plan.common = plan.leaves.iter().filter(|leaf| leaf.is_needed).count();
+        if is_plain && program.facets().len() < NUMBER as usize {
+            plan.remainder = plan.common_less_others(&logic, &outputs);
+        }
         Some(plan)
     }
 
@@ -243,6 +250,20 @@ impl Plan {
             leaf.span = if leaf.is_needed { common } else { renumbered(leaf.span) };
         }
         logic.with(&outputs, |span| Some(inputs[span]))
+    }
+
+    /// The spans, if the inside is the common span less all others and these are few.
+    fn common_less_others(&self, logic: &Logic, outputs: &[Wire]) -> Option<Remainder> {
+        let (&[output], [first, ..], count) = (outputs, &self.leaves[..self.common], self.span_count())
+        else {
+            return None;
+        };
+        let literals =
+            logic.cube(output).filter(|literals| literals.len() == count && count <= MOST_SPANS)?;
+        let mut spans = [first.span; MOST_SPANS];
+        let others = literals.iter().filter(|(_, inside)| !inside).map(|&(span, _)| span as usize);
+        let found = spans[1..].iter_mut().zip(others).map(|(place, span)| *place = span).count();
+        (found + 1 == count).then_some(Remainder { spans, count })
     }
 
     /// The facets of a leaf.
