@@ -443,6 +443,7 @@ impl PySolid {
     /// .ply, .off, .3mf, .gltf, .glb), OpenSCAD (.csg) or GDML (.gdml). `name` replaces the name of the solid. The other arguments
     /// and the result are those of `Model.save`.
     #[pyo3(signature = (path, name = None, *, format = None, tolerance = None, text = false, allow_unsound = false))]
+    #[expect(clippy::too_many_arguments, reason = "they are keyword arguments in Python")]
     fn save(
         &self,
         py: Python<'_>,

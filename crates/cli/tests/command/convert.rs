@@ -42,7 +42,7 @@ fn every_format_is_written_and_read() {
         strict.contains("dropped: names of regions") && strict.contains("part.csg is not written"),
         "{strict}"
     );
-    // triangles within the tolerance are what was asked for
+    // triangles within the tolerance are no loss
     let done = bench.run(&["convert", "part.toml", "part.stl", "--tolerance", "0.01", "--strict", "-q"]);
     assert!(done.code == 0 && done.err.contains("approximated: curved faces"), "{}", done.err);
     bench.says(&["convert", "part.toml", "same.toml", "--strict"]);
