@@ -54,7 +54,7 @@ fn path_lengths_as_a_table() {
 #[test]
 fn line_integrals_and_remarks_about_media() {
     let bench = bench();
-    bench.write("mu.toml", &TANK.replace("[medium.steel]", "[medium.steel]\nattenuation = 2.5"));
+    bench.write("mu.toml", TANK.replace("[medium.steel]", "[medium.steel]\nattenuation = 2.5"));
     let arguments = [&["thickness", "mu.toml", "-o", "t.png", "--line-integral"], &VIEW[..]].concat();
     let done = bench.run(&arguments);
     // 4 cm of steel

@@ -20,6 +20,9 @@ use rayweave_shape::primitive::{Primitive, ShapeError, build as build_shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+/// Body, transforms and label of a solid.
+type PartsOf<'a> = (&'a Body, &'a [Spanned<Step>], Option<&'a str>);
+
 /// The definitions of all solids.
 pub(super) enum Entries<'d> {
     /// The entries of a document.
@@ -106,7 +109,7 @@ impl Entries<'_> {
     }
 
     /// Body, transforms and label of a solid; `None` if it was built or dropped.
-    fn parts(&self, index: usize) -> Option<(&Body, &[Spanned<Step>], Option<&str>)> {
+    fn parts(&self, index: usize) -> Option<PartsOf<'_>> {
         let (body, transform, label) = match self {
             Entries::Kept(entries) => {
                 let SolidEntry { body, transform, label, .. } = &entries[index];

@@ -141,7 +141,10 @@ impl Objects {
         let mut found =
             Objects { model, objects, parts, steps, boxes, condition, is_few, is_layered, cells, units };
         if is_layered {
-            found.cells = Cells::new(program, &found, &extents);
+            // a search among few solids is shorter than the work for the lists
+            if !is_few {
+                found.cells = Cells::new(program, &found, &extents);
+            }
             found.find_units(program);
         }
         Some(found)

@@ -92,25 +92,25 @@ impl<S: Simd, const N: usize> Ends<S, N> {
             let queried = self.from.simd_lt(t) & t.simd_lt(self.t_max);
             let (mut is_free, mut meets) = (queried, nowhere);
             for other in 1..N / 2 {
-                is_free = is_free & !self.holds(other, t);
-                meets = meets | self.meets(other, t);
+                is_free &= !self.holds(other, t);
+                meets |= self.meets(other, t);
             }
             kept[k] = is_free;
-            ties = ties | (meets & queried);
+            ties |= meets & queried;
         }
         for k in 2..N {
             let t = self.t[k];
             let within = low.simd_lt(t) & t.simd_lt(high);
             let (mut is_free, mut meets) = (within, nowhere);
             for other in (1..N / 2).filter(|&other| other != k / 2) {
-                is_free = is_free & !self.holds(other, t);
+                is_free &= !self.holds(other, t);
                 // each pair of spans once
                 if other > k / 2 {
-                    meets = meets | self.meets(other, t);
+                    meets |= self.meets(other, t);
                 }
             }
             kept[k] = is_free;
-            ties = ties | (meets & within);
+            ties |= meets & within;
         }
         Changes { kept, ties }
     }
@@ -189,7 +189,7 @@ fn first<S: Simd, const N: usize>(
             let mut is_inside = starts_within;
             for k in 1..N / 2 {
                 let is_in = ends.t[2 * k].simd_le(ends.from) & ends.from.simd_lt(ends.t[2 * k + 1]);
-                is_inside = is_inside & !is_in;
+                is_inside &= !is_in;
             }
             inside = is_inside.select(S::f64s::splat(simd, 1.0), inside);
         }

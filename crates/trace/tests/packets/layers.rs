@@ -14,7 +14,7 @@ fn layers(rng: &mut Random, frame: &Affine) -> Vec<Region> {
     let shell = Vec3::splat(rng.pick(&[0.3, 0.01, 1e-9]));
     let up = Vec3::Z * (half.z + 0.1 + gap(rng));
     let at = |x: u32| Vec3::new(f64::from(x % 3), f64::from(x / 3), 0.0) * apart(half, shell);
-    let maps: Vec<Affine> = (0..6).map(|x| Affine::translate(at(x))).collect();
+    let maps: Vec<Affine> = (0..9).map(|x| Affine::translate(at(x))).collect();
     let core = if rng.chance(0.3) { sphere(half.min_element()) } else { cube(half) };
     let sensor = cube(Vec3::new(0.9 * half.x, 0.9 * half.y, 0.1)).translate(up.to_array());
     let inner = cube(half + shell + Vec3::Z * 0.2);

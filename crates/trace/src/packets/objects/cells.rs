@@ -108,7 +108,7 @@ impl Cells {
         let mut spans: Vec<Range<u32>> = Vec::new();
         for object in &objects.objects {
             let placement = object.placement as usize;
-            spans.resize(spans.len().max(placement + 1), u32::MAX..0);
+            spans.resize(spans.len().max(placement + 1), Range { start: u32::MAX, end: 0 });
             let span = &mut spans[placement];
             for &(surface, _) in &objects.parts[object.part as usize].sides {
                 *span = span.start.min(surface)..span.end.max(surface + 1);
