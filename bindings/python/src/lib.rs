@@ -7,6 +7,7 @@ mod along;
 mod answer;
 mod arrays;
 mod build;
+mod camera;
 mod check;
 mod crossings;
 mod diff;

@@ -15,12 +15,12 @@ use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
 use rayweave::{Compiled, Message};
 
 use crate::build::scene_of_parts;
+use crate::camera::camera_of;
 use crate::drawing::{Subject, notebook_png, render_method};
 use crate::engine::{Engine, QueryOptions, computed, time_argument};
 use crate::error::{bad_type, bad_value, require_file, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
-use crate::render::camera_of;
 use crate::save::{format_of, save_scene};
 use crate::solid::{PySolid, bounds_array};
 use crate::to_mesh::to_mesh;

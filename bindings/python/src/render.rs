@@ -7,18 +7,16 @@ use numpy::{Element, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayweave::AnyEvaluator;
-use rayweave::math::Vec3;
 use rayweave::picture::{CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind};
 use rayweave::render::{PixelGrid, Size, Style};
-use rayweave::scene::{Camera, Projection};
 
+use crate::camera::camera_of;
 use crate::drawing::{Subject, draw, notebook_png, released};
 use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::model::PyModel;
 use crate::solid::PySolid;
 use crate::subject::{gathered, scene};
-use crate::vectors::vector;
 
 /// The keyword arguments of `rayweave.render`.
 #[derive(FromPyObject)]
@@ -91,20 +89,6 @@ impl RenderArguments<'_> {
     fn threads(&self) -> PyResult<Option<NonZeroUsize>> {
         self.threads.as_ref().map(thread_argument).transpose()
     }
-}
-
-/// A camera from the attributes of a `rayweave.Camera`.
-pub fn camera_of(object: &Bound<'_, PyAny>) -> PyResult<Camera> {
-    let number = |name: &str| object.getattr(name)?.extract::<Option<f64>>();
-    let place = |name: &str| vector(&object.getattr(name)?, &format!("camera.{name}"));
-    let projection = match (number("height")?, number("field_of_view")?) {
-        (Some(height), _) => Projection::Orthographic { height },
-        (None, degrees) => {
-            Projection::Perspective { fov: degrees.unwrap_or(rayweave::picture::FIELD_OF_VIEW) }
-        }
-    };
-    let (position, target, up): (Vec3, Vec3, Vec3) = (place("position")?, place("target")?, place("up")?);
-    Ok(Camera { projection, position, target, up, size: None })
 }
 
 fn style(name: &str) -> PyResult<Style> {

@@ -9,10 +9,10 @@ use rayweave::render::{Projection, RenderOptions, Size};
 use rayweave::thickness::{ThicknessMap, ThicknessRun, check_attenuations};
 use rayweave::{AnyEvaluator, Compiled, Error};
 
+use crate::camera::camera_of;
 use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::interrupt::interruptible;
-use crate::render::camera_of;
 use crate::subject::scene;
 
 /// Names of media; their attenuations; lengths (H, W, M); the radiograph and the line integrals of the attenuation (H, W); the

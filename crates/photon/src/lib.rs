@@ -19,6 +19,7 @@ mod boundary;
 mod compare;
 mod detector;
 mod draws;
+mod energies;
 mod error;
 mod flight;
 mod genstep;

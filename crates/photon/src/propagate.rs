@@ -172,7 +172,7 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     flights: Vec<Flight>,
     /// The photons of a chunk that go on.
     next: Vec<Flight>,
-    /// The photons whose crossings and random numbers are known.
+    /// The photons with crossings and random numbers.
     chunk: Range<usize>,
     /// The same photons in the start lists, which are not moved when a chunk grows.
     listed: Range<usize>,
@@ -185,7 +185,7 @@ struct Batch<'d, E: Evaluator, R: Recorder> {
     next_first: Vec<u32>,
     next_starts: Vec<Start>,
     found: Columns,
-    /// What ends the step of each photon.
+    /// The end of the step of each photon.
     stages: Vec<Stage>,
     bare: BareInterfaces,
     result: PhotonRun,
@@ -245,7 +245,7 @@ impl Columns {
     }
 }
 
-/// What ends the step of a photon, which has been moved there.
+/// The end of the step of a photon, to which the photon has been moved.
 #[derive(Clone, Copy, Debug)]
 enum Stage {
     /// The photon ends.

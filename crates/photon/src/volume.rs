@@ -1,12 +1,9 @@
 //! Paths of volumes: the names and copy numbers of the placements that lead to a volume.
 
-use crate::detector::Detector;
+use crate::detector::{Detector, NO_COPY};
 use rayweave_model::Face;
 use rayweave_scene::bare_name;
 use std::collections::HashMap;
-
-/// The copy number of a volume whose placements have no numbers.
-pub(crate) const NO_COPY: i64 = -1;
 
 /// The path of a volume and its copy number: that of the innermost placement with a number, or -1 without one. `face` is a face of the volume,
 /// or of a volume placed in it, as crossings at the ends of a step through the volume have it.

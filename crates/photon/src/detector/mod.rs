@@ -8,8 +8,10 @@ pub(crate) mod properties;
 mod sensors;
 mod surfaces;
 
+pub(crate) use sensors::NO_COPY;
+
+use crate::energies;
 use crate::error::PhotonError;
-use crate::lint::foreign_energies;
 use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
 use crate::tables::SurfaceTables;
@@ -96,7 +98,7 @@ impl Detector {
         let material_of =
             std::iter::once(0).chain(scene.regions.iter().map(|region| region.medium)).collect();
         let notes = properties.finish()?;
-        let warnings = foreign_energies(&table.table).iter().map(ToString::to_string).collect();
+        let warnings = energies::all_foreign(&table.table).iter().map(ToString::to_string).collect();
         Ok(Detector {
             faces,
             program,

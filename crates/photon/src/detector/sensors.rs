@@ -3,10 +3,12 @@
 use super::gdml::{Volumes, region_numbers};
 use crate::material::OpticalMaterial;
 use crate::surface::OpticalSurface;
-use crate::volume::NO_COPY;
 use rayweave_model::Program;
 use rayweave_scene::{Datum, Scene, bare_name};
 use std::collections::HashSet;
+
+/// The copy number of a volume whose placements have no numbers.
+pub(crate) const NO_COPY: i64 = -1;
 
 /// The tag of sensitive volumes in GDML files.
 const SENSITIVE: &str = "SensDet";

@@ -14,13 +14,11 @@ mod volumes;
 
 pub use finding::LintFinding;
 
-use crate::detector::properties::Owner;
 use crate::detector::{OpticalTable, Optics, regions};
 use crate::tables::SurfaceTables;
 use contacts::contacts;
-use rayweave_error::Message;
 use rayweave_model::{Evaluator, Program};
-use rayweave_scene::{Datum, Document, Scene};
+use rayweave_scene::{Document, Scene};
 use state::Lint;
 use std::sync::Arc;
 
@@ -72,17 +70,4 @@ pub fn lint<E: Evaluator>(
         }
     }
     lint.findings
-}
-
-/// The messages about energies that are not those of light, at most one for each material and surface: a mistake that changes every
-/// result of a run.
-pub(crate) fn foreign_energies(table: &Datum) -> Vec<Message> {
-    let rows = |element, list| table.list(list).map(move |row| (Owner::new(element, row.text("name")), row));
-    let all = rows("material", "material").chain(rows("surface", "surface"));
-    let first = |(owner, row): (Owner, &Datum)| {
-        let mut properties = row.get("properties").into_iter().flat_map(Datum::entries);
-        properties
-            .find_map(|(name, datum)| values::foreign_energies(&owner, name, &state::points(table, datum)))
-    };
-    all.filter_map(first).collect()
 }

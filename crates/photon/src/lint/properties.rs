@@ -3,6 +3,7 @@
 use super::state::Lint;
 use super::values;
 use crate::detector::properties::Owner;
+use crate::energies;
 use rayweave_error::Message;
 use rayweave_scene::Datum;
 
@@ -81,7 +82,7 @@ impl Lint<'_> {
 
     /// Energies that do not ascend, or are not those of light.
     fn energies(&mut self, owner: &Owner, name: &str, points: &[(f64, f64)]) {
-        if let Some(message) = values::foreign_energies(owner, name, points) {
+        if let Some(message) = energies::foreign(owner, name, points) {
             return self.find(owner, name, message);
         }
         let falls = |pair: &[(f64, f64)]| pair[1].0 < pair[0].0;
@@ -89,7 +90,8 @@ impl Lint<'_> {
         // a list by wavelength falls throughout: nothing is wrong with it
         if falling > 0 && falling + 1 < points.len() {
             let at = points.windows(2).position(falls).unwrap_or(0);
-            let [before, after] = [points[at].0, points[at + 1].0].map(|energy| values::short(energy * 1e6));
+            let [before, after] =
+                [points[at].0, points[at + 1].0].map(|energy| energies::short(energy * 1e6));
             let problem = format!("the energies of `{name}` of {owner} are unsorted");
             let reason = format!("{after} eV follows {before} eV at row {}", at + 2);
             let advice = "Sort the rows; they are used in the order of their energies.";
@@ -106,18 +108,16 @@ impl Lint<'_> {
         };
         let Some((_, index)) = properties.iter().find(|(name, _)| *name == "RINDEX") else { return };
         let index = self.points(index);
-        let Some([low, high]) =
-            range(&index).filter(|_| values::foreign_energies(owner, "", &index).is_none())
+        let Some([low, high]) = range(&index).filter(|_| energies::foreign(owner, "", &index).is_none())
         else {
             return;
         };
         let span = |[low, high]: [f64; 2]| {
-            format!("{} to {} eV", values::short(low * 1e6), values::short(high * 1e6))
+            format!("{} to {} eV", energies::short(low * 1e6), energies::short(high * 1e6))
         };
         for (name, datum) in properties.iter().filter(|(name, _)| *name != "RINDEX") {
             let points = self.points(datum);
-            let Some(own) = range(&points).filter(|_| values::foreign_energies(owner, "", &points).is_none())
-            else {
+            let Some(own) = range(&points).filter(|_| energies::foreign(owner, "", &points).is_none()) else {
                 continue;
             };
             if own[1] < low || own[0] > high {

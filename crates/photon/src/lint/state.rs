@@ -4,6 +4,7 @@ use super::contacts::Contacts;
 use super::finding::LintFinding;
 use crate::detector::Optics;
 use crate::detector::properties::Owner;
+use crate::energies::points;
 use rayweave_error::Message;
 use rayweave_math::Bounds;
 use rayweave_scene::{Datum, Scene};
@@ -57,14 +58,4 @@ impl<'a> Lint<'a> {
         let first = matrix.list("values").next().and_then(Datum::as_number);
         first.filter(|_| matrix.get("columns").and_then(Datum::as_number) == Some(1.0))
     }
-}
-
-/// The energies and values of a property, in the order of the file; none if its matrix has not two columns.
-pub(super) fn points(table: &Datum, property: &Datum) -> Vec<(f64, f64)> {
-    let Some(name) = property.as_text() else { return Vec::new() };
-    let matrix = table.list("matrix").find(|row| row.text("name") == name);
-    let matrix = matrix.filter(|row| row.get("columns").and_then(Datum::as_number) == Some(2.0));
-    let values: Vec<f64> =
-        matrix.into_iter().flat_map(|row| row.list("values")).filter_map(Datum::as_number).collect();
-    values.as_chunks::<2>().0.iter().map(|[energy, value]| (*energy, *value)).collect()
 }

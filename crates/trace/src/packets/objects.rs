@@ -168,7 +168,7 @@ impl Objects {
         }
     }
 
-    /// The unit gradient of a face of a solid, if it is known in advance.
+    /// The unit gradient of a face of a solid, if it was computed in advance.
     fn unit(&self, object: f64, face: f64) -> Option<Vec3> {
         let object = &self.objects[object as usize];
         let faces = self.parts[object.part as usize].planes.as_ref()?;
@@ -233,7 +233,7 @@ struct Gathered<'p> {
 /// The boxes of a solid in the world.
 #[derive(Clone, Copy)]
 struct Boxes {
-    /// Where it matters.
+    /// The lanes for which it matters.
     bounds: Bounds,
     /// Around all of it.
     extent: Bounds,

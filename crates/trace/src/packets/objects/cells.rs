@@ -1,7 +1,7 @@
 //! Surroundings of solids: for a ray that starts within a solid, the few solids that it can meet before it leaves.
 //!
 //! A ray that starts on a surface and inside of a solid, or on its outside within the solid around it, needs no search for the
-//! solids along its way: they are those whose boxes touch the box of the solid, and their list is known in advance. Solids
+//! solids along its way: they are those whose boxes touch the box of the solid, and their list is computed in advance. Solids
 //! that contain all of that box, with a margin, have no events there; only the last of them counts, as the region behind
 //! the surface.
 
@@ -43,7 +43,7 @@ pub(super) struct Cell {
 pub(super) const NONE: u32 = u32::MAX;
 
 /// Distance from a solid, in radii of the model, within which all others are listed. It exceeds the length of a weld unless
-/// a surface is met at a small angle; a separate check covers these cases.
+/// a ray meets a surface at a small angle; a separate check covers these cases.
 const SLACK: f64 = 2e-6;
 
 /// Largest number of solids in a list.
@@ -55,7 +55,7 @@ const TOUCHING: usize = 64;
 /// Largest size of the table of surfaces, in entries per solid.
 const SPARSE: usize = 256;
 
-/// The list of a solid before the classes are known.
+/// The list of a solid, without its class.
 struct Draft {
     list: Vec<u32>,
     base: f64,
