@@ -12,7 +12,7 @@
 //! is the distance between parallel faces; for two concentric spheres, it is their distance up to its square over the
 //! radius. At the rim of a thin shell, where a ray may run within the shell from its outer side to its outer side, it
 //! is at most four times the thickness of the shell. Between other faces it is only an estimate, which may be too large or too
-//! small: thicknesses that are reported are lengths of chords, found by [`thickness_at_middle`] and [`narrowest`].
+//! small: thicknesses that are reported are lengths of chords, found by `thickness_at_middle` and `narrowest`.
 
 pub use crate::error::Cancelled;
 use crate::measure::MeasuredChord;

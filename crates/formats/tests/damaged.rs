@@ -4,7 +4,7 @@
 //! random generator with a fixed seed.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
-use rayweave_formats::{Format, Options, WriteError, WriteOptions, load, write};
+use rayweave_formats::{Format, Imported, Options, WriteError, WriteOptions, load, write};
 use rayweave_math::Vec3;
 use rayweave_model::{Evaluator, Program, Query, RayBatch};
 use rayweave_scene::Diagnostics;
@@ -216,6 +216,55 @@ fn damaged_files_do_no_harm() {
     let folder = folder("damaged");
     for seed in seeds() {
         damage(&seed, &folder, 50);
+    }
+}
+
+/// Reads a seed with other contents.
+fn read(seed: &Seed, bytes: &[u8], folder: &Path) -> Result<Imported, Diagnostics> {
+    let path = folder.join(&seed.name);
+    fs::write(&path, bytes).unwrap();
+    let main = match seed.dump {
+        Some(dump) => {
+            let main = folder.join("main.csg");
+            fs::write(&main, dump).unwrap();
+            main
+        }
+        None => path,
+    };
+    load(&main, None, &[], &Options::default())
+}
+
+/// Line ends and a byte order mark do not change a model. Text in another encoding, an empty file, and a file of a format with an
+/// end that lacks it, are never read without a message.
+#[test]
+fn encodings_and_ends_of_files() {
+    let folder = folder("encodings");
+    for seed in seeds() {
+        let expected = read(&seed, &seed.bytes, &folder).unwrap();
+        let name = &seed.name;
+        let is_same =
+            |bytes: &[u8]| read(&seed, bytes, &folder).is_ok_and(|read| read.scene == expected.scene);
+        let is_noticed = |bytes: &[u8]| {
+            let read = read(&seed, bytes, &folder);
+            read.is_err() || read.is_ok_and(|read| !read.scene.warnings.is_empty())
+        };
+        assert!(is_noticed(b""), "{name}: empty");
+        if let Ok(text) = str::from_utf8(&seed.bytes).map(|text| text.replace("\r\n", "\n")) {
+            let mark = "\u{feff}";
+            assert!(is_same(text.replace('\n', "\r\n").as_bytes()), "{name}: CRLF");
+            assert!(is_same(format!("{mark}{text}").as_bytes()), "{name}: byte order mark");
+            for swapped in [u16::to_le_bytes, u16::to_be_bytes] {
+                let units = |text: &str| text.encode_utf16().flat_map(swapped).collect::<Vec<u8>>();
+                assert!(is_noticed(&units(&text)), "{name}: UTF-16");
+                assert!(is_noticed(&units(&format!("{mark}{text}"))), "{name}: UTF-16 with a mark");
+            }
+        }
+        // a shorter file of another format may be valid
+        let has_end = !["toml", "csg", "obj"].iter().any(|ending| name.ends_with(ending));
+        for part in (1..16).filter(|_| has_end) {
+            let cut = &seed.bytes[..seed.bytes.len() * part / 16];
+            assert!(is_noticed(cut), "{name}: {part} of 16 parts");
+        }
     }
 }
 

@@ -80,7 +80,10 @@ fn pairs(text: &str) -> Result<Vec<(u16, &str, usize)>, String> {
         };
         all.push((code, value, number + 1));
     }
-    Ok(all)
+    match all.last() {
+        Some((0, "EOF", _)) => Ok(all),
+        _ => Err("it has no EOF at its end: it is incomplete".to_owned()),
+    }
 }
 
 /// Entities outside of blocks, and those of each block with its base point.

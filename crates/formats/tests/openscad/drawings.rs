@@ -117,6 +117,7 @@ fn damaged_drawings() {
         ("dxf", "0\nSECTION\n2".to_owned(), "it ends after the code in line 3"),
         ("dxf", "binary".to_owned(), "line 1 of it is not a DXF group code"),
         ("dxf", "0\nEOF\n".to_owned(), "no sections"),
+        ("dxf", dxf(&entity("LINE", &[]), "").replace("0\nEOF\n", ""), "it has no EOF at its end"),
         ("dxf", dxf(&entity("INSERT", &[(2, "B")]), &block), "its blocks use each other"),
         ("dxf", dxf(&entity("HATCH", &[]), ""), "leaves out `HATCH` in line 11 of its file"),
         ("dxf", dxf(&entity("SPLINE", &[(71, "3"), (40, "0")]), ""), "points do not match"),
