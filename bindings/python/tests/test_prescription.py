@@ -468,6 +468,7 @@ def test_pictures() -> None:
     assert [np.shape(axis.collections[0].get_offsets())[0] for axis in diagrams] == [381, 381, 381]
     fans = lens.fans(count=5).show()
     assert fans.shape == (3, 2) and len(fans[0][0].lines) == 4
+    plt.close("all")
     # fields times curves, and the other lines
     curves = [
         (lens.mtf([0, 10], across=5).show(), 7),
