@@ -198,7 +198,8 @@ class Partition(Table):
         """
         rays, media = len(self.offsets) - 1, len(self.medium_names)
         cells = self.ray * media + self.medium
-        return np.bincount(cells, self.t_end - self.t_start, rays * media).reshape(rays, media)
+        sums = np.bincount(cells, self.t_end - self.t_start, rays * media)
+        return np.asarray(sums, dtype=np.float64).reshape(rays, media)
 
     def _heading(self) -> str:
         return f"Partition: {len(self)} pieces of {len(self.offsets) - 1} rays"

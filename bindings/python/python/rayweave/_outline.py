@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,12 +15,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike
 
-    Outline = ArrayLike | Sequence[ArrayLike]
-
 
 @suggesting(h="height", contours="outline", points="outline", round="fillet", bevel="chamfer")
 def extrude(
-    outline: Outline,
+    outline: ArrayLike | Sequence[ArrayLike],
     height: float,
     *,
     z: float = 0.0,
@@ -56,12 +54,12 @@ def extrude(
     if not _number("height", height) > 0:
         raise ValueError(f"height is {height}: it must be greater than 0.")
     _number("z", z)
-    return extrude_outline((contours, corner), z, z + height, [bottom, top])
+    return extrude_outline((contours, corner), z, z + height, (bottom, top))
 
 
 @suggesting(degrees="angle", sweep="angle", contours="outline", points="outline", round="fillet", bevel="chamfer")
 def revolve(
-    outline: Outline,
+    outline: ArrayLike | Sequence[ArrayLike],
     angle: float = 360.0,
     *,
     start: float = 0.0,
@@ -103,18 +101,18 @@ def _number(name: str, value: float) -> float:
     return value
 
 
-def _form(fillet_name: str, fillet: float, chamfer_name: str, chamfer: float) -> list[float]:
+def _form(fillet_name: str, fillet: float, chamfer_name: str, chamfer: float) -> tuple[float, float]:
     """A fillet and a chamfer, at most one of which is not 0."""
     for name, size in ((fillet_name, fillet), (chamfer_name, chamfer)):
         if not _number(name, size) >= 0:
             raise ValueError(f"{name} is {size}: it must be at least 0.")
     if fillet and chamfer:
         raise ValueError(f"{fillet_name} and {chamfer_name} are both given: a corner has one form.")
-    return [float(fillet), float(chamfer)]
+    return float(fillet), float(chamfer)
 
 
-def _contours(outline: Outline) -> list[list[list[float]]]:
-    """The contours as lists of [x, y, bulge]."""
+def _contours(outline: Any) -> list[list[tuple[float, float, float]]]:
+    """The contours as lists of x, y and bulge."""
     try:
         items = list(outline)
     except TypeError:
@@ -126,7 +124,7 @@ def _contours(outline: Outline) -> list[list[list[float]]]:
     return [_contour(contour, f"outline[{number}]") for number, contour in enumerate(items)]
 
 
-def _contour(points: ArrayLike, name: str) -> list[list[float]]:
+def _contour(points: Any, name: str) -> list[tuple[float, float, float]]:
     try:
         array = np.asarray(points, dtype=np.float64)
     except (TypeError, ValueError) as error:
@@ -135,4 +133,4 @@ def _contour(points: ArrayLike, name: str) -> list[list[float]]:
         raise ValueError(f"{name} has shape {array.shape}: it must be (N, 2), or (N, 3) with a bulge.")
     full = np.zeros((len(array), 3))
     full[:, : array.shape[1]] = array
-    return full.tolist()
+    return [(x, y, bulge) for x, y, bulge in full.tolist()]
