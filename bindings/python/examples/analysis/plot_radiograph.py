@@ -23,9 +23,9 @@ axes[0].set(xlabel="x [mm]", ylabel="z [mm]", title="parallel rays")
 
 # the source is 150 mm from the axis, the detector, 160 mm high, 150 mm behind it
 source, distance, height = [0, -150, 60], 300, 160
-cone = rw.Camera(source, target=[0, 0, 11], field_of_view=2 * np.degrees(np.arctan(height / 2 / distance)))
+cone = rw.Camera(position=source, target=[0, 0, 11], field_of_view=2 * np.degrees(np.arctan(height / 2 / distance)))
 image = rw.thickness(steel, camera=cone, size=(240, 160))
-shown = axes[1].imshow(image.line_integral, cmap="gray_r")
+shown = axes[1].imshow(image.line_integral, cmap="gray")
 figure.colorbar(shown, ax=axes[1], label="line integral of the attenuation")
 axes[1].set_title("cone beam")
 

@@ -126,7 +126,7 @@ def thickness(
 
     `view` selects parallel rays that cover the whole model ("front", "top", ...) with a margin; `camera` is a
     `rayweave.Camera`; without either, the camera of the model is used. A point source at the distance s from a flat detector of
-    height h is a perspective camera: `Camera(source, target, field_of_view=2 * degrees(arctan(h / 2 / s)))`. `size` is width
+    height h is a perspective camera: `Camera(position=source, target=..., field_of_view=2 * degrees(arctan(h / 2 / s)))`. `size` is width
     and height in pixels. In the world, only the length between the first and the last crossing counts, so that air or water
     around the model does not attenuate.
 
