@@ -19,7 +19,7 @@ found = rw.thickness(steel, view="front", size=(240, 160))
 figure, axes = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
 shown = axes[0].imshow(found["steel"], extent=found.extent)
 figure.colorbar(shown, ax=axes[0], label="mm of steel")
-axes[0].set(xlabel="x [mm]", ylabel="z [mm]", title="parallel rays")
+axes[0].set(xlabel="x from the centre [mm]", ylabel="z from the centre [mm]", title="parallel rays")
 
 # the source is 150 mm from the axis, the detector, 160 mm high, 150 mm behind it
 source, distance, height = [0, -150, 60], 300, 160
