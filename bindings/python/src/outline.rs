@@ -18,11 +18,7 @@ pub fn extrude_outline(
     hi: f64,
     rims: [[f64; 2]; 2],
 ) -> PyResult<PySolid> {
-    let rims = rims.map(|size| match size {
-        [fillet, _] if fillet != 0.0 => Rim::Fillet(fillet),
-        [_, chamfer] if chamfer != 0.0 => Rim::Chamfer(chamfer),
-        _ => Rim::Sharp,
-    });
+    let rims = rims.map(|sizes| form(sizes, Rim::Fillet, Rim::Chamfer));
     solid(py, contours, |outline| outline.extrude(lo, hi, rims))
 }
 
@@ -37,13 +33,18 @@ fn solid(
     (contours, corner): Contours,
     sweep: impl Fn(&Outline) -> Result<rayweave::Solid, OutlineError> + Sync,
 ) -> PyResult<PySolid> {
-    let corner = match corner {
-        [fillet, _] if fillet != 0.0 => Corner::Fillet(fillet),
-        [_, chamfer] if chamfer != 0.0 => Corner::Chamfer(chamfer),
-        _ => Corner::Sharp,
-    };
+    let corner = form(corner, Corner::Fillet, Corner::Chamfer);
     let contours: Vec<Vec<Vertex>> = contours.iter().map(|contour| vertices(contour, corner)).collect();
     py.detach(|| sweep(&Outline::new(&contours)?)).map(PySolid::from_solid).map_err(bad_value)
+}
+
+/// The form of a corner or rim with a fillet and a chamfer of these sizes, 0 for none; sharp without either.
+fn form<T: Default>(sizes: [f64; 2], fillet: fn(f64) -> T, chamfer: fn(f64) -> T) -> T {
+    match sizes {
+        [0.0, 0.0] => T::default(),
+        [0.0, size] => chamfer(size),
+        [size, _] => fillet(size),
+    }
 }
 
 /// The vertices of a contour; corners between two straight edges have the given form.

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use rayweave::model::drive::Cancel;
 use rayweave::picture::{PictureOptions, arrange};
 use rayweave::render::{Projection, RenderOptions, Size};
-use rayweave::thickness::{ThicknessMap, ThicknessRun, check_attenuations};
+use rayweave::thickness::{ThicknessMap, ThicknessRun, check_attenuations, transmitted};
 use rayweave::{AnyEvaluator, Compiled, Error};
 
 use crate::camera::camera_of;
@@ -70,11 +70,13 @@ pub fn thickness_maps<'py>(
         let array = Array2::from_shape_vec((height, width), values).map_err(bad_value)?;
         Ok::<_, PyErr>(PyArray2::from_owned_array(py, array))
     };
+    let integrals = map.line_integrals(&scene);
+    let radiograph = integrals.iter().copied().map(transmitted).collect();
     Ok((
         map.media().to_vec(),
         map.attenuations(&scene),
         PyArray3::from_owned_array(py, lengths.map_err(bad_value)?),
-        [picture(map.radiograph(&scene))?, picture(map.line_integrals(&scene))?],
+        [picture(radiograph)?, picture(integrals)?],
         scene.unit.symbol(),
         pixel,
         remarks,

@@ -117,6 +117,14 @@ pub struct Medium {
     pub numbers: Vec<(String, f64)>,
 }
 
+impl Medium {
+    /// A numeric property; `None` if the medium has none of this name.
+    #[must_use]
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
+    }
+}
+
 /// The camera of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {

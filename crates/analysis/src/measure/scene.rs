@@ -10,7 +10,7 @@ use crate::error::maker;
 use crate::subject::subject;
 use rayweave_error::Classified;
 use rayweave_model::{Evaluator, Program};
-use rayweave_scene::{Medium, Scene};
+use rayweave_scene::Scene;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -142,7 +142,7 @@ fn measured_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
         let is_alone = (0..regions.len()).all(|j| j == k || boxes[j].intersection(&boxes[k]).is_empty());
         let exact_volume = exact_volume(&regions[k].solid).filter(|_| is_alone && settings.within.is_none());
         let medium = media[k];
-        let density = medium.and_then(|medium| number(medium, "density"));
+        let density = medium.and_then(|medium| medium.number("density"));
         let centimetres = scene.unit.metres() * 100.0;
         let mass = density.map(|density| grams(measured.volume, density, centimetres));
         RegionReport {
@@ -153,10 +153,6 @@ fn measured_scene<E: Evaluator, X: Classified + Send + Sync + 'static>(
         }
     });
     Ok(SceneReport { regions: reports.collect(), rays: found.rays })
-}
-
-fn number(medium: &Medium, name: &str) -> Option<f64> {
-    medium.numbers.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
 }
 
 fn grams(volume: Estimate, density: f64, centimetres: f64) -> Estimate {

@@ -15,18 +15,15 @@ pub(super) const ATTENUATION: &str = "attenuation";
 /// [`AnalysisError::Value`] for a negative or infinite attenuation.
 pub fn check_attenuations(scene: &Scene) -> Result<Vec<String>, AnalysisError> {
     let mut remarks = Vec::new();
-    let of = |medium: usize| {
-        let numbers = &scene.media[medium].numbers;
-        numbers.iter().find(|(key, _)| key == ATTENUATION).map(|(_, value)| *value)
-    };
+    let of = |medium: usize| scene.media[medium].number(ATTENUATION);
     let used: Vec<usize> = {
         let mut media: Vec<usize> = scene.regions.iter().map(|region| region.medium as usize).collect();
         media.sort_unstable();
         media.dedup();
         media.into_iter().filter(|medium| *medium < scene.media.len()).collect()
     };
-    for (medium, entry) in scene.media.iter().enumerate() {
-        if let Some(value) = of(medium).filter(|value| !(value.is_finite() && *value >= 0.0)) {
+    for entry in &scene.media {
+        if let Some(value) = entry.number(ATTENUATION).filter(|value| !(value.is_finite() && *value >= 0.0)) {
             let problem = format!("the attenuation of the medium '{}' is {value}", entry.name);
             return Err(AnalysisError::Value(Message::new(problem, "it must be finite and at least 0")));
         }

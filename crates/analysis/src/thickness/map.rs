@@ -48,6 +48,11 @@ fn optical_depth((length, mu): (&f64, &f64)) -> f64 {
     if *mu == 0.0 { 0.0 } else { length * mu }
 }
 
+/// The transmitted fraction of X-rays, for a line integral of the attenuation.
+pub fn transmitted(line_integral: f64) -> f64 {
+    libm::exp(-line_integral)
+}
+
 /// The maximum number of path lengths of a map, one for each pixel and medium: 2 GiB of memory.
 pub const MAX_LENGTHS: usize = 1 << 28;
 
@@ -145,7 +150,7 @@ impl ThicknessMap {
     /// media, per length unit of the model; a medium without it is transparent. If no medium has it, attenuations
     /// are proportional to `density`, or equal: see [`FAINTEST`].
     pub fn radiograph(&self, scene: &Scene) -> Vec<f64> {
-        self.line_integrals(scene).into_iter().map(|depth| libm::exp(-depth)).collect()
+        self.line_integrals(scene).into_iter().map(transmitted).collect()
     }
 
     /// The line integral of the attenuation, pixel by pixel: the negative natural logarithm of the
@@ -173,7 +178,7 @@ impl ThicknessMap {
     fn numbers(&self, scene: &Scene, key: &str) -> Option<Vec<f64>> {
         let of = |name: &String| {
             let medium = scene.media.iter().find(|medium| medium.name == *name)?;
-            medium.numbers.iter().find(|(own, _)| own == key).map(|(_, value)| *value)
+            medium.number(key)
         };
         let said: Vec<Option<f64>> = self.media.iter().map(of).collect();
         let any = said.iter().any(Option::is_some);

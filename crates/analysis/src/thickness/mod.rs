@@ -9,7 +9,7 @@ mod map;
 
 pub use crate::error::Cancelled;
 pub use attenuation::check_attenuations;
-pub use map::{FAINTEST, MAX_LENGTHS, ThicknessMap};
+pub use map::{FAINTEST, MAX_LENGTHS, ThicknessMap, transmitted};
 
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave_model::{Evaluator, Query, RayAnswer, RayBatch, RegionId};

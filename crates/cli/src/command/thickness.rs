@@ -141,7 +141,7 @@ impl Thickness {
             save(lengths, longest)?;
             return Ok(format!("white is {} {unit} of {medium}", terminal::short(longest)));
         }
-        let is_given = |key| scene.media.iter().any(|m| m.numbers.iter().any(|(name, _)| name == key));
+        let is_given = |key| scene.media.iter().any(|medium| medium.number(key).is_some());
         let white = if self.line_integral {
             let integrals = map.line_integrals(scene);
             let largest = longest(&integrals);

@@ -201,28 +201,29 @@ fn first<S: Simd, const N: usize>(
     tied
 }
 
+/// Calls a function that is compiled for each number of ends, for a shape with any number of spans.
+macro_rules! for_spans {
+    ($of:ident($simd:ident, $memory:ident, $shape:ident, $bounds:ident)) => {
+        match $shape.count {
+            1 => $of::<S, 2>($simd, $memory, $shape, $bounds),
+            2 => $of::<S, 4>($simd, $memory, $shape, $bounds),
+            3 => $of::<S, 6>($simd, $memory, $shape, $bounds),
+            4 => $of::<S, 8>($simd, $memory, $shape, $bounds),
+            _ => $of::<S, 10>($simd, $memory, $shape, $bounds),
+        }
+    };
+}
+
 /// [`all`] for any number of spans.
 #[inline(always)]
 pub(super) fn all_of<S: Simd>(simd: S, memory: &mut Memory, shape: &Remainder, bounds: Bounds<'_>) -> u64 {
-    match shape.count {
-        1 => all::<S, 2>(simd, memory, shape, bounds),
-        2 => all::<S, 4>(simd, memory, shape, bounds),
-        3 => all::<S, 6>(simd, memory, shape, bounds),
-        4 => all::<S, 8>(simd, memory, shape, bounds),
-        _ => all::<S, 10>(simd, memory, shape, bounds),
-    }
+    for_spans!(all(simd, memory, shape, bounds))
 }
 
 /// [`first`] for any number of spans.
 #[inline(always)]
 pub(super) fn first_of<S: Simd>(simd: S, memory: &mut Memory, shape: &Remainder, bounds: Bounds<'_>) -> u64 {
-    match shape.count {
-        1 => first::<S, 2>(simd, memory, shape, bounds),
-        2 => first::<S, 4>(simd, memory, shape, bounds),
-        3 => first::<S, 6>(simd, memory, shape, bounds),
-        4 => first::<S, 8>(simd, memory, shape, bounds),
-        _ => first::<S, 10>(simd, memory, shape, bounds),
-    }
+    for_spans!(first(simd, memory, shape, bounds))
 }
 
 #[cfg(test)]

@@ -116,12 +116,12 @@ impl Materials {
         for (property, value) in properties_of(row) {
             properties += &property_of(&mut self.defines, &escaped(name), property, value);
         }
-        let composition = match (parts.is_empty(), value(medium, "A")) {
+        let composition = match (parts.is_empty(), medium.number("A")) {
             (true, Some(molar)) => atom(Some(molar)),
             (true, None) => atom(Some(1.008)),
             (false, _) => parts.clone(),
         };
-        let z = value(medium, "Z").or(parts.is_empty().then_some(1.0));
+        let z = medium.number("Z").or(parts.is_empty().then_some(1.0));
         let z = z.map(|z| format!(" Z=\"{z}\"")).unwrap_or_default();
         let _ = writeln!(
             self.text,
@@ -172,9 +172,9 @@ fn numbers_of(medium: &Medium) -> String {
     let line =
         |tag: &str, number: f64, unit: &str| format!("      <{tag} value=\"{number:?}\" unit=\"{unit}\"/>\n");
     let other =
-        |(name, tag, unit): (&str, &str, &str)| value(medium, name).map(|number| line(tag, number, unit));
+        |(name, tag, unit): (&str, &str, &str)| medium.number(name).map(|number| line(tag, number, unit));
     let others: String = NUMBERS.into_iter().filter_map(other).collect();
-    others + &line("D", value(medium, "density").unwrap_or(NO_DENSITY), "g/cm3")
+    others + &line("D", medium.number("density").unwrap_or(NO_DENSITY), "g/cm3")
 }
 
 fn atom(molar: Option<f64>) -> String {
@@ -215,10 +215,6 @@ fn properties_of(row: &Table) -> impl Iterator<Item = (&str, &Datum)> {
         _ => &[],
     };
     table.iter().map(|(name, value)| (name.value.as_str(), &value.value))
-}
-
-fn value(medium: &Medium, name: &str) -> Option<f64> {
-    medium.numbers.iter().find(|(own, _)| own == name).map(|(_, value)| *value)
 }
 
 /// An attribute, if the table has one.
