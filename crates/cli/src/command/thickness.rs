@@ -71,8 +71,9 @@ impl Thickness {
         }
         let scene = self.model.load_for(self.subject.solid.as_deref())?;
         let compiled = Compiled::named(&scene, self.subject.solid.as_deref())?;
-        if is_picture && self.medium.is_none() && !global.quiet {
-            check_attenuations(&scene)?.iter().for_each(|remark| terminal::note(remark));
+        if is_picture && self.medium.is_none() {
+            let remarks = check_attenuations(&scene)?;
+            remarks.iter().filter(|_| !global.quiet).for_each(|remark| terminal::note(remark));
         }
         let evaluator = AnyEvaluator::new(self.subject.evaluator.as_deref(), compiled.program.clone())?;
         let view = self.view.as_deref().and_then(|name| name.parse().ok());

@@ -64,6 +64,11 @@ fn line_integrals_and_remarks_about_media() {
         "{}",
         done.err
     );
+    bench.write("bad.toml", TANK.replace("[medium.steel]", "[medium.steel]\nattenuation = -1"));
+    for quiet in ["--quiet", "--line-integral"] {
+        let problem = bench.fails(2, &["thickness", "bad.toml", "-o", "bad.png", quiet]);
+        assert!(problem.contains("the attenuation of the medium 'steel' is -1"), "{problem}");
+    }
     let problem = bench.fails(2, &["thickness", "tank.toml", "-o", "t.csv", "--line-integral"]);
     assert!(problem.contains("--line-integral selects what a picture shows"), "{problem}");
 }
