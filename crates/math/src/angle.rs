@@ -1,4 +1,4 @@
-//! Sine and cosine of angles in degrees, exact at the multiples of 90.
+//! Sine and cosine of angles in degrees, exact at the multiples of 90, and the vertices of circles.
 
 use crate::Vec3;
 
@@ -27,6 +27,21 @@ pub fn unit_vector_degrees(degrees: f64) -> Vec3 {
     Vec3::new(cos, sin, 0.0)
 }
 
+/// The largest number of vertices of a circle.
+pub const MAX_AROUND: usize = 20_000;
+
+/// The number of vertices of a circle whose chords are at most `tolerance` from it, a multiple of 4; `None` above
+/// [`MAX_AROUND`]. Facets of different solids have common vertices on a common circle, because all use this number.
+pub fn circle_count(radius: f64, tolerance: f64) -> Option<usize> {
+    if radius <= tolerance {
+        return Some(4);
+    }
+    // r (1 - cos x) = 2 r sin^2(x / 2) for the half angle x of a chord, without cancellation
+    let half_angle = 2.0 * libm::asin(libm::sqrt(0.5 * tolerance / radius));
+    let count = 4.0 * libm::ceil(0.25 * std::f64::consts::PI / half_angle).max(2.0);
+    (count <= MAX_AROUND as f64).then_some(count as usize)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,6 +55,19 @@ mod tests {
             assert_eq!(sin_cos_degrees(base + 180.0), (0.0, -1.0));
             assert_eq!(sin_cos_degrees(base + 270.0), (-1.0, 0.0));
         }
+    }
+
+    /// The count is the smallest multiple of 4 whose chords are within the tolerance.
+    #[test]
+    fn circles_have_as_few_vertices_as_the_tolerance_allows() {
+        let sagitta =
+            |radius: f64, count: usize| radius * (1.0 - (std::f64::consts::PI / count as f64).cos());
+        for (radius, tolerance) in [(1.0, 0.5), (3.0, 0.1), (50.0, 0.05), (50.0, 1e-4)] {
+            let count = circle_count(radius, tolerance).unwrap();
+            assert!(count % 4 == 0 && sagitta(radius, count) <= tolerance, "{radius} {tolerance}: {count}");
+            assert!(count == 8 || sagitta(radius, count - 4) > tolerance, "{radius} {tolerance}: {count}");
+        }
+        assert_eq!((circle_count(1.0, 1.0), circle_count(1.0, 1e-9)), (Some(4), None));
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub mod roots;
 mod transform;
 
 pub use affine::{Affine, SingularError, unit};
-pub use angle::{sin_cos_degrees, unit_vector_degrees};
+pub use angle::{MAX_AROUND, circle_count, sin_cos_degrees, unit_vector_degrees};
 pub use bounds::Bounds;
 pub use decimal::format_to_resolution;
 pub use eigen::{Eigen, any_perpendicular, symmetric_eigen};

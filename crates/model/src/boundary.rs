@@ -13,6 +13,9 @@ pub trait Boundary: Send + Sync + UnwindSafe + RefUnwindSafe {
     fn facets(&self, tolerance: f64) -> Option<Facets>;
 }
 
+/// The largest number of vertices of the facets of one shape or boundary; more would exhaust memory.
+pub const MAX_POINTS: usize = 1 << 22;
+
 /// A closed surface: triangles and flat faces with common vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Facets {

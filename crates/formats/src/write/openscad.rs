@@ -10,7 +10,7 @@ use super::fold::{Builder, Operation, fold};
 use super::model::Model;
 use super::remark::Remarks;
 use super::{RemarkKind, WriteError};
-use rayweave_math::{Affine, Bounds, Vec3};
+use rayweave_math::{Affine, Bounds, MAX_AROUND, Vec3};
 use rayweave_mesh::Mesh;
 use rayweave_scene::Colour;
 use rayweave_shape::primitive::{Primitive, Value};
@@ -126,7 +126,7 @@ impl Writer<'_, '_> {
     /// Number of facets of a circle with the given radius in the frame of the shape.
     fn fragments(&self, place: &Affine, radius: f64) -> usize {
         let request = 0.5 * self.model.tolerance / place.similarity().unwrap_or(place.linear_norm());
-        facets::circle_count(radius, request).unwrap_or(facets::MAX_AROUND)
+        facets::circle_count(radius, request).unwrap_or(MAX_AROUND)
     }
 
     /// The box to which a shape is cut. Each unbounded shape with planar faces has a different box around the clip box: faces of

@@ -8,16 +8,10 @@ use super::contour::{Arc, Edge};
 use super::rim::{Rim, mitre_shift};
 use super::{Contour, Outline};
 use crate::{Point, from_polygons};
-use rayweave_math::{Vec3, sin_cos_degrees};
-use rayweave_model::{Boundary, Facets, FlatFace};
+use rayweave_math::{Vec3, circle_count, sin_cos_degrees};
+use rayweave_model::{Boundary, Facets, FlatFace, MAX_POINTS};
 use rayweave_rootray::Side;
 use std::f64::consts::PI;
-
-/// The largest number of chords of a circle.
-const MAX_AROUND: f64 = 20_000.0;
-
-/// The largest number of vertices.
-const MAX_POINTS: usize = 1 << 22;
 
 /// The number of tolerances, each a quarter of the last, that are tried until the chords do not touch each other.
 const TRIES: i32 = 5;
@@ -59,17 +53,6 @@ impl Corner {
             _ => [self.at[0] + inset * self.inwards[0], self.at[1] + inset * self.inwards[1]],
         }
     }
-}
-
-/// The number of chords of a circle at most `tolerance` from it, a multiple of 4.
-fn around(radius: f64, tolerance: f64) -> Option<usize> {
-    if radius <= tolerance {
-        return Some(4);
-    }
-    // r (1 - cos x) = 2 r sin^2(x / 2) for the half angle x of a chord, without cancellation
-    let half_angle = 2.0 * libm::asin(libm::sqrt(0.5 * tolerance / radius));
-    let count = 4.0 * libm::ceil(0.25 * PI / half_angle).max(2.0);
-    (count <= MAX_AROUND).then_some(count as usize)
 }
 
 impl Outline {
@@ -123,7 +106,7 @@ fn circle(
 ) -> Option<Vec<Corner>> {
     let side = if contour.is_island { -1.0 } else { 1.0 };
     let widened = if contour.is_island { radius } else { radius + widening };
-    let count = around(widened, tolerance)?;
+    let count = circle_count(widened, tolerance)?;
     let corner = |k: usize| {
         let (sin, cos) = sin_cos_degrees(360.0 * k as f64 / count as f64);
         Corner {
@@ -151,7 +134,7 @@ fn corners(contour: &Contour, tolerance: f64, widening: f64) -> Option<Vec<Corne
         corners.push(Corner { at: edge.from, inwards, pivot: smallest.map(pivot) });
         let Some(arc) = edge.arc else { continue };
         let widened = if convex(edge).is_some() { arc.radius } else { arc.radius + widening };
-        let step = 2.0 * PI / around(widened, tolerance)? as f64;
+        let step = 2.0 * PI / circle_count(widened, tolerance)? as f64;
         for (at, outwards) in edge.inner_points(step) {
             // away from the centre of a concave arc, towards that of a convex one
             let sign = if convex(edge).is_some() { -1.0 } else { 1.0 };
@@ -183,7 +166,7 @@ fn profile(rim: Rim, tolerance: f64) -> Option<Vec<[f64; 2]>> {
         Rim::Sharp => vec![[0.0, 0.0]],
         Rim::Chamfer(size) => vec![[0.0, 0.0], [size, size]],
         Rim::Fillet(size) => {
-            let count = around(size, tolerance)? / 4;
+            let count = circle_count(size, tolerance)? / 4;
             let point = |k: usize| {
                 let (sin, cos) = sin_cos_degrees(90.0 * k as f64 / count as f64);
                 [size * sin, size * (1.0 - cos)]
@@ -272,7 +255,7 @@ impl Boundary for Revolution {
         let tolerance = if self.outline.is_bent() { 0.5 * tolerance } else { tolerance };
         let contours = self.outline.simple_chords(tolerance, &[0.0])?;
         let reach = contours.iter().flatten().map(|corner| corner.at[0]).fold(0.0, f64::max);
-        let whole = around(reach, tolerance)?;
+        let whole = circle_count(reach, tolerance)?;
         let is_whole = self.sweep == 360.0;
         let start = if is_whole { 0.0 } else { self.start };
         // half-planes and, for a whole turn, the first one again

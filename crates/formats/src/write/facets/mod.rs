@@ -17,7 +17,7 @@ use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_shape::primitive::{Cylinder, Lowered, Paraboloid, Primitive, Tube, Value};
 use rayweave_shape::surface::Surface;
-pub(super) use revolved::{MAX_AROUND, circle_count};
+pub(super) use revolved::circle_count;
 use revolved::{Profile, revolved};
 
 /// Input for the tessellation of a shape.

@@ -1,13 +1,8 @@
 //! Tessellation of solids of revolution from their profiles.
 
 use crate::kernel::Body;
-use rayweave_math::{Vec3, sin_cos_degrees};
-
-/// Maximum number of vertices of a circle.
-pub const MAX_AROUND: usize = 20_000;
-
-/// Maximum number of vertices of a shape; more would exhaust memory.
-pub(super) const MAX_POINTS: usize = 1 << 22;
+use rayweave_math::{MAX_AROUND, Vec3, sin_cos_degrees};
+use rayweave_model::MAX_POINTS;
 
 /// Profile of a solid of revolution about z: points (r, z) with the solid on the left. It runs from axis to axis or, if all
 /// radii are greater than 0, it is closed.
@@ -17,18 +12,10 @@ pub(super) struct Profile {
     pub is_bent: bool,
 }
 
-/// Number of vertices of a circle within a tolerance.
+/// [`rayweave_math::circle_count`], or the reason that there is none.
 pub(in crate::write) fn circle_count(radius: f64, tolerance: f64) -> Result<usize, String> {
-    if radius <= tolerance {
-        return Ok(4);
-    }
-    // 1 - cos x = 2 sin^2(x / 2), which avoids cancellation
-    let half_angle = 2.0 * libm::asin(libm::sqrt(0.5 * tolerance / radius));
-    let quarters = libm::ceil(0.25 * std::f64::consts::PI / half_angle).max(2.0);
-    match quarters * 4.0 <= MAX_AROUND as f64 {
-        true => Ok(4 * quarters as usize),
-        false => Err(format!("a circle needs more than {MAX_AROUND} vertices")),
-    }
+    let count = rayweave_math::circle_count(radius, tolerance);
+    count.ok_or_else(|| format!("a circle needs more than {MAX_AROUND} vertices"))
 }
 
 impl Profile {

@@ -2,9 +2,10 @@
 
 use super::implicit::too_coarse;
 use super::polytope;
-use super::revolved::{MAX_POINTS, circle_count, stacked};
+use super::revolved::{circle_count, stacked};
 use crate::kernel::Body;
 use rayweave_math::{Bounds, Vec3, sin_cos_degrees};
+use rayweave_model::MAX_POINTS;
 use rayweave_shape::primitive::Lowered;
 use rayweave_shape::surface::Surface;
 
