@@ -33,16 +33,19 @@ def suggesting(**meant: str) -> Callable[[Callable[_P, _R]], Callable[_P, _R]]:
 
 def unexpected(function: str, names: list[str], name: str, meant: str | None = None) -> str:
     """The message about an unknown argument of a function with the given ones."""
-    near = get_close_matches(name, names, 1)
-    suggestion = meant or (near[0] if near else None)
-    hint = f" Did you mean {suggestion}?" if suggestion else ""
+    hint = did_you_mean(name, names, {name: meant} if meant else {})
     return f"{function}() got an unexpected keyword argument '{name}': its arguments are {', '.join(names)}.{hint}"
+
+
+def did_you_mean(name: str, names: list[str], meant: Mapping[str, str]) -> str:
+    """A question that ends a message about an unknown name, after a space, or "": what `meant` has for words of other programs,
+    else the closest of the known names."""
+    near = get_close_matches(name, names, 1)
+    suggestion = meant.get(name) or (near[0] if near else None)
+    return f" Did you mean {suggestion}?" if suggestion else ""
 
 
 def no_attribute(kind: str, name: str, names: list[str], meant: Mapping[str, str]) -> str:
     """The message about an unknown attribute of an object of a class with the given ones; `meant` has words of other programs
     with what to write."""
-    near = get_close_matches(name, names, 1)
-    suggestion = meant.get(name) or (near[0] if near else None)
-    hint = f" Did you mean {suggestion}?" if suggestion else ""
-    return f"{kind} has no attribute {name!r}.{hint}"
+    return f"{kind} has no attribute {name!r}.{did_you_mean(name, names, meant)}"

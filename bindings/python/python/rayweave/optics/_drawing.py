@@ -182,10 +182,11 @@ def _outlines(
     origins[:, up], direction[across] = rows, 1.0
     hits = np.clip(solid.hits(origins, direction), *limits[0])
     # hits are padded with NaN
-    counts = (np.isfinite(hits[0::2]) & (hits[0::2] < hits[1::2])).sum(axis=0)
+    is_span = np.isfinite(hits[0::2]) & (hits[0::2] < hits[1::2])
+    counts = is_span.sum(axis=0)
     if len(hits) == 0 or counts.max() != 1:
         return []
-    first = np.argmax(np.isfinite(hits[0::2]) & (hits[0::2] < hits[1::2]), axis=0)
+    first = np.argmax(is_span, axis=0)
     places = np.arange(len(rows))
     starts, ends = hits[2 * first, places], hits[2 * first + 1, places]
     found = []
