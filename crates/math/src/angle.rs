@@ -64,7 +64,10 @@ mod tests {
             |radius: f64, count: usize| radius * (1.0 - (std::f64::consts::PI / count as f64).cos());
         for (radius, tolerance) in [(1.0, 0.5), (3.0, 0.1), (50.0, 0.05), (50.0, 1e-4)] {
             let count = circle_count(radius, tolerance).unwrap();
-            assert!(count % 4 == 0 && sagitta(radius, count) <= tolerance, "{radius} {tolerance}: {count}");
+            assert!(
+                count.is_multiple_of(4) && sagitta(radius, count) <= tolerance,
+                "{radius} {tolerance}: {count}"
+            );
             assert!(count == 8 || sagitta(radius, count - 4) > tolerance, "{radius} {tolerance}: {count}");
         }
         assert_eq!((circle_count(1.0, 1.0), circle_count(1.0, 1e-9)), (Some(4), None));
