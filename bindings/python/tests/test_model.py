@@ -265,11 +265,11 @@ def test_files_elsewhere_need_permission(tmp_path: Path) -> None:
 def test_warnings_are_errors_if_asked(tmp_path: Path) -> None:
     (warning,) = rw.loads("rayweave = 1").warnings
     assert "the model is empty" in warning
-    with pytest.raises(rw.RayweaveError, match="error: the model is empty"):
+    with pytest.raises(rw.RayweaveError, match="the model is empty"):
         rw.loads("rayweave = 1", strict=True)
     path = tmp_path / "part.csg"
     path.write_text(DUMP + 'import(file = "gone.stl");\n')
-    with pytest.raises(rw.RayweaveError, match=r"error: import\(\) is left out"):
+    with pytest.raises(rw.RayweaveError, match=r"import\(\) is left out"):
         rw.load(path, strict=True)
     with pytest.raises(rw.RayweaveError, match="unknown parameter `heavy`"):
         rw.loads(TEXT.replace("index = 1.5", "index = 1.5\ndensity = 'heavy'"))

@@ -197,6 +197,14 @@ def test_refocused_lenses_have_the_best_focus_of_all_fields() -> None:
         afocal.refocused()
 
 
+def test_refocused_lenses_are_those_that_the_optimiser_finds() -> None:
+    lens = cooke_triplet()
+    goals = [optics.goal("spot", field=k, wavelength_nm=550) for k in range(len(lens.fields))]
+    found = optics.optimise(lens, ["thickness 6"], goals).lens.surfaces[5].thickness
+    # a least-squares search ends where its function is flat to about the square root of the rounding unit
+    assert lens.refocused(wavelength_nm=550).surfaces[5].thickness == pytest.approx(found, abs=1e-5)
+
+
 def test_unknown_attributes_have_suggestions() -> None:
     lens = paraboloid()
     for thing, name, meant in [

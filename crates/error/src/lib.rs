@@ -11,4 +11,4 @@ mod similar;
 pub use kind::{Classified, ErrorKind};
 pub use message::Message;
 pub use number::short_number;
-pub use similar::{closest, did_you_mean, with_limited_suggestions};
+pub use similar::{closest, did_you_mean, with_limited_suggestions, with_limited_suggestions_of_part};

@@ -15,20 +15,29 @@ thread_local! {
     static LEFT: Cell<Option<usize>> = const { Cell::new(None) };
 }
 
+/// Restores the limit of this thread, even after a panic.
+struct Restore(Option<usize>);
+
+impl Drop for Restore {
+    fn drop(&mut self) {
+        LEFT.set(self.0);
+    }
+}
+
 /// Reads a file with a limit for the work on suggestions: a file with many misspelt names gets them for the first ones only. Where
 /// calls are nested, the outermost one sets the limit.
 pub fn with_limited_suggestions<T>(read: impl FnOnce() -> T) -> T {
-    /// Restores the limit, even after a panic.
-    struct Restore(Option<usize>);
-    impl Drop for Restore {
-        fn drop(&mut self) {
-            LEFT.set(self.0);
-        }
-    }
     if LEFT.get().is_some() {
         return read();
     }
     let _restore = Restore(LEFT.replace(Some(MAX_WORK)));
+    read()
+}
+
+/// Reads one of several parts of a file with its share of the limit of [`with_limited_suggestions`], on any thread: the suggestions
+/// do not depend on the order in which the parts are read.
+pub fn with_limited_suggestions_of_part<T>(parts: usize, read: impl FnOnce() -> T) -> T {
+    let _restore = Restore(LEFT.replace(Some(MAX_WORK / parts.max(1))));
     read()
 }
 

@@ -220,9 +220,11 @@ impl Diagnostics {
     }
 }
 
+/// Like [`Diagnostics::render`] without colours. A leading `error: ` is left out: programs print it before the text of any error.
 impl fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.render(false))
+        let text = self.render(false);
+        f.write_str(text.strip_prefix("error: ").unwrap_or(&text))
     }
 }
 

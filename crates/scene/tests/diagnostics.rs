@@ -45,7 +45,9 @@ error: unknown solid `frnt`: there is no [solid.frnt]. Did you mean `front`?
   |
 5 | expr = 'frnt & front'
   |         ^^^^";
-    assert_eq!(problems(text).to_string(), expected);
+    assert_eq!(problems(text).render(false), expected);
+    // programs print `error: ` before the text of any error
+    assert_eq!(format!("error: {}", problems(text)), expected);
     let coloured = problems(text).render(true);
     assert!(coloured.contains("\u{1b}[") && !expected.contains('\u{1b}'));
 }
@@ -64,7 +66,7 @@ error: there are two regions called `a`: results refer to regions by name. Give 
   |
 5 | solid = 'a'
   |         --- the first one";
-    assert_eq!(problems(text).to_string(), expected);
+    assert_eq!(problems(text).render(false), expected);
     let list = problems(text);
     let notes: Vec<_> = list.iter().next().unwrap().notes().collect();
     assert_eq!(notes, [(5, 9, "the first one")]);
@@ -381,17 +383,17 @@ fn overrides() {
     let text = "rayweave = 1\n[parameters]\nradius = 1\n[solid.s]\nsphere = { radius = 'radius' }\n";
     let check = |name: &str, value: &str, expected: &str| {
         let problems = parse_with(text, &[(name.to_owned(), value.to_owned())]).unwrap_err();
-        assert_eq!(problems.to_string(), expected);
+        assert_eq!(problems.render(false), expected);
     };
     check(
         "raduis",
         "2",
-        "error: unknown parameter `raduis`: the file's parameters are radius. Did you mean `radius`?\n\x20--> -D:1:1\n  |\n1 | raduis=2\n  | ^^^^^^",
+        "error: unknown parameter `raduis`: the file's parameters are radius. Did you mean `radius`?\n\x20--> <override>:1:1\n  |\n1 | raduis=2\n  | ^^^^^^",
     );
     check(
         "radius",
         "2 +",
-        "error: the expression ends too early: a number or a parameter is missing.\n\x20--> -D:1:11\n  |\n1 | radius=2 +\n  |           ^",
+        "error: the expression ends too early: a number or a parameter is missing.\n\x20--> <override>:1:11\n  |\n1 | radius=2 +\n  |           ^",
     );
     check(
         "radius",
@@ -429,7 +431,7 @@ fn files_that_cannot_be_read() {
         }
         let problems = load(&path, &[]).unwrap_err();
         let expected = expected.replace("FILE", &path.display().to_string());
-        assert_eq!(problems.to_string(), expected);
+        assert_eq!(problems.render(false), expected);
         assert_eq!(problems.iter().next().unwrap().path(), Some(path.as_path()));
     };
     check("none.toml", None, "error: the model file cannot be read: there is no such file.\n--> FILE");

@@ -138,7 +138,12 @@ impl<'a> Reader<'a> {
             "polyhedron" => self.polyhedron(&arguments),
             "import" => self.import(number, &arguments),
             "surface" => {
-                let shell = relief::surface(&arguments, &self.files)?;
+                let relief::Relief { shell, short_rows } = relief::surface(&arguments, &self.files)?;
+                if short_rows > 0 {
+                    let rows = if short_rows == 1 { "row" } else { "rows" };
+                    let why = format!("pads {short_rows} short {rows} of its file with zeros");
+                    self.report.add(LossKind::Approximated, "surface()", arguments.approximation(&why));
+                }
                 self.within(number, &arguments, shell)
             }
             "projection" => self.projection(number, node, &arguments),

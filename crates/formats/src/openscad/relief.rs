@@ -15,8 +15,15 @@ const MAX_MAP_BYTES: u64 = 64 << 20;
 const MAX_PIXELS: usize = 4_000_000;
 const MAX_BYTES: usize = 256 << 20;
 
+/// The solid below a height map.
+pub(super) struct Relief {
+    pub shell: Shell,
+    /// Number of rows that were padded with zeros to the length of the longest one.
+    pub short_rows: usize,
+}
+
 /// `surface(file, center, invert)`: the solid below a height map from a text or an image.
-pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<Shell, Refusal> {
+pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<Relief, Refusal> {
     let (path, file) = file(arguments, files)?;
     let is_picture = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png"));
     let mut rows =
@@ -26,9 +33,10 @@ pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<She
     let (width, depth) = (rows.iter().map(Vec::len).max().unwrap_or(0), rows.len());
     // four triangles per cell; short rows are padded with zeros, which do not lower the floor
     arguments.hold(width.saturating_mul(depth).saturating_mul(4))?;
+    let short_rows = rows.iter().filter(|row| row.len() < width).count();
     rows.iter_mut().for_each(|row| row.resize(width, 0.0));
     if width < 2 || depth < 2 {
-        return Ok(Shell::default());
+        return Ok(Relief { shell: Shell::default(), short_rows });
     }
     let shift = match arguments.boolean("center", false)? {
         true => Vec3::new(-0.5 * (width - 1) as f64, -0.5 * (depth - 1) as f64, 0.0),
@@ -36,7 +44,7 @@ pub(super) fn surface(arguments: &Arguments, files: &AllowedFiles) -> Result<She
     };
     let (vertices, triangles) = relief(&rows, lowest - 1.0);
     let vertices = vertices.into_iter().map(|p| p + shift).collect();
-    Ok(Shell { vertices, triangles, is_convex: false })
+    Ok(Relief { shell: Shell { vertices, triangles, is_convex: false }, short_rows })
 }
 
 /// Brightness of an image in percent, lowest row first. With `invert`, a byte b becomes 1 - b, as in OpenSCAD.

@@ -103,9 +103,15 @@ fn files_beside_the_dump() {
         (measured("surface(file = \"map.dat\", center = false, invert = false);") / 18.5 - 1.0).abs() < NEAR
     );
     // the floor is at 0 for heights of 1 and more; short rows are padded with zeros
-    for (map, expected) in [("5 5 5\n5 5 5\n5 5 5\n", 20.0), ("9 6 7\n6 8 9\n5 3 2\n2\n", 29.5)] {
+    for (map, expected, padded) in [
+        ("5 5 5\n5 5 5\n5 5 5\n", 20.0, ""),
+        ("9 6 7\n6 8 9\n5 3 2\n2\n", 29.5, "surface() pads 1 short row of its file with zeros"),
+    ] {
         std::fs::write(folder.0.join("high.dat"), map).expect("a file");
-        assert!((measured("surface(file = \"high.dat\");") / expected - 1.0).abs() < 2.0 * NEAR, "{map}");
+        let imported = folder.read("surface(file = \"high.dat\");");
+        assert!((volume(&imported.scene, 300) / expected - 1.0).abs() < 2.0 * NEAR, "{map}");
+        let messages: Vec<_> = imported.report.warnings().iter().map(|w| w.message().to_owned()).collect();
+        assert_eq!(messages.join("\n"), padded);
     }
     let corner = "intersection() { surface(file = \"map.dat\", center = true); multmatrix([[1, 0, 0, 0.3], [0, 1, 0, 0.2], [0, 0, 1, -1], [0, 0, 0, 1]]) cube(9); }";
     assert!((measured(corner) / 2.490002 - 1.0).abs() < 2.0 * NEAR);

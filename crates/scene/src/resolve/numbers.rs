@@ -77,7 +77,7 @@ impl Numbers {
                     none if none.is_empty() => "the file has no parameters".to_owned(),
                     names => format!("the file's parameters are {names}"),
                 };
-                let source = Arc::new(Source::new(Some("-D".into()), format!("{name}={text}")));
+                let source = Arc::new(Source::new(Some("<override>".into()), format!("{name}={text}")));
                 let problem = Diagnostic::error(format!("unknown parameter `{name}`")).why(reason);
                 let problem =
                     problem.suggest(did_you_mean(name, names())).at(&source, Span::new(0, name.len()));
@@ -293,7 +293,7 @@ impl Given {
 }
 
 fn from_command_line(context: &mut Context, name: &str, text: &str) -> Given {
-    let source = Arc::new(Source::new(Some("-D".into()), format!("{name}={text}")));
+    let source = Arc::new(Source::new(Some("<override>".into()), format!("{name}={text}")));
     let start = name.len() + 1;
     Given::new(context, source, Span::new(start, start + text.len()), text)
 }

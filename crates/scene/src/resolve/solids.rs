@@ -37,6 +37,8 @@ pub(super) enum Entries<'d> {
 pub(crate) struct Definitions {
     names: Vec<String>,
     definitions: Vec<Definition>,
+    /// What a solid that depends on nothing else is built from.
+    nothing: (Document, HashSet<String>),
 }
 
 /// The definition of a solid, or the solid itself, with the place of its name.
@@ -61,12 +63,18 @@ struct Parts {
 impl Definitions {
     /// Adds a solid. It must have been read without problems to be built at once.
     pub fn push(&mut self, entry: SolidEntry, is_readable: bool) {
-        let built = if is_readable { independent(&entry) } else { None };
+        let built = if is_readable { independent(&entry, &self.nothing) } else { None };
         let SolidEntry { name, label, body, transform } = entry;
         let defined = || Content::Defined(Box::new(Parts { label, body, transform }));
         let content = built.map_or_else(defined, Content::Built);
         self.names.push(name.value);
         self.definitions.push(Definition { name: name.span, content });
+    }
+
+    /// Adds the solids of the next piece of the text.
+    pub fn append(&mut self, next: Definitions) {
+        self.names.extend(next.names);
+        self.definitions.extend(next.definitions);
     }
 
     /// The names and the definitions.
@@ -77,14 +85,13 @@ impl Definitions {
 
 /// The solid of a shape that depends neither on parameters nor on files. `None` for others and for invalid shapes, whose problems
 /// are reported when all solids are built.
-fn independent(entry: &SolidEntry) -> Option<Solid> {
+fn independent(entry: &SolidEntry, nothing: &(Document, HashSet<String>)) -> Option<Solid> {
     let Body::Shape(keyword, arguments) = &entry.body else { return None };
     if keyword.value == "mesh" {
         return None;
     }
     // the positions of problems do not matter
-    let (document, unreadable) = (Document::default(), HashSet::new());
-    let mut context = Context::new(&document, Vec::new(), &unreadable);
+    let mut context = Context::new(&nothing.0, Vec::new(), &nothing.1);
     let numbers = Numbers::known(&[]);
     let solid = shape(&mut context, &numbers, keyword, arguments)?;
     let maps = steps(&mut context, &numbers, &entry.transform)?;

@@ -1,4 +1,4 @@
-//! The pieces of a large model file, which are parsed one after another.
+//! The pieces of a large model file, which are read independently.
 //!
 //! The syntax tree of a text takes tens of times the memory of the text. A file is therefore cut in front of
 //! headers such as `[solid.ball]`, and the tree of each piece is dropped before the next piece is parsed.
@@ -8,10 +8,10 @@
 //! [`Merge`].
 
 use super::foreign::with_comment;
-use crate::datum::{Datum, Table};
+use crate::datum::Datum;
 use crate::source::{Source, Span, Spanned};
+use std::collections::HashMap;
 use std::collections::hash_map::RandomState;
-use std::collections::{HashMap, HashSet};
 use std::hash::BuildHasher;
 use std::ops::Range;
 
@@ -58,13 +58,12 @@ fn is_header(line: &str) -> bool {
     })
 }
 
-/// Checks that the pieces of a text have the same tables as the text as a whole.
-#[derive(Default)]
-pub(super) struct Merge {
-    kinds: HashMap<String, Kind>,
-    /// Hashes of the names of solids and other named tables; two names with the same hash count as one.
-    names: HashSet<u64>,
-    hasher: RandomState,
+/// A top-level entry of a piece.
+pub(super) struct TopLevel {
+    key: String,
+    kind: Kind,
+    /// Hashes of its names, of an entry to which several pieces may add named tables.
+    names: Vec<u64>,
 }
 
 /// The form of a top-level entry.
@@ -78,27 +77,54 @@ enum Kind {
     Whole,
 }
 
+impl TopLevel {
+    /// Describes an entry; `hasher` is that of the [`Merge`].
+    pub fn new(source: &Source, entry: &(Spanned<String>, Spanned<Datum>), hasher: &RandomState) -> TopLevel {
+        let (key, value) = (entry.0.value.clone(), &entry.1);
+        let names = match &value.value {
+            Datum::Table(table) if SHARED.contains(&key.as_str()) => {
+                table.iter().map(|(name, _)| hasher.hash_one((&key, &name.value))).collect()
+            }
+            _ => Vec::new(),
+        };
+        TopLevel { kind: kind(source, value), key, names }
+    }
+}
+
+/// Checks that the pieces of a text have the same tables as the text as a whole.
+#[derive(Default)]
+pub(super) struct Merge {
+    kinds: HashMap<String, Kind>,
+    /// Hashes of the names of solids and other named tables; two names with the same hash count as one.
+    names: Vec<u64>,
+    hasher: RandomState,
+}
+
 impl Merge {
-    /// True if the entries of a piece can be added to those of the pieces before it.
-    pub fn admits(&mut self, source: &Source, piece: &Table) -> bool {
-        piece.iter().all(|(key, value)| self.admits_entry(source, &key.value, value))
+    pub fn hasher(&self) -> RandomState {
+        self.hasher.clone()
     }
 
-    fn admits_entry(&mut self, source: &Source, key: &str, value: &Spanned<Datum>) -> bool {
-        let kind = kind(source, value);
-        if let Some(before) = self.kinds.get(key) {
-            if kind == Kind::Whole || kind != *before || !SHARED.contains(&key) {
-                return false;
+    /// True if the entries of a piece can be added to those of the pieces before it, apart from repeated names.
+    pub fn admits(&mut self, piece: Vec<TopLevel>) -> bool {
+        piece.into_iter().all(|entry| self.admits_entry(entry))
+    }
+
+    fn admits_entry(&mut self, TopLevel { key, kind, names }: TopLevel) -> bool {
+        self.names.extend(names);
+        match self.kinds.get(&key) {
+            Some(before) => kind != Kind::Whole && kind == *before && SHARED.contains(&key.as_str()),
+            None => {
+                self.kinds.insert(key, kind);
+                true
             }
-        } else {
-            self.kinds.insert(key.to_owned(), kind);
         }
-        match &value.value {
-            Datum::Table(table) if SHARED.contains(&key) => {
-                table.iter().all(|(name, _)| self.names.insert(self.hasher.hash_one((key, &name.value))))
-            }
-            _ => true,
-        }
+    }
+
+    /// True if no name is repeated.
+    pub fn is_unique(mut self) -> bool {
+        self.names.sort_unstable();
+        self.names.windows(2).all(|pair| pair[0] != pair[1])
     }
 }
 

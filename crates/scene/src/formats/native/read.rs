@@ -3,7 +3,7 @@
 use super::VERSION;
 use super::fields::{Fields, Problems};
 use super::foreign::Sections;
-use super::pieces::{LENGTH, Merge, pieces};
+use super::pieces::{LENGTH, Merge, TopLevel, pieces};
 use super::quick;
 use crate::datum::{self, Datum, Table};
 use crate::diagnostic::Diagnostic;
@@ -15,9 +15,11 @@ use crate::resolve::Definitions;
 use crate::source::{Source, Span, Spanned};
 use crate::suggestion::did_you_mean;
 use crate::unit::Unit;
+use rayweave_error::with_limited_suggestions_of_part;
 use rayweave_model::drive::{Cancel, drive, thread_count};
 use rayweave_shape::primitive::MANUALS;
 use std::collections::HashSet;
+use std::collections::hash_map::RandomState;
 use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
@@ -59,47 +61,53 @@ pub(crate) fn read(source: Arc<Source>, kept: Kept) -> Reading {
     }
 }
 
-/// Reads a text in pieces of at least this length; `None` if it is not valid TOML, or if its pieces depend on
+/// Reads a text in pieces of at least this length, on all threads; `None` if it is not valid TOML, or if its pieces depend on
 /// each other.
 pub(super) fn read_pieces(source: &Arc<Source>, length: usize, kept: Kept) -> Option<Reader> {
     let mut reader = Reader::new(source, kept);
     let mut merge = Merge::default();
-    let parse = |(): &mut (), range: Range<usize>| Piece::parse(source, range);
+    let (hasher, count) = (merge.hasher(), source.text().len() / length + 1);
+    let read = |(): &mut (), range: Range<usize>| {
+        with_limited_suggestions_of_part(count, || Piece::read(source, range, kept, &hasher))
+    };
     let add = |piece: Option<Piece>| {
-        let Piece { table, problems, end } = piece.ok_or(NotInPieces)?;
-        reader.problems.list.extend(problems);
-        if !merge.admits(source, &table) {
+        let Piece { contents, tables } = piece.ok_or(NotInPieces)?;
+        if !merge.admits(tables) {
             return Err(NotInPieces);
         }
-        reader.top(table, end);
+        reader.append(contents);
         Ok(())
     };
     let threads = if source.text().len() > 16 * length { thread_count(None) } else { NonZeroUsize::MIN };
-    drive(threads, &Cancel::new(), pieces(source.text(), length), || (), parse, add).ok()?;
-    Some(reader)
+    drive(threads, &Cancel::new(), pieces(source.text(), length), || (), read, add).ok()?;
+    merge.is_unique().then_some(reader)
 }
 
 /// A text that must be read as a whole.
 struct NotInPieces;
 
-/// The entries of a piece of the text, which ends at `end`.
+/// A piece of the text.
 struct Piece {
-    table: Table,
-    problems: Vec<Diagnostic>,
-    end: usize,
+    contents: Reader,
+    /// Its top-level entries, for the comparison with those of other pieces.
+    tables: Vec<TopLevel>,
 }
 
 impl Piece {
     /// `None` if the piece alone is not valid TOML.
-    fn parse(source: &Arc<Source>, range: Range<usize>) -> Option<Piece> {
+    fn read(source: &Arc<Source>, range: Range<usize>, kept: Kept, hasher: &RandomState) -> Option<Piece> {
         let (start, end) = (range.start, range.end);
-        if let Some(table) = quick::parse(source.text(), range.clone()) {
-            return Some(Piece { table, problems: Vec::new(), end });
-        }
-        let tree = DeTable::parse(&source.text()[range]).ok()?;
-        let mut problems = Vec::new();
-        let table = datum::from_toml(tree.get_ref(), start, source, &mut problems);
-        Some(Piece { table, problems, end })
+        let mut contents = Reader::without_heading(source, kept);
+        let table = match quick::parse(source.text(), range.clone()) {
+            Some(table) => table,
+            None => {
+                let tree = DeTable::parse(&source.text()[range]).ok()?;
+                datum::from_toml(tree.get_ref(), start, source, &mut contents.problems.list)
+            }
+        };
+        let tables = table.iter().map(|entry| TopLevel::new(source, entry, hasher)).collect();
+        contents.top(table, end);
+        Some(Piece { contents, tables })
     }
 }
 
@@ -134,9 +142,14 @@ pub(super) struct Reader {
 
 impl Reader {
     fn new(source: &Arc<Source>, kept: Kept) -> Reader {
-        let heading = heading(source.text());
+        let mut reader = Reader::without_heading(source, kept);
+        reader.document.heading = heading(source.text());
+        reader
+    }
+
+    fn without_heading(source: &Arc<Source>, kept: Kept) -> Reader {
         Reader {
-            document: Document { source: source.clone(), heading, ..Document::default() },
+            document: Document { source: source.clone(), ..Document::default() },
             problems: Problems { source: source.clone(), list: Vec::new() },
             unreadable: HashSet::new(),
             kept,
@@ -155,6 +168,27 @@ impl Reader {
         }
         let Reader { document, problems, unreadable, definitions, .. } = self;
         Reading { document, problems: problems.list, broken, unreadable, definitions }
+    }
+
+    /// Adds what the next piece of the text contains. Of the entries that exist once, the pieces have one at most.
+    fn append(&mut self, next: Reader) {
+        let Reader { document, problems, unreadable, definitions, stated, .. } = next;
+        let Document { unit, parameters, solids, regions, media, camera, lights, render, foreign, .. } =
+            document;
+        let whole = &mut self.document;
+        whole.unit = unit.or(whole.unit.take());
+        whole.parameters.extend(parameters);
+        whole.solids.extend(solids);
+        whole.regions.extend(regions);
+        whole.media.extend(media);
+        whole.camera = camera.or(whole.camera.take());
+        whole.lights.extend(lights);
+        whole.render = render.or(whole.render.take());
+        whole.foreign.extend(foreign);
+        self.problems.list.extend(problems.list);
+        self.unreadable.extend(unreadable);
+        self.definitions.append(definitions);
+        self.stated |= stated;
     }
 
     /// Adds the syntax errors and removes other problems on the same lines, which are consequences
