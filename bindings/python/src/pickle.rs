@@ -61,7 +61,7 @@ fn hash_head(node: &Node, hasher: &mut DefaultHasher) {
     // adding zero makes the two zeros, which are equal, hash alike
     let mut number = |value: f64| (value + 0.0).to_bits().hash(hasher);
     match node {
-        Node::Transformed(map, _) => numbers_of(map).into_iter().for_each(number),
+        Node::Transformed(map, _) => numbers_of(&map.get()).into_iter().for_each(number),
         Node::Placed(_, copies) => {
             copies.iter().flat_map(numbers_of).for_each(number);
             (copies.name(), copies.numbers()).hash(hasher);
@@ -156,7 +156,7 @@ impl Writer {
             Node::Difference(..) => self.0.push(b'-'),
             Node::Transformed(map, _) => {
                 self.0.push(b'm');
-                self.numbers(&numbers_of(map));
+                self.numbers(&numbers_of(&map.get()));
             }
             Node::Named(name, _) => {
                 self.0.push(b'n');

@@ -66,7 +66,7 @@ fn expand<'a>(text: &mut String, solid: &'a Solid, inside: Binding, tasks: &mut 
             tasks.push(Task::Solid(inner, Binding::Complement));
         }
         Node::Transformed(map, inner) => {
-            tasks.push(Task::Text(transform_text(map)));
+            tasks.push(Task::Text(transform_text(&map.get())));
             tasks.push(Task::Solid(inner, Binding::Atom));
         }
         Node::Placed(inner, copies) => {

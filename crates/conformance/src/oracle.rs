@@ -172,7 +172,7 @@ impl Oracle {
                 self.add(b, map, world_norm, way);
                 self.steps.extend([Step::Not, Step::All(2)]);
             }
-            Node::Transformed(by, a) => self.add_moved(a, by, map, world_norm, way),
+            Node::Transformed(by, a) => self.add_moved(a, &by.get(), map, world_norm, way),
             Node::Named(_, a) => self.add(a, map, world_norm, way),
             Node::Placed(a, maps) => {
                 maps.iter().for_each(|by| self.add_moved(a, by, map, world_norm, way));

@@ -7,6 +7,7 @@
 mod affine;
 mod angle;
 mod bounds;
+mod compact;
 mod decimal;
 mod eigen;
 mod interval;
@@ -18,6 +19,7 @@ mod transform;
 pub use affine::{Affine, SingularError, unit};
 pub use angle::{MAX_AROUND, circle_count, sin_cos_degrees, unit_vector_degrees};
 pub use bounds::Bounds;
+pub use compact::CompactAffine;
 pub use decimal::format_to_resolution;
 pub use eigen::{Eigen, any_perpendicular, symmetric_eigen};
 /// A 3 x 3 matrix, stored by columns.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Copies {
     maps: Arc<[Affine]>,
-    label: Option<CopyLabel>,
+    label: Option<Box<CopyLabel>>,
 }
 
 /// The name and the numbers that copies have in a file.
@@ -32,7 +32,7 @@ impl Copies {
     /// `numbers` are counted.
     pub fn labelled(maps: impl Into<Arc<[Affine]>>, name: &str, numbers: Option<Arc<[i64]>>) -> Copies {
         let numbers = numbers.filter(|numbers| !numbers.is_empty());
-        Copies { maps: maps.into(), label: Some(CopyLabel { name: name.into(), numbers }) }
+        Copies { maps: maps.into(), label: Some(Box::new(CopyLabel { name: name.into(), numbers })) }
     }
 
     /// The maps, `world_from_local`.
@@ -51,7 +51,7 @@ impl Copies {
     }
 
     pub(crate) fn label(&self) -> Option<&CopyLabel> {
-        self.label.as_ref()
+        self.label.as_deref()
     }
 }
 

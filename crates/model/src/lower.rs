@@ -10,7 +10,7 @@ use crate::simplify::{Formula, Op};
 use crate::size;
 use crate::trail::{Naming, TOP, Trail, TrailBuilder};
 use crate::{CompileError, CompileProblem, Copies, Edge, LeafId, Node, PrototypeId, Solid};
-use rayweave_math::Affine;
+use rayweave_math::{Affine, CompactAffine};
 use rayweave_shape::primitive::Primitive;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,11 +27,26 @@ pub(crate) struct Group<'a> {
     /// The names around the leaves.
     pub trail: Trail,
     contexts: Vec<Context<'a>>,
-    maps: Vec<Map>,
+    maps: Maps,
 }
 
 /// A map into the frame of a group, and the sum of the lengths of the translations composed into it.
 type Map = (Affine, f64);
+
+/// The maps of a group, in order: one for each leaf of many models.
+#[derive(Default)]
+struct Maps(Vec<(CompactAffine, f64)>);
+
+impl Maps {
+    fn get(&self, number: u32) -> Map {
+        let (map, way) = &self.0[number as usize];
+        (map.get(), *way)
+    }
+
+    fn push(&mut self, (map, way): Map) {
+        self.0.push((map.into(), way));
+    }
+}
 
 impl Group<'_> {
     /// The formula and the trail, without what only messages need.
@@ -52,7 +67,7 @@ impl Group<'_> {
     /// The map of a part into the frame of the group, and the sum of the lengths of the translations composed
     /// into it.
     pub fn place(&self, part: &Part<'_>) -> Map {
-        self.maps[self.contexts[part.context as usize].map as usize]
+        self.maps.get(self.contexts[part.context as usize].map)
     }
 
     /// The name of the compound around a leaf's own name, if it is at most [`MAX_NAME_LEVELS`] levels up.
@@ -166,7 +181,7 @@ struct Lowering<'p, 'a> {
     parts: Vec<Part<'a>>,
     leaf_count: usize,
     contexts: Vec<Context<'a>>,
-    maps: Vec<Map>,
+    maps: Maps,
     /// True until the first node that is not a map or complement: a name there is that of the whole group.
     at_root: bool,
     /// The context of the name of the whole group; 0 if there is none.
@@ -191,7 +206,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
             parts: Vec::new(),
             leaf_count: 0,
             contexts: vec![root],
-            maps: vec![(Affine::IDENTITY, 0.0)],
+            maps: Maps(vec![(Affine::IDENTITY.into(), 0.0)]),
             at_root: is_placed,
             own: 0,
             leaf_names: LeafNames::default(),
@@ -243,7 +258,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
             }
             Node::Transformed(map, inner) => {
                 self.at_root = at_root;
-                let context = self.moved(&visit, map, None)?;
+                let context = self.moved(&visit, &map.get(), None)?;
                 self.pass(inner, Visit { context, ..visit });
             }
             Node::Named(name, inner) => {
@@ -389,7 +404,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     /// A map, followed by a composed one.
     fn composed(&self, map: &Affine, outer: u32) -> Map {
-        let (outer, way) = self.maps[outer as usize];
+        let (outer, way) = self.maps.get(outer);
         (map.then(&outer), way + outer.vector(map.translation).length())
     }
 
@@ -401,7 +416,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
         let composed = self.composed(&Affine::IDENTITY, map);
         let bits = |map: &Affine| map.to_rows().map(|row| row.map(f64::to_bits));
         // the product with the identity may turn -0 into 0
-        match bits(&composed.0) == bits(&self.maps[map as usize].0) {
+        match bits(&composed.0) == bits(&self.maps.get(map).0) {
             true => self.enter(visit, next),
             false => self.enter_moved(visit, next, composed),
         }
@@ -409,7 +424,7 @@ impl<'p, 'a> Lowering<'p, 'a> {
 
     /// Enters a context with a map of its own.
     fn enter_moved(&mut self, visit: &Visit<'a>, next: Context<'a>, map: Map) -> u32 {
-        let number = self.maps.len() as u32;
+        let number = self.maps.0.len() as u32;
         let context = self.enter(visit, Context { map: number, ..next });
         if self.contexts[context as usize].map == number {
             self.maps.push(map);

@@ -70,7 +70,7 @@ fn expand<'a>(
             f.write_str("~")
         }
         Node::Transformed(map, inner) => {
-            tasks.push(Task::Text(transform_text(map).into()));
+            tasks.push(Task::Text(transform_text(&map.get()).into()));
             tasks.push(Task::Solid(inner, Binding::Atom));
             Ok(())
         }

@@ -170,7 +170,7 @@ fn group_size<'a>(
                 }
             }
             // an identity map opens no context
-            Node::Transformed(map, inner) if *map == Affine::IDENTITY => frame.waiting.push(inner),
+            Node::Transformed(map, inner) if map.get() == Affine::IDENTITY => frame.waiting.push(inner),
             Node::Placed(inner, copies) if copies.label().is_none() && copies[0] == Affine::IDENTITY => {
                 frame.waiting.push(inner);
             }

@@ -1,7 +1,7 @@
 //! Solids as users build them: trees of shapes and boolean operators.
 
 use crate::{Boundary, Copies};
-use rayweave_math::{Affine, Vec3};
+use rayweave_math::{Affine, CompactAffine, Vec3};
 use rayweave_shape::primitive::Primitive;
 use std::ops::{BitAnd, BitOr, BitXor, Not, Sub};
 use std::sync::Arc;
@@ -42,7 +42,7 @@ pub enum Node {
     /// Points inside an odd number of the operands.
     SymmetricDifference(Vec<Solid>),
     /// The image under a map, `world_from_local`.
-    Transformed(Affine, Solid),
+    Transformed(CompactAffine, Solid),
     /// The same solid with a name, which leaves without a name of their own inherit.
     Named(Arc<str>, Solid),
     /// The union of the images under several maps: one prototype with many instances.
@@ -127,7 +127,7 @@ impl Solid {
 
     /// The image under an affine map. A singular map is an error when the solid is compiled.
     pub fn apply(&self, world_from_local: Affine) -> Solid {
-        Solid::new(Node::Transformed(world_from_local, self.clone()))
+        Solid::new(Node::Transformed(world_from_local.into(), self.clone()))
     }
 
     /// The solid moved by a vector.
@@ -245,10 +245,10 @@ impl PartialEq for Solid {
 
 impl Node {
     /// The map and the solid under it, for a transformed solid or a single copy.
-    pub fn single_map(&self) -> Option<(&Affine, &Solid)> {
+    pub fn single_map(&self) -> Option<(Affine, &Solid)> {
         match self {
-            Node::Transformed(map, inner) => Some((map, inner)),
-            Node::Placed(inner, copies) if copies.len() == 1 => Some((&copies[0], inner)),
+            Node::Transformed(map, inner) => Some((map.get(), inner)),
+            Node::Placed(inner, copies) if copies.len() == 1 => Some((copies[0], inner)),
             _ => None,
         }
     }

@@ -224,7 +224,7 @@ impl<'s> DocumentBuilder<'s> {
             let Node::Transformed(map, next) = inner.node() else {
                 break;
             };
-            steps.push(step(map).into());
+            steps.push(step(&map.get()).into());
             inner = next;
         }
         steps.reverse();

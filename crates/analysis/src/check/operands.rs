@@ -45,7 +45,7 @@ impl<'a, E: Evaluator> Search<'a, '_, E> {
             match solid.node() {
                 Node::Named(name, _) if is_outline_part(name) => {}
                 Node::Primitive(Primitive::Mesh(mesh)) => self.mesh(mesh),
-                Node::Transformed(own, inner) => waiting.push((inner.clone(), own.then(&map))),
+                Node::Transformed(own, inner) => waiting.push((inner.clone(), own.get().then(&map))),
                 Node::Placed(inner, maps) => {
                     // one copy represents all
                     waiting.extend(maps.first().map(|own| (inner.clone(), own.then(&map))));

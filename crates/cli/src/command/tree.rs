@@ -95,7 +95,7 @@ impl Head {
         };
         let mut maps = Vec::new();
         while let (Some((map, next)), true) = (inner.node().single_map(), maps.len() < MAX_TRANSFORMS) {
-            let image = Solid::empty().apply(*map).to_string();
+            let image = Solid::empty().apply(map).to_string();
             maps.push(image.trim_start_matches("empty").to_owned());
             inner = next.clone();
         }

@@ -167,7 +167,7 @@ fn enter<'s, B: Builder>(
             return Ok(None);
         }
         Node::Transformed(map, inner) => {
-            tasks.push(Task::Enter(inner, map.then(&place), within));
+            tasks.push(Task::Enter(inner, map.get().then(&place), within));
             return Ok(None);
         }
         Node::Placed(inner, maps) if maps.len() == 1 => {

@@ -44,7 +44,7 @@ fn rebuilt(solid: &Solid, operands: Vec<Solid>, prefix: &str) -> Solid {
         }
         (Node::Difference(..), Some(first)) => first - operands.next().unwrap_or_else(Solid::empty),
         (Node::Complement(_), Some(inner)) => !inner,
-        (Node::Transformed(map, _), Some(inner)) => inner.apply(*map),
+        (Node::Transformed(map, _), Some(inner)) => inner.apply(map.get()),
         (Node::Named(name, _), Some(inner)) => inner.named(&format!("{prefix}.{name}")),
         (Node::Placed(_, maps), Some(inner)) => inner.place_copies(maps.clone()),
         _ => solid.clone(),

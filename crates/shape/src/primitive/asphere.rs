@@ -34,7 +34,8 @@ use std::sync::Arc;
 /// A body with an aspheric face: [the manual page](self).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asphere {
-    given: Given,
+    // boxed, since each node of a tree of solids has room for the largest primitive
+    given: Box<Given>,
     sag: Arc<Sag>,
 }
 
@@ -62,12 +63,12 @@ impl Given {
 
     fn solid(self) -> Result<Asphere, ShapeError> {
         let sag = checked::<Asphere>(&self.arguments(), || self.description())?;
-        Ok(Asphere { given: self, sag })
+        Ok(Asphere { given: Box::new(self), sag })
     }
 
     /// The body, unchecked.
     fn certain(self) -> Asphere {
-        Asphere { sag: Arc::new(Sag::unchecked(&self.description())), given: self }
+        Asphere { sag: Arc::new(Sag::unchecked(&self.description())), given: Box::new(self) }
     }
 
     fn description(&self) -> Description {
@@ -151,7 +152,7 @@ impl Shape for Asphere {
     }
 
     fn volume(&self) -> Option<f64> {
-        let Given { aperture, height, .. } = self.given;
+        let Given { aperture, height, .. } = *self.given;
         let whole = PI * aperture * aperture * height - 2.0 * PI * self.given.moment();
         // the heights are bounds, which may exceed the surface by roundings
         (self.sag.heights()[1] - height <= 1e-9 * aperture).then_some(whole)

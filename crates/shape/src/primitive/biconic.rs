@@ -27,7 +27,8 @@ use std::sync::Arc;
 /// A body with a biconic face: [the manual page](self).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Biconic {
-    given: Given,
+    // boxed, since each node of a tree of solids has room for the largest primitive
+    given: Box<Given>,
     sag: Arc<Sag>,
 }
 
@@ -52,12 +53,12 @@ impl Given {
     }
 
     fn solid(self) -> Result<Biconic, ShapeError> {
-        Ok(Biconic { sag: checked::<Biconic>(&self.arguments(), || self.description())?, given: self })
+        Ok(Biconic { sag: checked::<Biconic>(&self.arguments(), || self.description())?, given: Box::new(self) })
     }
 
     /// The body, unchecked.
     fn certain(self) -> Biconic {
-        Biconic { sag: Arc::new(Sag::unchecked(&self.description())), given: self }
+        Biconic { sag: Arc::new(Sag::unchecked(&self.description())), given: Box::new(self) }
     }
 
     fn description(&self) -> Description {

@@ -30,7 +30,8 @@ use std::sync::Arc;
 /// A body with a freeform face: [the manual page](self).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Freeform {
-    given: Given,
+    // boxed, since each node of a tree of solids has room for the largest primitive
+    given: Box<Given>,
     sag: Arc<Sag>,
 }
 
@@ -59,12 +60,12 @@ impl Given {
     }
 
     fn solid(self) -> Result<Freeform, ShapeError> {
-        Ok(Freeform { sag: checked::<Freeform>(&self.arguments(), || self.description())?, given: self })
+        Ok(Freeform { sag: checked::<Freeform>(&self.arguments(), || self.description())?, given: Box::new(self) })
     }
 
     /// The body, unchecked.
     fn certain(self) -> Freeform {
-        Freeform { sag: Arc::new(Sag::unchecked(&self.description())), given: self }
+        Freeform { sag: Arc::new(Sag::unchecked(&self.description())), given: Box::new(self) }
     }
 
     fn description(&self) -> Description {

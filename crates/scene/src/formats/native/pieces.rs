@@ -122,7 +122,7 @@ impl Merge {
     }
 
     /// True if no name is repeated.
-    pub fn is_unique(mut self) -> bool {
+    pub fn has_unique_names(mut self) -> bool {
         self.names.sort_unstable();
         self.names.windows(2).all(|pair| pair[0] != pair[1])
     }

@@ -80,7 +80,7 @@ pub(super) fn read_pieces(source: &Arc<Source>, length: usize, kept: Kept) -> Op
     };
     let threads = if source.text().len() > 16 * length { thread_count(None) } else { NonZeroUsize::MIN };
     drive(threads, &Cancel::new(), pieces(source.text(), length), || (), read, add).ok()?;
-    merge.is_unique().then_some(reader)
+    merge.has_unique_names().then_some(reader)
 }
 
 /// A text that must be read as a whole.

@@ -202,7 +202,7 @@ impl Writer<'_> {
             match solid.node() {
                 Node::Union(all) => waiting.extend(all.iter().rev().map(|one| (one, place))),
                 Node::Named(_, inner) => waiting.push((inner, place)),
-                Node::Transformed(map, inner) => waiting.push((inner, map.then(&place))),
+                Node::Transformed(map, inner) => waiting.push((inner, map.get().then(&place))),
                 Node::Placed(inner, maps) => {
                     self.limit(maps.len())?;
                     waiting.extend(maps.iter().rev().map(|map| (inner, map.then(&place))));
@@ -262,7 +262,7 @@ impl Writer<'_> {
                 tasks.extend([Task::Text(" inverse }"), Task::Solid(inner, place)]);
             }
             Node::Named(_, inner) => tasks.push(Task::Solid(inner, place)),
-            Node::Transformed(map, inner) => tasks.push(Task::Solid(inner, map.then(&place))),
+            Node::Transformed(map, inner) => tasks.push(Task::Solid(inner, map.get().then(&place))),
             Node::Placed(inner, maps) => {
                 self.limit(maps.len())?;
                 let copies: Vec<_> = maps.iter().map(|map| (inner, map.then(&place))).collect();
