@@ -127,6 +127,14 @@ impl Affine {
         if !self.is_finite() {
             return Err(SingularError::NotFinite);
         }
+        if self.has_identity_linear() {
+            // the result of the general case, bit for bit
+            return Ok(Affine { linear: self.linear, translation: -(self.linear * self.translation) });
+        }
+        self.general_inverse()
+    }
+
+    fn general_inverse(&self) -> Result<Affine, SingularError> {
         let size = frobenius(&self.linear);
         if size == 0.0 {
             return Err(SingularError::Singular);
@@ -138,6 +146,12 @@ impl Affine {
             return Err(SingularError::Singular);
         }
         Ok(Affine { linear: inverse, translation: -(inverse * self.translation) })
+    }
+
+    /// True if the linear part has the bits of the identity: a negative zero is not one of them.
+    pub(crate) fn has_identity_linear(&self) -> bool {
+        let bits = |linear: &Mat3| linear.to_cols_array().map(f64::to_bits);
+        bits(&self.linear) == bits(&Mat3::IDENTITY)
     }
 
     /// True if no entry is NaN or infinite.
@@ -220,6 +234,17 @@ mod tests {
         let map = Affine::rotation(Vec3::new(1.0, 2.0, 3.0), 77.0).then(&Affine::translate(Vec3::ONE));
         assert_eq!(Affine::from_rows(&map.to_rows()), Some(map));
         assert_eq!(Affine::from_rows(&[[0.0; 4]; 4]), None);
+    }
+
+    #[test]
+    fn translations_have_the_inverse_of_the_general_case() {
+        for x in [0.0, -0.0, 1.5, -3e-300] {
+            for y in [0.0, -0.0, 7.0] {
+                let map = Affine::translate(Vec3::new(x, y, -x));
+                let bits = |map: Affine| map.to_rows().map(|row| row.map(f64::to_bits));
+                assert_eq!(map.inverse().map(bits), map.general_inverse().map(bits));
+            }
+        }
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Affine maps in less memory.
 
-use crate::{Affine, Mat3, Vec3};
+use crate::{Affine, Vec3};
 
 /// An affine map in less memory: 32 bytes for a translation instead of 96, for trees with a map in each node. Any other map is on
 /// the heap.
@@ -25,9 +25,7 @@ impl CompactAffine {
 
 impl From<Affine> for CompactAffine {
     fn from(map: Affine) -> CompactAffine {
-        // a negative zero is not that of the identity
-        let bits = |linear: &Mat3| linear.to_cols_array().map(f64::to_bits);
-        CompactAffine(match bits(&map.linear) == bits(&Mat3::IDENTITY) {
+        CompactAffine(match map.has_identity_linear() {
             true => Form::Translation(map.translation),
             false => Form::General(Box::new(map)),
         })

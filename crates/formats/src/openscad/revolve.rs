@@ -13,8 +13,7 @@ use super::region::{Contours, boundary, filled, placed, size_of_leaves};
 use i_overlay::core::fill_rule::FillRule;
 use rayweave_math::{Affine, Vec3, sin_cos_degrees, unit_vector_degrees};
 use rayweave_model::Solid;
-use rayweave_polygon::HalfPlane;
-use rayweave_polygon::Point;
+use rayweave_polygon::{HalfPlane, Point, near_cylinder};
 use rayweave_shape::primitive::{BoxFromCorners, Cylinder, HalfSpace, Quadric, Sphere, Torus, Wedge};
 
 /// Distance by which a region may cross the axis because of rounding, relative to its size.
@@ -120,8 +119,8 @@ impl<'a> Turn<'a> {
                 None => self.approximations.push("uses the facets of an ellipse"),
             }
         }
-        let arguments = self.arguments;
-        self.contours(leaf, &map, |half_plane| turned_edge(arguments, &half_plane))
+        let (arguments, ends) = (self.arguments, self.ends);
+        self.contours(leaf, &map, |half_plane| turned_edge(arguments, &half_plane, ends))
     }
 
     /// The contours of a mapped leaf, each as a formula of half-planes.
@@ -220,19 +219,21 @@ pub(super) fn plane_similarity(map: &Affine) -> Option<f64> {
     (near(length, other) && near(inner, 0.0)).then_some(0.5 * (length + other))
 }
 
-/// The set `a r + b z < c` with r the distance from the axis: inside or outside of a cylinder, of one nappe of a cone, or
-/// of a slab.
-fn turned_edge(arguments: &Arguments, half_plane: &HalfPlane) -> Result<Solid, Refusal> {
+/// The set `a r + b z < c` with r the distance from the axis, between two heights: inside or outside of a cylinder, of one nappe of
+/// a cone, or of a slab.
+fn turned_edge(arguments: &Arguments, half_plane: &HalfPlane, ends: [f64; 2]) -> Result<Solid, Refusal> {
     let ([a, b], c) = (half_plane.normal, half_plane.offset);
     if a == 0.0 {
         return solid(arguments, HalfSpace::new(Vec3::new(0.0, 0.0, b), c));
     }
-    if a < 0.0 {
-        // r > (-b z + c) / a
-        let inner = within(arguments, -b / a, c / a)?;
-        return Ok(!inner);
-    }
-    within(arguments, -b / a, c / a)
+    let (slope, radius) = (-b / a, c / a);
+    let distant = near_cylinder(slope, radius, ends);
+    let inner = match distant.map_err(|error| arguments.refusal(&error.to_string()))? {
+        Some(inner) => inner,
+        None => within(arguments, slope, radius)?,
+    };
+    // for a < 0 it is r > (-b z + c) / a
+    Ok(if a < 0.0 { !inner } else { inner })
 }
 
 /// The points with `r < slope z + radius`.

@@ -20,6 +20,7 @@ mod solid;
 pub use corner::{Corner, Vertex};
 pub use error::OutlineError;
 pub use rim::Rim;
+pub use solid::near_cylinder;
 
 use crate::{Point, Polygons, from_polygons};
 use contour::{Edge, is_within, turning};

@@ -40,7 +40,10 @@ trait Sweep {
 struct Moved;
 
 /// Revolved about the axis x = 0 of the plane, which becomes the z axis.
-struct Revolved;
+struct Revolved {
+    /// The lowest and the highest z.
+    ends: [f64; 2],
+}
 
 impl Sweep for Moved {
     fn wall(&self, half_plane: &HalfPlane) -> Result<Solid, OutlineError> {
@@ -60,7 +63,11 @@ impl Sweep for Revolved {
         match a == 0.0 {
             true => solid(HalfSpace::new(Vec3::new(0.0, 0.0, b), c)),
             false => {
-                let inner = within([0.0; 2], -b / a, c / a)?;
+                let (slope, radius) = (-b / a, c / a);
+                let inner = match near_cylinder(slope, radius, self.ends)? {
+                    Some(inner) => inner,
+                    None => within([0.0; 2], slope, radius)?,
+                };
                 Ok(if a < 0.0 { !inner } else { inner })
             }
         }
@@ -88,6 +95,34 @@ pub(super) fn within([x, y]: Point, slope: f64, radius: f64) -> Result<Solid, Ou
     let matrix = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, zz, 0.0], [0.0; 4]];
     let nappe = solid(HalfSpace::new(Vec3::new(0.0, 0.0, -slope), 0.0))?;
     Ok((solid(Quadric::new(matrix))? & nappe).translate([x, y, apex]))
+}
+
+/// Distance of the apex of a cone from a solid, relative to its height and to the radius there, beyond which the cone is written
+/// about the solid: the tolerance of a surface grows with the distance of its reference point, to 64 u 2^20 = 7.5e-9 of the
+/// size here.
+const DISTANT: f64 = (1u32 << 20) as f64;
+
+/// The points between two heights with `r < slope z + radius`, where r is the distance from the z axis, if the apex of this cone is
+/// very far away. An edge of an outline that is vertical up to roundings has its apex at a distance of 1e16.
+pub fn near_cylinder(slope: f64, radius: f64, [low, high]: [f64; 2]) -> Result<Option<Solid>, ShapeError> {
+    let middle = 0.5 * (low + high);
+    let mean = slope * middle + radius;
+    let far = DISTANT * mean.abs().max(high - low);
+    if slope == 0.0 || mean.abs() <= far * slope.abs() {
+        return Ok(None);
+    }
+    if mean < 0.0 {
+        return Ok(Some(Solid::empty()));
+    }
+    // r^2 < (slope q + mean)^2 with q = z - middle; the other side of the apex is outside of every solid
+    let z = -slope * mean;
+    let matrix = [
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, -slope * slope, z],
+        [0.0, 0.0, z, -mean * mean],
+    ];
+    Ok(Some(Solid::from(Primitive::from(Quadric::new(matrix)?)).translate([0.0, 0.0, middle])))
 }
 
 impl Outline {
@@ -140,7 +175,7 @@ impl Outline {
         let (margin, height) = (0.25 * high[0].max(high[1] - low[1]), high[1] - low[1]);
         let rod = solid(Cylinder::new(high[0] + margin, height + 2.0 * margin))?;
         let around = rod.translate([0.0, 0.0, 0.5 * (low[1] + high[1])]).named("contour.around");
-        let whole = turned.swept(&Revolved)? & around;
+        let whole = turned.swept(&Revolved { ends: [low[1], high[1]] })? & around;
         let solid = match sweep == 360.0 {
             true => whole,
             false => whole & solid(Wedge::new(start, sweep))?.named("sides"),

@@ -343,24 +343,44 @@ pub(super) fn from_matrix(rows: &[[f64; 4]; 4]) -> Option<Surface> {
     Some(Surface::Quadric(Box::new(at_centre(about_origin))))
 }
 
-/// The same quadric about the centre nearest to the old one or, without a centre, about its vertex.
+/// Distance of a centre or vertex, relative to the size of a quadric, beyond which it is not the reference point. The tolerance of
+/// a surface grows with the distance of that point, to 64 u 2^20 = 7.5e-9 of the size here.
+const DISTANT: f64 = (1u32 << 20) as f64;
+
+/// The same quadric about the centre nearest to the old one or, without a centre, about its vertex. The reference point stays
+/// where it is along axes on which the surface is nearly a cylinder: the centre may be at any distance there, as for a frustum
+/// whose radii differ by roundings.
 fn at_centre(quadric: Quadric) -> Quadric {
     let (w, b) = (quadric.weights, quadric.coordinates(quadric.linear));
     let small = NOISE * b.length();
-    let has_square = |k: usize| w[k] != 0.0;
-    let shift =
-        Vec3::from_array(std::array::from_fn(|k| if has_square(k) { -0.5 * b[k] / w[k] } else { 0.0 }));
-    let rest =
-        Vec3::from_array(std::array::from_fn(
-            |k| {
-                if has_square(k) || b[k].abs() <= small { 0.0 } else { b[k] }
-            },
-        ));
+    let far = DISTANT * (quadric.constant.abs().sqrt() + b.length());
+    // the centre of an ellipsoid is needed for its box
+    let is_distant = |k: usize, shift: f64| shift.abs() > far && w[k].abs() < 1.0 && quadric.is_ruled();
+    let shift_of = |k: usize| {
+        let shift = if w[k] == 0.0 { 0.0 } else { -0.5 * b[k] / w[k] };
+        if is_distant(k, shift) { None } else { Some(shift) }
+    };
+    let shifts = [0, 1, 2].map(shift_of);
+    let shift = Vec3::from_array(shifts.map(Option::unwrap_or_default));
+    let rest = Vec3::from_array(std::array::from_fn(|k| match shifts[k] {
+        None => b[k],
+        Some(_) if w[k] != 0.0 || b[k].abs() <= small => 0.0,
+        Some(_) => b[k],
+    }));
     let level = quadric.constant - (w * shift).dot(shift);
     if rest == Vec3::ZERO {
         return Quadric {
             centre: quadric.centre + quadric.along_axes(shift),
             linear: Vec3::ZERO,
+            constant: level,
+            ..quadric
+        };
+    }
+    let is_near = level.abs() <= DISTANT * (level.abs().sqrt() + rest.length()) * rest.length();
+    if shifts.contains(&None) || !is_near {
+        return Quadric {
+            centre: quadric.centre + quadric.along_axes(shift),
+            linear: quadric.along_axes(rest),
             constant: level,
             ..quadric
         };

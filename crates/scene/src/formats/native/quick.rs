@@ -192,7 +192,6 @@ impl Quick<'_> {
                 break;
             }
         }
-        list.shrink_to_fit();
         Some(list)
     }
 
