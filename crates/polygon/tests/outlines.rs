@@ -1,8 +1,10 @@
 //! Outlines with arcs against closed forms: areas, and the membership of points by signed distances.
 
 use rand::{RngExt, SeedableRng, rngs::ChaCha8Rng};
-use rayweave_model::{Evaluator, Program, Solid};
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, Program, Query, Solid};
 use rayweave_polygon::{Corner, Outline, OutlineError, Rim, Vertex};
+use rayweave_shape::Ray;
 use rayweave_trace::Weave;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -204,4 +206,25 @@ fn impossible_outlines_are_errors() {
     assert!(outline.extrude(1.0, 0.0, [Rim::Sharp; 2]).is_err());
     let left = Outline::new(&[Vertex::circle([1.0, 0.0], 1.25).to_vec()]).unwrap();
     assert!(matches!(left.revolve(0.0, 360.0), Err(OutlineError::Axis { contour: 0, x }) if x == -0.25));
+}
+
+/// The wall of a hole that is vertical up to a few roundings, or nearly so, keeps its crossings: the cone through it has its apex as
+/// far away as 1e17.
+#[test]
+fn nearly_vertical_walls_are_crossed() {
+    for lean in [0.0, 8.9e-16, -8.9e-16, 1e-14, 1e-12, -1e-12, 1e-9, -1e-7, 1e-5, 1e-3] {
+        let corners = [[0.0, -5.0], [10.0, -5.0], [10.0, 5.0], [6.0, 5.0], [6.0 + lean, 1.0], [0.0, 1.0]];
+        let solid = Outline::new(&[rounded(&corners, Corner::Sharp)]).unwrap().revolve(0.0, 360.0).unwrap();
+        let weave = Weave::new(Arc::new(Program::compile(&solid).unwrap()));
+        for z in [1.5, 3.0, 4.5] {
+            let ray = Ray::new(Vec3::new(-20.0, 0.5, z), Vec3::X);
+            let found = weave.one(ray, &Query::default()).unwrap();
+            let times: Vec<f64> = found.crossings.iter().map(|crossing| crossing.t).collect();
+            let wall = 6.0 + lean * (5.0 - z) / 4.0;
+            let [outer, inner] = [10.0, wall].map(|radius: f64| (radius * radius - 0.25).sqrt());
+            let expected = [20.0 - outer, 20.0 - inner, 20.0 + inner, 20.0 + outer];
+            assert_eq!(times.len(), 4, "{lean} {z}: {times:?}");
+            assert!(times.iter().zip(expected).all(|(t, e)| (t - e).abs() < 1e-9), "{lean} {z}: {times:?}");
+        }
+    }
 }

@@ -646,6 +646,29 @@ fn flush_regions_of_one_medium(bench: &Bench) {
 
 /// A ray that touches an unbounded surface and starts at any distance from the contact is outside throughout: a chord that
 /// is shorter than the radius of curvature would lie in the surface up to rounding. At each contact w points inside.
+/// A ray parallel to a ruling of the cone x y = z^2, at a height above it, is outside everywhere: z^2 - x y = height^2. Far from the
+/// apex it is within the tolerance of the cone, at the apex it is not.
+fn beside_a_ruling(bench: &Bench) {
+    let rows = [[0.0, -0.5, 0.0, 0.0], [-0.5, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0; 4]];
+    let cone = made("quadric", &[("matrix", rows.as_slice().into())]);
+    let normal = Vec3::new(1.0, 1.0, 0.0);
+    let slab = made("slab", &[("normal", normal.into()), ("lo", 1.0.into()), ("hi", 2.0.into())]);
+    for place in [Vec3::ZERO, Vec3::X * 8192.0, Vec3::new(8192.0, 2.0, 196608.0)] {
+        for exponent in -14..=0 {
+            let height = 2f64.powi(exponent);
+            let ray = Ray::new(place + height * Vec3::Z, Vec3::Y);
+            let both = &cone | &slab;
+            for (solid, expected) in [(&cone, &[][..]), (&both, &[1.0, 2.0])] {
+                let found = bench.trace(&solid.translate(place), ray);
+                assert_eq!(found.starts[0], RegionId(0), "{place} {height}");
+                let times: Vec<f64> = found.crossings.iter().map(|c| c.t).collect();
+                assert_eq!(times.len(), expected.len(), "{place} {height}: {times:?}");
+                assert!(times.iter().zip(expected).all(|(t, e)| (t - e).abs() < 1e-8), "{times:?}");
+            }
+        }
+    }
+}
+
 fn tangents_of_lone_unbounded_surfaces(bench: &Bench) {
     let quadric = |rows: [[f64; 4]; 4]| made("quadric", &[("matrix", rows.as_slice().into())]);
     let diagonal = |[a, b, c, d]: [f64; 4]| {
@@ -713,6 +736,7 @@ bank! {
         a_solid_and_itself
         tangent_rays
         tangents_of_lone_unbounded_surfaces
+        beside_a_ruling
         two_tangent_spheres_through_the_contact
         cone_apex
         torus_axis_and_equators

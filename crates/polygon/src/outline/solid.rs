@@ -5,8 +5,8 @@ use super::facets::{Prism, Revolution};
 use super::rim::{Rim, cutters};
 use super::{Contour, Outline, OutlineError};
 use crate::{HalfPlane, Operator, Point, from_polygons};
-use rayweave_math::Vec3;
 use rayweave_math::roots::difference_of_products;
+use rayweave_math::{UNIT_ROUNDOFF, Vec3};
 use rayweave_model::Solid;
 use rayweave_rootray::Side;
 use rayweave_shape::primitive::{
@@ -113,6 +113,10 @@ pub fn near_cylinder(slope: f64, radius: f64, [low, high]: [f64; 2]) -> Result<O
     }
     if mean < 0.0 {
         return Ok(Some(Solid::empty()));
+    }
+    // half of the tolerance of the surface
+    if slope.abs() * (high - low) <= 32.0 * UNIT_ROUNDOFF * (mean + high - low) {
+        return Ok(Some(Solid::from(Primitive::from(Cylinder::new(mean, f64::INFINITY)?))));
     }
     // r^2 < (slope q + mean)^2 with q = z - middle; the other side of the apex is outside of every solid
     let z = -slope * mean;

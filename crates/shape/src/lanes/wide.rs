@@ -7,20 +7,23 @@ use fearless_simd::Level;
 /// Large kernels for eight lanes do not fit the sixteen registers of SSE2, each of which holds two numbers: most of their code moves
 /// numbers between registers and memory, and it took a seventh of the time of a release build. On x86 processors without AVX2
 /// (from before 2013), callers use their scalar code, which computes the same bits.
+///
+/// Builds without optimisation have no such level: there every lane is a call with its own variables, so that the kernels are slower
+/// than scalar code and need 2.4 MB of stack, more than a thread of the standard library has.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub enum WideLevel {
     /// AVX2 with FMA.
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(unoptimised)))]
     Avx2(fearless_simd::x86::Avx2),
     /// AVX-512.
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(unoptimised)))]
     Avx512(fearless_simd::x86::Avx512),
     /// NEON of 64-bit ARM processors.
-    #[cfg(target_arch = "aarch64")]
+    #[cfg(all(target_arch = "aarch64", not(unoptimised)))]
     Neon(fearless_simd::aarch64::Neon),
     /// The vectors of WebAssembly.
-    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128", not(unoptimised)))]
     Wasm(fearless_simd::wasm32::WasmSimd128),
 }
 
@@ -29,13 +32,13 @@ impl WideLevel {
     #[must_use]
     pub fn of_level(level: Level) -> Option<WideLevel> {
         match level {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(unoptimised)))]
             Level::Avx2(token) => Some(WideLevel::Avx2(token)),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(unoptimised)))]
             Level::Avx512(token) => Some(WideLevel::Avx512(token)),
-            #[cfg(target_arch = "aarch64")]
+            #[cfg(all(target_arch = "aarch64", not(unoptimised)))]
             Level::Neon(token) => Some(WideLevel::Neon(token)),
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128", not(unoptimised)))]
             Level::WasmSimd128(token) => Some(WideLevel::Wasm(token)),
             _ => None,
         }
@@ -50,6 +53,7 @@ impl WideLevel {
 
 /// Evaluates an expression compiled for a [`WideLevel`], like [`fearless_simd::dispatch`] for all levels:
 /// `dispatch_wide!(level, simd => kernel(simd))`.
+#[cfg(not(unoptimised))]
 #[macro_export]
 macro_rules! dispatch_wide {
     ($level:expr, $simd:ident => $value:expr) => {
@@ -68,4 +72,14 @@ macro_rules! dispatch_wide {
     (@vectorize $simd:ident => $value:expr) => {
         fearless_simd::Simd::vectorize($simd, #[inline(always)] || $value)
     };
+}
+
+/// Compiles no kernel: there is no [`WideLevel`] without optimisation.
+#[cfg(unoptimised)]
+#[macro_export]
+macro_rules! dispatch_wide {
+    ($level:expr, $simd:ident => $value:expr) => {{
+        let _: $crate::lanes::WideLevel = $level;
+        unreachable!("no wide level exists in builds without optimisation")
+    }};
 }

@@ -53,7 +53,10 @@ impl Given {
     }
 
     fn solid(self) -> Result<Biconic, ShapeError> {
-        Ok(Biconic { sag: checked::<Biconic>(&self.arguments(), || self.description())?, given: Box::new(self) })
+        Ok(Biconic {
+            sag: checked::<Biconic>(&self.arguments(), || self.description())?,
+            given: Box::new(self),
+        })
     }
 
     /// The body, unchecked.

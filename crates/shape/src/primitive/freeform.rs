@@ -60,7 +60,10 @@ impl Given {
     }
 
     fn solid(self) -> Result<Freeform, ShapeError> {
-        Ok(Freeform { sag: checked::<Freeform>(&self.arguments(), || self.description())?, given: Box::new(self) })
+        Ok(Freeform {
+            sag: checked::<Freeform>(&self.arguments(), || self.description())?,
+            given: Box::new(self),
+        })
     }
 
     /// The body, unchecked.

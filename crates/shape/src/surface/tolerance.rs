@@ -71,6 +71,10 @@ pub fn delta_of(lengths: f64) -> f64 {
 
 /// True if the piece of the ray between the times `a` and `b` lies within [`delta`] of the surface, by the tests of
 /// [`coincides_between`]; a surface of many faces has its own test per face.
+///
+/// On a cone or quadric, a test is also made where the gradient is shortest on the piece. Beside a ruling f can be constant while
+/// the gradient turns around at the apex or waist, so that the distance from the surface, about `|f| / |grad f|`, is largest there:
+/// a ray at a distance d from a ruling is within d^2 / x of the surface at a distance x from the apex.
 pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: f64) -> bool {
     if let Some(coincides) = surface.coincident_faces(magnitude, ray, a, b) {
         return coincides;
@@ -80,7 +84,15 @@ pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: 
         is_near(value, slope, delta(magnitude, ray, t), bend(surface))
     };
     let start = (ray.origin.length() + magnitude) / ray.direction.length();
-    coincides_between(near, start, surface.degree(), a, b)
+    let near_the_apex = || {
+        let rate = surface.gradient_rate(ray.direction);
+        let middle = 0.5 * (a + b);
+        let shortest =
+            middle - surface.value_and_gradient(ray.at(middle)).1.dot(rate) / rate.length_squared();
+        // not a number for other surfaces
+        !(a < shortest && shortest < b) || near(shortest)
+    };
+    coincides_between(near, start, surface.degree(), a, b) && near_the_apex()
 }
 
 /// True if a point with this value of f and length of the gradient is within `delta` of the surface:

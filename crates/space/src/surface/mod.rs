@@ -11,7 +11,7 @@ pub use quadric::Quadric;
 
 use crate::affine::Affine;
 use crate::curve::Line;
-use crate::point::length;
+use crate::point::{dot, length, minus};
 use crate::{Curve, Field, Point};
 use rayweave_math::roots::Crossings;
 use rayweave_math::{Interval, perturbation_direction, perturbs_inside};
@@ -115,7 +115,15 @@ impl<const D: usize> Surface<D> {
             let (value, gradient) = self.value_and_gradient(&line.position(t));
             is_near(value, length(&gradient), delta_of(from + t.abs() * speed + magnitude), self.bend())
         };
-        coincides_between(near, (from + magnitude) / speed, self.degree(), a, b)
+        // where the gradient is shortest, as `rayweave_shape::surface::coincides_along` explains
+        let near_the_apex = || {
+            let [first, last] = [a, b].map(|t| self.value_and_gradient(&line.position(t)).1);
+            let change = minus(&last, &first);
+            let shortest = -dot(&first, &change) / dot(&change, &change);
+            // not a number for planes
+            !(0.0 < shortest && shortest < 1.0) || near(a + shortest * (b - a))
+        };
+        coincides_between(near, (from + magnitude) / speed, self.degree(), a, b) && near_the_apex()
     }
 }
 
