@@ -44,6 +44,18 @@ impl WideLevel {
         }
     }
 
+    /// A token for code that is compiled but never called.
+    #[cfg(all(unoptimised, any(target_arch = "x86", target_arch = "x86_64")))]
+    pub fn never(self) -> fearless_simd::x86::Avx2 {
+        match self {}
+    }
+
+    /// A token for code that is compiled but never called.
+    #[cfg(all(unoptimised, target_arch = "aarch64"))]
+    pub fn never(self) -> fearless_simd::aarch64::Neon {
+        match self {}
+    }
+
     /// The widest instruction set of this processor.
     #[must_use]
     pub fn widest() -> Option<WideLevel> {
@@ -74,8 +86,18 @@ macro_rules! dispatch_wide {
     };
 }
 
+/// Compiles a kernel that is never called: there is no [`WideLevel`] without optimisation.
+#[cfg(all(unoptimised, any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
+#[macro_export]
+macro_rules! dispatch_wide {
+    ($level:expr, $simd:ident => $value:expr) => {{
+        let $simd = $crate::lanes::WideLevel::never($level);
+        $value
+    }};
+}
+
 /// Compiles no kernel: there is no [`WideLevel`] without optimisation.
-#[cfg(unoptimised)]
+#[cfg(all(unoptimised, not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))))]
 #[macro_export]
 macro_rules! dispatch_wide {
     ($level:expr, $simd:ident => $value:expr) => {{
