@@ -68,7 +68,7 @@ class _Named(Columns):
         pandas = package("pandas", "data frames")
         table = super().to_pandas()
         for column, names in self.names.items():
-            table[column] = pandas.Categorical.from_codes(self[column], names)
+            table[column] = pandas.Categorical.from_codes(np.array(self[column]), names)
         return table
 
     def to_arrow(self) -> Any:
