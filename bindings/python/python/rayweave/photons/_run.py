@@ -169,7 +169,7 @@ class Hits(_Named):
 
     def plot(self, *, bins: int | None = None) -> Drawing:
         """Maps of the hits: hits per area of each sensor, in the plane in which they are spread most. Of several sensors, the
-        first map has all hits, and the eight sensors with the most hits have maps of their own, in the order of `sensor_paths`.
+        first map has all hits, and the sixteen sensors with the most hits have maps of their own, in the order of `sensor_paths`.
 
         `bins` is the number of cells along the longer side of each map; by default it grows with the number of hits, up to 64. The
         cells divide the extent of the hits."""
