@@ -194,7 +194,10 @@ fn missing_placement(border: &str, placement: &str, volumes: &Volumes) -> Messag
     let is_of = |name: &&&str| volumes.placements[**name].iter().any(|own| own.volume == placement);
     let list = |names: &[&str]| {
         let quoted: Vec<String> = names.iter().take(LISTED).map(|name| format!("`{name}`")).collect();
-        let more = if names.len() > LISTED { ", ..." } else { "" };
+        let more = match names.len().saturating_sub(LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
         format!("{}{more}", quoted.join(", "))
     };
     let of_volume: Vec<&str> = names.iter().filter(is_of).copied().collect();

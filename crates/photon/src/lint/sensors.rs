@@ -96,8 +96,7 @@ impl Lint<'_> {
                 "the skin `{name}` (EFFICIENCY) of volume `{volume}` does not act on light from `{front}`, which touches it"
             );
             let reason = format!(
-                "the skin `{cover}` of `{front}` comes first: between volumes beside each other the skin of the volume in front \
-                 acts, as in Geant4"
+                "the skin `{cover}` of `{front}` comes first, as in Geant4 between volumes beside each other"
             );
             let (from, to) = (self.placements_of(front), self.placements_of(volume));
             let advice = format!("Add a border surface with `{surface}` from {from} to {to}.");
