@@ -203,7 +203,7 @@ class Sequences(Table):
     """(N, 2) the sequences, as `seq[:, 0]` of Opticks: 4 bits for each of the first 32 rows of the history, the first one in the
     lowest bits; 1 plus the number of the flag's bit in OpticksPhoton.h, and 0 after the end."""
     texts: list[str]
-    """The sequences as texts, such as "TO BT SD"."""
+    """The sequences as texts, such as "TO BT SD"; of histories of more than 32 flags, the first 32 and "..."."""
 
     def _column(self, name: str) -> NDArray[Any]:
         column = getattr(self, name)
