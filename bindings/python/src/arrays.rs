@@ -29,6 +29,7 @@ pub enum RealArray<'py> {
 pub fn real_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<RealArray<'py>> {
     if let Ok(array) = object.cast::<PyArrayDyn<f64>>()
         && is_plain(array)
+        && !is_masked(object)?
     {
         return Ok(RealArray::Double(array.clone()));
     }
@@ -97,10 +98,31 @@ pub fn contiguous<'py, T: Element>(array: Bound<'py, PyArrayDyn<T>>) -> PyResult
     Ok(copy.cast_into()?)
 }
 
+/// True for arrays of `numpy.ma`.
+fn is_masked(object: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let py = object.py();
+    // plain arrays are the usual case
+    if object.get_type().is(py.get_type::<PyUntypedArray>()) {
+        return Ok(false);
+    }
+    static MASKED: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
+    object.is_instance(MASKED.import(py, "numpy.ma", "MaskedArray")?)
+}
+
 /// Result of `numpy.asarray` for an object.
 fn as_array<'py>(object: &Bound<'py, PyAny>, name: &str) -> PyResult<Bound<'py, PyUntypedArray>> {
     let py = object.py();
+    if object.is_none() {
+        return Err(bad_type(format!("{name} is None: it must be an array of numbers.")));
+    }
     let module = numpy::get_array_module(py)?;
+    // the values below the mask mean nothing
+    if is_masked(object)? {
+        return Err(bad_type(format!(
+            "{name} is a masked array: masks are not supported. Select the rows, such as {name}[~{name}.mask.any(axis=-1)].data, or fill \
+             them ({name}.filled(...))."
+        )));
+    }
     match module.call_method1("asarray", (object,)) {
         Ok(array) => Ok(array.cast_into()?),
         Err(error) if error.is_instance_of::<PyValueError>(py) => {

@@ -13,7 +13,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBool, PyInt, PyTuple};
 use rayweave::model::drive::{Cancel, Stopped, drive, thread_count};
 use rayweave::model::{Crossing, Evaluator, LeafKind, Program, RegionId, Window};
-use rayweave::{AnyEvaluator, AnyScratch, Compiled};
+use rayweave::{AnyEvaluator, AnyScratch, Compiled, Message};
 
 use crate::error::{bad_type, bad_value, shown};
 
@@ -189,7 +189,9 @@ impl QueryOptions {
             .map_err(|error| bad_value(format!("t_min = {t_min}, t_max = {t_max}: {error}")))?;
         if let Some(other) = evaluator.filter(|name| !AnyEvaluator::NAMES.contains(name)) {
             let names = AnyEvaluator::NAMES.map(|name| format!("'{name}'")).join(", ");
-            return Err(bad_value(format!("evaluator is '{other}': it must be one of {names}.")));
+            let near = Message::unknown("evaluator", other, AnyEvaluator::NAMES);
+            let hint = near.suggestion().map_or(String::new(), |near| format!(" {near}"));
+            return Err(bad_value(format!("evaluator is '{other}': it must be one of {names}.{hint}")));
         }
         let evaluator = evaluator.filter(|&name| name != AnyEvaluator::NAMES[0]).map(str::to_owned);
         Ok(QueryOptions { window, evaluator, threads: threads.map(thread_argument).transpose()? })

@@ -28,6 +28,21 @@ pub fn bad_type(message: impl std::fmt::Display) -> PyErr {
     PyTypeError::new_err(message.to_string())
 }
 
+/// The error about a solid as a condition, such as `a and b`, which Python would answer with `b`.
+pub fn no_truth_value() -> PyErr {
+    bad_type(
+        "a solid has no truth value: `and`, `or`, `not` and `if` do not combine solids. Write a & b (intersection), a | b (union), \
+         a - b (difference) or ~a (complement), or `is not None` to test for a missing solid.",
+    )
+}
+
+/// The error about the sum of two solids.
+pub fn no_sum() -> PyErr {
+    bad_type(
+        "a solid has no sum: the operators are | (union), & (intersection), - (difference), ^ and ~. Write a | b.",
+    )
+}
+
 /// An argument in a message: its text, or its type if that is long.
 pub fn shown(object: &Bound<'_, PyAny>) -> String {
     const LONG: usize = 40;

@@ -11,7 +11,7 @@ use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyBytes, PyDict, PyIterator, PyList, PyString, PyTuple, PyType};
 use rayweave::formats::{self, Format, Options, WriteOptions};
 use rayweave::model::simplify::Preparation;
-use rayweave::scene::{Diagnostics, Document, Scene, Unit, parse_with};
+use rayweave::scene::{Diagnostics, Document, Scene, SceneRegion, Unit, parse_with};
 use rayweave::{Compiled, Message};
 
 use crate::build::scene_of_parts;
@@ -142,9 +142,42 @@ pub fn load_model(
 }
 
 fn unit_of(symbol: &str) -> PyResult<Unit> {
-    let known = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
-    Unit::parse(symbol).ok_or_else(|| bad_value(format!("unknown unit '{symbol}': it can be {known}.")))
+    Unit::parse(symbol).ok_or_else(|| {
+        let known = Unit::ALL.map(|(_, symbol, _)| symbol).join(", ");
+        let lower = symbol.to_lowercase();
+        let exact = UNIT_WORDS.iter().find(|(word, _)| *word == lower);
+        let near = Message::unknown("unit", &lower, UNIT_WORDS.map(|(word, _)| word));
+        let near = exact.or_else(|| {
+            // the suggestion ends with the word in backquotes
+            let said = near.suggestion()?;
+            UNIT_WORDS.iter().find(|(word, _)| said.contains(&format!("`{word}`")))
+        });
+        let hint = near.map_or(String::new(), |(_, own)| format!(" Did you mean '{own}'?"));
+        bad_value(format!("unknown unit '{symbol}': it can be {known}.{hint}"))
+    })
 }
+
+/// Words for units, with the symbols that are meant.
+const UNIT_WORDS: [(&str, &str); 18] = [
+    ("nanometre", "nm"),
+    ("nanometer", "nm"),
+    ("micrometre", "um"),
+    ("micrometer", "um"),
+    ("micron", "um"),
+    ("millimetre", "mm"),
+    ("millimeter", "mm"),
+    ("centimetre", "cm"),
+    ("centimeter", "cm"),
+    ("metre", "m"),
+    ("meter", "m"),
+    ("kilometre", "km"),
+    ("kilometer", "km"),
+    ("inch", "in"),
+    ("inches", "in"),
+    ("foot", "ft"),
+    ("feet", "ft"),
+    ("microns", "um"),
+];
 
 /// Reads a model from the text of a model file. Names of files are relative to the current folder; the model may read files there
 /// and below, and the files and folders in `allow`. With `strict`, warnings are errors.
@@ -512,7 +545,16 @@ impl PyModel {
             Some(number) => self.regions(py)?.get_item(number),
             None => {
                 let names = self.scene.regions.iter().map(|region| region.name.as_str());
-                Err(PyKeyError::new_err(Message::unknown("region", name, names).to_string()))
+                let message = Message::unknown("region", name, names);
+                let medium = self.scene.media.iter().position(|medium| medium.name == name);
+                let of_medium = |region: &&SceneRegion| Some(region.medium as usize) == medium;
+                let message = match self.scene.regions.iter().find(of_medium) {
+                    Some(region) => {
+                        message.suggest(format!("`{name}` is the medium of the region `{}`.", region.name))
+                    }
+                    None => message,
+                };
+                Err(PyKeyError::new_err(message.to_string()))
             }
         }
     }

@@ -66,7 +66,9 @@ impl<'py> Vectors<'py> {
             other => {
                 let shape = shape_text(other);
                 let wanted = "(N, 3), (3,), or a grid (..., 3)";
-                return Err(bad_value(format!("{name} has shape {shape}: it must be {wanted}.")));
+                let hint =
+                    if other.first() == Some(&3) && other.len() == 2 { " Is it transposed?" } else { "" };
+                return Err(bad_value(format!("{name} has shape {shape}: it must be {wanted}.{hint}")));
             }
         };
         let rows = match shape.len() {

@@ -6,9 +6,9 @@ use numpy::ndarray::{Array2, Array3};
 use numpy::{Element, PyArray2, PyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use rayweave::AnyEvaluator;
 use rayweave::picture::{CutAway, Explosion, Opacity, Picture, PictureOptions, PictureSheet, SheetKind};
-use rayweave::render::{PixelGrid, Size, Style};
+use rayweave::render::{PixelGrid, Size, Style, View};
+use rayweave::{AnyEvaluator, Message};
 
 use crate::camera::camera_of;
 use crate::drawing::{Subject, draw, notebook_png, released};
@@ -77,7 +77,7 @@ impl RenderArguments<'_> {
         let size = self.size.map(|(width, height)| Size::new(width, height));
         Ok(PictureOptions {
             size: size.transpose().map_err(bad_value)?,
-            view: self.view.as_deref().map(str::parse).transpose().map_err(bad_value)?,
+            view: self.view.as_deref().map(view_of).transpose()?,
             field_of_view: self.field_of_view,
             style: self.shading.as_deref().map(style).transpose()?,
             edges: self.edges,
@@ -173,4 +173,13 @@ fn subject_of(object: &Bound<'_, PyAny>) -> PyResult<Subject> {
     }
     let solid = object.cast::<PySolid>()?.get();
     Ok(Subject::of_solid(solid.solid(), solid.engine(py)?))
+}
+
+/// The view of a name.
+pub fn view_of(name: &str) -> PyResult<View> {
+    name.parse().map_err(|error| {
+        let near = Message::unknown("view", name, View::ALL.iter().map(|view| view.name()));
+        let hint = near.suggestion().map_or(String::new(), |near| format!(" {near}"));
+        bad_value(format!("{error}{hint}"))
+    })
 }

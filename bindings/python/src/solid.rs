@@ -15,7 +15,7 @@ use rayweave::scene::Document;
 
 use crate::drawing::{Subject, notebook_png, render_method};
 use crate::engine::{Engine, QueryOptions, computed, time_argument};
-use crate::error::{bad_type, bad_value, shown};
+use crate::error::{bad_type, bad_value, no_sum, no_truth_value, shown};
 use crate::explain::{PyExplanation, explain};
 use crate::interrupt::abandonable;
 use crate::repr::python_text;
@@ -206,6 +206,17 @@ impl PySolid {
         let meant = WORDS.iter().find(|(word, _)| *word == name);
         let hint = meant.map_or(String::new(), |(_, write)| format!(": write {write}"));
         Err(PyAttributeError::new_err(format!("a Solid has no attribute '{name}'{hint}")))
+    }
+
+    /// No truth value: `a and b` would be `b`.
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(no_truth_value())
+    }
+
+    /// No sum: the union is `a | b`.
+    #[cfg_attr(false, stub("(_other: Any) -> NoReturn"))]
+    fn __add__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Err(no_sum())
     }
 
     fn __invert__(&self) -> Self {

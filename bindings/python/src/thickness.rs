@@ -13,6 +13,7 @@ use crate::camera::camera_of;
 use crate::engine::thread_argument;
 use crate::error::bad_value;
 use crate::interrupt::interruptible;
+use crate::render::view_of;
 use crate::subject::scene;
 
 /// Names of media; their attenuations; lengths (H, W, M); the radiograph and the line integrals of the attenuation (H, W); the
@@ -46,7 +47,7 @@ pub fn thickness_maps<'py>(
     let remarks = check_attenuations(&scene).map_err(bad_value)?;
     let options = PictureOptions {
         size: size.map(|(width, height)| Size::new(width, height)).transpose().map_err(bad_value)?,
-        view: view.map(str::parse).transpose().map_err(bad_value)?,
+        view: view.map(view_of).transpose()?,
         ..PictureOptions::default()
     };
     let cancel = Cancel::new();

@@ -334,3 +334,29 @@ def test_systems_become_models(tmp_path):
     assert model.media[1].index == pytest.approx(1.5168, abs=1e-4) and model.media[2].index == 1.5
     rw.convert(system, tmp_path / "system.stl", tolerance=0.1)
     assert rw.load(tmp_path / "system.stl").bounds[1, 2] == pytest.approx(13)
+
+
+def test_changes_to_tables_leave_the_result(model):
+    pieces = model.partition(START, X, t_min=0, t_max=9)
+    found = model.crossings(START, X)
+    map_ = rw.thickness(model, view="front", size=(8, 8))
+    before = pieces.path_lengths().copy(), found["t"].copy(), found["medium_before"].copy(), map_.radiograph.copy()
+    for result in (pieces, found, map_):
+        frame = result.to_pandas()
+        for name in frame.select_dtypes("number"):
+            frame.loc[:, name] = -7
+        for name in frame.select_dtypes("category"):
+            frame.loc[:, name] = frame[name].cat.categories[0]
+        # in place, below the frame
+        again = result.to_pandas()
+        for name in again.select_dtypes("number"):
+            array = again[name].to_numpy()
+            if array.flags.writeable:
+                array[:] = -7
+        table = result.to_xarray()
+        for name in table:
+            if table[name].dtype.kind == "f":
+                table[name].values[:] = -7
+    after = pieces.path_lengths(), found["t"], found["medium_before"], map_.radiograph
+    for old, new in zip(before, after, strict=True):
+        np.testing.assert_array_equal(old, new)

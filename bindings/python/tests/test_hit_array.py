@@ -136,9 +136,9 @@ def test_dtypes():
     [[True, False], [1j, 2j], ["a", "b"], [None, 1], np.array([1, 2], object), "text", None, {1, 2}, 10**400],
 )
 def test_wrong_dtypes_are_type_errors(bad):
-    with pytest.raises(TypeError, match="array2 has dtype"):
+    with pytest.raises(TypeError, match="array2 (has dtype|is None)"):
         array_csg(A, bad, Operation.UNION)
-    with pytest.raises(TypeError, match="array1 has dtype"):
+    with pytest.raises(TypeError, match="array1 (has dtype|is None)"):
         array_csg(bad, A, Operation.UNION)
 
 

@@ -137,7 +137,8 @@ def test_tables_share_memory():
     pandas = pytest.importorskip("pandas")
     frame = trace.to_pandas()
     assert isinstance(frame, pandas.DataFrame) and list(frame) == list(trace)
-    assert all(np.shares_memory(frame[name].to_numpy(), trace[name]) for name in trace)
+    # a frame can be changed, and has copies
+    assert not any(np.shares_memory(frame[name].to_numpy(), trace[name]) for name in trace)
     polars = pytest.importorskip("polars")
     frame = trace.to_polars()
     assert isinstance(frame, polars.DataFrame) and frame.columns == list(trace)

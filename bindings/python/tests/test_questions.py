@@ -294,9 +294,9 @@ def test_directions_of_any_length(length):
 def test_wrong_types_are_type_errors():
     ball = sphere(1)
     for bad in ("up", [True, False, True], [1j, 0, 0], None, [None, 1, 2]):
-        with pytest.raises(TypeError, match="directions has dtype"):
+        with pytest.raises(TypeError, match="directions (has dtype|is None)"):
             ball.hits([0, 0, 0], bad)
-        with pytest.raises(TypeError, match="points has dtype"):
+        with pytest.raises(TypeError, match="points (has dtype|is None)"):
             ball.contains(bad)
     with pytest.raises(TypeError, match="threads is '"):
         ball.hits([0, 0, 0], [0, 0, 1], threads="all")

@@ -159,7 +159,7 @@ def test_validate_reports_everything():
         (1.5, [], TypeError, "start is 1.5"),
         (1, [[1]], RayweaveError, r"roots has shape \(1, 1\)"),
         (1, ["a"], TypeError, "roots has dtype"),
-        (1, None, TypeError, "roots has dtype object"),
+        (1, None, TypeError, "roots is None"),
     ],
 )
 def test_bad_root_rays(start, roots, error, message):

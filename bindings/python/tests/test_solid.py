@@ -284,3 +284,16 @@ def test_rays_from_too_far_are_rejected_with_their_number():
     # a clear miss, and a solid that does not vanish
     assert np.isinf(ball.hits([0, 1e15, 0], [1, 0, 0])).all()
     assert half_space([1, 0, 0], 0).hits([-1e20, 0, 0], [1, 0, 0])[-1] == 1e20
+
+
+@pytest.mark.parametrize("solids", [(sphere(1), box(1)), (rayweave.space.ball(1, 2), rayweave.space.ball(2, 2))])
+def test_words_are_no_operators(solids):
+    a, b = solids
+    for combine in (lambda: a and b, lambda: a or b, lambda: not a, lambda: bool(a)):
+        with pytest.raises(TypeError, match=r"no truth value.*a & b .*a \| b .*a - b .*~a"):
+            combine()
+    for add in (lambda: a + b, lambda: a + 1):
+        with pytest.raises(TypeError, match=r"no sum.*Write a \| b"):
+            add()
+    # comparisons and searches need no truth value
+    assert a != b and a == a and a in [b, a]

@@ -180,3 +180,25 @@ def test_centres_and_boxes():
     assert prism.bounds.tolist() == [[0, 0], [2, 4]]
     np.testing.assert_allclose(TETRAHEDRON.to_mesh().centroid, [0.25] * 3, rtol=1e-12)
     assert rw.Model({"a": A}).bounds.tolist() == [[-1] * 3, [1] * 3]
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "message"),
+    [
+        (lambda m: m.crossings([0, 0, 0], [1, 0, 0])["surfce"], KeyError, "Did you mean surface\\?"),
+        (lambda m: m.crossings([0, 0, 0], [1, 0, 0], evaluator="packet"), rw.RayweaveError, "Did you mean `packets`"),
+        (lambda m: rw.render(m, view="frnt"), rw.RayweaveError, "Did you mean `front`"),
+        (lambda m: rw.thickness(m, view="frnt"), rw.RayweaveError, "Did you mean `front`"),
+        (lambda m: rw.Model({"a": rw.box(1)}, unit="milimeter"), rw.RayweaveError, "Did you mean 'mm'"),
+        (lambda m: rw.Model({"a": rw.box(1)}, unit="Inch"), rw.RayweaveError, "Did you mean 'in'"),
+        (lambda m: m["steel"], KeyError, "`steel` is the medium of the region `insert`"),
+        (lambda m: m.partition(np.zeros((3, 7)), [1, 0, 0]), rw.RayweaveError, "Is it transposed"),
+        (lambda m: m.partition(None, [1, 0, 0]), TypeError, "origins is None"),
+        (lambda m: m.partition(np.ma.masked_array(np.zeros((2, 3)), mask=True), [1, 0, 0]), TypeError, "masked array"),
+        (lambda m: rw.Model({"a": rw.box(1)}, {"a": {"attenuation": -0.2}}), rw.RayweaveError, "finite and at least 0"),
+    ],
+)
+def test_mistakes_of_a_first_day(call, kind, message):
+    model = rw.Model([rw.Region("insert", rw.box(2), medium="steel")])
+    with pytest.raises(kind, match=message):
+        call(model)

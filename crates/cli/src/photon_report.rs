@@ -3,7 +3,7 @@
 use crate::terminal;
 use rayweave::photon::{Detector, End, Histories, Hits, PhotonPart, PhotonRun, Process, sequence_text};
 use serde_json::{Map, Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::time::Duration;
 
 /// The name that reports use for interfaces without an optical surface.
@@ -11,6 +11,9 @@ const BARE: &str = "(none)";
 
 /// The number of photons from which a run without hits is remarkable.
 const MANY: u64 = 100;
+
+/// The number of sensors that the table of the terminal lists.
+const LISTED_SENSORS: usize = 32;
 
 /// The results of a run.
 pub struct PhotonReport {
@@ -25,6 +28,8 @@ pub struct PhotonReport {
     /// The number of photons by sequence, and the number of sequences to report.
     sequences: Option<(BTreeMap<[u64; 2], u64>, usize)>,
     surfaces: Vec<String>,
+    /// The paths of the sensors with their numbers of hits, in the order of the detector.
+    sensors: Vec<(String, u64)>,
 }
 
 impl PhotonReport {
@@ -45,12 +50,14 @@ impl PhotonReport {
             counts: counts.then(Histories::default),
             sequences: sequences.map(|most| (BTreeMap::new(), most)),
             surfaces: detector.surfaces().iter().map(|surface| surface.name.clone()).collect(),
+            sensors: detector.sensor_paths().iter().map(|(path, _)| (path.clone(), 0)).collect(),
         }
     }
 
     /// Adds a part of the run.
     pub fn add(&mut self, mut part: PhotonPart) {
         self.hits += part.run.hits.len() as u64;
+        self.count_by_sensor(&part.run.hits);
         if !self.keeps_hits {
             part.run.hits = Hits::default();
         }
@@ -68,6 +75,41 @@ impl PhotonReport {
             histories.sequences = Vec::new();
             counts.append(histories);
         }
+    }
+
+    /// Adds hits to the counts of the sensors.
+    fn count_by_sensor(&mut self, hits: &Hits) {
+        let mut counts = vec![0u64; hits.paths().len()];
+        for sensor in &hits.sensor {
+            counts[*sensor as usize] += 1;
+        }
+        let places: HashMap<&str, usize> =
+            self.sensors.iter().enumerate().map(|(place, (path, _))| (path.as_str(), place)).collect();
+        let places: Vec<Option<usize>> =
+            hits.paths().iter().map(|path| places.get(path.as_str()).copied()).collect();
+        for ((path, place), count) in hits.paths().iter().zip(places).zip(counts) {
+            match place {
+                Some(place) => self.sensors[place].1 += count,
+                // of a detector with too many placements for a list in advance
+                None => self.sensors.push((path.clone(), count)),
+            }
+        }
+    }
+
+    /// The table of the hits by sensor: the first sensors, in the order of the detector.
+    fn sensor_table(&self) -> String {
+        let row = |(path, count): &(String, u64)| {
+            let part = 100.0 * *count as f64 / self.hits.max(1) as f64;
+            vec![path.clone(), count.to_string(), format!("{part:.2}")]
+        };
+        let rows: Vec<Vec<String>> = self.sensors.iter().take(LISTED_SENSORS).map(row).collect();
+        let mut text = terminal::table(&["sensor", "hits", "% of hits"], &rows, &[false, true, true]) + "\n";
+        let rest = self.sensors.iter().skip(LISTED_SENSORS);
+        if rest.len() > 0 {
+            let hits: u64 = rest.clone().map(|(_, count)| count).sum();
+            text += &format!("... and {} more sensors with {hits} hits; --json lists all\n\n", rest.len());
+        }
+        text
     }
 
     /// Remarks about a run that probably does not answer the question of its user.
@@ -102,6 +144,7 @@ impl PhotonReport {
             "seconds": terminal::rounded(self.duration.as_secs_f64(), 6),
             "detection": self.detection,
             "ends": ends,
+            "sensors": self.sensors.iter().map(|(path, count)| (path.clone(), json!(count))).collect::<Map<_, _>>(),
         });
         if let Some(counts) = &self.counts {
             let processes = counts.processes.iter().map(|(process, n)| (process.name().to_owned(), json!(n)));
@@ -126,6 +169,9 @@ impl PhotonReport {
         };
         let rows: Vec<Vec<String>> = End::ALL.iter().filter_map(row).collect();
         let mut text = terminal::table(&["end", "photons", "%"], &rows, &[false, true, true]) + "\n";
+        if self.sensors.len() > 1 {
+            text += &self.sensor_table();
+        }
         if let Some(counts) = &self.counts {
             text += &(self.process_table(counts) + "\n");
         }

@@ -38,19 +38,19 @@ fn maps_are_drawn_in_the_plane_of_the_hits() {
 #[test]
 fn of_many_sensors_those_with_the_most_hits_have_maps() {
     // sensor k has k + 1 hits
-    let sensors: Vec<u32> = (0..12).flat_map(|k| std::iter::repeat_n(k, k as usize + 1)).collect();
+    let sensors: Vec<u32> = (0..20).flat_map(|k| std::iter::repeat_n(k, k as usize + 1)).collect();
     let x: Vec<f64> = (0..sensors.len()).map(|k| k as f64).collect();
     let y: Vec<f64> = x.iter().map(|x| 7.0 * x % 13.0).collect();
     let z = vec![0.0; x.len()];
-    let names: Vec<String> = (0..12).map(|k| format!("sensor {k}")).collect();
+    let names: Vec<String> = (0..20).map(|k| format!("sensor {k}")).collect();
     let hits = HitPositions { names: &names, sensors: &sensors, positions: [&x, &y, &z], cells: None };
     let drawing = hit_maps_svg(hits, "a", "mm");
-    assert!(drawing.contains("78 hits of 12 sensors; the 8 sensors with the most hits"), "{drawing}");
-    for k in 0..12 {
+    assert!(drawing.contains("210 hits of 20 sensors; the 16 sensors with the most hits"), "{drawing}");
+    for k in 0..20 {
         assert_eq!(drawing.contains(&format!(">sensor {k}<")), k >= 4, "{k}");
     }
     // in the order of their numbers
-    let places: Vec<usize> = (4..12).filter_map(|k| drawing.find(&format!(">sensor {k}<"))).collect();
+    let places: Vec<usize> = (4..20).filter_map(|k| drawing.find(&format!(">sensor {k}<"))).collect();
     assert!(places.is_sorted(), "{places:?}");
     let coarse = hit_maps_svg(HitPositions { cells: Some(1), ..hits }, "a", "mm");
     assert!(coarse.matches("class=\"cell\"").count() < drawing.matches("class=\"cell\"").count());

@@ -402,6 +402,60 @@ fn plane_faces_are_not_reported_as_approximated() {
     assert!(reports_curves(&scene(&[("ball", ball)])));
 }
 
+/// 3MF states the unit of the model where the format has it; glTF is always in metres. Other units are a remark.
+#[test]
+fn lengths_keep_their_unit_or_are_a_remark() {
+    let cuboid = Solid::from(Primitive::from(primitive::CentredBox::new(Vec3::new(2.0, 3.0, 4.0)).unwrap()));
+    let folder = std::env::temp_dir().join(format!("rayweave-units-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for (unit, symbol, metres) in Unit::ALL {
+        let mut scene = scene(&[("cuboid", cuboid.clone())]);
+        scene.unit = unit;
+        for format in [MeshFormat::ThreeMf, MeshFormat::Glb] {
+            let kept = match format {
+                MeshFormat::ThreeMf if ["nm", "km"].contains(&symbol) => Unit::Millimetre,
+                MeshFormat::ThreeMf => unit,
+                _ => Unit::Metre,
+            };
+            let file = written(&scene, Format::Mesh(format), None);
+            let remarks: Vec<String> = file.remarks.iter().map(ToString::to_string).collect();
+            let remark = format!("changed: lengths, from {symbol} to {kept}");
+            assert_eq!(remarks.contains(&remark), kept != unit, "{format:?} {symbol} {remarks:?}");
+            let path = folder.join(format!("{symbol}.{}", Format::Mesh(format).extensions()[0]));
+            std::fs::write(&path, &file.bytes).unwrap();
+            let back = rayweave_formats::load(&path, None, &[], &Options::default()).unwrap().scene;
+            assert_eq!(back.unit, kept, "{format:?} {symbol}");
+            let size = Program::compile(&whole(&back)).unwrap().bounds().size() * (kept.metres() / metres);
+            assert!(
+                (size - Vec3::new(2.0, 3.0, 4.0)).abs().max_element() < 1e-6,
+                "{format:?} {symbol} {size:?}"
+            );
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// Media of regions whose names differ from those of the media are lost, as are their numbers.
+#[test]
+fn lost_names_and_properties_of_media_are_remarks() {
+    let ball = Solid::from(Primitive::from(primitive::Sphere::new(1.0).unwrap()));
+    let format = Format::Mesh(MeshFormat::Obj);
+    let of_media = |scene: &Scene| {
+        let remarks = written(scene, format, None).remarks.into_iter().map(|remark| remark.to_string());
+        remarks.filter(|text| text.contains("media")).collect::<Vec<_>>()
+    };
+    let mut scene = scene(&[("ball", ball)]);
+    let medium = scene.regions[0].medium as usize;
+    scene.media[medium].name = "ball".to_owned();
+    assert_eq!(of_media(&scene), Vec::<String>::new());
+    scene.media[medium].name = "steel".to_owned();
+    assert_eq!(of_media(&scene), ["dropped: names of media"]);
+    scene.media[medium].index = Some(1.5);
+    assert_eq!(of_media(&scene), ["dropped: names and properties (index, density, attenuation) of media"]);
+    scene.media[medium].name = "ball".to_owned();
+    assert_eq!(of_media(&scene), ["dropped: properties (index, density, attenuation) of media"]);
+}
+
 /// A box without curved faces, and a ball, in centimetres.
 #[test]
 fn lengths_default_to_millimetres_in_formats_without_units() {

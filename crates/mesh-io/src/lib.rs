@@ -44,6 +44,6 @@ mod write;
 pub use error::{FileError, Location};
 pub use format::MeshFormat;
 pub use loaded::{LoadedMesh, MeshObject};
-pub use options::{MeshWriteOptions, ReadOptions};
+pub use options::{MeshWriteOptions, ReadOptions, ThreeMfUnit};
 pub use read::{read, read_allowed, read_bytes};
 pub use write::{save, write, write_objects};

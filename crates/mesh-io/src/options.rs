@@ -31,6 +31,38 @@ impl Default for ReadOptions {
     }
 }
 
+/// A unit of length of the 3MF core specification (`ST_Unit`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ThreeMfUnit {
+    /// 1e-6 m.
+    Micron,
+    /// 1e-3 m, the default of the format.
+    #[default]
+    Millimeter,
+    /// 1e-2 m.
+    Centimeter,
+    /// 25.4 mm.
+    Inch,
+    /// 304.8 mm.
+    Foot,
+    /// The metre.
+    Meter,
+}
+
+impl ThreeMfUnit {
+    /// The word of the format.
+    pub fn word(self) -> &'static str {
+        match self {
+            ThreeMfUnit::Micron => "micron",
+            ThreeMfUnit::Millimeter => "millimeter",
+            ThreeMfUnit::Centimeter => "centimeter",
+            ThreeMfUnit::Inch => "inch",
+            ThreeMfUnit::Foot => "foot",
+            ThreeMfUnit::Meter => "meter",
+        }
+    }
+}
+
 /// Options for writing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
@@ -38,11 +70,18 @@ pub struct MeshWriteOptions {
     /// Writes text where the format has both a text and a binary form. Numbers in text are the shortest decimals that read back to
     /// the same bits.
     pub text: bool,
+    /// The unit of the coordinates of the meshes, which a 3MF file states. Other formats have no unit, or always metres.
+    pub unit: ThreeMfUnit,
 }
 
 impl MeshWriteOptions {
     /// The options with text or binary output.
     pub fn with_text(self, text: bool) -> MeshWriteOptions {
-        MeshWriteOptions { text }
+        MeshWriteOptions { text, ..self }
+    }
+
+    /// The options with this unit of 3MF files.
+    pub fn with_unit(self, unit: ThreeMfUnit) -> MeshWriteOptions {
+        MeshWriteOptions { unit, ..self }
     }
 }

@@ -9,7 +9,7 @@ use crate::budget::{Metered, check_repetition, expanded_bytes};
 use crate::builder::{check_limit, objects};
 use crate::text::printable;
 use crate::tokens::excerpt;
-use crate::{FileError, LoadedMesh, Location, ReadOptions};
+use crate::{FileError, LoadedMesh, Location, ReadOptions, ThreeMfUnit};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use rayweave_math::{Affine, Mat3, Vec3};
@@ -449,8 +449,8 @@ const TYPES: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships"><Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/></Relationships>"#;
 
-/// Writes an archive, in millimetres.
-pub fn write(objects: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
+/// Writes an archive of meshes in a unit.
+pub fn write(objects: &[(&str, &Mesh)], unit: ThreeMfUnit, to: &mut impl Write) -> io::Result<()> {
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
     // default options have no time stamp: output is reproducible
     let options = SimpleFileOptions::default();
@@ -459,15 +459,16 @@ pub fn write(objects: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
         archive.write_all(text.as_bytes())?;
     }
     archive.start_file("3D/3dmodel.model", options)?;
-    write_model(objects, &mut archive)?;
+    write_model(objects, unit, &mut archive)?;
     to.write_all(archive.finish()?.get_ref())
 }
 
-fn write_model(objects: &[(&str, &Mesh)], to: &mut impl Write) -> io::Result<()> {
+fn write_model(objects: &[(&str, &Mesh)], unit: ThreeMfUnit, to: &mut impl Write) -> io::Result<()> {
     writeln!(to, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(
         to,
-        r#"<model unit="millimeter" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">"#
+        r#"<model unit="{}" xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">"#,
+        unit.word()
     )?;
     writeln!(to, "<resources>")?;
     for (number, (name, mesh)) in objects.iter().enumerate() {

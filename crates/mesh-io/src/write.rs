@@ -38,7 +38,7 @@ pub fn write_objects(
         MeshFormat::Obj => obj::write(objects, &mut to)?,
         MeshFormat::Ply => ply::write(joined(objects)?.as_ref(), options, &mut to)?,
         MeshFormat::Off => off::write(joined(objects)?.as_ref(), &mut to)?,
-        MeshFormat::ThreeMf => threemf::write(objects, &mut to)?,
+        MeshFormat::ThreeMf => threemf::write(objects, options.unit, &mut to)?,
         MeshFormat::Gltf => gltf::write_text(objects, &mut to)?,
         MeshFormat::Glb => gltf::write_binary(objects, &mut to)?,
     }

@@ -306,7 +306,12 @@ impl Histories {
 pub fn sequence_text(words: [u64; 2]) -> String {
     let slots = (0..SLOTS).map(|slot| (words[slot / 16] >> (4 * (slot % 16))) & 15);
     let names = slots.take_while(|&nibble| nibble != 0).map(|nibble| ABBREVIATIONS[nibble as usize]);
-    names.collect::<Vec<_>>().join(" ")
+    let mut names: Vec<&str> = names.collect();
+    // absorption, detection, absorption at a surface, a miss, a volume without an index and an error end a photon
+    let is_cut = names.len() == SLOTS
+        && names.last().is_some_and(|last| !["AB", "SD", "SA", "MI", "NA", "EX"].contains(last));
+    names.extend(is_cut.then_some("..."));
+    names.join(" ")
 }
 
 /// The hooks of the loop over photons.

@@ -12,7 +12,7 @@ const BUILT_IN: [&str; 12] =
 const STANDARD: [(&str, &[&str]); 3] = [
     ("collections.abc", &["Callable", "Iterable", "Iterator", "Mapping", "Sequence"]),
     ("os", &["PathLike"]),
-    ("typing", &["Any", "Literal", "Self", "final", "overload"]),
+    ("typing", &["Any", "Literal", "NoReturn", "Self", "final", "overload"]),
 ];
 
 /// Other packages and their names.

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal, Self, final, overload
+from typing import Any, Literal, NoReturn, Self, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -1482,6 +1482,14 @@ class Solid:
     def __rsub__(self, other: Solid, /) -> Solid: ...
     def __xor__(self, other: Solid, /) -> Solid: ...
     def __rxor__(self, other: Solid, /) -> Solid: ...
+
+    def __bool__(self) -> bool:
+        """No truth value: `a and b` would be `b`."""
+
+    def __add__(self, _other: Any, /) -> NoReturn:
+        """No sum: the union is `a | b`."""
+
+    def __radd__(self, _other: Any, /) -> NoReturn: ...
     def __invert__(self) -> Solid: ...
 
     @overload
@@ -1901,6 +1909,14 @@ class SpaceSolid:
     def __rsub__(self, other: SpaceSolid, /) -> SpaceSolid: ...
     def __xor__(self, other: SpaceSolid, /) -> SpaceSolid: ...
     def __rxor__(self, other: SpaceSolid, /) -> SpaceSolid: ...
+
+    def __bool__(self) -> bool:
+        """No truth value: `a and b` would be `b`."""
+
+    def __add__(self, _other: Any, /) -> NoReturn:
+        """No sum: the union is `a | b`."""
+
+    def __radd__(self, _other: Any, /) -> NoReturn: ...
     def __invert__(self) -> SpaceSolid: ...
 
     def crossings(self, p: ArrayLike, q: ArrayLike, *, threads: int | None = None) -> PointCrossings:

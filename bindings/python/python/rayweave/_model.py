@@ -178,6 +178,9 @@ def _check_medium(medium: Medium) -> None:
     for name, value in medium.numbers.items():
         if not _is_number(value, name, medium):
             raise _core.RayweaveError(f"{name} of the medium '{medium.name}' is {value}: it must be finite.")
+        if name in ("attenuation", "density") and value < 0:
+            reason = f"it must be finite and at least 0. Did you mean {-value}?"
+            raise _core.RayweaveError(f"the {name} of the medium '{medium.name}' is {value}: {reason}")
 
 
 def _is_number(value: Any, name: str, medium: Medium) -> bool:

@@ -84,6 +84,8 @@ def section(
     within
         (2, 3) corners of a box: only the part of the model within it is cut.
 
+    Examples
+    --------
     >>> import rayweave as rw
     >>> cut = rw.section({"tank": rw.box(4), "ball": rw.sphere(1)}, "z=0")
     >>> cut.names, cut.areas.round(2).tolist()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rayweave._package import package
+from rayweave._words import did_you_mean
 
 _AXES = ("x", "y", "z", "w")
 #: The number of rows that the text of a table shows, and that its HTML shows.
@@ -43,7 +44,8 @@ class Table:
 
     ``table["t"]`` is a column, ``table[3]`` a row as a dict with names instead of numbers, ``table[mask]`` and
     ``table[2:5]`` are the selected rows. A loop goes through the rows. `to_pandas`,
-    `to_arrow` and `to_xarray` return data frames and datasets.
+    `to_arrow` and `to_xarray` return data frames and datasets with their own copy of the numbers. Columns and the arrays
+    of `to_dict` share the memory of the result: copy an array before you change it.
 
     >>> import rayweave as rw
     >>> found = rw.box(2).crossings([[-3, 0, 0], [-3, 0.5, 0], [-3, 9, 0]], [1, 0, 0])
@@ -83,7 +85,8 @@ class Table:
         """A column by its name, a row by its number, or the rows of a slice, a mask or a list of numbers."""
         if isinstance(key, str):
             if key not in self._columns:
-                raise KeyError(f"there is no column '{key}': the columns are {', '.join(self._columns)}.")
+                hint = did_you_mean(key, list(self._columns), {})
+                raise KeyError(f"there is no column '{key}': the columns are {', '.join(self._columns)}.{hint}")
             return self._column(key)
         if isinstance(key, (int, np.integer)):
             count = len(self)
@@ -112,7 +115,8 @@ class Table:
             }
 
     def to_dict(self) -> dict[str, NDArray[Any]]:
-        """The columns by name: vectors as one column for each axis, such as ``point_x``; numbers of names as they are."""
+        """The columns by name: vectors as one column for each axis, such as ``point_x``; numbers of names as they are.
+        The arrays share the memory of the result."""
         return dict(self._flat())
 
     def _flat(self) -> Iterator[tuple[str, NDArray[Any]]]:
@@ -126,16 +130,18 @@ class Table:
                 yield f"{name}_{''.join(letters)}", column[(slice(None), *index)]
 
     def to_pandas(self) -> Any:
-        """The rows as a pandas DataFrame: vectors as one column for each axis, names as categories."""
+        """The rows as a pandas DataFrame: vectors as one column for each axis, names as categories. The frame has its own
+        copy of the numbers: changes to it leave the result as it is."""
         pandas = package("pandas", "data frames")
+        # each column is copied once, here, so that the frame needs no copy of its own
         table = {}
         for name, column in self._flat():
             if name not in self._names:
-                table[name] = np.ascontiguousarray(column)
+                table[name] = np.array(column, order="C")
                 continue
             names = self._names_of(name)
             if len(set(names)) == len(names):
-                table[name] = pandas.Categorical.from_codes(column, names[:-1])
+                table[name] = pandas.Categorical.from_codes(np.array(column), names[:-1])
             else:
                 table[name] = np.array(names, dtype=object)[column]
         return pandas.DataFrame(table, copy=False)
@@ -145,7 +151,7 @@ class Table:
         arrow = package("pyarrow", "Arrow tables")
         table = {}
         for name, column in self._flat():
-            array = arrow.array(np.ascontiguousarray(column), mask=column < 0 if name in self._names else None)
+            array = arrow.array(np.array(column, order="C"), mask=column < 0 if name in self._names else None)
             if name in self._names:
                 names = arrow.array(self._names_of(name)[:-1], arrow.string())
                 array = arrow.DictionaryArray.from_arrays(array, names)
@@ -194,7 +200,7 @@ class Table:
 
 
 def dataset(columns: Mapping[str, NDArray[Any]], units: Mapping[str, str]) -> Any:
-    """Columns as an xarray Dataset. The dimensions of vectors and matrices of up to four components are axes."""
+    """Copies of columns as an xarray Dataset. The dimensions of vectors and matrices of up to four components are axes."""
     xarray = package("xarray", "its datasets")
     variables, coordinates = {}, {}
     for name, column in columns.items():
@@ -206,7 +212,7 @@ def dataset(columns: Mapping[str, NDArray[Any]], units: Mapping[str, str]) -> An
                 dimensions[-1] = dimension if size == 3 else f"{dimension}_{size}"
                 coordinates[dimensions[-1]] = list(_AXES[:size])
         unit = units.get(name, "")
-        variables[name] = (dimensions, column, {"units": unit} if unit else {})
+        variables[name] = (dimensions, np.array(column), {"units": unit} if unit else {})
     return xarray.Dataset(variables, coordinates)
 
 

@@ -18,7 +18,7 @@ from rayweave._package import package
 from rayweave._picture import Camera, Picture
 from rayweave._table import Rows
 from rayweave._whole import whole
-from rayweave._words import suggesting
+from rayweave._words import did_you_mean, suggesting
 
 _Array = NDArray[np.float64]
 
@@ -72,7 +72,8 @@ class Thickness:
     def __getitem__(self, medium: str) -> _Array:
         """(H, W) the path lengths in a medium."""
         if medium not in self.media:
-            raise KeyError(f"there is no medium '{medium}': the media are {', '.join(self.media)}.")
+            hint = did_you_mean(medium, list(self.media), {})
+            raise KeyError(f"there is no medium '{medium}': the media are {', '.join(self.media)}.{hint}")
         return self.lengths[..., self.media.index(medium)]
 
     def to_pandas(self) -> Any:
@@ -87,9 +88,9 @@ class Thickness:
         """The maps as an xarray Dataset: `lengths` (y, x, medium), `radiograph` (y, x) and `attenuation` (medium)."""
         xarray = package("xarray", "its datasets")
         variables = {
-            "lengths": (("y", "x", "medium"), self.lengths, {"units": self.unit}),
-            "radiograph": (("y", "x"), self.radiograph),
-            "attenuation": (("medium",), self.attenuation, {"units": f"1/{self.unit}"}),
+            "lengths": (("y", "x", "medium"), self.lengths.copy(), {"units": self.unit}),
+            "radiograph": (("y", "x"), self.radiograph.copy()),
+            "attenuation": (("medium",), self.attenuation.copy(), {"units": f"1/{self.unit}"}),
         }
         return xarray.Dataset(variables, {"medium": list(self.media)})
 

@@ -16,7 +16,7 @@ use super::table::{PointTable, points};
 use super::{AnyCurve, AnySolid, Holds, Shared, each};
 use crate::arrays::{double_array, list, room, shape_text};
 use crate::engine::{not_whole, thread_argument};
-use crate::error::{bad_type, bad_value, shown};
+use crate::error::{bad_type, bad_value, no_sum, no_truth_value, shown};
 use crate::rootray::PyRootRay;
 
 /// A solid in the plane, in space or in a space of four dimensions: a boolean combination of shapes under affine maps. It never
@@ -168,6 +168,17 @@ impl PySpaceSolid {
 
     fn __xor__(&self, other: PyRef<'_, Self>) -> PyResult<Self> {
         self.join("symmetric_difference", &other)
+    }
+
+    /// No truth value: `a and b` would be `b`.
+    fn __bool__(&self) -> PyResult<bool> {
+        Err(no_truth_value())
+    }
+
+    /// No sum: the union is `a | b`.
+    #[cfg_attr(false, stub("(_other: Any) -> NoReturn"))]
+    fn __add__(&self, _other: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Err(no_sum())
     }
 
     fn __invert__(&self) -> PyResult<Self> {

@@ -166,7 +166,8 @@ impl Check {
             Finding::stated(kind, finding.to_string())
         });
         report.findings.extend(stated);
-        report.findings.sort_by_key(|finding| finding.kind);
+        // what is wrong with the light comes first: in a detector, volumes that touch are the usual case
+        report.findings.sort_by_key(|finding| (finding.kind != FindingKind::Optical, finding.kind));
         if let Some(folder) = &self.pictures {
             self.draw(folder, &scene, &report, &settings)?;
         }

@@ -125,6 +125,10 @@ pub struct Simulation {
     counts: bool,
 
     /// Report the N most frequent histories as sequences of Opticks' flags, such as TO BT SD
+    ///
+    /// A sequence holds 32 flags; a longer history ends with "...". CK Cerenkov, SI scintillation, TO other source, RE re-emission,
+    /// SC scattering, BT refraction, BR and SR reflection (dielectric, mirror), DR diffuse reflection; ends: AB absorption in a
+    /// volume, SA at a surface, SD detection, MI leaves the model, NA and EX (flags of Opticks that only files have).
     #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "20")]
     sequences: Option<usize>,
 

@@ -44,6 +44,7 @@ fn the_guide() {
     assert_eq!(lines.next(), Some(HEADER));
     let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
     assert_eq!(rows.len() as u64, found["hits"].as_u64().unwrap());
+    assert_eq!(found["sensors"], serde_json::json!({ "Diode": found["hits"] }));
     assert!(rows.len() > 50, "{}", rows.len());
     let number = |text: &str| text.parse::<f64>().unwrap();
     for row in &rows {
@@ -51,6 +52,32 @@ fn the_guide() {
         assert!(number(row[5]) >= 50.0 * 1.79 / 299.792_458 * (1.0 - 1e-12), "{row:?}");
         assert_eq!(row[14], "Diode");
     }
+}
+
+/// A second diode at the other end, whose boundary has no surface: it is listed with 0 hits.
+#[test]
+fn hits_are_counted_by_sensor() {
+    let bench = bench();
+    let diode = r#"<physvol name="diode">"#;
+    let second = r#"<physvol name="second" copynumber="7"><volumeref ref="Diode"/><position name="q" z="-50.5" unit="mm"/></physvol>"#;
+    let text = block("xml");
+    assert!(text.contains(diode));
+    bench.write("bar.gdml", text.replace(diode, &format!("{second}{diode}")));
+    let found = bench.json(&run(&["--json"]));
+    let sensors = found["sensors"].as_object().unwrap();
+    assert_eq!(sensors.len(), 2, "{found}");
+    let mut counts: Vec<u64> = sensors.values().filter_map(Value::as_u64).collect();
+    counts.sort_unstable();
+    assert_eq!(counts, [0, found["hits"].as_u64().unwrap()]);
+    let said = bench.says(&run(&[]));
+    let row = |path: &String| said.lines().find(|line| line.starts_with(path.as_str())).map(str::to_owned);
+    for (path, count) in sensors {
+        let row = row(path).unwrap_or_else(|| panic!("{path} is not in\n{said}"));
+        assert_eq!(row.split_whitespace().nth(1), Some(count.to_string().as_str()), "{row}");
+    }
+    // a single sensor needs no table
+    bench.write("bar.gdml", text);
+    assert!(!bench.says(&run(&[])).contains("% of hits"));
 }
 
 /// The tables of consecutive ranges make up the table of the whole run, with any number of threads.

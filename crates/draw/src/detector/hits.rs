@@ -23,7 +23,7 @@ const MAX_COLUMNS: usize = 3;
 const HEADING: f64 = 52.0;
 
 /// The maximum number of sensors with a separate map.
-const MAX_SENSORS: usize = 8;
+const MAX_SENSORS: usize = 16;
 
 /// The maximum number of cells along a side of a map, and the mean number of hits in a cell of a square map with fewer cells.
 const CELLS: usize = 64;
@@ -38,7 +38,7 @@ struct Panel<'a> {
 }
 
 /// Draws the number of hits per area of each sensor as colours, in the plane of the two coordinates along which the hits on single
-/// sensors are spread most. For several sensors, the first map has all hits; the eight sensors with the most hits have separate
+/// sensors are spread most. For several sensors, the first map has all hits; the sixteen sensors with the most hits have separate
 /// maps with a common colour scale, in the order of `names`. The cells of a map divide the extent of its hits. `unit` is the unit of
 /// length.
 ///

@@ -61,8 +61,13 @@ impl<'s> Model<'s> {
 
     /// Adds a remark if lengths are converted to millimetres.
     pub fn remark_on_unit(&self, remarks: &mut Remarks) {
-        if self.scene.unit != Unit::Millimetre {
-            remarks.add(RemarkKind::Changed, format!("lengths, from {} to mm", self.scene.unit));
+        self.remark_on_conversion(Unit::Millimetre, remarks);
+    }
+
+    /// Adds a remark if lengths are converted to the unit of the file.
+    pub fn remark_on_conversion(&self, unit: Unit, remarks: &mut Remarks) {
+        if self.scene.unit != unit {
+            remarks.add(RemarkKind::Changed, format!("lengths, from {} to {unit}", self.scene.unit));
         }
     }
 
@@ -94,9 +99,17 @@ impl<'s> Model<'s> {
     pub fn remark_on_media(&self, remarks: &mut Remarks) {
         let has_numbers =
             self.scene.media.iter().any(|medium| medium.index.is_some() || !medium.numbers.is_empty());
-        if has_numbers {
-            remarks.add(RemarkKind::Dropped, "properties of media such as index and density");
-        }
+        // a reader gives each region the medium of its name
+        let has_names = self.regions().any(|(_, region)| {
+            self.scene.media.get(region.medium as usize).is_some_and(|medium| medium.name != region.name)
+        });
+        let what = match (has_names, has_numbers) {
+            (true, true) => "names and properties (index, density, attenuation) of media",
+            (true, false) => "names of media",
+            (false, true) => "properties (index, density, attenuation) of media",
+            (false, false) => return,
+        };
+        remarks.add(RemarkKind::Dropped, what);
     }
 }
 

@@ -9,9 +9,9 @@ use crate::Format;
 use crate::kernel::Body;
 use rayweave_math::{Affine, Bounds, Vec3};
 use rayweave_mesh::Mesh;
-use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, write_objects};
+use rayweave_mesh_io::{MeshFormat, MeshWriteOptions, ThreeMfUnit, write_objects};
 use rayweave_model::Boundary;
-use rayweave_scene::Colour;
+use rayweave_scene::{Colour, Unit};
 use rayweave_shape::primitive::Primitive;
 
 /// Builder of triangle bodies.
@@ -175,7 +175,9 @@ pub(super) fn write(
     }
     let parts: Vec<(&str, &Mesh)> = parts.iter().map(|(name, mesh)| (*name, mesh)).collect();
     let mut bytes = Vec::new();
-    write_objects(&parts, format, MeshWriteOptions::default().with_text(options.text), &mut bytes)?;
+    let write_options =
+        MeshWriteOptions::default().with_text(options.text).with_unit(unit_of(format, model).1);
+    write_objects(&parts, format, write_options, &mut bytes)?;
     Ok(bytes)
 }
 
@@ -188,10 +190,7 @@ fn remark_on_format(model: &Model, format: MeshFormat, options: &WriteOptions, r
     if is_single(format, options) {
         remarks.add_expected(RemarkKind::Approximated, "coordinates, in single precision");
     }
-    let has_unit = matches!(format, MeshFormat::ThreeMf | MeshFormat::Gltf | MeshFormat::Glb);
-    if !has_unit {
-        model.remark_on_unit(remarks);
-    }
+    model.remark_on_conversion(unit_of(format, model).0, remarks);
     // names of faces follow from the model, as do colours that are not stated
     let regions = &model.scene.regions;
     let is_usual = regions.iter().enumerate().all(|(k, region)| region.colour == Colour::numbered(k));
@@ -215,10 +214,32 @@ fn in_precision(p: Vec3, format: MeshFormat, options: &WriteOptions) -> Vec3 {
     Vec3::new(rounded(p.x), rounded(p.y), rounded(p.z))
 }
 
-/// A point in the unit and axes of the format: metres with y up for glTF, else millimetres.
-fn in_format(p: Vec3, format: MeshFormat, model: &Model) -> Vec3 {
+/// The unit of lengths in a file, with that of a 3MF file: metres for glTF, the unit of the model for 3MF where the format has it,
+/// else millimetres.
+fn unit_of(format: MeshFormat, model: &Model) -> (Unit, ThreeMfUnit) {
+    let unit = model.scene.unit;
+    let own = match unit {
+        Unit::Micrometre => ThreeMfUnit::Micron,
+        Unit::Centimetre => ThreeMfUnit::Centimeter,
+        Unit::Metre => ThreeMfUnit::Meter,
+        Unit::Inch => ThreeMfUnit::Inch,
+        Unit::Foot => ThreeMfUnit::Foot,
+        Unit::Millimetre | Unit::Nanometre | Unit::Kilometre => ThreeMfUnit::Millimeter,
+    };
     match format {
-        MeshFormat::Gltf | MeshFormat::Glb => Vec3::new(p.x, p.z, -p.y) * model.scene.unit.metres(),
-        _ => p * model.millimetres(),
+        MeshFormat::Gltf | MeshFormat::Glb => (Unit::Metre, ThreeMfUnit::default()),
+        MeshFormat::ThreeMf if own != ThreeMfUnit::Millimeter => (unit, own),
+        _ => (Unit::Millimetre, ThreeMfUnit::default()),
     }
+}
+
+/// A point in the unit and axes of the format: y is up in glTF.
+fn in_format(p: Vec3, format: MeshFormat, model: &Model) -> Vec3 {
+    let unit = unit_of(format, model).0;
+    let p = match format {
+        MeshFormat::Gltf | MeshFormat::Glb => Vec3::new(p.x, p.z, -p.y),
+        _ => p,
+    };
+    // not a factor of nearly 1
+    if unit == model.scene.unit { p } else { p * (model.scene.unit.metres() / unit.metres()) }
 }

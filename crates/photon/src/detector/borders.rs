@@ -3,7 +3,7 @@
 use super::gdml::{Placement, Volumes};
 use super::properties::{Owner, PropertyReader};
 use crate::surface::OpticalSurface;
-use rayweave_error::Message;
+use rayweave_error::{Message, did_you_mean};
 use rayweave_model::{Crossing, Program};
 use rayweave_scene::{Datum, Span, bare_name};
 use std::collections::{HashMap, HashSet};
@@ -102,10 +102,7 @@ impl SurfaceTable {
         let mut placements = |placement: &str| match volumes.placements.get(placement) {
             Some(list) => list.clone(),
             None => {
-                let owner = Owner::new("border", name);
-                let reason = format!("there is no placement named `{placement}`");
-                let note = Message::new(format!("{owner} is ignored"), reason);
-                properties.note(owner, note);
+                properties.note(Owner::new("border", name), missing_placement(name, placement, volumes));
                 Vec::new()
             }
         };
@@ -183,6 +180,39 @@ impl SurfaceTable {
         let order = if self.nested.contains(&(before, after)) { [after, before] } else { [before, after] };
         order.iter().find_map(|region| self.skins.get(region).copied())
     }
+}
+
+/// The message about a border surface with an unknown placement.
+fn missing_placement(border: &str, placement: &str, volumes: &Volumes) -> Message {
+    /// The number of placements that a message lists.
+    const LISTED: usize = 8;
+    let problem = format!("border surface `{border}` is ignored");
+    let reason = format!("there is no placement named `{placement}`");
+    let mut names: Vec<&str> =
+        volumes.placements.keys().map(String::as_str).filter(|name| !name.is_empty()).collect();
+    names.sort_unstable();
+    let is_of = |name: &&&str| volumes.placements[**name].iter().any(|own| own.volume == placement);
+    let list = |names: &[&str]| {
+        let quoted: Vec<String> = names.iter().take(LISTED).map(|name| format!("`{name}`")).collect();
+        let more = match names.len().saturating_sub(LISTED) {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        format!("{}{more}", quoted.join(", "))
+    };
+    let of_volume: Vec<&str> = names.iter().filter(is_of).copied().collect();
+    let advice = match did_you_mean(placement, names.iter().copied()) {
+        _ if !of_volume.is_empty() => {
+            let placements = list(&of_volume);
+            format!(
+                "`{placement}` is a volume, and `physvolref` names a placement (`physvol`): those of the volume are {placements}."
+            )
+        }
+        Some(near) => format!("Did you mean `{near}`?"),
+        None if names.is_empty() => "Give the `physvol` elements names.".to_owned(),
+        None => format!("`physvolref` names a `physvol`: the placements are {}.", list(&names)),
+    };
+    Message::new(problem, reason).suggest(advice)
 }
 
 impl Border {

@@ -2,7 +2,7 @@
 
 mod borders;
 mod copies;
-mod gdml;
+pub(crate) mod gdml;
 mod native;
 pub(crate) mod properties;
 mod sensors;

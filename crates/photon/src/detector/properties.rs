@@ -2,7 +2,7 @@
 
 use crate::error::{PhotonError, PropertyError};
 use crate::property::{PropertyTable, Spectrum};
-use rayweave_error::Message;
+use rayweave_error::{Message, did_you_mean};
 use rayweave_scene::{Datum, Diagnostic, Diagnostics, Source, Span, Spanned};
 use std::collections::HashMap;
 use std::fmt;
@@ -136,6 +136,54 @@ impl PropertyReader {
         })
     }
 }
+
+/// The properties of Geant4 that a misspelt name may mean.
+const KNOWN: [&str; 44] = [
+    "RINDEX",
+    "GROUPVEL",
+    "ABSLENGTH",
+    "RAYLEIGH",
+    "EFFICIENCY",
+    "REFLECTIVITY",
+    "TRANSMITTANCE",
+    "REALRINDEX",
+    "IMAGINARYRINDEX",
+    "SURFACEROUGHNESS",
+    "SPECULARLOBECONSTANT",
+    "SPECULARSPIKECONSTANT",
+    "BACKSCATTERCONSTANT",
+    "COATEDRINDEX",
+    "COATEDTHICKNESS",
+    "COATEDFRUSTRATEDTRANSMISSION",
+    "ISOTHERMAL_COMPRESSIBILITY",
+    "RS_SCALE_FACTOR",
+    "MIEHG",
+    "MIEHG_FORWARD",
+    "MIEHG_BACKWARD",
+    "MIEHG_FORWARD_RATIO",
+    "SCINTILLATIONYIELD",
+    "SCINTILLATIONYIELD1",
+    "SCINTILLATIONYIELD2",
+    "SCINTILLATIONYIELD3",
+    "RESOLUTIONSCALE",
+    "SCINTILLATIONCOMPONENT1",
+    "SCINTILLATIONCOMPONENT2",
+    "SCINTILLATIONCOMPONENT3",
+    "SCINTILLATIONTIMECONSTANT1",
+    "SCINTILLATIONTIMECONSTANT2",
+    "SCINTILLATIONTIMECONSTANT3",
+    "SCINTILLATIONRISETIME1",
+    "SCINTILLATIONRISETIME2",
+    "SCINTILLATIONRISETIME3",
+    "WLSCOMPONENT",
+    "WLSCOMPONENT2",
+    "WLSABSLENGTH",
+    "WLSABSLENGTH2",
+    "WLSTIMECONSTANT",
+    "WLSTIMECONSTANT2",
+    "WLSMEANNUMBERPHOTONS",
+    "WLSMEANNUMBERPHOTONS2",
+];
 
 impl Properties<'_> {
     fn take(&mut self, name: &str) -> Option<Matrix> {
@@ -312,6 +360,11 @@ impl Properties<'_> {
         for (name, _) in rest {
             let problem = format!("{owner}: the property `{name}` is ignored");
             let note = Message::new(problem, "no process of this version uses it");
+            let near = did_you_mean(&name, KNOWN).filter(|_| !KNOWN.contains(&name.as_str()));
+            let note = match near {
+                Some(near) => note.suggest(format!("Did you mean `{near}`?")),
+                None => note,
+            };
             let span = Span::default();
             reader.notes.push(Remark { owner: owner.clone(), property: name, message: note, span });
         }

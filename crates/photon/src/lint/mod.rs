@@ -65,8 +65,11 @@ pub fn lint<E: Evaluator>(
     lint.surfaces();
     lint.volumes();
     for note in &optics.properties.notes {
-        if properties::successor(&note.property).is_none() {
-            lint.find_unused(&note.owner, &note.property, note.message.clone());
+        match note.owner.element {
+            // a border that names no placement is a mistake, not a leftover
+            "border" => lint.find(&note.owner, &note.property, note.message.clone()),
+            _ if properties::successor(&note.property).is_some() => {}
+            _ => lint.find_unused(&note.owner, &note.property, note.message.clone()),
         }
     }
     lint.findings

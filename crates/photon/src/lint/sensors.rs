@@ -2,13 +2,14 @@
 
 use super::state::Lint;
 use super::volumes::listed;
+use crate::detector::gdml::Placement;
 use crate::detector::properties::Owner;
 use rayweave_error::Message;
 use rayweave_scene::Datum;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 impl Lint<'_> {
-    /// Skins with an efficiency that act nowhere, since volumes in front of them have skins as well.
+    /// Skins with an efficiency that do not act, since volumes in front of them have skins as well: nowhere, or at some contacts.
     pub(super) fn covered_skins(&mut self) {
         let skins = self.skins();
         let mut found = Vec::new();
@@ -24,24 +25,96 @@ impl Lint<'_> {
                 if skins.get(volume).is_none_or(|(first, _)| *first != name) {
                     continue;
                 }
-                let fronts = self.volumes_in_front(volume, number);
-                let covers =
-                    fronts.iter().filter_map(|front| Some((front.as_str(), *skins.get(front.as_str())?)));
-                let Some((front, (cover, paint))) = covers.clone().next() else { continue };
-                let all = listed(covers.map(|(front, _)| front).collect::<Vec<_>>().into_iter());
-                let problem = format!("skin surface `{name}` of volume `{volume}` detects nothing");
-                let reason = format!(
-                    "light arrives from {all}, and the skin `{cover}` of `{front}` acts instead: between volumes beside each other the \
-                     skin of the volume in front comes first, as in Geant4"
-                );
-                let advice = format!(
-                    "Add a border surface with `{surface}` from the placement of `{front}` to each placement of `{volume}`, or make \
-                     `{paint}` the skin of their mother instead of `{front}`."
-                );
-                found.push((Owner::new("skin", name), Message::new(problem, reason).suggest(advice)));
+                let messages = match self.nowhere(name, (volume, number), &skins) {
+                    Some(message) => vec![message],
+                    None => self.covered_at_contacts(name, (volume, number), &skins),
+                };
+                found.extend(messages.into_iter().map(|message| (Owner::new("skin", name), message)));
             }
         }
         found.into_iter().for_each(|(owner, message)| self.find(&owner, "", message));
+    }
+
+    /// The message about the skin of a volume that acts nowhere.
+    fn nowhere(
+        &self,
+        name: &str,
+        (volume, number): (&str, usize),
+        skins: &HashMap<&str, (&str, &str)>,
+    ) -> Option<Message> {
+        let surface = &self.optics.surfaces[number].name;
+        let fronts = self.volumes_in_front(volume, number);
+        let covers = fronts.iter().filter_map(|front| Some((front.as_str(), *skins.get(front.as_str())?)));
+        let (front, (cover, paint)) = covers.clone().next()?;
+        let all = listed(covers.map(|(front, _)| front).collect::<Vec<_>>().into_iter());
+        let problem = format!("skin surface `{name}` of volume `{volume}` detects nothing");
+        let reason = format!(
+            "light arrives from {all}, and the skin `{cover}` of `{front}` acts instead: between volumes beside each other the \
+             skin of the volume in front comes first, as in Geant4"
+        );
+        let advice = format!(
+            "Add a border surface with `{surface}` from the placement of `{front}` to each placement of `{volume}`, or make \
+             `{paint}` the skin of their mother instead of `{front}`."
+        );
+        Some(Message::new(problem, reason).suggest(advice))
+    }
+
+    /// Messages about the volumes that touch a volume with a detecting skin, and whose own skins act there instead. A border surface
+    /// between the two is a choice of the author.
+    fn covered_at_contacts(
+        &self,
+        name: &str,
+        (volume, number): (&str, usize),
+        skins: &HashMap<&str, (&str, &str)>,
+    ) -> Vec<Message> {
+        let regions = &self.optics.volumes.regions;
+        let own: HashSet<u32> = regions.get(volume).into_iter().flatten().copied().collect();
+        let surface_of = |front: &str| {
+            let (skin, paint) = *skins.get(front)?;
+            let paint = self.optics.surfaces.iter().position(|surface| surface.name == paint)?;
+            (paint != number && !self.optics.surfaces[paint].detects()).then_some((skin, paint))
+        };
+        let is_covered = |front: &[u32], paint: usize| {
+            self.contacts.iter().any(|((before, after), surfaces)| {
+                let is_clear = || self.medium(*before).is_some_and(|medium| self.has_index(medium));
+                let only = surfaces.len() == 1 && surfaces.contains(&Some(paint));
+                front.contains(before) && own.contains(after) && only && is_clear()
+            })
+        };
+        let mut fronts: Vec<(&str, &str)> = regions
+            .iter()
+            .filter(|(front, _)| front.as_str() != volume)
+            .filter_map(|(front, list)| {
+                let (skin, paint) = surface_of(front)?;
+                is_covered(list, paint).then_some((front.as_str(), skin))
+            })
+            .collect();
+        fronts.sort_unstable();
+        let surface = &self.optics.surfaces[number].name;
+        let message = |(front, cover): (&str, &str)| {
+            let problem = format!(
+                "the skin `{name}` (EFFICIENCY) of volume `{volume}` does not act on light from `{front}`, which touches it"
+            );
+            let reason = format!(
+                "the skin `{cover}` of `{front}` comes first, as in Geant4 between volumes beside each other"
+            );
+            let (from, to) = (self.placements_of(front), self.placements_of(volume));
+            let advice = format!("Add a border surface with `{surface}` from {from} to {to}.");
+            Message::new(problem, reason).suggest(advice)
+        };
+        fronts.into_iter().map(message).collect()
+    }
+
+    /// The placements of a volume in backquotes, or a description if they have no names.
+    fn placements_of(&self, volume: &str) -> String {
+        let placements = self.optics.volumes.placements.iter();
+        let is_own = |list: &Vec<Placement>| list.iter().any(|placement| placement.volume == volume);
+        let names: BTreeSet<&str> =
+            placements.filter(|(_, list)| is_own(list)).map(|(name, _)| name.as_str()).collect();
+        match names.is_empty() || names.contains("") {
+            true => format!("the placement of `{volume}`"),
+            false => listed(names.into_iter()),
+        }
     }
 
     /// The volumes from which light reaches a volume whose skin has a number, if the skin acts at no contact that lines have found.

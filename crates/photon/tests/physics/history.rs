@@ -202,6 +202,12 @@ fn sequences_have_the_flags_of_opticks() {
     assert_eq!(nibbles, [0xd, 0x6, 0xc, 0xb, 0x4]);
     assert_eq!(sequence_text([0x4bc6d, 0]), "TO SC BT BR AB");
     assert_eq!(sequence_text([0; 2]), "");
+    // 32 flags, the last of which ends the photon or not
+    let full = |last: u64| {
+        [u64::from_str_radix("cccccccccccccccd", 16).unwrap(), last << 60 | 0x0ccc_cccc_cccc_cccc]
+    };
+    assert!(sequence_text(full(0xc)).ends_with("BT BT ..."));
+    assert!(sequence_text(full(7)).ends_with("BT SD"));
     let long = [u64::MAX / 15 * 12, 0x7];
     assert!(sequence_text(long).ends_with("BT BT SD") && sequence_text(long).split(' ').count() == 17);
 }

@@ -181,6 +181,7 @@ fn problems_and_unused_input_have_their_places() {
     let unknown = found(&slab, "`RINDEKS` is ignored");
     assert!(unknown.is_unused);
     assert_place(&slab, &unknown, "RINDEKS");
+    assert!(unknown.to_string().ends_with("Did you mean `RINDEX`?"), "{unknown}");
     let word = found(&slab, "the finish `polish`");
     assert!(word.to_string().contains("Did you mean `polished`?"), "{word}");
     assert_place(&slab, &word, r#"name="S""#);
@@ -350,6 +351,53 @@ fn a_skin_that_another_one_covers_is_named() {
     for cured in [mother, tank(&(skin("black", "Paint", "Tank") + &borders))] {
         assert!(hits(&cured).0 > 900);
         assert_eq!(findings(&cured), []);
+    }
+}
+
+/// The sensors are in clear liquid, where their skin acts on light from the world, but not on light from the tank.
+#[test]
+fn skins_are_judged_by_the_volumes_that_touch() {
+    let clear = |links: &str| {
+        tank(links).replace(r#""World"><materialref ref="Black"/>"#, r#""World"><materialref ref="Liquid"/>"#)
+    };
+    let skins = skin("black", "Paint", "Tank") + &skin("cathode", "Cathode", "Sensor");
+    let all = findings(&clear(&skins));
+    assert_eq!(hits(&clear(&skins)).0, 0);
+    assert_eq!(all.len(), 1, "{all:#?}");
+    assert!(!all[0].is_unused && all[0].place.is_some());
+    let found = all[0].to_string();
+    let wanted = "the skin `cathode` (EFFICIENCY) of volume `Sensor` does not act on light from `Tank`, which touches it: \
+                  the skin `black` of `Tank` comes first";
+    assert!(found.contains(wanted), "{found}");
+    let advice = "Add a border surface with `Cathode` from `tank` to `s0`, `s1`, `s2` and 1 more.";
+    assert!(found.contains(advice), "{found}");
+    let borders: String = (0..4).map(cathode).collect();
+    assert!(hits(&clear(&(skins.clone() + &borders))).0 > 900);
+    assert_eq!(findings(&clear(&(skins + &borders))), []);
+    // without the skin of the tank, that of the sensor acts
+    let own = findings(&clear(&skin("cathode", "Cathode", "Sensor")));
+    assert!(own.iter().all(|finding| finding.is_unused), "{own:#?}");
+}
+
+#[test]
+fn borders_of_unknown_placements_are_mistakes() {
+    for (name, advice) in [
+        ("tnak", "Did you mean `tank`?"),
+        (
+            "Tank",
+            "`Tank` is a volume, and `physvolref` names a placement (`physvol`): those of the volume are `tank`.",
+        ),
+        ("grease", "the placements are `s0`, `s1`, `s2`, `s3`, `tank`."),
+    ] {
+        let border = format!(
+            r#"<bordersurface name="c" surfaceproperty="Cathode"><physvolref ref="{name}"/><physvolref ref="s0"/></bordersurface>"#
+        );
+        let all = findings(&tank(&(skin("cathode", "Cathode", "Sensor") + &border)));
+        let finding = all.iter().find(|finding| finding.to_string().contains("no placement named"));
+        let finding = finding.unwrap_or_else(|| panic!("{all:#?}"));
+        assert!(!finding.is_unused && finding.place.is_some(), "{finding:?}");
+        assert!(finding.to_string().contains(&format!("`{name}`")), "{finding}");
+        assert!(finding.to_string().ends_with(advice), "{finding}");
     }
 }
 

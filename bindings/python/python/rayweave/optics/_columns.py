@@ -86,8 +86,9 @@ class Columns(Mapping[str, NDArray[Any]]):
         return Rows(columns, {})._repr_html_()
 
     def to_pandas(self) -> Any:
-        """The columns as a pandas DataFrame; the units are in its `attrs`."""
-        table = package("pandas", "data frames").DataFrame(self.columns, copy=False)
+        """Copies of the columns as a pandas DataFrame; the units are in its `attrs`."""
+        columns = {name: np.array(column) for name, column in self.columns.items()}
+        table = package("pandas", "data frames").DataFrame(columns, copy=False)
         table.attrs["units"] = dict(self.units)
         return table
 

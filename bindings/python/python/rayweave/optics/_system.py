@@ -468,11 +468,12 @@ class Trace(Mapping[str, NDArray[Any]]):
         return np.stack([self.columns[name] for name in ("x1", "y1", "z1")], axis=1)
 
     def to_pandas(self, *, names: bool = False) -> Any:
-        """The columns as a pandas DataFrame, without copies; or, with `names`, elements, surfaces and events by name, as
+        """Copies of the columns as a pandas DataFrame; or, with `names`, elements, surfaces and events by name, as
         categories."""
         if names:
             return self._rows().to_pandas()
-        return package("pandas", "data frames").DataFrame(self.columns, copy=False)
+        columns = {name: np.array(column) for name, column in self.columns.items()}
+        return package("pandas", "data frames").DataFrame(columns, copy=False)
 
     def to_xarray(self, *, names: bool = False) -> Any:
         """The columns as an xarray Dataset with the dimension `row`; or, with `names`, elements, surfaces and events by name."""

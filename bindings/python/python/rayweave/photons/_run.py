@@ -68,7 +68,7 @@ class _Named(Columns):
         pandas = package("pandas", "data frames")
         table = super().to_pandas()
         for column, names in self.names.items():
-            table[column] = pandas.Categorical.from_codes(self[column], names)
+            table[column] = pandas.Categorical.from_codes(np.array(self[column]), names)
         return table
 
     def to_arrow(self) -> Any:
@@ -169,7 +169,7 @@ class Hits(_Named):
 
     def plot(self, *, bins: int | None = None) -> Drawing:
         """Maps of the hits: hits per area of each sensor, in the plane in which they are spread most. Of several sensors, the
-        first map has all hits, and the eight sensors with the most hits have maps of their own, in the order of `sensor_paths`.
+        first map has all hits, and the sixteen sensors with the most hits have maps of their own, in the order of `sensor_paths`.
 
         `bins` is the number of cells along the longer side of each map; by default it grows with the number of hits, up to 64. The
         cells divide the extent of the hits."""
@@ -203,7 +203,7 @@ class Sequences(Table):
     """(N, 2) the sequences, as `seq[:, 0]` of Opticks: 4 bits for each of the first 32 rows of the history, the first one in the
     lowest bits; 1 plus the number of the flag's bit in OpticksPhoton.h, and 0 after the end."""
     texts: list[str]
-    """The sequences as texts, such as "TO BT SD"."""
+    """The sequences as texts, such as "TO BT SD"; of histories of more than 32 flags, the first 32 and "..."."""
 
     def _column(self, name: str) -> NDArray[Any]:
         column = getattr(self, name)
