@@ -73,12 +73,13 @@ impl Narrow {
         }
     }
 
-    /// Drops the sides with the widest chords.
+    /// Drops the sides with the widest chords; of equal ones, the last.
     fn shorten(&mut self) {
-        let mut widths: Vec<f64> = self.0.values().map(|kept| kept[0].width).collect();
-        widths.sort_by(f64::total_cmp);
-        let limit = widths[MAX_SIDES];
-        self.0.retain(|_, kept| kept[0].width < limit);
+        let mut sides: Vec<(f64, Side)> = self.0.iter().map(|(side, kept)| (kept[0].width, *side)).collect();
+        sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, side) in &sides[MAX_SIDES..] {
+            self.0.remove(side);
+        }
     }
 
     /// The narrowest place: a chord of the region, perpendicular to the faces as far as they allow it. Its width is at most that of
