@@ -93,6 +93,7 @@ fn row(finding: &Finding, section: Option<PySection>) -> Row {
 fn scope<'py>(py: Python<'py>, report: &CheckReport) -> PyResult<Bound<'py, PyDict>> {
     let (dict, scope) = (PyDict::new(py), &report.scope);
     dict.set_item("rays", scope.rays)?;
+    dict.set_item("chords", scope.chords)?;
     dict.set_item("wall", scope.wall)?;
     dict.set_item("gap", scope.gap)?;
     dict.set_item("distance", scope.distance)?;

@@ -19,7 +19,9 @@ use crate::measure::MeasuredChord;
 use crate::measure::cells::Cells;
 use rayweave_math::{Bounds, Vec3};
 use rayweave_model::drive::{Cancel, Stopped, drive, thread_count};
-use rayweave_model::{Crossing, Evaluator, Program, Query, RayAnswer, RayBatch, RegionId, attributes};
+use rayweave_model::{
+    Crossing, Evaluator, Face, LeafId, PlacementId, Program, Query, RayAnswer, RayBatch, RegionId, attributes,
+};
 use rayweave_shape::Ray;
 use std::convert::Infallible;
 use std::num::NonZeroUsize;
@@ -56,7 +58,18 @@ pub struct Piece<'a> {
     pub area: f64,
 }
 
+/// The leaves of the faces at the ends of a chord, with their placements, in ascending order.
+pub(crate) type Leaves = [(LeafId, PlacementId); 2];
+
 impl Piece<'_> {
+    /// The chord with its normals and the leaves of its faces.
+    pub(crate) fn across(&self) -> Across {
+        let leaf = |face: Face| (face.leaf, face.placement);
+        let mut leaves = [leaf(self.entry.face), leaf(self.exit.face)];
+        leaves.sort_unstable();
+        Across { chord: self.chord(), normals: self.normals(), leaves: Some(leaves) }
+    }
+
     /// The region; 0 is the world.
     pub fn region(&self) -> RegionId {
         self.entry.after
@@ -183,9 +196,21 @@ pub(crate) enum Faces {
 pub(crate) struct Across {
     pub chord: MeasuredChord,
     pub normals: [Vec3; 2],
+    /// `None` if they do not matter.
+    pub leaves: Option<Leaves>,
 }
 
 impl Across {
+    /// A chord with the normals at its ends, of any faces.
+    pub fn new(chord: MeasuredChord, normals: [Vec3; 2]) -> Across {
+        Across { chord, normals, leaves: None }
+    }
+
+    /// The middle of the chord.
+    pub fn middle(&self) -> Vec3 {
+        0.5 * (self.chord.from + self.chord.to)
+    }
+
     /// The length of the chord or, for a wall, an upper bound of its thickness: the diameter of the larger of the two balls that
     /// touch the face at one end from inside and go through the other end, `length / |n . d|`. No ball within the region that
     /// touches the face there is larger. For every chord of a ball, and for a chord perpendicular to both faces, it is the thickness.
@@ -211,24 +236,41 @@ fn shortest_across<E: Evaluator>(
     scratch: &mut E::Scratch,
 ) -> Option<Across> {
     let mut batch = RayBatch::default();
-    let units = directions.iter().map(|direction| direction.normalize_or_zero());
-    for unit in units.filter(|unit| *unit != Vec3::ZERO) {
-        points.iter().for_each(|point| batch.push(Ray::new(*point, unit)));
-    }
+    points.iter().for_each(|point| push(&mut batch, *point, directions));
     let mut least: Option<Across> = None;
+    chords(evaluator, &batch, is_in, faces, scratch, |across| {
+        if least.is_none_or(|least| across.width(faces) < least.width(faces)) {
+            least = Some(across);
+        }
+    });
+    least
+}
+
+/// Adds the rays from a point along directions; those of length 0 are left out.
+fn push(batch: &mut RayBatch, point: Vec3, directions: &[Vec3]) {
+    let units = directions.iter().map(|direction| direction.normalize_or_zero());
+    units.filter(|unit| *unit != Vec3::ZERO).for_each(|unit| batch.push(Ray::new(point, unit)));
+}
+
+/// Calls `visit` with the chord around the start of each ray of a batch, if it joins faces of the given kind.
+fn chords<E: Evaluator>(
+    evaluator: &E,
+    batch: &RayBatch,
+    is_in: &impl Fn(RegionId) -> bool,
+    faces: Faces,
+    scratch: &mut E::Scratch,
+    mut visit: impl FnMut(Across),
+) {
     let (rays, program) = (batch.rays(), evaluator.program());
     let mut sink = |answer: RayAnswer<'_>| {
         let Some([entry, exit]) = span_around(&answer, is_in) else { return };
         let ray = rays.get(answer.ray);
         let piece = Piece { program, ray, entry, exit, area: 0.0 };
-        let across = Across { chord: piece.chord(), normals: piece.normals() };
-        let is_less = least.is_none_or(|least| across.width(faces) < least.width(faces));
-        if is_less && (faces == Faces::Any || piece.wall().is_some()) {
-            least = Some(across);
+        if faces == Faces::Any || piece.wall().is_some() {
+            visit(piece.across());
         }
     };
     evaluator.crossings(rays, &Query::default(), scratch, &mut sink);
-    least
 }
 
 /// The crossings at the ends of the selected span around t = 0; `None` if it is infinite or t = 0 is not in it.
@@ -255,7 +297,7 @@ const SMALLER: f64 = 1.0 - 1e-9;
 /// its ends and those at the ends of the chords found. `None` for a chord that exists only because of rounding.
 pub(crate) fn thickness_at_middle<E: Evaluator>(
     evaluator: &E,
-    Across { chord, normals }: Across,
+    Across { chord, normals, .. }: Across,
     is_in: &impl Fn(RegionId) -> bool,
     faces: Faces,
     scratch: &mut E::Scratch,
@@ -272,32 +314,48 @@ pub(crate) fn thickness_at_middle<E: Evaluator>(
     Some(best)
 }
 
-/// A chord of a wall of which no chord beside it has a smaller width: its ends are moved to the feet of perpendiculars, in turn,
-/// as long as the width becomes smaller. Of chords of equal width, such as those of a ball, it is one along a normal.
+/// The chord of a wall again, along a ray that starts at its middle. `None` for a chord that exists only because of rounding.
+pub(crate) fn confirmed<E: Evaluator>(
+    evaluator: &E,
+    found: &Across,
+    is_in: &impl Fn(RegionId) -> bool,
+    scratch: &mut E::Scratch,
+) -> Option<Across> {
+    let along = found.chord.to - found.chord.from;
+    shortest_across(evaluator, &[found.middle()], &[along], is_in, Faces::Wall, scratch)
+}
+
+/// A chord of a wall of which no chord beside it has a smaller width, or the best one after the given number of steps; its width is
+/// never larger than that of `best`, except for rounding. Of chords of equal width, such as those of a ball, it is one along a normal.
+///
+/// Each step turns the chord towards the normals of its faces and moves it towards the narrower side, which is that of the sum of its
+/// outward normals. A chord between the same two leaves is preferred to one of another wall, which may be even narrower now, but not
+/// at its narrowest place.
 pub(crate) fn narrowest<E: Evaluator>(
     evaluator: &E,
     mut best: Across,
     is_in: &impl Fn(RegionId) -> bool,
+    steps: usize,
     scratch: &mut E::Scratch,
 ) -> Across {
-    /// The largest number of steps: each reduces the angles between chord and normals by a quarter or more.
-    const STEPS: usize = 128;
-    /// The distance from an end to the point beside it where rays start, relative to the length of the chord.
-    const INSIDE: f64 = 1e-6;
-    /// Parts of the way from the direction of the chord to the normals: a whole step may lead beyond the closest place.
-    const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
-    for _ in 0..STEPS {
-        let MeasuredChord { from, to } = best.chord;
-        let points = [from + INSIDE * (to - from), 0.5 * (from + to), to + INSIDE * (from - to)];
-        let along = (to - from).normalize_or_zero();
-        let directions = best.normals.map(|normal| {
-            let forward = if normal.dot(along) < 0.0 { -normal } else { normal };
-            PARTS.map(|part| along + part * (forward - along))
+    let mut before: Option<(Vec3, Vec3)> = None;
+    for _ in 0..steps {
+        let batch = beside(&best, before);
+        let [mut least, mut own] = [best; 2];
+        chords(evaluator, &batch, is_in, Faces::Wall, scratch, |across| {
+            let width = across.width(Faces::Wall);
+            if width < least.width(Faces::Wall) {
+                least = across;
+            }
+            if width < own.width(Faces::Wall) && across.leaves == best.leaves {
+                own = across;
+            }
         });
-        match shortest_across(evaluator, &points, directions.as_flattened(), is_in, Faces::Wall, scratch) {
-            Some(next) if next.width(Faces::Wall) < SMALLER * best.width(Faces::Wall) => best = next,
-            _ => break,
-        }
+        let limit = SMALLER * best.width(Faces::Wall);
+        let next = [own, least].into_iter().find(|next| next.width(Faces::Wall) < limit);
+        let Some(next) = next else { break };
+        before = Some((best.middle(), opening(&best)));
+        best = next;
     }
     let MeasuredChord { from, to } = best.chord;
     let (start, end) = (from + INSIDE * (to - from), to + INSIDE * (from - to));
@@ -310,6 +368,47 @@ pub(crate) fn narrowest<E: Evaluator>(
         }
     }
     best
+}
+
+/// The distance from an end of a chord to the point beside it where rays start, relative to the length of the chord.
+const INSIDE: f64 = 1e-6;
+
+/// The rays of a step of [`narrowest`]. `before` contains the middle and the opening of the chord before.
+fn beside(best: &Across, before: Option<(Vec3, Vec3)>) -> RayBatch {
+    /// Parts of the way from the direction of the chord to the normals: a whole step may lead beyond the closest place.
+    const PARTS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+    /// Powers of 4 of the radii of curvature, relative to the length of the chord, for which a sideways step is tried.
+    const RADII: std::ops::RangeInclusive<i32> = -2..=6;
+    let MeasuredChord { from, to } = best.chord;
+    let (along, length, middle) = ((to - from).normalize_or_zero(), best.chord.length(), best.middle());
+    let directions = best.normals.map(|normal| {
+        let forward = if normal.dot(along) < 0.0 { -normal } else { normal };
+        PARTS.map(|part| along + part * (forward - along))
+    });
+    let mut batch = RayBatch::default();
+    for point in [from + INSIDE * (to - from), middle, to + INSIDE * (from - to)] {
+        push(&mut batch, point, directions.as_flattened());
+    }
+    // the thickness falls along the sum of the outward normals, which is proportional to the distance from the narrowest place:
+    // their ratio, a radius of curvature, is unknown in the first step, and that of a secant afterwards
+    let slope = opening(best);
+    let secant = before.and_then(|(at, other)| {
+        let moved = middle - at;
+        let radius = moved.dot(moved) / moved.dot(slope - other).abs();
+        radius.is_finite().then_some(radius)
+    });
+    let radii = RADII.map(|power| length * 4f64.powi(power)).chain(secant);
+    for radius in radii.filter(|_| slope != Vec3::ZERO) {
+        push(&mut batch, middle + radius * slope, &[along, best.normals[1] - best.normals[0]]);
+    }
+    batch
+}
+
+/// The part of the sum of the outward normals that is perpendicular to the chord: minus the gradient of the thickness.
+fn opening(across: &Across) -> Vec3 {
+    let along = (across.chord.to - across.chord.from).normalize_or_zero();
+    let sum = across.normals[0] + across.normals[1];
+    sum - sum.dot(along) * along
 }
 
 #[cfg(test)]

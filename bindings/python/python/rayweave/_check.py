@@ -84,7 +84,7 @@ class Check(Tabular):
     findings: tuple[Finding, ...]
     unit: str
     scope: dict[str, float]
-    """Numbers of rays and pairs, and the lengths below which walls and gaps are reported."""
+    """Numbers of rays, of their chords in regions, and of pairs, and the lengths below which walls and gaps are reported."""
 
     def of(self, kind: str) -> tuple[Finding, ...]:
         """The findings of a kind."""

@@ -22,6 +22,7 @@
 
 mod finding;
 mod hierarchy;
+mod narrow;
 mod operands;
 mod pairs;
 mod parts;
@@ -34,6 +35,8 @@ mod share;
 mod subject;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wall_tests;
 
 pub use finding::{Finding, FindingKind};
 pub use hierarchy::Hierarchy;

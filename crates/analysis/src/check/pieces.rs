@@ -1,30 +1,15 @@
 //! Checks with rays through the whole model: thin walls, gaps, contacts, hidden regions.
 
+use super::narrow::{Narrow, SEARCHED};
 use super::probe::{FEW, Probe};
 use super::subject::Subject;
 use super::{Finding, FindingKind};
 use crate::AnalysisError;
 use crate::measure::MeasuredChord;
-use crate::survey::{Across, Faces, Piece, narrowest, thickness_at_middle};
+use crate::survey::{Faces, Piece};
 use rayweave_model::{Evaluator, Program, RegionId};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-
-/// The pieces of rays with the smallest estimated widths, the smallest first.
-#[derive(Clone, Debug, Default)]
-struct Narrow(Vec<Candidate>);
-
-/// A piece of a ray in a wall or gap.
-#[derive(Clone, Copy, Debug)]
-struct Candidate {
-    /// The estimated width.
-    width: f64,
-    region: RegionId,
-    across: Across,
-}
-
-/// The number of pieces of a wall or gap that are measured again. The estimate of the thinnest one may exceed those of others.
-const MAX_CANDIDATES: usize = 64;
 
 /// The contact of two regions.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +25,8 @@ type Two = [RegionId; 2];
 #[derive(Default)]
 struct Seen {
     regions: BTreeSet<RegionId>,
+    /// The number of pieces in regions.
+    chords: u64,
     thin: BTreeMap<RegionId, Narrow>,
     gaps: BTreeMap<Two, Narrow>,
     contacts: BTreeMap<Two, Contact>,
@@ -62,14 +49,13 @@ impl Seen {
             return;
         }
         self.regions.insert(region);
+        self.chords += 1;
         match width(piece, thin.max(narrow)) {
             // the space between daughters is a gap, regardless of its region
             Some(_) if is_mother(region, before) && is_mother(region, after) => {
                 self.narrow(piece, pair, narrow);
             }
-            Some(width) if width < thin => {
-                self.thin.entry(region).or_default().add(Candidate::new(piece, width));
-            }
+            Some(width) if width < SEARCHED * thin => self.thin.entry(region).or_default().add(piece),
             _ => {}
         }
         if after != world && after != region {
@@ -86,21 +72,21 @@ impl Seen {
     }
 
     fn narrow(&mut self, piece: &Piece<'_>, pair: Two, narrow: f64) {
-        if let Some(width) = width(piece, narrow) {
-            self.gaps.entry(pair).or_default().add(Candidate::new(piece, width));
+        // faces that touch at a point or along a line form no gap, although chords beside it are narrow: no wider ones are searched
+        if width(piece, narrow).is_some_and(|width| width < narrow) {
+            self.gaps.entry(pair).or_default().add(piece);
         }
     }
 
     /// Adds the observations of later rays; only rays through the whole model measure contacts.
     fn add(&mut self, other: Seen, has_contacts: bool) {
         self.regions.extend(other.regions);
+        self.chords += other.chords;
         for (region, narrow) in other.thin {
-            let known = self.thin.entry(region).or_default();
-            narrow.0.into_iter().for_each(|candidate| known.add(candidate));
+            self.thin.entry(region).or_default().append(narrow);
         }
         for (pair, narrow) in other.gaps {
-            let known = self.gaps.entry(pair).or_default();
-            narrow.0.into_iter().for_each(|candidate| known.add(candidate));
+            self.gaps.entry(pair).or_default().append(narrow);
         }
         for (pair, contact) in other.contacts.into_iter().filter(|_| has_contacts) {
             self.contacts.entry(pair).and_modify(|known| known.area += contact.area).or_insert(contact);
@@ -108,45 +94,11 @@ impl Seen {
     }
 }
 
-impl Narrow {
-    /// Adds a candidate, after those of equal width.
-    fn add(&mut self, candidate: Candidate) {
-        let at = self.0.partition_point(|known| known.width <= candidate.width);
-        if at < MAX_CANDIDATES {
-            self.0.insert(at, candidate);
-            self.0.truncate(MAX_CANDIDATES);
-        }
-    }
-
-    /// The narrowest place: a chord of the region, perpendicular to the faces as far as they allow it.
-    fn measured<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Option<Across> {
-        let mut least: Option<(RegionId, Across)> = None;
-        for candidate in &self.0 {
-            let is_in = |region| region == candidate.region;
-            let found = thickness_at_middle(evaluator, candidate.across, &is_in, Faces::Wall, scratch);
-            if let Some(found) = found
-                && least.is_none_or(|(_, least)| found.width(Faces::Wall) < least.width(Faces::Wall))
-            {
-                least = Some((candidate.region, found));
-            }
-        }
-        let (own, found) = least?;
-        Some(narrowest(evaluator, found, &|region| region == own, scratch))
-    }
-}
-
-impl Candidate {
-    fn new(piece: &Piece<'_>, width: f64) -> Candidate {
-        let across = Across { chord: piece.chord(), normals: piece.normals() };
-        Candidate { width, region: piece.region(), across }
-    }
-}
-
-/// The estimated width of a wall or gap, if it is below a limit.
+/// The estimated width of a wall or gap, if it may be below a limit.
 fn width(piece: &Piece<'_>, less_than: f64) -> Option<f64> {
     // much longer pieces run along a face; other rays cross it
     let is_near = piece.length() < 64.0 * less_than;
-    is_near.then(|| piece.wall()).flatten().filter(|width| *width < less_than)
+    is_near.then(|| piece.wall()).flatten().filter(|width| *width < SEARCHED * less_than)
 }
 
 /// Findings of rays through the whole model and through the box of each region.
@@ -174,6 +126,7 @@ pub fn findings<E: Evaluator>(
     for bounds in &subject.boxes {
         probe.survey(&evaluator, bounds, share.clamp(FEW, 64), visit, |some: Seen| seen.add(some, false))?;
     }
+    probe.scope.chords = seen.chords;
     let mut found = Vec::new();
     found.extend(walls_and_gaps(subject, &evaluator, &seen, limits));
     found.extend(contacts(subject, &seen, known));

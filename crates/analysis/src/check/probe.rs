@@ -184,7 +184,7 @@ fn thickest_of<E: Evaluator>(
             break;
         }
         let is_in = |region| region != RegionId(0);
-        let piece = Across { chord: *chord, normals: *normals };
+        let piece = Across::new(*chord, *normals);
         let found = thickness_at_middle(evaluator, piece, &is_in, Faces::Any, &mut scratch);
         let (thickness, chord) = found.map_or((0.0, *chord), |found| (found.chord.length(), found.chord));
         if best.is_none_or(|best| thickness > best.thickness) {

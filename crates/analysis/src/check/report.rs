@@ -21,6 +21,9 @@ pub struct CheckReport {
 pub struct Scope {
     /// The number of rays.
     pub rays: u64,
+    /// The number of chords that rays through the whole model and through single regions have in the regions. Their walls were
+    /// compared with [`wall`](Self::wall).
+    pub chords: u64,
     /// Walls thinner than this are reported.
     pub wall: f64,
     /// Gaps narrower than this are reported.

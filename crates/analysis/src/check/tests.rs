@@ -9,15 +9,15 @@ use rayweave_trace::AnyEvaluator;
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
 
-fn scene(text: &str) -> Scene {
+pub(super) fn scene(text: &str) -> Scene {
     rayweave_scene::parse(&format!("rayweave = 1\n{text}")).unwrap().1
 }
 
-fn quick() -> CheckSettings {
+pub(super) fn quick() -> CheckSettings {
     CheckSettings { across: 48, ..CheckSettings::default() }
 }
 
-fn checked(text: &str, settings: &CheckSettings) -> CheckReport {
+pub(super) fn checked(text: &str, settings: &CheckSettings) -> CheckReport {
     check(&scene(text), None, AnyEvaluator::maker(None), settings, &mut |_| ()).unwrap()
 }
 

@@ -204,7 +204,7 @@ fn seen_again<E: Evaluator>(evaluator: &E, candidate: &Candidate, scratch: &mut 
     let Candidate { chord, normals, is_a, .. } = *candidate;
     let own = if is_a { A_ONLY } else { B_ONLY };
     let is_own = |region| region == own;
-    let found = thickness_at_middle(evaluator, Across { chord, normals }, &is_own, Faces::Any, scratch);
+    let found = thickness_at_middle(evaluator, Across::new(chord, normals), &is_own, Faces::Any, scratch);
     let (thickness, chord) = found.map_or((0.0, chord), |found| (found.chord.length(), found.chord));
     ThickestSpot { at: 0.5 * (chord.from + chord.to), thickness, chord, is_a }
 }

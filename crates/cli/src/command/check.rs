@@ -110,6 +110,18 @@ pub struct Check {
     json: bool,
 }
 
+/// The title of the picture of a finding; for walls and gaps, with their size and the limit.
+fn title(finding: &Finding, report: &CheckReport) -> String {
+    let (what, limit) = match finding.kind {
+        FindingKind::Thin => ("wall", report.scope.wall),
+        FindingKind::Gap => ("gap", report.scope.gap),
+        _ => return finding.text.clone(),
+    };
+    let (size, unit) = (terminal::short3(finding.size.unwrap_or(0.0)), report.unit.symbol());
+    let (names, limit) = (finding.regions.join(" and "), terminal::short3(limit));
+    format!("{names}: {what} of {size} {unit}, limit {limit} {unit}")
+}
+
 /// One kind, or all kinds that are faults.
 #[derive(Clone, Copy)]
 enum Kinds {
@@ -168,40 +180,42 @@ impl Check {
         report.findings.extend(stated);
         // what is wrong with the light comes first: in a detector, volumes that touch are the usual case
         report.findings.sort_by_key(|finding| (finding.kind != FindingKind::Optical, finding.kind));
-        if let Some(folder) = &self.pictures {
-            self.draw(folder, &scene, &report, &settings)?;
-        }
+        let pictures = match &self.pictures {
+            Some(folder) => self.draw(folder, &scene, &report, &settings)?,
+            None => Vec::new(),
+        };
+        let written: String = pictures.iter().map(|path| format!("\npicture: {}", path.display())).collect();
+        let end = if written.is_empty() { "" } else { "\n" };
         terminal::print(&match self.json {
             true => format!("{:#}\n", self.as_json(&report)),
-            false => self.as_text(&report),
+            false => self.as_text(&report) + &written + end,
         })?;
         let is_bad = |finding: &Finding| self.fail_on.iter().any(|kinds| kinds.holds(finding.kind));
         if report.findings.iter().any(is_bad) { Err(Failure::Answer) } else { Ok(()) }
     }
 
-    /// Writes a picture of a finding, named by its number in the list and its kind.
+    /// Writes a picture of each located finding, named by its number in the list and its kind; returns their paths.
     fn draw(
         &self,
         folder: &std::path::Path,
         scene: &Scene,
         report: &CheckReport,
         settings: &CheckSettings,
-    ) -> Result<(), Failure> {
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let mut written = Vec::new();
         let cannot = |error: std::io::Error| {
             Failure::Run(format!("cannot write the pictures to {}: {error}.", folder.display()))
         };
         std::fs::create_dir_all(folder).map_err(cannot)?;
         for (number, finding) in (1..).zip(&report.findings) {
             if let Some(section) = finding_section(scene, finding, AnyEvaluator::maker(None), settings)? {
-                let svg = section_svg(&[section], &finding.text, report.unit.symbol());
-                drawing::save(
-                    &folder.join(format!("{number}-{}.svg", finding.kind.name())),
-                    &svg,
-                    &finding.text,
-                )?;
+                let title = title(finding, report);
+                let path = folder.join(format!("{number}-{}.svg", finding.kind.name()));
+                drawing::save(&path, &section_svg(&[section], &title, report.unit.symbol()), &title)?;
+                written.push(path);
             }
         }
-        Ok(())
+        Ok(written)
     }
 
     fn as_text(&self, report: &CheckReport) -> String {
@@ -240,6 +254,7 @@ impl Check {
             "findings": report.findings.iter().map(finding_json).collect::<Vec<_>>(),
             "scope": {
                 "rays": scope.rays,
+                "chords": scope.chords,
                 "wall": scope.wall,
                 "gap": scope.gap,
                 "distance": scope.distance,
@@ -350,6 +365,13 @@ fn scope(report: &CheckReport) -> String {
         short(scope.wall),
         short(scope.gap)
     );
+    if report.of(FindingKind::Thin).next().is_none() {
+        let (limit, unit) = (short(scope.wall), report.unit.symbol());
+        text += &format!(
+            "no wall under {limit} {unit} found among {} chords; a wall that no ray crosses is not found (see --cells)\n",
+            scope.chords
+        );
+    }
     if scope.left_out + scope.operands_left_out > 0 {
         let (pairs, operands) = (scope.left_out, scope.operands_left_out);
         text += &format!("not examined: {pairs} pairs of parts, {operands} operands (see --pairs)\n");

@@ -175,7 +175,12 @@ impl Diff {
             let volume = interval::text;
             let verdict = verdict_of(pair);
             let thickness = pair.spot.map_or_else(String::new, |spot| terminal::short3(spot.thickness));
-            let volumes = [volume(&pair.both), volume(&pair.a_only), volume(&pair.b_only)];
+            // no ray found a difference: the interval around 0 states the density of the rays only
+            let difference = |own: &measure::Estimate| match pair.is_same && own.value == 0.0 {
+                true => "0".to_owned(),
+                false => volume(own),
+            };
+            let volumes = [volume(&pair.both), difference(&pair.a_only), difference(&pair.b_only)];
             [vec![pair.name.clone(), verdict.to_owned()], volumes.into(), vec![thickness]].concat()
         });
         let what = match report.by {
@@ -185,6 +190,7 @@ impl Diff {
         };
         let header = [what, "verdict", "both", "A only", "B only", "thickest"];
         text += &terminal::table(&header, &rows.collect::<Vec<_>>(), &[false; 6]);
+        text += &format!("volumes in {unit}^3, ± half the width of their confidence interval\n");
         for pair in report.pairs.iter().filter(|pair| !pair.is_same) {
             text += &example(pair);
         }

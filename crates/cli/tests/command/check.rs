@@ -19,10 +19,15 @@ fn findings_with_places() {
     assert!(said.starts_with("plates.toml: overlap 1; lengths in mm\n"), "{said}");
     assert!(said.contains("overlap: a and b overlap; b, the later one, has priority"), "{said}");
     assert!(said.contains("0.5 mm deep, volume 8 ") && said.contains("ray from ("), "{said}");
+    assert!(said.contains("\npicture: found") && said.ends_with("1-overlap.svg\n"), "{said}");
     let picture = bench.read("found/1-overlap.svg");
     assert!(picture.contains(">both<") && picture.contains("a and b overlap"), "{picture}");
     let said = bench.says(&["check", "ball.toml", "--cells", "16"]);
     assert!(said.starts_with("ball.toml: nothing found"), "{said}");
+    assert!(
+        said.contains("no wall under ") && said.contains(" chords; a wall that no ray crosses"),
+        "{said}"
+    );
 }
 
 #[test]

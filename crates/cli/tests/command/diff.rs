@@ -14,7 +14,11 @@ fn the_same_is_0() {
     assert!(said.contains("same (as written)"), "{said}");
     bench.write("bead.toml", IN_INCHES);
     let said = bench.says(&["diff", "ball.toml", "bead.toml", "--cells", "32"]);
-    assert!(said.contains("the same solid") && !said.contains("as written"), "{said}");
+    assert!(
+        said.contains("the same solid") && !said.contains("as written") && !said.contains("0 ±"),
+        "{said}"
+    );
+    assert!(said.contains("volumes in mm^3, ± half the width of their confidence interval"), "{said}");
     // a different format
     bench.write("cube.csg", "cube(size = [2, 2, 2], center = true);");
     bench.write("cube.toml", "rayweave = 1\n[solid.cube]\nbox = { size = 2 }");

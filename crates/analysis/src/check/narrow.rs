@@ -1,0 +1,124 @@
+//! The narrowest place of a wall or gap.
+
+use crate::survey::{Across, Faces, Leaves, Piece, confirmed, narrowest};
+use rayweave_math::Vec3;
+use rayweave_model::{Evaluator, RegionId};
+use std::collections::BTreeMap;
+
+/// Chords with an estimated width below this multiple of a limit for walls are candidates: a chord beside the narrowest place of a
+/// wall, or slanted, may be wider than the limit.
+pub(super) const SEARCHED: f64 = 2.0;
+
+/// The number of chords kept for each side.
+const PER_SIDE: usize = 4;
+
+/// The number of sides kept for a wall or gap. The lists are shortened when they have reached twice this number.
+const MAX_SIDES: usize = 256;
+
+/// The largest number of steps towards the narrowest place. Each one reduces the distance from it by half or more, unless the curvature
+/// of the faces changes over that distance.
+const STEPS: usize = 128;
+
+/// The narrowest chords in a wall or gap. They are kept separately for each side of the body, so that thick walls with rays
+/// across them do not displace thinner ones that all rays cross at a slant. The narrowest of all chords is always kept.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Narrow(BTreeMap<Side, Vec<Candidate>>);
+
+/// The leaves that chords join, and the direction of the normals: the axis of its largest component, and the ratios of the others
+/// to it, in units of 1/2.
+type Side = (Option<Leaves>, u8, [i8; 2]);
+
+/// A chord of a region, with its width.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    width: f64,
+    region: RegionId,
+    across: Across,
+}
+
+impl Narrow {
+    /// Adds a chord.
+    pub fn add(&mut self, piece: &Piece<'_>) {
+        let across = piece.across();
+        let width = across.width(Faces::Wall);
+        self.insert(side(&across), Candidate { width, region: piece.region(), across });
+    }
+
+    /// Adds the chords of later rays.
+    pub fn append(&mut self, other: Narrow) {
+        for (side, candidates) in other.0 {
+            candidates.into_iter().for_each(|candidate| self.insert(side, candidate));
+        }
+    }
+
+    /// Adds a candidate, unless a narrower one is beside it.
+    fn insert(&mut self, side: Side, new: Candidate) {
+        let kept = self.0.entry(side).or_default();
+        let is_beside = |known: &Candidate| {
+            (known.across.middle() - new.across.middle()).length() < 0.5 * known.width.max(new.width)
+        };
+        let at = kept.partition_point(|known| known.width <= new.width);
+        if at == PER_SIDE || kept[..at].iter().any(is_beside) {
+            return;
+        }
+        kept.insert(at, new);
+        let mut number = 0;
+        kept.retain(|known| {
+            number += 1;
+            number <= at + 1 || !is_beside(known)
+        });
+        kept.truncate(PER_SIDE);
+        if self.0.len() > 2 * MAX_SIDES {
+            self.shorten();
+        }
+    }
+
+    /// Drops the sides with the widest chords; of equal ones, the last.
+    fn shorten(&mut self) {
+        let mut sides: Vec<(f64, Side)> = self.0.iter().map(|(side, kept)| (kept[0].width, *side)).collect();
+        sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, side) in &sides[MAX_SIDES..] {
+            self.0.remove(side);
+        }
+    }
+
+    /// The narrowest place: a chord of the region, perpendicular to the faces as far as they allow it. Its width is at most that of
+    /// each chord that was added, except for those that exist only because of rounding.
+    pub fn measured<E: Evaluator>(&self, evaluator: &E, scratch: &mut E::Scratch) -> Option<Across> {
+        let mut least: Option<Across> = None;
+        for candidates in self.0.values() {
+            let mut best: Option<(f64, RegionId, Across)> = None;
+            // one step for each candidate, all steps for the best one
+            for Candidate { region, across, .. } in candidates {
+                let is_in = |other: RegionId| other == *region;
+                let Some(across) = confirmed(evaluator, across, &is_in, scratch) else { continue };
+                let across = narrowest(evaluator, across, &is_in, 1, scratch);
+                let width = across.width(Faces::Wall);
+                if best.is_none_or(|(least, ..)| width < least) {
+                    best = Some((width, *region, across));
+                }
+            }
+            let Some((_, region, across)) = best else { continue };
+            let found = narrowest(evaluator, across, &|other| other == region, STEPS, scratch);
+            if least.is_none_or(|least| found.width(Faces::Wall) < least.width(Faces::Wall)) {
+                least = Some(found);
+            }
+        }
+        least
+    }
+}
+
+/// The side of a chord.
+fn side(across: &Across) -> Side {
+    let normal: Vec3 = across.normals[1] - across.normals[0];
+    let [x, y, z] = normal.to_array();
+    let (axis, by, others) = if x.abs() >= y.abs().max(z.abs()) {
+        (0, x, [y, z])
+    } else if y.abs() >= z.abs() {
+        (1, y, [z, x])
+    } else {
+        (2, z, [x, y])
+    };
+    // the quotient has the same sign for both directions of the chord
+    (across.leaves, axis, others.map(|other| (2.0 * other / by).round() as i8))
+}

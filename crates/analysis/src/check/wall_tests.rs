@@ -1,0 +1,129 @@
+//! Thinnest walls of parts with several walls, by closed forms.
+
+use super::tests::{checked, quick, scene};
+use super::*;
+use crate::survey::{Faces, Piece, Survey, survey};
+use rayweave_model::RegionId;
+use rayweave_trace::AnyEvaluator;
+
+/// A flange: disc 120 x 12, hub 50 x 40, eight holes of 9 on a circle of 95, a groove 3 wide and 2 deep.
+fn flange(groove: f64, bore: f64) -> String {
+    let outer = groove + 3.0;
+    format!(
+        "[solid.disc.revolve]\noutline = [[0, 0], {{ at = [60, 0], chamfer = 2 }}, {{ at = [60, 12], chamfer = 2 }}, [0, 12]]\n\
+         [solid.hub]\ncylinder = {{ radius = 25, height = 40 }}\ntransform = {{ translate = [0, 0, 20] }}\n\
+         [solid.bore]\ncylinder = {{ radius = {bore} }}\n[solid.hole]\ncylinder = {{ radius = 4.5 }}\n\
+         [solid.holes]\nplace = {{ solid = \"hole\", ring = 8, radius = 47.5 }}\n\
+         [solid.groove]\ntube = {{ inner_radius = {groove}, outer_radius = {outer}, height = 4 }}\n\
+         [solid.flange]\nexpr = \"(disc | hub) - bore - holes - groove\"\n[[region]]\nsolid = \"flange\""
+    )
+}
+
+fn thinnest(text: &str, wall: f64, across: u32, seed: u64) -> Option<f64> {
+    let settings = CheckSettings { wall: Some(wall), across, seed, ..CheckSettings::default() };
+    checked(text, &settings).of(FindingKind::Thin).next().map(|finding| finding.size.unwrap())
+}
+
+fn is_near(found: Option<f64>, expected: f64) -> bool {
+    found.is_some_and(|found| (found - expected).abs() < 1e-6 * expected)
+}
+
+/// The wall of 7 between the groove and a hole is only 2 deep; others are 8 (hole to rim), 10 (hub) and 12 (disc). Rays at a slant
+/// across it have larger widths than rays across the disc.
+#[test]
+fn the_thinnest_of_several_walls_is_found() {
+    for (across, seed, wall) in
+        [(32, 0, 100.0), (64, 1, 100.0), (128, 2, 100.0), (64, 3, 7.5), (64, 4, 8.5), (64, 0, 11.0)]
+    {
+        let found = thinnest(&flange(33.0, 15.0), wall, across, seed);
+        assert!(is_near(found, 7.0), "{across} {seed} {wall}: {found:?}");
+    }
+    assert_eq!(thinnest(&flange(33.0, 15.0), 6.9999, 64, 0), None);
+}
+
+/// The wall between groove and hole becomes thinner as the groove becomes larger; that of the hub as the bore becomes larger.
+#[test]
+fn a_wall_does_not_hide_another() {
+    for groove in [26.0, 30.0, 32.0, 32.5, 33.5, 35.0] {
+        let (found, expected) = (thinnest(&flange(groove, 15.0), 100.0, 64, 0), (40.0f64 - groove).min(8.0));
+        assert!(is_near(found, expected), "{groove}: {found:?}, not {expected}");
+    }
+    for bore in [17.0, 18.5, 19.0] {
+        let (found, expected) = (thinnest(&flange(33.0, bore), 11.0, 64, 1), (25.0f64 - bore).min(7.0));
+        assert!(is_near(found, expected), "{bore}: {found:?}, not {expected}");
+    }
+}
+
+/// A random number from 0 to 1 of a linear congruential generator (Knuth, MMIX).
+fn random(state: &mut u64) -> f64 {
+    *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+    (*state >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// A plate 40 x 40 x 9 with holes at random places, turned by a random angle, and its thinnest wall.
+fn plate(state: &mut u64) -> (String, f64) {
+    let mut holes: Vec<[f64; 3]> = Vec::new();
+    let mut thinnest = 9.0f64;
+    while holes.len() < 4 {
+        let [x, y, radius] = [0, 1, 2].map(|_| random(state));
+        let hole = [30.0 * x - 15.0, 30.0 * y - 15.0, 1.0 + 7.0 * radius];
+        let to_side = 20.0 - hole[0].abs().max(hole[1].abs()) - hole[2];
+        let to_other = |other: &[f64; 3]| (hole[0] - other[0]).hypot(hole[1] - other[1]) - hole[2] - other[2];
+        let least = holes.iter().map(to_other).fold(to_side, f64::min);
+        if least > 0.3 {
+            holes.push(hole);
+            thinnest = thinnest.min(least);
+        }
+    }
+    let one = |(k, [x, y, radius]): (usize, &[f64; 3])| {
+        format!(
+            "[solid.h{k}]\ncylinder = {{ radius = {radius:?} }}\ntransform = {{ translate = [{x:?}, {y:?}, 0] }}\n"
+        )
+    };
+    let solids: String = holes.iter().enumerate().map(one).collect();
+    let text = format!(
+        "[solid.plate]\nbox = {{ size = [40, 40, 9] }}\n{solids}[solid.part]\nexpr = \"plate - h0 - h1 - h2 - h3\"\n\
+         transform = {{ rotate_z = {} }}\n[[region]]\nsolid = \"part\"",
+        90.0 * random(state)
+    );
+    (text, thinnest)
+}
+
+/// The smallest width of a chord of the rays through the whole model.
+fn least_of_chords(text: &str, settings: &CheckSettings) -> f64 {
+    let model = Model::new(&scene(text), settings).unwrap();
+    let evaluator = AnyEvaluator::maker(None)(model.program.clone()).unwrap();
+    let rays = Survey {
+        bounds: model.frame,
+        across: settings.across,
+        seed: settings.seed,
+        stream: 1,
+        threads: None,
+        cancel: settings.cancel.clone(),
+    };
+    let visit = |found: &mut Vec<f64>, piece: &Piece<'_>| {
+        if piece.region() != RegionId(0) && piece.wall().is_some() {
+            found.push(piece.across().width(Faces::Wall));
+        }
+    };
+    let mut least = f64::INFINITY;
+    let merge = |some: Vec<f64>| least = some.into_iter().fold(least, f64::min);
+    survey(&evaluator, &rays, visit, merge).unwrap();
+    least
+}
+
+/// No thickness is below the closed form or above the width of a chord, and nearly all are the closed form.
+#[test]
+fn thinnest_walls_of_random_plates() {
+    let (mut state, mut exact) = (1, 0);
+    for seed in 0..12 {
+        let (text, expected) = plate(&mut state);
+        let settings = CheckSettings { wall: Some(100.0), seed, ..quick() };
+        let found = thinnest(&text, 100.0, settings.across, seed).unwrap();
+        let chords = least_of_chords(&text, &settings);
+        assert!(found > expected * (1.0 - 1e-9), "{seed}: {found}, not {expected}\n{text}");
+        assert!(found < chords * (1.0 + 1e-9), "{seed}: {found}, chord of {chords}\n{text}");
+        exact += u32::from(is_near(Some(found), expected));
+    }
+    assert!(exact >= 11, "{exact}");
+}
