@@ -46,7 +46,9 @@ def _labelled(ax: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
 class SpotSize:
     """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the largest
     distance from the centroid. If the points of the pupil were not given, centroid and RMS radii are means over the
-    pupil by `pupil_quadrature`, and `rays` counts the rays of that rule; otherwise rays are weighted by their power.
+    pupil by `pupil_quadrature` or, for vignetted fields, by an even grid, and `rays` counts the rays of that rule that
+    arrive; otherwise rays are weighted by their power. `launched` is the number of rays before the lens, `transmitted` the
+    fraction of the area of the pupil whose rays arrive, averaged over the wavelengths.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -64,6 +66,8 @@ class SpotSize:
     rms_x: float
     rms_y: float
     geometric: float
+    launched: int
+    transmitted: float
 
 
 class Rays(Columns):
@@ -82,7 +86,7 @@ class Rays(Columns):
     (127, 'mm')
     """
 
-    def __init__(self, compiled: _core.Arrivals, unit: str, means: Callable[[], PupilMeans] | None = None) -> None:
+    def __init__(self, compiled: _core.Arrivals, unit: str, means: Callable[[], PupilMeans]) -> None:
         lengths = dict.fromkeys(("x", "y", "z", "path"), unit)
         super().__init__(compiled.columns(), {**lengths, "wavelength_nm": "nm"})
         self._compiled = compiled
@@ -93,8 +97,7 @@ class Rays(Columns):
     def _means(self) -> PupilMeans:
         """The rays for means over the pupil: those of a quadrature, traced on demand, or else these rays."""
         if self._found_means is None:
-            given = self._find_means
-            self._found_means = given() if given is not None else PupilMeans.of(self, np.ones(int(self["id"].max(initial=0)) + 1))
+            self._found_means = self._find_means()
         return self._found_means
 
     def moved(self, shift: float) -> Rays:
@@ -104,9 +107,10 @@ class Rays(Columns):
 
     def spot(self) -> SpotSize:
         """The size of the spot."""
-        rays, centroid, radii = self._means().spot()
+        means = self._means()
+        rays, centroid, radii = means.spot()
         off = np.hypot(self["x"] - centroid[0], self["y"] - centroid[1])
-        return SpotSize(rays, centroid, *radii, float(off.max(initial=0.0)))
+        return SpotSize(rays, centroid, *radii, float(off.max(initial=0.0)), means.launched, means.transmitted)
 
     def best_focus(self) -> float:
         """The shift of the image along the axis with the smallest RMS radius, in closed form; NaN for parallel rays.
@@ -132,9 +136,10 @@ class Rays(Columns):
 
 
 class Spots(Columns):
-    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays` of the means; the centroid `x`, `y`;
-    the RMS radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. Centroid and RMS radii are means
-    over the pupil (`pupil_quadrature`). `images` has the rays of every field for drawings, on hexapolar rings; the
+    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays` of the means, of those `launched`, and the
+    fraction `transmitted` of the pupil, less than 1 with vignetting; the centroid `x`, `y`; the RMS radius `rms` with its
+    parts `rms_x` and `rms_y`; the `geometric` radius. Centroid and RMS radii are means over the part of the pupil that
+    transmits (by `pupil_quadrature`, or by an even grid if rays are vignetted). `images` has the rays of every field for drawings, on hexapolar rings; the
     geometric radius is the largest distance of one of them from the centroid.
 
     >>> import rayweave.optics as ro
@@ -167,7 +172,7 @@ class Spots(Columns):
                 "field": np.arange(len(images)),
                 "field_x": [x for x, _ in fields],
                 "field_y": [y for _, y in fields],
-                "rays": [size.rays for size in sizes],
+                **{name: [getattr(size, name) for size in sizes] for name in ("rays", "launched", "transmitted")},
                 "x": [size.centroid[0] for size in sizes],
                 "y": [size.centroid[1] for size in sizes],
                 **{name: [getattr(size, name) for size in sizes] for name in ("rms", "rms_x", "rms_y", "geometric")},

@@ -46,7 +46,7 @@ from rayweave.optics._images import (
     ThroughFocus,
     Wavefront,
 )
-from rayweave.optics._pupil import RINGS, PupilMeans, best_shift, pupil_grid, pupil_quadrature
+from rayweave.optics._pupil import RINGS, PupilMeans, best_shift, even_points, pupil_grid, pupil_quadrature
 from rayweave.optics._system import _UNIT_NM, System
 
 if TYPE_CHECKING:
@@ -632,18 +632,27 @@ class Prescription:
         are not `aimed` at the stop are refused where the real entrance pupil of the field is far from the paraxial one.
 
         Without `pupil`, `Rays.spot` and `Rays.best_focus` are means over the pupil by `pupil_quadrature(rings)`, whose
-        rays are traced when they are needed; with `pupil` they are means of the given rays, weighted by power.
+        rays are traced when they are needed; with `pupil` they are means of the given rays, weighted by power. If a ray
+        of the field is vignetted, the quadrature, which needs a clear pupil, is replaced by 4096 points or more that are
+        even in area: RMS radii are then exact to about 1 %.
         """
         self._needs_real_object()
         line = None if wavelength_nm is None else self._wavelength(wavelength_nm)
         points, number, aims = _pupil(pupil, rings), whole(field, "field"), flag(aimed, "aimed")
         found = self._compiled.arrivals(number, line, points, aims)
-        if pupil is not None:
-            return Rays(found, self.unit)
+        lines = len(self.wavelengths_nm) if line is None else 1
 
         def means() -> PupilMeans:
+            columns = found.columns()
+            if pupil is not None:
+                return PupilMeans.of(columns, np.ones(len(points)), lines)
             places, weights = pupil_quadrature(rings)
-            return PupilMeans.of(self._compiled.arrivals(number, line, places, aims).columns(), weights)
+            best = self._compiled.arrivals(number, line, places, aims).columns()
+            if rings > 0 and len(columns["id"]) + len(best["id"]) < lines * (len(points) + len(places)):
+                places = even_points(rings)
+                best = self._compiled.arrivals(number, line, places, aims).columns()
+                weights = np.full(len(places), 1.0 / len(places))
+            return PupilMeans.of(best, weights, lines)
 
         return Rays(found, self.unit, means)
 
@@ -659,7 +668,9 @@ class Prescription:
         `shift`.
 
         Centroids and RMS radii are means over the area of the pupil, from 2 rings (rings + 2) rays per wavelength
-        (`pupil_quadrature`), weighted by wavelength and internal transmittance. The points of the diagram and the
+        (`pupil_quadrature`), weighted by wavelength and internal transmittance; for a field with vignetted rays, from 4096
+        or more rays that are even in area, exact to about 1 %. The column `transmitted` is the fraction of the pupil whose
+        rays arrive. The points of the diagram and the
         geometric radius are those of hexapolar rings, 1 + 3 rings (rings + 1) rays per wavelength.
         """
         rays = self._images(wavelength_nm, None, aimed, rings)
