@@ -618,6 +618,31 @@ class Distortion(_OverField):
         return _labelled(ax, "distortion, %", self._label(), legend=False)
 
 
+class Vignetting(_OverField):
+    """The fraction of the pupil that is `transmitted` from each field: 1 without vignetting.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> lens.vignetting(count=3)["transmitted"]
+    array([1., 1., 1.])
+    """
+
+    @classmethod
+    def of(cls, sweep: Sweep, transmitted: Numbers) -> Self:
+        """From fractions by field."""
+        return cls._over(sweep, {"transmitted": transmitted}, {})
+
+    def show(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the fraction in percent over the field."""
+        ax = _axes(ax)
+        ax.plot(self._height(), 100.0 * self["transmitted"])
+        ax.set_xlim(0.0, float(self._height().max()) or None)
+        ax.set_ylim(0.0, 102.0)
+        ax.grid(color="#e0e0e0", linewidth=0.6)
+        return _labelled(ax, self._label(), "transmitted part of the pupil, %", legend=False)
+
+
 class FieldCurvature(_OverField):
     """The `tangential` and the `sagittal` focus, as distances from the image along the axis.
 
