@@ -238,9 +238,12 @@ class Fans(Columns):
     (-1.0, 1.0)
     """
 
+    _names: Sequence[str] = ()
+
     @classmethod
-    def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str) -> Self:
-        """From single fans: field, wavelength, axis, positions in the pupil, errors (N, 2)."""
+    def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str, names: Sequence[str] = ()) -> Self:
+        """From single fans: field, wavelength, axis, positions in the pupil, errors (N, 2); `names` are those of the fields
+        in drawings."""
         heads = np.concatenate([np.tile([fan[:3]], (len(fan[3]), 1)) for fan in found])
         errors = np.concatenate([fan[4] for fan in found])
         columns = {
@@ -251,7 +254,9 @@ class Fans(Columns):
             "error_x": errors[:, 0],
             "error_y": errors[:, 1],
         }
-        return cls(columns, {"wavelength_nm": "nm", "error_x": unit, "error_y": unit})
+        made = cls(columns, {"wavelength_nm": "nm", "error_x": unit, "error_y": unit})
+        made._names = names
+        return made
 
     def fan(self, field: int, wavelength_nm: float, along: Literal["x", "y"]) -> tuple[Numbers, Numbers]:
         """One fan: positions in the pupil along an axis, and the errors along the same axis."""
@@ -269,18 +274,18 @@ class Fans(Columns):
         fields = np.unique(self["field"])
         if axes is None:
             size = (8.0, 2.2 * len(fields) + 0.6)
-            axes = plt.subplots(len(fields), 2, sharex=True, sharey=True, figsize=size, squeeze=False)[1]
+            axes = plt.subplots(len(fields), 2, sharex=True, sharey=True, figsize=size, squeeze=False, layout="constrained")[1]
         for row, field in zip(axes, fields.tolist(), strict=True):
             for ax, along in zip(row, _ALONG, strict=True):
                 for line in np.unique(self["wavelength_nm"]).tolist():
                     shade = wavelength_rgb(np.array([line]))
                     ax.plot(*self.fan(field, line, along), color=shade[0], label=f"{line:g} nm")
                 ax.axhline(0.0, color="#a0a0a0", linewidth=0.6)
-                ax.set_title(f"field {field}, along {along}", fontsize="small")
+                name = self._names[field] if field < len(self._names) else f"field {field}"
+                ax.set_title(f"{name}, along {along}", fontsize="small")
                 last = field == fields[-1]
                 up = f"error, {self.units['error_y']}" if along == "y" else ""
                 _labelled(ax, "pupil" if last else "", up, legend=field == fields[0] and along == "y")
-        axes[0][0].get_figure().tight_layout()
         return axes
 
 
@@ -417,6 +422,16 @@ class Wavefront(Columns):
 class _ByField(Columns):
     """Rows for every field, one block after the other."""
 
+    _names: Sequence[str] = ()
+
+    def named(self, names: Sequence[str]) -> Self:
+        """The same rows with names of the fields for drawings."""
+        self._names = names
+        return self
+
+    def _name(self, field: int) -> str:
+        return self._names[field] if field < len(self._names) else f"field {field}"
+
     def of_field(self, field: int, name: str) -> NDArray[Any]:
         """A column of one field."""
         return np.asarray(self[name][self["field"] == field])
@@ -425,7 +440,7 @@ class _ByField(Columns):
         ax = _axes(ax)
         for field in np.unique(self["field"]).tolist():
             for name, style in names.items():
-                label = f"field {field}" + (f", {name}" if len(names) > 1 else "")
+                label = self._name(field) + (f", {name}" if len(names) > 1 else "")
                 at = self.of_field(field, across)
                 ax.plot(at, self.of_field(field, name), style, color=f"C{field}", label=label)
         unit = self.units[across]
@@ -510,7 +525,7 @@ class Modulation(_ByField):
         ax.set_xlim(0.0, float(self["frequency"].max()) or None)
         ax.set_ylim(0.0, 1.02)
         ax.grid(color="#e0e0e0", linewidth=0.6)
-        ax.legend(fontsize="small")
+        ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
         return ax
 
 

@@ -14,7 +14,7 @@ from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
 from rayweave._table import table_of
 from rayweave._words import no_attribute, suggesting
-from rayweave.optics._diffraction import TransferFunction, pupil_cells, slopes_of_pupil
+from rayweave.optics._diffraction import TransferFunction, cells_for, pupil_cells, slopes_of_pupil, steepest_step
 from rayweave.optics._elements import _D_NM, Element, Finish
 from rayweave.optics._given import (
     all_of,
@@ -713,7 +713,7 @@ class Prescription:
                 for along, kind in enumerate(_FANS):
                     at, errors = self._compiled.fan(field, line, pupil_grid(kind, count), flag(aimed, "aimed"))
                     found.append((field, line, along, at[:, along], errors))
-        return Fans.of(found, self.unit)
+        return Fans.of(found, self.unit, self._field_names())
 
     def wavefront(
         self,
@@ -743,7 +743,7 @@ class Prescription:
         rays = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed)
         if radii is None:
             radii = np.linspace(0.0, max(image.spot().geometric for image in rays), 101)
-        return Energy.of(rays, array(radii, "radii"), self.unit)
+        return Energy.of(rays, array(radii, "radii"), self.unit).named(self._field_names())
 
     @_for_frequencies
     def geometric_mtf(
@@ -766,7 +766,7 @@ class Prescription:
             # the frequency at which the modulation of the smallest spot vanishes
             least = min(image.spot().rms for image in rays)
             frequencies = _frequencies(min(cutoff, 0.3 / least) if least > 0.0 else cutoff)
-        return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit)
+        return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit).named(self._field_names())
 
     @_for_frequencies
     def mtf(
@@ -786,7 +786,7 @@ class Prescription:
         frequencies: ArrayLike | None = None,
         *,
         wavelength_nm: float | None = None,
-        across: int = 96,
+        across: int | None = None,
         aimed: bool = False,
     ) -> DiffractionModulation:
         """The modulation transfer function of every field with diffraction, by frequency in cycles per unit of length:
@@ -797,12 +797,14 @@ class Prescription:
         square of the modulus of its transform (J. W. Goodman, Introduction to Fourier Optics, section 6.3). The pupil
         function has the phase of `wavefront` and equal amplitudes where light arrives, on `across` cells across the
         pupil, which is mapped to direction cosines at the image by the linear map that fits the rays best. The result
-        is wrong by up to about 1 / across^1.5. Wavefronts that change by more than a quarter of a wave between two cells
+        is wrong by up to about 1 / across^1.5. `across` is 96 by default, and more for each field and wavelength whose
+        wavefront changes by more than a quarter of a wave between two cells, up to 2048; with fewer cells such wavefronts
         are refused. At several wavelengths the transfer functions are added with their phases, so that lateral colour
         counts. Scalar diffraction: not for numerical apertures at the image above about 0.5."""
         self._needs_real_object()
-        count, aims = whole(across, "across", least=2, bits=31), flag(aimed, "aimed")
-        if count > _MOST_CELLS:
+        count = None if across is None else whole(across, "across", least=2, bits=31)
+        aims = flag(aimed, "aimed")
+        if count is not None and count > _MOST_CELLS:
             raise _core.RayweaveError(f"across is {count}: it must be at most {_MOST_CELLS}.")
         cutoff = self._cutoff()
         wanted = _frequencies(cutoff) if frequencies is None else np.atleast_1d(array(frequencies, "frequencies"))
@@ -816,27 +818,35 @@ class Prescription:
             found = sum(weight * self._transfer(field, nm, vectors, count, aims) for nm, weight in lines)
             modulations.append(np.abs(found) / sum(weight for _, weight in lines))
         parts = [np.concatenate(part) for part in zip(*(np.split(both, 2) for both in modulations), strict=True)]
-        return DiffractionModulation.from_parts(len(self.fields), wanted, parts[0], parts[1], cutoff, self.unit)
+        made = DiffractionModulation.from_parts(len(self.fields), wanted, parts[0], parts[1], cutoff, self.unit)
+        return made.named(self._field_names())
 
     def _transfer(
-        self, field: int, wavelength_nm: float, frequencies: NDArray[np.float64], across: int, aimed: bool
+        self, field: int, wavelength_nm: float, frequencies: NDArray[np.float64], across: int | None, aimed: bool
     ) -> NDArray[np.complex128]:
-        """The optical transfer function at frequencies (N, 2), with the phase of the place of the image."""
+        """The optical transfer function at frequencies (N, 2), with the phase of the place of the image; on as many cells as
+        the wavefront needs if `across` is None."""
         middle = self.arrivals(field, wavelength_nm=wavelength_nm, pupil=[[0.0, 0.0]], aimed=aimed)
         rays = self.arrivals(field, wavelength_nm=wavelength_nm, pupil=(points := pupil_quadrature()[0]), aimed=aimed)
-        front = self.wavefront(field, wavelength_nm=wavelength_nm, pupil=pupil_cells(across), aimed=aimed)
+        cells, needed = 0, across or _CELLS
+        # the rim decides how steep a wavefront is: finer cells need more, but ever less
+        while needed > cells:
+            cells = needed
+            front = self.wavefront(field, wavelength_nm=wavelength_nm, pupil=pupil_cells(cells), aimed=aimed)
+            pupil = np.stack([front["pupil_x"], front["pupil_y"]], axis=1)
+            if across is None and front.rows:
+                needed = min(cells_for(steepest_step(pupil, front["waves"], cells), cells), _MOST_CELLS)
         if not rays.rows or not front.rows:
             raise _core.RayweaveError(f"no light of the field {field} arrives at the image: it has no transfer function.")
         tilts = np.stack([rays["x_tilt"], rays["y_tilt"]], axis=1)
         slopes = slopes_of_pupil(points[rays["id"]], tilts)
-        pupil = np.stack([front["pupil_x"], front["pupil_y"]], axis=1)
         # a frequency v is a difference of direction cosines of wavelength v / index
         unit_nm = float(self._compiled.frame()["unit_nm"])
         differences = frequencies * (wavelength_nm / unit_nm / float(middle["index"][0]))
         shifts: NDArray[np.float64] = np.asarray(np.linalg.solve(slopes, differences.T).T, float)
         place = np.array([middle["x"][0], middle["y"][0]])
         turn = np.exp(-2.0j * np.pi * (frequencies @ place))
-        return np.asarray(turn * TransferFunction.of(pupil, front["waves"], across).at(shifts))
+        return np.asarray(turn * TransferFunction.of(pupil, front["waves"], cells).at(shifts))
 
     def through_focus(
         self,
@@ -853,7 +863,7 @@ class Prescription:
             reach = 2.0 * float(best[np.isfinite(best)].max(initial=0.0))
             reach = reach or 1e-3 * abs(self.first_order().focal_length)
             shifts = np.linspace(-reach, reach, 41)
-        return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit)
+        return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit).named(self._field_names())
 
     def refocused(self, *, wavelength_nm: float | None = None, rings: int = RINGS, aimed: bool = False) -> Prescription:
         """The same prescription with the image at the best focus: the thickness of the last surface is that with the
@@ -1122,6 +1132,8 @@ def _unit_nm(unit: str) -> float:
     return _UNIT_NM[unit]
 
 
+#: The default number of cells across the pupil.
+_CELLS = 96
 #: The limit of cells across the pupil: 3 million rays, and Fourier transforms of 4096 x 4096 points.
 _MOST_CELLS = 2048
 
