@@ -672,3 +672,24 @@ def test_prescriptions_are_pickled() -> None:
         assert again.fields == lens.fields and again.name == lens.name
         assert again.to_zmx() == lens.to_zmx()
         assert (again.spots()["rms"] == lens.spots()["rms"]).all()
+
+
+def test_diffraction_takes_as_many_cells_as_the_wavefront_needs() -> None:
+    # three waves and more of spherical aberration: 24 cells are too few
+    lens = Prescription([Surface(50, 5, "N-BK7"), Surface(-50, 46)], entrance_pupil_diameter=10)
+    with pytest.raises(RayweaveError, match="Pass across=") as refused:
+        lens.diffraction_mtf([20.0], across=24)
+    needed = re.search(r"across=(\d+)", str(refused.value))
+    assert needed is not None
+    enough = lens.diffraction_mtf([20.0], across=int(needed[1]))["tangential"]
+    assert lens.diffraction_mtf([20.0])["tangential"] == pytest.approx(enough, abs=0.01)
+
+
+def test_drawings_name_fields_by_their_place() -> None:
+    pytest.importorskip("matplotlib").use("Agg")
+    lens = design("cooke-triplet")
+    _, labels = lens.geometric_mtf([0.0, 10.0]).show().get_legend_handles_labels()
+    assert labels[:2] == ["0 deg, tangential", "0 deg, sagittal"]
+    assert lens.fans(count=5).show()[1][0].get_title() == "14 deg, along y"
+    with pytest.raises(AttributeError, match="write_zmx"):
+        lens.save  # noqa: B018
