@@ -146,6 +146,25 @@ impl Segments {
         self.id.is_empty()
     }
 
+    /// True if the ray of a row has met the elements `wanted` in this order, and no others, with the last of them at the end
+    /// of this row. Elements that transmit it undeviated do not count; every segment of the ray has to be kept.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn followed(&self, row: usize, wanted: &[usize]) -> bool {
+        let mut left = wanted.iter().rev();
+        let mut at = row as i64;
+        while at >= 0 {
+            let here = at as usize;
+            let is_straight = self.event[here] == Event::Passed as u8 && here != row;
+            if !is_straight && left.next().map(|&element| element as i32) != Some(self.element[here]) {
+                return false;
+            }
+            at = self.parent[here];
+        }
+        left.next().is_none()
+    }
+
     /// The size of a row in bytes.
     pub const ROW: u64 = 15 * 8 + 4 * 4 + 1;
 

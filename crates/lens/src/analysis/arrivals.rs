@@ -3,7 +3,7 @@
 use super::LensAnalysisError;
 use crate::prescription::{Resolved, SurfaceIntersection};
 use rayweave_math::{Affine, Vec3};
-use rayweave_optics::{Event, Segments, System};
+use rayweave_optics::{Segments, System};
 
 /// A ray that arrives at a sheet, in the coordinates of the sheet: x and y along it, z along its normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,8 +41,7 @@ pub fn arrivals(
     let frame = system.sheet_frame(sheet).ok_or_else(no_sheet)?;
     let local = frame.inverse().map_err(|_| no_sheet())?;
     let here = |&row: &usize| {
-        segments.surface[row] == surface
-            && sequence.is_none_or(|wanted| followed_sequence(segments, row, wanted))
+        segments.surface[row] == surface && sequence.is_none_or(|wanted| segments.followed(row, wanted))
     };
     let mut found: Vec<Arrival> =
         (0..segments.len()).filter(here).map(|row| arrival(segments, row, &local)).collect();
@@ -93,21 +92,4 @@ pub(crate) fn sequential_arrival(
         wavelength_nm,
         power: 1.0,
     }
-}
-
-/// True if the ray of a row interacted with the elements `wanted` in this order, with the last of them at
-/// this row.
-fn followed_sequence(segments: &Segments, row: usize, wanted: &[usize]) -> bool {
-    let mut left = wanted.iter().rev();
-    let mut at = row as i64;
-    let mut is_last = true;
-    while at >= 0 {
-        let row = at as usize;
-        let is_straight = segments.event[row] == Event::Passed as u8 && !is_last;
-        if !is_straight && left.next().map(|&element| element as i32) != Some(segments.element[row]) {
-            return false;
-        }
-        (at, is_last) = (segments.parent[row], false);
-    }
-    left.next().is_none()
 }

@@ -75,7 +75,9 @@ pub struct FirstOrder {
     pub f_number: f64,
     /// The lateral magnification between the object and its paraxial image; 0 for distant objects.
     pub magnification: f64,
-    /// The angular magnification for collimated light; meaningful for afocal systems.
+    /// The angular magnification between the pupils: the slope of the chief ray behind the last surface over that in
+    /// front of the first, which is n d / (n' d') with the diameters d of the entrance and d' of the exit pupil
+    /// (Born & Wolf, section 4.4.3). In an afocal system it is that of any collimated light.
     pub angular_magnification: f64,
     /// From the vertex of the last surface to the paraxial image, along z.
     pub image_distance: f64,
@@ -129,6 +131,8 @@ impl Prescription {
         // without power f is inf, not -inf
         let (a, d, power) = (matrix.a, matrix.d, 0.0 - matrix.c);
         let (n_object, n_image) = (n[0], n[last]);
+        // the ratio of index times slope of a ray through the centre of the stop; without power that of any ray
+        let chief = if power == 0.0 { d } else { back.d / front.a };
         let last_vertex = resolved.vertices[last - 1];
         let entrance = n_object * front.b / front.a;
         let semi_diameter = self.entrance_semi_diameter(entrance, front.a, 1.0 / power, n_object);
@@ -149,7 +153,7 @@ impl Prescription {
             stop_semi_diameter,
             f_number: (0.5 / (power * semi_diameter)).abs(),
             magnification: image.1,
-            angular_magnification: d * n_object / n_image,
+            angular_magnification: chief * n_object / n_image,
             image_distance: image.0,
             petzval_sum: petzval_sum(&curvatures, &n),
         })

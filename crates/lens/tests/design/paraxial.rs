@@ -149,3 +149,19 @@ fn the_two_formulas_for_distortion_agree() {
         near(part.distortion, expected, 1e-12 * expected.abs().max(1e-3));
     }
 }
+
+/// A spherical surface of radius 50 before a medium of index 1.5 has the power P = 0.5 / 50. A stop t = 30 behind it gives
+/// A = 1 - P t / 1.5 = 0.8, and the chief ray the slope 1 / (1.5 A) of that in the object space, which is
+/// n d / (n' d') of the pupils.
+#[test]
+fn the_angular_magnification_is_that_of_the_pupils() {
+    let lens = Prescription::new(vec![
+        Surface::new(50.0, 30.0, Behind::Index(1.5)),
+        Surface::new(f64::INFINITY, 100.0, Behind::Index(1.5)),
+    ])
+    .stop_at(2)
+    .entrance_pupil_diameter(10.0);
+    let data = lens.first_order(550.0).unwrap();
+    near(data.angular_magnification, 1.0 / (1.5 * 0.8), 1e-14);
+    near(data.entrance_pupil.diameter / (1.5 * data.exit_pupil.diameter), data.angular_magnification, 1e-14);
+}

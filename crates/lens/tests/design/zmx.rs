@@ -105,6 +105,38 @@ fn unknown_glasses_become_model_glasses() {
     assert!(reported, "{:?}", read.notes);
 }
 
+/// F2 is a name of two makers (Schott 1.62004, CDGM 1.61293); F4 one of CDGM (1.62005) and, in the file, the
+/// older Schott glass of index 1.61659, which no catalogue has.
+#[test]
+fn glasses_are_those_of_the_makers_and_of_the_index_in_the_file() {
+    let of = |makers: &str, glass: &str| {
+        let file = SINGLET.replace("GCAT SCHOTT", makers).replace("N-BK7 0 0 1.5168 64.17", glass);
+        let read = read_zmx(file.as_bytes()).unwrap();
+        let notes: Vec<String> = read.notes.iter().map(ToString::to_string).collect();
+        let note = notes.into_iter().find(|note| note.starts_with("line 31: "));
+        let behind = read.prescription.surfaces[0].behind.clone();
+        (read.prescription, behind, note)
+    };
+    let glass = |name: &str| Behind::Glass(name.to_owned());
+    let (_, found, note) = of("GCAT SCHOTT", "F4 0 0 1.61659 36.63");
+    assert_eq!(found, Behind::Abbe { n_d: 1.61659, v_d: 36.63 });
+    let text = "line 31: the index of F4 is 1.61659 here and 1.620";
+    assert!(note.as_deref().is_some_and(|note| note.starts_with(text)), "{note:?}");
+    // without an index in the file, the maker is what is compared
+    let (_, found, note) = of("GCAT SCHOTT", "F4");
+    assert_eq!((found, note.as_deref()), (glass("F4"), Some("line 31: F4 of CDGM is used: Schott has none")));
+    assert_eq!(of("GCAT CDGM SCHOTT", "F4").2, None);
+    assert_eq!(of("GCAT MISC SCHOTT", "F4").2, None);
+    assert_eq!(of("GCAT SCHOTT CDGM", "F2").1, glass("F2"));
+    let (lens, found, note) = of("GCAT CDGM_2012 SCHOTT", "F2 0 0 1.5 40");
+    assert_eq!((found, note), (glass("CDGM F2"), None));
+    // the index decides before the order of the makers
+    assert_eq!(of("GCAT SCHOTT", "F2 0 0 1.61293 36.99").1, glass("CDGM F2"));
+    let text = write_zmx(&lens).unwrap();
+    assert!(text.contains("GCAT CDGM\n") && text.contains("GLAS F2 0 0 1.612929"), "{text}");
+    assert_eq!(read_zmx(text.as_bytes()).unwrap().prescription.surfaces[0].behind, glass("CDGM F2"));
+}
+
 /// Everything with an effect in Zemax that is not read is named with its line; neutral settings are not.
 #[test]
 fn ignored_keywords_are_reported() {

@@ -32,6 +32,8 @@ pub struct Detectors {
     /// The number of the detector of each element, `None` for solids.
     of_element: Vec<Option<usize>>,
     bins_irradiance: bool,
+    /// The elements that light by source meets in this order; empty for all light.
+    sequence: Vec<usize>,
 }
 
 /// A sheet and the light that arrives at it. Points are in coordinates of the sheet: lengths along its x and y axes from its
@@ -56,7 +58,8 @@ pub struct Detector {
 impl Detectors {
     /// A detector without light for each sheet of a system. Irradiance takes some megabytes for each of them.
     pub fn new(system: &System, bins_irradiance: bool) -> Detectors {
-        let mut detectors = Detectors { list: Vec::new(), of_element: Vec::new(), bins_irradiance };
+        let mut detectors =
+            Detectors { list: Vec::new(), of_element: Vec::new(), bins_irradiance, sequence: Vec::new() };
         for (number, name) in system.element_names().iter().enumerate() {
             let frame = system.sheet_frame(name);
             detectors.of_element.push(frame.map(|_| detectors.list.len()));
@@ -74,6 +77,15 @@ impl Detectors {
         self
     }
 
+    /// Restricts the diagrams by source to the light that meets elements in this order: at a sheet of the sequence, that
+    /// which has met all elements before it, and them only; at other sheets, all light. Elements that transmit a ray
+    /// undeviated do not count.
+    #[must_use]
+    pub fn in_sequence(mut self, sequence: &[usize]) -> Detectors {
+        self.sequence = sequence.to_vec();
+        self
+    }
+
     /// Adds the light of all segments that end at a sheet.
     pub fn add(&mut self, segments: &Segments) {
         let [x, y, z] = &segments.end;
@@ -83,7 +95,10 @@ impl Detectors {
             let (detector, power) = (&mut self.list[sheet], segments.intensity[row]);
             let point = detector.coordinates(Vec3::new(x[row], y[row], z[row]));
             detector.spots.add(point, segments.wavelength_nm[row], power);
-            if let Some(spots) = detector.by_source.get_mut(segments.source[row] as usize) {
+            let place = self.sequence.iter().position(|&own| own == detector.element);
+            let is_counted = place.is_none_or(|place| segments.followed(row, &self.sequence[..=place]));
+            let of_source = detector.by_source.get_mut(segments.source[row] as usize);
+            if let Some(spots) = of_source.filter(|_| is_counted) {
                 spots.add(point, segments.wavelength_nm[row], power);
             }
             if self.bins_irradiance {

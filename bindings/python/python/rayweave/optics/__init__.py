@@ -94,6 +94,7 @@ from rayweave.optics._images import (
     Spots,
     SpotSize,
     ThroughFocus,
+    Vignetting,
     Wavefront,
     ZernikeFit,
 )
@@ -180,6 +181,7 @@ __all__ = [
     "Toroidal",
     "Trace",
     "Trials",
+    "Vignetting",
     "Wavefront",
     "XYPolynomial",
     "ZernikeFit",

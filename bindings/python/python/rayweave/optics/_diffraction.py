@@ -33,6 +33,25 @@ def slopes_of_pupil(points: Numbers, tilts: Numbers) -> Numbers:
     return np.asarray(np.linalg.lstsq(known, tilts, rcond=None)[0][1:].T)
 
 
+def _cells(pupil: Numbers, across: int) -> NDArray[np.int64]:
+    """The columns and rows of points (N, 2) of `pupil_cells`."""
+    return np.rint((pupil + 1.0) / (2.0 / across) - 0.5).astype(np.int64).T
+
+
+def steepest_step(pupil: Numbers, waves: Numbers, across: int) -> float:
+    """The largest change of a wavefront between two neighbouring cells of a pupil, in waves."""
+    column, row = _cells(pupil, across)
+    front = np.full((across, across), np.nan)
+    front[row, column] = waves
+    return max(float(np.nanmax(np.abs(np.diff(front, axis=axis)), initial=0.0)) for axis in (0, 1))
+
+
+def cells_for(steepest: float, across: int) -> int:
+    """The number of cells across the pupil that suffices for a wavefront with this largest change between cells, with a
+    tenth more, since finer cells come nearer to the rim, where wavefronts are steepest."""
+    return int(np.ceil(1.1 * across * steepest / _STEEPEST)) if steepest > _STEEPEST else across
+
+
 @dataclass(frozen=True)
 class TransferFunction:
     """The transfer function of a pupil: `spectrum` (M, M) is the square of the modulus of the Fourier transform of the
@@ -45,16 +64,14 @@ class TransferFunction:
     def of(cls, pupil: Numbers, waves: Numbers, across: int) -> TransferFunction:
         """From optical path differences in waves, positive where the light is ahead, at the cells of a pupil where light
         arrives."""
-        step = 2.0 / across
-        column, row = np.rint((pupil + 1.0) / step - 0.5).astype(int).T
-        function = np.zeros((2 * across, 2 * across), complex)
-        front = np.full((2 * across, 2 * across), np.nan)
-        front[row, column] = waves
-        steepest = max(float(np.nanmax(np.abs(np.diff(front, axis=axis)), initial=0.0)) for axis in (0, 1))
+        steepest = steepest_step(pupil, waves, across)
         if steepest > _STEEPEST:
             problem = f"across is {across}: the wavefront changes by {steepest:.3g} waves between two points of the pupil"
-            needed = int(np.ceil(across * steepest / _STEEPEST))
+            needed = cells_for(steepest, across)
             raise _core.RayweaveError(f"{problem}, more than {_STEEPEST:g}. Pass across={needed} or more, or use geometric_mtf.")
+        step = 2.0 / across
+        column, row = _cells(pupil, across)
+        function = np.zeros((2 * across, 2 * across), complex)
         function[row, column] = np.exp(-2.0j * np.pi * waves)
         return cls(np.abs(np.fft.fft2(function)) ** 2, step)
 

@@ -46,7 +46,9 @@ def _labelled(ax: Axes, across: str, up: str, *, legend: bool = True) -> Axes:
 class SpotSize:
     """A spot: the number of rays, the centroid (x, y), the RMS radius and its parts along x and y, and the largest
     distance from the centroid. If the points of the pupil were not given, centroid and RMS radii are means over the
-    pupil by `pupil_quadrature`, and `rays` counts the rays of that rule; otherwise rays are weighted by their power.
+    pupil by `pupil_quadrature` or, for vignetted fields, by an even grid, and `rays` counts the rays of that rule that
+    arrive; otherwise rays are weighted by their power. `launched` is the number of rays before the lens, `transmitted` the
+    fraction of the area of the pupil whose rays arrive, averaged over the wavelengths.
 
     >>> import rayweave.optics as ro
     >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
@@ -64,6 +66,8 @@ class SpotSize:
     rms_x: float
     rms_y: float
     geometric: float
+    launched: int
+    transmitted: float
 
 
 class Rays(Columns):
@@ -82,7 +86,7 @@ class Rays(Columns):
     (127, 'mm')
     """
 
-    def __init__(self, compiled: _core.Arrivals, unit: str, means: Callable[[], PupilMeans] | None = None) -> None:
+    def __init__(self, compiled: _core.Arrivals, unit: str, means: Callable[[], PupilMeans]) -> None:
         lengths = dict.fromkeys(("x", "y", "z", "path"), unit)
         super().__init__(compiled.columns(), {**lengths, "wavelength_nm": "nm"})
         self._compiled = compiled
@@ -93,8 +97,7 @@ class Rays(Columns):
     def _means(self) -> PupilMeans:
         """The rays for means over the pupil: those of a quadrature, traced on demand, or else these rays."""
         if self._found_means is None:
-            given = self._find_means
-            self._found_means = given() if given is not None else PupilMeans.of(self, np.ones(int(self["id"].max(initial=0)) + 1))
+            self._found_means = self._find_means()
         return self._found_means
 
     def moved(self, shift: float) -> Rays:
@@ -104,9 +107,10 @@ class Rays(Columns):
 
     def spot(self) -> SpotSize:
         """The size of the spot."""
-        rays, centroid, radii = self._means().spot()
+        means = self._means()
+        rays, centroid, radii = means.spot()
         off = np.hypot(self["x"] - centroid[0], self["y"] - centroid[1])
-        return SpotSize(rays, centroid, *radii, float(off.max(initial=0.0)))
+        return SpotSize(rays, centroid, *radii, float(off.max(initial=0.0)), means.launched, means.transmitted)
 
     def best_focus(self) -> float:
         """The shift of the image along the axis with the smallest RMS radius, in closed form; NaN for parallel rays.
@@ -132,9 +136,10 @@ class Rays(Columns):
 
 
 class Spots(Columns):
-    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays` of the means; the centroid `x`, `y`;
-    the RMS radius `rms` with its parts `rms_x` and `rms_y`; the `geometric` radius. Centroid and RMS radii are means
-    over the pupil (`pupil_quadrature`). `images` has the rays of every field for drawings, on hexapolar rings; the
+    """The spots of all fields: `field`, `field_x`, `field_y`; the number of `rays` of the means, of those `launched`, and the
+    fraction `transmitted` of the pupil, less than 1 with vignetting; the centroid `x`, `y`; the RMS radius `rms` with its
+    parts `rms_x` and `rms_y`; the `geometric` radius. Centroid and RMS radii are means over the part of the pupil that
+    transmits (by `pupil_quadrature`, or by an even grid if rays are vignetted). `images` has the rays of every field for drawings, on hexapolar rings; the
     geometric radius is the largest distance of one of them from the centroid.
 
     >>> import rayweave.optics as ro
@@ -167,7 +172,7 @@ class Spots(Columns):
                 "field": np.arange(len(images)),
                 "field_x": [x for x, _ in fields],
                 "field_y": [y for _, y in fields],
-                "rays": [size.rays for size in sizes],
+                **{name: [getattr(size, name) for size in sizes] for name in ("rays", "launched", "transmitted")},
                 "x": [size.centroid[0] for size in sizes],
                 "y": [size.centroid[1] for size in sizes],
                 **{name: [getattr(size, name) for size in sizes] for name in ("rms", "rms_x", "rms_y", "geometric")},
@@ -233,9 +238,12 @@ class Fans(Columns):
     (-1.0, 1.0)
     """
 
+    _names: Sequence[str] = ()
+
     @classmethod
-    def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str) -> Self:
-        """From single fans: field, wavelength, axis, positions in the pupil, errors (N, 2)."""
+    def of(cls, found: list[tuple[int, float, int, Numbers, Numbers]], unit: str, names: Sequence[str] = ()) -> Self:
+        """From single fans: field, wavelength, axis, positions in the pupil, errors (N, 2); `names` are those of the fields
+        in drawings."""
         heads = np.concatenate([np.tile([fan[:3]], (len(fan[3]), 1)) for fan in found])
         errors = np.concatenate([fan[4] for fan in found])
         columns = {
@@ -246,7 +254,9 @@ class Fans(Columns):
             "error_x": errors[:, 0],
             "error_y": errors[:, 1],
         }
-        return cls(columns, {"wavelength_nm": "nm", "error_x": unit, "error_y": unit})
+        made = cls(columns, {"wavelength_nm": "nm", "error_x": unit, "error_y": unit})
+        made._names = names
+        return made
 
     def fan(self, field: int, wavelength_nm: float, along: Literal["x", "y"]) -> tuple[Numbers, Numbers]:
         """One fan: positions in the pupil along an axis, and the errors along the same axis."""
@@ -264,18 +274,18 @@ class Fans(Columns):
         fields = np.unique(self["field"])
         if axes is None:
             size = (8.0, 2.2 * len(fields) + 0.6)
-            axes = plt.subplots(len(fields), 2, sharex=True, sharey=True, figsize=size, squeeze=False)[1]
+            axes = plt.subplots(len(fields), 2, sharex=True, sharey=True, figsize=size, squeeze=False, layout="constrained")[1]
         for row, field in zip(axes, fields.tolist(), strict=True):
             for ax, along in zip(row, _ALONG, strict=True):
                 for line in np.unique(self["wavelength_nm"]).tolist():
                     shade = wavelength_rgb(np.array([line]))
                     ax.plot(*self.fan(field, line, along), color=shade[0], label=f"{line:g} nm")
                 ax.axhline(0.0, color="#a0a0a0", linewidth=0.6)
-                ax.set_title(f"field {field}, along {along}", fontsize="small")
+                name = self._names[field] if field < len(self._names) else f"field {field}"
+                ax.set_title(f"{name}, along {along}", fontsize="small")
                 last = field == fields[-1]
                 up = f"error, {self.units['error_y']}" if along == "y" else ""
                 _labelled(ax, "pupil" if last else "", up, legend=field == fields[0] and along == "y")
-        axes[0][0].get_figure().tight_layout()
         return axes
 
 
@@ -412,6 +422,16 @@ class Wavefront(Columns):
 class _ByField(Columns):
     """Rows for every field, one block after the other."""
 
+    _names: Sequence[str] = ()
+
+    def named(self, names: Sequence[str]) -> Self:
+        """The same rows with names of the fields for drawings."""
+        self._names = names
+        return self
+
+    def _name(self, field: int) -> str:
+        return self._names[field] if field < len(self._names) else f"field {field}"
+
     def of_field(self, field: int, name: str) -> NDArray[Any]:
         """A column of one field."""
         return np.asarray(self[name][self["field"] == field])
@@ -420,7 +440,7 @@ class _ByField(Columns):
         ax = _axes(ax)
         for field in np.unique(self["field"]).tolist():
             for name, style in names.items():
-                label = f"field {field}" + (f", {name}" if len(names) > 1 else "")
+                label = self._name(field) + (f", {name}" if len(names) > 1 else "")
                 at = self.of_field(field, across)
                 ax.plot(at, self.of_field(field, name), style, color=f"C{field}", label=label)
         unit = self.units[across]
@@ -505,7 +525,7 @@ class Modulation(_ByField):
         ax.set_xlim(0.0, float(self["frequency"].max()) or None)
         ax.set_ylim(0.0, 1.02)
         ax.grid(color="#e0e0e0", linewidth=0.6)
-        ax.legend(fontsize="small")
+        ax.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
         return ax
 
 
@@ -611,6 +631,31 @@ class Distortion(_OverField):
         ax.axvline(0.0, color="#a0a0a0", linewidth=0.6)
         ax.set_ylim(bottom=0.0)
         return _labelled(ax, "distortion, %", self._label(), legend=False)
+
+
+class Vignetting(_OverField):
+    """The fraction of the pupil that is `transmitted` from each field: 1 without vignetting.
+
+    >>> import rayweave.optics as ro
+    >>> surfaces = [ro.Surface(50, 5, "N-BK7"), ro.Surface(-50, 46)]
+    >>> lens = ro.Prescription(surfaces, entrance_pupil_diameter=10, fields=[0, 5])
+    >>> lens.vignetting(count=3)["transmitted"]
+    array([1., 1., 1.])
+    """
+
+    @classmethod
+    def of(cls, sweep: Sweep, transmitted: Numbers) -> Self:
+        """From fractions by field."""
+        return cls._over(sweep, {"transmitted": transmitted}, {})
+
+    def show(self, *, ax: Axes | None = None) -> Axes:
+        """Draws the fraction in percent over the field."""
+        ax = _axes(ax)
+        ax.plot(self._height(), 100.0 * self["transmitted"])
+        ax.set_xlim(0.0, float(self._height().max()) or None)
+        ax.set_ylim(0.0, 102.0)
+        ax.grid(color="#e0e0e0", linewidth=0.6)
+        return _labelled(ax, self._label(), "transmitted part of the pupil, %", legend=False)
 
 
 class FieldCurvature(_OverField):

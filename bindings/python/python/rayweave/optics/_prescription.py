@@ -14,7 +14,7 @@ from rayweave import _core
 from rayweave._core import Glass, Sheet, Solid
 from rayweave._table import table_of
 from rayweave._words import no_attribute, suggesting
-from rayweave.optics._diffraction import TransferFunction, pupil_cells, slopes_of_pupil
+from rayweave.optics._diffraction import TransferFunction, cells_for, pupil_cells, slopes_of_pupil, steepest_step
 from rayweave.optics._elements import _D_NM, Element, Finish
 from rayweave.optics._given import (
     all_of,
@@ -44,10 +44,11 @@ from rayweave.optics._images import (
     Spots,
     Sweep,
     ThroughFocus,
+    Vignetting,
     Wavefront,
 )
-from rayweave.optics._pupil import RINGS, PupilMeans, best_shift, pupil_grid, pupil_quadrature
-from rayweave.optics._system import _UNIT_NM, System
+from rayweave.optics._pupil import RINGS, PupilMeans, best_shift, even_points, pupil_grid, pupil_quadrature
+from rayweave.optics._system import _UNIT_NM, System, Trace
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -334,6 +335,7 @@ class FirstOrder:
 _FIRST_ORDER_WORDS = {
     "efl": "focal_length",
     "effective_focal_length": "focal_length",
+    "effl": "focal_length",
     "bfl": "back_focal_distance",
     "bfd": "back_focal_distance",
     "ffl": "front_focal_distance",
@@ -457,6 +459,10 @@ class Prescription:
         file = text.encode() if isinstance(text, str) else text
         return cls._of(*_core.CompiledPrescription.read_zmx(file))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickles its surfaces and keyword arguments."""
+        return _restored, (self.surfaces, self._keywords(), self.passed_over)
+
     def to_zmx(self) -> str:
         """The text of a Zemax file; a `Glass` becomes a model glass of its index and Abbe number."""
         return self._compiled.write_zmx()
@@ -525,21 +531,26 @@ class Prescription:
 
     def replace(self, surfaces: Iterable[Surface] | None = None, **changes: Any) -> Prescription:
         """The same prescription with other surfaces, or with other values of the constructor's keyword arguments."""
+        keywords = self._keywords()
+        if set(changes) & _APERTURES:
+            keywords = {name: value for name, value in keywords.items() if name not in _APERTURES}
+        if "wavelengths_nm" in changes:
+            keywords["weights"] = None
+        return Prescription(self.surfaces if surfaces is None else surfaces, **{**keywords, **changes})
+
+    def _keywords(self) -> dict[str, Any]:
+        """The keyword arguments of the constructor."""
         frame = self._compiled.frame()
-        lines = frame["lines"]
         kind, size = frame["aperture"]
-        image = zip(("image_radius", "image_conic", "image_semi_diameter"), frame["image"], strict=True)
-        keywords = {
+        return {
             **{name: frame[name] for name in _KEPT},
             "unit": self.unit,
-            "wavelengths_nm": [line[0] for line in lines],
-            "weights": None if "wavelengths_nm" in changes else [line[1] for line in lines],
-            **dict(image),
+            "wavelengths_nm": [line[0] for line in frame["lines"]],
+            "weights": [line[1] for line in frame["lines"]],
+            **dict(zip(("image_radius", "image_conic", "image_semi_diameter"), frame["image"], strict=True)),
             "breaks": self.breaks,
+            kind: size,
         }
-        if not set(changes) & _APERTURES:
-            keywords[kind] = size
-        return Prescription(self.surfaces if surfaces is None else surfaces, **{**keywords, **changes})
 
     def with_surface(self, number: int, **changes: Any) -> Prescription:
         """The same prescription with changes to one surface, counted from 1: its `radius`, `thickness`, `behind`,
@@ -588,8 +599,18 @@ class Prescription:
         return System(self.elements(), unit=cast(_Unit, self.unit))
 
     def semi_diameters(self) -> NDArray[np.float64]:
-        """The clear semi-diameters of the surfaces; the last is that of the image."""
-        return self._compiled.semi_diameters()
+        """The clear semi-diameters of the surfaces; the last is that of the image. Those that are not stated are the extent of
+        the rays of all fields plus 2 %. The image among `elements` is wider, so that it catches rays out of focus."""
+        found = self._compiled.semi_diameters()
+        if self._compiled.frame()["image"][2] is None:
+            rings = pupil_grid("hexapolar", RINGS)
+            images = [self._drawn_arrivals(field, rings, line) for field in range(len(self.fields)) for line in self.wavelengths_nm]
+            found[-1] = 1.02 * max(float(np.hypot(image["x"], image["y"]).max(initial=0.0)) for image in images) or found[-1]
+        return found
+
+    def _drawn_arrivals(self, field: int, pupil: NDArray[np.float64], line: float) -> Rays:
+        """The rays on the image at one wavelength, aimed where this is needed."""
+        return self.arrivals(field, wavelength_nm=line, pupil=pupil, aimed=self._compiled.needs_aiming(field, line))
 
     def rays(
         self,
@@ -632,18 +653,27 @@ class Prescription:
         are not `aimed` at the stop are refused where the real entrance pupil of the field is far from the paraxial one.
 
         Without `pupil`, `Rays.spot` and `Rays.best_focus` are means over the pupil by `pupil_quadrature(rings)`, whose
-        rays are traced when they are needed; with `pupil` they are means of the given rays, weighted by power.
+        rays are traced when they are needed; with `pupil` they are means of the given rays, weighted by power. If a ray
+        of the field is vignetted, the quadrature, which needs a clear pupil, is replaced by 4096 points or more that are
+        even in area: RMS radii are then exact to about 1 %.
         """
         self._needs_real_object()
         line = None if wavelength_nm is None else self._wavelength(wavelength_nm)
         points, number, aims = _pupil(pupil, rings), whole(field, "field"), flag(aimed, "aimed")
         found = self._compiled.arrivals(number, line, points, aims)
-        if pupil is not None:
-            return Rays(found, self.unit)
+        lines = len(self.wavelengths_nm) if line is None else 1
 
         def means() -> PupilMeans:
+            columns = found.columns()
+            if pupil is not None:
+                return PupilMeans.of(columns, np.ones(len(points)), lines)
             places, weights = pupil_quadrature(rings)
-            return PupilMeans.of(self._compiled.arrivals(number, line, places, aims).columns(), weights)
+            best = self._compiled.arrivals(number, line, places, aims).columns()
+            if rings > 0 and len(columns["id"]) + len(best["id"]) < lines * (len(points) + len(places)):
+                places = even_points(rings)
+                best = self._compiled.arrivals(number, line, places, aims).columns()
+                weights = np.full(len(places), 1.0 / len(places))
+            return PupilMeans.of(best, weights, lines)
 
         return Rays(found, self.unit, means)
 
@@ -659,7 +689,9 @@ class Prescription:
         `shift`.
 
         Centroids and RMS radii are means over the area of the pupil, from 2 rings (rings + 2) rays per wavelength
-        (`pupil_quadrature`), weighted by wavelength and internal transmittance. The points of the diagram and the
+        (`pupil_quadrature`), weighted by wavelength and internal transmittance; for a field with vignetted rays, from 4096
+        or more rays that are even in area, exact to about 1 %. The column `transmitted` is the fraction of the pupil whose
+        rays arrive. The points of the diagram and the
         geometric radius are those of hexapolar rings, 1 + 3 rings (rings + 1) rays per wavelength.
         """
         rays = self._images(wavelength_nm, None, aimed, rings)
@@ -681,7 +713,7 @@ class Prescription:
                 for along, kind in enumerate(_FANS):
                     at, errors = self._compiled.fan(field, line, pupil_grid(kind, count), flag(aimed, "aimed"))
                     found.append((field, line, along, at[:, along], errors))
-        return Fans.of(found, self.unit)
+        return Fans.of(found, self.unit, self._field_names())
 
     def wavefront(
         self,
@@ -711,7 +743,7 @@ class Prescription:
         rays = self._images(wavelength_nm, pupil_grid("square", whole(across, "across", least=1)), aimed)
         if radii is None:
             radii = np.linspace(0.0, max(image.spot().geometric for image in rays), 101)
-        return Energy.of(rays, array(radii, "radii"), self.unit)
+        return Energy.of(rays, array(radii, "radii"), self.unit).named(self._field_names())
 
     @_for_frequencies
     def geometric_mtf(
@@ -734,7 +766,7 @@ class Prescription:
             # the frequency at which the modulation of the smallest spot vanishes
             least = min(image.spot().rms for image in rays)
             frequencies = _frequencies(min(cutoff, 0.3 / least) if least > 0.0 else cutoff)
-        return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit)
+        return Modulation.of(rays, self.fields, array(frequencies, "frequencies"), cutoff, self.unit).named(self._field_names())
 
     @_for_frequencies
     def mtf(
@@ -754,7 +786,7 @@ class Prescription:
         frequencies: ArrayLike | None = None,
         *,
         wavelength_nm: float | None = None,
-        across: int = 96,
+        across: int | None = None,
         aimed: bool = False,
     ) -> DiffractionModulation:
         """The modulation transfer function of every field with diffraction, by frequency in cycles per unit of length:
@@ -765,12 +797,14 @@ class Prescription:
         square of the modulus of its transform (J. W. Goodman, Introduction to Fourier Optics, section 6.3). The pupil
         function has the phase of `wavefront` and equal amplitudes where light arrives, on `across` cells across the
         pupil, which is mapped to direction cosines at the image by the linear map that fits the rays best. The result
-        is wrong by up to about 1 / across^1.5. Wavefronts that change by more than a quarter of a wave between two cells
+        is wrong by up to about 1 / across^1.5. `across` is 96 by default, and more for each field and wavelength whose
+        wavefront changes by more than a quarter of a wave between two cells, up to 2048; with fewer cells such wavefronts
         are refused. At several wavelengths the transfer functions are added with their phases, so that lateral colour
         counts. Scalar diffraction: not for numerical apertures at the image above about 0.5."""
         self._needs_real_object()
-        count, aims = whole(across, "across", least=2, bits=31), flag(aimed, "aimed")
-        if count > _MOST_CELLS:
+        count = None if across is None else whole(across, "across", least=2, bits=31)
+        aims = flag(aimed, "aimed")
+        if count is not None and count > _MOST_CELLS:
             raise _core.RayweaveError(f"across is {count}: it must be at most {_MOST_CELLS}.")
         cutoff = self._cutoff()
         wanted = _frequencies(cutoff) if frequencies is None else np.atleast_1d(array(frequencies, "frequencies"))
@@ -784,27 +818,35 @@ class Prescription:
             found = sum(weight * self._transfer(field, nm, vectors, count, aims) for nm, weight in lines)
             modulations.append(np.abs(found) / sum(weight for _, weight in lines))
         parts = [np.concatenate(part) for part in zip(*(np.split(both, 2) for both in modulations), strict=True)]
-        return DiffractionModulation.from_parts(len(self.fields), wanted, parts[0], parts[1], cutoff, self.unit)
+        made = DiffractionModulation.from_parts(len(self.fields), wanted, parts[0], parts[1], cutoff, self.unit)
+        return made.named(self._field_names())
 
     def _transfer(
-        self, field: int, wavelength_nm: float, frequencies: NDArray[np.float64], across: int, aimed: bool
+        self, field: int, wavelength_nm: float, frequencies: NDArray[np.float64], across: int | None, aimed: bool
     ) -> NDArray[np.complex128]:
-        """The optical transfer function at frequencies (N, 2), with the phase of the place of the image."""
+        """The optical transfer function at frequencies (N, 2), with the phase of the place of the image; on as many cells as
+        the wavefront needs if `across` is None."""
         middle = self.arrivals(field, wavelength_nm=wavelength_nm, pupil=[[0.0, 0.0]], aimed=aimed)
         rays = self.arrivals(field, wavelength_nm=wavelength_nm, pupil=(points := pupil_quadrature()[0]), aimed=aimed)
-        front = self.wavefront(field, wavelength_nm=wavelength_nm, pupil=pupil_cells(across), aimed=aimed)
+        cells, needed = 0, across or _CELLS
+        # the rim decides how steep a wavefront is: finer cells need more, but ever less
+        while needed > cells:
+            cells = needed
+            front = self.wavefront(field, wavelength_nm=wavelength_nm, pupil=pupil_cells(cells), aimed=aimed)
+            pupil = np.stack([front["pupil_x"], front["pupil_y"]], axis=1)
+            if across is None and front.rows:
+                needed = min(cells_for(steepest_step(pupil, front["waves"], cells), cells), _MOST_CELLS)
         if not rays.rows or not front.rows:
             raise _core.RayweaveError(f"no light of the field {field} arrives at the image: it has no transfer function.")
         tilts = np.stack([rays["x_tilt"], rays["y_tilt"]], axis=1)
         slopes = slopes_of_pupil(points[rays["id"]], tilts)
-        pupil = np.stack([front["pupil_x"], front["pupil_y"]], axis=1)
         # a frequency v is a difference of direction cosines of wavelength v / index
         unit_nm = float(self._compiled.frame()["unit_nm"])
         differences = frequencies * (wavelength_nm / unit_nm / float(middle["index"][0]))
         shifts: NDArray[np.float64] = np.asarray(np.linalg.solve(slopes, differences.T).T, float)
         place = np.array([middle["x"][0], middle["y"][0]])
         turn = np.exp(-2.0j * np.pi * (frequencies @ place))
-        return np.asarray(turn * TransferFunction.of(pupil, front["waves"], across).at(shifts))
+        return np.asarray(turn * TransferFunction.of(pupil, front["waves"], cells).at(shifts))
 
     def through_focus(
         self,
@@ -821,7 +863,7 @@ class Prescription:
             reach = 2.0 * float(best[np.isfinite(best)].max(initial=0.0))
             reach = reach or 1e-3 * abs(self.first_order().focal_length)
             shifts = np.linspace(-reach, reach, 41)
-        return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit)
+        return ThroughFocus.of(rays, array(shifts, "shifts"), self.unit).named(self._field_names())
 
     def refocused(self, *, wavelength_nm: float | None = None, rings: int = RINGS, aimed: bool = False) -> Prescription:
         """The same prescription with the image at the best focus: the thickness of the last surface is that with the
@@ -854,8 +896,20 @@ class Prescription:
 
     def distortion(self, *, wavelength_nm: float | None = None, count: int = 21) -> Distortion:
         """The heights of real and paraxial chief rays on the image, over the field from the axis to its edge. Real
-        rays are aimed at the centre of the stop."""
+        rays are aimed at the centre of the stop. The reference is the paraxial chief ray at the same wavelength on the
+        image surface as it stands, in or out of focus: for a distant object in focus, the focal length times the tangent
+        of the field angle (W. T. Welford, Aberrations of Optical Systems, section 7.5)."""
         return Distortion.of(*self._principal(wavelength_nm, count))
+
+    def vignetting(self, *, wavelength_nm: float | None = None, count: int = 21, aimed: bool = False) -> Vignetting:
+        """The fraction of the entrance pupil whose rays reach the image, over the field from the axis to its edge, at one
+        wavelength, by default the primary one; from 4096 rays for each field, even in area, through the solids of
+        `elements`: a lens is as wide as the wider one of its two surfaces. If `aimed`, it is the fraction of the stop. Losses in glass and the fall of the
+        irradiance towards the edge of the field are not included."""
+        lens, sweep = self._swept(count)
+        pupil, line = even_points(), self._wavelength(wavelength_nm)
+        rays = [lens._compiled.arrivals(k, line, pupil, flag(aimed, "aimed")).columns()["id"] for k in range(count)]
+        return Vignetting.of(sweep, np.array([len(ids) / len(pupil) for ids in rays]))
 
     def field_curvature(self, *, wavelength_nm: float | None = None, count: int = 21) -> FieldCurvature:
         """The tangential and the sagittal focus of thin pencils about the chief ray, the one through the centre of
@@ -883,8 +937,12 @@ class Prescription:
 
     def show(self, *, ax: Axes | None = None, rays: int = 5, **options: Any) -> Axes:
         """Draws a section of the solids with rays of all fields in the plane x = 0, coloured by field; `options` are
-        those of `Trace.show`."""
-        elements = self.elements()
+        those of `Trace.show`. Only rays that pass the surfaces in order reach the image; vignetted ones end where they
+        are absorbed, or beside the surface that they miss."""
+        *radii, image = self.semi_diameters().tolist()
+        # the image of a point on the axis would be invisible
+        drawn = self.replace(image_semi_diameter=max(image, 0.05 * max(radii)))
+        elements = drawn.elements()
         pupil = pupil_grid("fan_y", whole(rays, "rays", least=1, bits=31))
         fields = range(len(self.fields))
         bundles = [self.rays(k, pupil=pupil, aimed=self._compiled.needs_aiming(k, self.primary_nm)) for k in fields]
@@ -892,14 +950,15 @@ class Prescription:
         # with a distant object the lens would be tiny in the drawing
         if self.object_distance > 2.0 * sum(abs(surface.thickness) for surface in self.surfaces):
             origins = _drawn_in(elements, origins, directions)
-        trace = self.system().trace_rays(
+        trace = drawn.system().trace_rays(
             origins,
             directions,
             self.primary_nm,
             source=np.repeat(np.arange(len(bundles)), rays),
             generation_limit=4 * len(self.surfaces) + 8,
-            keep_escaped=False,
         )
+        arriving = [k * rays + drawn._drawn_arrivals(k, pupil, self.primary_nm)["id"] for k in fields]
+        trace = _in_order(trace, np.concatenate(arriving))
         ax = trace.show(ax=ax, **{"color": "source", "rays": len(origins), **options})
         ends = np.concatenate([trace["y0"], trace["y1"][np.isfinite(trace["y1"])]])
         reach = 1.1 * max(float(self.semi_diameters()[:-1].max()), float(np.abs(ends).max()))
@@ -921,7 +980,8 @@ class Prescription:
         if any(at.before <= number for at in self.breaks):
             return
         rows = self.surfaces
-        height = self.first_order().stop_semi_diameter
+        stated = rows[number - 1].semi_diameter
+        height = self.first_order().stop_semi_diameter if stated is None else stated
         curvature, conic = 1.0 / rows[number - 1].radius, rows[number - 1].conic
         root = 1.0 - (1.0 + conic) * (curvature * height) ** 2
         if not (np.isfinite(height) and root >= 0.0):
@@ -1003,6 +1063,10 @@ _PRESCRIPTION_WORDS = {
     "best_focus": "refocused()",
     "focus": "refocused()",
     "efl": "first_order().focal_length",
+    "effl": "first_order().focal_length",
+    "effective_focal_length": "first_order().focal_length",
+    "save": "write_zmx(path)",
+    "load": "Prescription.read_zmx(path)",
     "focal_length": "first_order().focal_length",
     "bfl": "first_order().back_focal_distance",
     "f_number": "first_order().f_number",
@@ -1024,6 +1088,13 @@ _PRESCRIPTION_WORDS = {
     "object_height": "fields",
     "lateral_color": "lateral_colour()",
 }
+
+def _restored(surfaces: tuple[Surface, ...], keywords: dict[str, Any], passed_over: tuple[str, ...]) -> Prescription:
+    """A prescription from its pickle."""
+    lens = Prescription(surfaces, **keywords)
+    lens.passed_over = passed_over
+    return lens
+
 
 _KEPT = ("name", "notes", "field_kind", "fields", "primary", "object_distance", "stop")
 _APERTURES = {"entrance_pupil_diameter", "f_number", "object_numerical_aperture", "stop_semi_diameter"}
@@ -1061,6 +1132,8 @@ def _unit_nm(unit: str) -> float:
     return _UNIT_NM[unit]
 
 
+#: The default number of cells across the pupil.
+_CELLS = 96
 #: The limit of cells across the pupil: 3 million rays, and Fourier transforms of 4096 x 4096 points.
 _MOST_CELLS = 2048
 
@@ -1084,6 +1157,50 @@ def _element(name: str, body: Any, material: Any, spec: Any, faces: Any) -> Elem
         return Element(name, body, action=finish)
     own = tuple((face, Finish(kind, tuple(numbers))) for face, (kind, numbers) in faces)
     return Element(name, body, material, finish, own)
+
+
+def _in_order(trace: Trace, arriving: NDArray[np.int64]) -> Trace:
+    """The segments of rays up to the first event out of order; `arriving` are the numbers of the rays that reach the image
+    in order. A ray that misses a surface ends at the height along z of the others there."""
+    escaped, passed, absorbed = (_core.event_names().index(name) for name in ("escaped", "passed", "absorbed"))
+    columns = {name: np.array(column) for name, column in trace.columns.items()}
+    element, event, kept = columns["element"], columns["event"], np.zeros(trace.rows, bool)
+    if not len(arriving):
+        kept = event != escaped
+        return Trace(trace.system, {name: column[kept] for name, column in columns.items()}, None)
+
+    def chain(ray: int) -> list[int]:
+        rows = np.flatnonzero(columns["id"] == ray)
+        return [int(row) for row in rows[np.argsort(columns["generation"][rows], kind="stable")]]
+
+    model = [row for row in chain(int(arriving[0])) if event[row] != escaped]
+    image = element[model[-1]]
+    model = [row for row in model if event[row] != passed or element[row] == image]
+    for ray in np.unique(columns["id"]).tolist():
+        place = 0
+        for row in chain(ray):
+            if place == len(model):
+                break
+            if element[row] == element[model[place]] and event[row] != escaped:
+                place += 1
+            elif event[row] != passed or element[row] == image:
+                # what absorbs the ray is where it ends
+                kept[row] = event[row] == absorbed or _cut(columns, row, float(columns["z1"][model[place]]))
+                break
+            kept[row] = True
+    return Trace(trace.system, {name: column[kept] for name, column in columns.items()}, None)
+
+
+def _cut(columns: dict[str, NDArray[Any]], row: int, z: float) -> bool:
+    """Ends a segment at a height along z, if it is on its way there; otherwise false."""
+    start, end, along = (np.array([columns[name.format(axis)][row] for axis in "xyz"]) for name in ("{}0", "{}1", "{}_tilt"))
+    length = (z - start[2]) / along[2] if along[2] != 0.0 else -1.0
+    # the end of a ray that escapes is NaN
+    if length <= 0.0 or length > np.linalg.norm(end - start):
+        return False
+    for axis, place in zip("xyz", start + length * along, strict=True):
+        columns[f"{axis}1"][row] = place
+    return True
 
 
 def _drawn_in(

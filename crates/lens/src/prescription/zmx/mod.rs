@@ -16,16 +16,18 @@
 //! | `PARM 1` to `PARM 8` | of EVENASPH, SZERNSAG and FZERNSAG, the coefficients of r^2, r^4, ..., r^16; of ODDASPHE, those of r, r^2, ..., r^8; of BICONICX, radius (0 for none) and conic constant along x; of TOROIDAL, the radius of rotation (0 for a cylinder) and the coefficients of y^2, y^4, ..., y^14 |
 //! | from `XDAT 1`, or from `PARM 13` | of XASPHERE, the number of terms, the radius by which r is divided, the coefficients of r^2, r^4, ..., r^16; of XPOLYNOM, SZERNSAG and FZERNSAG, the number of terms, the radius by which x and y are divided, the coefficients: of x, y, x^2, x y, y^2, ...; of Noll's Zernike polynomials; of those in the fringe order |
 //! | `CURV`, `CONI`, `DISZ` | curvature, conic constant, distance to the next surface |
-//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which also replace unknown glasses |
+//! | `GCAT` | the makers of glasses, in the order in which they are searched; the other makers follow |
+//! | `GLAS` | `MIRROR`, the name of a glass, or `___BLANK` with index and Abbe number, which also replace unknown glasses and those whose index in the catalogues differs by more than 1e-4 |
 //! | `DIAM r 1`, `CLAP hole r` | semi-diameter, if it is fixed (a computed one, `DIAM r 0`, is recomputed) |
 //! | `STOP` | the stop |
 //!
-//! `MODE` has to be `SEQ`. An outer radius `INF` of `CLAP` means no limit. Keywords without an effect on light (drawings, catalogues,
+//! `MODE` has to be `SEQ`. An outer radius `INF` of `CLAP` means no limit. Keywords without an effect on light (drawings,
 //! mechanical data) are ignored silently, as are settings without an effect (vignetting factors of 0, equal weights, no ray
 //! aiming). All others are ignored with a note of their lines; so are the flags of telecentric and afocal systems in `FTYP`. The format has no public
 //! specification; the reader follows the Zemax OpticStudio user guide, "Lens data editor", and files
 //! published by lens makers.
 
+mod glas;
 mod kind;
 mod read;
 mod write;

@@ -1,6 +1,7 @@
 //! Reader of Zemax files.
 
 use super::decimal;
+use super::glas::behind;
 use super::kind::{Parameters, broken, shaped};
 use crate::prescription::{
     Behind, CoordinateBreak, FieldKind, ImageSurface, Prescription, Surface, SystemAperture,
@@ -65,11 +66,11 @@ pub fn read_zmx(bytes: &[u8]) -> Result<Read, ZmxError> {
     reader.finish()
 }
 
-/// Keywords without any effect on the light: versions, drawings, catalogues (all are searched), margins of computed semi-diameters,
+/// Keywords without any effect on the light: versions, drawings, margins of computed semi-diameters,
 /// mechanical semi-diameters, settings of other analyses.
-const SILENT: [&str; 20] = [
-    "VERS", "PFIL", "LANG", "GCAT", "SDMA", "OMMA", "PICB", "GLRS", "GSTD", "NSCD", "COFN", "COMM", "HIDE",
-    "MIRR", "SLAB", "POPS", "FIMP", "MEMA", "HYPR", "MOFF",
+const SILENT: [&str; 19] = [
+    "VERS", "PFIL", "LANG", "SDMA", "OMMA", "PICB", "GLRS", "GSTD", "NSCD", "COFN", "COMM", "HIDE", "MIRR",
+    "SLAB", "POPS", "FIMP", "MEMA", "HYPR", "MOFF",
 ];
 
 /// The effect of ignoring a keyword that often holds a neutral setting; empty if the setting is neutral. `None` for other
@@ -143,6 +144,8 @@ struct Reader {
     line: usize,
     name: String,
     notes: Vec<String>,
+    /// The glass catalogues in the order in which they are searched.
+    makers: Vec<String>,
     unit_nm: Option<f64>,
     aperture: Option<SystemAperture>,
     kind: Option<FieldKind>,
@@ -205,6 +208,7 @@ impl Reader {
                 let (_, note) = rest.trim().split_once(' ').unwrap_or_default();
                 self.notes.push(note.to_owned());
             }
+            "GCAT" => self.makers = words.iter().map(|&word| word.to_owned()).collect(),
             "UNIT" => self.unit_nm = Some(unit(words.first().copied().unwrap_or(""))?),
             "ENPD" => self.aperture = Some(SystemAperture::EntrancePupilDiameter(number(words, 0)?)),
             "FNUM" => {
@@ -270,7 +274,7 @@ impl Reader {
             "DISZ" if words.first() == Some(&"INFINITY") => surface.thickness = f64::INFINITY,
             "DISZ" => surface.thickness = number(words, 0)?,
             "GLAS" => {
-                let (behind, note) = behind(words)?;
+                let (behind, note) = behind(words, &self.makers)?;
                 surface.behind = Some(behind);
                 note.into_iter().for_each(|note| self.note(note));
                 if words.get(1) == Some(&"4") {
@@ -544,47 +548,7 @@ fn field_kind(words: &[&str]) -> Result<FieldKind, String> {
     }
 }
 
-/// Index and Abbe number that programs write as placeholders.
-const DUMMY: [f64; 2] = [1.5, 40.0];
-
-/// The medium behind a surface, with a note if it is a substitute.
-fn behind(words: &[&str]) -> Result<(Behind, Option<String>), String> {
-    let data = number(words, 3).and_then(|n_d| Ok([n_d, number(words, 4)?]));
-    let name = match words.first().copied() {
-        None => return Err("GLAS has no name".to_owned()),
-        Some("MIRROR") => return Ok((Behind::Mirror, None)),
-        Some("___BLANK") => return data.map(|data| (model(data), None)),
-        Some(name) => name,
-    };
-    let glass = Behind::Glass(name.to_owned());
-    match (glass.medium(), data) {
-        (Ok(_), _) => Ok((glass, None)),
-        (Err(problem), Ok(data)) if data != DUMMY && model(data).medium().is_ok() => {
-            let [n_d, v_d] = data;
-            let note = format!("{problem}; a model glass of its index {n_d} and Abbe number {v_d} is used");
-            Ok((model(data), Some(note)))
-        }
-        (Err(problem), _) => match successor(name) {
-            Some(successor) => {
-                let note = format!("{problem}; its successor N-{name} is used");
-                Ok((successor, Some(note)))
-            }
-            None => Err(problem.to_string()),
-        },
-    }
-}
-
-/// The lead- and arsenic-free successor (`N-`) of an older Schott glass.
-fn successor(name: &str) -> Option<Behind> {
-    let glass = Behind::Glass(format!("N-{name}"));
-    glass.medium().is_ok().then_some(glass)
-}
-
-fn model([n_d, v_d]: [f64; 2]) -> Behind {
-    if v_d == 0.0 { Behind::Index(n_d) } else { Behind::Abbe { n_d, v_d } }
-}
-
-fn number(words: &[&str], place: usize) -> Result<f64, String> {
+pub(super) fn number(words: &[&str], place: usize) -> Result<f64, String> {
     let word = words.get(place).ok_or_else(|| format!("number {} of the line is missing", place + 1))?;
     match word.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),

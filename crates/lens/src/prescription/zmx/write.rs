@@ -58,6 +58,7 @@ fn head(lens: &Prescription) -> Vec<String> {
         FieldKind::ObjectHeight => 1,
         FieldKind::ImageHeight => 2,
     };
+    file.extend(makers(lens));
     file.push(format!("FTYP {kind} 0 {} {} 0 0 0", lens.fields.len(), lens.lines.len()));
     for (keyword, axis) in [("XFLN", 0), ("YFLN", 1)] {
         let values: Vec<String> = lens.fields.iter().map(|field| field[axis].to_string()).collect();
@@ -99,9 +100,29 @@ fn glass(behind: &Behind) -> Result<Option<String>, rayweave_optics::glass::Glas
         Behind::Mirror => Some("MIRROR 0 0 1.5 40".to_owned()),
         Behind::Index(n) => Some(format!("___BLANK 1 0 {n} 0")),
         Behind::Abbe { n_d, v_d } => Some(format!("___BLANK 1 0 {n_d} {v_d}")),
-        Behind::Glass(name) => behind.medium()?.map(|medium| named(name, &medium)),
+        Behind::Glass(name) => {
+            let name = own_name(name).map_or(name.clone(), |(_, own)| own);
+            behind.medium()?.map(|medium| named(&name, &medium))
+        }
         Behind::Medium(medium) => Some(named("___BLANK", medium)),
     })
+}
+
+/// Maker and name of a glass that is stated with its maker, as a name in a file has no blank.
+fn own_name(name: &str) -> Option<(String, String)> {
+    let found = rayweave_optics::glass::glass(name).ok().filter(|_| name.contains(char::is_whitespace))?;
+    Some((found.maker().to_owned(), found.name().split_whitespace().collect::<Vec<_>>().join("_")))
+}
+
+/// The line of the makers of glasses that are stated with their makers.
+fn makers(lens: &Prescription) -> Option<String> {
+    let mut makers: Vec<String> = Vec::new();
+    for surface in &lens.surfaces {
+        let Behind::Glass(name) = &surface.behind else { continue };
+        let maker = own_name(name).map(|(maker, _)| maker.to_uppercase());
+        makers.extend(maker.filter(|maker| !maker.is_empty() && !makers.contains(maker)));
+    }
+    (!makers.is_empty()).then(|| format!("GCAT {}", makers.join(" ")))
 }
 
 /// Name, index and Abbe number, to six and four digits as in catalogues.
