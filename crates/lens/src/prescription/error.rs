@@ -45,8 +45,8 @@ pub enum PrescriptionError {
     },
     /// Surfaces that intersect inside the aperture: the thickness of the lens or gap is negative there.
     #[error(
-        "surfaces {first} and {second} cross {} from the axis: their clear semi-diameters reach {}. Is the thickness too small or a semi-diameter too large?",
-        round_to_digits(*height, 6), round_to_digits(*reach, 6)
+        "surfaces {first} and {second} cross {} from the axis: their clear semi-diameters reach {}{}",
+        round_to_digits(*height, 6), round_to_digits(*reach, 6), cause(*is_computed)
     )]
     Cross {
         /// The surface in front.
@@ -57,6 +57,8 @@ pub enum PrescriptionError {
         height: f64,
         /// The clear semi-diameter.
         reach: f64,
+        /// True if the semi-diameter of one of them is computed from the rays.
+        is_computed: bool,
     },
     /// A coordinate break inside a lens.
     #[error(
@@ -139,5 +141,15 @@ pub(super) fn positive(what: impl Into<String>, value: f64) -> Result<f64, Presc
     match value > 0.0 && value.is_finite() {
         true => Ok(value),
         false => Err(bad(what, value, "greater than 0 and finite")),
+    }
+}
+
+/// The end of the message about surfaces that cross.
+fn cause(is_computed: bool) -> &'static str {
+    match is_computed {
+        true => {
+            ", which the rays of all fields need, since none is stated. State smaller ones (the semi_diameter of a surface, DIAM in a Zemax file), which vignette, or increase the thickness."
+        }
+        false => ". Is the thickness too small or a semi-diameter too large?",
     }
 }

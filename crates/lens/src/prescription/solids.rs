@@ -48,6 +48,19 @@ impl Prescription {
     /// # Errors
     /// [`PrescriptionError`], with the surfaces at fault, for lenses that cannot be built.
     pub fn assembly(&self) -> Result<PrescriptionLayout, PrescriptionError> {
+        let is_computed = |number: usize| {
+            self.surfaces.get(number - 1).is_some_and(|surface| surface.semi_diameter.is_none())
+        };
+        self.solids().map_err(|error| match error {
+            PrescriptionError::Cross { first, second, height, reach, .. } => {
+                let is_computed = is_computed(first) || is_computed(second);
+                PrescriptionError::Cross { first, second, height, reach, is_computed }
+            }
+            other => other,
+        })
+    }
+
+    fn solids(&self) -> Result<PrescriptionLayout, PrescriptionError> {
         let resolved = self.resolved()?;
         let radii = self.semi_diameters(&resolved)?;
         let mut builder = Builder { lens: self, resolved: &resolved, radii, parts: Vec::new() };
@@ -217,7 +230,8 @@ impl Builder<'_> {
                     let middle = 0.5 * (good + bad);
                     if gap(middle).is_some_and(|gap| gap < 0.0) { bad = middle } else { good = middle }
                 }
-                Err(PrescriptionError::Cross { first: k + 1, second: k + 2, height: bad, reach })
+                let (first, second, is_computed) = (k + 1, k + 2, false);
+                Err(PrescriptionError::Cross { first, second, height: bad, reach, is_computed })
             }
         }
     }
@@ -385,7 +399,8 @@ fn between(low: &Placed, high: &Placed, reach: f64) -> Result<Solid, ComponentEr
 fn prescription_error(problem: ComponentError, k: usize) -> PrescriptionError {
     match problem {
         ComponentError::SurfacesCross { height, reach, .. } => {
-            PrescriptionError::Cross { first: k + 1, second: k + 2, height, reach }
+            let (first, second, is_computed) = (k + 1, k + 2, false);
+            PrescriptionError::Cross { first, second, height, reach, is_computed }
         }
         problem => PrescriptionError::Component { surface: k + 1, problem },
     }

@@ -126,6 +126,12 @@ fn errors_name_the_problem() {
     let crossing = message(biconvex(1.0, 12.5));
     assert!(crossing.starts_with("surfaces 1 and 2 cross 7.05"), "{crossing}");
     assert!(crossing.contains(": their clear semi-diameters reach 12.5."), "{crossing}");
+    // semi-diameters that are computed from the rays
+    let free =
+        Prescription::new(vec![Surface::new(50.0, 1.0, index(1.5)), Surface::new(-50.0, 40.0, Behind::Air)]);
+    let crossing = message(free.entrance_pupil_diameter(20.0));
+    assert!(crossing.starts_with("surfaces 1 and 2 cross 7.05"), "{crossing}");
+    assert!(crossing.contains("since none is stated. State smaller ones"), "{crossing}");
     assert!(message(biconvex(-1.0, 5.0)).starts_with("surfaces 1 and 2 cross 0 from the axis"));
     assert_eq!(
         message(biconvex(5.0, 60.0)),

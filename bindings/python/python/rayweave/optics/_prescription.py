@@ -273,7 +273,9 @@ class FirstOrder:
     not the thickness behind the last surface, which places the image surface. `total_track` is the distance from
     surface 1 to the image surface along the axis, `working_f_number` 1 / (2 n u) with the index and the slope of the
     paraxial marginal ray at the image, `image_height` the distance of the paraxial image of the outermost field from
-    the axis. `print` shows them as a list. `matrix` maps height and
+    the axis. `angular_magnification` is the slope of the chief ray behind the last surface over that in front of the first,
+    between the centres of the pupils; in an afocal system it is that of any collimated light. `print` shows them as a
+    list. `matrix` maps height and
     index times slope from the first surface to the last (E. Hecht, Optics, section 6.2.1). The formulas are those of
     Born & Wolf, Principles of Optics, 7th edition, section 4.4.
 
