@@ -68,7 +68,8 @@ fn plate(state: &mut u64) -> (String, f64) {
         let [x, y, radius] = [0, 1, 2].map(|_| random(state));
         let hole = [30.0 * x - 15.0, 30.0 * y - 15.0, 1.0 + 7.0 * radius];
         let to_side = 20.0 - hole[0].abs().max(hole[1].abs()) - hole[2];
-        let to_other = |other: &[f64; 3]| (hole[0] - other[0]).hypot(hole[1] - other[1]) - hole[2] - other[2];
+        let to_other =
+            |other: &[f64; 3]| libm::hypot(hole[0] - other[0], hole[1] - other[1]) - hole[2] - other[2];
         let least = holes.iter().map(to_other).fold(to_side, f64::min);
         if least > 0.3 {
             holes.push(hole);

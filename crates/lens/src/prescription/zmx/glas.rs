@@ -1,6 +1,6 @@
 //! The medium of a `GLAS` line: a glass of a catalogue, or a model glass of the index in the file.
 
-use super::read::number;
+use super::words::number;
 use crate::prescription::Behind;
 use rayweave_optics::glass::{Glass, glass, glasses};
 

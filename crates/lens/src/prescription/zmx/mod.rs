@@ -30,6 +30,7 @@
 mod glas;
 mod kind;
 mod read;
+mod words;
 mod write;
 
 use rayweave_math::round_to_digits;

@@ -3,6 +3,7 @@
 use super::decimal;
 use super::glas::behind;
 use super::kind::{Parameters, broken, shaped};
+use super::words::number;
 use crate::prescription::{
     Behind, CoordinateBreak, FieldKind, ImageSurface, Prescription, Surface, SystemAperture,
     WeightedWavelength,
@@ -545,14 +546,6 @@ fn field_kind(words: &[&str]) -> Result<FieldKind, String> {
             "fields are of type {}: only 0 to 3 are read (angle, object height, paraxial and real image height).",
             other.unwrap_or("nothing")
         )),
-    }
-}
-
-pub(super) fn number(words: &[&str], place: usize) -> Result<f64, String> {
-    let word = words.get(place).ok_or_else(|| format!("number {} of the line is missing", place + 1))?;
-    match word.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("{word:?} is not a number")),
     }
 }
 
