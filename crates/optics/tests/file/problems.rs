@@ -89,7 +89,7 @@ fn outlines_and_values_that_are_missing() {
 fn problems_are_underlined() {
     let text = "[optics]\n[[optics.source]]\nline = { length = 2, rays = 0 }\n";
     let expected = "\
-error: `rays` is 0: it must be a whole number from 1 to 9007199254740992.
+`rays` is 0: it must be a whole number from 1 to 9007199254740992.
  --> <text>:4:29
   |
 4 | line = { length = 2, rays = 0 }
