@@ -19,7 +19,7 @@ A `Prescription` has the surfaces of a lens from front to back, and analyses its
 >>> round(design.first_order().focal_length, 3)
 49.213
 >>> design.spots().to_pandas().shape
-(2, 10)
+(2, 12)
 
 =========== ========================================================================================================
 elements    `lens`, `cemented`, `parabolic_mirror`, `prism`, `thin_lens`, `grating`, ..., or any solid by `element`
