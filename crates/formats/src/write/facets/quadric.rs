@@ -39,17 +39,15 @@ pub(super) fn body(quadric: &Quadric, clip: &Bounds, tolerance: f64) -> Result<O
 /// The elliptic form of a quadric, if two eigenvalues have the same sign.
 fn elliptic(quadric: &Quadric) -> Option<Elliptic> {
     let weights = quadric.weights.to_array();
-    let (mut origin, mut constant) = (quadric.centre, quadric.constant);
-    let mut linear = quadric.axes.map(|axis| axis.dot(quadric.linear));
-    for k in 0..3 {
-        if weights[k] != 0.0 {
-            origin -= quadric.axes[k] * (linear[k] / (2.0 * weights[k]));
-            constant -= linear[k] * linear[k] / (4.0 * weights[k]);
-            linear[k] = 0.0;
-        }
-    }
     let [i, j, m] =
         [[0, 1, 2], [1, 2, 0], [2, 0, 1]].into_iter().find(|[i, j, _]| weights[*i] * weights[*j] > 0.0)?;
+    let (mut origin, mut constant) = (quadric.centre, quadric.constant);
+    let linear = quadric.axes.map(|axis| axis.dot(quadric.linear));
+    // along the third axis, on which the centre may be very far away, the linear term stays
+    for k in [i, j] {
+        origin -= quadric.axes[k] * (linear[k] / (2.0 * weights[k]));
+        constant -= linear[k] * linear[k] / (4.0 * weights[k]);
+    }
     let sign = weights[i].signum();
     Some(Elliptic {
         origin,
@@ -190,6 +188,24 @@ mod tests {
             let found = body(&cone, &clip, 1e-3).unwrap().unwrap().mesh().unwrap().volume();
             let expected = 2.0 / 3.0 * std::f64::consts::PI;
             assert!((found - expected).abs() < 0.01, "{below}: {found}");
+        }
+    }
+    /// A frustum whose radii differ by next to nothing, with its apex up to 1e13 away.
+    #[test]
+    fn frusta_that_are_nearly_cylinders_have_their_volume() {
+        let clip = Bounds::new(Vec3::splat(-2.0), Vec3::splat(2.0));
+        for slope in [1e-13, -1e-13, 1e-11, 1e-9, 1e-7, 1e-5] {
+            let rows = [
+                [1.0, 0.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0, 0.0],
+                [0.0, 0.0, -slope * slope, -slope],
+                [0.0, 0.0, -slope, -1.0],
+            ];
+            let Some(Surface::Quadric(cone)) = Surface::quadric(&rows) else { panic!("not a quadric") };
+            let found = body(&cone, &clip, 1e-3).unwrap().unwrap().mesh().unwrap().volume();
+            // chords within 1e-3 of the radius take less than 2e-3 of the area
+            let expected = 4.0 * std::f64::consts::PI;
+            assert!(found < expected && found > (1.0 - 2e-3) * expected, "{slope}: {found}");
         }
     }
 }
