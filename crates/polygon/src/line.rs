@@ -255,7 +255,7 @@ impl Line {
             is_near(cross(edge, at), length(edge), self.delta(t, magnitude), 0.0)
         };
         let start = (length(self.origin) + magnitude) / length(self.direction);
-        coincides_between(near, start, 1, from, to)
+        coincides_between(near, start, 1, || f64::NAN, from, to)
     }
 }
 

@@ -12,6 +12,7 @@ use rayweave_rootray::Side;
 use rayweave_shape::primitive::{
     BoxFromCorners, Cylinder, HalfSpace, Primitive, Quadric, ShapeError, Sphere, Torus, Wedge,
 };
+use rayweave_shape::surface::DISTANT;
 use std::sync::Arc;
 
 /// The margin of the bounding box around a prism, relative to the larger side of the outline.
@@ -97,13 +98,8 @@ pub(super) fn within([x, y]: Point, slope: f64, radius: f64) -> Result<Solid, Ou
     Ok((solid(Quadric::new(matrix))? & nappe).translate([x, y, apex]))
 }
 
-/// Distance of the apex of a cone from a solid, relative to its height and to the radius there, beyond which the cone is written
-/// about the solid: the tolerance of a surface grows with the distance of its reference point, to 64 u 2^20 = 7.5e-9 of the
-/// size here.
-const DISTANT: f64 = (1u32 << 20) as f64;
-
 /// The points between two heights with `r < slope z + radius`, where r is the distance from the z axis, if the apex of this cone is
-/// very far away. An edge of an outline that is vertical up to roundings has its apex at a distance of 1e16.
+/// farther away than [`DISTANT`] times the height and the radius there. An edge of an outline that is vertical up to roundings has its apex at a distance of 1e16.
 pub fn near_cylinder(slope: f64, radius: f64, [low, high]: [f64; 2]) -> Result<Option<Solid>, ShapeError> {
     let middle = 0.5 * (low + high);
     let mean = slope * middle + radius;

@@ -74,7 +74,8 @@ impl MeshForm {
             let is_near = |t: f64| normal.dot(ray.at(t) - corner).abs() <= delta(t);
             let lies_in_it = is_near(chord.0) && is_near(chord.1);
             if !lies_in_it && normal.is_finite() {
-                coincident = Some(coincident == Some(true) || coincides_between(is_near, start, 1, a, b));
+                let coincides = || coincides_between(is_near, start, 1, || f64::NAN, a, b);
+                coincident = Some(coincident == Some(true) || coincides());
             }
         });
         coincident

@@ -36,7 +36,7 @@ pub use cylinder::Cylinder;
 pub use mesh::MeshForm;
 pub use object::{Form, Object};
 pub use plane::Plane;
-pub use quadric::Quadric;
+pub use quadric::{DISTANT, Quadric};
 pub use sag::Sag;
 pub use share::{Shared, WideClass, share};
 pub use sphere::Sphere;

@@ -343,9 +343,9 @@ pub(super) fn from_matrix(rows: &[[f64; 4]; 4]) -> Option<Surface> {
     Some(Surface::Quadric(Box::new(at_centre(about_origin))))
 }
 
-/// Distance of a centre or vertex, relative to the size of a quadric, beyond which it is not the reference point. The tolerance of
-/// a surface grows with the distance of that point, to 64 u 2^20 = 7.5e-9 of the size here.
-const DISTANT: f64 = (1u32 << 20) as f64;
+/// Distance of a centre, vertex or apex, relative to the size of a surface, beyond which it is not the reference point. The
+/// tolerance of a surface grows with the distance of that point, to 64 u 2^20 = 7.5e-9 of the size here.
+pub const DISTANT: f64 = (1u32 << 20) as f64;
 
 /// The same quadric about the centre nearest to the old one or, without a centre, about its vertex. The reference point stays
 /// where it is along axes on which the surface is nearly a cylinder: the centre may be at any distance there, as for a frustum
@@ -355,10 +355,10 @@ fn at_centre(quadric: Quadric) -> Quadric {
     let small = NOISE * b.length();
     let far = DISTANT * (quadric.constant.abs().sqrt() + b.length());
     // the centre of an ellipsoid is needed for its box
-    let is_distant = |k: usize, shift: f64| shift.abs() > far && w[k].abs() < 1.0 && quadric.is_ruled();
+    let is_distant = |shift: f64| shift.abs() > far && quadric.is_ruled();
     let shift_of = |k: usize| {
         let shift = if w[k] == 0.0 { 0.0 } else { -0.5 * b[k] / w[k] };
-        if is_distant(k, shift) { None } else { Some(shift) }
+        if is_distant(shift) { None } else { Some(shift) }
     };
     let shifts = [0, 1, 2].map(shift_of);
     let shift = Vec3::from_array(shifts.map(Option::unwrap_or_default));

@@ -71,10 +71,6 @@ pub fn delta_of(lengths: f64) -> f64 {
 
 /// True if the piece of the ray between the times `a` and `b` lies within [`delta`] of the surface, by the tests of
 /// [`coincides_between`]; a surface of many faces has its own test per face.
-///
-/// On a cone or quadric, a test is also made where the gradient is shortest on the piece. Beside a ruling f can be constant while
-/// the gradient turns around at the apex or waist, so that the distance from the surface, about `|f| / |grad f|`, is largest there:
-/// a ray at a distance d from a ruling is within d^2 / x of the surface at a distance x from the apex.
 pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: f64) -> bool {
     if let Some(coincides) = surface.coincident_faces(magnitude, ray, a, b) {
         return coincides;
@@ -84,15 +80,12 @@ pub fn coincides_along(surface: &Surface, magnitude: f64, ray: &Ray, a: f64, b: 
         is_near(value, slope, delta(magnitude, ray, t), bend(surface))
     };
     let start = (ray.origin.length() + magnitude) / ray.direction.length();
-    let near_the_apex = || {
-        let rate = surface.gradient_rate(ray.direction);
-        let middle = 0.5 * (a + b);
-        let shortest =
-            middle - surface.value_and_gradient(ray.at(middle)).1.dot(rate) / rate.length_squared();
+    let shortest = || {
+        let (rate, middle) = (surface.gradient_rate(ray.direction), 0.5 * (a + b));
         // not a number for other surfaces
-        !(a < shortest && shortest < b) || near(shortest)
+        middle - surface.value_and_gradient(ray.at(middle)).1.dot(rate) / rate.length_squared()
     };
-    coincides_between(near, start, surface.degree(), a, b) && near_the_apex()
+    coincides_between(near, start, surface.degree(), shortest, a, b)
 }
 
 /// True if a point with this value of f and length of the gradient is within `delta` of the surface:
@@ -111,7 +104,19 @@ pub fn is_near(value: f64, gradient_length: f64, delta: f64, bend: f64) -> bool 
 /// therefore also tested where `delta` is smallest: at the time `c` of the piece closest to 0, and `start` before and after
 /// it. Without these tests, distant faces would be welded if the ray, parallel to them up to rounding, crosses them at times
 /// of 1e16.
-pub fn coincides_between(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: f64, b: f64) -> bool {
+///
+/// On a cone or quadric, it is also tested at the time `shortest` where the gradient is shortest, if that is on the piece; NaN for
+/// other surfaces. Beside a ruling f can be constant while the gradient turns around at the apex or waist, so that the distance from
+/// the surface, about `|f| / |grad f|`, is largest there: a line at a distance d from a ruling is within d^2 / x of the surface at a
+/// distance x from the apex.
+pub fn coincides_between(
+    near: impl Fn(f64) -> bool,
+    start: f64,
+    degree: u8,
+    shortest: impl FnOnce() -> f64,
+    a: f64,
+    b: f64,
+) -> bool {
     let middle = 0.5 * (a + b);
     let near_the_start = || {
         let c = 0.0f64.clamp(a, b);
@@ -123,6 +128,10 @@ pub fn coincides_between(near: impl Fn(f64) -> bool, start: f64, degree: u8, a: 
         && near_the_start()
         && (degree < 4 || (near(0.5 * (a + middle)) && near(0.5 * (middle + b))))
         && (degree < 5 || (1..degree).all(|k| near(a + (b - a) * (f64::from(k) / f64::from(degree)))))
+        && {
+            let time = shortest();
+            !(a < time && time < b) || near(time)
+        }
 }
 
 /// True only if no piece of the ray from `a` to a time between `from` and `to` lies within `delta` of the

@@ -115,15 +115,13 @@ impl<const D: usize> Surface<D> {
             let (value, gradient) = self.value_and_gradient(&line.position(t));
             is_near(value, length(&gradient), delta_of(from + t.abs() * speed + magnitude), self.bend())
         };
-        // where the gradient is shortest, as `rayweave_shape::surface::coincides_along` explains
-        let near_the_apex = || {
+        let shortest = || {
             let [first, last] = [a, b].map(|t| self.value_and_gradient(&line.position(t)).1);
             let change = minus(&last, &first);
-            let shortest = -dot(&first, &change) / dot(&change, &change);
             // not a number for planes
-            !(0.0 < shortest && shortest < 1.0) || near(a + shortest * (b - a))
+            a - dot(&first, &change) / dot(&change, &change) * (b - a)
         };
-        coincides_between(near, (from + magnitude) / speed, self.degree(), a, b) && near_the_apex()
+        coincides_between(near, (from + magnitude) / speed, self.degree(), shortest, a, b)
     }
 }
 
