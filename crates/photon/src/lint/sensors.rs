@@ -67,8 +67,7 @@ impl Lint<'_> {
         (volume, number): (&str, usize),
         skins: &HashMap<&str, (&str, &str)>,
     ) -> Vec<Message> {
-        let regions = &self.optics.volumes.regions;
-        let own: HashSet<u32> = regions.get(volume).into_iter().flatten().copied().collect();
+        let (regions, own) = (&self.optics.volumes.regions, self.regions_of(volume));
         let surface_of = |front: &str| {
             let (skin, paint) = *skins.get(front)?;
             let paint = self.optics.surfaces.iter().position(|surface| surface.name == paint)?;
@@ -76,9 +75,8 @@ impl Lint<'_> {
         };
         let is_covered = |front: &[u32], paint: usize| {
             self.contacts.iter().any(|((before, after), surfaces)| {
-                let is_clear = || self.medium(*before).is_some_and(|medium| self.has_index(medium));
                 let only = surfaces.len() == 1 && surfaces.contains(&Some(paint));
-                front.contains(before) && own.contains(after) && only && is_clear()
+                front.contains(before) && own.contains(after) && only && self.is_clear(*before)
             })
         };
         let mut fronts: Vec<(&str, &str)> = regions
@@ -117,14 +115,23 @@ impl Lint<'_> {
         }
     }
 
+    /// The numbers of the regions of a volume.
+    fn regions_of(&self, volume: &str) -> HashSet<u32> {
+        self.optics.volumes.regions.get(volume).into_iter().flatten().copied().collect()
+    }
+
+    /// True if the medium of a region has an index, so that light can come from it.
+    pub(super) fn is_clear(&self, region: u32) -> bool {
+        self.medium(region).is_some_and(|medium| self.has_index(medium))
+    }
+
     /// The volumes from which light reaches a volume whose skin has a number, if the skin acts at no contact that lines have found.
     fn volumes_in_front(&self, volume: &str, skin: usize) -> BTreeSet<String> {
-        let own: HashSet<u32> =
-            self.optics.volumes.regions.get(volume).into_iter().flatten().copied().collect();
-        let is_clear = |region: u32| self.medium(region).is_some_and(|medium| self.has_index(medium));
+        let own = self.regions_of(volume);
         // no light comes from an opaque volume
-        let is_lit =
-            |(before, after): &(u32, u32)| (own.contains(before) || own.contains(after)) && is_clear(*before);
+        let is_lit = |(before, after): &(u32, u32)| {
+            (own.contains(before) || own.contains(after)) && self.is_clear(*before)
+        };
         let contacts = || self.contacts.iter().filter(|(pair, _)| is_lit(pair));
         if contacts().any(|(_, surfaces)| surfaces.contains(&Some(skin))) {
             return BTreeSet::new();

@@ -107,8 +107,7 @@ impl Lint<'_> {
             };
             // no light returns from an opaque volume
             let regions = volume(second).and_then(|volume| self.optics.volumes.regions.get(volume));
-            let is_clear = |region: &u32| self.medium(*region).is_some_and(|medium| self.has_index(medium));
-            if !regions.into_iter().flatten().any(is_clear) {
+            if !regions.into_iter().flatten().any(|region| self.is_clear(*region)) {
                 continue;
             }
             let skin = [first, second].into_iter().filter_map(volume).find_map(|volume| {

@@ -3,6 +3,7 @@
 use super::words::number;
 use crate::prescription::Behind;
 use rayweave_optics::glass::{Glass, glass, glasses};
+use std::collections::BTreeSet;
 
 /// Index and Abbe number that programs write as placeholders.
 const DUMMY: [f64; 2] = [1.5, 40.0];
@@ -30,15 +31,17 @@ pub(super) fn behind(words: &[&str], makers: &[String]) -> Result<(Behind, Optio
         Ok(plain) => plain,
         Err(problem) => return substitute(name, &problem.to_string(), stated),
     };
-    let found = candidates(name, makers, &plain);
+    let known = known_makers();
+    let makers: Vec<Option<&str>> = makers.iter().map(|entry| catalogue(entry, &known)).collect();
+    let found = candidates(name, &makers, &known, &plain);
     let first = found.first().unwrap_or(&plain);
-    let Some([n_d, v_d]) = stated else { return Ok((named(name, first), others(first, makers))) };
+    let Some([n_d, v_d]) = stated else { return Ok((named(name, first), others(first, &makers))) };
     let is_same = |glass: &Glass| glass.index(D_NM).is_ok_and(|own| (own - n_d).abs() <= INDEX_TOLERANCE);
     if let Some(same) = found.iter().find(|glass| is_same(glass)) {
         return Ok((named(name, same), None));
     }
     // materials for the infrared have no index at the d line: that in the file is of another wavelength
-    let Ok(own) = first.index(D_NM) else { return Ok((named(name, first), others(first, makers))) };
+    let Ok(own) = first.index(D_NM) else { return Ok((named(name, first), others(first, &makers))) };
     let note = format!(
         "the index of {name} is {n_d} here and {own:.6} in the catalogue ({}); a model glass of index {n_d} and Abbe number {v_d} is used",
         maker(first)
@@ -47,21 +50,17 @@ pub(super) fn behind(words: &[&str], makers: &[String]) -> Result<(Behind, Optio
 }
 
 /// The glasses of a name: those of the makers in their order, that of the highest precedence, and the others.
-fn candidates(name: &str, makers: &[String], plain: &Glass) -> Vec<Glass> {
-    let known = known_makers();
+fn candidates(name: &str, makers: &[Option<&str>], known: &[&str], plain: &Glass) -> Vec<Glass> {
     let of = |maker: &str| glass(&format!("{maker} {name}")).ok();
-    let stated = makers.iter().filter_map(|entry| catalogue(entry, &known)).filter_map(of);
+    let stated = makers.iter().flatten().filter_map(|maker| of(maker));
     stated.chain([plain.clone()]).chain(known.iter().filter_map(|maker| of(maker))).collect()
 }
 
 /// The makers of the built-in catalogue.
 fn known_makers() -> Vec<&'static str> {
-    let mut makers: Vec<&str> =
+    let makers: BTreeSet<&str> =
         glasses().iter().map(Glass::maker).filter(|maker| !maker.is_empty()).collect();
-    makers.dedup();
-    makers.sort_unstable();
-    makers.dedup();
-    makers
+    makers.into_iter().collect()
 }
 
 /// The maker of a catalogue that a file names, such as `SCHOTT` or `SCHOTT_2012`.
@@ -82,9 +81,8 @@ fn maker(found: &Glass) -> &str {
 }
 
 /// A note that a glass is not of a maker that the file names, unless one of its catalogues is not known.
-fn others(found: &Glass, makers: &[String]) -> Option<String> {
-    let known = known_makers();
-    let stated: Option<Vec<&str>> = makers.iter().map(|entry| catalogue(entry, &known)).collect();
+fn others(found: &Glass, makers: &[Option<&str>]) -> Option<String> {
+    let stated: Option<Vec<&str>> = makers.iter().copied().collect();
     let stated = stated.filter(|stated| !stated.is_empty() && !stated.contains(&found.maker()))?;
     let text = format!("{} of {} is used: {} has none", found.name(), maker(found), stated.join(", "));
     (!found.maker().is_empty()).then_some(text)
